@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Interface target cas_options: warnings and sanitizers that each target of the project links privately.
+add_library(cas_options INTERFACE)
+target_include_directories(cas_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(cas_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+if(CAS_WERROR)
+  target_compile_options(cas_options INTERFACE -Werror)
+endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CAS_SANITIZE)
+  # GCC 12 reports values that only the instrumentation fails to follow.
+  target_compile_options(cas_options INTERFACE -Wno-maybe-uninitialized)
+endif()
+
+if(CAS_SANITIZE STREQUAL "address")
+  set(_cas_sanitize -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+elseif(CAS_SANITIZE STREQUAL "thread")
+  # Asio's fenced blocks use atomic fences, which ThreadSanitizer does not model.
+  set(_cas_sanitize -fsanitize=thread -fno-omit-frame-pointer)
+  target_compile_definitions(cas_options INTERFACE BOOST_ASIO_DISABLE_FENCED_BLOCK)
+elseif(CAS_SANITIZE)
+  message(FATAL_ERROR "CAS_SANITIZE is '${CAS_SANITIZE}'; it takes address or thread")
+endif()
+if(CAS_SANITIZE)
+  target_compile_options(cas_options INTERFACE ${_cas_sanitize})
+  target_link_options(cas_options INTERFACE ${_cas_sanitize})
+endif()
+
+# Asio: no deprecated interfaces.
+add_library(cas_asio INTERFACE)
+target_link_libraries(cas_asio INTERFACE Boost::headers Threads::Threads)
+target_compile_definitions(cas_asio INTERFACE BOOST_ASIO_NO_DEPRECATED)
