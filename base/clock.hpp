@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "base/export.hpp"
+
+namespace cas::base {
+
+using Duration = std::chrono::nanoseconds;
+
+/// Simulated time since the start of a run. It has no `now()`: it arrives as an argument.
+struct SimClock {
+  using duration = Duration;
+  using rep = duration::rep;
+  using period = duration::period;
+  using time_point = std::chrono::time_point<SimClock>;
+  static constexpr bool is_steady = true;
+};
+using SimTime = SimClock::time_point;
+
+/// Time of the program that decides: the steady clock in real time, the stream's time in lockstep,
+/// the virtual clock in a direct run. It has no `now()` either; a shell reads `steady_now()` and
+/// passes it on.
+struct RunClock {
+  using duration = Duration;
+  using rep = duration::rep;
+  using period = duration::period;
+  using time_point = std::chrono::time_point<RunClock>;
+  static constexpr bool is_steady = true;
+};
+using RunTime = RunClock::time_point;
+
+/// CLOCK_MONOTONIC as a RunTime. For shells (sockets, PTYs, pacers) only.
+CAS_BASE_EXPORT RunTime steady_now();
+
+/// Seconds as a double, for formulas and reports.
+constexpr double to_seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
+template <class Clock>
+constexpr double to_seconds(std::chrono::time_point<Clock, Duration> t) {
+  return to_seconds(t.time_since_epoch());
+}
+
+/// Nearest nanosecond to a number of seconds.
+constexpr Duration from_seconds(double seconds) {
+  return Duration(static_cast<Duration::rep>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)));
+}
+
+/// The wire's microseconds (HIL_SENSOR.time_usec and its echo).
+constexpr std::uint64_t to_time_usec(SimTime t) {
+  return static_cast<std::uint64_t>(t.time_since_epoch().count() / 1000);
+}
+constexpr SimTime from_time_usec(std::uint64_t usec) {
+  return SimTime(Duration(static_cast<Duration::rep>(usec) * 1000));
+}
+
+}  // namespace cas::base

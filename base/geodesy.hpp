@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "base/export.hpp"
+
+namespace cas::base {
+
+/// A place on Earth: degrees, metres above mean sea level.
+struct Geodetic {
+  double lat_deg = 0;
+  double lon_deg = 0;
+  double alt_m = 0;
+};
+
+enum class EarthModel { kSphere, kWgs84 };
+
+/// Maps local north-east-down positions (m) about a home to latitude and longitude, and back.
+///
+/// kSphere is the great-circle projection of [HILS] Eq. (5) with atan2 (radius 6 371 000 m), which
+/// is also the projection PX4 uses; kWgs84 is the ellipsoid's tangent plane through ECEF.
+class CAS_BASE_EXPORT LocalProjection {
+ public:
+  LocalProjection() = default;
+  LocalProjection(const Geodetic& home, EarthModel model = EarthModel::kSphere);
+
+  Geodetic to_geodetic(const Eigen::Vector3d& p_N) const;
+  Eigen::Vector3d to_local(const Geodetic& place) const;
+  const Geodetic& home() const { return home_; }
+
+ private:
+  Geodetic home_;
+  EarthModel model_ = EarthModel::kSphere;
+};
+
+}  // namespace cas::base

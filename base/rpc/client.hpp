@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "base/clock.hpp"
+#include "base/export.hpp"
+#include "base/rpc/message.hpp"
+
+namespace cas::base::rpc {
+
+/// The server answered with an error object.
+class CAS_BASE_EXPORT CallError : public std::runtime_error {
+ public:
+  CallError(int code, const std::string& message, std::string data_json);
+  int code() const { return code_; }
+  const std::string& data_json() const { return data_json_; }
+
+ private:
+  int code_;
+  std::string data_json_;
+};
+
+/// No connection, connection lost, or no answer in time.
+class CAS_BASE_EXPORT ConnectionError : public std::runtime_error {
+ public:
+  ConnectionError(const std::string& message, bool timeout)
+      : std::runtime_error(message), timeout_(timeout) {}
+  bool timeout() const { return timeout_; }
+
+ private:
+  bool timeout_;
+};
+
+/// A blocking client for programs that do one thing at a time (casctl, hils, tests).
+class CAS_BASE_EXPORT Client {
+ public:
+  /// "HOST:PORT" or "unix:PATH". @throws ConnectionError
+  explicit Client(const std::string& address, Duration connect_timeout = std::chrono::seconds(2));
+  ~Client();
+  Client(Client&&) noexcept;
+  Client& operator=(Client&&) noexcept;
+
+  /// @throws CallError, ConnectionError
+  Json call(const std::string& method, const Json& params,
+            Duration timeout = std::chrono::seconds(10));
+  /// Waits for the next notification. @return false when none came in time
+  bool next_notification(std::string& method, Json& params, Duration timeout);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cas::base::rpc

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "base/export.hpp"
+#include "base/rpc/message.hpp"
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace cas::base::rpc {
+
+struct ServerLimits {
+  std::size_t max_line_bytes = 64 * 1024;
+  std::size_t max_clients = 64;
+  std::size_t max_queued_replies = 256;  ///< a client that never reads is closed
+};
+
+/// JSON-RPC 2.0 lines over TCP and Unix sockets; batches and notifications included. Everything
+/// runs on the thread that runs `io`.
+class CAS_BASE_EXPORT Server {
+ public:
+  explicit Server(boost::asio::io_context& io, ServerLimits limits = {});
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  void add_method(const std::string& name, Method method);
+  /// Sends {"method": name, "params": params} to each client that subscribed to `topic`.
+  void publish(const std::string& topic, const Json& params);
+  /// Methods `subscribe` {"topic": ...} and `unsubscribe` are answered by the server for these
+  /// topics.
+  void add_topic(const std::string& topic);
+
+  /// Starts to listen; port 0 takes a free one. @return the bound port @throws ConfigError
+  std::uint16_t listen_tcp(const std::string& address, std::uint16_t port);
+  /// Mode 0600; a stale socket file is replaced. @throws ConfigError
+  void listen_unix(const std::filesystem::path& path);
+  void close();
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace cas::base::rpc
