@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "base/clock.hpp"
+#include "base/geodesy.hpp"
+#include "base/vehicle.hpp"
+
+/// What travels on the topic bus. Each type declares its name and version: a topic is refused when
+/// publisher and subscriber were built against different declarations.
+namespace cas::sim {
+
+/// Sets the rotors. Exactly one of the two forms, told by `kind`.
+struct MotorCommand {
+  static constexpr std::string_view kTypeName = "cas.MotorCommand";
+  static constexpr unsigned kTypeVersion = 1;
+  enum class Kind : std::uint8_t {
+    kControlInputs,  ///< values = U1 (N), U2, U3, U4 (N m) in the axes of D, [HILS] Eq. (3)
+    kMotorOutputs,   ///< values = outputs of rotors 1..4, 0..1
+  };
+  base::SimTime
+      sensor_time;  ///< time of the HIL_SENSOR it was computed from, as far as the sender says
+  Kind kind = Kind::kControlInputs;
+  bool armed = false;
+  Eigen::Vector4d values = Eigen::Vector4d::Zero();
+};
+
+/// Rotor speeds after the step, rad/s, non-negative; rotors 1..4 at 0..3.
+struct RotorSpeeds {
+  static constexpr std::string_view kTypeName = "cas.RotorSpeeds";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  Eigen::Vector4d omega_rad_s = Eigen::Vector4d::Zero();
+};
+
+/// Specific force and angular rate at the sensor, in B.
+struct ImuSample {
+  static constexpr std::string_view kTypeName = "cas.ImuSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  Eigen::Vector3d specific_force_B = Eigen::Vector3d::Zero();  ///< m/s^2
+  Eigen::Vector3d angular_rate_B = Eigen::Vector3d::Zero();    ///< rad/s
+  Eigen::Quaterniond q_WB =
+      Eigen::Quaterniond::Identity();  ///< the orientation that [HILS] Sect. 3.1 names
+};
+
+struct GpsSample {
+  static constexpr std::string_view kTypeName = "cas.GpsSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;         ///< of measurement, before the receiver's delay
+  std::uint8_t fix_type = 3;  ///< GPS_FIX_TYPE
+  std::uint8_t satellites = 10;
+  base::Geodetic position;
+  Eigen::Vector3d velocity_N = Eigen::Vector3d::Zero();  ///< north, east, down, m/s
+  double eph_m = 0;                                      ///< horizontal 1-sigma
+  double epv_m = 0;                                      ///< vertical 1-sigma
+};
+
+struct MagnetometerSample {
+  static constexpr std::string_view kTypeName = "cas.MagnetometerSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  Eigen::Vector3d field_B_gauss = Eigen::Vector3d::Zero();
+};
+
+struct BarometerSample {
+  static constexpr std::string_view kTypeName = "cas.BarometerSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  double pressure_pa = 0;
+  double temperature_degc = 0;
+};
+
+struct RangeSample {
+  static constexpr std::string_view kTypeName = "cas.RangeSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  double distance_m = 0;
+  bool valid = false;
+};
+
+/// One packet as it stands on the wire, for interfaces that hand packets over inside the process.
+struct WirePacket {
+  static constexpr std::string_view kTypeName = "cas.WirePacket";
+  static constexpr unsigned kTypeVersion = 1;
+  std::array<std::uint8_t, 280> bytes{};
+  std::size_t size = 0;
+};
+
+}  // namespace cas::sim

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+#include "base/vehicle.hpp"
+#include "libsim/api/topic_bus.hpp"
+#include "libsim/api/world.hpp"
+
+namespace cas::sim {
+
+/// One step of the simulation.
+struct StepInfo {
+  base::SimTime time;  ///< pre_step: start of the step; post_step: its end
+  base::Duration dt{};
+  std::uint64_t index = 0;
+};
+
+/// Lets a plugin hold the clock in lockstep: the runner waits for it before each step.
+class LockstepPeer {
+ public:
+  virtual ~LockstepPeer() = default;
+  /// Blocks until every control that is due for sensors sent up to `time` has arrived.
+  /// @return false on timeout or when interrupted: the runner then steps on and counts it
+  virtual bool wait_for_controls(base::SimTime time, base::Duration timeout) = 0;
+};
+
+/// What a plugin is given in `configure`; valid during that call only, apart from what it returns
+/// by value.
+class PluginContext {
+ public:
+  virtual ~PluginContext() = default;
+  virtual TopicBus& bus() = 0;
+  /// Full name of a vehicle's topic: "imu" -> "iris0/imu".
+  virtual std::string topic(const std::string& name) const = 0;
+  virtual VehicleId vehicle_id() const = 0;
+  virtual const base::Vehicle& vehicle() const = 0;
+  virtual std::string vehicle_name() const = 0;
+  /// Derived from the world's seed, the vehicle's name and the plugin's name.
+  virtual std::uint64_t seed() const = 0;
+  virtual base::Duration step() const = 0;
+  virtual const base::LocalProjection& projection() const = 0;
+  virtual double decimal_year() const = 0;
+  /// Folder for the files of this run.
+  virtual std::filesystem::path output_dir() const = 0;
+  /// Adds a force to the vehicle for the life of the plugin, which owns the model.
+  virtual void add_force_model(ForceModel& model) = 0;
+  virtual void set_lockstep_peer(LockstepPeer& peer) = 0;
+};
+
+/// A part of the simulation that lives in a shared library.
+///
+/// create -> configure -> bus frozen -> (pre_step -> physics -> post_step)* -> destroy. All on one
+/// thread.
+class Plugin {
+ public:
+  virtual ~Plugin() = default;
+  /// Reads parameters (throw through `params.fail()`), wires topics, registers forces.
+  virtual void configure(PluginContext& context, const base::ConfigNode& params) = 0;
+  virtual void pre_step(const StepInfo&, World&) {}
+  virtual void post_step(const StepInfo&, const World&) {}
+  /// Back to time zero with the same seed.
+  virtual void reset() = 0;
+  /// The run has ended in good order: write what is to be written.
+  virtual void finish() {}
+};
+
+/// What the entry point of a plugin library returns. Plain data, so that any build can read it.
+struct PluginDescriptor {
+  std::size_t struct_size;
+  const char* name;
+  const char* abi_tag;
+  Plugin* (*create)();
+  void (*destroy)(Plugin*);
+};
+
+/// Compiler, C++ ABI, Eigen alignment, sanitizer and CAS version that must agree between host and
+/// plugin.
+#define CAS_STRINGIZE_(x) #x
+#define CAS_STRINGIZE(x) CAS_STRINGIZE_(x)
+#if defined(__clang__)
+#define CAS_ABI_COMPILER "clang" CAS_STRINGIZE(__clang_major__)
+#else
+#define CAS_ABI_COMPILER "gcc" CAS_STRINGIZE(__GNUC__)
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+#define CAS_ABI_SANITIZER "address"
+#elif defined(__SANITIZE_THREAD__)
+#define CAS_ABI_SANITIZER "thread"
+#else
+#define CAS_ABI_SANITIZER "none"
+#endif
+#define CAS_ABI_VERSION "0.1"
+#define CAS_ABI_TAG                                                                            \
+  CAS_ABI_COMPILER ";cxx11abi=" CAS_STRINGIZE(_GLIBCXX_USE_CXX11_ABI) ";eigen=" CAS_STRINGIZE( \
+      EIGEN_MAX_ALIGN_BYTES) ";sanitizer=" CAS_ABI_SANITIZER ";cas=" CAS_ABI_VERSION
+
+}  // namespace cas::sim
+
+/// Makes `Type` the plugin of this library. The one symbol that a plugin exports is cas_plugin_v1.
+#define CAS_PLUGIN(Type, plugin_name)                                                   \
+  extern "C" __attribute__((visibility("default"))) const ::cas::sim::PluginDescriptor* \
+  cas_plugin_v1() {                                                                     \
+    static const ::cas::sim::PluginDescriptor descriptor{                               \
+        sizeof(::cas::sim::PluginDescriptor), plugin_name, CAS_ABI_TAG,                 \
+        []() -> ::cas::sim::Plugin* { return new Type(); },                             \
+        [](::cas::sim::Plugin* plugin) { delete plugin; }};                             \
+    return &descriptor;                                                                 \
+  }

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+
+namespace cas::sim {
+
+namespace detail {
+
+/// One topic: its declared type and its subscribers in the order in which they came.
+struct Topic {
+  std::string name;
+  std::string type;
+  unsigned version = 0;
+  bool advertised = false;
+  std::vector<std::pair<std::uint64_t, std::function<void(const void*)>>> subscribers;
+  std::uint64_t next_id = 0;
+};
+
+}  // namespace detail
+
+/// Publishes on one topic: a direct call of each subscriber, on the simulation thread.
+template <class T>
+class Publisher {
+ public:
+  Publisher() = default;
+  explicit Publisher(std::shared_ptr<detail::Topic> topic) : topic_(std::move(topic)) {}
+
+  void publish(const T& value) const {
+    for (const auto& [id, deliver] : topic_->subscribers) deliver(&value);
+  }
+  bool has_subscribers() const { return topic_ && !topic_->subscribers.empty(); }
+
+ private:
+  std::shared_ptr<detail::Topic> topic_;
+};
+
+/// Keeps a subscription alive; ends it when destroyed.
+class Subscription {
+ public:
+  Subscription() = default;
+  Subscription(std::shared_ptr<detail::Topic> topic, std::uint64_t id)
+      : topic_(std::move(topic)), id_(id) {}
+  Subscription(Subscription&&) noexcept = default;
+  Subscription& operator=(Subscription&& other) noexcept {
+    std::swap(topic_, other.topic_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~Subscription() {
+    if (topic_)
+      std::erase_if(topic_->subscribers, [this](const auto& s) { return s.first == id_; });
+  }
+
+ private:
+  std::shared_ptr<detail::Topic> topic_;
+  std::uint64_t id_ = 0;
+};
+
+/// Publish and subscribe between plugins ([HILS] Fig. 6). Wiring is legal until `freeze()`;
+/// delivery is a direct call in subscription order: deterministic, without lock or copy. One
+/// thread.
+class TopicBus {
+ public:
+  /// @throws base::ConfigError when the topic has a publisher, another type, or the bus is frozen
+  template <class T>
+  [[nodiscard]] Publisher<T> advertise(const std::string& name) {
+    auto topic = find_or_add(name, T::kTypeName, T::kTypeVersion);
+    if (topic->advertised) throw base::ConfigError("topic '" + name + "' has two publishers");
+    topic->advertised = true;
+    return Publisher<T>(std::move(topic));
+  }
+
+  /// `on_message(const T&)` runs inside publish(). @throws base::ConfigError as advertise()
+  template <class T>
+  [[nodiscard]] Subscription subscribe(const std::string& name,
+                                       std::function<void(const T&)> on_message) {
+    auto topic = find_or_add(name, T::kTypeName, T::kTypeVersion);
+    const std::uint64_t id = topic->next_id++;
+    topic->subscribers.emplace_back(id, [callback = std::move(on_message)](const void* value) {
+      callback(*static_cast<const T*>(value));
+    });
+    return Subscription(std::move(topic), id);
+  }
+
+  void freeze() { frozen_ = true; }
+
+  /// Topics that somebody subscribes to and nobody publishes: worth a warning.
+  std::vector<std::string> unpublished() const {
+    std::vector<std::string> names;
+    for (const auto& [name, topic] : topics_) {
+      if (!topic->advertised && !topic->subscribers.empty()) names.push_back(name);
+    }
+    return names;
+  }
+
+ private:
+  std::shared_ptr<detail::Topic> find_or_add(const std::string& name, std::string_view type,
+                                             unsigned version) {
+    if (frozen_) throw base::ConfigError("topic '" + name + "' is wired after configure");
+    auto& topic = topics_[name];
+    if (!topic) {
+      topic = std::make_shared<detail::Topic>();
+      topic->name = name;
+      topic->type = type;
+      topic->version = version;
+    }
+    if (topic->type != type || topic->version != version) {
+      throw base::ConfigError("topic '" + name + "' carries " + topic->type + " version " +
+                              std::to_string(topic->version) + ", not " + std::string(type) +
+                              " version " + std::to_string(version));
+    }
+    return topic;
+  }
+
+  std::map<std::string, std::shared_ptr<detail::Topic>> topics_;
+  bool frozen_ = false;
+};
+
+}  // namespace cas::sim
