@@ -70,6 +70,8 @@ class Plugin {
   virtual void reset() = 0;
   /// The run has ended in good order: write what is to be written.
   virtual void finish() {}
+  /// Figures for `--stats` and `sim.stats`: one JSON object as text, or nothing.
+  virtual std::string stats_json() const { return {}; }
 };
 
 /// What the entry point of a plugin library returns. Plain data, so that any build can read it.

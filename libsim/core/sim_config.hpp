@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+#include "base/geodesy.hpp"
+#include "base/thread.hpp"
+#include "base/vehicle.hpp"
+#include "libsim/core/export.hpp"
+
+namespace cas::sim {
+
+/// What the simulation waits for before a step.
+enum class PaceMode {
+  kRealtime,  ///< the wall clock
+  kLockstep,  ///< the controls that are due
+  kFreeRun,   ///< nothing
+};
+
+/// Who integrates free flight.
+enum class Integrator {
+  kRk4,  ///< ours, fourth order; ODE only while in contact
+  kOde,  ///< ODE's first-order stepper throughout, for comparison
+};
+
+struct PaceConfig {
+  PaceMode mode = PaceMode::kRealtime;
+  double speed = 1.0;           ///< simulated seconds per second of wall clock, realtime only
+  double catch_up_rate = 1.25;  ///< fastest pace, as a multiple of `speed`, after a late step
+  base::Duration max_lag = std::chrono::milliseconds(250);  ///< lag beyond this is given up
+  base::Duration lockstep_timeout = std::chrono::seconds(1);
+  base::ThreadOptions thread;  ///< of the simulation thread
+  bool lock_memory = false;
+};
+
+struct WorldConfig {
+  std::optional<std::filesystem::path> sdf;       ///< replaces the keys below
+  std::vector<std::filesystem::path> model_path;  ///< where model:// URIs are looked up
+  double gravity_m_s2 = 0;
+  bool ground = true;  ///< a horizontal plane at z = 0
+};
+
+/// Where a vehicle starts, in W: its lowest point stands z_m above z = 0.
+struct StartPose {
+  double x_m = 0;
+  double y_m = 0;
+  double z_m = 0;
+  double yaw_deg = 0;  ///< of the nose, counter-clockwise from east
+};
+
+struct PluginConfig {
+  std::string plugin;  ///< bare library name
+  base::ConfigNode params =
+      base::ConfigNode::empty();  ///< merged over sensors.<plugin> of the vehicle file
+};
+
+struct VehicleConfig {
+  std::string name;
+  base::Vehicle vehicle;
+  StartPose pose;
+  std::vector<PluginConfig> plugins;
+};
+
+/// Everything that makes one run what it is, read from a hilsim configuration file.
+struct CAS_SIM_EXPORT SimConfig {
+  static constexpr int kSchema = 1;
+
+  WorldConfig world;
+  std::optional<base::Geodetic> home;  ///< empty: the SDF world's spherical coordinates
+  double decimal_year = 0;
+  std::optional<base::Duration> step;  ///< empty: the SDF world's, else 1 ms
+  PaceConfig pace;
+  std::uint64_t seed = 1;
+  Integrator integrator = Integrator::kRk4;
+  std::vector<VehicleConfig> vehicles;
+
+  /// @throws base::ConfigError with file, line and key path
+  static SimConfig load(const std::filesystem::path& file);
+  static SimConfig parse(const base::ConfigNode& root);
+};
+
+/// What is not part of the world: set by flags.
+struct SimOptions {
+  std::filesystem::path output_dir = ".";
+  std::vector<std::filesystem::path>
+      plugin_dirs;  ///< searched before CAS_PLUGIN_PATH and the install folder
+};
+
+}  // namespace cas::sim
