@@ -23,6 +23,11 @@ struct Topic {
   bool advertised = false;
   std::vector<std::pair<std::uint64_t, std::function<void(const void*)>>> subscribers;
   std::uint64_t next_id = 0;
+  std::function<void(const void*)> interceptor;  ///< takes what is published, when there is one
+
+  void deliver(const void* value) const {
+    for (const auto& [id, on_message] : subscribers) on_message(value);
+  }
 };
 
 }  // namespace detail
@@ -35,9 +40,32 @@ class Publisher {
   explicit Publisher(std::shared_ptr<detail::Topic> topic) : topic_(std::move(topic)) {}
 
   void publish(const T& value) const {
-    for (const auto& [id, deliver] : topic_->subscribers) deliver(&value);
+    if (topic_->interceptor) return topic_->interceptor(&value);
+    topic_->deliver(&value);
   }
   bool has_subscribers() const { return topic_ && !topic_->subscribers.empty(); }
+
+ private:
+  std::shared_ptr<detail::Topic> topic_;
+};
+
+/// Stands between the publisher of one topic and its subscribers (faults, recorded data): what is
+/// published reaches nobody but the interceptor, which delivers what it wants, when it wants.
+template <class T>
+class Interceptor {
+ public:
+  Interceptor() = default;
+  explicit Interceptor(std::shared_ptr<detail::Topic> topic) : topic_(std::move(topic)) {}
+  Interceptor(Interceptor&&) noexcept = default;
+  Interceptor& operator=(Interceptor&& other) noexcept {
+    std::swap(topic_, other.topic_);
+    return *this;
+  }
+  ~Interceptor() {
+    if (topic_) topic_->interceptor = nullptr;
+  }
+
+  void deliver(const T& value) const { topic_->deliver(&value); }
 
  private:
   std::shared_ptr<detail::Topic> topic_;
@@ -89,6 +117,19 @@ class TopicBus {
       callback(*static_cast<const T*>(value));
     });
     return Subscription(std::move(topic), id);
+  }
+
+  /// `on_publish(const T&)` runs inside publish() in place of the subscribers.
+  /// @throws base::ConfigError when the topic has an interceptor, and as advertise()
+  template <class T>
+  [[nodiscard]] Interceptor<T> intercept(const std::string& name,
+                                         std::function<void(const T&)> on_publish) {
+    auto topic = find_or_add(name, T::kTypeName, T::kTypeVersion);
+    if (topic->interceptor) throw base::ConfigError("topic '" + name + "' is intercepted twice");
+    topic->interceptor = [callback = std::move(on_publish)](const void* value) {
+      callback(*static_cast<const T*>(value));
+    };
+    return Interceptor<T>(std::move(topic));
   }
 
   void freeze() { frozen_ = true; }
