@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/clock.hpp"
+#include "base/histogram.hpp"
+#include "fcu/fcu_config.hpp"
+#include "fcu/flight_mode.hpp"
+
+namespace cas::mav {
+struct PacketView;
+}
+
+namespace cas::fcu {
+
+enum class LandedState : std::uint8_t { kOnGround, kTakingOff, kInAir, kLanding };
+
+/// What the controller believes and wants at its last step.
+struct FlightStatus {
+  bool armed = false;
+  bool estimator_ready = false;
+  FlightMode mode = FlightMode::kHold;
+  LandedState landed = LandedState::kOnGround;
+  std::uint64_t sensor_time_usec = 0;                           ///< stamp of the newest HIL_SENSOR
+  Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();     ///< estimated attitude
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();                ///< estimated position, m
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();                ///< estimated velocity, m/s
+  Eigen::Vector3d w_D = Eigen::Vector3d::Zero();                ///< estimated body rates, rad/s
+  Eigen::Vector3d position_stddev_m = Eigen::Vector3d::Zero();  ///< the estimator's own opinion
+  Eigen::Vector3d reference_N =
+      Eigen::Vector3d::Zero();  ///< position reference, m (hold: NaN if none)
+  double yaw_reference_rad = 0;
+  Eigen::Vector4d u = Eigen::Vector4d::Zero();  ///< U1 (N), U2, U3, U4 (N m) as sent
+};
+
+/// Counts of one flight controller.
+struct FlightControllerStats {
+  std::map<std::string, std::uint64_t, std::less<>> received;  ///< by message name
+  std::map<std::string, std::uint64_t, std::less<>> sent;
+  std::uint64_t crc_errors = 0;
+  std::uint64_t lost_by_sequence = 0;
+  std::uint64_t stale_sensors = 0;    ///< HIL_SENSOR whose time went back or stood still
+  std::uint64_t missed_controls = 0;  ///< control periods that no HIL_SENSOR fell into
+  base::Histogram sensor_age;         ///< arrival minus own stamp, relative to the smallest seen
+};
+
+/// A flight controller without I/O and without a clock: bytes and time in, packets out.
+///
+///   on_packet: HIL_SENSOR --> estimator --> (400 Hz on the sensor's clock) control -->
+///   HIL_CONTROLS
+///              others     --> command, parameter, mission protocol, set-points
+///   tick:      streams, heartbeat, time-outs, failsafes
+///
+/// Flies on HIL_SENSOR and HIL_GPS alone. Not for use from several threads at once.
+class FlightController {
+ public:
+  /// Takes one whole packet for the line.
+  using Sink = std::function<void(std::span<const std::uint8_t>)>;
+  /// Hears of each HIL packet used or sent: message id, its time_usec, sent (or received).
+  using HilObserver = std::function<void(std::uint32_t id, std::uint64_t time_usec, bool sent)>;
+
+  FlightController(const FcuConfig& config, Sink send);
+  ~FlightController();
+  FlightController(FlightController&&) noexcept;
+  FlightController& operator=(FlightController&&) noexcept;
+
+  /// Bytes off the line; finds the packets in them and calls on_packet for each.
+  void on_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
+  /// One intact packet.
+  void on_packet(const mav::PacketView& packet, base::RunTime now);
+  /// Runs everything that time alone makes due. Each HIL_SENSOR does it too; call it at least every
+  /// 20 ms for the time when none come.
+  void tick(base::RunTime now);
+
+  void set_hil_observer(HilObserver observer);
+
+  const FlightStatus& status() const;
+  /// Copies the counts (not for every step).
+  FlightControllerStats stats() const;
+
+  /// A parameter's value. @return false when there is none of that name
+  bool get_param(std::string_view name, double& value) const;
+  /// Sets a parameter as PARAM_SET would. @return false when unknown or out of range
+  bool set_param(std::string_view name, double value);
+  /// All parameters that differ from their defaults, as "NAME VALUE" lines.
+  std::string params_text() const;
+  /// Counts up at each change of a parameter, so that a shell knows when to save.
+  std::uint64_t params_revision() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cas::fcu
