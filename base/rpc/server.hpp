@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -19,6 +20,7 @@ struct ServerLimits {
   std::size_t max_line_bytes = 64 * 1024;
   std::size_t max_clients = 64;
   std::size_t max_queued_replies = 256;  ///< a client that never reads is closed
+  std::size_t max_queued_bytes = 4 * 1024 * 1024;
 };
 
 /// JSON-RPC 2.0 lines over TCP and Unix sockets; batches and notifications included. Everything
@@ -37,11 +39,19 @@ class CAS_BASE_EXPORT Server {
   /// topics.
   void add_topic(const std::string& topic);
 
-  /// Starts to listen; port 0 takes a free one. @return the bound port @throws ConfigError
+  /// TCP clients must first call `authorise` {"token": ...} with the first line of this file, which
+  /// its owner alone may read. Unix sockets are guarded by their mode. @throws ConfigError
+  void require_token(const std::filesystem::path& file);
+
+  /// Starts to listen; port 0 takes a free one. An address that other hosts can reach needs a
+  /// token. @return the bound port @throws ConfigError
   std::uint16_t listen_tcp(const std::string& address, std::uint16_t port);
   /// Mode 0600; a stale socket file is replaced. @throws ConfigError
   void listen_unix(const std::filesystem::path& path);
+  /// Ends all connections and listening sockets; calls under way are not answered.
   void close();
+  /// Clients being served.
+  std::size_t clients() const;
 
  private:
   struct Impl;

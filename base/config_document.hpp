@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace cas::base {
+
+/// One node of a parsed YAML document: what ConfigNode looks at.
+struct ConfigTree {
+  enum class Kind { kNull, kScalar, kList, kMap };
+
+  Kind kind = Kind::kNull;
+  int line = 0;                                    // from 1; of the key for a map's entry
+  std::string scalar;                              // kScalar
+  bool quoted = false;                             // kScalar: never a number or a bool
+  std::vector<std::unique_ptr<ConfigTree>> items;  // kList
+  std::vector<std::pair<std::string, std::unique_ptr<ConfigTree>>> entries;  // kMap, file order
+
+  // What readers did with the node; reading is const, this is not part of its value.
+  mutable bool used = false;                // somebody asked for it
+  mutable bool opaque = false;              // another program's block: checked by its own reader
+  mutable std::vector<std::string> wanted;  // kMap: keys that somebody asked for
+
+  const ConfigTree* find(std::string_view key) const;
+};
+
+/// A YAML text and where it came from. The tree holds no aliases: each use of an anchor is a copy.
+struct ConfigDocument {
+  std::filesystem::path file;
+  ConfigTree root;
+};
+
+/// @throws ConfigError "NAME:LINE: sentence" for a text that is no YAML, repeats a key, holds more
+/// than one document, nests deeper than 64 levels or expands to more than 100 000 nodes
+std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
+                                                   const std::filesystem::path& name);
+
+/// The tree as YAML text.
+std::string dump_config(const ConfigTree& tree);
+
+/// The word of `candidates` nearest to `word` by edit distance, empty when none is near.
+std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
+
+}  // namespace cas::base

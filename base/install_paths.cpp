@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/install_paths.hpp"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+
+#include "base/error.hpp"
+
+namespace cas::base {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path program_dir() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path() : program.parent_path();
+}
+
+/// Folder of the library that holds this code.
+fs::path library_dir() {
+  Dl_info info{};
+  if (::dladdr(reinterpret_cast<const void*>(&config_dirs), &info) == 0) return {};
+  std::error_code error;
+  const fs::path library = fs::canonical(info.dli_fname, error);
+  return error ? fs::path() : library.parent_path();
+}
+
+void add_folder(const fs::path& folder, std::vector<fs::path>& folders) {
+  std::error_code error;
+  const fs::path clean = fs::canonical(folder, error);
+  if (error || !fs::is_directory(clean, error)) return;
+  if (std::find(folders.begin(), folders.end(), clean) == folders.end()) folders.push_back(clean);
+}
+
+void add_from_environment(const char* variable, std::vector<fs::path>& folders) {
+  const char* const value = std::getenv(variable);
+  if (value == nullptr) return;
+  std::istringstream list(value);
+  for (std::string folder; std::getline(list, folder, ':');) {
+    if (!folder.empty()) add_folder(folder, folders);
+  }
+}
+
+void add_relative(const fs::path& from, const char* steps, std::vector<fs::path>& folders) {
+  if (!from.empty()) add_folder(from / steps, folders);
+}
+
+}  // namespace
+
+std::vector<fs::path> config_dirs() {
+  std::vector<fs::path> folders;
+  add_from_environment("CAS_CONFIG_PATH", folders);
+  add_relative(program_dir(), CAS_BIN_TO_CONFIG, folders);
+  add_relative(library_dir(), CAS_LIB_TO_CONFIG, folders);
+  add_relative(library_dir(), "../share/cas/config", folders);  // build tree: a link to config/
+  return folders;
+}
+
+std::vector<fs::path> plugin_dirs() {
+  std::vector<fs::path> folders;
+  add_from_environment("CAS_PLUGIN_PATH", folders);
+  add_relative(program_dir(), CAS_BIN_TO_PLUGINS, folders);
+  add_relative(library_dir(), CAS_LIB_TO_PLUGINS, folders);
+  add_relative(library_dir(), "../plugins", folders);  // build tree
+  return folders;
+}
+
+fs::path find_config(const fs::path& name) {
+  std::error_code error;
+  if (fs::exists(name, error)) return name;
+  std::string searched;
+  if (name.is_relative()) {
+    for (const fs::path& folder : config_dirs()) {
+      if (fs::exists(folder / name, error)) return folder / name;
+      searched += " or in " + folder.string();
+    }
+  }
+  throw ConfigError(name.string() + ": no such file" + searched);
+}
+
+}  // namespace cas::base

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/export.hpp"
+
+/// Where the shipped files are, in the build tree and in an installation.
+namespace cas::base {
+
+/// Folders with shipped configuration, best first: each of CAS_CONFIG_PATH (colon-separated), then
+/// the one that belongs to the running program or this library. Only folders that exist.
+CAS_BASE_EXPORT std::vector<std::filesystem::path> config_dirs();
+
+/// Folders with plugins, best first: each of CAS_PLUGIN_PATH, then the one that belongs to the
+/// running program or this library. Only folders that exist.
+CAS_BASE_EXPORT std::vector<std::filesystem::path> plugin_dirs();
+
+/// A file given by the user: as it stands when it exists (absolute or from the working folder),
+/// else below one of config_dirs(), "vehicles/iris_paper.yaml". @throws ConfigError when it is
+/// nowhere
+CAS_BASE_EXPORT std::filesystem::path find_config(const std::filesystem::path& name);
+
+}  // namespace cas::base

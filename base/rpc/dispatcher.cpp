@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/rpc/dispatcher.hpp"
+
+#include <exception>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/rpc/token.hpp"
+
+namespace cas::base::rpc {
+namespace {
+
+constexpr int kMaxDepth = 64;           // a deep text would overflow the stack when printed
+constexpr std::size_t kMaxBatch = 256;  // requests in one line
+constexpr std::size_t kMaxCalls = 256;  // under way for one client
+
+/// Texts from the wire may hold any bytes; they must not make an answer fail.
+std::string to_line(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json error_response(const Json& id, int code, const std::string& message, const Json& data) {
+  Json error{{"code", code}, {"message", message}};
+  if (!data.is_null()) error["data"] = data;
+  return Json{{"jsonrpc", "2.0"}, {"id", id}, {"error", std::move(error)}};
+}
+
+bool too_deep(std::string_view text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxDepth) return true;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return false;
+}
+
+/// What is wrong with a request object, empty when nothing is.
+std::string request_fault(const Json& request) {
+  if (!request.is_object()) return "a request must be an object";
+  const auto version = request.find("jsonrpc");
+  if (version == request.end() || *version != "2.0") return "\"jsonrpc\" must be \"2.0\"";
+  const auto method = request.find("method");
+  if (method == request.end() || !method->is_string()) return "\"method\" must be a string";
+  const auto params = request.find("params");
+  if (params != request.end() && !params->is_structured()) {
+    return "\"params\" must be an object or an array";
+  }
+  const auto id = request.find("id");
+  if (id != request.end() && id->is_structured()) return "\"id\" must be a string or a number";
+  return "";
+}
+
+/// The id to answer a faulty request with: its own where it has a usable one.
+Json id_of(const Json& request) {
+  if (!request.is_object()) return nullptr;
+  const auto id = request.find("id");
+  return id == request.end() || id->is_structured() || id->is_boolean() ? Json(nullptr) : *id;
+}
+
+/// params.topic, or nothing.
+std::optional<std::string> topic_of(const Json& params) {
+  if (!params.is_object()) return std::nullopt;
+  const auto topic = params.find("topic");
+  if (topic == params.end() || !topic->is_string()) return std::nullopt;
+  return topic->get<std::string>();
+}
+
+}  // namespace
+
+/// The answers of one batch, in the order of its requests; delivered when the last is in.
+struct Dispatcher::Batch {
+  std::weak_ptr<Peer> peer;
+  std::vector<Json> answers;
+  std::size_t open = 0;
+
+  void put(std::size_t slot, Json answer) {
+    answers[slot] = std::move(answer);
+    close_one();
+  }
+
+  void close_one() {
+    if (--open > 0) return;
+    Json line = Json::array();
+    for (Json& answer : answers) {
+      if (!answer.is_null()) line.push_back(std::move(answer));
+    }
+    const std::shared_ptr<Peer> target = peer.lock();
+    if (target && !line.empty()) target->deliver(to_line(line));
+  }
+};
+
+/// One request under way. Whoever holds a copy of its Reply holds it; when the last copy goes
+/// unanswered, the client is told so.
+class Dispatcher::Call {
+ public:
+  Call(const std::shared_ptr<Peer>& peer, const Json& request, std::shared_ptr<Batch> batch)
+      : peer_(peer), batch_(std::move(batch)), notification_(!request.contains("id")) {
+    if (!notification_) id_ = request["id"];
+    ++peer->calls;
+    if (batch_) {
+      slot_ = batch_->answers.size();
+      batch_->answers.emplace_back();
+      ++batch_->open;
+    }
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+  ~Call() { fail(kInternalError, "the method ended without an answer", nullptr); }
+
+  void succeed(Json result) {
+    answer(Json{{"jsonrpc", "2.0"}, {"id", id_}, {"result", std::move(result)}});
+  }
+  void fail(int code, const std::string& message, const Json& data) {
+    if (!answered_) answer(error_response(id_, code, message, data));
+  }
+
+ private:
+  void answer(Json response) {
+    if (answered_) return;  // the first answer counts
+    answered_ = true;
+    const std::shared_ptr<Peer> peer = peer_.lock();
+    if (peer) --peer->calls;
+    if (batch_) {
+      notification_ ? batch_->close_one() : batch_->put(slot_, std::move(response));
+    } else if (peer && !notification_) {
+      peer->deliver(to_line(response));
+    }
+    if (peer) peer->on_call_ended();
+  }
+
+  std::weak_ptr<Peer> peer_;
+  std::shared_ptr<Batch> batch_;
+  std::size_t slot_ = 0;
+  Json id_;
+  bool notification_;
+  bool answered_ = false;
+};
+
+Dispatcher::Dispatcher()
+    : session_methods_{{"subscribe", &Dispatcher::subscribe},
+                       {"unsubscribe", &Dispatcher::unsubscribe},
+                       {"authorise", &Dispatcher::authorise}} {}
+
+void Dispatcher::add_method(const std::string& name, Method method) {
+  CAS_CHECK(!session_methods_.contains(name));
+  CAS_CHECK(methods_.emplace(name, std::make_shared<const Method>(std::move(method))).second);
+}
+
+void Dispatcher::add_topic(const std::string& topic) { topics_.insert(topic); }
+
+void Dispatcher::handle(std::string_view line, const std::shared_ptr<Peer>& peer) {
+  if (line.find_first_not_of(" \t\r\n") == std::string_view::npos) return;
+  if (too_deep(line)) return peer->deliver(error_line(kParseError, "nested over 64 levels deep"));
+  const Json json = Json::parse(line, nullptr, false);
+  if (json.is_discarded()) return peer->deliver(error_line(kParseError, "the line is no JSON"));
+  if (json.is_array()) return handle_batch(json, peer);
+  handle_request(json, peer, nullptr);
+}
+
+void Dispatcher::handle_batch(const Json& requests, const std::shared_ptr<Peer>& peer) {
+  if (requests.empty()) return peer->deliver(error_line(kInvalidRequest, "the batch is empty"));
+  if (requests.size() > kMaxBatch) {
+    return peer->deliver(error_line(kInvalidRequest, "a batch holds at most 256 requests"));
+  }
+  const auto batch = std::make_shared<Batch>();
+  batch->peer = peer;
+  batch->open = 1;  // ours, so that the batch is not complete before its last request is in
+  for (const Json& request : requests) handle_request(request, peer, batch);
+  batch->close_one();
+}
+
+void Dispatcher::handle_request(const Json& request, const std::shared_ptr<Peer>& peer,
+                                std::shared_ptr<Batch> batch) {
+  const std::string fault = request_fault(request);
+  if (!fault.empty()) {
+    const Json stand_in{{"id", id_of(request)}};  // a faulty request is answered, id or not
+    Call(peer, stand_in, std::move(batch)).fail(kInvalidRequest, fault, nullptr);
+    return;
+  }
+  const auto call = std::make_shared<Call>(peer, request, std::move(batch));
+  if (peer->calls > kMaxCalls) {
+    return call->fail(kInternalError, "over 256 calls of this client are under way", nullptr);
+  }
+  const Reply reply{
+      [call](Json result) { call->succeed(std::move(result)); },
+      [call](int code, std::string text, Json data) { call->fail(code, text, data); }};
+  const auto params = request.find("params");
+  invoke(request["method"].get<std::string>(), params == request.end() ? Json() : *params, peer,
+         reply);
+}
+
+void Dispatcher::invoke(const std::string& method, const Json& params,
+                        const std::shared_ptr<Peer>& peer, const Reply& reply) {
+  if (!peer->authorised && method != "authorise") {
+    return reply.error(kNotAuthorised, "call authorise {\"token\": ...} first", nullptr);
+  }
+  if (const auto own = session_methods_.find(method); own != session_methods_.end()) {
+    return (this->*own->second)(params, *peer, reply);
+  }
+  const auto found = methods_.find(method);
+  if (found == methods_.end()) {
+    return reply.error(kMethodNotFound, "there is no method '" + method + "'", nullptr);
+  }
+  const std::shared_ptr<const Method> function = found->second;
+  try {
+    (*function)(params, reply);
+  } catch (const Json::exception& error) {  // params.at("x").get<T>() on what the client sent
+    reply.error(kInvalidParams, error.what(), nullptr);
+  } catch (const std::exception& error) {
+    reply.error(kInternalError, error.what(), nullptr);
+  }
+}
+
+void Dispatcher::subscribe(const Json& params, Peer& peer, const Reply& reply) {
+  const std::optional<std::string> topic = topic_of(params);
+  if (!topic || !topics_.contains(*topic)) {
+    return reply.error(kInvalidParams, "\"topic\" must name one of the topics in data",
+                       Json(topics_));
+  }
+  peer.topics.insert(*topic);
+  reply.result(true);
+}
+
+void Dispatcher::unsubscribe(const Json& params, Peer& peer, const Reply& reply) {
+  const std::optional<std::string> topic = topic_of(params);
+  if (!topic) return reply.error(kInvalidParams, "\"topic\" must be a string", nullptr);
+  reply.result(peer.topics.erase(*topic) > 0);
+}
+
+void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {
+  const bool given = params.is_object() && params.contains("token") && params["token"].is_string();
+  if (!given) return reply.error(kInvalidParams, "\"token\" must be a string", nullptr);
+  if (!token_ || same_token(*token_, params["token"].get<std::string>())) {
+    peer.authorised = true;
+    return reply.result(true);
+  }
+  reply.error(kNotAuthorised, "the token is wrong", nullptr);
+  peer.on_refused();
+}
+
+std::string Dispatcher::notification(const std::string& topic, const Json& params) {
+  return to_line(Json{{"jsonrpc", "2.0"}, {"method", topic}, {"params", params}});
+}
+
+std::string Dispatcher::error_line(int code, const std::string& message) {
+  return to_line(error_response(nullptr, code, message, nullptr));
+}
+
+}  // namespace cas::base::rpc

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "base/export.hpp"
+#include "base/rpc/message.hpp"
+
+namespace cas::base::rpc {
+
+/// The client that a line came from, as the dispatcher sees it.
+class CAS_BASE_EXPORT Peer {
+ public:
+  virtual ~Peer() = default;
+  /// Sends one line (without its newline).
+  virtual void deliver(std::string line) = 0;
+  /// A call has ended; `calls` is already lower by one.
+  virtual void on_call_ended() {}
+  /// The client gave a wrong token: no further line of it is to be read.
+  virtual void on_refused() {}
+
+  std::set<std::string> topics;  ///< subscribed
+  bool authorised = true;
+  std::size_t calls = 0;  ///< under way
+};
+
+/// JSON-RPC 2.0 without a socket: takes a line, calls methods, delivers answers. Not for several
+/// threads.
+class CAS_BASE_EXPORT Dispatcher {
+ public:
+  Dispatcher();
+
+  void add_method(const std::string& name, Method method);
+  void add_topic(const std::string& topic);
+  /// Peers that are not authorised must first call `authorise` {"token": ...}.
+  void set_token(std::string token) { token_ = std::move(token); }
+  bool has_token() const { return token_.has_value(); }
+
+  /// Handles one line; the answer may be delivered later. A peer that is gone by then misses it.
+  void handle(std::string_view line, const std::shared_ptr<Peer>& peer);
+
+  /// One notification as a line.
+  static std::string notification(const std::string& topic, const Json& params);
+  /// An error that answers no particular call.
+  static std::string error_line(int code, const std::string& message);
+
+ private:
+  using SessionMethod = void (Dispatcher::*)(const Json& params, Peer& peer, const Reply& reply);
+  class Call;
+  struct Batch;
+
+  void handle_batch(const Json& requests, const std::shared_ptr<Peer>& peer);
+  void handle_request(const Json& request, const std::shared_ptr<Peer>& peer,
+                      std::shared_ptr<Batch> batch);
+  void invoke(const std::string& method, const Json& params, const std::shared_ptr<Peer>& peer,
+              const Reply& reply);
+  void subscribe(const Json& params, Peer& peer, const Reply& reply);
+  void unsubscribe(const Json& params, Peer& peer, const Reply& reply);
+  void authorise(const Json& params, Peer& peer, const Reply& reply);
+
+  // Shared with a running call, which may end the server that holds it.
+  std::map<std::string, std::shared_ptr<const Method>> methods_;
+  std::map<std::string, SessionMethod> session_methods_;
+  std::set<std::string> topics_;
+  std::optional<std::string> token_;
+};
+
+}  // namespace cas::base::rpc

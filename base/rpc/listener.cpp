@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/rpc/listener.hpp"
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+
+namespace cas::base::rpc {
+namespace {
+
+constexpr int kAcceptsPerRound = 16;  // then other handlers get their turn
+constexpr auto kRetryDelay = std::chrono::milliseconds(100);
+
+std::string message_of(int error) { return std::generic_category().message(error); }
+
+/// Closes a descriptor unless it is released.
+class Fd {
+ public:
+  explicit Fd(int fd) : fd_(fd) {}
+  ~Fd() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Fd(const Fd&) = delete;
+  Fd& operator=(const Fd&) = delete;
+  int get() const { return fd_; }
+  int release() { return std::exchange(fd_, -1); }
+
+ private:
+  int fd_;
+};
+
+bool is_loopback(const sockaddr& address) {
+  if (address.sa_family == AF_INET) {
+    const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
+    return (ntohl(v4.sin_addr.s_addr) >> 24) == IN_LOOPBACKNET;
+  }
+  if (address.sa_family == AF_INET6) {
+    const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
+    return IN6_IS_ADDR_LOOPBACK(&v6.sin6_addr);
+  }
+  return false;
+}
+
+std::uint16_t bound_port(int fd) {
+  sockaddr_storage address{};
+  socklen_t length = sizeof address;
+  ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &length);
+  const bool v6 = address.ss_family == AF_INET6;
+  return ntohs(v6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
+                  : reinterpret_cast<const sockaddr_in&>(address).sin_port);
+}
+
+ListeningSocket listen_on(const addrinfo& found, const std::string& name) {
+  Fd fd(::socket(found.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (fd.get() < 0) throw ConfigError(name + ": " + message_of(errno));
+  const int on = 1;
+  ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  if (::bind(fd.get(), found.ai_addr, found.ai_addrlen) != 0 ||
+      ::listen(fd.get(), SOMAXCONN) != 0) {
+    throw ConfigError(name + ": cannot listen: " + message_of(errno));
+  }
+  ListeningSocket socket;
+  socket.loopback = is_loopback(*found.ai_addr);
+  socket.port = bound_port(fd.get());
+  socket.fd = fd.release();
+  return socket;
+}
+
+sockaddr_un unix_address(const std::filesystem::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string& text = path.native();
+  if (text.empty() || text.size() >= sizeof address.sun_path) {
+    throw ConfigError(text + ": a Unix socket's path has 1 to 107 characters");
+  }
+  std::memcpy(address.sun_path, text.data(), text.size());
+  return address;
+}
+
+/// Removes a socket file that nobody listens on; refuses anything else in its place.
+void remove_stale(const std::filesystem::path& path, const sockaddr_un& address) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return;
+  if (!S_ISSOCK(status.st_mode)) throw ConfigError(path.string() + ": exists and is no socket");
+  const Fd probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const int connected =
+      ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  if (connected == 0 || errno != ECONNREFUSED) {
+    throw ConfigError(path.string() + ": is in use by another program");
+  }
+  ::unlink(path.c_str());
+}
+
+}  // namespace
+
+ListeningSocket open_tcp(const std::string& address, std::uint16_t port) {
+  const std::string name = address + ":" + std::to_string(port);
+  addrinfo hints{};
+  hints.ai_family = AF_UNSPEC;
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  const int error = ::getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found);
+  if (error != 0) throw ConfigError(name + ": " + ::gai_strerror(error));
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
+  return listen_on(*found, name);
+}
+
+ListeningSocket open_unix(const std::filesystem::path& path) {
+  const sockaddr_un address = unix_address(path);
+  remove_stale(path, address);
+  Fd fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  // The mode set before bind() is the file's from its first moment.
+  if (fd.get() < 0 || ::fchmod(fd.get(), S_IRUSR | S_IWUSR) != 0 ||
+      ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      ::listen(fd.get(), SOMAXCONN) != 0) {
+    throw ConfigError(path.string() + ": cannot listen: " + message_of(errno));
+  }
+  ListeningSocket socket;
+  socket.loopback = true;
+  socket.path = path;
+  socket.fd = fd.release();
+  return socket;
+}
+
+Listener::Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client)
+    : io_(io),
+      descriptor_(io, socket.fd),
+      retry_(io),
+      path_(std::move(socket.path)),
+      on_client_(std::move(on_client)) {}
+
+void Listener::do_wait() {
+  descriptor_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                         [self = shared_from_this()](const boost::system::error_code& error) {
+                           if (error || !self->descriptor_.is_open()) return;
+                           self->accept_waiting();
+                         });
+}
+
+void Listener::accept_waiting() {
+  for (int i = 0; i < kAcceptsPerRound && descriptor_.is_open(); ++i) {
+    sockaddr_storage peer{};
+    socklen_t length = sizeof peer;
+    Fd fd(::accept4(descriptor_.native_handle(), reinterpret_cast<sockaddr*>(&peer), &length,
+                    SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (fd.get() < 0) {
+      if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+        return retry_later();
+      }
+      break;  // nobody waits, or one went away before it was its turn
+    }
+    const int on = 1;
+    if (peer.ss_family != AF_UNIX) {
+      ::setsockopt(fd.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      ::setsockopt(fd.get(), SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+    }
+    StreamSocket socket(io_);
+    boost::system::error_code error;
+    socket.assign(boost::asio::generic::stream_protocol(peer.ss_family, 0), fd.get(), error);
+    if (error) continue;
+    fd.release();
+    on_client_(std::move(socket));
+  }
+  if (descriptor_.is_open()) do_wait();
+}
+
+// No descriptors are left: waiting on the listening socket would spin.
+void Listener::retry_later() {
+  log::warn("a client is kept waiting: " + message_of(errno));
+  retry_.expires_after(kRetryDelay);
+  retry_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
+    if (!error && self->descriptor_.is_open()) self->accept_waiting();
+  });
+}
+
+void Listener::close() {
+  boost::system::error_code ignored;
+  retry_.cancel();
+  descriptor_.close(ignored);
+  on_client_ = nullptr;
+  if (!path_.empty()) ::unlink(std::exchange(path_, {}).c_str());
+}
+
+}  // namespace cas::base::rpc

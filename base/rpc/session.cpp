@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/rpc/session.hpp"
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+#include <chrono>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace cas::base::rpc {
+namespace {
+
+namespace asio = boost::asio;
+using AsioError = boost::system::error_code;
+
+constexpr std::size_t kLinesPerWrite = 32;            // gathered into one system call
+constexpr auto kFlushTime = std::chrono::seconds(5);  // for a client that ends without reading
+constexpr auto kDrainTime = std::chrono::seconds(1);
+
+}  // namespace
+
+Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
+                 const ServerLimits& limits,
+                 std::function<void(const std::shared_ptr<Session>&)> on_closed)
+    : socket_(std::move(socket)),
+      deadline_(socket_.get_executor()),
+      dispatcher_(std::move(dispatcher)),
+      limits_(limits),
+      on_closed_(std::move(on_closed)) {}
+
+void Session::refuse(const std::string& message) {
+  deliver(Dispatcher::error_line(kInternalError, message));
+  finish();
+}
+
+void Session::do_read() {
+  asio::async_read_until(socket_, asio::dynamic_buffer(rx_, limits_.max_line_bytes), '\n',
+                         [self = shared_from_this()](const AsioError& error, std::size_t size) {
+                           if (self->closed_ || self->finishing_) return;
+                           if (error) return self->on_read_end(error == asio::error::not_found);
+                           self->on_line(size);
+                           if (!self->closed_ && !self->finishing_) self->do_read();
+                         });
+}
+
+void Session::on_line(std::size_t size) {
+  const std::string line = rx_.substr(0, size);
+  rx_.erase(0, size);
+  const std::shared_ptr<Dispatcher> dispatcher = dispatcher_;  // a method may close the server
+  dispatcher->handle(line, shared_from_this());
+}
+
+// The client has sent all it had (it may still read), broke off, or sent an endless line.
+void Session::on_read_end(bool line_too_long) {
+  if (line_too_long) {
+    deliver(Dispatcher::error_line(
+        kParseError, "a line is longer than " + std::to_string(limits_.max_line_bytes) + " bytes"));
+  } else if (!rx_.empty()) {
+    on_line(rx_.size());  // a last line without its newline
+  }
+  finish();
+}
+
+void Session::deliver(std::string line) {
+  line += '\n';
+  deliver_shared(std::make_shared<const std::string>(std::move(line)));
+}
+
+void Session::deliver_shared(Line line) {
+  if (closed_ || draining_) return;
+  // A client that never reads pays alone.
+  if (tx_.size() >= limits_.max_queued_replies ||
+      tx_bytes_ + line->size() > limits_.max_queued_bytes) {
+    return close();
+  }
+  tx_bytes_ += line->size();
+  tx_.push_back(std::move(line));
+  if (!writing_) do_write();
+}
+
+void Session::do_write() {
+  writing_ = true;
+  std::vector<asio::const_buffer> buffers;
+  for (const Line& line : tx_) {
+    if (buffers.size() == kLinesPerWrite) break;
+    buffers.push_back(asio::buffer(*line));
+  }
+  const std::size_t lines = buffers.size();
+  asio::async_write(socket_, buffers,
+                    [self = shared_from_this(), lines](const AsioError& error, std::size_t) {
+                      if (self->closed_) return;
+                      if (error) return self->close();
+                      self->on_written(lines);
+                    });
+}
+
+void Session::on_written(std::size_t lines) {
+  for (std::size_t i = 0; i < lines; ++i) {
+    tx_bytes_ -= tx_.front()->size();
+    tx_.pop_front();
+  }
+  writing_ = false;
+  if (!tx_.empty()) return do_write();
+  end_when_idle();
+}
+
+void Session::on_call_ended() { end_when_idle(); }
+
+void Session::finish() {
+  if (closed_) return;
+  finishing_ = true;
+  topics.clear();
+  end_when_idle();
+}
+
+void Session::end_when_idle() {
+  if (closed_ || draining_ || !finishing_ || calls > 0) return;
+  if (writing_) {
+    if (!std::exchange(flushing_, true)) close_after(kFlushTime);
+    return;
+  }
+  // Closing a socket that holds unread bytes would reset it and lose the last answer.
+  draining_ = true;
+  AsioError ignored;
+  socket_.shutdown(asio::socket_base::shutdown_send, ignored);
+  close_after(kDrainTime);
+  rx_.assign(4096, '\0');
+  do_drain();
+}
+
+void Session::close_after(std::chrono::seconds time) {
+  deadline_.expires_after(time);
+  deadline_.async_wait([self = shared_from_this()](const AsioError& error) {
+    if (!error) self->close();
+  });
+}
+
+void Session::do_drain() {
+  socket_.async_read_some(asio::buffer(rx_),
+                          [self = shared_from_this()](const AsioError& error, std::size_t) {
+                            if (self->closed_) return;
+                            if (error) return self->close();
+                            self->do_drain();
+                          });
+}
+
+void Session::close() {
+  if (std::exchange(closed_, true)) return;
+  AsioError ignored;
+  socket_.close(ignored);
+  deadline_.cancel();
+  topics.clear();
+  dispatcher_ = nullptr;
+  if (const auto on_closed = std::exchange(on_closed_, nullptr)) on_closed(shared_from_this());
+}
+
+}  // namespace cas::base::rpc

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "base/rpc/dispatcher.hpp"
+#include "base/rpc/server.hpp"
+
+namespace cas::base::rpc {
+
+using StreamSocket = boost::asio::generic::stream_protocol::socket;
+
+/// One client of a Server. Everything runs on the thread of `io`; no lock.
+///
+///   do_read --> on_line --> dispatcher --> deliver() --> do_write <-+
+///      ^-----------+                                        +-------+
+///
+/// Ends by close() at once (error, a client that never reads), or by finish(): no further line is
+/// read, answers under way are still sent, then the line is drained so that they are not lost.
+class Session final : public Peer, public std::enable_shared_from_this<Session> {
+ public:
+  using Line = std::shared_ptr<const std::string>;
+
+  Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher, const ServerLimits& limits,
+          std::function<void(const std::shared_ptr<Session>&)> on_closed);
+
+  void start() { do_read(); }
+  /// Tells the client why it is not served, and ends.
+  void refuse(const std::string& message);
+  void deliver(std::string line) override;
+  void deliver_shared(Line line);
+  void close();
+
+ private:
+  void on_call_ended() override;
+  void on_refused() override { finish(); }
+
+  void do_read();
+  void on_line(std::size_t size);
+  void on_read_end(bool line_too_long);
+  void do_write();
+  void on_written(std::size_t lines);
+  void finish();
+  void end_when_idle();
+  void close_after(std::chrono::seconds time);
+  void do_drain();
+
+  StreamSocket socket_;
+  boost::asio::steady_timer deadline_;      // of the end that finish() began
+  std::shared_ptr<Dispatcher> dispatcher_;  // null once closed
+  ServerLimits limits_;
+  std::function<void(const std::shared_ptr<Session>&)> on_closed_;
+  std::string rx_;
+  std::deque<Line> tx_;
+  std::size_t tx_bytes_ = 0;
+  bool writing_ = false;
+  bool finishing_ = false;
+  bool draining_ = false;
+  bool flushing_ = false;
+  bool closed_ = false;
+};
+
+}  // namespace cas::base::rpc

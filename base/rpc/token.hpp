@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "base/export.hpp"
+
+namespace cas::base::rpc {
+
+/// Reads the first line of a secret's file. @throws ConfigError when it cannot be read, others than
+/// its owner may read or write it, or the secret has fewer than 16 characters
+CAS_BASE_EXPORT std::string read_token(const std::filesystem::path& file);
+
+/// Compares in a time that depends on the length of `given` alone.
+CAS_BASE_EXPORT bool same_token(std::string_view expected, std::string_view given);
+
+}  // namespace cas::base::rpc
