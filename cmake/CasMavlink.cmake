@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# cas_mavlink_generate(<target> <dialect.xml>...)
+#
+# Makes the interface library <target>: link it to get `#include "mavlink/<dialect>/..."` for each
+# dialect file, generated when the project is built and again when a file it is made of changes.
+# Works inside the project and, with the installed package, outside.
+
+# The files a dialect is made of, by its <include> elements.
+function(_cas_mavlink_sources file out)
+  set(seen "${${out}}")
+  get_filename_component(file "${file}" REALPATH)
+  if(file IN_LIST seen OR NOT EXISTS "${file}")
+    return()
+  endif()
+  list(APPEND seen "${file}")
+  get_filename_component(folder "${file}" DIRECTORY)
+  file(STRINGS "${file}" lines REGEX "<include>")
+  foreach(line IN LISTS lines)
+    if(line MATCHES "<include>[ \t]*([^ \t<]+)[ \t]*</include>")
+      set(included "${seen}")
+      _cas_mavlink_sources("${folder}/${CMAKE_MATCH_1}" included)
+      set(seen "${included}")
+    endif()
+  endforeach()
+  set(${out} "${seen}" PARENT_SCOPE)
+endfunction()
+
+# The headers that come of these files: Ninja must know them to see that one has changed.
+function(_cas_mavlink_headers folder out)
+  set(headers all.hpp enums.hpp table.hpp)
+  foreach(file IN LISTS ARGN)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+    file(STRINGS "${file}" lines REGEX "<message[ \t].*name=")
+    foreach(line IN LISTS lines)
+      if(line MATCHES "<message[ \t][^>]*name=[\"']([A-Za-z0-9_]+)[\"']")
+        string(TOLOWER "${CMAKE_MATCH_1}.hpp" header)
+        if(NOT header IN_LIST headers)
+          list(APPEND headers "${header}")
+        endif()
+      endif()
+    endforeach()
+  endforeach()
+  list(TRANSFORM headers PREPEND "${folder}/")
+  set(${out} "${headers}" PARENT_SCOPE)
+endfunction()
+
+function(cas_mavlink_generate target)
+  if(TARGET mavlink_gen)
+    set(program mavlink_gen)
+    set(runtime cas_mavlink_runtime)
+  else()
+    set(program cas::mavlink_gen)
+    set(runtime cas::mavlink_runtime)
+  endif()
+  set(out "${CMAKE_CURRENT_BINARY_DIR}/${target}_include")
+  set(stamps "")
+  foreach(dialect IN LISTS ARGN)
+    get_filename_component(dialect "${dialect}" ABSOLUTE)
+    get_filename_component(name "${dialect}" NAME_WE)
+    string(TOLOWER "${name}" name)
+    set(sources "")
+    _cas_mavlink_sources("${dialect}" sources)
+    _cas_mavlink_headers("${out}/mavlink/${name}" headers ${sources})
+    set(stamp "${out}/${name}.stamp")
+    add_custom_command(OUTPUT "${stamp}" BYPRODUCTS ${headers}
+      COMMAND ${program} generate --out "${out}" --stamp "${stamp}" "${dialect}"
+      DEPENDS ${program} ${sources}
+      COMMENT "Generating MAVLink dialect ${name}"
+      VERBATIM)
+    list(APPEND stamps "${stamp}")
+  endforeach()
+  add_custom_target(${target}_headers DEPENDS ${stamps})
+  add_library(${target} INTERFACE)
+  add_dependencies(${target} ${target}_headers)
+  target_include_directories(${target} INTERFACE "$<BUILD_INTERFACE:${out}>")
+  target_link_libraries(${target} INTERFACE ${runtime})
+endfunction()

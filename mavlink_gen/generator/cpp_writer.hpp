@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mavlink_gen/generator/output_files.hpp"
+#include "mavlink_gen/parser/model.hpp"
+
+namespace cas::mav::gen {
+
+/// C++ headers of a dialect: `<folder>/enums.hpp`, one header a message, table.hpp and all.hpp.
+///
+/// @param name  of the folder below `mavlink/` and of the namespace below `mavlink::`
+Files write_cpp(const xml::Dialect& dialect, const std::string& name);
+
+}  // namespace cas::mav::gen

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "mavlink_gen/parser/model.hpp"
+
+namespace cas::mav::gen {
+
+/// `HIL_SENSOR` -> `HilSensor`; an underscore stays where two digits would meet.
+std::string pascal_case(std::string_view name);
+std::string lower_case(std::string_view name);
+
+/// `name`, with an underscore behind it where it is a C++ keyword, a common macro, or a name that
+/// the generated struct uses itself.
+std::string safe_identifier(std::string_view name);
+
+/// C++ names of everything in a dialect. They depend on the names in the XML alone.
+class Names final {
+ public:
+  explicit Names(const xml::Dialect& dialect);
+
+  const std::string& type(const xml::Message& message) const { return messages_.at(message.name); }
+  const std::string& type(const xml::Enum& item) const { return enums_.at(item.name); }
+  std::string field(const xml::Field& field) const;
+
+  /// Header of a message without folder: `hil_sensor.hpp`.
+  std::string header(const xml::Message& message) const;
+
+  /// Enumerator of each entry, in the order of the entries. An entry loses the leading words that
+  /// it shares with its enum: MAV_RESULT_ACCEPTED of MAV_RESULT -> kAccepted.
+  static std::vector<std::string> enumerators(const xml::Enum& item);
+
+ private:
+  std::map<std::string, std::string, std::less<>> messages_;
+  std::map<std::string, std::string, std::less<>> enums_;
+  std::map<std::string, std::string, std::less<>> headers_;
+  std::map<std::string, int, std::less<>> types_;
+};
+
+}  // namespace cas::mav::gen

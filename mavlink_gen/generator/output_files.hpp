@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace cas::mav::gen {
+
+/// Generated files: path relative to the output folder -> text.
+using Files = std::map<std::string, std::string>;
+
+/// Writes the files. One whose text is already there is not touched; the others are written beside
+/// their place and renamed into it, so nobody ever sees half a file.
+/// @return empty, or a sentence that says what could not be written
+std::string write_files(const std::filesystem::path& folder, const Files& files);
+
+}  // namespace cas::mav::gen

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mavlink_gen/parser/diagnostics.hpp"
+#include "mavlink_gen/parser/model.hpp"
+#include "mavlink_gen/parser/xml_document.hpp"
+
+namespace cas::mav::xml {
+
+struct Include {
+  std::string path;
+  Position position;
+};
+
+/// One dialect file as it stands, before includes are merged.
+struct ParsedFile {
+  std::vector<Include> includes;
+  std::optional<int> version, dialect;
+  std::vector<Enum> enums;
+  std::vector<Message> messages;
+};
+
+/// Turns the tree of one file into enums and messages and reports what the schema does not allow.
+ParsedFile parse_file(const Element& root, Diagnostics& diagnostics);
+
+}  // namespace cas::mav::xml

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::mav {
+
+/// What a receiver needs to know of a message to check it, and a router to address it.
+struct MessageInfo {
+  std::uint32_t id{};
+  std::uint8_t crc_extra{};
+  std::uint8_t min_length{};  ///< without extensions
+  std::uint8_t max_length{};
+  std::int16_t target_system_offset{-1};     ///< in the untruncated payload, -1: no such field
+  std::int16_t target_component_offset{-1};  ///< likewise
+  std::string_view name;
+};
+
+namespace detail {
+
+/// Slots of a hash table with open addressing that is at most half full.
+constexpr std::size_t slot_count(std::size_t messages) {
+  return std::bit_ceil(messages < 4 ? std::size_t{8} : messages * 2);
+}
+
+inline constexpr std::uint16_t kNoMessage = 0xFFFF;
+
+constexpr std::size_t hash(std::uint32_t id) {
+  constexpr std::uint32_t kGoldenRatio = 0x9E3779B1;  // 2^32 / 1.618..., spreads neighbours
+  return (id * kGoldenRatio) >> 16U;
+}
+
+constexpr std::size_t hash(std::string_view name) {
+  std::uint32_t value = 0x811C9DC5;  // FNV-1a, 32 bit: start and prime
+  for (const char c : name) value = (value ^ static_cast<std::uint8_t>(c)) * 0x01000193U;
+  return value ^ value >> 16U;
+}
+
+/// Writes into each slot the index of its message. Both spans of slots have slot_count() elements.
+constexpr void fill_slots(std::span<const MessageInfo> messages, std::span<std::uint16_t> by_id,
+                          std::span<std::uint16_t> by_name) {
+  const auto mask = by_id.size() - 1;
+  for (auto& slot : by_id) slot = kNoMessage;
+  for (auto& slot : by_name) slot = kNoMessage;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    auto slot = hash(messages[i].id) & mask;
+    while (by_id[slot] != kNoMessage) slot = (slot + 1) & mask;
+    by_id[slot] = static_cast<std::uint16_t>(i);
+    slot = hash(messages[i].name) & mask;
+    while (by_name[slot] != kNoMessage) slot = (slot + 1) & mask;
+    by_name[slot] = static_cast<std::uint16_t>(i);
+  }
+}
+
+}  // namespace detail
+
+/// Messages by id and by name. Borrows its storage: StaticMessageTable, or vectors of the caller.
+class MessageTable {
+ public:
+  constexpr MessageTable() = default;
+  constexpr MessageTable(std::span<const MessageInfo> messages,
+                         std::span<const std::uint16_t> by_id,
+                         std::span<const std::uint16_t> by_name)
+      : messages_(messages), by_id_(by_id), by_name_(by_name) {}
+
+  constexpr const MessageInfo* find(std::uint32_t id) const {
+    if (by_id_.empty()) return nullptr;
+    const auto mask = by_id_.size() - 1;
+    for (auto slot = detail::hash(id) & mask;; slot = (slot + 1) & mask) {
+      const auto index = by_id_[slot];
+      if (index == detail::kNoMessage) return nullptr;
+      if (messages_[index].id == id) return &messages_[index];
+    }
+  }
+
+  constexpr const MessageInfo* find(std::string_view name) const {
+    if (by_name_.empty()) return nullptr;
+    const auto mask = by_name_.size() - 1;
+    for (auto slot = detail::hash(name) & mask;; slot = (slot + 1) & mask) {
+      const auto index = by_name_[slot];
+      if (index == detail::kNoMessage) return nullptr;
+      if (messages_[index].name == name) return &messages_[index];
+    }
+  }
+
+  /// Every message, by id.
+  constexpr std::span<const MessageInfo> all() const { return messages_; }
+
+ private:
+  std::span<const MessageInfo> messages_;
+  std::span<const std::uint16_t> by_id_;
+  std::span<const std::uint16_t> by_name_;
+};
+
+/// Storage of a table that is known when the program is compiled.
+template <std::size_t n>
+class StaticMessageTable {
+ public:
+  static_assert(n < detail::kNoMessage);
+
+  /// @param messages  by id; they must outlive the table
+  constexpr explicit StaticMessageTable(const MessageInfo (&messages)[n]) : messages_(messages) {
+    detail::fill_slots(messages_, by_id_, by_name_);
+  }
+
+  constexpr MessageTable view() const { return {messages_, by_id_, by_name_}; }
+
+ private:
+  std::span<const MessageInfo> messages_;
+  std::array<std::uint16_t, detail::slot_count(n)> by_id_{};
+  std::array<std::uint16_t, detail::slot_count(n)> by_name_{};
+};
+
+/// Whom a packet is for; 0 means everyone.
+inline Source target_of(const PacketView& packet, const MessageInfo& info) {
+  const auto byte_at = [&](std::int16_t offset) -> std::uint8_t {
+    const auto index = static_cast<std::size_t>(offset);
+    return offset < 0 || index >= packet.payload.size() ? std::uint8_t{0} : packet.payload[index];
+  };
+  return {byte_at(info.target_system_offset), byte_at(info.target_component_offset)};
+}
+
+}  // namespace cas::mav
