@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/flight_plan.hpp"
+
+#include <utility>
+
+namespace cas::hils {
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// A refused command is repeated at this pace: estimators need a while before they let one arm.
+constexpr base::Duration kRetry = seconds(1);
+/// A vehicle hangs still when it has stayed this near and this slow for this long, by its estimate.
+constexpr double kNearM = 0.5;
+constexpr double kSlowMS = 0.4;
+constexpr base::Duration kStillFor = seconds(1);
+
+}  // namespace
+
+FlightPlan::FlightPlan(std::vector<FlightStep> steps) : steps_(std::move(steps)) {}
+
+std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleReport& vehicle) {
+  while (!done() && failure_.empty()) {
+    const FlightStep& step = steps_[current_];
+    if (!begun_) begin_step(now, step);
+    if (phase_ == Phase::kBegin && vehicle.heard && now >= retry_at_) {
+      if (needs_command(step, vehicle)) {
+        phase_ = Phase::kCommanding;
+        return step;
+      }
+      phase_ = Phase::kWaiting;
+    }
+    if (phase_ == Phase::kWaiting && reached(step, now, vehicle)) {
+      end_step(now);
+      continue;
+    }
+    if (phase_ != Phase::kCommanding && step.kind != StepKind::kHold &&
+        now - step_begin_ > step.timeout) {
+      failure_ = std::string(to_string(step.kind)) + " was not done within " +
+                 std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
+      if (!vehicle.heard) failure_ += ": the vehicle was not heard";
+      if (!last_refusal_.empty()) failure_ += ": " + last_refusal_;
+    }
+    break;
+  }
+  return std::nullopt;
+}
+
+void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
+  last_refusal_ = refusal;
+  if (refusal.empty()) {
+    phase_ = Phase::kWaiting;
+    return;
+  }
+  phase_ = Phase::kBegin;
+  retry_at_ = now + kRetry;
+}
+
+std::optional<Stage> FlightPlan::measured() const {
+  for (const Stage& stage : stages_) {
+    if (stage.step.measure) return stage;
+  }
+  return std::nullopt;
+}
+
+bool FlightPlan::needs_command(const FlightStep& step, const VehicleReport& vehicle) const {
+  if (step.kind == StepKind::kHold) return false;
+  if (step.kind == StepKind::kDisarm) return vehicle.armed;
+  return true;
+}
+
+bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle) {
+  switch (step.kind) {
+    case StepKind::kArm:
+      return vehicle.armed;
+    case StepKind::kTakeoff:
+    case StepKind::kGoto:
+      return vehicle.in_air && hangs_still(now, vehicle);
+    case StepKind::kHold:
+      return now - step_begin_ >= step.duration;
+    case StepKind::kSetGain:
+      return true;
+    case StepKind::kLand:
+      return vehicle.on_ground;
+    case StepKind::kDisarm:
+      return !vehicle.armed;
+  }
+  return false;
+}
+
+bool FlightPlan::hangs_still(base::SimTime now, const VehicleReport& vehicle) {
+  const Eigen::Vector3d p_up(vehicle.p_N.x(), vehicle.p_N.y(), -vehicle.p_N.z());
+  const bool still = vehicle.has_position && (p_up - reference_m_).norm() < kNearM &&
+                     vehicle.v_N.norm() < kSlowMS;
+  if (!still) {
+    still_since_.reset();
+    return false;
+  }
+  if (!still_since_) still_since_ = now;
+  return now - *still_since_ >= kStillFor;
+}
+
+void FlightPlan::begin_step(base::SimTime now, const FlightStep& step) {
+  begun_ = true;
+  phase_ = Phase::kBegin;
+  step_begin_ = now;
+  retry_at_ = now;
+  still_since_.reset();
+  last_refusal_.clear();
+  if (step.kind == StepKind::kTakeoff) reference_m_ = {0, 0, step.altitude_m};
+  if (step.kind == StepKind::kGoto) {
+    reference_m_ = step.place_m;
+    reference_yaw_rad_ = step.yaw_rad;
+  }
+}
+
+void FlightPlan::end_step(base::SimTime now) {
+  stages_.push_back({.step = steps_[current_],
+                     .begin = step_begin_,
+                     .end = now,
+                     .reference_m = reference_m_,
+                     .reference_yaw_rad = reference_yaw_rad_});
+  ++current_;
+  begun_ = false;
+}
+
+}  // namespace cas::hils

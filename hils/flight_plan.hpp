@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "hils/flight_step.hpp"
+
+namespace cas::hils {
+
+/// What casd knows of the vehicle.
+struct VehicleReport {
+  bool heard = false;  ///< its HEARTBEAT has come
+  bool armed = false;
+  bool in_air = false;
+  bool on_ground = false;
+  bool has_position = false;
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
+  double yaw_rad = 0;
+};
+
+/// One step of the flight as it went.
+struct Stage {
+  FlightStep step;
+  base::SimTime begin;
+  base::SimTime end;
+  Eigen::Vector3d reference_m = Eigen::Vector3d::Zero();  ///< north, east, up from the start
+  double reference_yaw_rad = 0;
+};
+
+/// Takes a vehicle through the steps of a scenario. It says which command is to be given and when
+/// a step is done; it gives none itself and reads no clock.
+///
+///   update() -> command -> on_outcome() -> update() until the step's condition holds -> next step
+class FlightPlan {
+ public:
+  explicit FlightPlan(std::vector<FlightStep> steps);
+
+  /// Looks at the vehicle. @return the step whose command is to be given now, if any
+  std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle);
+  /// The vehicle's answer to the last command: `refusal` is empty when it was accepted. A refused
+  /// command is given again each second until the step's time is over.
+  void on_outcome(base::SimTime now, const std::string& refusal);
+
+  bool done() const { return current_ == steps_.size(); }
+  /// Why the flight cannot go on; empty as long as it can.
+  const std::string& failure() const { return failure_; }
+  const std::vector<Stage>& stages() const { return stages_; }
+  /// The step under way, for progress lines.
+  const FlightStep* current() const { return done() ? nullptr : &steps_[current_]; }
+  base::Duration elapsed_in_step(base::SimTime now) const { return now - step_begin_; }
+  /// The stage of the measured hold; nothing before it is over.
+  std::optional<Stage> measured() const;
+
+ private:
+  enum class Phase { kBegin, kCommanding, kWaiting };
+
+  bool needs_command(const FlightStep& step, const VehicleReport& vehicle) const;
+  bool reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
+  bool hangs_still(base::SimTime now, const VehicleReport& vehicle);
+  void begin_step(base::SimTime now, const FlightStep& step);
+  void end_step(base::SimTime now);
+
+  std::vector<FlightStep> steps_;
+  std::size_t current_ = 0;
+  Phase phase_ = Phase::kBegin;
+  base::SimTime step_begin_;
+  base::SimTime retry_at_;
+  std::optional<base::SimTime> still_since_;
+  bool begun_ = false;
+  Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
+  double reference_yaw_rad_ = 0;
+  std::string last_refusal_;
+  std::string failure_;
+  std::vector<Stage> stages_;
+};
+
+}  // namespace cas::hils

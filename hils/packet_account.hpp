@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/ledger.hpp"
+
+namespace cas::hils {
+
+/// A stretch of the stream by the packets' own stamps, both ends included.
+struct StreamWindow {
+  std::uint64_t begin_usec = 0;
+  std::uint64_t end_usec = 0;
+  bool holds(std::uint64_t time_usec) const {
+    return time_usec >= begin_usec && time_usec <= end_usec;
+  }
+};
+
+/// One HIL message from its sender to its receiver, within a window.
+struct RateFigures {
+  double nominal_hz = 0;
+  std::uint64_t sent = 0;
+  std::uint64_t received = 0;
+  std::uint64_t lost = 0;
+  double received_hz = 0;  ///< (n - 1) / (t_last - t_first) by the receiver's clock
+  double error_pct = 0;    ///< how far received_hz falls short of nominal; negative above it
+
+  std::uint64_t duplicated = 0;  ///< identities that arrived more than once
+  std::uint64_t unexplained = 0; ///< identities that arrived and were never sent
+  bool drained = false;  ///< the sender went on long enough for the window's packets to arrive
+
+  /// Every packet is sent and then received once or lost; nothing else arrived.
+  bool closes() const { return duplicated == 0 && unexplained == 0 && drained; }
+};
+
+/// Follows `message_id` by (message id, time_usec) from the sender's ledger to the receiver's.
+RateFigures account(std::span<const base::LedgerEntry> sender,
+                    std::span<const base::LedgerEntry> receiver, std::uint32_t message_id,
+                    StreamWindow window, double nominal_hz);
+
+/// Order statistics of a set of delays, microseconds.
+struct DelayFigures {
+  std::uint64_t count = 0;
+  double p50 = 0;
+  double p99 = 0;
+  double max = 0;
+};
+DelayFigures summarise(std::vector<std::int64_t> delays_ns);
+
+/// Delays from sending `sensor_id` to receiving the `controls_id` that echoes its stamp, by one
+/// program's ledger, ns, in the order of the stamps.
+std::vector<std::int64_t> echo_delays_ns(std::span<const base::LedgerEntry> ledger,
+                                         std::uint32_t sensor_id, std::uint32_t controls_id,
+                                         StreamWindow window);
+
+/// Delays from the sender's ledger to the receiver's of one message, ns; both on one clock.
+std::vector<std::int64_t> hop_delays_ns(std::span<const base::LedgerEntry> sender,
+                                        std::span<const base::LedgerEntry> receiver,
+                                        std::uint32_t message_id, StreamWindow window);
+
+/// How well the sender kept to real time.
+struct PaceFigures {
+  double real_time_factor = 0;  ///< simulated over elapsed time in the window
+  double worst_stall_ms = 0;    ///< most that the stream fell behind its own stamps
+};
+PaceFigures pace(std::span<const base::LedgerEntry> sender, std::uint32_t message_id,
+                 StreamWindow window);
+
+}  // namespace cas::hils

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/scenario.hpp"
+
+#include <array>
+#include <utility>
+
+namespace cas::hils {
+
+namespace {
+
+constexpr int kSchema = 1;
+constexpr std::array<std::pair<Architecture, std::string_view>, 2> kArchitectures{{
+    {Architecture::kDirect, "direct"},
+    {Architecture::kTcas, "tcas"},
+}};
+constexpr std::array<std::string_view, 4> kAxes{"x_m", "y_m", "z_m", "yaw_rad"};
+
+base::Geodetic parse_home(const base::ConfigNode& node) {
+  return {.lat_deg = node.require_in("lat_deg", -90, 90),
+          .lon_deg = node.require_in("lon_deg", -180, 180),
+          .alt_m = node.require_in("alt_m", -500, 9000)};
+}
+
+Rates parse_rates(const base::ConfigNode& node) {
+  return {.sensor_hz = node.require_in("sensor_hz", 50, 2000),
+          .gps_hz = node.require_in("gps_hz", 1, 50),
+          .controls_hz = node.require_in("controls_hz", 50, 2000)};
+}
+
+std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key) {
+  std::map<std::string, double> axes;
+  const std::optional<base::ConfigNode> node = limits.find(key);
+  if (!node) return axes;
+  for (const std::string_view axis : kAxes) {
+    if (node->has(axis)) axes[std::string(axis)] = node->require_in(axis, 0, 1e6);
+  }
+  return axes;
+}
+
+Limits parse_limits(const base::ConfigNode& node) {
+  Limits limits;
+  if (node.has("lost")) limits.lost = node.require<std::uint64_t>("lost");
+  if (node.has("rate_error_pct")) limits.rate_error_pct = node.require_in("rate_error_pct", 0, 100);
+  if (node.has("latency_p99_us")) limits.latency_p99_us = node.require_in("latency_p99_us", 0, 1e9);
+  limits.rms = parse_axes(node, "rms");
+  limits.rms_estimate = parse_axes(node, "rms_estimate");
+  return limits;
+}
+
+/// A block that is handed on to another program, which checks its keys.
+base::ConfigNode handed_on(const base::ConfigNode& root, std::string_view key) {
+  const std::optional<base::ConfigNode> node = root.find(key);
+  if (!node) return base::ConfigNode::empty(std::string(key));
+  node->mark_used();
+  return *node;
+}
+
+void check_files(const base::ConfigNode& root, const Scenario& scenario) {
+  if (!std::filesystem::exists(scenario.vehicle)) {
+    root.at("vehicle").fail("there is no file " + scenario.vehicle.string());
+  }
+  if (scenario.integrator != "rk4" && scenario.integrator != "ode") {
+    root.at("integrator").fail("the integrator is rk4 or ode");
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(Architecture architecture) {
+  for (const auto& [candidate, name] : kArchitectures) {
+    if (candidate == architecture) return name;
+  }
+  return "?";
+}
+
+Architecture parse_architecture(std::string_view word) {
+  for (const auto& [architecture, name] : kArchitectures) {
+    if (name == word) return architecture;
+  }
+  throw base::ConfigError("there is no architecture '" + std::string(word) +
+                          "'; it is tcas or direct");
+}
+
+Scenario Scenario::load(const std::filesystem::path& file) {
+  const base::ConfigNode root = base::ConfigNode::load(file);
+  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
+  Scenario scenario;
+  scenario.file = file;
+  scenario.name = root.get<std::string>("name", file.stem().string());
+  scenario.description = root.get<std::string>("description", "");
+  scenario.vehicle = root.resolve(root.require<std::string>("vehicle"));
+  scenario.home = parse_home(root.at("home"));
+  scenario.decimal_year = root.get_in("decimal_year", scenario.decimal_year, 2000, 2100);
+  scenario.seed = root.get<std::uint64_t>("seed", scenario.seed);
+  try {
+    scenario.architecture = parse_architecture(root.get<std::string>("architecture", "tcas"));
+  } catch (const base::ConfigError& error) {
+    root.at("architecture").fail(error.what());
+  }
+  scenario.step_us = static_cast<int>(root.get_in("step_us", scenario.step_us, 100, 10'000));
+  scenario.integrator = root.get<std::string>("integrator", scenario.integrator);
+  scenario.rates = parse_rates(root.at("rates"));
+  scenario.line = handed_on(root, "line");
+  scenario.controller = handed_on(root, "controller");
+  scenario.sensors = handed_on(root, "sensors");
+  if (root.has("plugins")) {
+    scenario.plugins = root.at("plugins").items();
+    root.at("plugins").mark_used();
+  }
+  scenario.steps = parse_flight(root.at("steps"));
+  if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"));
+  root.reject_unused();
+  check_files(root, scenario);
+  return scenario;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+#include "base/geodesy.hpp"
+#include "hils/flight_step.hpp"
+
+namespace cas::hils {
+
+/// How simulator and controller are connected.
+enum class Architecture {
+  kDirect,  ///< one process on the virtual clock
+  kTcas,    ///< hilsim, casd (one thread per link) and fcu_emulator as processes
+};
+
+std::string_view to_string(Architecture architecture);
+/// @throws base::ConfigError for another word
+Architecture parse_architecture(std::string_view word);
+
+/// Most that a run may miss by; what a scenario leaves out is not judged.
+struct Limits {
+  std::optional<std::uint64_t> lost;          ///< packets of each HIL message in the window
+  std::optional<double> rate_error_pct;       ///< received rate against nominal, either way
+  std::optional<double> latency_p99_us;       ///< sensor to control
+  std::map<std::string, double> rms;          ///< x_m, y_m, z_m, yaw_rad: truth against reference
+  std::map<std::string, double> rms_estimate; ///< the same axes: estimate against reference
+};
+
+/// Nominal rates of the HIL stream, Hz.
+struct Rates {
+  double sensor_hz = 500;
+  double gps_hz = 5;
+  double controls_hz = 400;
+};
+
+/// One experiment as config/scenarios/*.yaml describes it. Keys are the members' names.
+struct Scenario {
+  std::string name;
+  std::string description;
+  std::filesystem::path file;
+  std::filesystem::path vehicle;
+  base::Geodetic home;
+  double decimal_year = 2026.5;
+  std::uint64_t seed = 1;
+  Architecture architecture = Architecture::kTcas;
+  int step_us = 1000;
+  std::string integrator = "rk4";
+  Rates rates;
+  base::ConfigNode line = base::ConfigNode::empty();        ///< as fcu_emulator's `line`
+  base::ConfigNode controller = base::ConfigNode::empty();  ///< stamp, actuators, params
+  base::ConfigNode sensors = base::ConfigNode::empty();     ///< plugin name -> its parameters
+  std::vector<base::ConfigNode> plugins;                    ///< further plugins of the vehicle
+  std::vector<FlightStep> steps;
+  Limits limits;
+
+  /// Reads and checks a scenario file. @throws base::ConfigError with file, line and key path
+  static Scenario load(const std::filesystem::path& file);
+};
+
+}  // namespace cas::hils
