@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/ledger.hpp"
+#include "hils/flight_plan.hpp"
+#include "hils/packet_account.hpp"
+#include "hils/scenario.hpp"
+#include "hils/trajectory.hpp"
+
+namespace cas::hils {
+
+/// A stretch of the flight log's own clock, microseconds.
+struct LogWindow {
+  std::int64_t begin_us = 0;
+  std::int64_t end_us = 0;
+};
+
+/// What a finished run left behind, whatever its architecture.
+struct RunRecord {
+  std::vector<base::LedgerEntry> simulator;   ///< HIL packets at the simulator's end
+  std::vector<base::LedgerEntry> controller;  ///< HIL packets at the controller's end
+  std::filesystem::path truth_csv;
+  std::filesystem::path flight_tlog;
+  std::vector<Stage> stages;
+  std::optional<Stage> hold;       ///< the measured one; nothing when the flight did not get there
+  LogWindow hold_in_log;           ///< the same stretch in the flight log
+  std::string flight_failure;      ///< a sentence; empty when every step was done
+  bool virtual_clock = false;      ///< time was computed, not waited for
+  double simulated_s = 0;          ///< length of the whole run
+  double wall_s = 0;
+  std::vector<std::pair<std::string, double>> cpu_s;  ///< processor time by program
+};
+
+/// The three HIL messages of a run.
+struct StreamFigures {
+  RateFigures sensor;
+  RateFigures gps;
+  RateFigures controls;
+};
+
+/// The figures of one run.
+struct Measurement {
+  std::string scenario;
+  Architecture architecture = Architecture::kTcas;
+  std::uint64_t seed = 0;
+  bool virtual_clock = false;
+  std::string flight_failure;
+  double simulated_s = 0;
+  double wall_s = 0;
+  std::vector<std::pair<std::string, double>> cpu_s;
+  std::vector<Stage> stages;
+
+  StreamWindow window;  ///< of rates and delays
+  bool over_hold = false;  ///< the window is the measured hold, else all that there was
+  StreamFigures rates;
+  DelayFigures sensor_to_control;    ///< HIL_SENSOR leaves -> its echo arrives, simulator's ledger
+  DelayFigures sensor_uplink;        ///< HIL_SENSOR, simulator to controller
+  DelayFigures controls_downlink;    ///< controls, controller to simulator
+  PaceFigures pace;
+  std::optional<RmsFigures> rms;           ///< truth against reference during the hold
+  std::optional<RmsFigures> rms_estimate;  ///< estimate against reference during the hold
+};
+
+/// Works out the figures of a run. @throws base::ConfigError when its files cannot be read
+Measurement measure(const Scenario& scenario, Architecture architecture, std::uint64_t seed,
+                    const RunRecord& record);
+
+}  // namespace cas::hils

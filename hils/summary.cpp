@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/clock.hpp"
+#include "hils/report.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+
+Json rate_json(const RateFigures& rate) {
+  return {{"nominal_hz", rate.nominal_hz}, {"sent", rate.sent},
+          {"received", rate.received},     {"lost", rate.lost},
+          {"received_hz", rate.received_hz}, {"error_pct", rate.error_pct}};
+}
+
+Json delay_json(const DelayFigures& delay) {
+  if (delay.count == 0) return nullptr;
+  return {{"p50", delay.p50}, {"p99", delay.p99}, {"max", delay.max}};
+}
+
+Json rms_json(const std::optional<RmsFigures>& rms) {
+  if (!rms) return nullptr;
+  return {{"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
+}
+
+Json stages_json(const std::vector<Stage>& stages) {
+  Json list = Json::array();
+  for (const Stage& stage : stages) {
+    list.push_back({{"step", to_string(stage.step.kind)},
+                    {"begin_s", base::to_seconds(stage.begin)},
+                    {"end_s", base::to_seconds(stage.end)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string summary_json(const Measurement& figures, const Verdict& verdict) {
+  Json summary;
+  summary["schema"] = kSchema;
+  summary["scenario"] = figures.scenario;
+  summary["architecture"] = to_string(figures.architecture);
+  summary["seed"] = figures.seed;
+  summary["valid"] = verdict.valid;
+  summary["passed"] = verdict.passed;
+  summary["failures"] = verdict.failures;
+  summary["virtual_clock"] = figures.virtual_clock;
+  summary["real_time_factor"] = figures.pace.real_time_factor;
+  summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
+  summary["simulated_s"] = figures.simulated_s;
+  summary["wall_s"] = figures.wall_s;
+  summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},
+                         {"end", static_cast<double>(figures.window.end_usec) * 1e-6}};
+  summary["rates"] = {{"HIL_SENSOR", rate_json(figures.rates.sensor)},
+                      {"HIL_GPS", rate_json(figures.rates.gps)},
+                      {"HIL_CONTROLS", rate_json(figures.rates.controls)}};
+  summary["latency_us"] = {{"sensor_to_control", delay_json(figures.sensor_to_control)},
+                           {"sensor_uplink", delay_json(figures.sensor_uplink)},
+                           {"controls_downlink", delay_json(figures.controls_downlink)}};
+  summary["rms"] = rms_json(figures.rms);
+  summary["rms_estimate"] = rms_json(figures.rms_estimate);
+  summary["cpu_s"] = Json::object();
+  for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
+  summary["stages"] = stages_json(figures.stages);
+  return summary.dump(2) + "\n";
+}
+
+}  // namespace cas::hils
