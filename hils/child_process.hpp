@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "hils/file_descriptor.hpp"
+
+namespace cas::hils {
+
+/// How a process ended.
+struct ExitReport {
+  int code = 0;        ///< exit code; 128 + signal when a signal ended it
+  double cpu_s = 0;    ///< user and system time
+  std::string words;   ///< "ended with exit code 78", "was ended by signal 11 (Segmentation fault)"
+};
+
+/// A program started by hils, in its own process group, which dies with its parent.
+///
+/// Its output goes to a file; it says that it is ready on its own NOTIFY_SOCKET. Waiting is by
+/// pidfd. The thread that constructs it must live as long as the child shall (PDEATHSIG follows
+/// the thread).
+class ChildProcess {
+ public:
+  struct Options {
+    std::string name;                   ///< for messages: "casd"
+    std::vector<std::string> arguments; ///< argv, the program's path first
+    std::filesystem::path log_file;     ///< standard output and error
+    std::filesystem::path notify_socket;
+  };
+
+  /// Starts the program. @throws base::ConfigError when it cannot be started
+  explicit ChildProcess(Options options);
+  /// Kills the process group if it is still there.
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  const std::string& name() const { return options_.name; }
+  int pidfd() const { return pidfd_.get(); }
+  int notify_fd() const { return notify_.get(); }
+
+  /// Reads what has come on the notify socket. @return true once READY=1 has come
+  bool take_notifications();
+  bool ready() const { return ready_; }
+
+  /// Collects the end of the process if it has ended.
+  const std::optional<ExitReport>& poll_exit();
+  void terminate();  ///< SIGTERM to the group
+  void kill();       ///< SIGKILL to the group
+  /// The last lines of its output.
+  std::string log_tail(std::size_t lines = 5) const;
+
+ private:
+  Options options_;
+  FileDescriptor notify_;
+  FileDescriptor pidfd_;
+  pid_t pid_ = -1;
+  bool ready_ = false;
+  std::optional<ExitReport> exit_;
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/composition.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <optional>
+
+namespace cas::hils {
+
+namespace {
+
+constexpr double kGravity = 9.80665;      ///< standard gravity, m/s^2
+constexpr double kNorthYawDeg = 90;       ///< W counts yaw from east, counter-clockwise
+constexpr double kTruthHz = 100;
+constexpr int kSimulatorComponent = 200;  ///< the simulator beside autopilot 1 of its system
+
+/// The block as a node of its own; an empty map where there is none.
+YAML::Node copy(const base::ConfigNode& node) {
+  YAML::Node result = YAML::Load(node.dump());
+  return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);
+}
+
+std::string to_text(const YAML::Node& node) {
+  YAML::Emitter emitter;
+  emitter << node;
+  return std::string(emitter.c_str()) + "\n";
+}
+
+std::string absolute(const std::filesystem::path& path) {
+  return std::filesystem::weakly_canonical(path).string();
+}
+
+std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
+
+/// One plugin of the vehicle with the scenario's overrides of its parameters.
+YAML::Node plugin(const Scenario& scenario, const std::string& name) {
+  YAML::Node node(YAML::NodeType::Map);
+  node["plugin"] = name;
+  const std::optional<base::ConfigNode> overrides = scenario.sensors.find(name);
+  if (!overrides) return node;
+  for (const auto& entry : copy(*overrides)) node[entry.first] = entry.second;
+  return node;
+}
+
+YAML::Node interface_plugin(Transport transport, const RunPlaces& places) {
+  YAML::Node node;
+  node["plugin"] = "mavlink_interface";
+  if (transport == Transport::kBus) {
+    node["transport"] = "bus";
+  } else {
+    node["transport"] = "udp";
+    node["local"] = local_port(places.simulator_port);
+    node["remote"] = local_port(places.casd_port);
+    node["ledger"] = absolute(places.simulator_ledger());
+  }
+  node["system_id"] = 1;
+  node["component_id"] = kSimulatorComponent;
+  return node;
+}
+
+YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport,
+                           const RunPlaces& places) {
+  YAML::Node plugins;
+  plugins.push_back(plugin(scenario, "motor"));
+  YAML::Node imu = plugin(scenario, "imu");
+  imu["rate_hz"] = scenario.rates.sensor_hz;
+  plugins.push_back(imu);
+  YAML::Node gps = plugin(scenario, "gps");
+  gps["rate_hz"] = scenario.rates.gps_hz;
+  plugins.push_back(gps);
+  plugins.push_back(plugin(scenario, "magnetometer"));
+  plugins.push_back(plugin(scenario, "barometer"));
+  for (const base::ConfigNode& further : scenario.plugins) plugins.push_back(copy(further));
+  plugins.push_back(interface_plugin(transport, places));
+  YAML::Node recorder;
+  recorder["plugin"] = "recorder";
+  recorder["file"] = absolute(places.truth_csv());
+  recorder["rate_hz"] = kTruthHz;
+  plugins.push_back(recorder);
+  return plugins;
+}
+
+YAML::Node list(std::initializer_list<const char*> names) {
+  YAML::Node node;
+  for (const char* name : names) node.push_back(name);
+  node.SetStyle(YAML::EmitterStyle::Flow);
+  return node;
+}
+
+YAML::Node route(const char* from, const char* to) {
+  YAML::Node node;
+  node["from"] = from;
+  node["to"] = to;
+  return node;
+}
+
+YAML::Node casd_links(const RunPlaces& places) {
+  YAML::Node simulator;
+  simulator["name"] = "sim";
+  simulator["type"] = "udp";
+  simulator["local"] = local_port(places.casd_port);
+  simulator["remote"] = local_port(places.simulator_port);
+  YAML::Node controller;
+  controller["name"] = "fcu";
+  controller["type"] = "serial";
+  controller["device"] = absolute(places.sockets) + "/fcu0";  // the link, not what it points to
+  controller["baud"] = 921600;
+  YAML::Node links;
+  links.push_back(simulator);
+  links.push_back(controller);
+  return links;
+}
+
+YAML::Node casd_routes() {
+  YAML::Node to_controller = route("sim", "fcu");
+  to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"});
+  YAML::Node to_simulator = route("fcu", "sim");
+  to_simulator["allow"] = list({"HEARTBEAT", "HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
+  YAML::Node routes;
+  routes.push_back(to_controller);
+  routes.push_back(to_simulator);
+  return routes;
+}
+
+}  // namespace
+
+std::string simulator_config(const Scenario& scenario, std::uint64_t seed, Transport transport,
+                             const RunPlaces& places) {
+  YAML::Node root;
+  root["schema"] = 1;
+  root["world"]["gravity_m_s2"] = kGravity;
+  root["world"]["ground"] = true;
+  root["home"]["lat_deg"] = scenario.home.lat_deg;
+  root["home"]["lon_deg"] = scenario.home.lon_deg;
+  root["home"]["alt_m"] = scenario.home.alt_m;
+  root["decimal_year"] = scenario.decimal_year;
+  root["step_us"] = scenario.step_us;
+  root["pace"] = transport == Transport::kBus ? "free_run" : "realtime";
+  root["seed"] = seed;
+  root["integrator"] = scenario.integrator;
+  YAML::Node vehicle;
+  vehicle["name"] = kVehicleName;
+  vehicle["vehicle"] = absolute(scenario.vehicle);
+  vehicle["pose"]["x_m"] = 0;
+  vehicle["pose"]["y_m"] = 0;
+  vehicle["pose"]["z_m"] = 0;
+  vehicle["pose"]["yaw_deg"] = kNorthYawDeg;
+  vehicle["plugins"] = vehicle_plugins(scenario, transport, places);
+  root["vehicles"].push_back(vehicle);
+  return to_text(root);
+}
+
+std::string fcu_config(const Scenario& scenario, std::uint64_t seed) {
+  YAML::Node root = copy(scenario.controller);
+  root["schema"] = 1;
+  root["vehicle"] = absolute(scenario.vehicle);
+  root["decimal_year"] = scenario.decimal_year;
+  root["control_rate_hz"] = scenario.rates.controls_hz;
+  root["seed"] = seed;
+  root["line"] = copy(scenario.line);
+  return to_text(root);
+}
+
+std::string casd_config(const Scenario&, const RunPlaces& places) {
+  YAML::Node root;
+  root["schema"] = 1;
+  root["system_id"] = 254;
+  root["component_id"] = 190;
+  root["threads"] = "per_link";
+  root["command_port"]["address"] = "127.0.0.1";
+  root["command_port"]["port"] = 0;
+  root["command_port"]["unix"] = places.command_port().string();
+  root["links"] = casd_links(places);
+  root["routes"] = casd_routes();
+  root["commanding"]["heartbeat_hz"] = 1;
+  root["log"]["tlog"] = absolute(places.flight_tlog());
+  return to_text(root);
+}
+
+}  // namespace cas::hils

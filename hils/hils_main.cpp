@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/install_paths.hpp"
+#include "base/log.hpp"
+#include "hils/direct_run.hpp"
+#include "hils/judgement.hpp"
+#include "hils/measurement.hpp"
+#include "hils/report.hpp"
+#include "hils/scenario.hpp"
+#include "hils/supervisor.hpp"
+#include "hils/tcas_run.hpp"
+
+namespace {
+
+using namespace cas;
+using namespace cas::hils;
+
+struct RunFlags {
+  std::string scenario;
+  std::string architecture;
+  std::optional<std::uint64_t> seed;
+  std::string out;
+};
+
+RunRecord fly(const Scenario& scenario, Architecture architecture, std::uint64_t seed,
+              const std::filesystem::path& out) {
+  switch (architecture) {
+    case Architecture::kDirect:
+      return run_direct(scenario, seed, out);
+    case Architecture::kTcas:
+      break;
+  }
+  return run_tcas(scenario, seed, out);
+}
+
+int run(const RunFlags& flags) {
+  const Scenario scenario = Scenario::load(base::find_config(flags.scenario));
+  const Architecture architecture =
+      flags.architecture.empty() ? scenario.architecture : parse_architecture(flags.architecture);
+  const std::uint64_t seed = flags.seed.value_or(scenario.seed);
+  const std::filesystem::path out = std::filesystem::absolute(flags.out);
+  std::filesystem::create_directories(out);
+
+  const RunRecord record = fly(scenario, architecture, seed, out);
+  const Measurement figures = measure(scenario, architecture, seed, record);
+  const Verdict verdict = judge(figures, scenario.limits);
+  write_text(out / "summary.json", summary_json(figures, verdict));
+  fmt::print("{}\nResults: {}\n", text_report(figures, verdict), flags.out);
+  return verdict.exit_code();
+}
+
+/// Runs a command and turns what it throws into a sentence and an exit code.
+int guarded(const RunFlags& flags) {
+  try {
+    return run(flags);
+  } catch (const RunStopped& stopped) {
+    fmt::print(stderr, "hils: {}\n", stopped.what());
+    return stopped.interrupted() ? kExitInterrupted : kExitInvalid;
+  } catch (const base::ConfigError& error) {
+    fmt::print(stderr, "hils: {}\n", error.what());
+    return kExitUsage;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "hils: {}\n", error.what());
+    return kExitInvalid;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Flies experiments with a controller in the loop, measures and judges them"};
+  app.set_version_flag("--version", CAS_VERSION);
+  app.require_subcommand(1);
+  std::string log_level = "warn";
+  app.add_option("--log-level", log_level, "debug, info, warn, error or off");
+
+  RunFlags flags;
+  CLI::App* command = app.add_subcommand("run", "fly one scenario");
+  command->add_option("SCENARIO", flags.scenario, "scenario file")->required();
+  command->add_option("--architecture", flags.architecture, "tcas or direct");
+  command->add_option("--out", flags.out, "folder for the results")->required();
+  command->add_option("--seed", flags.seed, "instead of the scenario's");
+  try {
+    app.parse(argc, argv);
+    base::log::init("hils", base::log::parse_level(log_level));
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitPassed : kExitUsage;
+  } catch (const base::ConfigError& error) {
+    fmt::print(stderr, "hils: {}\n", error.what());
+    return kExitUsage;
+  }
+  return guarded(flags);
+}
