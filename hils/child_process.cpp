@@ -109,8 +109,8 @@ ChildProcess::ChildProcess(Options options)
   std::vector<std::string> environment = environment_with(options_.notify_socket.string());
   const std::vector<char*> argv = pointers(options_.arguments);
   const std::vector<char*> envp = pointers(environment);
-  const FileDescriptor log(::open(options_.log_file.c_str(),
-                                  O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_APPEND, 0644));
+  const FileDescriptor log(
+      ::open(options_.log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_APPEND, 0644));
   if (!log) fail("cannot write " + options_.log_file.string());
   const pid_t parent = ::getpid();
   pid_ = ::fork();

@@ -15,9 +15,9 @@ namespace cas::hils {
 
 /// How a process ended.
 struct ExitReport {
-  int code = 0;        ///< exit code; 128 + signal when a signal ended it
-  double cpu_s = 0;    ///< user and system time
-  std::string words;   ///< "ended with exit code 78", "was ended by signal 11 (Segmentation fault)"
+  int code = 0;       ///< exit code; 128 + signal when a signal ended it
+  double cpu_s = 0;   ///< user and system time
+  std::string words;  ///< "ended with exit code 78", "was ended by signal 11 (Segmentation fault)"
 };
 
 /// A program started by hils, in its own process group, which dies with its parent.
@@ -28,9 +28,9 @@ struct ExitReport {
 class ChildProcess {
  public:
   struct Options {
-    std::string name;                   ///< for messages: "casd"
-    std::vector<std::string> arguments; ///< argv, the program's path first
-    std::filesystem::path log_file;     ///< standard output and error
+    std::string name;                    ///< for messages: "casd"
+    std::vector<std::string> arguments;  ///< argv, the program's path first
+    std::filesystem::path log_file;      ///< standard output and error
     std::filesystem::path notify_socket;
   };
 

@@ -10,8 +10,8 @@ namespace cas::hils {
 
 namespace {
 
-constexpr double kGravity = 9.80665;      ///< standard gravity, m/s^2
-constexpr double kNorthYawDeg = 90;       ///< W counts yaw from east, counter-clockwise
+constexpr double kGravity = 9.80665;  ///< standard gravity, m/s^2
+constexpr double kNorthYawDeg = 90;   ///< W counts yaw from east, counter-clockwise
 constexpr double kTruthHz = 100;
 constexpr int kSimulatorComponent = 200;  ///< the simulator beside autopilot 1 of its system
 
@@ -27,7 +27,7 @@ std::string to_text(const YAML::Node& node) {
   return std::string(emitter.c_str()) + "\n";
 }
 
-std::string absolute(const std::filesystem::path& path) {
+std::string full_path(const std::filesystem::path& path) {
   return std::filesystem::weakly_canonical(path).string();
 }
 
@@ -52,15 +52,14 @@ YAML::Node interface_plugin(Transport transport, const RunPlaces& places) {
     node["transport"] = "udp";
     node["local"] = local_port(places.simulator_port);
     node["remote"] = local_port(places.casd_port);
-    node["ledger"] = absolute(places.simulator_ledger());
+    node["ledger"] = full_path(places.simulator_ledger());
   }
   node["system_id"] = 1;
   node["component_id"] = kSimulatorComponent;
   return node;
 }
 
-YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport,
-                           const RunPlaces& places) {
+YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport, const RunPlaces& places) {
   YAML::Node plugins;
   plugins.push_back(plugin(scenario, "motor"));
   YAML::Node imu = plugin(scenario, "imu");
@@ -75,7 +74,7 @@ YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport,
   plugins.push_back(interface_plugin(transport, places));
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
-  recorder["file"] = absolute(places.truth_csv());
+  recorder["file"] = full_path(places.truth_csv());
   recorder["rate_hz"] = kTruthHz;
   plugins.push_back(recorder);
   return plugins;
@@ -104,7 +103,7 @@ YAML::Node casd_links(const RunPlaces& places) {
   YAML::Node controller;
   controller["name"] = "fcu";
   controller["type"] = "serial";
-  controller["device"] = absolute(places.sockets) + "/fcu0";  // the link, not what it points to
+  controller["device"] = full_path(places.sockets) + "/fcu0";  // the link, not what it points to
   controller["baud"] = 921600;
   YAML::Node links;
   links.push_back(simulator);
@@ -141,7 +140,7 @@ std::string simulator_config(const Scenario& scenario, std::uint64_t seed, Trans
   root["integrator"] = scenario.integrator;
   YAML::Node vehicle;
   vehicle["name"] = kVehicleName;
-  vehicle["vehicle"] = absolute(scenario.vehicle);
+  vehicle["vehicle"] = full_path(scenario.vehicle);
   vehicle["pose"]["x_m"] = 0;
   vehicle["pose"]["y_m"] = 0;
   vehicle["pose"]["z_m"] = 0;
@@ -154,7 +153,7 @@ std::string simulator_config(const Scenario& scenario, std::uint64_t seed, Trans
 std::string fcu_config(const Scenario& scenario, std::uint64_t seed) {
   YAML::Node root = copy(scenario.controller);
   root["schema"] = 1;
-  root["vehicle"] = absolute(scenario.vehicle);
+  root["vehicle"] = full_path(scenario.vehicle);
   root["decimal_year"] = scenario.decimal_year;
   root["control_rate_hz"] = scenario.rates.controls_hz;
   root["seed"] = seed;
@@ -174,7 +173,7 @@ std::string casd_config(const Scenario&, const RunPlaces& places) {
   root["links"] = casd_links(places);
   root["routes"] = casd_routes();
   root["commanding"]["heartbeat_hz"] = 1;
-  root["log"]["tlog"] = absolute(places.flight_tlog());
+  root["log"]["tlog"] = full_path(places.flight_tlog());
   return to_text(root);
 }
 

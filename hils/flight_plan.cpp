@@ -92,8 +92,8 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
 
 bool FlightPlan::hangs_still(base::SimTime now, const VehicleReport& vehicle) {
   const Eigen::Vector3d p_up(vehicle.p_N.x(), vehicle.p_N.y(), -vehicle.p_N.z());
-  const bool still = vehicle.has_position && (p_up - reference_m_).norm() < kNearM &&
-                     vehicle.v_N.norm() < kSlowMS;
+  const bool still =
+      vehicle.has_position && (p_up - reference_m_).norm() < kNearM && vehicle.v_N.norm() < kSlowMS;
   if (!still) {
     still_since_.reset();
     return false;

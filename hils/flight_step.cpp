@@ -60,8 +60,8 @@ void parse_body(const base::ConfigNode& body, FlightStep& step) {
     step.duration = base::from_seconds(body.require_in("duration_s", 0.1, kMaxStepSeconds));
     step.measure = body.get("measure", false);
   }
-  const double timeout_s = body.get_in("timeout_s", base::to_seconds(step.timeout), 0.1,
-                                       kMaxStepSeconds);
+  const double timeout_s =
+      body.get_in("timeout_s", base::to_seconds(step.timeout), 0.1, kMaxStepSeconds);
   step.timeout = base::from_seconds(timeout_s);
 }
 

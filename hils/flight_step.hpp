@@ -35,8 +35,8 @@ struct FlightStep {
   double yaw_rad = 0;                                 ///< goto
   base::Duration duration{};                          ///< hold
   bool measure = false;                               ///< hold: the window of all figures
-  std::string loop;                                   ///< setgain
-  std::optional<double> p, i, d;                      ///< setgain
+  std::string loop{};                                 ///< setgain
+  std::optional<double> p{}, i{}, d{};                ///< setgain
 };
 
 /// Reads the list `steps`: each entry is a word (`arm`) or a map with one key (`takeoff:

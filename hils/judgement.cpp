@@ -63,9 +63,9 @@ void check_rate(std::string_view name, const RateFigures& rate, const Limits& li
                                    name, *limits.lost));
   }
   if (limits.rate_error_pct && std::abs(rate.error_pct) > *limits.rate_error_pct) {
-    failures.push_back(fmt::format("{} arrived at {:.2f} Hz instead of {:g} Hz; the limit is {:g} %",
-                                   name, rate.received_hz, rate.nominal_hz,
-                                   *limits.rate_error_pct));
+    failures.push_back(
+        fmt::format("{} arrived at {:.2f} Hz instead of {:g} Hz; the limit is {:g} %", name,
+                    rate.received_hz, rate.nominal_hz, *limits.rate_error_pct));
   }
 }
 
@@ -81,9 +81,8 @@ void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
   for (const auto& [axis, limit] : limits) {
     const double value = values.at(axis);
     if (value <= limit) continue;  // not-a-number fails
-    failures.push_back(
-        fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what, axis, value,
-                    limit));
+    failures.push_back(fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what,
+                                   axis, value, limit));
   }
 }
 
@@ -96,9 +95,10 @@ Sentences missed_limits(const Measurement& figures, const Limits& limits) {
     check_rate(name, *rate, limits, failures);
   }
   if (limits.latency_p99_us && !(figures.sensor_to_control.p99 <= *limits.latency_p99_us)) {
-    failures.push_back(fmt::format("the loop takes {:.0f} us in 99 % of the cases; the limit is "
-                                   "{:g} us",
-                                   figures.sensor_to_control.p99, *limits.latency_p99_us));
+    failures.push_back(
+        fmt::format("the loop takes {:.0f} us in 99 % of the cases; the limit is "
+                    "{:g} us",
+                    figures.sensor_to_control.p99, *limits.latency_p99_us));
   }
   if (figures.over_hold) {
     check_rms("true position", figures.rms, limits.rms, failures);

@@ -48,7 +48,9 @@ Pose reference_in_truth(const Stage& hold, std::span<const PoseSample> truth) {
 }
 
 Pose reference_in_estimate(const Stage& hold) {
-  return {.x_m = hold.reference_m.x(), .y_m = hold.reference_m.y(), .z_m = hold.reference_m.z(),
+  return {.x_m = hold.reference_m.x(),
+          .y_m = hold.reference_m.y(),
+          .z_m = hold.reference_m.z(),
           .yaw_rad = hold.reference_yaw_rad};
 }
 
@@ -62,8 +64,7 @@ void measure_hold(const RunRecord& record, std::uint8_t system, Measurement& fig
   figures.rms = rms_about(between(truth, microseconds(hold.begin), microseconds(hold.end)),
                           reference_in_truth(hold, truth));
   const std::vector<PoseSample> estimate = read_estimate(record.flight_tlog, system);
-  const auto in_hold =
-      between(estimate, record.hold_in_log.begin_us, record.hold_in_log.end_us);
+  const auto in_hold = between(estimate, record.hold_in_log.begin_us, record.hold_in_log.end_us);
   if (!in_hold.empty()) figures.rms_estimate = rms_about(in_hold, reference_in_estimate(hold));
 }
 
@@ -79,10 +80,8 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
       account(controller, simulator, controls_id, window, scenario.rates.controls_hz);
   figures.sensor_to_control =
       summarise(echo_delays_ns(simulator, HilSensor::kId, controls_id, window));
-  figures.sensor_uplink =
-      summarise(hop_delays_ns(simulator, controller, HilSensor::kId, window));
-  figures.controls_downlink =
-      summarise(hop_delays_ns(controller, simulator, controls_id, window));
+  figures.sensor_uplink = summarise(hop_delays_ns(simulator, controller, HilSensor::kId, window));
+  figures.controls_downlink = summarise(hop_delays_ns(controller, simulator, controls_id, window));
   figures.pace = pace(simulator, HilSensor::kId, window);
 }
 

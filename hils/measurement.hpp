@@ -28,11 +28,11 @@ struct RunRecord {
   std::filesystem::path truth_csv;
   std::filesystem::path flight_tlog;
   std::vector<Stage> stages;
-  std::optional<Stage> hold;       ///< the measured one; nothing when the flight did not get there
-  LogWindow hold_in_log;           ///< the same stretch in the flight log
-  std::string flight_failure;      ///< a sentence; empty when every step was done
-  bool virtual_clock = false;      ///< time was computed, not waited for
-  double simulated_s = 0;          ///< length of the whole run
+  std::optional<Stage> hold;   ///< the measured one; nothing when the flight did not get there
+  LogWindow hold_in_log;       ///< the same stretch in the flight log
+  std::string flight_failure;  ///< a sentence; empty when every step was done
+  bool virtual_clock = false;  ///< time was computed, not waited for
+  double simulated_s = 0;      ///< length of the whole run
   double wall_s = 0;
   std::vector<std::pair<std::string, double>> cpu_s;  ///< processor time by program
 };
@@ -56,12 +56,12 @@ struct Measurement {
   std::vector<std::pair<std::string, double>> cpu_s;
   std::vector<Stage> stages;
 
-  StreamWindow window;  ///< of rates and delays
+  StreamWindow window;     ///< of rates and delays
   bool over_hold = false;  ///< the window is the measured hold, else all that there was
   StreamFigures rates;
-  DelayFigures sensor_to_control;    ///< HIL_SENSOR leaves -> its echo arrives, simulator's ledger
-  DelayFigures sensor_uplink;        ///< HIL_SENSOR, simulator to controller
-  DelayFigures controls_downlink;    ///< controls, controller to simulator
+  DelayFigures sensor_to_control;  ///< HIL_SENSOR leaves -> its echo arrives, simulator's ledger
+  DelayFigures sensor_uplink;      ///< HIL_SENSOR, simulator to controller
+  DelayFigures controls_downlink;  ///< controls, controller to simulator
   PaceFigures pace;
   std::optional<RmsFigures> rms;           ///< truth against reference during the hold
   std::optional<RmsFigures> rms_estimate;  ///< estimate against reference during the hold

@@ -27,8 +27,8 @@ struct RateFigures {
   double received_hz = 0;  ///< (n - 1) / (t_last - t_first) by the receiver's clock
   double error_pct = 0;    ///< how far received_hz falls short of nominal; negative above it
 
-  std::uint64_t duplicated = 0;  ///< identities that arrived more than once
-  std::uint64_t unexplained = 0; ///< identities that arrived and were never sent
+  std::uint64_t duplicated = 0;   ///< identities that arrived more than once
+  std::uint64_t unexplained = 0;  ///< identities that arrived and were never sent
   bool drained = false;  ///< the sender went on long enough for the window's packets to arrive
 
   /// Every packet is sent and then received once or lost; nothing else arrived.

@@ -39,10 +39,10 @@ std::string rate_row(std::string_view name, double sensor_hz, double sensor_pct,
 
 std::string rate_table(const Measurement& figures) {
   const StreamFigures& rates = figures.rates;
-  std::string text = fmt::format(
-      "\nTable 4. Rates at the receiver over {:.1f} s{}\n",
-      static_cast<double>(figures.window.end_usec - figures.window.begin_usec) * 1e-6,
-      figures.over_hold ? " of hover" : " (no hover was reached)");
+  std::string text =
+      fmt::format("\nTable 4. Rates at the receiver over {:.1f} s{}\n",
+                  static_cast<double>(figures.window.end_usec - figures.window.begin_usec) * 1e-6,
+                  figures.over_hold ? " of hover" : " (no hover was reached)");
   text += fmt::format("{:<16} {:>20} {:>19} {:>21}\n", "",
                       fmt::format("IMU {:g} Hz", rates.sensor.nominal_hz),
                       fmt::format("GPS {:g} Hz", rates.gps.nominal_hz),
@@ -87,8 +87,8 @@ std::string delay_row(std::string_view name, const DelayFigures& delay) {
 }
 
 std::string delay_table(const Measurement& figures) {
-  std::string text = fmt::format("\n{:<34} {:>9} {:>9} {:>9}\n", "Delay, us", "median", "99 %",
-                                 "longest");
+  std::string text =
+      fmt::format("\n{:<34} {:>9} {:>9} {:>9}\n", "Delay, us", "median", "99 %", "longest");
   text += delay_row("HIL_SENSOR out -> control back", figures.sensor_to_control);
   text += delay_row("HIL_SENSOR to the controller", figures.sensor_uplink);
   text += delay_row("control to the simulator", figures.controls_downlink);

@@ -29,11 +29,11 @@ Architecture parse_architecture(std::string_view word);
 
 /// Most that a run may miss by; what a scenario leaves out is not judged.
 struct Limits {
-  std::optional<std::uint64_t> lost;          ///< packets of each HIL message in the window
-  std::optional<double> rate_error_pct;       ///< received rate against nominal, either way
-  std::optional<double> latency_p99_us;       ///< sensor to control
-  std::map<std::string, double> rms;          ///< x_m, y_m, z_m, yaw_rad: truth against reference
-  std::map<std::string, double> rms_estimate; ///< the same axes: estimate against reference
+  std::optional<std::uint64_t> lost;           ///< packets of each HIL message in the window
+  std::optional<double> rate_error_pct;        ///< received rate against nominal, either way
+  std::optional<double> latency_p99_us;        ///< sensor to control
+  std::map<std::string, double> rms;           ///< x_m, y_m, z_m, yaw_rad: truth against reference
+  std::map<std::string, double> rms_estimate;  ///< the same axes: estimate against reference
 };
 
 /// Nominal rates of the HIL stream, Hz.

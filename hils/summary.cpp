@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kSchema = 1;
 
 Json rate_json(const RateFigures& rate) {
-  return {{"nominal_hz", rate.nominal_hz}, {"sent", rate.sent},
-          {"received", rate.received},     {"lost", rate.lost},
+  return {{"nominal_hz", rate.nominal_hz},   {"sent", rate.sent},
+          {"received", rate.received},       {"lost", rate.lost},
           {"received_hz", rate.received_hz}, {"error_pct", rate.error_pct}};
 }
 

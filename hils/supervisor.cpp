@@ -160,8 +160,8 @@ void Supervisor::on_signal() {
 void Supervisor::on_exit(ChildProcess& child) {
   const auto& exit = child.poll_exit();
   if (!exit || std::ranges::find(expected_to_end_, &child) != expected_to_end_.end()) return;
-  stop_run(child.name() + " " + exit->words + " before the run was over; its last lines:" +
-               child.log_tail(),
+  stop_run(child.name() + " " + exit->words +
+               " before the run was over; its last lines:" + child.log_tail(),
            false);
 }
 

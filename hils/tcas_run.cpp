@@ -49,8 +49,8 @@ class Programs {
   void start() {
     fcu_ = &supervisor_.start(
         options("fcu_emulator", places_.fcu_config(),
-                {"--link", places_.fcu_link(), "--ledger", places_.controller_ledger(),
-                 "--control", places_.fcu_control()}),
+                {"--link", places_.fcu_link(), "--ledger", places_.controller_ledger(), "--control",
+                 places_.fcu_control()}),
         kReadyTimeout);
     casd_ = &supervisor_.start(options("casd", places_.casd_config(), {}), kReadyTimeout);
     std::vector<std::string> arguments{"--control", places_.simulator_control(), "--output",
@@ -58,17 +58,17 @@ class Programs {
     for (const std::filesystem::path& folder : base::plugin_dirs()) {
       arguments.insert(arguments.end(), {"--plugin-dir", folder});
     }
-    hilsim_ = &supervisor_.start(options("hilsim", places_.simulator_config(), arguments),
-                                 kReadyTimeout);
+    hilsim_ =
+        &supervisor_.start(options("hilsim", places_.simulator_config(), arguments), kReadyTimeout);
   }
 
   /// The simulator first, so that what it sent still arrives. @return sentences on bad ends
   void stop() {
     for (ChildProcess* child : {hilsim_, casd_, fcu_}) {
       if (!supervisor_.stop(*child, kStopPatience)) {
-        throw RunStopped(child->name() + " did not end in good order; its last lines:" +
-                             child->log_tail(),
-                         false);
+        throw RunStopped(
+            child->name() + " did not end in good order; its last lines:" + child->log_tail(),
+            false);
       }
     }
   }
@@ -217,16 +217,14 @@ class Pilot {
 };
 
 void write_configs(const Scenario& scenario, std::uint64_t seed, const RunPlaces& places) {
-  write_text(places.simulator_config(),
-             simulator_config(scenario, seed, Transport::kUdp, places));
+  write_text(places.simulator_config(), simulator_config(scenario, seed, Transport::kUdp, places));
   write_text(places.fcu_config(), fcu_config(scenario, seed));
   write_text(places.casd_config(), casd_config(scenario, places));
 }
 
 }  // namespace
 
-RunRecord run_tcas(const Scenario& scenario, std::uint64_t seed,
-                   const std::filesystem::path& out) {
+RunRecord run_tcas(const Scenario& scenario, std::uint64_t seed, const std::filesystem::path& out) {
   const base::RunTime begin = base::steady_now();
   const RunDirectory sockets;
   const std::vector<std::uint16_t> ports = free_udp_ports(2);

@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t kStampBytes = 8;
 constexpr std::uint8_t kMagicV1 = 0xFE;
 constexpr std::uint8_t kMagicV2 = 0xFD;
-constexpr std::size_t kFramingV1 = 8;    // header 6, checksum 2
-constexpr std::size_t kFramingV2 = 12;   // header 10, checksum 2
+constexpr std::size_t kFramingV1 = 8;   // header 6, checksum 2
+constexpr std::size_t kFramingV2 = 12;  // header 10, checksum 2
 constexpr std::size_t kSignature = 13;
 constexpr std::uint8_t kIncompatSigned = 0x01;
 

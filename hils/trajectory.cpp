@@ -14,15 +14,14 @@
 #include "hils/tlog_reader.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/local_position_ned.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
 
 namespace cas::hils {
 
 namespace {
 
 /// Columns of truth.csv in the recorder's order, as far as they are read here.
-enum Column : std::size_t {
-  kTime = 0, kX, kY, kZ, kVx, kVy, kVz, kRoll, kPitch, kYaw, kColumns
-};
+enum Column : std::size_t { kTime = 0, kX, kY, kZ, kVx, kVy, kVz, kRoll, kPitch, kYaw, kColumns };
 
 std::optional<std::vector<double>> parse_row(std::string_view line) {
   std::vector<double> values;
@@ -42,8 +41,12 @@ std::optional<std::vector<double>> parse_row(std::string_view line) {
 
 PoseSample to_sample(const std::vector<double>& row) {
   return {.time_us = std::llround(row[kTime] * 1e6),
-          .pose = {.x_m = row[kX], .y_m = row[kY], .z_m = row[kZ], .roll_rad = row[kRoll],
-                   .pitch_rad = row[kPitch], .yaw_rad = row[kYaw]}};
+          .pose = {.x_m = row[kX],
+                   .y_m = row[kY],
+                   .z_m = row[kZ],
+                   .roll_rad = row[kRoll],
+                   .pitch_rad = row[kPitch],
+                   .yaw_rad = row[kYaw]}};
 }
 
 }  // namespace
@@ -74,8 +77,11 @@ std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::ui
     const auto position = mav::decode<mavlink::common::LocalPositionNed>(packet);
     if (!position || !attitude) return;
     samples.push_back({.time_us = stamp_us,
-                       .pose = {.x_m = position->x, .y_m = position->y, .z_m = -position->z,
-                                .roll_rad = attitude->roll, .pitch_rad = attitude->pitch,
+                       .pose = {.x_m = position->x,
+                                .y_m = position->y,
+                                .z_m = -position->z,
+                                .roll_rad = attitude->roll,
+                                .pitch_rad = attitude->pitch,
                                 .yaw_rad = attitude->yaw}});
   });
   return samples;
@@ -102,8 +108,10 @@ RmsFigures rms_about(std::span<const PoseSample> samples, const Pose& reference)
     sums.yaw_rad += dyaw * dyaw;
   }
   const double n = static_cast<double>(std::max<std::size_t>(samples.size(), 1));
-  return {.x_m = std::sqrt(sums.x_m / n), .y_m = std::sqrt(sums.y_m / n),
-          .z_m = std::sqrt(sums.z_m / n), .yaw_rad = std::sqrt(sums.yaw_rad / n),
+  return {.x_m = std::sqrt(sums.x_m / n),
+          .y_m = std::sqrt(sums.y_m / n),
+          .z_m = std::sqrt(sums.z_m / n),
+          .yaw_rad = std::sqrt(sums.yaw_rad / n),
           .samples = samples.size()};
 }
 
