@@ -47,6 +47,9 @@ RotorParams parse_rotor_params(const ConfigNode& node) {
   rotor.radius_m = positive(node, "radius_m");
   rotor.drag_coefficient = non_negative(node, "drag_coefficient");
   rotor.rolling_moment_coefficient = non_negative(node, "rolling_moment_coefficient");
+  rotor.zero_thrust_speed_m_s = non_negative(node, "zero_thrust_speed_m_s");
+  rotor.reference_density_kg_m3 = non_negative(node, "reference_density_kg_m3");
+  rotor.ground_effect = node.require_in("ground_effect", 0.0, 1.0);
   return rotor;
 }
 

@@ -33,6 +33,9 @@ struct RotorParams {
   double radius_m = 0;
   double drag_coefficient = 0;            ///< in-plane drag, N s^2/m per rad/s of |omega| (lambda)
   double rolling_moment_coefficient = 0;  ///< N m s^2/m per rad/s
+  double zero_thrust_speed_m_s = 0;    ///< axial airspeed at which thrust has faded to zero
+  double reference_density_kg_m3 = 0;  ///< air in which k_f and k_m hold; 0: in any air
+  double ground_effect = 0;            ///< share of Cheeseman and Bennett's thrust gain, 0..1
 };
 
 /// Full scales of HIL_CONTROLS: what +-1 (roll, pitch, yaw) and 1 (throttle) stand for.

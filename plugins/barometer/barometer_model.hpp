@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+#include "base/random.hpp"
+#include "libsim/api/messages.hpp"
+#include "plugins/common/gauss_markov.hpp"
+
+namespace cas::sim {
+
+struct BarometerParams {
+  double rate_hz = 0;
+  double stddev_pa = 0;  ///< white, one sample
+  GaussMarkovParams<1> drift;
+  double qnh_hpa = 0;                    ///< pressure at sea level
+  double temperature_offset_degc = 0;    ///< of the day against the standard atmosphere
+  double self_heating_degc = 0;          ///< of the sensor against the air
+  double wind_pressure_coefficient = 0;  ///< share of the dynamic pressure that is read
+  double lsb_pa = 0;
+};
+
+/// Reads the block `barometer`: keys are described in docs/plugins.md.
+BarometerParams parse_barometer_params(const base::ConfigNode& node, double step_s);
+
+/// Static pressure of the standard atmosphere (ISO 2533) scaled to the day's QNH, with white noise,
+/// drift and the pressure that the airflow leaves on the sensor.
+class BarometerModel {
+ public:
+  BarometerModel() = default;
+  BarometerModel(const BarometerParams& params, std::uint64_t seed);
+
+  /// @param alt_m        altitude above mean sea level
+  /// @param airspeed_m_s speed through the air
+  /// @param air_density_kg_m3  for the dynamic pressure
+  BarometerSample sample(base::SimTime time, double alt_m, double airspeed_m_s,
+                         double air_density_kg_m3);
+
+  const BarometerParams& params() const { return params_; }
+
+ private:
+  BarometerParams params_;
+  base::NormalRandom random_;
+  GaussMarkov<1> drift_;
+};
+
+}  // namespace cas::sim

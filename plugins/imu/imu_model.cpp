@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/imu/imu_model.hpp"
+
+#include <cmath>
+
+#include "plugins/common/normal3.hpp"
+
+namespace cas::sim {
+TriadErrors::TriadErrors(const TriadParams& params, double dt_s, base::NormalRandom& random)
+    : params_(params),
+      bias_(params.bias + params.turn_on_bias_stddev.cwiseProduct(normal3(random))),
+      walk_(params.bias_walk, dt_s) {}
+
+Eigen::Vector3d TriadErrors::sample(const Eigen::Vector3d& truth, const Eigen::Vector3d& vibration,
+                                    base::NormalRandom& random) {
+  Eigen::Vector3d value = params_.sensitivity * truth + bias_ + walk_.advance(random);
+  value += params_.vibration.cwiseProduct(vibration);
+  value += params_.stddev.cwiseProduct(normal3(random));
+  if (params_.range > 0) value = value.cwiseMax(-params_.range).cwiseMin(params_.range);
+  if (params_.lsb > 0) value = (value / params_.lsb).array().round().matrix() * params_.lsb;
+  return value;
+}
+
+ImuModel::ImuModel(const ImuParams& params, std::uint64_t seed)
+    : params_(params),
+      random_(seed),
+      gyro_(params.gyro, 1.0 / params.rate_hz, random_),
+      accel_(params.accel, 1.0 / params.rate_hz, random_),
+      vibrates_(params.vibration_reference_rad_s > 0) {
+  for (double& phase : phases_) phase = 2.0 * M_PI * random_.uniform();
+}
+
+void ImuModel::accumulate(const BodyState& state, const Eigen::Vector3d& gravity_W, double dt) {
+  // a_WB and alpha_WB_B are means over the step, so everything is taken at its middle: w half a
+  // step back, and the attitude turned back by half a step (first order).
+  const Eigen::Vector3d& alpha_B = state.alpha_WB_B;
+  const Eigen::Vector3d w_B = state.w_WB_B - alpha_B * (0.5 * dt);
+  const Eigen::Vector3d f_end_B = state.q_WB.conjugate() * (state.a_WB - gravity_W);
+  const Eigen::Vector3d f_B = f_end_B + (w_B * (0.5 * dt)).cross(f_end_B);
+
+  // Rigid-body lever arm: f_P = f + alpha x r + w x (w x r).
+  const Eigen::Vector3d& r_B = params_.position_B_m;
+  specific_force_sum_B_ += (f_B + alpha_B.cross(r_B) + w_B.cross(w_B.cross(r_B))) * dt;
+  rate_sum_B_ += w_B * dt;
+  time_sum_ += dt;
+}
+
+void ImuModel::advance_vibration(const Eigen::Vector4d& omega, double dt) {
+  if (!vibrates_) return;
+  imbalance_ = (omega / params_.vibration_reference_rad_s).cwiseAbs2();
+  for (int i = 0; i < 4; ++i) {
+    double& phase = phases_[static_cast<std::size_t>(i)];
+    phase = std::fmod(phase + omega[i] * dt, 2.0 * M_PI);
+  }
+}
+
+ImuSample ImuModel::sample(base::SimTime time, const BodyState& state) {
+  const Eigen::Vector3d vibration = unit_vibration();
+  const double inverse_time = time_sum_ > 0 ? 1.0 / time_sum_ : 0.0;
+  ImuSample sample;
+  sample.time = time;
+  sample.angular_rate_B =
+      gyro_.sample(params_.R_SB * rate_sum_B_ * inverse_time, vibration, random_);
+  sample.specific_force_B =
+      accel_.sample(params_.R_SB * specific_force_sum_B_ * inverse_time, vibration, random_);
+  sample.q_WB = state.q_WB;
+  specific_force_sum_B_.setZero();
+  rate_sum_B_.setZero();
+  time_sum_ = 0;
+  return sample;
+}
+
+Eigen::Vector3d ImuModel::unit_vibration() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  if (!vibrates_) return sum;
+  for (int i = 0; i < 4; ++i) {
+    const double phase = phases_[static_cast<std::size_t>(i)];
+    const double quadrature = std::sin(phase);
+    sum += imbalance_[i] * Eigen::Vector3d(std::cos(phase), quadrature, quadrature);
+  }
+  return sum;
+}
+
+}  // namespace cas::sim

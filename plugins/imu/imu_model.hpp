@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "base/clock.hpp"
+#include "base/random.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/world.hpp"
+#include "plugins/common/gauss_markov.hpp"
+#include "plugins/imu/imu_params.hpp"
+
+namespace cas::sim {
+
+/// Error chain of three axes: sensitivity, biases, vibration, white noise, range, resolution.
+class TriadErrors {
+ public:
+  TriadErrors() = default;
+  /// Draws the turn-on bias.
+  TriadErrors(const TriadParams& params, double dt_s, base::NormalRandom& random);
+
+  /// @param truth      mean over the sample period, in the sensor's axes
+  /// @param vibration  this moment's vibration for amplitude 1
+  Eigen::Vector3d sample(const Eigen::Vector3d& truth, const Eigen::Vector3d& vibration,
+                         base::NormalRandom& random);
+
+ private:
+  TriadParams params_;
+  Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
+  GaussMarkov<3> walk_;
+};
+
+/// Gyroscope and accelerometer at a point of the body.
+///
+/// Truth is averaged over the sample period, as integrating sensors do, so that samples do not
+/// depend on the simulation's step. Vibration is what the imbalance of each rotor gives at its
+/// speed: amplitude * (omega / reference)^2 at the rotor's own phase, sampled (and so aliased) at
+/// the sample's moment. Temperature, g-sensitivity and the analog filter's lag are not modelled.
+class ImuModel {
+ public:
+  ImuModel() = default;
+  ImuModel(const ImuParams& params, std::uint64_t seed);
+
+  /// Takes in one step of motion. @param state  at the end of the step
+  void accumulate(const BodyState& state, const Eigen::Vector3d& gravity_W, double dt);
+  /// Turns the rotors' imbalance on by dt. @param omega  rotor speeds, rad/s
+  void advance_vibration(const Eigen::Vector4d& omega, double dt);
+  /// The mean over the steps since the last call, with errors.
+  ImuSample sample(base::SimTime time, const BodyState& state);
+
+  const ImuParams& params() const { return params_; }
+
+ private:
+  Eigen::Vector3d unit_vibration() const;
+
+  ImuParams params_;
+  base::NormalRandom random_;
+  TriadErrors gyro_;
+  TriadErrors accel_;
+  bool vibrates_ = false;
+  std::array<double, 4> phases_{};
+  Eigen::Vector4d imbalance_ = Eigen::Vector4d::Zero();  // (omega / reference)^2
+  Eigen::Vector3d specific_force_sum_B_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rate_sum_B_ = Eigen::Vector3d::Zero();
+  double time_sum_ = 0;
+};
+
+}  // namespace cas::sim

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+#include "base/geodesy.hpp"
+#include "base/random.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/world.hpp"
+#include "plugins/common/gauss_markov.hpp"
+
+namespace cas::sim {
+
+struct MagnetometerParams {
+  double rate_hz = 0;
+  Eigen::Vector3d stddev_gauss = Eigen::Vector3d::Zero();  ///< white, one sample
+  GaussMarkovParams<3> bias_walk;
+  Eigen::Vector3d hard_iron_gauss = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d soft_iron = Eigen::Matrix3d::Identity();
+  double lsb_gauss = 0;
+};
+
+/// Reads the block `magnetometer`: keys are described in docs/plugins.md.
+MagnetometerParams parse_magnetometer_params(const base::ConfigNode& node, double step_s);
+
+/// Earth's field (World Magnetic Model) in the axes of B, bent by soft iron, shifted by hard iron.
+///
+/// The field is evaluated again when the vehicle has moved 1 km from where it was last evaluated:
+/// it changes by less than 1e-4 gauss over that distance. Currents' fields are not modelled.
+class MagnetometerModel {
+ public:
+  MagnetometerModel() = default;
+  MagnetometerModel(const MagnetometerParams& params, const base::LocalProjection& projection,
+                    double decimal_year, std::uint64_t seed);
+
+  MagnetometerSample sample(base::SimTime time, const BodyState& state);
+
+  const MagnetometerParams& params() const { return params_; }
+
+ private:
+  void follow(const Eigen::Vector3d& p_W);
+
+  MagnetometerParams params_;
+  base::LocalProjection projection_;
+  double decimal_year_ = 0;
+  base::NormalRandom random_;
+  GaussMarkov<3> walk_;
+  Eigen::Vector3d field_W_ = Eigen::Vector3d::Zero();         // gauss
+  Eigen::Vector3d evaluated_at_W_ = Eigen::Vector3d::Zero();  // m
+};
+
+}  // namespace cas::sim

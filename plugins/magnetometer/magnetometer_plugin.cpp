@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/rate_gate.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/plugin.hpp"
+#include "plugins/magnetometer/magnetometer_model.hpp"
+
+namespace cas::sim {
+namespace {
+
+/// Publishes the magnetic field in B on topic `magnetometer`.
+class MagnetometerPlugin final : public Plugin {
+ public:
+  void configure(PluginContext& context, const base::ConfigNode& node) override {
+    vehicle_ = context.vehicle_id();
+    const auto params = parse_magnetometer_params(node, base::to_seconds(context.step()));
+    initial_ =
+        MagnetometerModel(params, context.projection(), context.decimal_year(), context.seed());
+    model_ = initial_;
+    rate_ = base::RateGate(params.rate_hz);
+    field_ = context.bus().advertise<MagnetometerSample>(context.topic("magnetometer"));
+  }
+
+  void post_step(const StepInfo& step, const World& world) override {
+    if (!rate_.due(step.time)) return;
+    field_.publish(model_.sample(step.time, world.state(vehicle_)));
+  }
+
+  void reset() override {
+    model_ = initial_;
+    rate_.reset();
+  }
+
+ private:
+  VehicleId vehicle_{};
+  MagnetometerModel initial_;
+  MagnetometerModel model_;
+  base::RateGate rate_;
+  Publisher<MagnetometerSample> field_;
+};
+
+}  // namespace
+}  // namespace cas::sim
+
+CAS_PLUGIN(cas::sim::MagnetometerPlugin, "magnetometer")

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/mavlink_interface/hil_conversion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "base/atmosphere.hpp"
+#include "base/frames.hpp"
+
+namespace cas::sim {
+namespace {
+
+namespace mv = mavlink::common;
+
+constexpr unsigned kModeArmed = 128;          // MAV_MODE_FLAG_SAFETY_ARMED
+constexpr std::uint16_t kUnknown16 = 0xFFFF;  // "unknown" of HIL_GPS
+constexpr std::uint8_t kFix2d = 2;            // GPS_FIX_TYPE_2D_FIX
+constexpr double kPascalPerHectopascal = 100.0;
+
+float to_float(double value) { return static_cast<float>(value); }
+
+/// Rounds and keeps within the wire type.
+template <class Integer>
+Integer to_wire(double value) {
+  constexpr double kLow = std::numeric_limits<Integer>::min();
+  constexpr double kHigh = std::numeric_limits<Integer>::max();
+  return static_cast<Integer>(std::clamp(std::round(value), kLow, kHigh));
+}
+
+/// As to_wire, but never the value that stands for unknown.
+std::uint16_t to_known16(double value) {
+  return std::min<std::uint16_t>(to_wire<std::uint16_t>(value), kUnknown16 - 1);
+}
+
+void flag(mv::HilSensor& packet, std::uint32_t bits) {
+  using Flags = std::remove_cvref_t<decltype(packet.fields_updated)>;
+  packet.fields_updated =
+      static_cast<Flags>(static_cast<std::uint32_t>(packet.fields_updated) | bits);
+}
+
+/// Course over ground in 0..35999 centidegrees.
+std::uint16_t course(const Eigen::Vector3d& velocity_N) {
+  const double degrees = std::atan2(velocity_N.y(), velocity_N.x()) * 180.0 / M_PI;
+  const long centidegrees = std::lround(degrees * 100.0);
+  return static_cast<std::uint16_t>((centidegrees + 36000) % 36000);
+}
+
+double within(float value, double low, double high) {
+  return std::isfinite(value) ? std::clamp<double>(value, low, high) : 0.0;
+}
+
+template <class Mode>
+bool is_armed(Mode mode) {
+  return (static_cast<unsigned>(mode) & kModeArmed) != 0;
+}
+
+}  // namespace
+
+void fill(mv::HilSensor& packet, const ImuSample& sample) {
+  const Eigen::Vector3d f_D = base::swap_BD(sample.specific_force_B);
+  const Eigen::Vector3d w_D = base::swap_BD(sample.angular_rate_B);
+  packet.time_usec = base::to_time_usec(sample.time);
+  packet.xacc = to_float(f_D.x());
+  packet.yacc = to_float(f_D.y());
+  packet.zacc = to_float(f_D.z());
+  packet.xgyro = to_float(w_D.x());
+  packet.ygyro = to_float(w_D.y());
+  packet.zgyro = to_float(w_D.z());
+  flag(packet, kUpdatedAccel | kUpdatedGyro);
+}
+
+void fill(mv::HilSensor& packet, const MagnetometerSample& sample) {
+  const Eigen::Vector3d field_D = base::swap_BD(sample.field_B_gauss);
+  packet.xmag = to_float(field_D.x());
+  packet.ymag = to_float(field_D.y());
+  packet.zmag = to_float(field_D.z());
+  flag(packet, kUpdatedMag);
+}
+
+void fill(mv::HilSensor& packet, const BarometerSample& sample) {
+  packet.abs_pressure = to_float(sample.pressure_pa / kPascalPerHectopascal);
+  packet.pressure_alt = to_float(base::isa::altitude_m(sample.pressure_pa));
+  packet.temperature = to_float(sample.temperature_degc);
+  flag(packet, kUpdatedBaro);
+}
+
+mv::HilGps to_hil_gps(const GpsSample& sample) {
+  mv::HilGps packet;
+  packet.time_usec = base::to_time_usec(sample.time);
+  packet.fix_type = static_cast<decltype(packet.fix_type)>(sample.fix_type);
+  packet.satellites_visible = sample.satellites;
+  packet.eph = to_known16(sample.eph_m * 100.0);
+  packet.epv = to_known16(sample.epv_m * 100.0);
+  packet.vel = packet.cog = kUnknown16;
+  if (sample.fix_type < kFix2d) return packet;
+  packet.lat = to_wire<std::int32_t>(sample.position.lat_deg * 1e7);
+  packet.lon = to_wire<std::int32_t>(sample.position.lon_deg * 1e7);
+  packet.alt = to_wire<std::int32_t>(sample.position.alt_m * 1e3);
+  packet.vn = to_wire<std::int16_t>(sample.velocity_N.x() * 100.0);
+  packet.ve = to_wire<std::int16_t>(sample.velocity_N.y() * 100.0);
+  packet.vd = to_wire<std::int16_t>(sample.velocity_N.z() * 100.0);
+  packet.vel = to_known16(sample.velocity_N.head<2>().norm() * 100.0);
+  packet.cog = course(sample.velocity_N);
+  return packet;
+}
+
+mv::Heartbeat simulator_heartbeat() {
+  mv::Heartbeat packet;
+  packet.type = mv::MavType::kGeneric;
+  packet.autopilot = mv::MavAutopilot::kInvalid;
+  packet.system_status = mv::MavState::kActive;
+  packet.mavlink_version = 3;
+  return packet;
+}
+
+MotorCommand to_motor_command(const mv::HilControls& packet, const base::ControlScales& scales) {
+  MotorCommand command;
+  command.sensor_time = base::from_time_usec(packet.time_usec);
+  command.kind = MotorCommand::Kind::kControlInputs;
+  command.armed = is_armed(packet.mode);
+  command.values = {within(packet.throttle, 0, 1) * scales.u1_max_n,
+                    within(packet.roll_ailerons, -1, 1) * scales.u2_max_nm,
+                    within(packet.pitch_elevator, -1, 1) * scales.u3_max_nm,
+                    within(packet.yaw_rudder, -1, 1) * scales.u4_max_nm};
+  return command;
+}
+
+MotorCommand to_motor_command(const mv::HilActuatorControls& packet) {
+  MotorCommand command;
+  command.sensor_time = base::from_time_usec(packet.time_usec);
+  command.kind = MotorCommand::Kind::kMotorOutputs;
+  command.armed = is_armed(packet.mode);
+  for (int i = 0; i < base::kRotors; ++i) {
+    command.values[i] = within(packet.controls[static_cast<std::size_t>(i)], 0, 1);
+  }
+  return command;
+}
+
+}  // namespace cas::sim

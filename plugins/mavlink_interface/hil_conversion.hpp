@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "base/vehicle.hpp"
+#include "libsim/api/messages.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/hil_actuator_controls.hpp"
+#include "mavlink/common/hil_controls.hpp"
+#include "mavlink/common/hil_gps.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+
+/// Between the units and frames of the simulation and those of the wire.
+namespace cas::sim {
+
+/// Groups of HIL_SENSOR.fields_updated. A flight controller takes a group only with all its bits.
+inline constexpr std::uint32_t kUpdatedAccel = 0x0007;
+inline constexpr std::uint32_t kUpdatedGyro = 0x0038;
+inline constexpr std::uint32_t kUpdatedMag = 0x01C0;
+inline constexpr std::uint32_t kUpdatedBaro = 0x1A00;  // pressure, pressure altitude, temperature
+
+/// Stamp and inertial fields (m/s^2, rad/s in D), flagged as updated.
+void fill(mavlink::common::HilSensor& packet, const ImuSample& sample);
+/// Magnetic fields (gauss in D), flagged as updated.
+void fill(mavlink::common::HilSensor& packet, const MagnetometerSample& sample);
+/// Pressure (hPa), pressure altitude (m) and temperature (deg C), flagged as updated.
+void fill(mavlink::common::HilSensor& packet, const BarometerSample& sample);
+
+/// Degrees * 1e7, mm, cm/s, cm (eph, epv: what PX4 reads, [HILS] has no such fields), centidegrees.
+/// Without a fix, place and velocity are zero and speed and course unknown (65535).
+mavlink::common::HilGps to_hil_gps(const GpsSample& sample);
+
+/// The simulator's own HEARTBEAT: a generic system without autopilot.
+mavlink::common::Heartbeat simulator_heartbeat();
+
+/// U1..U4 from throttle, roll, pitch and yaw with the vehicle's full scales; armed by mode bit 128.
+/// Fields are held to their ranges; what is not a number counts as 0.
+MotorCommand to_motor_command(const mavlink::common::HilControls& packet,
+                              const base::ControlScales& scales);
+/// Motor outputs of rotors 1..4 from controls[0..3], held to 0..1; armed by mode bit 128.
+MotorCommand to_motor_command(const mavlink::common::HilActuatorControls& packet);
+
+}  // namespace cas::sim

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/mavlink_interface/hil_interface.hpp"
+
+#include <algorithm>
+
+#include "mavlink/common/table.hpp"
+#include "plugins/mavlink_interface/hil_conversion.hpp"
+
+namespace cas::sim {
+
+namespace mv = mavlink::common;
+
+void MessageCounts::add(std::uint32_t id) {
+  for (auto& [known, count] : counts_) {
+    if (known == id) {
+      ++count;
+      return;
+    }
+  }
+  counts_.emplace_back(id, 1);
+}
+
+std::uint64_t MessageCounts::of(std::uint32_t id) const {
+  const auto found = std::find_if(counts_.begin(), counts_.end(),
+                                  [id](const auto& entry) { return entry.first == id; });
+  return found == counts_.end() ? 0 : found->second;
+}
+
+std::string MessageCounts::json() const {
+  std::string text = "{";
+  for (const auto& [id, count] : counts_) {
+    const mav::MessageInfo* info = mv::table().find(id);
+    const std::string name = info ? std::string(info->name) : std::to_string(id);
+    text += (text.size() > 1 ? ",\"" : "\"") + name + "\":" + std::to_string(count);
+  }
+  return text + "}";
+}
+
+HilInterface::HilInterface(const HilInterfaceParams& params, PacketPort& port,
+                           base::PacketLedger* ledger)
+    : params_(params),
+      port_(port),
+      ledger_(ledger),
+      on_bytes_([this](std::span<const std::uint8_t> bytes, base::RunTime at) {
+        parser_.feed(bytes, [&](const mav::PacketView& packet) { on_packet(packet, at); });
+      }),
+      encode_(params.self),
+      heartbeat_(params.heartbeat_hz),
+      parser_(mv::table()),
+      control_due_(params.control_rate_hz) {}
+
+void HilInterface::flush(base::SimTime now) {
+  send_heartbeat(now);
+  if (gps_) send_gps();  // before the sensors, so that the answer to them knows it
+  if (imu_) send_sensor();
+}
+
+template <class Message>
+bool HilInterface::send(const Message& message) {
+  if (!port_.send(encode_(message))) return false;
+  sent_.add(Message::kId);
+  return true;
+}
+
+void HilInterface::send_heartbeat(base::SimTime now) {
+  const bool due = heartbeat_.due(now);
+  if (announced_ && !due) return;
+  announced_ = send(simulator_heartbeat());
+}
+
+void HilInterface::send_gps() {
+  const mv::HilGps packet = to_hil_gps(*gps_);
+  gps_.reset();
+  const base::RunTime at = port_.now();
+  if (send(packet) && ledger_) ledger_->sent(mv::HilGps::kId, packet.time_usec, at);
+}
+
+void HilInterface::send_sensor() {
+  // Only what is new is flagged; the rest repeats its last value.
+  sensor_.fields_updated = {};
+  fill(sensor_, *imu_);
+  if (magnetometer_) fill(sensor_, *magnetometer_);
+  if (barometer_) fill(sensor_, *barometer_);
+  const base::RunTime at = port_.now();
+  const bool sent = send(sensor_);
+  if (sent && ledger_) ledger_->sent(mv::HilSensor::kId, sensor_.time_usec, at);
+
+  sent_usec_ = sensor_.time_usec;
+  if (control_due_.due(base::from_time_usec(sent_usec_))) due_usec_ = sent_usec_;
+  imu_.reset();
+  magnetometer_.reset();
+  barometer_.reset();
+}
+
+void HilInterface::receive() { port_.poll(on_bytes_); }
+
+void HilInterface::on_packet(const mav::PacketView& packet, base::RunTime at) {
+  received_.add(packet.message_id);
+  sequences_.update(packet.source, packet.sequence);
+  if (const auto controls = mav::decode<mv::HilControls>(packet)) {
+    on_controls(*controls, to_motor_command(*controls, params_.scales), at);
+  } else if (const auto outputs = mav::decode<mv::HilActuatorControls>(packet)) {
+    on_controls(*outputs, to_motor_command(*outputs), at);
+  }
+}
+
+template <class Controls>
+void HilInterface::on_controls(const Controls& controls, const MotorCommand& command,
+                               base::RunTime at) {
+  if (ledger_) ledger_->received(Controls::kId, controls.time_usec, at);
+  if (command_) ++overwritten_commands_;
+  command_ = command;
+  // An echo of what was never sent is another clock, or a run before reset().
+  if (controls.time_usec <= sent_usec_) {
+    answered_usec_ = std::max(answered_usec_, controls.time_usec);
+  }
+}
+
+std::optional<MotorCommand> HilInterface::take_command(base::SimTime now) {
+  if (command_) {
+    last_command_ = now;
+    return std::exchange(command_, std::nullopt);
+  }
+  if (!last_command_ || now - *last_command_ < params_.actuator_timeout) return std::nullopt;
+  last_command_.reset();
+  ++actuator_timeouts_;
+  return MotorCommand{};  // disarmed, zeros
+}
+
+std::string HilInterface::stats_json() const {
+  const auto& parser = parser_.stats();
+  const auto entry = [](const char* key, std::uint64_t value) {
+    return std::string(",\"") + key + "\":" + std::to_string(value);
+  };
+  return "{\"endpoint\":\"" + port_.endpoint() + "\",\"sent\":" + sent_.json() +
+         ",\"received\":" + received_.json() + entry("crc_errors", parser.crc_errors) +
+         entry("lost_by_sequence", sequences_.lost()) + entry("unknown_ids", parser.unknown_ids) +
+         entry("skipped_bytes", parser.skipped_bytes) +
+         entry("overwritten_commands", overwritten_commands_) +
+         entry("actuator_timeouts", actuator_timeouts_) + ",\"port\":" + port_.stats_json() + "}";
+}
+
+}  // namespace cas::sim

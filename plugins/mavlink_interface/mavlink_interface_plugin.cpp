@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/ledger.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/plugin.hpp"
+#include "plugins/mavlink_interface/bus_port.hpp"
+#include "plugins/mavlink_interface/hil_interface.hpp"
+#include "plugins/mavlink_interface/udp_port.hpp"
+
+namespace cas::sim {
+namespace {
+
+constexpr int kDefaultComponent = 200;
+
+std::uint8_t parse_id(const base::ConfigNode& node, const char* key, int fallback) {
+  return static_cast<std::uint8_t>(node.get_in(key, fallback, 1, 255));
+}
+
+HilInterfaceParams parse_params(const base::ConfigNode& node, const base::Vehicle& vehicle) {
+  constexpr double kMostHertz = 10000;
+  HilInterfaceParams params;
+  params.self = {parse_id(node, "system_id", vehicle.system_id),
+                 parse_id(node, "component_id", kDefaultComponent)};
+  params.scales = vehicle.scales;
+  params.heartbeat_hz = node.get_in("heartbeat_hz", 1, 0, kMostHertz);
+  params.control_rate_hz = node.get_in("control_rate_hz", 400, 0, kMostHertz);
+  params.actuator_timeout = base::from_seconds(node.get_in("actuator_timeout_s", 0.5, 0.01, 60));
+  return params;
+}
+
+std::unique_ptr<PacketPort> open_port(PluginContext& context, const base::ConfigNode& node) {
+  const base::ConfigNode transport = node.at("transport");
+  const auto word = transport.as<std::string>();
+  if (word == "udp") return std::make_unique<UdpPort>(node.at("local"), node.find("remote"));
+  if (word == "bus") return std::make_unique<BusPort>(context);
+  transport.fail("must be udp or bus");
+}
+
+/// Sends the sensors of one vehicle as MAVLink and takes its actuator commands ([HILS] Fig. 6).
+class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
+ public:
+  void configure(PluginContext& context, const base::ConfigNode& node) override {
+    params_ = parse_params(node, context.vehicle());
+    port_ = open_port(context, node);
+    if (node.has("ledger")) {
+      ledger_file_ = context.output_dir() / node.require<std::string>("ledger");
+    }
+    begin();
+    subscribe(context);
+    command_ = context.bus().advertise<MotorCommand>(context.topic("motor_command"));
+    context.set_lockstep_peer(*this);
+  }
+
+  void pre_step(const StepInfo& step, World&) override {
+    port_->set_sim_time(step.time);
+    interface_->receive();
+    if (const auto command = interface_->take_command(step.time)) command_.publish(*command);
+  }
+
+  void post_step(const StepInfo& step, const World&) override {
+    port_->set_sim_time(step.time);
+    interface_->flush(step.time);
+  }
+
+  bool wait_for_controls(base::SimTime, base::Duration timeout) override {
+    const base::RunTime deadline = base::steady_now() + timeout;
+    interface_->receive();
+    while (!interface_->answered()) {
+      const base::Duration left = deadline - base::steady_now();
+      if (left <= base::Duration::zero() || !port_->wait(left)) return false;
+      interface_->receive();
+    }
+    return true;
+  }
+
+  void reset() override { begin(); }
+
+  void finish() override {
+    if (!ledger_) return;
+    interface_->receive();  // what arrived after the last step belongs to the accounts
+    ledger_->write(ledger_file_);
+  }
+
+  std::string stats_json() const override { return interface_->stats_json(); }
+
+ private:
+  void begin() {
+    if (!ledger_file_.empty()) ledger_.emplace();
+    interface_ = std::make_unique<HilInterface>(params_, *port_, ledger_ ? &*ledger_ : nullptr);
+  }
+
+  template <class Sample>
+  void listen(PluginContext& context, const char* topic, void (HilInterface::*take)(const Sample&),
+              Subscription& subscription) {
+    subscription = context.bus().subscribe<Sample>(
+        context.topic(topic),
+        [this, take](const Sample& sample) { ((*interface_).*take)(sample); });
+  }
+
+  void subscribe(PluginContext& context) {
+    listen<ImuSample>(context, "imu", &HilInterface::on_imu, imu_);
+    listen<GpsSample>(context, "gps", &HilInterface::on_gps, gps_);
+    listen<MagnetometerSample>(context, "magnetometer", &HilInterface::on_magnetometer,
+                               magnetometer_);
+    listen<BarometerSample>(context, "barometer", &HilInterface::on_barometer, barometer_);
+  }
+
+  HilInterfaceParams params_;
+  std::unique_ptr<PacketPort> port_;
+  std::filesystem::path ledger_file_;
+  std::optional<base::PacketLedger> ledger_;
+  std::unique_ptr<HilInterface> interface_;
+  Subscription imu_;
+  Subscription gps_;
+  Subscription magnetometer_;
+  Subscription barometer_;
+  Publisher<MotorCommand> command_;
+};
+
+}  // namespace
+}  // namespace cas::sim
+
+CAS_PLUGIN(cas::sim::MavlinkInterfacePlugin, "mavlink_interface")

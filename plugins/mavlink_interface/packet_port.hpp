@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "base/clock.hpp"
+
+namespace cas::sim {
+
+/// The way packets take out of and into the simulator. Never blocks apart from `wait`.
+class PacketPort {
+ public:
+  /// Bytes of one datagram, with the moment at which they reached this machine.
+  using OnBytes = std::function<void(std::span<const std::uint8_t>, base::RunTime)>;
+
+  virtual ~PacketPort() = default;
+  /// @return false when the packet was not taken (counted by the port)
+  virtual bool send(std::span<const std::uint8_t> packet) = 0;
+  /// Hands over all that has arrived.
+  virtual void poll(const OnBytes& on_bytes) = 0;
+  /// Waits until something has arrived. @return false after `timeout` or on a signal
+  virtual bool wait(base::Duration timeout) = 0;
+  /// The clock of the ledger: steady in real time, the simulation's on the bus.
+  virtual base::RunTime now() const = 0;
+  /// What the clock of the simulation shows, told before each use in a step.
+  virtual void set_sim_time(base::SimTime) {}
+  virtual std::string endpoint() const = 0;  ///< "udp 127.0.0.1:14560"
+  virtual std::string stats_json() const { return "{}"; }
+};
+
+}  // namespace cas::sim

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/mavlink_interface/udp_port.hpp"
+
+#include <netdb.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+
+namespace cas::sim {
+namespace {
+
+constexpr int kSocketBufferBytes = 1 << 20;
+
+std::int64_t nanoseconds(const timespec& t) {
+  return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+}
+
+/// Now on CLOCK_MONOTONIC minus now on CLOCK_REALTIME, in which the kernel stamps datagrams.
+std::int64_t monotonic_minus_realtime() {
+  timespec realtime{};
+  clock_gettime(CLOCK_REALTIME, &realtime);
+  return base::steady_now().time_since_epoch().count() - nanoseconds(realtime);
+}
+
+void set_option(int socket, int name, int value) {
+  setsockopt(socket, SOL_SOCKET, name, &value,
+             sizeof value);  // each of them is an improvement only
+}
+
+}  // namespace
+
+SocketAddress SocketAddress::parse(const base::ConfigNode& node) {
+  const auto text = node.as<std::string>();
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0) node.fail("must be an address and port, HOST:PORT");
+  std::string host = text.substr(0, colon);
+  if (host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_DGRAM;
+  hints.ai_flags = AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  const int error = getaddrinfo(host.c_str(), text.substr(colon + 1).c_str(), &hints, &found);
+  if (error != 0) node.fail(std::string("is no address: ") + gai_strerror(error));
+  SocketAddress address;
+  std::memcpy(&address.storage_, found->ai_addr, found->ai_addrlen);
+  address.size_ = found->ai_addrlen;
+  freeaddrinfo(found);
+  return address;
+}
+
+std::string SocketAddress::text() const {
+  std::array<char, NI_MAXHOST> host{};
+  std::array<char, NI_MAXSERV> port{};
+  if (getnameinfo(data(), size_, host.data(), host.size(), port.data(), port.size(),
+                  NI_NUMERICHOST | NI_NUMERICSERV) != 0) {
+    return "?";
+  }
+  std::string text;
+  const bool bracketed = family() == AF_INET6;
+  if (bracketed) text += '[';
+  text += host.data();
+  if (bracketed) text += ']';
+  text += ':';
+  text += port.data();
+  return text;
+}
+
+bool operator==(const SocketAddress& a, const SocketAddress& b) {
+  if (a.family() != b.family()) return false;
+  if (a.family() == AF_INET) {
+    const auto& left = reinterpret_cast<const sockaddr_in&>(a.storage_);
+    const auto& right = reinterpret_cast<const sockaddr_in&>(b.storage_);
+    return left.sin_port == right.sin_port && left.sin_addr.s_addr == right.sin_addr.s_addr;
+  }
+  const auto& left = reinterpret_cast<const sockaddr_in6&>(a.storage_);
+  const auto& right = reinterpret_cast<const sockaddr_in6&>(b.storage_);
+  return left.sin6_port == right.sin6_port &&
+         std::memcmp(&left.sin6_addr, &right.sin6_addr, sizeof left.sin6_addr) == 0;
+}
+
+/// Room for the datagrams of one system call, with their sources and stamps.
+struct UdpPort::Batch {
+  static constexpr std::size_t kDatagrams = 16;
+  static constexpr std::size_t kBytes = 4096;
+
+  Batch() {
+    for (std::size_t i = 0; i < kDatagrams; ++i) {
+      vectors[i] = {bytes[i].data(), kBytes};
+      headers[i].msg_hdr.msg_iov = &vectors[i];
+      headers[i].msg_hdr.msg_iovlen = 1;
+      headers[i].msg_hdr.msg_name = sources[i].data();
+    }
+  }
+  /// The kernel overwrites lengths.
+  void prepare() {
+    for (std::size_t i = 0; i < kDatagrams; ++i) {
+      headers[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+      headers[i].msg_hdr.msg_control = control[i].data();
+      headers[i].msg_hdr.msg_controllen = control[i].size();
+    }
+  }
+  std::optional<std::int64_t> stamp_ns(std::size_t i) {
+    for (cmsghdr* c = CMSG_FIRSTHDR(&headers[i].msg_hdr); c != nullptr;
+         c = CMSG_NXTHDR(&headers[i].msg_hdr, c)) {
+      if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+      timespec stamp{};
+      std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+      return nanoseconds(stamp);
+    }
+    return std::nullopt;
+  }
+
+  std::array<std::array<std::uint8_t, kBytes>, kDatagrams> bytes;
+  std::array<iovec, kDatagrams> vectors;
+  std::array<mmsghdr, kDatagrams> headers{};
+  std::array<SocketAddress, kDatagrams> sources;
+  alignas(cmsghdr) std::array<std::array<char, 64>, kDatagrams> control;
+};
+
+UdpPort::UdpPort(const base::ConfigNode& local, const std::optional<base::ConfigNode>& remote)
+    : batch_(std::make_unique<Batch>()) {
+  const SocketAddress address = SocketAddress::parse(local);
+  if (remote) peer_ = SocketAddress::parse(*remote);
+  if (peer_ && peer_->family() != address.family()) {
+    remote->fail("is of another address family than local");
+  }
+  socket_ = socket(address.family(), SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (socket_ < 0) local.fail(std::string("no socket: ") + std::strerror(errno));
+  set_option(socket_, SO_TIMESTAMPNS, 1);
+  set_option(socket_, SO_RCVBUF, kSocketBufferBytes);
+  set_option(socket_, SO_SNDBUF, kSocketBufferBytes);
+  if (bind(socket_, address.data(), address.size()) != 0) {
+    const std::string why = std::strerror(errno);
+    close(socket_);
+    local.fail("cannot be bound: " + why);
+  }
+}
+
+UdpPort::~UdpPort() { close(socket_); }
+
+bool UdpPort::send(std::span<const std::uint8_t> packet) {
+  if (!peer_) {
+    ++without_peer_;
+    return false;
+  }
+  const ssize_t sent = sendto(socket_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+                              peer_->data(), peer_->size());
+  if (sent == static_cast<ssize_t>(packet.size())) {
+    ++sent_datagrams_;
+    return true;
+  }
+  ++(errno == EAGAIN || errno == ENOBUFS ? queue_full_ : send_errors_);
+  return false;
+}
+
+void UdpPort::poll(const OnBytes& on_bytes) {
+  while (read_batch(on_bytes) == static_cast<int>(Batch::kDatagrams)) {
+  }
+}
+
+int UdpPort::read_batch(const OnBytes& on_bytes) {
+  Batch& batch = *batch_;
+  batch.prepare();
+  const int count =
+      recvmmsg(socket_, batch.headers.data(), Batch::kDatagrams, MSG_DONTWAIT, nullptr);
+  if (count <= 0) return 0;
+  const std::int64_t to_monotonic = monotonic_minus_realtime();
+  const base::RunTime read_at = base::steady_now();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const msghdr& header = batch.headers[i].msg_hdr;
+    batch.sources[i].set_size(header.msg_namelen);
+    if (!is_from_peer(batch.sources[i])) {
+      ++foreign_;
+      continue;
+    }
+    ++received_datagrams_;
+    if ((header.msg_flags & MSG_TRUNC) != 0) ++cut_;
+    const auto stamp = batch.stamp_ns(i);
+    const base::RunTime at =
+        stamp ? std::min(base::RunTime(base::Duration(*stamp + to_monotonic)), read_at) : read_at;
+    on_bytes({batch.bytes[i].data(), batch.headers[i].msg_len}, at);
+  }
+  return count;
+}
+
+bool UdpPort::is_from_peer(const SocketAddress& source) {
+  if (!peer_) peer_ = source;
+  return source == *peer_;
+}
+
+bool UdpPort::wait(base::Duration timeout) {
+  pollfd waiting{socket_, POLLIN, 0};
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+  const timespec limit{static_cast<time_t>(whole.count()),
+                       static_cast<long>((timeout - whole).count())};
+  return ppoll(&waiting, 1, &limit, nullptr) > 0;
+}
+
+std::string UdpPort::endpoint() const {
+  SocketAddress bound;
+  socklen_t size = bound.size();
+  if (getsockname(socket_, bound.data(), &size) != 0) return "udp ?";
+  bound.set_size(size);
+  return "udp " + bound.text();
+}
+
+std::string UdpPort::stats_json() const {
+  const auto entry = [](const char* key, std::uint64_t value) {
+    return std::string(",\"") + key + "\":" + std::to_string(value);
+  };
+  return "{\"sent_datagrams\":" + std::to_string(sent_datagrams_) +
+         entry("received_datagrams", received_datagrams_) + entry("queue_full", queue_full_) +
+         entry("send_errors", send_errors_) + entry("without_peer", without_peer_) +
+         entry("foreign_datagrams", foreign_) + entry("cut_datagrams", cut_) + "}";
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "base/config.hpp"
+#include "plugins/mavlink_interface/packet_port.hpp"
+
+namespace cas::sim {
+
+/// An IPv4 or IPv6 address with port.
+class SocketAddress {
+ public:
+  SocketAddress() = default;
+  /// "127.0.0.1:14560", "[::1]:14560" or "host:14560". @throws base::ConfigError through `node`
+  static SocketAddress parse(const base::ConfigNode& node);
+
+  std::string text() const;
+  int family() const { return storage_.ss_family; }
+  const sockaddr* data() const { return reinterpret_cast<const sockaddr*>(&storage_); }
+  sockaddr* data() { return reinterpret_cast<sockaddr*>(&storage_); }
+  socklen_t size() const { return size_; }
+  void set_size(socklen_t size) { size_ = size; }
+  friend bool operator==(const SocketAddress& a, const SocketAddress& b);
+
+ private:
+  sockaddr_storage storage_{};
+  socklen_t size_ = sizeof(sockaddr_storage);
+};
+
+/// Packets over UDP, one per datagram out, any number per datagram in.
+///
+/// Everything happens on the simulation's thread, without a thread of its own: a step applies what
+/// has arrived before it, so a second thread could only add a wake-up. The moment of arrival is the
+/// kernel's (SO_TIMESTAMPNS), so it does not depend on when the step looks.
+class UdpPort final : public PacketPort {
+ public:
+  /// @param remote  only source that is listened to; nothing: the first that sends, from then on
+  UdpPort(const base::ConfigNode& local, const std::optional<base::ConfigNode>& remote);
+  ~UdpPort() override;
+  UdpPort(const UdpPort&) = delete;
+  UdpPort& operator=(const UdpPort&) = delete;
+
+  bool send(std::span<const std::uint8_t> packet) override;
+  void poll(const OnBytes& on_bytes) override;
+  bool wait(base::Duration timeout) override;
+  base::RunTime now() const override { return base::steady_now(); }
+  std::string endpoint() const override;
+  std::string stats_json() const override;
+
+ private:
+  struct Batch;  // buffers of one recvmmsg
+
+  /// @return datagrams read
+  int read_batch(const OnBytes& on_bytes);
+  bool is_from_peer(const SocketAddress& source);
+
+  int socket_ = -1;
+  std::optional<SocketAddress> peer_;
+  std::unique_ptr<Batch> batch_;
+  std::uint64_t sent_datagrams_ = 0;
+  std::uint64_t received_datagrams_ = 0;
+  std::uint64_t queue_full_ = 0;
+  std::uint64_t send_errors_ = 0;
+  std::uint64_t without_peer_ = 0;
+  std::uint64_t foreign_ = 0;
+  std::uint64_t cut_ = 0;
+};
+
+}  // namespace cas::sim

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/recorder/csv_writer.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <string>
+
+#include "base/error.hpp"
+
+namespace cas::sim {
+namespace {
+
+constexpr std::size_t kNumberBytes = 32;  // the longest double takes 24
+constexpr std::size_t kMaxColumns = 64;
+
+[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
+  throw base::ConfigError(path.string() + ": " + what + ": " + std::strerror(errno));
+}
+
+}  // namespace
+
+CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header) : path_(file) {
+  std::error_code ignored;  // opening says what is wrong
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
+  file_.reset(std::fopen(file.c_str(), "we"));
+  if (!file_) fail(path_, "cannot be written");
+  std::fwrite(header.data(), 1, header.size(), file_.get());
+  std::fputc('\n', file_.get());
+}
+
+void CsvWriter::row(std::span<const double> values) {
+  CAS_CHECK(values.size() <= kMaxColumns);
+  std::array<char, kNumberBytes * kMaxColumns> text;
+  char* end = text.data();
+  for (const double value : values) {
+    end = std::to_chars(end, end + kNumberBytes, value).ptr;
+    *end++ = ',';
+  }
+  end[-1] = '\n';
+  std::fwrite(text.data(), 1, static_cast<std::size_t>(end - text.data()), file_.get());
+}
+
+void CsvWriter::close() {
+  if (!file_) return;
+  const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
+  file_.reset();
+  if (!written) fail(path_, "was not written to its end");
+}
+
+}  // namespace cas::sim
