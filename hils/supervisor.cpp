@@ -6,7 +6,6 @@
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 
@@ -97,7 +96,7 @@ void Supervisor::wait(base::Duration time) {
 
 bool Supervisor::stop(ChildProcess& child, base::Duration patience) {
   std::unique_lock lock(mutex_);
-  expected_to_end_.push_back(&child);
+  expected_to_end_.insert(&child);
   child.terminate();
   const auto ended = [&] { return child.poll_exit().has_value(); };
   if (!changed_.wait_for(lock, patience, ended)) {
@@ -126,7 +125,7 @@ void Supervisor::watch() {
       const std::scoped_lock lock(mutex_);
       if (closing_) return;
       for (const auto& child : children_) {
-        if (child->poll_exit()) continue;
+        if (ended_.contains(child.get())) continue;
         watched.push_back(child.get());
         fds.push_back({child->pidfd(), POLLIN, 0});
         fds.push_back({child->notify_fd(), POLLIN, 0});
@@ -159,7 +158,9 @@ void Supervisor::on_signal() {
 
 void Supervisor::on_exit(ChildProcess& child) {
   const auto& exit = child.poll_exit();
-  if (!exit || std::ranges::find(expected_to_end_, &child) != expected_to_end_.end()) return;
+  if (!exit) return;
+  ended_.insert(&child);
+  if (expected_to_end_.contains(&child)) return;
   stop_run(child.name() + " " + exit->words +
                " before the run was over; its last lines:" + child.log_tail(),
            false);
@@ -171,7 +172,7 @@ void Supervisor::stop_run(const std::string& sentence, bool interrupted) {
     interrupted_ = interrupted;
   }
   for (const auto& child : children_) {
-    expected_to_end_.push_back(child.get());
+    expected_to_end_.insert(child.get());
     child->terminate();
   }
   changed_.notify_all();

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -64,7 +65,8 @@ class Supervisor {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::unique_ptr<ChildProcess>> children_;
-  std::vector<const ChildProcess*> expected_to_end_;
+  std::set<const ChildProcess*> expected_to_end_;
+  std::set<const ChildProcess*> ended_;  ///< whose end the watcher has seen
   std::string stopped_;  ///< why; empty while all is well
   bool interrupted_ = false;
   bool closing_ = false;
