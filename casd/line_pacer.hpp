@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+
+#include "base/clock.hpp"
+
+namespace cas::casd {
+
+/// Knows when a line of limited rate is through with what it was given, so that no more is handed
+/// over than it carries: what waits can then still be chosen, replaced or dropped in our queue
+/// instead of ageing in the kernel's.
+///
+/// A serial line carries baud / 10 bytes a second (start and stop bit); it is paced at 98 % of
+/// that, so that a difference between two clocks never accumulates.
+class LinePacer {
+ public:
+  static constexpr double kLineShare = 0.98;
+  /// How far the line may be given bytes ahead of time: covers the timer's jitter.
+  static constexpr base::Duration kSlack = std::chrono::microseconds(500);
+
+  /// No limit.
+  LinePacer() = default;
+  /// @param bytes_per_s  0: no limit
+  explicit LinePacer(double bytes_per_s, base::Duration slack = kSlack)
+      : bytes_per_s_(bytes_per_s), slack_(slack) {}
+  /// 98 % of a serial line's rate.
+  static LinePacer for_baud(unsigned baud, base::Duration slack = kSlack) {
+    return LinePacer(kLineShare * baud / 10.0, slack);
+  }
+
+  bool limited() const { return bytes_per_s_ > 0; }
+  /// True when the next packet may be handed over.
+  bool ready(base::RunTime now) const { return !limited() || busy_until_ - now <= slack_; }
+  /// The moment from which `ready` holds.
+  base::RunTime ready_at() const { return busy_until_ - slack_; }
+  /// When the last byte of a packet that is handed over now would be on the other side.
+  base::RunTime arrival(std::size_t bytes, base::RunTime now) const {
+    return std::max(busy_until_, now) + time_for(bytes);
+  }
+  /// The line was given so many bytes.
+  void sent(std::size_t bytes, base::RunTime now) {
+    if (limited()) busy_until_ = arrival(bytes, now);
+  }
+  /// Time the line takes for so many bytes.
+  base::Duration time_for(std::size_t bytes) const {
+    return limited() ? base::from_seconds(static_cast<double>(bytes) / bytes_per_s_)
+                     : base::Duration{};
+  }
+  /// A fresh line: nothing on its way.
+  void reset() { busy_until_ = base::RunTime{}; }
+
+ private:
+  double bytes_per_s_ = 0;
+  base::Duration slack_ = kSlack;
+  base::RunTime busy_until_{};
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/monitor.hpp"
+
+#include <utility>
+
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+namespace {
+
+// Directions of a message: received, sent, then one for each cause of a drop.
+constexpr int kRx = 0;
+constexpr int kTx = 1;
+constexpr int kFirstDrop = 2;
+
+std::string direction_name(int direction) {
+  if (direction == kRx) return "rx";
+  if (direction == kTx) return "tx";
+  return "drop." + std::string(to_string(static_cast<DropCause>(direction - kFirstDrop)));
+}
+
+template <class Visit>
+void for_each_direction(const LinkMonitor& link, Visit&& visit) {
+  visit(kRx, link.rx.messages);
+  visit(kTx, link.tx.messages);
+  for (int i = 0; i < kDropCauses; ++i) {
+    visit(kFirstDrop + i, link.tx.dropped_messages[static_cast<std::size_t>(i)]);
+  }
+}
+
+std::uint64_t key_of(const MessageCounters::Entry& entry) {
+  return std::uint64_t{entry.message_id} << 16U | std::uint64_t{entry.source.system} << 8U |
+         entry.source.component;
+}
+
+}  // namespace
+
+std::string_view to_string(LinkState state) {
+  switch (state) {
+    case LinkState::kOpening:
+      return "opening";
+    case LinkState::kUp:
+      return "up";
+    case LinkState::kDown:
+      return "down";
+  }
+  return "?";
+}
+
+void LinkMonitor::set_endpoint(std::string text) {
+  const std::scoped_lock lock(mutex_);
+  endpoint_ = std::move(text);
+}
+
+std::string LinkMonitor::endpoint() const {
+  const std::scoped_lock lock(mutex_);
+  return endpoint_;
+}
+
+std::shared_ptr<LinkMonitor> Monitor::add_link(LinkId id, const std::string& name, LinkType type) {
+  auto link = std::make_shared<LinkMonitor>(name, type);
+  links_[id] = link;
+  return link;
+}
+
+void Monitor::remove_link(LinkId id) {
+  links_.erase(id);
+  std::erase_if(rates_, [id](const auto& entry) { return std::get<0>(entry.first) == id; });
+}
+
+void Monitor::sample(base::RunTime now) {
+  for (const auto& [id, link] : links_) {
+    for_each_direction(*link, [&, link_id = id](int direction, const MessageCounters& counters) {
+      sample_counters(link_id, direction, counters, now);
+    });
+  }
+}
+
+void Monitor::sample_counters(LinkId id, int direction, const MessageCounters& counters,
+                              base::RunTime now) {
+  constexpr double kGain = 0.5;  // of the newest second: settles within a few
+  counters.for_each([&](const MessageCounters::Entry& entry) {
+    const auto [found, fresh] = rates_.try_emplace({id, direction, key_of(entry)});
+    Rate& rate = found->second;
+    if (!fresh && now > rate.at) {
+      const double hz =
+          static_cast<double>(entry.count - rate.count) / base::to_seconds(now - rate.at);
+      rate.hz = rate.hz == 0 ? hz : rate.hz + kGain * (hz - rate.hz);
+    }
+    rate.count = entry.count;
+    rate.at = now;
+  });
+}
+
+std::vector<LinkStatus> Monitor::links() const {
+  std::vector<LinkStatus> all;
+  for (const auto& [id, link] : links_) {
+    LinkStatus status;
+    status.id = id;
+    status.name = link->name;
+    status.type = link->type;
+    status.state = link->state.load(std::memory_order_relaxed);
+    status.endpoint = link->endpoint();
+    status.reconnects = link->reconnects.get();
+    const auto& rx = link->rx;
+    status.rx = {rx.packets.get(),      rx.bytes.get(),   rx.crc_errors.get(),
+                 rx.lost.get(),         rx.unknown.get(), rx.skipped_bytes.get(),
+                 rx.kernel_drops.get(), rx.foreign.get(), {}};
+    for (std::size_t i = 0; i < rx.verdicts.size(); ++i) {
+      status.rx.verdicts[i] = rx.verdicts[i].get();
+    }
+    const auto& tx = link->tx;
+    status.tx.packets = tx.packets.get();
+    status.tx.bytes = tx.bytes.get();
+    status.tx.queue_high_water = tx.queue_high_water.get();
+    status.tx.queued = tx.queued.get();
+    status.tx.write_calls = tx.write_calls.get();
+    for (std::size_t i = 0; i < tx.dropped.size(); ++i) status.tx.dropped[i] = tx.dropped[i].get();
+    {
+      const std::scoped_lock lock(tx.forwarding_mutex);
+      status.tx.forwarding_p50 = tx.forwarding.quantile(0.50);
+      status.tx.forwarding_p99 = tx.forwarding.quantile(0.99);
+      status.tx.forwarding_max = tx.forwarding.max();
+    }
+    all.push_back(std::move(status));
+  }
+  return all;
+}
+
+std::vector<MessageStatus> Monitor::messages(base::RunTime now,
+                                             const std::optional<std::string>& link) const {
+  std::vector<MessageStatus> all;
+  for (const auto& [id, monitor] : links_) {
+    if (link && monitor->name != *link) continue;
+    const auto add = [&, link_id = id, name = monitor->name](int direction,
+                                                             const MessageCounters& counters) {
+      counters.for_each([&](const MessageCounters::Entry& entry) {
+        const auto rate = rates_.find({link_id, direction, key_of(entry)});
+        const mav::MessageInfo* known = mav::public_table().find(entry.message_id);
+        all.push_back({.link = name,
+                       .direction = direction_name(direction),
+                       .id = entry.message_id,
+                       .name = known == nullptr ? "" : std::string(known->name),
+                       .source = entry.source,
+                       .count = entry.count,
+                       .hz = rate == rates_.end() ? 0 : rate->second.hz,
+                       .age_s = base::to_seconds(now - entry.last)});
+      });
+    };
+    for_each_direction(*monitor, add);
+  }
+  return all;
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "casd/topology_parts.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr int kSchema = 1;
+
+ThreadModel parse_threads(const base::ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  for (const ThreadModel model :
+       {ThreadModel::kPerLink, ThreadModel::kSingle, ThreadModel::kBlocking}) {
+    if (word == to_string(model)) return model;
+  }
+  node.fail("'" + word + "' is none of per_link, single, blocking");
+}
+
+std::uint8_t parse_id(const base::ConfigNode& root, std::string_view key, std::uint8_t fallback) {
+  return static_cast<std::uint8_t>(root.get_in(key, fallback, 1, 255));
+}
+
+CommandPortConfig parse_command_port(const base::ConfigNode& node) {
+  CommandPortConfig port;
+  port.address = node.get<std::string>("address", port.address);
+  port.port = static_cast<std::uint16_t>(node.get_in("port", port.port, 0, 65535));
+  port.unix_path = node.get<std::string>("unix", "");
+  if (node.has("token_file"))
+    port.token_file = node.resolve(node.require<std::string>("token_file"));
+  return port;
+}
+
+CommandingConfig parse_commanding(const base::ConfigNode& node) {
+  CommandingConfig commanding;
+  commanding.heartbeat_hz = node.get_in("heartbeat_hz", commanding.heartbeat_hz, 0, 100);
+  commanding.allow_not_hil = node.get<bool>("allow_not_hil", false);
+  return commanding;
+}
+
+std::vector<LinkConfig> parse_links(const base::ConfigNode& root) {
+  std::vector<LinkConfig> links;
+  std::set<std::string> names;
+  for (const base::ConfigNode& node : root.at("links").items()) {
+    links.push_back(parse_link(node));
+    if (!names.insert(links.back().name).second) {
+      node.at("name").fail("'" + links.back().name + "' is the name of another link");
+    }
+    if (links.size() == static_cast<std::size_t>(kLocalLink)) node.fail("more than 62 links");
+  }
+  if (links.empty()) root.at("links").fail("no link");
+  return links;
+}
+
+// Without a `routes` block every link talks to every other one.
+std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links) {
+  std::vector<RouteConfig> routes;
+  for (const LinkConfig& from : links) {
+    for (const LinkConfig& to : links) {
+      if (from.name != to.name) routes.push_back({from.name, to.name, {}});
+    }
+  }
+  return routes;
+}
+
+std::vector<RouteConfig> parse_routes(const base::ConfigNode& root,
+                                      const std::vector<LinkConfig>& links) {
+  const std::optional<base::ConfigNode> block = root.find("routes");
+  if (!block) return routes_between_all(links);
+  std::vector<RouteConfig> routes;
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const base::ConfigNode& node : block->items()) {
+    for (RouteConfig& route : parse_route(node, links)) {
+      if (!pairs.insert({route.from, route.to}).second) {
+        node.fail("there is another route from '" + route.from + "' to '" + route.to + "'");
+      }
+      routes.push_back(std::move(route));
+    }
+  }
+  return routes;
+}
+
+}  // namespace
+
+std::string_view to_string(ThreadModel model) {
+  switch (model) {
+    case ThreadModel::kPerLink:
+      return "per_link";
+    case ThreadModel::kSingle:
+      return "single";
+    case ThreadModel::kBlocking:
+      return "blocking";
+  }
+  return "?";
+}
+
+Topology Topology::load(const std::filesystem::path& file) {
+  return parse(base::ConfigNode::load(file));
+}
+
+Topology Topology::parse(const base::ConfigNode& root) {
+  if (const int schema = root.require<int>("schema"); schema != kSchema) {
+    root.at("schema").fail("schema " + std::to_string(schema) + " is not 1");
+  }
+  Topology topology;
+  topology.self = {parse_id(root, "system_id", topology.self.system),
+                   parse_id(root, "component_id", topology.self.component)};
+  if (const auto node = root.find("threads")) topology.threads = parse_threads(*node);
+  if (const auto node = root.find("scheduling")) {
+    topology.scheduling = base::parse_thread_options(*node);
+  }
+  topology.lock_memory = root.get<bool>("lock_memory", false);
+  topology.route_lifetime = base::from_seconds(
+      root.get_in("route_lifetime_s", base::to_seconds(topology.route_lifetime), 1, 86400));
+  if (const auto node = root.find("command_port")) {
+    topology.command_port = parse_command_port(*node);
+  }
+  if (const auto node = root.find("commanding")) topology.commanding = parse_commanding(*node);
+  topology.links = parse_links(root);
+  topology.routes = parse_routes(root, topology.links);
+  if (const auto log = root.find("log")) topology.tlog = log->get<std::string>("tlog", "");
+  if (const auto gains = root.find("gains")) {
+    topology.gains = root.resolve(gains->as<std::string>());
+  }
+  root.reject_unused();
+  return topology;
+}
+
+}  // namespace cas::casd
