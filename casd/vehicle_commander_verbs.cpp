@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "base/geodesy.hpp"
+#include "casd/vehicle_commander.hpp"
+
+namespace cas::casd {
+namespace {
+
+using mavlink::common::MavCmd;
+using mavlink::common::MavDoRepositionFlags;
+using mavlink::common::MavModeFlag;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+/// MAV_CMD_COMPONENT_ARM_DISARM param2: act against the vehicle's own checks.
+constexpr float kForce = 21196;
+constexpr base::Duration kFreshHeartbeat = std::chrono::seconds(3);
+
+VehicleCommand arm_command(bool arm, bool force) {
+  VehicleCommand command{.id = MavCmd::kComponentArmDisarm};
+  command.params[0] = arm ? 1.0F : 0.0F;
+  command.params[1] = force ? kForce : 0.0F;
+  return command;
+}
+
+/// DO_SET_MODE with the armed and HIL flags as they are.
+VehicleCommand mode_command(const VehicleState& state, std::uint32_t mode) {
+  constexpr MavModeFlag kKept = MavModeFlag::kSafetyArmed | MavModeFlag::kHilEnabled;
+  MavModeFlag flags = MavModeFlag::kCustomModeEnabled;
+  if (state.autopilot() == Autopilot::kPx4) flags |= state.heartbeat().message.base_mode & kKept;
+  const ModeParams params = mode_params(state.autopilot(), mode);
+  VehicleCommand command{.id = MavCmd::kDoSetMode};
+  command.params = {static_cast<float>(flags), params.main, params.sub, 0, 0, 0, 0};
+  return command;
+}
+
+/// A command whose unused parameters mean "as it is": NaN for PX4, zero for ArduPilot.
+VehicleCommand here_command(const VehicleState& state, MavCmd id) {
+  VehicleCommand command{.id = id};
+  if (state.autopilot() != Autopilot::kArduPilot) {
+    command.params = {0, 0, 0, kNan, kNan, kNan, kNan};
+  }
+  return command;
+}
+
+/// Whether a command may start motors.
+bool spins(const VehicleCommand& command) {
+  switch (command.id) {
+    case MavCmd::kComponentArmDisarm:
+      return command.params[0] != 0;
+    case MavCmd::kDoSetMode: {
+      const auto flags = static_cast<MavModeFlag>(static_cast<std::uint8_t>(command.params[0]));
+      return has(flags, MavModeFlag::kSafetyArmed);
+    }
+    case MavCmd::kDoMotorTest:
+    case MavCmd::kActuatorTest:
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::string vehicle_text(const VehicleState& state) {
+  return "vehicle " + std::to_string(state.source().system);
+}
+
+}  // namespace
+
+/// Real propellers may spin: answers `done` and returns true unless the vehicle says that it flies
+/// a simulation, or request and configuration both consent to one that does not.
+bool VehicleCommander::interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now,
+                                   const Done& done) const {
+  const VehicleState& state = vehicle.state;
+  if (not_hil && options_.allow_not_hil) return false;
+  std::string why;
+  if (state.heartbeat_age(now) > kFreshHeartbeat) {
+    why = " has sent no HEARTBEAT for " +
+          std::to_string(static_cast<int>(base::to_seconds(state.heartbeat_age(now)))) +
+          " s, so casd cannot tell whether it is in HIL mode";
+  } else if (!state.hil()) {
+    why = " does not say that it is in HIL mode: real propellers may spin";
+  } else {
+    return false;
+  }
+  why += not_hil ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
+                 : "; put it in HIL mode (PX4: SYS_HITL 1 and a restart)";
+  done(failure(Verdict::kInterlock, vehicle_text(state) + why));
+  return true;
+}
+
+void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done) {
+  command(system, arm_command(true, options.force), options.not_hil, now, std::move(done));
+}
+
+void VehicleCommander::disarm(std::uint8_t system, bool force, base::RunTime now, Done done) {
+  start(system, arm_command(false, force), now, std::move(done));
+}
+
+void VehicleCommander::command(std::uint8_t system, const VehicleCommand& command, bool not_hil,
+                               base::RunTime now, Done done) {
+  now_ = now;
+  Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  if (spins(command) && interlocked(*vehicle, not_hil, now, done)) return;
+  vehicle->commands.start(command, now, std::move(done));
+}
+
+void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::RunTime now,
+                               Done done) {
+  now_ = now;
+  Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  if (!(altitude_m > 0)) {
+    done(failure(Verdict::kInvalid, "a takeoff altitude is above 0 m"));
+    return;
+  }
+  if (vehicle->state.autopilot() == Autopilot::kArduPilot) {
+    takeoff_guided(*vehicle, altitude_m, now, std::move(done));
+  } else {
+    takeoff_amsl(*vehicle, altitude_m, now, std::move(done));
+  }
+}
+
+/// PX4: the altitude is above mean sea level. While home is unknown, the parameter
+/// MIS_TAKEOFF_ALT carries the height and NaN says "here".
+void VehicleCommander::takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now,
+                                    Done done) {
+  const std::uint8_t system = vehicle.state.source().system;
+  VehicleCommand command = here_command(vehicle.state, MavCmd::kNavTakeoff);
+  if (const std::optional<HomeAmsl> home = vehicle.state.home()) {
+    command.params[6] = static_cast<float>(home->alt_m + altitude_m);
+    start(system, command, now, std::move(done));
+    return;
+  }
+  set_param(system, "MIS_TAKEOFF_ALT", altitude_m, now,
+            [this, system, command, done = std::move(done)](const Outcome& set) {
+              if (!set.ok()) return done(set);
+              start(system, command, now_, done);
+            });
+}
+
+/// ArduPilot: takes off in GUIDED mode only, to a height above home.
+void VehicleCommander::takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now,
+                                      Done done) {
+  const std::uint8_t system = vehicle.state.source().system;
+  VehicleCommand command{.id = MavCmd::kNavTakeoff};
+  command.params[6] = static_cast<float>(altitude_m);
+  set_mode(system, "GUIDED", now,
+           [this, system, command, done = std::move(done)](const Outcome& guided) {
+             if (!guided.ok()) return done(guided);
+             start(system, command, now_, done);
+           });
+}
+
+void VehicleCommander::land(std::uint8_t system, base::RunTime now, Done done) {
+  if (const Vehicle* vehicle = known(system, done)) {
+    start(system, here_command(vehicle->state, MavCmd::kNavLand), now, std::move(done));
+  }
+}
+
+void VehicleCommander::return_home(std::uint8_t system, base::RunTime now, Done done) {
+  start(system, VehicleCommand{.id = MavCmd::kNavReturnToLaunch}, now, std::move(done));
+}
+
+void VehicleCommander::hold(std::uint8_t system, base::RunTime now, Done done) {
+  if (const Vehicle* vehicle = known(system, done)) {
+    // ArduPilot's LOITER follows the sticks; BRAKE stops and stays without a pilot.
+    const bool ardupilot = vehicle->state.autopilot() == Autopilot::kArduPilot;
+    set_mode(system, ardupilot ? "BRAKE" : "HOLD", now, std::move(done));
+  }
+}
+
+void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base::RunTime now,
+                                Done done) {
+  const Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  const VehicleState& state = vehicle->state;
+  const std::optional<std::uint32_t> mode = custom_mode(state.autopilot(), word);
+  if (!mode) {
+    const std::string words = mode_words(state.autopilot());
+    done(failure(Verdict::kInvalid,
+                 "'" + std::string(word) + "' is no mode of " +
+                     std::string(name(state.autopilot())) +
+                     (words.empty() ? std::string() : "; it has " + words)));
+    return;
+  }
+  start(system, mode_command(state, *mode), now, std::move(done));
+}
+
+void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::RunTime now,
+                             Done done) {
+  const Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  const std::optional<HomeAmsl> home = vehicle->state.home();
+  if (!home) {
+    done(failure(Verdict::kRefused, vehicle_text(vehicle->state) +
+                                        " has not told its home position yet; wait for its "
+                                        "position estimate"));
+    return;
+  }
+  const base::LocalProjection projection({home->lat_deg, home->lon_deg, home->alt_m});
+  const base::Geodetic place = projection.to_geodetic(
+      {target.north_m - home->x_m, target.east_m - home->y_m, target.down_m - home->z_m});
+  VehicleCommand command{.id = MavCmd::kDoReposition};
+  const double yaw_rad = target.yaw_deg.value_or(0) * std::numbers::pi / 180;
+  command.params = {-1, static_cast<float>(MavDoRepositionFlags::kChangeMode), 0,
+                    target.yaw_deg ? static_cast<float>(yaw_rad) : kNan, 0, 0, 0};
+  command.place = VehicleCommand::Place{
+      static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7)),
+      static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7)),
+      static_cast<float>(home->alt_m - (target.down_m - home->z_m))};
+  start(system, command, now, std::move(done));
+}
+
+void VehicleCommander::message_interval(std::uint8_t system, std::uint32_t message_id,
+                                        double period_us, base::RunTime now, Done done) {
+  VehicleCommand command{.id = MavCmd::kSetMessageInterval};
+  command.params[0] = static_cast<float>(message_id);
+  command.params[1] = static_cast<float>(period_us);
+  start(system, command, now, std::move(done));
+}
+
+void VehicleCommander::reboot(std::uint8_t system, base::RunTime now, Done done) {
+  VehicleCommand command{.id = MavCmd::kPreflightRebootShutdown};
+  command.params[0] = 1;
+  start(system, command, now, std::move(done));
+}
+
+}  // namespace cas::casd

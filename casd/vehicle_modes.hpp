@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "mavlink/common/enums.hpp"
+
+namespace cas::casd {
+
+/// Whose conventions a vehicle follows: mode numbers, takeoff altitude, parameter bytes, names of
+/// gains.
+enum class Autopilot { kPx4, kArduPilot, kOther };
+
+Autopilot autopilot_family(mavlink::common::MavAutopilot wire);
+/// "PX4", "ArduPilot", "other".
+std::string_view name(Autopilot autopilot);
+
+/// Word for HEARTBEAT.custom_mode: "TAKEOFF", "HOLD", "LAND", "POSCTL", "GUIDED", ...; a mode this
+/// table does not know reads "custom 0x..."; without the custom flag "base 0x..".
+std::string mode_name(Autopilot autopilot, mavlink::common::MavModeFlag base_mode,
+                      std::uint32_t custom_mode);
+
+/// HEARTBEAT.custom_mode that a mode's word (any case; PX4 also LOITER for HOLD) stands for.
+std::optional<std::uint32_t> custom_mode(Autopilot autopilot, std::string_view word);
+
+/// The words that custom_mode() takes, separated by spaces: for messages to people.
+std::string mode_words(Autopilot autopilot);
+
+/// Parameters 2 and 3 of MAV_CMD_DO_SET_MODE for a custom mode.
+struct ModeParams {
+  float main = 0;
+  float sub = 0;
+};
+ModeParams mode_params(Autopilot autopilot, std::uint32_t custom_mode);
+
+}  // namespace cas::casd
