@@ -58,7 +58,7 @@ std::string seconds_text(base::Duration d) {
 }  // namespace
 
 std::string describe(MavCmd id) {
-  std::string text = "MAV_CMD " + std::to_string(std::to_underlying(id));
+  std::string text = "MAV_CMD " + std::to_string(static_cast<unsigned>(id));
   switch (id) {
     case MavCmd::kComponentArmDisarm:
       return text + " (arm or disarm)";
@@ -102,7 +102,7 @@ std::string describe(MavResult result) {
     case MavResult::kCancelled:
       return "cancelled";
     default:
-      return "answered with result " + std::to_string(std::to_underlying(result));
+      return "answered with result " + std::to_string(static_cast<unsigned>(result));
   }
 }
 
@@ -127,8 +127,7 @@ void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Do
 void CommandExchange::replace(MavCmd id, base::RunTime now) {
   const auto found = find(id);
   if (found == active_.end()) return;
-  finish(found, failure(Verdict::kRefused, describe(id) + " was replaced by a newer request"),
-         now);
+  finish(found, failure(Verdict::kRefused, describe(id) + " was replaced by a newer request"), now);
 }
 
 void CommandExchange::transmit(Request& request, base::RunTime now) {

@@ -30,7 +30,7 @@ struct VehicleCommand {
     std::int32_t lon_deg_e7 = 0;
     float alt_m = 0;
   };
-  std::optional<Place> place;
+  std::optional<Place> place{};
 };
 
 /// "MAV_CMD 400 (arm or disarm)": what people call a command.

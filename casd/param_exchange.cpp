@@ -60,8 +60,8 @@ void ParamExchange::set(const std::string& name, double value, base::RunTime now
 
 void ParamExchange::start(Request request, base::RunTime now) {
   if (request.name.empty() || request.name.size() > kNameBytes) {
-    request.done(failure(Verdict::kInvalid, "'" + request.name +
-                                                "' is no parameter name: it has 1 to 16 characters"));
+    request.done(failure(Verdict::kInvalid,
+                         "'" + request.name + "' is no parameter name: it has 1 to 16 characters"));
     return;
   }
   if (active_.size() >= kMaxActive) {
@@ -106,8 +106,7 @@ void ParamExchange::send_set(Request& request) {
   send_(message);
 }
 
-void ParamExchange::on_value(const ParamValue& message, ParamEncoding encoding,
-                             base::RunTime now) {
+void ParamExchange::on_value(const ParamValue& message, ParamEncoding encoding, base::RunTime now) {
   const std::string name(mav::text(message.param_id));
   const Parameter in_force{from_wire(encoding, message.param_type, message.param_value),
                            message.param_type};
@@ -213,8 +212,8 @@ void ParamExchange::on_listed(const ParamValue& message, const std::string& name
   listing.values[name] = value;
   if (listing.have[message.param_index]) return;
   listing.have[message.param_index] = true;
-  listing.received = static_cast<std::size_t>(
-      std::count(listing.have.begin(), listing.have.end(), true));
+  listing.received =
+      static_cast<std::size_t>(std::count(listing.have.begin(), listing.have.end(), true));
   listing.idle_rounds = 0;
   listing.deadline = now + timing_.answer_timeout;
   if (listing.received < listing.have.size()) return;

@@ -41,9 +41,8 @@ struct ParamTiming {
 /// with the one asked for: a vehicle that clamps or refuses answers with what is in force.
 class ParamExchange {
  public:
-  using Message =
-      std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,
-                   mavlink::common::ParamRequestList>;
+  using Message = std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,
+                               mavlink::common::ParamRequestList>;
   using Send = std::function<void(const Message&)>;
 
   explicit ParamExchange(Send send, ParamTiming timing = {})

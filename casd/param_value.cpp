@@ -19,12 +19,9 @@ struct IntegerType {
 };
 
 constexpr IntegerType kIntegers[] = {
-    {MavParamType::kUint8, 0, 255},
-    {MavParamType::kInt8, -128, 127},
-    {MavParamType::kUint16, 0, 65535},
-    {MavParamType::kInt16, -32768, 32767},
-    {MavParamType::kUint32, 0, 4294967295.0},
-    {MavParamType::kInt32, -2147483648.0, 2147483647.0},
+    {MavParamType::kUint8, 0, 255},           {MavParamType::kInt8, -128, 127},
+    {MavParamType::kUint16, 0, 65535},        {MavParamType::kInt16, -32768, 32767},
+    {MavParamType::kUint32, 0, 4294967295.0}, {MavParamType::kInt32, -2147483648.0, 2147483647.0},
 };
 
 const IntegerType* integer(MavParamType type) {

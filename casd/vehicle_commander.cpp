@@ -165,8 +165,8 @@ std::variant<std::uint8_t, Outcome> VehicleCommander::resolve(
     known += (known.empty() ? "" : ", ") + std::to_string(system);
   }
   if (asked && !vehicles_.contains(*asked)) {
-    return failure(Verdict::kNoSuchVehicle, "no vehicle " + std::to_string(*asked) +
-                                                " has been heard; known: " + known);
+    return failure(Verdict::kNoSuchVehicle,
+                   "no vehicle " + std::to_string(*asked) + " has been heard; known: " + known);
   }
   if (!asked && vehicles_.size() > 1) {
     return failure(Verdict::kInvalid, "name the vehicle; known: " + known);
@@ -177,13 +177,13 @@ std::variant<std::uint8_t, Outcome> VehicleCommander::resolve(
 VehicleCommander::Vehicle* VehicleCommander::known(std::uint8_t system, const Done& done) {
   const auto found = vehicles_.find(system);
   if (found != vehicles_.end()) return found->second.get();
-  done(failure(Verdict::kNoSuchVehicle, "no vehicle " + std::to_string(system) +
-                                            " has been heard"));
+  done(
+      failure(Verdict::kNoSuchVehicle, "no vehicle " + std::to_string(system) + " has been heard"));
   return nullptr;
 }
 
-void VehicleCommander::start(std::uint8_t system, const VehicleCommand& command,
-                             base::RunTime now, Done done) {
+void VehicleCommander::start(std::uint8_t system, const VehicleCommand& command, base::RunTime now,
+                             Done done) {
   now_ = now;
   if (Vehicle* vehicle = known(system, done)) {
     vehicle->commands.start(command, now, std::move(done));

@@ -25,9 +25,9 @@ namespace cas::casd {
 
 struct CommanderOptions {
   mav::Source self{254, 190};
-  double heartbeat_hz = 1;      ///< own HEARTBEAT as a ground station; 0 is silent
-  bool allow_not_hil = false;   ///< consent to arm vehicles that are not in HIL
-  bool ask_on_sight = true;     ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle
+  double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent
+  bool allow_not_hil = false;  ///< consent to arm vehicles that are not in HIL
+  bool ask_on_sight = true;    ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle
   CommandTiming command_timing{};
   ParamTiming param_timing{};
 };
@@ -118,8 +118,7 @@ class VehicleCommander final : public Station {
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   void takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
   void takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
-  bool interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now,
-                   const Done& done) const;
+  bool interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now, const Done& done) const;
   struct Steps;
   void run_steps(std::shared_ptr<Steps> steps);
   void beat(base::RunTime now);

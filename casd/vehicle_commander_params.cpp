@@ -61,7 +61,7 @@ void VehicleCommander::set_gains(std::uint8_t system, const GainLoop& loop,
                                  const GainValues& values, base::RunTime now, Done done) {
   now_ = now;
   if (const std::optional<std::string> why = unsupported(loop, values)) {
-    done(failure(Verdict::kInvalid, *why));
+    done(failure(Verdict::kRefused, *why));
     return;
   }
   const auto steps = std::make_shared<Steps>();

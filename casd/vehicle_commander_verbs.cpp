@@ -11,12 +11,13 @@ namespace cas::casd {
 namespace {
 
 using mavlink::common::MavCmd;
-using mavlink::common::MavDoRepositionFlags;
 using mavlink::common::MavModeFlag;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 /// MAV_CMD_COMPONENT_ARM_DISARM param2: act against the vehicle's own checks.
 constexpr float kForce = 21196;
+/// MAV_CMD_DO_REPOSITION param2: go there now, in the mode that takes such targets.
+constexpr float kChangeMode = 1;
 constexpr base::Duration kFreshHeartbeat = std::chrono::seconds(3);
 
 VehicleCommand arm_command(bool arm, bool force) {
@@ -181,10 +182,9 @@ void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base
   const std::optional<std::uint32_t> mode = custom_mode(state.autopilot(), word);
   if (!mode) {
     const std::string words = mode_words(state.autopilot());
-    done(failure(Verdict::kInvalid,
-                 "'" + std::string(word) + "' is no mode of " +
-                     std::string(name(state.autopilot())) +
-                     (words.empty() ? std::string() : "; it has " + words)));
+    done(failure(Verdict::kInvalid, "'" + std::string(word) + "' is no mode of " +
+                                        std::string(name(state.autopilot())) +
+                                        (words.empty() ? std::string() : "; it has " + words)));
     return;
   }
   start(system, mode_command(state, *mode), now, std::move(done));
@@ -206,12 +206,12 @@ void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::Ru
       {target.north_m - home->x_m, target.east_m - home->y_m, target.down_m - home->z_m});
   VehicleCommand command{.id = MavCmd::kDoReposition};
   const double yaw_rad = target.yaw_deg.value_or(0) * std::numbers::pi / 180;
-  command.params = {-1, static_cast<float>(MavDoRepositionFlags::kChangeMode), 0,
-                    target.yaw_deg ? static_cast<float>(yaw_rad) : kNan, 0, 0, 0};
-  command.place = VehicleCommand::Place{
-      static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7)),
-      static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7)),
-      static_cast<float>(home->alt_m - (target.down_m - home->z_m))};
+  command.params = {-1, kChangeMode, 0, target.yaw_deg ? static_cast<float>(yaw_rad) : kNan,
+                    0,  0,           0};
+  command.place =
+      VehicleCommand::Place{static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7)),
+                            static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7)),
+                            static_cast<float>(home->alt_m - (target.down_m - home->z_m))};
   start(system, command, now, std::move(done));
 }
 

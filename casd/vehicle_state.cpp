@@ -85,9 +85,7 @@ void VehicleState::on_status_text(const Statustext& chunk, base::RunTime now) {
   ++status_text_count_;
 }
 
-Autopilot VehicleState::autopilot() const {
-  return autopilot_family(heartbeat_.message.autopilot);
-}
+Autopilot VehicleState::autopilot() const { return autopilot_family(heartbeat_.message.autopilot); }
 
 bool VehicleState::armed() const {
   return has(heartbeat_.message.base_mode, MavModeFlag::kSafetyArmed);
@@ -123,8 +121,8 @@ std::string_view VehicleState::landed_word() const {
 std::optional<HomeAmsl> VehicleState::home() const {
   if (home_) {
     const HomePosition& home = home_->message;
-    return HomeAmsl{home.latitude * 1e-7, home.longitude * 1e-7, home.altitude * 1e-3,
-                    home.x,               home.y,                home.z};
+    return HomeAmsl{
+        home.latitude * 1e-7, home.longitude * 1e-7, home.altitude * 1e-3, home.x, home.y, home.z};
   }
   if (!global_position_ || !local_position_) return std::nullopt;
   const GlobalPositionInt& here = global_position_->message;

@@ -52,7 +52,7 @@ class StatusTextJoiner {
 struct HomeAmsl {
   double lat_deg = 0;
   double lon_deg = 0;
-  double alt_m = 0;           ///< above mean sea level
+  double alt_m = 0;                  ///< above mean sea level
   double x_m = 0, y_m = 0, z_m = 0;  ///< of home in the vehicle's local frame N
 };
 

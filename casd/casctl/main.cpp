@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "base/rpc/message.hpp"
+#include "casd/casctl/verbs.hpp"
+
+namespace cas::casctl {
+
+CLI::App* CommandLine::add_verb(CLI::App& parent, const std::string& name, const std::string& help,
+                                const std::string& example, std::function<int(Session&)> body) {
+  CLI::App* verb = parent.add_subcommand(name, help);
+  verb->fallthrough();
+  verb->footer("Example: " + example);
+  verb->callback([this, body = std::move(body)] {
+    run = [this, body] {
+      Session session(options);
+      return body(session);
+    };
+  });
+  return verb;
+}
+
+namespace {
+
+using base::rpc::CallError;
+using base::rpc::ConnectionError;
+using nlohmann::json;
+
+void add_options(CommandLine& line) {
+  CLI::App& app = line.app;
+  Options& options = line.options;
+  app.description("casctl commands and watches vehicles through a running casd.");
+  app.name("casctl");
+  app.set_version_flag("--version", std::string("casctl ") + CAS_VERSION);
+  app.require_subcommand(1);
+  app.add_option("--address", options.address, "casd's command port, HOST:PORT or unix:PATH")
+      ->envname("CASD_ADDRESS")
+      ->capture_default_str();
+  app.add_option("--token-file", options.token_file, "file with the command port's token")
+      ->envname("CASD_TOKEN_FILE");
+  app.add_option("--vehicle", options.vehicle, "system id; needed when casd knows several")
+      ->check(CLI::Range(1, 255));
+  app.add_flag("--json", options.json, "print the answer as JSON");
+  app.add_flag("--wait", options.wait, "also wait until the state is reached (airborne, landed)");
+  app.add_option("--timeout", options.timeout_s, "seconds to wait for an answer or a state")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->capture_default_str();
+  app.footer(
+      "Exit codes: 0 done and acknowledged, 1 refused, 2 usage, 3 no daemon, 4 timeout.\n"
+      "`casctl VERB --help` has an example for each verb.");
+}
+
+void print_error(const Options& options, int code, const std::string& message,
+                 const std::string& data) {
+  if (!options.json) {
+    std::cerr << "casctl: " << message << '\n';
+    return;
+  }
+  json error{{"code", code}, {"message", message}};
+  const json parsed = json::parse(data, nullptr, false);
+  if (!parsed.is_discarded() && !parsed.is_null()) error["data"] = parsed;
+  std::cout << json{{"error", error}}.dump() << '\n';
+}
+
+/// What to do next, where casd's own sentence does not say.
+std::string hint(int code) {
+  switch (code) {
+    case base::rpc::kNotAuthorised:
+      return "; give --token-file or CASD_TOKEN_FILE";
+    case base::rpc::kMethodNotFound:
+      return "; casctl and casd are of different versions";
+    case base::rpc::kTimeout:
+      return "; is the vehicle's link up? See `casctl links`";
+    default:
+      return "";
+  }
+}
+
+int run_verb(const CommandLine& line) {
+  const Options& options = line.options;
+  try {
+    return line.run();
+  } catch (const CallError& error) {
+    print_error(options, error.code(), error.what() + hint(error.code()), error.data_json());
+    return error.code() == base::rpc::kTimeout ? kTimeout : kRefused;
+  } catch (const ConnectionError& error) {
+    const bool late = error.timeout();
+    const std::string next =
+        late ? std::string("; a longer --timeout waits longer")
+             : "; is casd running there? Start it with `casd TOPOLOGY.yaml`, or give --address";
+    print_error(options, 0, error.what() + next, "");
+    return late ? kTimeout : kNoDaemon;
+  } catch (const WaitTimeout& error) {
+    print_error(options, 0, error.what(), "");
+    return kTimeout;
+  } catch (const std::exception& error) {
+    print_error(options, 0, error.what(), "");
+    return kRefused;
+  }
+}
+
+}  // namespace
+}  // namespace cas::casctl
+
+int main(int argc, char** argv) {
+  using namespace cas::casctl;
+  std::signal(SIGPIPE, SIG_DFL);
+  CommandLine line;
+  add_options(line);
+  add_status_verbs(line);
+  add_flight_verbs(line);
+  add_param_verbs(line);
+  try {
+    line.app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return line.app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    line.app.exit(error);
+    return kUsage;
+  }
+  return run_verb(line);
+}

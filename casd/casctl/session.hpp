@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "base/rpc/client.hpp"
+
+namespace cas::casctl {
+
+/// What casctl ends with.
+enum ExitCode : int {
+  kDone = 0,      ///< done, and acknowledged by the vehicle
+  kRefused = 1,   ///< refused, by casd or by the vehicle
+  kUsage = 2,     ///< the command line makes no sense
+  kNoDaemon = 3,  ///< no casd answers at the address
+  kTimeout = 4,   ///< no acknowledgement or state in time
+};
+
+/// The options that every verb takes.
+struct Options {
+  std::string address = "127.0.0.1:5790";
+  std::string token_file;
+  std::optional<int> vehicle;
+  bool json = false;
+  bool wait = false;
+  double timeout_s = 60;
+};
+
+/// A state that --wait waited for and that did not come.
+class WaitTimeout : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// One connection to casd, authorised where a token is given.
+class Session {
+ public:
+  /// @throws base::rpc::ConnectionError, CallError; std::runtime_error for an unreadable token
+  explicit Session(const Options& options);
+
+  const Options& options() const { return options_; }
+  /// Calls a method with the parameters as they are.
+  nlohmann::json call(const std::string& method, nlohmann::json params = nlohmann::json::object());
+  /// Calls a vehicle method: adds `vehicle` where --vehicle is given.
+  nlohmann::json vehicle_call(const std::string& method,
+                              nlohmann::json params = nlohmann::json::object());
+  /// Polls vehicle.state until `reached` holds. @throws WaitTimeout
+  nlohmann::json wait_for(const std::string& what,
+                          const std::function<bool(const nlohmann::json&)>& reached);
+  base::rpc::Client& client() { return client_; }
+
+ private:
+  Options options_;
+  base::rpc::Client client_;
+};
+
+/// Prints a result: as JSON with --json, else the sentence.
+void report(const Options& options, const nlohmann::json& result, const std::string& sentence);
+
+}  // namespace cas::casctl

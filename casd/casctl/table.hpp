@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace cas::casctl {
+
+/// A plain text table: columns as wide as their widest cell, numbers to the right.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  bool empty() const { return rows_.size() == 1; }
+  void print(std::ostream& out) const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// A number with a fixed count of decimals.
+std::string fixed(double value, int decimals);
+/// A duration in words of one unit: "0.4 s", "12 min", "3.1 h".
+std::string duration_text(double seconds);
+
+}  // namespace cas::casctl

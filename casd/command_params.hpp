@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+namespace cas::casd {
+
+/// Parameters that a method cannot work with; the sentence goes to the client.
+class BadParams : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads the named parameters of one JSON-RPC call. Missing, mistyped and unknown ones throw
+/// BadParams.
+class CommandParams {
+ public:
+  explicit CommandParams(const nlohmann::json& params);
+
+  double number(const std::string& key);
+  std::optional<double> optional_number(const std::string& key);
+  /// An integer in [low, high].
+  std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);
+  std::optional<std::int64_t> optional_integer(const std::string& key, std::int64_t low,
+                                               std::int64_t high);
+  std::string text(const std::string& key);
+  std::optional<std::string> optional_text(const std::string& key);
+  /// Absent is false.
+  bool flag(const std::string& key);
+  /// The value itself, null when absent.
+  nlohmann::json value(const std::string& key);
+
+  /// Refuses keys that nobody asked for.
+  void finish() const;
+
+ private:
+  const nlohmann::json* find(const std::string& key);
+
+  nlohmann::json params_;
+  std::set<std::string> asked_;
+};
+
+}  // namespace cas::casd
