@@ -17,9 +17,10 @@ struct ConfigNode::Impl {
   std::shared_ptr<const ConfigDocument> document;  // keeps `tree` alive
   const ConfigTree* tree = nullptr;
   std::string path;
+  std::shared_ptr<const Impl> defaults = nullptr;  // map behind this one, see merged_over()
 
   ConfigNode child(const ConfigTree& below, std::string child_path) const {
-    return ConfigNode(std::make_shared<const Impl>(Impl{document, &below, std::move(child_path)}));
+    return ConfigNode(std::make_shared<const Impl>(Impl{document, &below, std::move(child_path), {}}));
   }
   ConfigNode entry(std::string_view key, const ConfigTree& below) const {
     return child(below, path.empty() ? std::string(key) : path + "." + std::string(key));
@@ -135,14 +136,14 @@ ConfigNode ConfigNode::load(const std::filesystem::path& file) {
 
 ConfigNode ConfigNode::parse(std::string_view text, const std::string& name) {
   const auto document = parse_config(text, name);
-  return ConfigNode(std::make_shared<const Impl>(Impl{document, &document->root, ""}));
+  return ConfigNode(std::make_shared<const Impl>(Impl{document, &document->root, "", {}}));
 }
 
 ConfigNode ConfigNode::empty(const std::string& name) {
   const auto document = std::make_shared<ConfigDocument>();
   document->file = name;
   document->root.kind = ConfigTree::Kind::kMap;
-  return ConfigNode(std::make_shared<const Impl>(Impl{document, &document->root, ""}));
+  return ConfigNode(std::make_shared<const Impl>(Impl{document, &document->root, "", {}}));
 }
 
 bool ConfigNode::is_map() const { return impl_->tree->kind == ConfigTree::Kind::kMap; }
@@ -169,7 +170,10 @@ std::optional<ConfigNode> ConfigNode::find(std::string_view key) const {
   if (!is_map() && !is_null()) fail("expected a map with the key " + in_quotes(key));
   impl_->want(key);
   const ConfigTree* const child = impl_->tree->find(key);
-  if (child == nullptr) return std::nullopt;
+  std::optional<ConfigNode> behind;
+  if (impl_->defaults) behind = ConfigNode(impl_->defaults).find(key);
+  if (child == nullptr) return behind;
+  if (behind) behind->mark_used();
   child->used = true;
   return impl_->entry(key, *child);
 }
@@ -218,6 +222,10 @@ std::vector<std::pair<std::string, ConfigNode>> ConfigNode::entries() const {
     child->used = true;
     nodes.emplace_back(key, impl_->entry(key, *child));
   }
+  if (!impl_->defaults) return nodes;
+  for (auto& [key, node] : ConfigNode(impl_->defaults).entries()) {
+    if (impl_->tree->find(key) == nullptr) nodes.emplace_back(key, std::move(node));
+  }
   return nodes;
 }
 
@@ -235,6 +243,15 @@ void ConfigNode::reject_unused() const {
   for (std::size_t i = 0; i < tree.items.size(); ++i) {
     if (!tree.items[i]->opaque) impl_->item(i).reject_unused();
   }
+  if (impl_->defaults) ConfigNode(impl_->defaults).reject_unused();
+}
+
+ConfigNode ConfigNode::merged_over(const ConfigNode& defaults) const {
+  if (!is_map() && !is_null()) fail("expected a map");
+  if (!defaults.is_map() && !defaults.is_null()) defaults.fail("expected a map");
+  Impl merged = *impl_;
+  merged.defaults = defaults.impl_;
+  return ConfigNode(std::make_shared<const Impl>(std::move(merged)));
 }
 
 void ConfigNode::mark_used() const {

@@ -66,6 +66,10 @@ class CAS_BASE_EXPORT ConfigNode {
   /// The entries of a map in file order. Counts as a use of each key.
   std::vector<std::pair<std::string, ConfigNode>> entries() const;
 
+  /// This map with the keys of `defaults` that it lacks; a key of both is this map's. Errors name
+  /// the file that the value stands in.
+  ConfigNode merged_over(const ConfigNode& defaults) const;
+
   /// Throws for the first key below this node that nobody asked for.
   void reject_unused() const;
   /// Marks this node and all below it as used (for blocks that another program reads).

@@ -83,7 +83,7 @@ class World {
   virtual void set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) = 0;
   /// Extra force and moment for the coming step only; calls add up.
   virtual void add_wrench(VehicleId vehicle, const Wrench& wrench) = 0;
-  /// Changes mass and inertia about the (unchanged) centre of gravity.
+  /// Sets mass and inertia to a multiple of those at the start; the centre of gravity stays.
   virtual void scale_mass(VehicleId vehicle, double factor) = 0;
 };
 

@@ -54,11 +54,9 @@ template <class Message>
 void expect_both_ways(const Packet& packet) {
   SCOPED_TRACE(packet.facts.dump());
   Message expected;
-  Message::for_each_field(
-      [&](const FieldInfo& field, auto& member) {
-        set_from_json(member, packet.facts["values"][std::string(field.name)]);
-      },
-      expected);
+  Message::for_each_field(expected, [&](const FieldInfo& field, auto& member) {
+    set_from_json(member, packet.facts["values"][std::string(field.name)]);
+  });
 
   PacketParser parser(common::table());
   int packets = 0;

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "base/notify.hpp"
+#include "base/thread.hpp"
+#include "libsim/core/control_server.hpp"
+#include "libsim/core/sim_config.hpp"
+#include "libsim/core/sim_loop.hpp"
+#include "libsim/core/sim_report.hpp"
+#include "libsim/core/sim_runner.hpp"
+
+namespace {
+
+using namespace cas;
+
+struct Flags {
+  std::filesystem::path config;
+  std::optional<std::filesystem::path> stats;
+  std::optional<std::filesystem::path> ledger;
+  std::optional<std::filesystem::path> control;
+  std::filesystem::path output = ".";
+  std::vector<std::filesystem::path> plugin_dirs;
+  std::string log_level = "info";
+  std::optional<double> duration_s;
+  bool paused = false;
+};
+
+void add_flags(CLI::App& app, Flags& flags) {
+  app.add_option("config", flags.config, "Simulation to run (YAML)")->required();
+  app.add_option("--stats", flags.stats, "Write figures (JSON) to this file at the end");
+  app.add_option("--ledger", flags.ledger,
+                 "Write each vehicle's packet ledger (CSV); with several vehicles FILE.<name>");
+  app.add_option("--control", flags.control, "Unix socket for control (JSON-RPC)");
+  app.add_option("--output", flags.output, "Folder for the files of the run");
+  app.add_option("--plugin-dir", flags.plugin_dirs, "Folder searched for plugins first");
+  app.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
+  app.add_option("--duration", flags.duration_s, "End after this much simulated time, s")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--paused", flags.paused, "Start paused at time zero");
+  app.set_version_flag("--version", "hilsim " CAS_VERSION);
+}
+
+/// Gives each interface plugin its `ledger` parameter, as if the file had it.
+void order_ledgers(sim::SimConfig& config, const std::filesystem::path& file) {
+  for (sim::VehicleConfig& vehicle : config.vehicles) {
+    for (sim::PluginConfig& plugin : vehicle.plugins) {
+      if (plugin.plugin != "mavlink_interface") continue;
+      const std::string name = std::filesystem::absolute(file).string() +
+                               (config.vehicles.size() > 1 ? "." + vehicle.name : "");
+      const nlohmann::json quoted = name;
+      plugin.params = base::ConfigNode::parse("ledger: " + quoted.dump(), "--ledger")
+                          .merged_over(plugin.params);
+    }
+  }
+}
+
+int run(const Flags& flags) {
+  sim::SimConfig config = sim::SimConfig::load(flags.config);
+  if (flags.ledger) order_ledgers(config, *flags.ledger);
+  std::error_code error;
+  std::filesystem::create_directories(flags.output, error);
+  if (error) throw base::ConfigError(flags.output.string() + ": " + error.message());
+
+  sim::SimRunner runner(std::move(config),
+                        {.output_dir = flags.output, .plugin_dirs = flags.plugin_dirs});
+  const sim::PaceConfig pace = runner.config().pace;
+  sim::SimLoop loop(runner, pace);
+  sim::ControlServer control(loop, flags.control);
+  runner.start();
+  if (pace.lock_memory) base::lock_memory();
+  base::configure_this_thread("simulation", pace.thread);
+  if (flags.paused) loop.post([&loop] { loop.pause(); });
+
+  base::notify("READY=1\nSTATUS=" + sim::endpoints_report(runner));
+  base::log::info("running");
+  std::optional<base::SimTime> until;
+  if (flags.duration_s) until = base::SimTime(base::from_seconds(*flags.duration_s));
+  loop.run(until);
+
+  base::notify("STOPPING=1");
+  runner.finish();
+  if (flags.stats) sim::write_report(*flags.stats, sim::stats_report(loop));
+  const sim::LoopFigures f = loop.figures();
+  char line[160];
+  std::snprintf(line, sizeof(line), "stopped at %.3f s: %.2f x real time, %llu late steps",
+                base::to_seconds(f.time), f.real_time_factor,
+                static_cast<unsigned long long>(f.late_steps));
+  base::log::info(line);
+  return base::kExitOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Simulates vehicles and their sensors for hardware-in-the-loop flight.", "hilsim");
+  Flags flags;
+  add_flags(app, flags);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
+  }
+  try {
+    base::log::init("hilsim", base::log::parse_level(flags.log_level));
+    return run(flags);
+  } catch (const base::ConfigError& error) {
+    std::fprintf(stderr, "hilsim: %s\n", error.what());
+    return base::kExitConfig;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "hilsim: internal error: %s\n", error.what());
+    return base::kExitInternal;
+  }
+}

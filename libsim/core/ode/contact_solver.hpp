@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "libsim/api/world.hpp"
+#include "libsim/core/export.hpp"
+#include "libsim/core/rigid_body.hpp"
+#include "libsim/core/shape.hpp"
+
+namespace cas::sim {
+
+/// Contacts, world geometry and ray casts by the Open Dynamics Engine; nothing else includes it.
+///
+/// A contact is a spring and damper along the normal (so that a landing is felt as a landing, not
+/// as one infinite sample) and Coulomb friction in the plane, solved exactly by ODE's Dantzig
+/// solver: what rests does not creep. Restitution and rolling friction are not modelled.
+///
+/// Per step: begin() -> place() and collide_*() for bodies that may touch -> apply() for those that
+/// are touching() -> step() -> read().
+class CAS_SIM_EXPORT ContactSolver {
+ public:
+  explicit ContactSolver(const Eigen::Vector3d& gravity_W);
+  ~ContactSolver();
+  ContactSolver(const ContactSolver&) = delete;
+  ContactSolver& operator=(const ContactSolver&) = delete;
+
+  void add_static(const Shape& shape);
+  /// Bodies are numbered from 0 in the order in which they are added.
+  void add_body(std::span<const Shape> shapes, const MassProperties& mass);
+  void set_mass(std::size_t body, const MassProperties& mass);
+
+  /// True when the body's bounding sphere about `p_W` comes within reach of the static world.
+  /// Cheap: no narrow phase.
+  bool near_world(std::size_t body, const Eigen::Vector3d& p_W) const;
+  /// True when the bounding spheres of two bodies overlap.
+  bool near_each_other(std::size_t a, const Eigen::Vector3d& p_a_W, std::size_t b,
+                       const Eigen::Vector3d& p_b_W) const;
+
+  /// Forgets the contacts of the last step; the coming one takes `dt` s.
+  void begin(double dt);
+  /// Moves the body to a state.
+  void place(std::size_t body, const BodyState& state);
+  /// Finds the contacts of a placed body with the static world.
+  void collide_world(std::size_t body);
+  /// Finds the contacts between two placed bodies.
+  void collide_bodies(std::size_t a, std::size_t b);
+  /// True when the body has had a contact since begin().
+  bool touching(std::size_t body) const;
+
+  /// Force and moment about the centre of gravity for the coming step, and makes the body take
+  /// part in it.
+  void apply(std::size_t body, const Wrench& wrench);
+  /// Steps the bodies that were given a wrench; gravity acts on them.
+  void step();
+  /// Copies position, velocity, attitude and rates of the body.
+  void read(std::size_t body, BodyState& state) const;
+
+  /// Distance along a ray (unit direction) to the first surface of the static world, m.
+  std::optional<double> ray_to_world(const Eigen::Vector3d& origin_W,
+                                     const Eigen::Vector3d& direction_W, double range_m) const;
+  /// The same to one body, which must have been placed when the ray comes near it.
+  std::optional<double> ray_to_body(std::size_t body, const Eigen::Vector3d& origin_W,
+                                    const Eigen::Vector3d& direction_W, double range_m) const;
+  /// Height of a point over the static surface below it, m; infinite over nothing.
+  double height_above_ground(const Eigen::Vector3d& p_W) const;
+  double radius(std::size_t body) const;
+
+  /// Seeds ODE's process-wide random numbers.
+  void reset();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cas::sim

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ode/ode.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "libsim/core/shape.hpp"
+
+namespace cas::sim {
+
+inline Eigen::Vector3d from_ode(const dReal* v) { return {v[0], v[1], v[2]}; }
+inline void to_ode(const Eigen::Quaterniond& q, dReal (&out)[4]) {
+  out[0] = q.w();
+  out[1] = q.x();
+  out[2] = q.y();
+  out[3] = q.z();
+}
+
+/// Owns what ODE's triangle meshes point into.
+class MeshStore {
+ public:
+  ~MeshStore();
+  dTriMeshDataID add(const TriangleMesh& mesh);
+
+ private:
+  struct Arrays {
+    std::vector<double> vertices;
+    std::vector<dTriIndex> indices;
+    dTriMeshDataID data;
+  };
+  std::vector<std::unique_ptr<Arrays>> meshes_;
+};
+
+/// Makes the geom of a shape at its pose in `space`. A plane becomes ODE's plane and must not be
+/// attached to a body.
+dGeomID make_geom(dSpaceID space, const Shape& shape, MeshStore& meshes);
+
+}  // namespace cas::sim

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "libsim/core/export.hpp"
+
+namespace cas::sim {
+
+struct TriangleMesh {
+  std::vector<Eigen::Vector3d> vertices;  ///< m
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+struct Box {
+  Eigen::Vector3d size_m;  ///< edge lengths
+};
+struct Sphere {
+  double radius_m;
+};
+struct Cylinder {
+  double radius_m;
+  double length_m;  ///< along z
+};
+struct Plane {};  ///< infinite, z = 0 of its pose, solid below
+struct Mesh {
+  std::shared_ptr<const TriangleMesh> triangles;
+};
+using Geometry = std::variant<Box, Sphere, Cylinder, Plane, Mesh>;
+
+/// How a shape feels to what touches it; a contact takes the smaller friction of the two.
+struct Surface {
+  /// Coulomb coefficient; 1 is the default of the SDF specification.
+  double friction = 1.0;
+};
+
+/// A collision shape: in W for the world, about the centre of gravity in B for a vehicle.
+struct Shape {
+  std::string name;
+  Geometry geometry;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Surface surface;
+};
+
+/// Radius of the sphere about the origin of `pose`'s parent frame that holds the shape, m;
+/// infinite for a plane.
+CAS_SIM_EXPORT double bounding_radius(const Shape& shape);
+
+/// Smallest z over the shape when the parent frame is rotated by `R`, m; minus infinity for a
+/// plane.
+CAS_SIM_EXPORT double lowest_point(const Shape& shape, const Eigen::Matrix3d& R);
+
+}  // namespace cas::sim
