@@ -74,7 +74,7 @@ T to_integer(const ConfigNode& node, const ConfigTree& tree) {
 double to_double(const ConfigNode& node, const ConfigTree& tree) {
   const std::string& text = plain_scalar(node, tree, "a number");
   double value = 0;
-  if (!parse_whole(text, value)) node.fail(in_quotes(text) + " is not a number");
+  if (!parse_whole(text, value)) node.fail(in_quotes(text) + " is not a number, or out of range");
   if (!std::isfinite(value)) node.fail(in_quotes(text) + " is not a finite number");
   return value;
 }

@@ -58,7 +58,9 @@ std::string request_fault(const Json& request) {
     return "\"params\" must be an object or an array";
   }
   const auto id = request.find("id");
-  if (id != request.end() && id->is_structured()) return "\"id\" must be a string or a number";
+  if (id != request.end() && (id->is_structured() || id->is_boolean())) {
+    return "\"id\" must be a string or a number";
+  }
   return "";
 }
 

@@ -173,6 +173,7 @@ void Listener::accept_waiting() {
     socket.assign(boost::asio::generic::stream_protocol(peer.ss_family, 0), fd.get(), error);
     if (error) continue;
     fd.release();
+    starved_ = false;
     on_client_(std::move(socket));
   }
   if (descriptor_.is_open()) do_wait();
@@ -180,7 +181,9 @@ void Listener::accept_waiting() {
 
 // No descriptors are left: waiting on the listening socket would spin.
 void Listener::retry_later() {
-  log::warn("a client is kept waiting: " + message_of(errno));
+  if (!std::exchange(starved_, true)) {
+    log::warn("clients are kept waiting: " + message_of(errno));
+  }
   retry_.expires_after(kRetryDelay);
   retry_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
     if (!error && self->descriptor_.is_open()) self->accept_waiting();

@@ -48,6 +48,7 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   boost::asio::steady_timer retry_;
   std::filesystem::path path_;
   OnClient on_client_;
+  bool starved_ = false;  // said so once
 };
 
 }  // namespace cas::base::rpc

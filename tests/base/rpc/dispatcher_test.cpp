@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/rpc/dispatcher.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <vector>
+
+namespace cas::base::rpc {
+namespace {
+
+class FakePeer final : public Peer {
+ public:
+  void deliver(std::string line) override { lines.push_back(std::move(line)); }
+  void on_refused() override { refused = true; }
+  std::vector<std::string> lines;
+  bool refused = false;
+};
+
+class DispatcherTest : public testing::Test {
+ protected:
+  DispatcherTest() {
+    dispatcher_.add_method("echo", [](const Json& params, Reply reply) { reply.result(params); });
+    dispatcher_.add_method("keep",
+                           [this](const Json&, Reply reply) { kept_.push_back(std::move(reply)); });
+    dispatcher_.add_method("drop", [](const Json&, Reply) {});
+    dispatcher_.add_method("twice", [](const Json&, Reply reply) {
+      reply.result(1);
+      reply.result(2);
+      reply.error(kRefused, "late", nullptr);
+    });
+    dispatcher_.add_method("speed", [](const Json& params, Reply reply) {
+      reply.result(params.at("rad_s").get<double>());
+    });
+    dispatcher_.add_method("bug", [](const Json&, Reply) { throw std::logic_error("a bug"); });
+    dispatcher_.add_method("bytes", [](const Json&, Reply reply) { reply.result("\xff\xfe"); });
+    dispatcher_.add_method("count", [this](const Json&, Reply reply) {
+      ++counted_;
+      reply.result(counted_);
+    });
+    dispatcher_.add_topic("status");
+  }
+
+  std::vector<std::string> handle(std::string_view line) {
+    peer_->lines.clear();
+    dispatcher_.handle(line, peer_);
+    return peer_->lines;
+  }
+  Json answer(std::string_view line) {
+    const std::vector<std::string> lines = handle(line);
+    EXPECT_EQ(lines.size(), 1U) << line;
+    return lines.empty() ? Json() : Json::parse(lines[0]);
+  }
+
+  Dispatcher dispatcher_;
+  std::vector<Reply> kept_;
+  int counted_ = 0;
+  std::shared_ptr<FakePeer> peer_ = std::make_shared<FakePeer>();
+};
+
+TEST_F(DispatcherTest, AResultCarriesTheIdOfItsRequest) {
+  for (const Json& id : {Json(1), Json("a"), Json(nullptr), Json(1.5), Json(-7)}) {
+    const Json request{{"jsonrpc", "2.0"}, {"id", id}, {"method", "echo"}, {"params", {1, 2}}};
+    const Json expected{{"jsonrpc", "2.0"}, {"id", id}, {"result", {1, 2}}};
+    EXPECT_EQ(answer(request.dump()), expected);
+  }
+}
+
+TEST_F(DispatcherTest, AbsentParametersAreNull) {
+  EXPECT_TRUE(answer(R"({"jsonrpc":"2.0","id":1,"method":"echo"})")["result"].is_null());
+}
+
+TEST_F(DispatcherTest, ANotificationIsCalledAndNotAnswered) {
+  EXPECT_TRUE(handle(R"({"jsonrpc":"2.0","method":"count"})").empty());
+  EXPECT_EQ(counted_, 1);
+  EXPECT_TRUE(handle(R"({"jsonrpc":"2.0","method":"no_such"})").empty());
+  EXPECT_TRUE(handle(R"({"jsonrpc":"2.0","method":"bug"})").empty());
+  EXPECT_EQ(peer_->calls, 0U);
+}
+
+TEST_F(DispatcherTest, ABlankLineIsIgnored) {
+  EXPECT_TRUE(handle("").empty());
+  EXPECT_TRUE(handle(" \t\r\n").empty());
+}
+
+struct FaultCase {
+  const char* name;
+  std::string line;
+  int code;
+  Json id;
+};
+
+class DispatcherFault : public DispatcherTest, public testing::WithParamInterface<FaultCase> {};
+
+TEST_P(DispatcherFault, IsAnsweredWithItsCode) {
+  const Json response = answer(GetParam().line);
+  EXPECT_EQ(response["error"]["code"], GetParam().code) << response;
+  EXPECT_EQ(response["id"], GetParam().id);
+  EXPECT_EQ(response["jsonrpc"], "2.0");
+  EXPECT_FALSE(response["error"]["message"].get<std::string>().empty());
+  EXPECT_FALSE(response.contains("result"));
+  EXPECT_EQ(peer_->calls, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Lines, DispatcherFault,
+    testing::Values(
+        FaultCase{"Garbage", "garbage", kParseError, nullptr},
+        FaultCase{"HalfAnObject", R"({"jsonrpc":"2.0","id":1,)", kParseError, nullptr},
+        FaultCase{"TwoObjects", R"({"a":1}{"b":2})", kParseError, nullptr},
+        FaultCase{"NotUtf8", "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"\xff\"}", kParseError,
+                  nullptr},
+        FaultCase{"NulByte", std::string("{\"id\":\0 1}", 10), kParseError, nullptr},
+        FaultCase{"TooDeep", std::string(65, '['), kParseError, nullptr},
+        FaultCase{"AbysmallyDeep", std::string(60'000, '['), kParseError, nullptr},
+        FaultCase{"Number", "42", kInvalidRequest, nullptr},
+        FaultCase{"EmptyBatch", "[]", kInvalidRequest, nullptr},
+        FaultCase{"NoVersion", R"({"id":1,"method":"echo"})", kInvalidRequest, 1},
+        FaultCase{"OldVersion", R"({"jsonrpc":"1.0","id":1,"method":"echo"})", kInvalidRequest, 1},
+        FaultCase{"NoMethod", R"({"jsonrpc":"2.0","id":2})", kInvalidRequest, 2},
+        FaultCase{"MethodNoString", R"({"jsonrpc":"2.0","id":3,"method":1})", kInvalidRequest, 3},
+        FaultCase{"ParamsNumber", R"({"jsonrpc":"2.0","id":"x","method":"echo","params":1})",
+                  kInvalidRequest, "x"},
+        FaultCase{"IdObject", R"({"jsonrpc":"2.0","id":{},"method":"echo"})", kInvalidRequest,
+                  nullptr},
+        FaultCase{"IdBool", R"({"jsonrpc":"2.0","id":true,"method":"echo"})", kInvalidRequest,
+                  nullptr},
+        FaultCase{"UnknownMethod", R"({"jsonrpc":"2.0","id":4,"method":"none"})", kMethodNotFound,
+                  4},
+        FaultCase{"MissingParameter", R"({"jsonrpc":"2.0","id":5,"method":"speed","params":{}})",
+                  kInvalidParams, 5},
+        FaultCase{"WrongType",
+                  R"({"jsonrpc":"2.0","id":6,"method":"speed","params":{"rad_s":"fast"}})",
+                  kInvalidParams, 6},
+        FaultCase{"NoParameters", R"({"jsonrpc":"2.0","id":6,"method":"speed"})", kInvalidParams,
+                  6},
+        FaultCase{"Throws", R"({"jsonrpc":"2.0","id":7,"method":"bug"})", kInternalError, 7},
+        FaultCase{"ForgetsItsReply", R"({"jsonrpc":"2.0","id":8,"method":"drop"})", kInternalError,
+                  8},
+        FaultCase{"UnknownTopic",
+                  R"({"jsonrpc":"2.0","id":9,"method":"subscribe","params":{"topic":"x"}})",
+                  kInvalidParams, 9}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(DispatcherTest, TheFirstAnswerCounts) {
+  EXPECT_EQ(answer(R"({"jsonrpc":"2.0","id":1,"method":"twice"})")["result"], 1);
+}
+
+TEST_F(DispatcherTest, BytesThatAreNoUtf8AreReplacedInAnswers) {
+  EXPECT_EQ(answer(R"({"jsonrpc":"2.0","id":1,"method":"bytes"})")["result"], "\uFFFD\uFFFD");
+}
+
+TEST_F(DispatcherTest, BracketsInStringsAreNoNesting) {
+  const Json request{{"jsonrpc", "2.0"},
+                     {"id", 1},
+                     {"method", "echo"},
+                     {"params", {std::string(200, '[') + "\\\""}}};
+  EXPECT_EQ(answer(request.dump())["result"], request["params"]);
+}
+
+TEST_F(DispatcherTest, ALateAnswerIsDelivered) {
+  EXPECT_TRUE(handle(R"({"jsonrpc":"2.0","id":1,"method":"keep"})").empty());
+  EXPECT_EQ(peer_->calls, 1U);
+  kept_[0].error(kTimeout, "no acknowledgement", Json{{"waited_s", 3}});
+  EXPECT_EQ(peer_->calls, 0U);
+  const Json response = Json::parse(peer_->lines.at(0));
+  EXPECT_EQ(response["error"]["code"], kTimeout);
+  EXPECT_EQ(response["error"]["data"]["waited_s"], 3);
+}
+
+TEST_F(DispatcherTest, AnAnswerToAPeerThatIsGoneIsDropped) {
+  handle(R"({"jsonrpc":"2.0","id":1,"method":"keep"})");
+  handle(R"([{"jsonrpc":"2.0","id":1,"method":"keep"},{"jsonrpc":"2.0","method":"keep"}])");
+  peer_.reset();
+  for (const Reply& reply : kept_) reply.result(true);
+}
+
+TEST_F(DispatcherTest, ABatchIsAnsweredInItsOrderWhenTheLastIsIn) {
+  EXPECT_TRUE(handle(R"([{"jsonrpc":"2.0","id":1,"method":"keep"},
+                         {"jsonrpc":"2.0","method":"count"},
+                         {"jsonrpc":"2.0","id":2,"method":"echo","params":[5]},
+                         7,
+                         {"jsonrpc":"2.0","id":3,"method":"keep"}])")
+                  .empty());
+  kept_[1].result("second");
+  EXPECT_TRUE(peer_->lines.empty());
+  kept_[0].result("first");
+  ASSERT_EQ(peer_->lines.size(), 1U);
+  const Json batch = Json::parse(peer_->lines[0]);
+  ASSERT_EQ(batch.size(), 4U);
+  EXPECT_EQ(batch[0]["result"], "first");
+  EXPECT_EQ(batch[1]["result"], Json({5}));
+  EXPECT_EQ(batch[2]["error"]["code"], kInvalidRequest);
+  EXPECT_EQ(batch[3]["result"], "second");
+  EXPECT_EQ(counted_, 1);
+}
+
+TEST_F(DispatcherTest, ABatchOfNotificationsIsNotAnswered) {
+  EXPECT_TRUE(
+      handle(R"([{"jsonrpc":"2.0","method":"count"},{"jsonrpc":"2.0","method":"drop"}])").empty());
+  EXPECT_EQ(counted_, 1);
+}
+
+TEST_F(DispatcherTest, ABatchHasABound) {
+  Json batch = Json::array();
+  for (int i = 0; i < 257; ++i) batch.push_back({{"jsonrpc", "2.0"}, {"method", "count"}});
+  EXPECT_EQ(answer(batch.dump())["error"]["code"], kInvalidRequest);
+  EXPECT_EQ(counted_, 0);
+}
+
+TEST_F(DispatcherTest, CallsUnderWayHaveABound) {
+  for (int i = 0; i < 256; ++i) {
+    EXPECT_TRUE(handle(R"({"jsonrpc":"2.0","id":1,"method":"keep"})").empty());
+  }
+  EXPECT_EQ(answer(R"({"jsonrpc":"2.0","id":2,"method":"keep"})")["error"]["code"], kInternalError);
+  EXPECT_EQ(kept_.size(), 256U);
+  kept_.pop_back();
+  EXPECT_EQ(answer(R"({"jsonrpc":"2.0","id":3,"method":"echo"})")["id"], 3);
+}
+
+TEST_F(DispatcherTest, SubscriptionsArePerPeer) {
+  const auto other = std::make_shared<FakePeer>();
+  const auto subscribe =
+      R"({"jsonrpc":"2.0","id":1,"method":"subscribe","params":{"topic":"status"}})";
+  const auto unsubscribe =
+      R"({"jsonrpc":"2.0","id":2,"method":"unsubscribe","params":{"topic":"status"}})";
+  EXPECT_EQ(answer(subscribe)["result"], true);
+  EXPECT_TRUE(peer_->topics.contains("status"));
+  EXPECT_TRUE(other->topics.empty());
+  EXPECT_EQ(answer(unsubscribe)["result"], true);
+  EXPECT_EQ(answer(unsubscribe)["result"], false);
+  EXPECT_TRUE(peer_->topics.empty());
+}
+
+TEST_F(DispatcherTest, WithoutTheTokenNothingIsCalled) {
+  dispatcher_.set_token("0123456789abcdef");
+  peer_->authorised = false;
+  for (const char* method : {"count", "subscribe", "none"}) {
+    const Json request{{"jsonrpc", "2.0"}, {"id", 1}, {"method", method}};
+    EXPECT_EQ(answer(request.dump())["error"]["code"], kNotAuthorised) << method;
+  }
+  handle(R"({"jsonrpc":"2.0","method":"count"})");
+  EXPECT_EQ(counted_, 0);
+  EXPECT_EQ(answer(R"({"jsonrpc":"2.0","id":1,"method":"authorise",
+                       "params":{"token":"0123456789abcdef"}})")["result"],
+            true);
+  EXPECT_EQ(answer(R"({"jsonrpc":"2.0","id":1,"method":"count"})")["result"], 1);
+}
+
+TEST_F(DispatcherTest, AWrongTokenEndsThePeer) {
+  dispatcher_.set_token("0123456789abcdef");
+  peer_->authorised = false;
+  EXPECT_EQ(answer(R"({"jsonrpc":"2.0","id":1,"method":"authorise",
+                       "params":{"token":"0123456789abcdeg"}})")["error"]["code"],
+            kNotAuthorised);
+  EXPECT_TRUE(peer_->refused);
+  EXPECT_FALSE(peer_->authorised);
+}
+
+TEST_F(DispatcherTest, AMethodOfOneNameIsAddedOnce) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(dispatcher_.add_method("echo", [](const Json&, Reply) {}), "check failed");
+  EXPECT_DEATH(dispatcher_.add_method("subscribe", [](const Json&, Reply) {}), "check failed");
+}
+
+}  // namespace
+}  // namespace cas::base::rpc

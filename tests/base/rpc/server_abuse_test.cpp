@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Clients that are slow, endless, many or gone: each pays alone.
+#include <gtest/gtest.h>
+
+#include <sys/resource.h>
+
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "base/rpc/client.hpp"
+#include "base/rpc/server.hpp"
+#include "tests/base/rpc/raw_client.hpp"
+#include "tests/base/rpc/running_server.hpp"
+
+namespace cas::base::rpc {
+namespace {
+
+constexpr const char* kEcho = R"({"jsonrpc":"2.0","id":1,"method":"echo","params":[1]})";
+
+TEST(ServerAbuse, AnEndlessLineIsAnsweredAndEnded) {
+  RunningServer server;
+  RawClient client(server.port());
+  client.send(std::string(70 * 1024, 'x'));
+  EXPECT_EQ(client.json()["error"]["code"], kParseError);
+  EXPECT_TRUE(client.closed_by_server());
+  EXPECT_TRUE(server.wait_for_clients(0));
+}
+
+TEST(ServerAbuse, ALineOfTheLargestSizeIsServed) {
+  ServerLimits limits;
+  limits.max_line_bytes = 1024;
+  RunningServer server(limits);
+  RawClient client(server.port());
+  std::string line = R"({"jsonrpc":"2.0","id":1,"method":"echo","params":[")";
+  line += std::string(1024 - line.size() - 4, 'x') + "\"]}";
+  EXPECT_EQ(client.ask(line)["id"], 1);
+  client.send(line + " \n");
+  EXPECT_EQ(client.json()["error"]["code"], kParseError);
+}
+
+TEST(ServerAbuse, AClientThatNeverReadsIsClosedAndOthersAreServed) {
+  RunningServer server;
+  RawClient greedy(server.port());
+  RawClient other(server.port());
+  const std::string request = "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"big\"}\n";
+  bool open = true;
+  for (int i = 0; open && i < 100'000; ++i) {
+    open = greedy.send(request);
+    if (i % 100 == 0) {
+      EXPECT_EQ(other.ask(kEcho)["id"], 1);
+    }
+  }
+  EXPECT_FALSE(open) << "10 GB of answers were kept";
+  EXPECT_TRUE(server.wait_for_clients(1));
+  EXPECT_EQ(other.ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, ASubscriberThatNeverReadsIsClosedAndOthersAreServed) {
+  RunningServer server;
+  RawClient lazy(server.port());
+  RawClient reader(server.port());
+  const std::string subscribe =
+      R"({"jsonrpc":"2.0","id":3,"method":"subscribe","params":{"topic":"status"}})";
+  EXPECT_EQ(lazy.ask(subscribe)["result"], true);
+  EXPECT_EQ(reader.ask(subscribe)["result"], true);
+  const Json params{{"text", std::string(100'000, 'x')}};
+  int published = 0;
+  while (published < 10'000 && server.run([&] { return server.server().clients(); }) == 2) {
+    server.publish("status", params);
+    ++published;
+    EXPECT_EQ(reader.json()["method"], "status");
+  }
+  EXPECT_LT(published, 10'000);
+  EXPECT_EQ(reader.ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, AThousandQuickClientsAreAllServed) {
+  RunningServer server;
+  for (int i = 0; i < 1000; ++i) {
+    Client client(server.address(), kPatience);
+    EXPECT_EQ(client.call("echo", {i}, kPatience), Json({i}));
+    // The server notices an end later than the client: at most the limit are open at once.
+    if (i % 50 == 49) {
+      client = Client(server.address(), kPatience);
+      EXPECT_TRUE(server.wait_until([](Server& s) { return s.clients() <= 1; }));
+    }
+  }
+  EXPECT_TRUE(server.wait_for_clients(0));
+}
+
+TEST(ServerAbuse, AThousandClientsThatLeaveAtOnceLeaveNothingBehind) {
+  RunningServer server;
+  for (int i = 0; i < 1000; ++i) {
+    RawClient client(server.port());
+    if (i % 3 == 0) client.send(std::string(kEcho) + "\n");
+    if (i % 3 == 1) client.send("half a line");
+  }
+  EXPECT_TRUE(server.wait_for_clients(0));
+  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, AClientBeyondTheLimitIsToldAndClosed) {
+  ServerLimits limits;
+  limits.max_clients = 3;
+  RunningServer server(limits);
+  std::vector<RawClient> clients;
+  for (int i = 0; i < 3; ++i) {
+    clients.emplace_back(server.port());
+    EXPECT_EQ(clients.back().ask(kEcho)["id"], 1);
+  }
+  RawClient fourth(server.port());
+  fourth.send(std::string(kEcho) + "\n");
+  const Json refusal = fourth.json();
+  EXPECT_TRUE(refusal["id"].is_null());
+  EXPECT_EQ(refusal["error"]["code"], kInternalError);
+  EXPECT_TRUE(fourth.closed_by_server());
+  clients.pop_back();
+  EXPECT_TRUE(server.wait_for_clients(2));
+  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, ABurstOfConnectionsLeavesTheServerWhole) {
+  RunningServer server;
+  {
+    std::vector<RawClient> burst;
+    for (int i = 0; i < 300; ++i) burst.emplace_back(server.port());
+  }
+  EXPECT_TRUE(server.wait_for_clients(0));
+  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, WithoutDescriptorsClientsWaitAndAreServedLater) {
+  RunningServer server;
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  RawClient client(server.port());
+  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  const RawClient probe(server.port());
+  EXPECT_TRUE(server.wait_for_clients(2));
+  const int lowest_free = ::dup(0);
+  ::close(lowest_free);
+  rlimit tight = before;
+  tight.rlim_cur = static_cast<rlim_t>(lowest_free) + 1;
+  ::setrlimit(RLIMIT_NOFILE, &tight);
+  RawClient late(server.port());  // takes the last one; accepting needs one more
+  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(late.ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, RandomBytesNeverEndTheServer) {
+  RunningServer server;
+  std::mt19937 random(1);  // fixed: the same bytes in every run
+  const std::string alphabet = "{}[]\":,0123456789.eE+-truefalsn\\u jsonrpc methodid\n\n\n\x80\xff";
+  std::uniform_int_distribution<std::size_t> letter(0, alphabet.size() - 1);
+  for (int round = 0; round < 20; ++round) {
+    RawClient client(server.port());
+    std::string bytes;
+    for (int i = 0; i < 20'000; ++i) bytes += alphabet[letter(random)];
+    std::thread reader([&client] { client.closed_by_server(); });
+    client.send(bytes);
+    client.end_of_input();
+    reader.join();
+  }
+  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+}
+
+}  // namespace
+}  // namespace cas::base::rpc

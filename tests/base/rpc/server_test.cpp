@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/rpc/server.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "tests/base/rpc/raw_client.hpp"
+#include "tests/base/rpc/running_server.hpp"
+
+namespace cas::base::rpc {
+namespace {
+
+constexpr const char* kEcho = R"({"jsonrpc":"2.0","id":1,"method":"echo","params":[1]})";
+constexpr const char* kKeep = R"({"jsonrpc":"2.0","id":2,"method":"keep"})";
+constexpr const char* kSubscribe =
+    R"({"jsonrpc":"2.0","id":3,"method":"subscribe","params":{"topic":"status"}})";
+
+TEST(Server, AnswersALine) {
+  RunningServer server;
+  RawClient client(server.port());
+  EXPECT_EQ(client.ask(kEcho)["result"], Json({1}));
+}
+
+TEST(Server, ALineMayComeInPieces) {
+  RunningServer server;
+  RawClient client(server.port());
+  for (const char c : std::string(kEcho) + "\r\n") client.send(std::string(1, c));
+  EXPECT_EQ(client.json()["result"], Json({1}));
+}
+
+TEST(Server, ManyLinesMayComeInOnePiece) {
+  RunningServer server;
+  RawClient client(server.port());
+  std::string lines;
+  for (int i = 0; i < 200; ++i) {
+    lines += R"({"jsonrpc":"2.0","method":"echo","id":)" + std::to_string(i) + "}\n";
+  }
+  EXPECT_TRUE(client.send(lines));
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(client.json()["id"], i);
+}
+
+TEST(Server, GoesOnAfterALineThatIsNoJson) {
+  RunningServer server;
+  RawClient client(server.port());
+  EXPECT_EQ(client.ask("nonsense")["error"]["code"], kParseError);
+  EXPECT_EQ(client.ask(kEcho)["result"], Json({1}));
+}
+
+TEST(Server, ALateAnswerDoesNotHoldUpTheNext) {
+  RunningServer server;
+  RawClient client(server.port());
+  client.send(std::string(kKeep) + "\n");
+  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  server.answer_kept();
+  EXPECT_EQ(client.json()["id"], 2);
+}
+
+TEST(Server, AnswersAfterTheClientsEndOfInput) {
+  RunningServer server;
+  RawClient client(server.port());
+  client.send(std::string(kKeep) + "\n" + kEcho);  // the last line lacks its newline
+  client.end_of_input();
+  EXPECT_EQ(client.json()["id"], 1);
+  EXPECT_TRUE(server.wait_for_kept(1));
+  server.answer_kept();
+  EXPECT_EQ(client.json()["id"], 2);
+  EXPECT_TRUE(client.closed_by_server());
+  EXPECT_TRUE(server.wait_for_clients(0));
+}
+
+TEST(Server, AnAnswerToAClientThatLeftIsHarmless) {
+  RunningServer server;
+  {
+    RawClient client(server.port());
+    client.send(std::string(kKeep) + "\n");
+    EXPECT_TRUE(server.wait_for_kept(1));
+  }
+  server.answer_kept();
+  EXPECT_TRUE(server.wait_for_clients(0));
+  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+}
+
+TEST(Server, OnlySubscribersGetNotifications) {
+  RunningServer server;
+  RawClient subscriber(server.port());
+  RawClient other(server.port());
+  EXPECT_EQ(subscriber.ask(kSubscribe)["result"], true);
+  EXPECT_EQ(other.ask(kEcho)["id"], 1);
+  server.publish("status", {{"rate_hz", 500}});
+  server.publish("unknown", {});
+  const Json notification = subscriber.json();
+  EXPECT_EQ(notification["method"], "status");
+  EXPECT_EQ(notification["params"]["rate_hz"], 500);
+  EXPECT_FALSE(notification.contains("id"));
+  EXPECT_EQ(other.ask(kEcho)["id"], 1);  // nothing came before it
+}
+
+TEST(Server, ClosingEndsAllConnections) {
+  RunningServer server;
+  RawClient client(server.port());
+  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  client.send(std::string(kKeep) + "\n");
+  EXPECT_TRUE(server.wait_for_kept(1));
+  server.run([&] { server.server().close(); });
+  EXPECT_TRUE(client.closed_by_server());
+  server.answer_kept();  // to nobody
+}
+
+TEST(Server, AMethodMayCloseTheServer) {
+  RunningServer server;
+  RawClient client(server.port());
+  client.send("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"close\"}\n" + std::string(kEcho) + "\n");
+  EXPECT_TRUE(client.closed_by_server());
+}
+
+TEST(Server, APortInUseIsAConfigError) {
+  RunningServer server;
+  boost::asio::io_context io;
+  Server second(io);
+  try {
+    second.listen_tcp("127.0.0.1", server.port());
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find(std::to_string(server.port())), std::string::npos);
+  }
+}
+
+TEST(Server, AnAddressThatIsNoneIsAConfigError) {
+  boost::asio::io_context io;
+  Server server(io);
+  EXPECT_THROW(server.listen_tcp("300.1.1.1", 0), ConfigError);
+  EXPECT_THROW(server.listen_tcp("192.0.2.1", 0), ConfigError);  // no address of this host
+}
+
+TEST(Server, ListensOnIpv6) {
+  RunningServer server;
+  std::uint16_t port = 0;
+  try {
+    port = server.run([&] { return server.server().listen_tcp("::1", 0); });
+  } catch (const ConfigError&) {
+    GTEST_SKIP() << "this machine has no IPv6";
+  }
+  EXPECT_GT(port, 0);
+}
+
+// A child process must inherit none of them.
+TEST(Server, EverySocketIsClosedOnExec) {
+  RunningServer server;
+  RawClient client(server.port());
+  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  int sockets = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code error;
+    const auto target = std::filesystem::read_symlink(entry.path(), error).string();
+    if (error || !target.starts_with("socket:")) continue;
+    const int fd = std::stoi(entry.path().filename());
+    if (fd <= 2) continue;
+    ++sockets;
+    EXPECT_NE(::fcntl(fd, F_GETFD) & FD_CLOEXEC, 0) << target;
+  }
+  EXPECT_GE(sockets, 3);  // listener, accepted, client
+}
+
+}  // namespace
+}  // namespace cas::base::rpc

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "base/error.hpp"
+#include "base/rpc/client.hpp"
+#include "base/rpc/server.hpp"
+#include "tests/base/rpc/running_server.hpp"
+#include "tests/base/temporary_folder.hpp"
+
+namespace cas::base::rpc {
+namespace {
+
+namespace fs = std::filesystem;
+
+void listen_unix(RunningServer& server, const fs::path& path) {
+  server.run([&] { server.server().listen_unix(path); });
+}
+
+/// Leaves a socket file behind that nobody listens on.
+void leave_stale_socket(const fs::path& path) {
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+  EXPECT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ::close(fd);
+}
+
+TEST(UnixServer, AnswersAndRemovesItsFile) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  {
+    RunningServer server;
+    listen_unix(server, path);
+    Client client("unix:" + path.string());
+    EXPECT_EQ(client.call("echo", {1}, kPatience), Json({1}));
+  }
+  EXPECT_FALSE(fs::exists(path));
+}
+
+TEST(UnixServer, TheFileIsForItsOwnerAlone) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  const mode_t before = ::umask(0);
+  RunningServer server;
+  listen_unix(server, path);
+  ::umask(before);
+  struct stat status {};
+  ::stat(path.c_str(), &status);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+}
+
+TEST(UnixServer, AStaleFileIsReplaced) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  leave_stale_socket(path);
+  RunningServer server;
+  listen_unix(server, path);
+  EXPECT_EQ(Client("unix:" + path.string()).call("echo", {1}, kPatience), Json({1}));
+}
+
+TEST(UnixServer, AFileInUseIsRefused) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  RunningServer first;
+  listen_unix(first, path);
+  RunningServer second;
+  EXPECT_THROW(listen_unix(second, path), ConfigError);
+  EXPECT_EQ(Client("unix:" + path.string()).call("echo", {1}, kPatience), Json({1}));
+}
+
+TEST(UnixServer, AFileOfAnotherKindIsNeverRemoved) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.write("precious", "data");
+  RunningServer server;
+  EXPECT_THROW(listen_unix(server, path), ConfigError);
+  EXPECT_TRUE(fs::exists(path));
+}
+
+TEST(UnixServer, ImpossiblePathsAreRefused) {
+  RunningServer server;
+  EXPECT_THROW(listen_unix(server, ""), ConfigError);
+  EXPECT_THROW(listen_unix(server, "/nowhere/rpc"), ConfigError);
+  EXPECT_THROW(listen_unix(server, "/tmp/" + std::string(200, 'x')), ConfigError);
+}
+
+}  // namespace
+}  // namespace cas::base::rpc

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/rpc/token.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "base/error.hpp"
+#include "base/rpc/client.hpp"
+#include "tests/base/rpc/running_server.hpp"
+#include "tests/base/temporary_folder.hpp"
+
+namespace cas::base::rpc {
+namespace {
+
+constexpr const char* kToken = "correct horse battery staple";
+
+std::filesystem::path write_token(const TemporaryFolder& folder, const std::string& text,
+                                  mode_t mode) {
+  const std::filesystem::path file = folder.write("token", text);
+  ::chmod(file.c_str(), mode);
+  return file;
+}
+
+TEST(Token, IsTheFirstLineOfItsFile) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_token(write_token(folder, std::string(kToken) + "\r\nmore", 0600)), kToken);
+  EXPECT_EQ(read_token(write_token(folder, kToken, 0400)), kToken);
+}
+
+TEST(Token, AFileThatOthersMayReadIsRefused) {
+  const TemporaryFolder folder;
+  for (const mode_t mode : {0640U, 0604U, 0620U, 0777U}) {
+    EXPECT_THROW(read_token(write_token(folder, kToken, mode)), ConfigError) << mode;
+  }
+}
+
+TEST(Token, AShortOrMissingOneIsRefused) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(read_token(write_token(folder, "short", 0600)), ConfigError);
+  EXPECT_THROW(read_token(write_token(folder, "\n" + std::string(kToken), 0600)), ConfigError);
+  EXPECT_THROW(read_token(folder.path() / "none"), ConfigError);
+  EXPECT_THROW(read_token(folder.path()), ConfigError);
+}
+
+TEST(Token, OnlyTheSameTextIsTheSame) {
+  EXPECT_TRUE(same_token(kToken, kToken));
+  for (const char* other : {"", "correct horse battery stapl", "correct horse battery staple ",
+                            "Correct horse battery staple",
+                            "correct horse battery staplecorrect horse battery staple"}) {
+    EXPECT_FALSE(same_token(kToken, other)) << other;
+  }
+  EXPECT_FALSE(same_token("", "x"));
+}
+
+TEST(TokenServer, TcpClientsMustKnowIt) {
+  const TemporaryFolder folder;
+  RunningServer server;
+  const auto file = write_token(folder, kToken, 0600);
+  server.run([&] { server.server().require_token(file); });
+  Client client(server.address());
+  try {
+    client.call("echo", Json::array(), kPatience);
+    FAIL() << "was called without a token";
+  } catch (const CallError& error) {
+    EXPECT_EQ(error.code(), kNotAuthorised);
+  }
+  EXPECT_EQ(client.call("authorise", {{"token", kToken}}, kPatience), true);
+  EXPECT_EQ(client.call("echo", {1}, kPatience), Json({1}));
+}
+
+TEST(TokenServer, AWrongTokenEndsTheConnection) {
+  const TemporaryFolder folder;
+  RunningServer server;
+  const auto file = write_token(folder, kToken, 0600);
+  server.run([&] { server.server().require_token(file); });
+  Client client(server.address());
+  EXPECT_THROW(client.call("authorise", {{"token", "wrong"}}, kPatience), CallError);
+  EXPECT_THROW(client.call("echo", {1}, kPatience), ConnectionError);
+}
+
+TEST(TokenServer, AnAddressThatOtherHostsReachNeedsOne) {
+  const TemporaryFolder folder;
+  boost::asio::io_context io;
+  Server server(io);
+  EXPECT_THROW(server.listen_tcp("0.0.0.0", 0), ConfigError);
+  server.require_token(write_token(folder, kToken, 0600));
+  EXPECT_GT(server.listen_tcp("0.0.0.0", 0), 0);
+}
+
+}  // namespace
+}  // namespace cas::base::rpc
