@@ -7,7 +7,7 @@
 #include "casd/command_json.hpp"
 #include "casd/command_params.hpp"
 #include "casd/command_server.hpp"
-#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
 namespace {
@@ -26,9 +26,9 @@ std::uint32_t message_id(CommandParams& params) {
     return message.get<std::uint32_t>();
   }
   if (!message.is_string()) throw BadParams("\"message\" must be a MAVLink message's name or id");
-  const mav::MessageInfo* info = mavlink::common::table().find(message.get<std::string>());
+  const mav::MessageInfo* info = mav::public_table().find(message.get<std::string>());
   if (info == nullptr) {
-    throw BadParams("the dialect has no message '" + message.get<std::string>() + "'");
+    throw BadParams("no public dialect has a message '" + message.get<std::string>() + "'");
   }
   return info->id;
 }

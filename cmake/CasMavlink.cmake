@@ -27,7 +27,7 @@ endfunction()
 
 # The headers that come of these files: Ninja must know them to see that one has changed.
 function(_cas_mavlink_headers folder out)
-  set(headers all.hpp enums.hpp table.hpp)
+  set(headers all.hpp enum_text.hpp enums.hpp table.hpp)
   foreach(file IN LISTS ARGN)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
     file(STRINGS "${file}" lines REGEX "<message[ \t].*name=")
