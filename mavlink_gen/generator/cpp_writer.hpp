@@ -6,7 +6,8 @@
 
 namespace cas::mav::gen {
 
-/// C++ headers of a dialect: `<folder>/enums.hpp`, one header a message, table.hpp and all.hpp.
+/// C++ headers of a dialect, in mavlink/<name>/: enums.hpp, one header a message, table.hpp,
+/// all.hpp with all of these, and enum_text.hpp with the names of enum entries.
 ///
 /// @param name  of the folder below `mavlink/` and of the namespace below `mavlink::`
 Files write_cpp(const xml::Dialect& dialect, const std::string& name);

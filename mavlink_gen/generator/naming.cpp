@@ -37,11 +37,11 @@ constexpr std::array kReserved = std::to_array<std::string_view>({
     "va_list", "st_atime", "st_mtime", "st_ctime", "sa_handler", "sa_sigaction", "s_addr", "h_addr",
     "si_addr", "si_band", "si_code", "si_errno", "si_int", "si_pid", "si_ptr", "si_signo", "si_status",
     "si_uid", "si_value", "cdecl", "environ", "I", "complex", "imaginary", "isinf", "isnan",
-    "signbit", "bool_", "vector", "pixel",
+    "signbit",
     // names that generated code uses
-    "std", "cas", "mavlink", "pack", "unpack", "for_each_field", "in", "out", "message", "visitor",
-    "kId", "kName", "kCrcExtra", "kMinLength", "kMaxLength", "kFields", "payload", "View", "value",
-    "self"});
+    "std", "cas", "mavlink", "pack", "unpack", "for_each_field", "at_", "text_at_", "PayloadView",
+    "View", "cas_in", "cas_out", "cas_message", "cas_visitor", "cas_quantity", "kId", "kName",
+    "kCrcExtra", "kMinLength", "kMaxLength", "kFields", "data_", "size_"});
 // clang-format on
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -89,7 +89,7 @@ std::string safe_identifier(std::string_view name) {
     if (c != '_' || out.empty() || out.back() != '_') out += c;
   }
   if (out.front() == '_') out = std::string("m").append(out);
-  if (kReservedSet.contains(out)) out += '_';
+  if (kReservedSet.contains(out)) out += out.back() == '_' ? "m" : "_";
   return out;
 }
 
@@ -98,10 +98,10 @@ Names::Names(const xml::Dialect& dialect) {
     while (!types_.try_emplace(wanted, 1).second) wanted += '_';
     return wanted;
   };
-  for (const auto* word : {"table", "dispatch", "any", "has"}) types_.try_emplace(word, 1);
+  for (const auto* word : {"table", "dispatch", "fields_of", "any", "has", "detail", "enum_info"})
+    types_.try_emplace(word, 1);
   std::map<std::string, int, std::less<>> files;
-  for (const auto* word : {"all", "enums", "table", "enum_text", "print"})
-    files.try_emplace(word, 1);
+  for (const auto* word : {"all", "enums", "table", "enum_text"}) files.try_emplace(word, 1);
   for (const auto& message : dialect.messages) {
     messages_[message.name] = unique(safe_identifier(pascal_case(message.name)));
     auto file = lower_case(message.name);

@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 /// What a generated message header needs: metadata of fields, and little-endian loads and stores.
 namespace cas::mav {
@@ -107,6 +109,101 @@ constexpr std::string_view text(const std::array<char, n>& characters) {
 template <std::size_t n>
 constexpr void set_text(std::array<char, n>& characters, std::string_view value) {
   for (std::size_t i = 0; i < n; ++i) characters[i] = i < value.size() ? value[i] : '\0';
+}
+
+/// Borrowed payload that may be truncated: what it lacks reads as zero. Base of the generated
+/// views.
+class PayloadView {
+ public:
+  constexpr PayloadView(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+
+ protected:
+  /// A number, enum or array that takes `bytes` bytes on the wire.
+  template <class Wire, class T, std::size_t bytes>
+  T at_(std::size_t offset) const {
+    T value;
+    if (offset + bytes <= size_) {
+      get<Wire>(data_ + offset, value);
+      return value;
+    }
+    std::array<std::uint8_t, bytes> filled{};
+    if (offset < size_) std::memcpy(filled.data(), data_ + offset, size_ - offset);
+    get<Wire>(filled.data(), value);
+    return value;
+  }
+
+  /// Characters up to the first NUL, the field's or the payload's end.
+  std::string_view text_at_(std::size_t offset, std::size_t length) const {
+    if (offset >= size_) return {};
+    const auto present = size_ - offset < length ? size_ - offset : length;
+    const std::string_view all(reinterpret_cast<const char*>(data_ + offset), present);
+    return all.substr(0, all.find('\0'));
+  }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t size_;
+};
+
+// --- quantities ----------------------------------------------------------------------------------
+
+template <class T>
+constexpr bool is_nan(T value) {
+  return !(value == value);
+}
+
+template <class T, std::size_t n>
+constexpr bool all_nan(const std::array<T, n>& values) {
+  for (const auto value : values) {
+    if (!is_nan(value)) return false;
+  }
+  return true;
+}
+
+template <class T, std::size_t n>
+constexpr bool all_equal(const std::array<T, n>& values, T wanted) {
+  for (const auto& value : values) {
+    if (value != wanted) return false;
+  }
+  return true;
+}
+
+/// A raw field as a quantity in a plain unit.
+template <class T>
+constexpr double to_quantity(T raw, double factor, double divisor) {
+  return static_cast<double>(raw) * factor / divisor;
+}
+
+/// Likewise, NaN for the raw value that stands for unknown.
+template <class T, class U>
+constexpr double to_quantity(T raw, double factor, double divisor, U unknown) {
+  if (raw == static_cast<T>(unknown)) return std::numeric_limits<double>::quiet_NaN();
+  return to_quantity(raw, factor, divisor);
+}
+
+/// The nearest raw value of a quantity, held within the type's range. NaN gives 0 for integers.
+template <class T>
+constexpr T from_quantity(double quantity, double factor, double divisor) {
+  const auto raw = quantity * divisor / factor;
+  if constexpr (std::is_integral_v<T>) {
+    using Limits = std::numeric_limits<T>;
+    if (is_nan(raw)) return 0;
+    if (raw <= static_cast<double>(Limits::min())) return Limits::min();
+    if (raw >= static_cast<double>(Limits::max())) return Limits::max();
+    return static_cast<T>(raw + (raw < 0 ? -0.5 : 0.5));
+  } else {
+    return static_cast<T>(raw);
+  }
+}
+
+/// Likewise; NaN gives the raw value that stands for unknown, and no quantity beyond the range
+/// does.
+template <class T, class U>
+constexpr T from_quantity(double quantity, double factor, double divisor, U unknown) {
+  if (is_nan(quantity)) return static_cast<T>(unknown);
+  const auto raw = from_quantity<T>(quantity, factor, divisor);
+  const bool at_top = raw == std::numeric_limits<T>::max() && raw == static_cast<T>(unknown);
+  return at_top ? static_cast<T>(raw - 1) : raw;
 }
 
 }  // namespace cas::mav

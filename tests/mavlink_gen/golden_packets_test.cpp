@@ -54,9 +54,11 @@ template <class Message>
 void expect_both_ways(const Packet& packet) {
   SCOPED_TRACE(packet.facts.dump());
   Message expected;
-  Message::for_each_field(expected, [&](const FieldInfo& field, auto& member) {
-    set_from_json(member, packet.facts["values"][std::string(field.name)]);
-  });
+  Message::for_each_field(
+      [&](const FieldInfo& field, auto& member) {
+        set_from_json(member, packet.facts["values"][std::string(field.name)]);
+      },
+      expected);
 
   PacketParser parser(common::table());
   int packets = 0;

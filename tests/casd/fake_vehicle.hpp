@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "mavlink/common/all.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::casd::test {
+
+/// A scripted autopilot in virtual time: answers commands and parameters as told, also wrongly.
+/// What it receives is kept for the test to look at.
+class FakeVehicle {
+ public:
+  struct Script {
+    mavlink::common::MavResult result = mavlink::common::MavResult::kAccepted;
+    int answers = 1;                                      ///< COMMAND_ACKs per command: 0 is never
+    base::Duration delay = std::chrono::milliseconds(5);  ///< of each answer
+    int deaf_for = 0;                                     ///< commands and requests it misses first
+    bool in_progress_first = false;
+    std::string text;  ///< STATUSTEXT sent just after an ACK
+  };
+
+  explicit FakeVehicle(mav::Source source = {1, 1}) : source_(source) {}
+
+  Script script;
+  mavlink::common::MavAutopilot autopilot = mavlink::common::MavAutopilot::kPx4;
+  mavlink::common::MavModeFlag base_mode = mavlink::common::MavModeFlag::kCustomModeEnabled |
+                                           mavlink::common::MavModeFlag::kHilEnabled;
+  std::uint32_t custom_mode = 0;
+  struct Param {
+    double value = 0;
+    mavlink::common::MavParamType type = mavlink::common::MavParamType::kReal32;
+    double high = 1e9;  ///< larger values are clamped
+  };
+  std::map<std::string, Param> params;
+  std::vector<std::string> lost_in_list;  ///< left out of the next list
+
+  std::vector<mavlink::common::CommandLong> commands;
+  std::vector<mavlink::common::CommandInt> int_commands;
+  std::vector<mavlink::common::ParamSet> param_sets;
+  int param_reads = 0;
+  int heartbeats = 0;
+
+  /// Takes in a packet from the ground station.
+  void handle(const mav::PacketView& packet, base::RunTime now);
+  /// Queues a message of its own.
+  template <class M>
+  void say(const M& message, base::RunTime at) {
+    Outgoing out;
+    out.at = at;
+    out.packet.size = mav::encode(message, source_, sequence_++, out.packet.bytes);
+    out_.push_back(out);
+  }
+  void say_heartbeat(base::RunTime at);
+  void say_text(const std::string& text, base::RunTime at);
+  /// The next packet that is due.
+  std::optional<mav::PacketBuffer> take(base::RunTime now);
+
+ private:
+  struct Outgoing {
+    base::RunTime at;
+    mav::PacketBuffer packet;
+  };
+
+  bool deaf();
+  void answer(mavlink::common::MavCmd command, base::RunTime now);
+  void on_param_set(const mavlink::common::ParamSet& message, base::RunTime now);
+  void on_param_list(base::RunTime now);
+  void say_param(const std::string& name, base::RunTime at, std::uint16_t index = 65535);
+
+  mav::Source source_;
+  std::uint8_t sequence_ = 0;
+  std::deque<Outgoing> out_;
+};
+
+}  // namespace cas::casd::test
