@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+#include "hils/measurement.hpp"
+#include "hils/scenario.hpp"
+
+namespace cas::hils {
+
+/// Flies a scenario in one process on the virtual clock: simulator, casd's router, queues and
+/// ground station, the serial line and the controller as one discrete-event simulation. The same
+/// scenario and seed give the same bytes of truth.csv and flight.tlog, on any machine.
+///
+/// @throws RunStopped when the user interrupts, base::ConfigError
+RunRecord run_direct(const Scenario& scenario, std::uint64_t seed,
+                     const std::filesystem::path& out);
+
+}  // namespace cas::hils

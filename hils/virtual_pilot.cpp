@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/virtual_pilot.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace cas::hils {
+
+namespace {
+
+constexpr base::Duration kLookPeriod = std::chrono::milliseconds(50);
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+
+base::SimTime to_sim_time(base::RunTime t) { return base::SimTime(t.time_since_epoch()); }
+
+}  // namespace
+
+VirtualPilot::VirtualPilot(casd::VehicleCommander& commander, std::uint8_t system,
+                           casd::GainMap gains, std::vector<FlightStep> steps)
+    : commander_(commander), system_(system), gains_(std::move(gains)), plan_(std::move(steps)) {}
+
+void VirtualPilot::run(base::RunTime now) {
+  now_ = now;
+  next_look_ = now + kLookPeriod;
+  vehicle_ = look();
+  const std::optional<FlightStep> command = plan_.update(to_sim_time(now), vehicle_);
+  if (command) give(*command, now);
+}
+
+VehicleReport VirtualPilot::look() const {
+  VehicleReport report;
+  const casd::VehicleState* state = commander_.find(system_);
+  if (state == nullptr) return report;
+  report.heard = true;
+  report.armed = state->armed();
+  report.in_air = state->landed_word() == "in_air";
+  report.on_ground = state->landed_word() == "on_ground";
+  if (const auto& position = state->local_position()) {
+    const auto& message = position->message;
+    report.has_position = true;
+    report.p_N = {message.x, message.y, message.z};
+    report.v_N = {message.vx, message.vy, message.vz};
+  }
+  if (const auto& attitude = state->attitude()) report.yaw_rad = attitude->message.yaw;
+  return report;
+}
+
+void VirtualPilot::give(const FlightStep& step, base::RunTime now) {
+  // The commander reports on its own ticks and packets, always at the time of the last run().
+  casd::Done done = [this](const casd::Outcome& outcome) {
+    plan_.on_outcome(to_sim_time(now_), outcome.ok() ? "" : outcome.message);
+  };
+  switch (step.kind) {
+    case StepKind::kArm:
+      return commander_.arm(system_, {}, now, std::move(done));
+    case StepKind::kTakeoff:
+      return commander_.takeoff(system_, step.altitude_m, now, std::move(done));
+    case StepKind::kGoto:
+      return commander_.go_to(system_,
+                              {.north_m = step.place_m.x(),
+                               .east_m = step.place_m.y(),
+                               .down_m = -step.place_m.z(),
+                               .yaw_deg = step.yaw_rad * kDegreesPerRadian},
+                              now, std::move(done));
+    case StepKind::kSetGain:
+      return set_gain(step, now, std::move(done));
+    case StepKind::kLand:
+      return commander_.land(system_, now, std::move(done));
+    case StepKind::kDisarm:
+      return commander_.disarm(system_, false, now, std::move(done));
+    case StepKind::kHold:
+      return done({});
+  }
+}
+
+void VirtualPilot::set_gain(const FlightStep& step, base::RunTime now, casd::Done done) {
+  const casd::VehicleState* state = commander_.find(system_);
+  const casd::GainLoop* loop =
+      state == nullptr ? nullptr : gains_.find(state->autopilot(), step.loop);
+  if (loop == nullptr) {
+    return done(casd::failure(casd::Verdict::kInvalid, "there is no loop '" + step.loop + "'"));
+  }
+  commander_.set_gains(system_, *loop, {.p = step.p, .i = step.i, .d = step.d}, now,
+                       std::move(done));
+}
+
+}  // namespace cas::hils

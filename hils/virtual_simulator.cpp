@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/virtual_simulator.hpp"
+
+#include <algorithm>
+
+#include "hils/hil_identity.hpp"
+#include "mavlink/common/table.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+constexpr std::size_t kLedgerEntries = 1 << 17;  ///< about two minutes of flight
+
+}  // namespace
+
+VirtualSimulator::VirtualSimulator(sim::SimConfig config, sim::SimOptions options,
+                                   const std::string& vehicle, OnBytes on_bytes)
+    : runner_(std::move(config), std::move(options)),
+      wire_in_(runner_.bus().advertise<sim::WirePacket>(vehicle + "/wire_in")),
+      wire_out_(runner_.bus().subscribe<sim::WirePacket>(
+          vehicle + "/wire_out",
+          [this](const sim::WirePacket& packet) { on_wire_out(packet); })),
+      on_bytes_(std::move(on_bytes)),
+      sent_(mavlink::common::table()),
+      received_(mavlink::common::table()),
+      ledger_(kLedgerEntries) {
+  runner_.start();
+}
+
+void VirtualSimulator::write(std::span<const std::uint8_t> bytes, base::RunTime now) {
+  received_.feed(bytes, [&](const mav::PacketView& view) {
+    if (const auto stamp = hil_time_usec(view)) ledger_.received(view.message_id, *stamp, now);
+    Arrival arrival{.at = now, .packet = {}};
+    arrival.packet.size = view.bytes.size();
+    std::ranges::copy(view.bytes, arrival.packet.bytes.begin());
+    arrived_.push_back(arrival);
+  });
+}
+
+void VirtualSimulator::step(base::RunTime now) {
+  now_ = now;
+  while (!arrived_.empty() && arrived_.front().at <= now - runner_.step_size()) {
+    wire_in_.publish(arrived_.front().packet);
+    arrived_.pop_front();
+  }
+  runner_.step();
+}
+
+base::RunTime VirtualSimulator::next_event() const {
+  return base::RunTime((runner_.time() + runner_.step_size()).time_since_epoch());
+}
+
+void VirtualSimulator::on_wire_out(const sim::WirePacket& packet) {
+  const std::span bytes = std::span(packet.bytes).first(packet.size);
+  sent_.feed(bytes, [this](const mav::PacketView& view) {
+    if (const auto stamp = hil_time_usec(view)) ledger_.sent(view.message_id, *stamp, now_);
+  });
+  on_bytes_(bytes, now_);
+}
+
+}  // namespace cas::hils
