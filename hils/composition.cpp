@@ -6,6 +6,9 @@
 
 #include <optional>
 
+#include "base/install_paths.hpp"
+#include "fcu/line_config.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -94,7 +97,7 @@ YAML::Node route(const char* from, const char* to) {
   return node;
 }
 
-YAML::Node casd_links(const RunPlaces& places) {
+YAML::Node casd_links(const Scenario& scenario, const RunPlaces& places) {
   YAML::Node simulator;
   simulator["name"] = "sim";
   simulator["type"] = "udp";
@@ -104,7 +107,7 @@ YAML::Node casd_links(const RunPlaces& places) {
   controller["name"] = "fcu";
   controller["type"] = "serial";
   controller["device"] = full_path(places.sockets) + "/fcu0";  // the link, not what it points to
-  controller["baud"] = 921600;
+  controller["baud"] = static_cast<int>(fcu::LineConfig::parse(scenario.line).baud);
   YAML::Node links;
   links.push_back(simulator);
   links.push_back(controller);
@@ -161,7 +164,7 @@ std::string fcu_config(const Scenario& scenario, std::uint64_t seed) {
   return to_text(root);
 }
 
-std::string casd_config(const Scenario&, const RunPlaces& places) {
+std::string casd_config(const Scenario& scenario, const RunPlaces& places) {
   YAML::Node root;
   root["schema"] = 1;
   root["system_id"] = 254;
@@ -170,9 +173,10 @@ std::string casd_config(const Scenario&, const RunPlaces& places) {
   root["command_port"]["address"] = "127.0.0.1";
   root["command_port"]["port"] = 0;
   root["command_port"]["unix"] = places.command_port().string();
-  root["links"] = casd_links(places);
+  root["links"] = casd_links(scenario, places);
   root["routes"] = casd_routes();
   root["commanding"]["heartbeat_hz"] = 1;
+  root["gains"] = full_path(base::find_config("gains.yaml"));
   root["log"]["tlog"] = full_path(places.flight_tlog());
   return to_text(root);
 }

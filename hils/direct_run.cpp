@@ -65,20 +65,21 @@ class DirectBench {
   DirectBench(const Scenario& scenario, std::uint64_t seed, const RunPlaces& places)
       : vehicle_(base::Vehicle::load(scenario.vehicle)),
         log_(places.flight_tlog()),
-        relay_(casd::Topology::parse(
+        topology_(casd::Topology::parse(
             base::ConfigNode::parse(casd_config(scenario, places), places.casd_config()))),
+        relay_(topology_),
         to_simulator_(relay_.link("sim")),
         to_controller_(relay_.link("fcu")),
-        controller_(fcu::FcuConfig::parse(base::ConfigNode::parse(fcu_config(scenario, seed),
-                                                                  places.fcu_config())),
+        controller_(fcu::FcuConfig::parse(
+                        base::ConfigNode::parse(fcu_config(scenario, seed), places.fcu_config())),
                     [this](auto bytes, auto now) { relay_.receive(to_controller_, bytes, now); }),
         simulator_(sim::SimConfig::parse(base::ConfigNode::parse(
                        simulator_config(scenario, seed, Transport::kBus, places),
                        places.simulator_config())),
                    {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, kVehicleName,
                    [this](auto bytes, auto now) { relay_.receive(to_simulator_, bytes, now); }),
-        pilot_(relay_.commander(), vehicle_.system_id,
-               casd::GainMap::load(base::find_config("gains.yaml")), scenario.steps) {
+        pilot_(relay_.commander(), vehicle_.system_id, casd::GainMap::load(topology_.gains),
+               scenario.steps) {
     relay_.connect(to_simulator_, [this](auto bytes, auto now) {
       simulator_.write(bytes, now);
       return bytes.size();
@@ -110,10 +111,7 @@ class DirectBench {
     record.controller = controller_.ledger();
     record.stages = plan.stages();
     record.hold = plan.measured();
-    if (record.hold) {
-      record.hold_in_log = {.begin_us = log_clock_us(record.hold->begin.time_since_epoch()),
-                            .end_us = log_clock_us(record.hold->end.time_since_epoch())};
-    }
+    record.log_clock.add(kLogEpochUs, 0);
     record.flight_failure = plan.failure();
     record.simulated_s = base::to_seconds(simulator_.time());
   }
@@ -144,6 +142,7 @@ class DirectBench {
 
   base::Vehicle vehicle_;
   TlogWriter log_;
+  casd::Topology topology_;
   VirtualRelay relay_;
   casd::LinkId to_simulator_;
   casd::LinkId to_controller_;

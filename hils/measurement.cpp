@@ -60,11 +60,13 @@ std::int64_t microseconds(base::SimTime t) {
 
 void measure_hold(const RunRecord& record, std::uint8_t system, Measurement& figures) {
   const Stage& hold = *record.hold;
+  const std::int64_t begin = microseconds(hold.begin);
+  const std::int64_t end = microseconds(hold.end);
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
-  figures.rms = rms_about(between(truth, microseconds(hold.begin), microseconds(hold.end)),
-                          reference_in_truth(hold, truth));
-  const std::vector<PoseSample> estimate = read_estimate(record.flight_tlog, system);
-  const auto in_hold = between(estimate, record.hold_in_log.begin_us, record.hold_in_log.end_us);
+  figures.rms = rms_about(between(truth, begin, end), reference_in_truth(hold, truth));
+  const std::vector<PoseSample> estimate =
+      read_estimate(record.flight_tlog, system, record.log_clock);
+  const auto in_hold = between(estimate, begin, end);
   if (!in_hold.empty()) figures.rms_estimate = rms_about(in_hold, reference_in_estimate(hold));
 }
 

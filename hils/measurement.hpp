@@ -8,18 +8,13 @@
 #include <vector>
 
 #include "base/ledger.hpp"
+#include "hils/clock_map.hpp"
 #include "hils/flight_plan.hpp"
 #include "hils/packet_account.hpp"
 #include "hils/scenario.hpp"
 #include "hils/trajectory.hpp"
 
 namespace cas::hils {
-
-/// A stretch of the flight log's own clock, microseconds.
-struct LogWindow {
-  std::int64_t begin_us = 0;
-  std::int64_t end_us = 0;
-};
 
 /// What a finished run left behind, whatever its architecture.
 struct RunRecord {
@@ -29,7 +24,7 @@ struct RunRecord {
   std::filesystem::path flight_tlog;
   std::vector<Stage> stages;
   std::optional<Stage> hold;   ///< the measured one; nothing when the flight did not get there
-  LogWindow hold_in_log;       ///< the same stretch in the flight log
+  ClockMap log_clock;          ///< clock of the flight log -> simulated time
   std::string flight_failure;  ///< a sentence; empty when every step was done
   bool virtual_clock = false;  ///< time was computed, not waited for
   double simulated_s = 0;      ///< length of the whole run

@@ -67,7 +67,7 @@ class Supervisor {
   std::vector<std::unique_ptr<ChildProcess>> children_;
   std::set<const ChildProcess*> expected_to_end_;
   std::set<const ChildProcess*> ended_;  ///< whose end the watcher has seen
-  std::string stopped_;  ///< why; empty while all is well
+  std::string stopped_;                  ///< why; empty while all is well
   bool interrupted_ = false;
   bool closing_ = false;
   FileDescriptor signals_;

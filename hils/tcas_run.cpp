@@ -153,9 +153,9 @@ class Pilot {
   void fly(RunRecord& record) {
     while (true) {
       const base::SimTime now = simulated_time();
+      record.log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
       const VehicleReport vehicle = look();
       const std::optional<FlightStep> command = plan_.update(now, vehicle);
-      note_hold(record);
       if (plan_.done() || !plan_.failure().empty()) break;
       progress_.show(now, plan_, vehicle, real_time_factor_);
       if (command) {
@@ -198,22 +198,12 @@ class Pilot {
     }
   }
 
-  /// Marks the measured hold on the log's clock as it begins and ends.
-  void note_hold(RunRecord& record) {
-    const FlightStep* step = plan_.current();
-    const bool holding = step != nullptr && step->measure;
-    if (holding && !holding_) record.hold_in_log.begin_us = log_clock_us();
-    if (!holding && holding_) record.hold_in_log.end_us = log_clock_us();
-    holding_ = holding;
-  }
-
   Supervisor& supervisor_;
   base::rpc::Client simulator_;
   base::rpc::Client casd_;
   FlightPlan plan_;
   Progress progress_;
   double real_time_factor_ = 0;
-  bool holding_ = false;
 };
 
 void write_configs(const Scenario& scenario, std::uint64_t seed, const RunPlaces& places) {

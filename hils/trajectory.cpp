@@ -68,7 +68,8 @@ std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
   return samples;
 }
 
-std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::uint8_t system) {
+std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::uint8_t system,
+                                      const ClockMap& clock) {
   std::vector<PoseSample> samples;
   std::optional<mavlink::common::Attitude> attitude;
   read_tlog(tlog, [&](std::int64_t stamp_us, const mav::PacketView& packet) {
@@ -76,7 +77,7 @@ std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::ui
     if (const auto newer = mav::decode<mavlink::common::Attitude>(packet)) attitude = newer;
     const auto position = mav::decode<mavlink::common::LocalPositionNed>(packet);
     if (!position || !attitude) return;
-    samples.push_back({.time_us = stamp_us,
+    samples.push_back({.time_us = clock.to_sim_us(stamp_us),
                        .pose = {.x_m = position->x,
                                 .y_m = position->y,
                                 .z_m = -position->z,

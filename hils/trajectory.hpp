@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "hils/clock_map.hpp"
+
 namespace cas::hils {
 
 /// Place and heading as results name them: x north, y east, z up in m, yaw in N in rad.
@@ -18,7 +20,7 @@ struct Pose {
   double yaw_rad = 0;
 };
 
-/// A pose at a moment; which clock, the source says.
+/// A pose at a moment of simulated time.
 struct PoseSample {
   std::int64_t time_us = 0;
   Pose pose;
@@ -33,13 +35,14 @@ struct RmsFigures {
   std::uint64_t samples = 0;
 };
 
-/// Truth as the recorder plugin writes it (truth.csv), on simulated time. @throws
+/// Truth as the recorder plugin writes it (truth.csv). @throws
 /// base::ConfigError naming file and line
 std::vector<PoseSample> read_truth(const std::filesystem::path& file);
 
 /// The controller's own estimate out of a flight log (tlog): each LOCAL_POSITION_NED of `system`
-/// with the newest ATTITUDE before it, on the log's clock (microseconds since 1970 in real time).
-std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::uint8_t system);
+/// with the newest ATTITUDE before it. `clock` leads from the log's clock to simulated time.
+std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::uint8_t system,
+                                      const ClockMap& clock);
 
 /// Samples with begin <= time < end.
 std::span<const PoseSample> between(std::span<const PoseSample> samples, std::int64_t begin_us,

@@ -44,10 +44,10 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology)
   ports_.reserve(topology.links.size());
   for (const casd::LinkConfig& link : topology.links) ports_.emplace_back(link);
   for (std::size_t i = 0; i < ports_.size(); ++i) {
-    ports_[i].queue = casd::TxQueue(
-        topology.links[i].queue, [this, i](const casd::PacketInfo&, casd::DropCause cause) {
-          ++ports_[i].dropped[static_cast<std::size_t>(cause)];
-        });
+    ports_[i].queue = casd::TxQueue(topology.links[i].queue,
+                                    [this, i](const casd::PacketInfo&, casd::DropCause cause) {
+                                      ++ports_[i].dropped[static_cast<std::size_t>(cause)];
+                                    });
   }
 }
 
@@ -82,9 +82,8 @@ void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base:
 }
 
 void VirtualRelay::send_own(std::span<const std::uint8_t> bytes) {
-  own_parser_.feed(bytes, [this](const mav::PacketView& packet) {
-    route(casd::kLocalLink, packet, now_);
-  });
+  own_parser_.feed(
+      bytes, [this](const mav::PacketView& packet) { route(casd::kLocalLink, packet, now_); });
 }
 
 void VirtualRelay::run(base::RunTime now) {

@@ -27,8 +27,7 @@ class VirtualRelay {
   /// Hands bytes to a link. @return how many it took
   using Write = std::function<std::size_t(std::span<const std::uint8_t>, base::RunTime)>;
   /// Hears each packet that came in on a link.
-  using OnPacket =
-      std::function<void(casd::LinkId from, const mav::PacketView&, base::RunTime)>;
+  using OnPacket = std::function<void(casd::LinkId from, const mav::PacketView&, base::RunTime)>;
 
   explicit VirtualRelay(const casd::Topology& topology);
   VirtualRelay(const VirtualRelay&) = delete;

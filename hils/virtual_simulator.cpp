@@ -19,8 +19,7 @@ VirtualSimulator::VirtualSimulator(sim::SimConfig config, sim::SimOptions option
     : runner_(std::move(config), std::move(options)),
       wire_in_(runner_.bus().advertise<sim::WirePacket>(vehicle + "/wire_in")),
       wire_out_(runner_.bus().subscribe<sim::WirePacket>(
-          vehicle + "/wire_out",
-          [this](const sim::WirePacket& packet) { on_wire_out(packet); })),
+          vehicle + "/wire_out", [this](const sim::WirePacket& packet) { on_wire_out(packet); })),
       on_bytes_(std::move(on_bytes)),
       sent_(mavlink::common::table()),
       received_(mavlink::common::table()),

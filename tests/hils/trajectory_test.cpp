@@ -73,12 +73,23 @@ TEST_F(TrajectoryFile, ReadsTheEstimateOfOneSystemFromAFlightLog) {
     log << "rubbish";
     append(log, 2000, vehicle(position));
   }
-  const auto samples = read_estimate(file_, 1);
+  ClockMap clock;
+  clock.add(1500, 0);
+  const auto samples = read_estimate(file_, 1, clock);
   ASSERT_EQ(samples.size(), 1U);
-  EXPECT_EQ(samples[0].time_us, 2000);
+  EXPECT_EQ(samples[0].time_us, 500);
   EXPECT_DOUBLE_EQ(samples[0].pose.y_m, -2);
   EXPECT_DOUBLE_EQ(samples[0].pose.z_m, 2.5);
   EXPECT_DOUBLE_EQ(samples[0].pose.yaw_rad, 0.5);
+}
+
+TEST(ClockMap, InterpolatesBetweenReadingsAndRunsAlikeBeyondThem) {
+  ClockMap clock;
+  clock.add(1000, 0);
+  clock.add(2000, 500);  // the simulation ran at half the pace
+  EXPECT_EQ(clock.to_sim_us(900), -100);
+  EXPECT_EQ(clock.to_sim_us(1500), 250);
+  EXPECT_EQ(clock.to_sim_us(2100), 600);
 }
 
 TEST(Rms, IsTheRootOfTheMeanSquareAboutTheReference) {
