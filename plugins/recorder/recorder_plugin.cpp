@@ -34,6 +34,7 @@ class RecorderPlugin final : public Plugin {
   }
 
   void reset() override {
+    truth_.close();  // or its buffer would end up in the new file
     truth_ = CsvWriter(file_, kTruthHeader);
     rate_.reset();
     omega_.setZero();

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/mavlink_interface/hil_conversion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "plugin_harness.hpp"
+
+namespace cas::sim {
+namespace {
+
+namespace mv = mavlink::common;
+using Eigen::Vector3d;
+
+std::uint32_t bits(const mv::HilSensor& packet) {
+  return static_cast<std::uint32_t>(packet.fields_updated);
+}
+
+TEST(HilSensor, CarriesSpecificForceAndRatesInForwardRightDown) {
+  ImuSample sample;
+  sample.time = base::SimTime(std::chrono::milliseconds(1234));
+  sample.specific_force_B = {1, 2, 9.80665};
+  sample.angular_rate_B = {0.1, 0.2, 0.3};
+  mv::HilSensor packet;
+  fill(packet, sample);
+  EXPECT_EQ(packet.time_usec, 1234000U);
+  EXPECT_FLOAT_EQ(packet.xacc, 1);
+  EXPECT_FLOAT_EQ(packet.yacc, -2);
+  EXPECT_FLOAT_EQ(packet.zacc, -9.80665F);  // at rest, level: (0, 0, -g)
+  EXPECT_FLOAT_EQ(packet.xgyro, 0.1F);
+  EXPECT_FLOAT_EQ(packet.ygyro, -0.2F);
+  EXPECT_FLOAT_EQ(packet.zgyro, -0.3F);
+  EXPECT_EQ(bits(packet), 0x003FU);
+}
+
+TEST(HilSensor, CarriesTheFieldInGaussForwardRightDown) {
+  MagnetometerSample sample;
+  sample.field_B_gauss = {0.2, 0.05, -0.43};
+  mv::HilSensor packet;
+  fill(packet, sample);
+  EXPECT_FLOAT_EQ(packet.xmag, 0.2F);
+  EXPECT_FLOAT_EQ(packet.ymag, -0.05F);
+  EXPECT_FLOAT_EQ(packet.zmag, 0.43F);
+  EXPECT_EQ(bits(packet), 0x01C0U);
+}
+
+TEST(HilSensor, CarriesPressureInHectopascal) {
+  BarometerSample sample;
+  sample.pressure_pa = 95600.5;
+  sample.temperature_degc = 11.8;
+  mv::HilSensor packet;
+  fill(packet, sample);
+  EXPECT_FLOAT_EQ(packet.abs_pressure, 956.005F);
+  EXPECT_NEAR(packet.pressure_alt, 488, 1.5);
+  EXPECT_FLOAT_EQ(packet.temperature, 11.8F);
+  EXPECT_FLOAT_EQ(packet.diff_pressure, 0);
+  EXPECT_EQ(bits(packet), 0x1A00U);
+}
+
+GpsSample home_sample() {
+  GpsSample sample;
+  sample.time = base::SimTime(std::chrono::milliseconds(200));
+  sample.position = {47.397742, 8.545594, 488.1234};
+  sample.velocity_N = {3, -4, 1.234};
+  sample.eph_m = 0.42;
+  sample.epv_m = 0.3;
+  sample.satellites = 10;
+  return sample;
+}
+
+TEST(HilGps, CarriesDegE7MillimetresAndCentimetresPerSecond) {
+  const mv::HilGps packet = to_hil_gps(home_sample());
+  EXPECT_EQ(packet.time_usec, 200000U);
+  EXPECT_EQ(packet.lat, 473977420);
+  EXPECT_EQ(packet.lon, 85455940);
+  EXPECT_EQ(packet.alt, 488123);
+  EXPECT_EQ(packet.vn, 300);
+  EXPECT_EQ(packet.ve, -400);
+  EXPECT_EQ(packet.vd, 123);
+  EXPECT_EQ(packet.vel, 500);    // horizontal
+  EXPECT_EQ(packet.cog, 30687);  // atan2(-4, 3) = -53.13 deg
+  EXPECT_EQ(packet.eph, 42);
+  EXPECT_EQ(packet.epv, 30);
+  EXPECT_EQ(static_cast<int>(packet.fix_type), 3);
+  EXPECT_EQ(packet.satellites_visible, 10);
+  EXPECT_EQ(packet.yaw, 0);  // not available
+}
+
+TEST(HilGps, RoundsRatherThanCuts) {
+  GpsSample sample = home_sample();
+  sample.position.lat_deg = -33.86882019999;
+  EXPECT_EQ(to_hil_gps(sample).lat, -338688202);
+}
+
+TEST(HilGps, CourseStaysBelow36000) {
+  GpsSample sample = home_sample();
+  sample.velocity_N = {10, -1e-6, 0};  // a hair left of north
+  EXPECT_EQ(to_hil_gps(sample).cog, 0);
+  sample.velocity_N = {0, 1, 0};
+  EXPECT_EQ(to_hil_gps(sample).cog, 9000);
+  sample.velocity_N = {-1, 0, 0};
+  EXPECT_EQ(to_hil_gps(sample).cog, 18000);
+}
+
+TEST(HilGps, HoldsFastVelocitiesAtTheEndOfTheField) {
+  GpsSample sample = home_sample();
+  sample.velocity_N = {400, -400, 0};
+  const mv::HilGps packet = to_hil_gps(sample);
+  EXPECT_EQ(packet.vn, 32767);
+  EXPECT_EQ(packet.ve, -32768);
+  EXPECT_EQ(packet.vel, 56569);
+}
+
+TEST(HilGps, SaysUnknownWithoutAFix) {
+  GpsSample sample = home_sample();
+  sample.fix_type = 1;
+  sample.satellites = 0;
+  sample.eph_m = sample.epv_m = 99;
+  const mv::HilGps packet = to_hil_gps(sample);
+  EXPECT_EQ(static_cast<int>(packet.fix_type), 1);
+  EXPECT_EQ(packet.lat, 0);
+  EXPECT_EQ(packet.vel, 65535);
+  EXPECT_EQ(packet.cog, 65535);
+  EXPECT_EQ(packet.eph, 9900);
+}
+
+TEST(SimulatorHeartbeat, IsAGenericSystemWithoutAutopilot) {
+  const mv::Heartbeat packet = simulator_heartbeat();
+  EXPECT_EQ(static_cast<int>(packet.type), 0);
+  EXPECT_EQ(static_cast<int>(packet.autopilot), 8);
+  EXPECT_EQ(static_cast<int>(packet.base_mode), 0);
+}
+
+TEST(HilControls, ScalesRollPitchYawThrottleToU2U3U4U1) {
+  const base::ControlScales scales{
+      .u1_max_n = 28, .u2_max_nm = 3, .u3_max_nm = 2, .u4_max_nm = 0.8};
+  mv::HilControls packet;
+  packet.time_usec = 5000;
+  packet.roll_ailerons = 0.5F;
+  packet.pitch_elevator = -0.25F;
+  packet.yaw_rudder = 0.125F;
+  packet.throttle = 0.75F;
+  packet.mode = static_cast<decltype(packet.mode)>(128 + 32);
+  const MotorCommand command = to_motor_command(packet, scales);
+  EXPECT_EQ(command.kind, MotorCommand::Kind::kControlInputs);
+  EXPECT_TRUE(command.armed);
+  EXPECT_TRUE(command.values.isApprox(Eigen::Vector4d(21, 1.5, -0.5, 0.1)));
+  EXPECT_EQ(base::to_time_usec(command.sensor_time), 5000U);
+}
+
+TEST(HilControls, HoldsFieldsToTheirRangesAndIsDisarmedWithoutTheBit) {
+  const base::ControlScales scales{.u1_max_n = 1, .u2_max_nm = 1, .u3_max_nm = 1, .u4_max_nm = 1};
+  mv::HilControls packet;
+  packet.roll_ailerons = 2;
+  packet.pitch_elevator = -3;
+  packet.yaw_rudder = std::numeric_limits<float>::quiet_NaN();
+  packet.throttle = -0.5F;
+  packet.mode = static_cast<decltype(packet.mode)>(32);
+  const MotorCommand command = to_motor_command(packet, scales);
+  EXPECT_FALSE(command.armed);
+  EXPECT_TRUE(command.values.isApprox(Eigen::Vector4d(0, 1, -1, 0)));
+}
+
+TEST(HilActuatorControls, AreMotorOutputsHeldToZeroOne) {
+  mv::HilActuatorControls packet;
+  packet.controls = {0.7F, -0.1F, 1.5F, 0.2F};
+  packet.mode = static_cast<decltype(packet.mode)>(181);
+  const MotorCommand armed = to_motor_command(packet);
+  EXPECT_EQ(armed.kind, MotorCommand::Kind::kMotorOutputs);
+  EXPECT_TRUE(armed.armed);
+  EXPECT_TRUE(armed.values.isApprox(Eigen::Vector4d(0.7, 0, 1, 0.2), 1e-6));
+  packet.mode = static_cast<decltype(packet.mode)>(53);
+  EXPECT_FALSE(to_motor_command(packet).armed);
+}
+
+}  // namespace
+}  // namespace cas::sim

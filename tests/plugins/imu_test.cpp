@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "plugin_harness.hpp"
+#include "plugins/imu/imu_model.hpp"
+#include "statistics.hpp"
+
+namespace cas::sim {
+namespace {
+
+using Eigen::Vector3d;
+using test::kGravity;
+using test::Statistics;
+
+const Vector3d kGravityW(0, 0, -kGravity);
+constexpr double kDegree = M_PI / 180.0;
+
+/// Noise far below what the tests look at.
+ImuParams quiet_params() {
+  ImuParams params;
+  params.rate_hz = 500;
+  params.gyro.stddev = params.accel.stddev = Vector3d::Constant(1e-12);
+  return params;
+}
+
+ImuSample one_sample(const ImuParams& params, const BodyState& state) {
+  ImuModel imu(params, 1);
+  imu.accumulate(state, kGravityW, 0.002);
+  return imu.sample(base::SimTime{}, state);
+}
+
+constexpr double kQuiet = 1e-10;  // ten times the noise above
+
+TEST(Imu, AccelerometerReadsPlusOneGUpwardsAtRest) {
+  const ImuSample sample = one_sample(quiet_params(), {});
+  EXPECT_TRUE(sample.specific_force_B.isApprox(Vector3d(0, 0, kGravity), kQuiet));
+  EXPECT_NEAR(sample.angular_rate_B.norm(), 0, kQuiet);
+}
+
+TEST(Imu, AccelerometerReadsZeroInFreeFall) {
+  BodyState state;
+  state.a_WB = kGravityW;
+  EXPECT_NEAR(one_sample(quiet_params(), state).specific_force_B.norm(), 0, kQuiet);
+}
+
+TEST(Imu, SpecificForceTurnsWithTheBody) {
+  BodyState state;
+  state.q_WB = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX());  // right side down
+  EXPECT_TRUE(one_sample(quiet_params(), state)
+                  .specific_force_B.isApprox(Vector3d{0, kGravity, 0}, kQuiet));
+}
+
+TEST(Imu, LeverArmFeelsAngularAccelerationAndCentripetalForce) {
+  ImuParams params = quiet_params();
+  params.position_B_m = {0.1, 0, 0};
+  BodyState state;
+  state.a_WB = kGravityW;  // so that only the lever arm is left
+  state.w_WB_B = {0, 0, 3};
+  EXPECT_TRUE(one_sample(params, state).specific_force_B.isApprox(Vector3d{-0.9, 0, 0}, kQuiet));
+  state.w_WB_B = {0, 0, 0.005};  // mid-step rate zero: only alpha is left
+  state.alpha_WB_B = {0, 0, 5};
+  EXPECT_TRUE(one_sample(params, state).specific_force_B.isApprox(Vector3d{0, 0.5, 0}, 1e-6));
+}
+
+TEST(Imu, MountingTurnsTheReading) {
+  const auto node = base::ConfigNode::parse(
+      "{rate_hz: 500, gyro_stddev_deg_s: 1.0e-9, accel_stddev_m_s2: 1.0e-9, "
+      "mounting_rpy_deg: [180, 0, 0]}");
+  const ImuSample sample = one_sample(parse_imu_params(node, 1e-3), {});
+  EXPECT_TRUE(sample.specific_force_B.isApprox(Vector3d(0, 0, -kGravity), 1e-7));
+}
+
+TEST(Imu, ScaleErrorAndMisalignmentBendTheReading) {
+  const auto node = base::ConfigNode::parse(
+      "{rate_hz: 500, gyro_stddev_deg_s: 1.0e-9, accel_stddev_m_s2: 1.0e-9, "
+      "accel_scale_error: [0, 0, 0.01], accel_misalignment_deg: [1, 0, 0]}");
+  const ImuSample sample = one_sample(parse_imu_params(node, 1e-3), {});
+  // An axis pair rolled by 1 degree sees g sin(1) on y and g cos(1) on z.
+  EXPECT_NEAR(sample.specific_force_B.y(), kGravity * std::sin(kDegree), 1e-6);
+  EXPECT_NEAR(sample.specific_force_B.z(), 1.01 * kGravity * std::cos(kDegree), 1e-6);
+}
+
+TEST(Imu, ClipsAtItsRangeAndRoundsToItsResolution) {
+  ImuParams params = quiet_params();
+  params.gyro.range = 10;
+  params.gyro.lsb = 0.25;
+  BodyState state;
+  state.w_WB_B = {20, -20, 1.3};
+  EXPECT_TRUE(one_sample(params, state).angular_rate_B.isApprox(Vector3d{10, -10, 1.25}, kQuiet));
+}
+
+TEST(Imu, VibratesAtTheRotorsSpeed) {
+  ImuParams params = quiet_params();
+  params.rate_hz = 1000;
+  params.accel.vibration = Vector3d::Constant(2.0);
+  // One rotor at half the reference speed: amplitude 2 / 4, period 8 ms.
+  const double omega = 2 * M_PI * 125;
+  params.vibration_reference_rad_s = 2 * omega;
+  ImuModel imu(params, 1);
+  std::vector<double> x;
+  for (int i = 0; i < 1000; ++i) {
+    imu.accumulate({}, kGravityW, 1e-3);
+    imu.advance_vibration({omega, 0, 0, 0}, 1e-3);
+    x.push_back(imu.sample(base::SimTime{}, {}).specific_force_B.x());
+  }
+  for (std::size_t i = 8; i < x.size(); ++i) EXPECT_NEAR(x[i], x[i - 8], 1e-9);
+  Statistics spread;
+  for (const double value : x) spread.add(value);
+  EXPECT_NEAR(spread.stddev(), 0.5 / std::sqrt(2.0), 1e-3);
+}
+
+TEST(Imu, TableOneNoiseIsPerSampleAndPerAxis) {
+  const auto node = base::ConfigNode::parse(
+      "{rate_hz: 500, gyro_stddev_deg_s: [0.67, 0.78, 0.12], accel_stddev_m_s2: [0.04, 0.06, "
+      "0.07]}");
+  ImuModel imu(parse_imu_params(node, 1e-3), 7);
+  std::array<Statistics, 6> axes;
+  constexpr int kSamples = 100000;
+  for (int i = 0; i < kSamples; ++i) {
+    imu.accumulate({}, kGravityW, 2e-3);
+    const ImuSample sample = imu.sample(base::SimTime{}, {});
+    for (int axis = 0; axis < 3; ++axis) {
+      axes[static_cast<std::size_t>(axis)].add(sample.angular_rate_B[axis] / kDegree);
+      axes[static_cast<std::size_t>(axis + 3)].add(sample.specific_force_B[axis]);
+    }
+  }
+  const std::array<double, 6> expected{0.67, 0.78, 0.12, 0.04, 0.06, 0.07};
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    EXPECT_NEAR(axes[i].stddev() / expected[i], 1.0, 0.01);  // 4 standard errors
+    EXPECT_NEAR((axes[i].mean() - (i == 5 ? kGravity : 0.0)) / expected[i], 0.0, 0.015);
+  }
+}
+
+TEST(Imu, DensityBecomesADeviationOfDensityTimesRootRate) {
+  const auto node = base::ConfigNode::parse(
+      "{rate_hz: 400, gyro_density_deg_s_per_sqrt_hz: 0.05, accel_stddev_m_s2: 0.1}");
+  const ImuParams params = parse_imu_params(node, 1e-3);
+  EXPECT_NEAR(params.gyro.stddev.x(), 0.05 * kDegree * 20, 1e-12);
+  EXPECT_NEAR(params.accel.stddev.x(), 0.1, 1e-12);
+}
+
+struct RefusedCase {
+  const char* name;
+  const char* yaml;
+  const char* says;
+};
+
+class ImuRefuses : public testing::TestWithParam<RefusedCase> {};
+
+TEST_P(ImuRefuses, WithASentenceThatNamesTheKey) {
+  try {
+    parse_imu_params(base::ConfigNode::parse(GetParam().yaml), 1e-3);
+    FAIL() << "accepted";
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find(GetParam().says), std::string::npos) << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Parameters, ImuRefuses,
+    testing::Values(
+        RefusedCase{"BothFigures",
+                    "{rate_hz: 500, gyro_stddev_deg_s: 1, gyro_density_deg_s_per_sqrt_hz: 1, "
+                    "accel_stddev_m_s2: 1}",
+                    "gyro_density_deg_s_per_sqrt_hz"},
+        RefusedCase{"NoFigure", "{rate_hz: 500, gyro_stddev_deg_s: 1}", "accel_stddev_m_s2"},
+        RefusedCase{"ZeroNoise",
+                    "{rate_hz: 500, gyro_stddev_deg_s: [1, 0, 1], accel_stddev_m_s2: 1}", "stale"},
+        RefusedCase{"RateAboveTheStepsRate",
+                    "{rate_hz: 2000, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1}", "rate_hz"},
+        RefusedCase{"VibrationWithoutReference",
+                    "{rate_hz: 500, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1, "
+                    "accel_vibration_m_s2: 1}",
+                    "vibration_reference_rad_s"}),
+    [](const auto& test) { return test.param.name; });
+
+constexpr const char* kTable1 =
+    "{rate_hz: 500, gyro_stddev_deg_s: [0.67, 0.78, 0.12], accel_stddev_m_s2: [0.04, 0.06, 0.07]}";
+
+struct RateCase {
+  const char* name;
+  double rate_hz;
+  int step_us;
+  std::size_t in_ten_seconds;
+};
+
+class ImuRate : public testing::TestWithParam<RateCase> {};
+
+TEST_P(ImuRate, IsExactInCount) {
+  const RateCase& rate = GetParam();
+  test::PluginHarness harness{std::chrono::microseconds(rate.step_us)};
+  harness.add("imu", "{rate_hz: " + std::to_string(rate.rate_hz) +
+                         ", gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1}");
+  std::size_t count = 0;
+  const auto listening =
+      harness.bus.subscribe<ImuSample>("iris0/imu", [&](const ImuSample&) { ++count; });
+  harness.run(std::chrono::seconds(10));
+  EXPECT_EQ(count, rate.in_ten_seconds);
+}
+
+INSTANTIATE_TEST_SUITE_P(Grid, ImuRate,
+                         testing::Values(RateCase{"Imu500HzAt1ms", 500, 1000, 5000},
+                                         RateCase{"Imu400HzAt1ms", 400, 1000, 4000},
+                                         RateCase{"Imu250HzAt1ms", 250, 1000, 2500},
+                                         RateCase{"Imu250HzAt4ms", 250, 4000, 2500},
+                                         RateCase{"Imu100HzAt4ms", 100, 4000, 1000},
+                                         RateCase{"Imu50HzAt4ms", 50, 4000, 500},
+                                         RateCase{"Imu500HzAt500us", 500, 500, 5000},
+                                         RateCase{"Imu500HzAt2ms", 500, 2000, 5000},
+                                         RateCase{"Imu333HzAt250us", 333, 250, 3330}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(ImuPlugin, RepeatsItselfAfterReset) {
+  test::PluginHarness harness;
+  harness.add("imu", kTable1);
+  std::vector<Vector3d> rates;
+  const auto listening = harness.bus.subscribe<ImuSample>(
+      "iris0/imu", [&](const ImuSample& sample) { rates.push_back(sample.angular_rate_B); });
+  harness.run(std::chrono::milliseconds(100));
+  const std::vector<Vector3d> first = std::move(rates);
+  rates.clear();
+  harness.reset();
+  harness.run(std::chrono::milliseconds(100));
+  EXPECT_EQ(first, rates);
+}
+
+TEST(ImuPlugin, NeverRepeatsAValue) {
+  test::PluginHarness harness;
+  harness.add("imu", kTable1);
+  std::set<float> values;
+  std::size_t count = 0;
+  const auto listening = harness.bus.subscribe<ImuSample>("iris0/imu", [&](const ImuSample& s) {
+    ++count;
+    values.insert(static_cast<float>(s.specific_force_B.x()));
+  });
+  harness.run(std::chrono::seconds(2));
+  EXPECT_GE(values.size(), count - 2);  // by chance two floats may meet
+}
+
+}  // namespace
+}  // namespace cas::sim

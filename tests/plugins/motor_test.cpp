@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "plugin_harness.hpp"
+#include "plugins/motor/motor_mixer.hpp"
+#include "plugins/motor/rotor_model.hpp"
+
+namespace cas::sim {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+using test::load_vehicle;
+
+constexpr double kExact = 1e-9;
+
+// Coefficients in round numbers; every secondary effect off unless a test turns it on.
+base::Vehicle simple_vehicle() {
+  base::Vehicle vehicle = load_vehicle("iris_px4");
+  vehicle.rotor = {.thrust_coefficient = 1e-5,
+                   .torque_coefficient = 2e-7,
+                   .omega_max_rad_s = 1000,
+                   .omega_idle_rad_s = 100,
+                   .time_constant_up_s = 0.02,
+                   .time_constant_down_s = 0.04,
+                   .radius_m = 0.1};
+  return vehicle;
+}
+
+struct Result {
+  Wrench wrench;
+  std::array<double, 4> omega_dot{};
+};
+
+Result evaluate(const RotorModel& rotors, const Vector4d& omega, const BodyState& body = {},
+                const Environment& environment = {}) {
+  Result result;
+  rotors.evaluate(body, environment, {omega.data(), 4}, result.omega_dot, result.wrench);
+  return result;
+}
+
+MotorCommand control_inputs(double u1, double u2, double u3, double u4) {
+  MotorCommand command;
+  command.armed = true;
+  command.kind = MotorCommand::Kind::kControlInputs;
+  command.values = {u1, u2, u3, u4};
+  return command;
+}
+
+TEST(MotorMixer, InvertsEquation3) {
+  const base::Vehicle vehicle = load_vehicle("iris_paper");
+  const MotorMixer mixer(vehicle);
+  const Vector4d inputs(15.0, 0.2, -0.3, 0.05);
+  const Vector4d omega = mixer.targets(control_inputs(15.0, 0.2, -0.3, 0.05));
+  EXPECT_TRUE((vehicle.mixing_matrix() * omega.cwiseAbs2()).isApprox(inputs, kExact));
+}
+
+TEST(MotorMixer, HoldsSpeedsBetweenIdleAndMaximum) {
+  const base::Vehicle vehicle = load_vehicle("iris_paper");
+  const MotorMixer mixer(vehicle);
+  const Vector4d low = mixer.targets(control_inputs(0, 0, 0, 0));
+  EXPECT_TRUE(low.isApprox(Vector4d::Constant(vehicle.rotor.omega_idle_rad_s)));
+  const Vector4d high = mixer.targets(control_inputs(1000, 0, 0, 0));
+  EXPECT_TRUE(high.isApprox(Vector4d::Constant(vehicle.rotor.omega_max_rad_s)));
+}
+
+TEST(MotorMixer, MotorOutputsFollowTheLawOfPx4sIris) {
+  const MotorMixer mixer(load_vehicle("iris_px4"));
+  MotorCommand command;
+  command.kind = MotorCommand::Kind::kMotorOutputs;
+  command.armed = true;
+  command.values = {0.0, 0.705, 1.0, 1.7};
+  EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d(100, 805, 1100, 1100), kExact));
+  command.values = {-0.1, -0.1, -1.2, 0.0};
+  EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d::Constant(100), kExact));
+}
+
+TEST(MotorMixer, StopsRotorsWhenDisarmed) {
+  const MotorMixer mixer(load_vehicle("iris_px4"));
+  MotorCommand command = control_inputs(15, 0, 0, 0);
+  command.armed = false;
+  EXPECT_TRUE(mixer.targets(command).isZero(0.0));
+}
+
+TEST(MotorMixer, TakesWhatIsNoNumberForZero) {
+  const MotorMixer mixer(load_vehicle("iris_px4"));
+  MotorCommand command;
+  command.kind = MotorCommand::Kind::kMotorOutputs;
+  command.armed = true;
+  command.values = Vector4d::Constant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d::Constant(100)));
+}
+
+TEST(MotorMixer, RefusesRotorsThatCannotMix) {
+  base::Vehicle vehicle = load_vehicle("iris_px4");
+  for (auto& rotor : vehicle.rotors) rotor.spin = 1;
+  EXPECT_THROW(MotorMixer{vehicle}, base::ConfigError);
+}
+
+TEST(RotorModel, GivesTheControlInputsOfEquation3) {
+  const base::Vehicle vehicle = load_vehicle("iris_paper");
+  RotorModel rotors(vehicle);
+  const Vector4d omega(700, 800, 750, 820);
+  rotors.set_targets(omega);
+  BodyState body;
+  const Result result = evaluate(rotors, omega, body);
+  const Vector4d inputs = vehicle.mixing_matrix() * omega.cwiseAbs2();
+  EXPECT_NEAR(result.wrench.force_B.z(), inputs[0], kExact);  // up in B = -Dz
+  EXPECT_NEAR(result.wrench.torque_B.x(), inputs[1], kExact);
+  EXPECT_NEAR(result.wrench.torque_B.y(), -inputs[2], kExact);  // Dy = -By
+  EXPECT_NEAR(result.wrench.torque_B.z(), -inputs[3], kExact);
+}
+
+TEST(RotorModel, CounterClockwiseRotorYawsTheBodyClockwise) {
+  const RotorModel rotors(simple_vehicle());
+  const Result result = evaluate(rotors, {500, 0, 0, 0});  // rotor 1 is counter-clockwise
+  EXPECT_NEAR(result.wrench.torque_B.z(), -2e-7 * 500 * 500, kExact);
+}
+
+TEST(RotorModel, LagsWithItsOwnTimeConstantUpAndDown) {
+  RotorModel rotors(simple_vehicle());
+  rotors.set_targets({600, 400, 500, 500});
+  const Result result = evaluate(rotors, Vector4d::Constant(500));
+  EXPECT_NEAR(result.omega_dot[0], 100 / 0.02, kExact);
+  EXPECT_NEAR(result.omega_dot[1], -100 / 0.04, kExact);
+  EXPECT_NEAR(result.omega_dot[2], 0, kExact);
+}
+
+TEST(RotorModel, WithoutLagSpeedsAreTheirTargets) {
+  base::Vehicle vehicle = simple_vehicle();
+  vehicle.rotor.time_constant_up_s = vehicle.rotor.time_constant_down_s = 0;
+  RotorModel rotors(vehicle);
+  rotors.set_targets({600, 400, 1500, 0});
+  std::array<double, 4> omega{500, 500, 500, 500};
+  rotors.limit(omega);
+  EXPECT_EQ(omega, (std::array<double, 4>{600, 400, 1000, 0}));
+}
+
+TEST(RotorModel, SpinUpTurnsTheBodyBack) {
+  base::Vehicle vehicle = simple_vehicle();
+  vehicle.rotor.torque_coefficient = 0;
+  vehicle.rotor.inertia_kg_m2 = 1e-5;
+  RotorModel rotors(vehicle);
+  rotors.set_targets({600, 500, 500, 500});
+  const Result result = evaluate(rotors, Vector4d::Constant(500));
+  EXPECT_NEAR(result.wrench.torque_B.z(), -1e-5 * 100 / 0.02, kExact);
+}
+
+TEST(RotorModel, SpinningRotorsResistTurningLikeAGyroscope) {
+  base::Vehicle vehicle = simple_vehicle();
+  vehicle.rotor.thrust_coefficient = 0;
+  vehicle.rotor.torque_coefficient = 0;
+  vehicle.rotor.inertia_kg_m2 = 1e-5;
+  RotorModel rotors(vehicle);
+  const Vector4d omega(500, 0, 0, 200);  // H = (500 - 200) J along +Bz
+  rotors.set_targets(omega);
+  BodyState body;
+  body.w_WB_B = {2, 3, 1};
+  const Vector3d momentum(0, 0, 300 * 1e-5);
+  EXPECT_TRUE(
+      evaluate(rotors, omega, body).wrench.torque_B.isApprox(-body.w_WB_B.cross(momentum), kExact));
+}
+
+TEST(RotorModel, DragsAgainstTheAirInTheRotorPlane) {
+  base::Vehicle vehicle = simple_vehicle();
+  vehicle.rotor.thrust_coefficient = 0;
+  vehicle.rotor.drag_coefficient = 1.75e-4;
+  const RotorModel rotors(vehicle);
+  BodyState body;
+  body.v_WB = {3, 0, 2};
+  Environment air;
+  air.wind_W = {1, 0, 0};
+  const Result result = evaluate(rotors, Vector4d::Constant(805), body, air);
+  EXPECT_TRUE(result.wrench.force_B.isApprox(Vector3d(-4 * 1.75e-4 * 805 * 2, 0, 0), kExact));
+}
+
+TEST(RotorModel, HoverDragMatchesTheFigureOfTheIris) {
+  // 4 * 1.75e-4 * 805 = 0.564 N per m/s.
+  base::Vehicle vehicle = load_vehicle("iris_px4");
+  const RotorModel rotors(vehicle);
+  BodyState body;
+  body.v_WB = {1, 0, 0};
+  EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(805), body).wrench.force_B.x(), -0.5635, 1e-4);
+}
+
+TEST(RotorModel, AdvancingBladesRollOneRotorAndCancelOverFour) {
+  base::Vehicle vehicle = simple_vehicle();
+  vehicle.rotor.thrust_coefficient = vehicle.rotor.torque_coefficient = 0;
+  vehicle.rotor.rolling_moment_coefficient = 1e-6;
+  const RotorModel rotors(vehicle);
+  BodyState body;
+  body.v_WB = {10, 0, 0};
+  // A counter-clockwise rotor advances on the right: more lift there rolls the body to the left.
+  EXPECT_NEAR(evaluate(rotors, {500, 0, 0, 0}, body).wrench.torque_B.x(), -1e-6 * 500 * 10, kExact);
+  EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(500), body).wrench.torque_B.x(), 0, kExact);
+}
+
+TEST(RotorModel, ThrustFadesWithAxialSpeed) {
+  base::Vehicle vehicle = simple_vehicle();
+  vehicle.rotor.zero_thrust_speed_m_s = 25;
+  const RotorModel rotors(vehicle);
+  const double still = evaluate(rotors, Vector4d::Constant(500)).wrench.force_B.z();
+  BodyState body;
+  body.v_WB = {0, 0, 5};
+  EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(500), body).wrench.force_B.z(), 0.8 * still,
+              kExact);
+  body.v_WB = {0, 0, -30};
+  EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(500), body).wrench.force_B.z(), 0, kExact);
+}
+
+TEST(RotorModel, ThinAirTakesThrustAndTorque) {
+  base::Vehicle vehicle = simple_vehicle();
+  vehicle.rotor.reference_density_kg_m3 = 1.225;
+  const RotorModel rotors(vehicle);
+  Environment air;
+  air.air_density_kg_m3 = 1.225 / 2;
+  const Result result = evaluate(rotors, {500, 0, 0, 0}, {}, air);
+  EXPECT_NEAR(result.wrench.force_B.z(), 0.5 * 1e-5 * 500 * 500, kExact);
+  EXPECT_NEAR(result.wrench.torque_B.z(), -0.5 * 2e-7 * 500 * 500, kExact);
+}
+
+TEST(RotorModel, GroundEffectIsCheesemanAndBennetts) {
+  EXPECT_NEAR(RotorModel::ground_effect(0.1, 0.1), 1.0667, 1e-4);     // z = R
+  EXPECT_NEAR(RotorModel::ground_effect(0.2, 0.1), 1.0159, 1e-4);     // z = 2 R
+  EXPECT_NEAR(RotorModel::ground_effect(0.0, 0.1), 4.0 / 3.0, 1e-9);  // held at z = R / 2
+  base::Vehicle vehicle = simple_vehicle();
+  vehicle.rotor.ground_effect = 1;
+  for (auto& rotor : vehicle.rotors) rotor.position_B_m.z() = 0.02;
+  const RotorModel rotors(vehicle);
+  Environment ground;
+  ground.height_above_ground_m = 0.08;  // hubs at z = R
+  EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(500), {}, ground).wrench.force_B.z(),
+              4 * 1e-5 * 500 * 500 * 16.0 / 15.0, kExact);
+}
+
+TEST(MotorPlugin, DrivesItsForceModelFromTheBus) {
+  test::PluginHarness harness;
+  const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  harness.add("motor", "{}");
+  std::vector<RotorSpeeds> speeds;
+  const auto listening = harness.bus.subscribe<RotorSpeeds>(
+      "iris0/rotor_speeds", [&](const RotorSpeeds& s) { speeds.push_back(s); });
+  ASSERT_EQ(harness.context.force_models.size(), 1U);
+  MotorCommand outputs;
+  outputs.kind = MotorCommand::Kind::kMotorOutputs;
+  outputs.armed = true;
+  outputs.values = Vector4d::Constant(0.7);
+  command.publish(outputs);
+
+  std::array<double, 4> omega{};
+  std::array<double, 4> omega_dot{};
+  Wrench wrench;
+  harness.context.force_models[0]->evaluate({}, {}, omega, omega_dot, wrench);
+  EXPECT_NEAR(omega_dot[0], 800 / 0.0125, 1e-6);
+
+  harness.world.model_states[harness.context.force_models[0]] = {1, 2, 3, 4};
+  harness.step();
+  ASSERT_EQ(speeds.size(), 1U);
+  EXPECT_TRUE(speeds[0].omega_rad_s.isApprox(Vector4d(1, 2, 3, 4)));
+  EXPECT_EQ(speeds[0].time.time_since_epoch(), std::chrono::milliseconds(1));
+}
+
+}  // namespace
+}  // namespace cas::sim

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "base/frames.hpp"
+#include "plugin_harness.hpp"
+#include "plugins/recorder/csv_writer.hpp"
+#include "plugins/recorder/truth_row.hpp"
+
+namespace cas::sim {
+namespace {
+
+/// A folder of this test alone, removed at its end.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "cas_recorder_XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(CsvWriter, WritesNumbersThatReadBackExactly) {
+  const Folder folder;
+  CsvWriter csv(folder / "deep/a.csv", "a,b,c");
+  csv.row({0.1, -1e300, 12345678.875});
+  csv.close();
+  EXPECT_EQ(lines_of(folder / "deep/a.csv"),
+            (std::vector<std::string>{"a,b,c", "0.1,-1e+300,12345678.875"}));
+}
+
+TEST(CsvWriter, SaysWhichFileCannotBeWritten) {
+  try {
+    CsvWriter csv("/proc/no/such.csv", "a");
+    FAIL() << "opened";
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("/proc/no/such.csv"), std::string::npos);
+  }
+}
+
+TEST(TruthRow, HasNorthEastUpAndAnglesOfForwardRightDown) {
+  BodyState state;
+  state.p_WB = {1, 2, 3};  // east, north, up
+  state.v_WB = {4, 5, 6};
+  state.q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0.1, -0.2, 0.3));
+  state.w_WB_B = {0.7, 0.8, 0.9};
+  const auto row =
+      truth_row(base::SimTime(std::chrono::milliseconds(1500)), state, {10, 20, 30, 40});
+  const std::array<double, kTruthColumns> expected{1.5, 2,   1,    3,    5,  4,  6,  0.1, -0.2,
+                                                   0.3, 0.7, -0.8, -0.9, 10, 20, 30, 40};
+  for (std::size_t i = 0; i < row.size(); ++i) EXPECT_NEAR(row[i], expected[i], 1e-12) << i;
+}
+
+TEST(RecorderPlugin, WritesFromTimeZeroAtItsRate) {
+  const Folder folder;
+  test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
+  harness.add("recorder", "{file: truth.csv, rate_hz: 100}");
+  harness.run(std::chrono::seconds(1));
+  harness.finish();
+  const auto lines = lines_of(folder / "truth.csv");
+  ASSERT_EQ(lines.size(), 102U);  // header, time zero, 100 samples
+  EXPECT_EQ(lines[0], kTruthHeader);
+  EXPECT_EQ(lines[1].substr(0, 2), "0,");
+  EXPECT_EQ(lines[2].substr(0, 5), "0.01,");
+  EXPECT_EQ(lines[101].substr(0, 2), "1,");
+}
+
+TEST(RecorderPlugin, BeginsAnewAfterReset) {
+  const Folder folder;
+  test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
+  harness.add("recorder", "{file: truth.csv, rate_hz: 100}");
+  harness.run(std::chrono::seconds(1));
+  harness.reset();
+  harness.run(std::chrono::milliseconds(50));
+  harness.finish();
+  EXPECT_EQ(lines_of(folder / "truth.csv").size(), 7U);
+}
+
+}  // namespace
+}  // namespace cas::sim
