@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "plugin_harness.hpp"
+#include "tests/plugins/plugin_harness.hpp"
 
 namespace cas::sim {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "plugin_harness.hpp"
 #include "plugins/imu/imu_model.hpp"
-#include "statistics.hpp"
+#include "tests/plugins/plugin_harness.hpp"
+#include "tests/plugins/statistics.hpp"
 
 namespace cas::sim {
 namespace {

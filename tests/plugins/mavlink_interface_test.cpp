@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "mavlink/common/all.hpp"
-#include "plugin_harness.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
 #include "plugins/mavlink_interface/hil_interface.hpp"
 #include "plugins/mavlink_interface/udp_port.hpp"
+#include "tests/plugins/plugin_harness.hpp"
 
 namespace cas::sim {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "plugin_harness.hpp"
 #include "plugins/motor/motor_mixer.hpp"
 #include "plugins/motor/rotor_model.hpp"
+#include "tests/plugins/plugin_harness.hpp"
 
 namespace cas::sim {
 namespace {

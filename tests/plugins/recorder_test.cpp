@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "base/frames.hpp"
-#include "plugin_harness.hpp"
 #include "plugins/recorder/csv_writer.hpp"
 #include "plugins/recorder/truth_row.hpp"
+#include "tests/plugins/plugin_harness.hpp"
 
 namespace cas::sim {
 namespace {

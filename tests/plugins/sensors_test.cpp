@@ -7,11 +7,11 @@
 #include "base/atmosphere.hpp"
 #include "base/frames.hpp"
 #include "base/magnetic_field.hpp"
-#include "plugin_harness.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/magnetometer/magnetometer_model.hpp"
-#include "statistics.hpp"
+#include "tests/plugins/plugin_harness.hpp"
+#include "tests/plugins/statistics.hpp"
 
 namespace cas::sim {
 namespace {
