@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -81,6 +82,11 @@ void Server::publish(const std::string& topic, const Json& params) {
   const auto line =
       std::make_shared<const std::string>(Dispatcher::notification(topic, params) + "\n");
   for (const auto& session : subscribers) session->deliver_shared(line);
+}
+
+bool Server::has_subscribers(const std::string& topic) const {
+  return std::any_of(impl_->sessions.begin(), impl_->sessions.end(),
+                     [&](const auto& session) { return session->topics.contains(topic); });
 }
 
 void Server::require_token(const std::filesystem::path& file) {

@@ -35,6 +35,8 @@ class CAS_BASE_EXPORT Server {
   void add_method(const std::string& name, Method method);
   /// Sends {"method": name, "params": params} to each client that subscribed to `topic`.
   void publish(const std::string& topic, const Json& params);
+  /// Whether anybody hears a topic: what nobody hears need not be put together.
+  bool has_subscribers(const std::string& topic) const;
   /// Methods `subscribe` {"topic": ...} and `unsubscribe` are answered by the server for these
   /// topics.
   void add_topic(const std::string& topic);

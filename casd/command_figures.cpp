@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/command_figures.hpp"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "casd/command_json.hpp"
+#include "casd/command_params.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+namespace {
+
+using base::rpc::Reply;
+using nlohmann::json;
+
+/// Where received packets ended, by Route::Verdict.
+constexpr const char* kVerdictWords[] = {"forwarded", "duplicate", "no_rule", "no_target",
+                                         "rate_limited"};
+
+double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
+
+json rx_json(const LinkStatus& link) {
+  json verdicts = json::object();
+  for (std::size_t i = 0; i < link.rx.verdicts.size(); ++i) {
+    verdicts[kVerdictWords[i]] = link.rx.verdicts[i];
+  }
+  return json{{"packets", link.rx.packets},
+              {"bytes", link.rx.bytes},
+              {"crc_errors", link.rx.crc_errors},
+              {"lost", link.rx.lost},
+              {"unknown", link.rx.unknown},
+              {"skipped_bytes", link.rx.skipped_bytes},
+              {"kernel_drops", link.rx.kernel_drops},
+              {"foreign", link.rx.foreign},
+              {"verdicts", verdicts}};
+}
+
+json tx_json(const LinkStatus& link) {
+  json dropped = json::object();
+  for (int i = 0; i < kDropCauses; ++i) {
+    dropped[std::string(to_string(static_cast<DropCause>(i)))] =
+        link.tx.dropped[static_cast<std::size_t>(i)];
+  }
+  return json{{"packets", link.tx.packets},
+              {"bytes", link.tx.bytes},
+              {"dropped", dropped},
+              {"queued", link.tx.queued},
+              {"queue_high_water", link.tx.queue_high_water},
+              {"write_calls", link.tx.write_calls},
+              {"forwarding_us",
+               {{"p50", microseconds(link.tx.forwarding_p50)},
+                {"p99", microseconds(link.tx.forwarding_p99)},
+                {"max", microseconds(link.tx.forwarding_max)}}}};
+}
+
+json message_json(const MessageStatus& message) {
+  return json{{"link", message.link},
+              {"direction", message.direction},
+              {"id", message.id},
+              {"name", message.name},
+              {"system", message.source.system},
+              {"component", message.source.component},
+              {"count", message.count},
+              {"hz", message.hz},
+              {"age_s", message.age_s}};
+}
+
+json names_json(const std::vector<std::uint32_t>& ids) {
+  json names = json::array();
+  for (const std::uint32_t id : ids) {
+    const mav::MessageInfo* info = mav::public_table().find(id);
+    if (info == nullptr) {
+      names.push_back(id);
+    } else {
+      names.push_back(info->name);
+    }
+  }
+  return names;
+}
+
+json rule_json(const RouteConfig& route) {
+  json entry{{"from", route.from}, {"to", route.to}};
+  const ForwardRule& rule = route.rule;
+  if (rule.allow) entry["allow"] = names_json(*rule.allow);
+  if (!rule.block.empty()) entry["block"] = names_json(rule.block);
+  if (!rule.allow_systems.empty()) entry["allow_systems"] = rule.allow_systems;
+  if (!rule.block_systems.empty()) entry["block_systems"] = rule.block_systems;
+  if (!rule.allow_components.empty()) entry["allow_components"] = rule.allow_components;
+  if (!rule.block_components.empty()) entry["block_components"] = rule.block_components;
+  for (const RateRule& rate : rule.rates) {
+    json limit{{"message", names_json({rate.message_id}).at(0)}};
+    if (rate.max_hz > 0) limit["max_hz"] = rate.max_hz;
+    if (rate.every > 1) limit["every"] = rate.every;
+    entry["rates"].push_back(limit);
+  }
+  return entry;
+}
+
+/// Reads the parameters, answers, and turns what is wrong with them into an error.
+template <class Answer>
+base::rpc::Method method(Answer answer) {
+  return [answer](const json& params, const Reply& reply) {
+    try {
+      CommandParams reader(params);
+      reply.result(answer(reader));
+    } catch (const BadParams& error) {
+      reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
+    }
+  };
+}
+
+}  // namespace
+
+CommandFigures::CommandFigures(base::rpc::Server& server, FiguresSource source)
+    : server_(server), source_(std::move(source)) {
+  const auto plain = [this](const std::string& name, json (CommandFigures::*make)() const) {
+    server_.add_method(name, method([this, make](CommandParams& params) {
+                         params.finish();
+                         return (this->*make)();
+                       }));
+  };
+  plain("casd.status", &CommandFigures::status);
+  plain("link.list", &CommandFigures::links);
+  plain("link.routes", &CommandFigures::routes);
+  plain("link.drops", &CommandFigures::drops);
+  plain("link.latency", &CommandFigures::latency);
+  server_.add_method("message.list", method([this](CommandParams& params) {
+                       const std::optional<std::string> link = params.optional_text("link");
+                       params.finish();
+                       if (link) require_link(*link);
+                       return messages(link ? &*link : nullptr);
+                     }));
+  server_.add_topic("links");
+  server_.add_topic("messages");
+}
+
+void CommandFigures::require_link(const std::string& name) const {
+  std::string known;
+  for (const LinkStatus& link : source_.monitor->links()) {
+    if (link.name == name) return;
+    known += (known.empty() ? "" : ", ") + link.name;
+  }
+  throw BadParams("there is no link '" + name + "'; links: " + known);
+}
+
+json CommandFigures::status() const {
+  const Topology& topology = source_.topology();
+  return json{{"schema", 1},
+              {"program", "casd"},
+              {"version", CAS_VERSION},
+              {"uptime_s", base::to_seconds(source_.now() - source_.started)},
+              {"threads", to_string(topology.threads)},
+              {"self", {{"system", topology.self.system}, {"component", topology.self.component}}},
+              {"clients", server_.clients()},
+              {"links", links()},
+              {"vehicles", source_.vehicles()}};
+}
+
+json CommandFigures::links() const {
+  const Topology& topology = source_.topology();
+  json all = json::array();
+  for (const LinkStatus& link : source_.monitor->links()) {
+    json entry{{"name", link.name},
+               {"type", to_string(link.type)},
+               {"state", to_string(link.state)},
+               {"endpoint", link.endpoint},
+               {"reconnects", link.reconnects},
+               {"rx", rx_json(link)},
+               {"tx", tx_json(link)}};
+    for (const LinkConfig& config : topology.links) {
+      if (config.name == link.name && config.baud > 0) entry["baud"] = config.baud;
+    }
+    all.push_back(std::move(entry));
+  }
+  return all;
+}
+
+json CommandFigures::messages(const std::string* link) const {
+  std::optional<std::string> only;
+  if (link != nullptr) only = *link;
+  json all = json::array();
+  for (const MessageStatus& message : source_.monitor->messages(source_.now(), only)) {
+    all.push_back(message_json(message));
+  }
+  return all;
+}
+
+json CommandFigures::routes() const {
+  json all = json::array();
+  for (const RouteConfig& route : source_.topology().routes) all.push_back(rule_json(route));
+  return all;
+}
+
+/// Everything that did not go on: by link and cause, then by message where that is known.
+json CommandFigures::drops() const {
+  json not_forwarded = json::array();
+  for (const LinkStatus& link : source_.monitor->links()) {
+    for (std::size_t i = 1; i < link.rx.verdicts.size(); ++i) {
+      if (link.rx.verdicts[i] == 0) continue;
+      not_forwarded.push_back(
+          {{"link", link.name}, {"cause", kVerdictWords[i]}, {"count", link.rx.verdicts[i]}});
+    }
+  }
+  json dropped = json::array();
+  for (const MessageStatus& message : source_.monitor->messages(source_.now())) {
+    if (message.direction.rfind("drop.", 0) != 0) continue;
+    json entry = message_json(message);
+    entry.erase("direction");
+    entry["cause"] = message.direction.substr(5);
+    dropped.push_back(std::move(entry));
+  }
+  return json{{"not_forwarded", not_forwarded}, {"dropped", dropped}};
+}
+
+json CommandFigures::latency() const {
+  json all = json::array();
+  for (const LinkStatus& link : source_.monitor->links()) {
+    json entry = tx_json(link)["forwarding_us"];
+    entry["link"] = link.name;
+    all.push_back(std::move(entry));
+  }
+  return all;
+}
+
+void CommandFigures::publish() {
+  publish_link_changes();
+  if (server_.has_subscribers("messages")) server_.publish("messages", messages(nullptr));
+}
+
+void CommandFigures::publish_link_changes() {
+  for (const LinkStatus& link : source_.monitor->links()) {
+    const std::string state(to_string(link.state));
+    std::string& last = last_states_[link.name];
+    if (last == state) continue;
+    server_.publish("links", json{{"link", link.name},
+                                  {"state", state},
+                                  {"endpoint", link.endpoint},
+                                  {"reconnects", link.reconnects}});
+    last = state;
+  }
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "base/clock.hpp"
+#include "base/rpc/server.hpp"
+#include "casd/monitor.hpp"
+#include "casd/topology.hpp"
+
+namespace cas::casd {
+
+/// What the figures are taken from.
+struct FiguresSource {
+  const Monitor* monitor = nullptr;
+  /// The topology in force; it changes on a reload.
+  std::function<const Topology&()> topology;
+  std::function<base::RunTime()> now;
+  base::RunTime started{};
+  /// The `vehicles` of casd.status.
+  std::function<nlohmann::json()> vehicles;
+};
+
+/// The half of the command port that tells about casd itself: casd.status, link.*, message.* and
+/// the topics `links` and `messages`. Everything on the server's thread.
+class CommandFigures {
+ public:
+  CommandFigures(base::rpc::Server& server, FiguresSource source);
+
+  /// casd.status, also written to --stats FILE.
+  nlohmann::json status() const;
+  /// After each Monitor::sample: tells subscribers.
+  void publish();
+
+ private:
+  nlohmann::json links() const;
+  nlohmann::json messages(const std::string* link) const;
+  nlohmann::json routes() const;
+  nlohmann::json drops() const;
+  nlohmann::json latency() const;
+  void publish_link_changes();
+  void require_link(const std::string& name) const;
+
+  base::rpc::Server& server_;
+  FiguresSource source_;
+  std::map<std::string, std::string> last_states_;
+};
+
+}  // namespace cas::casd
