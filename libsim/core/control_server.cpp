@@ -38,9 +38,7 @@ struct ControlServer::Impl {
   /// Carries `order` to the loop's thread, and what it answers back to this one.
   void carry(Reply reply, std::function<void(std::function<void()> done)> order) {
     loop.post([this, reply = std::move(reply), order = std::move(order)] {
-      order([this, reply] {
-        answer(reply, status_report(loop));
-      });
+      order([this, reply] { answer(reply, status_report(loop)); });
     });
   }
 

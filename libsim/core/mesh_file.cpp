@@ -85,7 +85,8 @@ std::uint32_t obj_index(const std::filesystem::path& file, const std::string& wo
                         std::size_t vertices) {
   const long number = std::strtol(word.c_str(), nullptr, 10);
   const long index = number < 0 ? static_cast<long>(vertices) + number : number - 1;
-  if (index < 0 || index >= static_cast<long>(vertices)) fail(file, "face names no vertex: " + word);
+  if (index < 0 || index >= static_cast<long>(vertices))
+    fail(file, "face names no vertex: " + word);
   return static_cast<std::uint32_t>(index);
 }
 

@@ -96,7 +96,8 @@ class Assembler {
       model_.rotors.push_back(
           {joint.name, X_RJ.translation(), (X_RJ.linear() * axis).normalized()});
     } else if (joint.type != urdf::Joint::FIXED) {
-      warn("joint '" + joint.name + "' moves; only continuous joints (rotors) do here: taken as fixed");
+      warn("joint '" + joint.name +
+           "' moves; only continuous joints (rotors) do here: taken as fixed");
     }
   }
 

@@ -38,8 +38,8 @@ class CAS_SIM_EXPORT Pacer {
   base::RunTime deadline(base::SimTime t) const;
 
   PaceConfig config_;
-  base::Duration wall_step_;           // wall clock of one step at the ordered speed
-  base::Duration shortest_interval_;   // between steps that catch up
+  base::Duration wall_step_;          // wall clock of one step at the ordered speed
+  base::Duration shortest_interval_;  // between steps that catch up
   base::RunTime epoch_wall_{};
   base::SimTime epoch_sim_{};
   base::RunTime last_start_{};

@@ -43,9 +43,9 @@ class Context final : public PluginContext {
 void PluginHost::load(VehicleId id, const VehicleConfig& vehicle) {
   for (const PluginConfig& config : vehicle.plugins) {
     const std::string name = config.plugin + "@" + vehicle.name;
-    const auto same = std::count_if(
-        plugins_.begin(), plugins_.end(),
-        [&](const PluginInstance& p) { return p.label.substr(0, p.label.find('#')) == name; });
+    const auto same = std::count_if(plugins_.begin(), plugins_.end(), [&](const PluginInstance& p) {
+      return p.label.substr(0, p.label.find('#')) == name;
+    });
     const std::string label = same == 0 ? name : name + "#" + std::to_string(same + 1);
     plugins_.push_back({label, id, loader_.create(config.plugin)});
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "libsim/api/world.hpp"
 
 namespace cas::sim {
@@ -31,6 +33,8 @@ class RestDetector {
            (wrench.torque_B - reference_.torque_B).squaredNorm() <= torque_change_ * torque_change_;
   }
   void wake() { quiet_s_ = 0; }
+  /// At rest but for one step: what it touches still moves.
+  void almost() { quiet_s_ = std::min(quiet_s_, 0.99 * kQuiet); }
 
  private:
   static constexpr double kSpeed = 1e-4;   // m/s

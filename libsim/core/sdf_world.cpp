@@ -21,8 +21,7 @@ Eigen::Isometry3d to_eigen(const ignition::math::Pose3d& pose) {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   const auto& q = pose.Rot();
   X.translation() = to_eigen(pose.Pos());
-  X.linear() =
-      Eigen::Quaterniond(q.W(), q.X(), q.Y(), q.Z()).normalized().toRotationMatrix();
+  X.linear() = Eigen::Quaterniond(q.W(), q.X(), q.Y(), q.Z()).normalized().toRotationMatrix();
   return X;
 }
 
@@ -137,8 +136,8 @@ class Translator {
       return false;
     }
     try {
-      shape.geometry = Mesh{
-          std::make_shared<const TriangleMesh>(load_mesh(*found, to_eigen(mesh.Scale())))};
+      shape.geometry =
+          Mesh{std::make_shared<const TriangleMesh>(load_mesh(*found, to_eigen(mesh.Scale())))};
       return true;
     } catch (const base::ConfigError& error) {
       warn_of("collision", shape.name, std::string("is left out: ") + error.what());

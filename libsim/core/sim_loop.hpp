@@ -72,9 +72,9 @@ class CAS_SIM_EXPORT SimLoop {
   base::Histogram step_times_;
 
   bool paused_ = false;
-  std::uint64_t steps_left_ = 0;             // of step()
-  std::optional<base::SimTime> pause_at_;    // of run_until()
-  std::function<void()> done_;               // answers step() or run_until()
+  std::uint64_t steps_left_ = 0;           // of step()
+  std::optional<base::SimTime> pause_at_;  // of run_until()
+  std::function<void()> done_;             // answers step() or run_until()
   base::RunTime now_{};
   bool clock_runs_ = false;
   base::RunTime clock_started_{};

@@ -68,8 +68,8 @@ struct SimRunner::Impl {
     if (config.pace.mode != PaceMode::kLockstep) return;
     for (LockstepPeer* peer : plugins.peers()) {
       bool arrived = false;
-      for (base::Duration waited{}; !arrived && waited < config.pace.lockstep_timeout &&
-                                    !interrupted();
+      for (base::Duration waited{};
+           !arrived && waited < config.pace.lockstep_timeout && !interrupted();
            waited += kWaitSlice) {
         arrived = peer->wait_for_controls(
             time, std::min(kWaitSlice, config.pace.lockstep_timeout - waited));

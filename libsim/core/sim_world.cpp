@@ -13,10 +13,10 @@ namespace cas::sim {
 namespace {
 
 // Settling before time zero.
-constexpr double kSettleStep = 1e-3;       // s
-constexpr int kSettleSteps = 2000;         // at most
-constexpr double kSettleReach = 1e-3;      // m: a start this near to a surface is a start on it
-constexpr double kSettleDistance = 0.01;   // m: who moves farther does not stand
+constexpr double kSettleStep = 1e-3;      // s
+constexpr int kSettleSteps = 2000;        // at most
+constexpr double kSettleReach = 1e-3;     // m: a start this near to a surface is a start on it
+constexpr double kSettleDistance = 0.01;  // m: who moves farther does not stand
 
 BodyState start_state(const VehicleModel& model, const StartPose& pose) {
   BodyState state;
@@ -55,16 +55,16 @@ SimWorld::~SimWorld() = default;
 VehicleId SimWorld::add_vehicle(const VehicleModel& model, const StartPose& pose) {
   solver_->add_body(model.shapes, model.mass);
   const std::size_t index = vehicles_.size();
-  VehicleBody body{.start = start_state(model, pose),
-                   .start_mass = model.mass,
-                   .state = {},
-                   .mass = model.mass,
-                   .forces = {},
-                   .environment = {},
-                   .extra = {},
-                   .applied = {},
-                   .rest = RestDetector(model.mass.mass_kg() * gravity_W_.norm(),
-                                        solver_->radius(index))};
+  VehicleBody body{
+      .start = start_state(model, pose),
+      .start_mass = model.mass,
+      .state = {},
+      .mass = model.mass,
+      .forces = {},
+      .environment = {},
+      .extra = {},
+      .applied = {},
+      .rest = RestDetector(model.mass.mass_kg() * gravity_W_.norm(), solver_->radius(index))};
   vehicles_.push_back(std::move(body));
   set_to_start(vehicles_.back());
   return static_cast<VehicleId>(index);
@@ -166,6 +166,7 @@ void SimWorld::advance_part(double h) {
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     if (vehicles_[i].mode == Mode::kContact) take_contact_result(i, h);
   }
+  hold_what_rests();
 }
 
 /// Finds who stays held and who touches the static world.
@@ -192,6 +193,7 @@ bool SimWorld::stays_held(VehicleBody& body, double h) {
 
 /// Contacts between vehicles; one that hits a held vehicle wakes it.
 void SimWorld::collide_pairs() {
+  touching_pairs_.clear();
   const auto wake_when_hit = [this](std::size_t i) {
     VehicleBody& body = vehicles_[i];
     if (body.mode != Mode::kHeld || !solver_->touching(i)) return;
@@ -207,7 +209,8 @@ void SimWorld::collide_pairs() {
       if (a.mode == Mode::kHeld && b.mode == Mode::kHeld) continue;
       solver_->place(i, a.state);
       solver_->place(j, b.state);
-      solver_->collide_bodies(i, j);
+      if (!solver_->collide_bodies(i, j)) continue;
+      touching_pairs_.emplace_back(i, j);
       wake_when_hit(i);
       wake_when_hit(j);
     }
@@ -227,10 +230,27 @@ void SimWorld::take_contact_result(std::size_t index, double h) {
   solver_->read(index, body.state);
   if (!body.touching || integrator_ == Integrator::kOde) return;
   body.rest.update(body.state, body.applied, h);
-  if (!body.rest.at_rest()) return;
-  body.mode = Mode::kHeld;
-  body.state.v_WB.setZero();
-  body.state.w_WB_B.setZero();
+}
+
+/// Who rests is held; vehicles that touch each other rest together or not at all.
+void SimWorld::hold_what_rests() {
+  if (integrator_ == Integrator::kOde) return;
+  bool changed = true;
+  while (std::exchange(changed, false)) {
+    for (const auto& [i, j] : touching_pairs_) {
+      RestDetector& a = vehicles_[i].rest;
+      RestDetector& b = vehicles_[j].rest;
+      if (a.at_rest() == b.at_rest()) continue;
+      (a.at_rest() ? a : b).almost();
+      changed = true;
+    }
+  }
+  for (VehicleBody& body : vehicles_) {
+    if (body.mode != Mode::kContact || !body.rest.at_rest()) continue;
+    body.mode = Mode::kHeld;
+    body.state.v_WB.setZero();
+    body.state.w_WB_B.setZero();
+  }
 }
 
 void SimWorld::refresh_environment(VehicleBody& body) {
@@ -257,7 +277,8 @@ std::optional<double> SimWorld::ray_distance(VehicleId vehicle, const Eigen::Vec
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     if (i == static_cast<std::size_t>(vehicle)) continue;
     const BodyState& other = vehicles_[i].state;
-    if (distance_to_segment(other.p_WB, origin_W, direction, range_m) > solver_->radius(i)) continue;
+    if (distance_to_segment(other.p_WB, origin_W, direction, range_m) > solver_->radius(i))
+      continue;
     solver_->place(i, other);
     const auto hit = solver_->ray_to_body(i, origin_W, direction, range_m);
     if (hit && (!nearest || *hit < *nearest)) nearest = hit;

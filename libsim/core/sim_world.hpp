@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "libsim/api/world.hpp"
 #include "libsim/core/export.hpp"
@@ -69,8 +71,8 @@ class CAS_SIM_EXPORT SimWorld final : public World {
     MassProperties mass;
     ForceSet forces;
     Environment environment;
-    Wrench extra;            // of plugins, for the coming step
-    Wrench applied;          // mean over the part step, in contact
+    Wrench extra;    // of plugins, for the coming step
+    Wrench applied;  // mean over the part step, in contact
     bool has_applied = false;
     bool touching = false;
     Eigen::Vector3d v_before_W = Eigen::Vector3d::Zero();  // at the start of the step
@@ -92,6 +94,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   void collide_pairs();
   void push(std::size_t index, double h);
   void take_contact_result(std::size_t index, double h);
+  void hold_what_rests();
   void refresh_environment(VehicleBody& body);
 
   base::LocalProjection projection_;
@@ -101,6 +104,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   Eigen::Vector3d wind_W_;
   std::unique_ptr<ContactSolver> solver_;
   std::deque<VehicleBody> vehicles_;
+  std::vector<std::pair<std::size_t, std::size_t>> touching_pairs_;  // of the part step
 };
 
 }  // namespace cas::sim

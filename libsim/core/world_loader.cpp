@@ -8,8 +8,10 @@ WorldModel load_world(const WorldConfig& config) {
   WorldModel model;
   model.gravity_W = {0, 0, -config.gravity_m_s2};
   if (config.ground) {
-    model.statics.push_back(
-        {.name = "ground", .geometry = Plane{}, .pose = Eigen::Isometry3d::Identity(), .surface = {}});
+    model.statics.push_back({.name = "ground",
+                             .geometry = Plane{},
+                             .pose = Eigen::Isometry3d::Identity(),
+                             .surface = {}});
   }
   return model;
 }

@@ -23,8 +23,8 @@ constexpr std::size_t kMaxContactsPerPair = 8;
 // does not bounce. Scaled by the body's mass, so that small and large vehicles land alike.
 constexpr double kContactFrequency = 94.0;  // rad/s, one contact carrying the whole body
 constexpr double kContactDampingRatio = 1.0;
-constexpr double kSlipSpeed = 1e-3;      // m/s: above, friction points against the slip
-constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodies are parted
+constexpr double kSlipSpeed = 1e-3;   // m/s: above, friction points against the slip
+constexpr double kDeepestPush = 5.0;  // m/s: speed at which overlapping bodies are parted
 constexpr unsigned long kOdeSeed = 1;
 
 dMass ode_mass(const MassProperties& mass) {
@@ -89,6 +89,7 @@ struct ContactSolver::Impl {
   std::vector<PlaneBounds> planes;
   std::vector<BoxBounds> boxes;
   BoxBounds all_boxes{Eigen::Vector3d::Constant(kInfinity), Eigen::Vector3d::Constant(-kInfinity)};
+  std::size_t contact_count = 0;
   double h = 1e-3;  // s, step that the springs are discretised for
 
   ~Impl() {
@@ -127,6 +128,7 @@ struct ContactSolver::Impl {
   void add_contact(dContact& contact) {
     const auto& a = *static_cast<const Owner*>(dGeomGetData(contact.geom.g1));
     const auto& b = *static_cast<const Owner*>(dGeomGetData(contact.geom.g2));
+    ++contact_count;
     fill_surface(contact, a, b);
     const dBodyID body_a = dGeomGetBody(contact.geom.g1);
     const dBodyID body_b = dGeomGetBody(contact.geom.g2);
@@ -279,9 +281,11 @@ void ContactSolver::collide_world(std::size_t body) {
                  reinterpret_cast<dGeomID>(impl_->statics), impl_.get(), &Impl::on_pair);
 }
 
-void ContactSolver::collide_bodies(std::size_t a, std::size_t b) {
+bool ContactSolver::collide_bodies(std::size_t a, std::size_t b) {
+  const std::size_t before = impl_->contact_count;
   dSpaceCollide2(reinterpret_cast<dGeomID>(impl_->bodies[a].space),
                  reinterpret_cast<dGeomID>(impl_->bodies[b].space), impl_.get(), &Impl::on_pair);
+  return impl_->contact_count != before;
 }
 
 bool ContactSolver::touching(std::size_t body) const { return impl_->bodies[body].touching; }

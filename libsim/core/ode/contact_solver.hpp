@@ -47,8 +47,8 @@ class CAS_SIM_EXPORT ContactSolver {
   void place(std::size_t body, const BodyState& state);
   /// Finds the contacts of a placed body with the static world.
   void collide_world(std::size_t body);
-  /// Finds the contacts between two placed bodies.
-  void collide_bodies(std::size_t a, std::size_t b);
+  /// Finds the contacts between two placed bodies. @return whether there are any
+  bool collide_bodies(std::size_t a, std::size_t b);
   /// True when the body has had a contact since begin().
   bool touching(std::size_t body) const;
 
