@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# cas_mavlink_generate(<target> <dialect.xml>...)
+# cas_mavlink_generate(<target> <dialect.xml>... [ONLY <message>...])
 #
 # Makes the interface library <target>: link it to get `#include "mavlink/<dialect>/..."` for each
 # dialect file, generated when the project is built and again when a file it is made of changes.
+# ONLY keeps the messages named, and the enums they use.
 # Works inside the project and, with the installed package, outside.
 
 # The files a dialect is made of, by its <include> elements.
@@ -45,6 +46,7 @@ function(_cas_mavlink_headers folder out)
 endfunction()
 
 function(cas_mavlink_generate target)
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "ONLY")
   if(TARGET mavlink_gen)
     set(program mavlink_gen)
     set(runtime cas_mavlink_runtime)
@@ -54,16 +56,29 @@ function(cas_mavlink_generate target)
   endif()
   set(out "${CMAKE_CURRENT_BINARY_DIR}/${target}_include")
   set(stamps "")
-  foreach(dialect IN LISTS ARGN)
+  set(only "")
+  if(ARG_ONLY)
+    list(JOIN ARG_ONLY "," only)
+    set(only --only "${only}")
+  endif()
+  foreach(dialect IN LISTS ARG_UNPARSED_ARGUMENTS)
     get_filename_component(dialect "${dialect}" ABSOLUTE)
     get_filename_component(name "${dialect}" NAME_WE)
     string(TOLOWER "${name}" name)
+    string(REGEX REPLACE "[^a-z0-9]" "_" name "${name}")
     set(sources "")
     _cas_mavlink_sources("${dialect}" sources)
     _cas_mavlink_headers("${out}/mavlink/${name}" headers ${sources})
+    if(ARG_ONLY)  # headers that are not written must not be expected
+      set(headers "")
+      foreach(header IN ITEMS all enum_text enums table ${ARG_ONLY})
+        string(TOLOWER "${out}/mavlink/${name}/${header}.hpp" header)
+        list(APPEND headers "${header}")
+      endforeach()
+    endif()
     set(stamp "${out}/${name}.stamp")
     add_custom_command(OUTPUT "${stamp}" BYPRODUCTS ${headers}
-      COMMAND ${program} generate --out "${out}" --stamp "${stamp}" "${dialect}"
+      COMMAND ${program} generate --out "${out}" --stamp "${stamp}" ${only} "${dialect}"
       DEPENDS ${program} ${sources}
       COMMENT "Generating MAVLink dialect ${name}"
       VERBATIM)

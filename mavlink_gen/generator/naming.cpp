@@ -93,6 +93,15 @@ std::string safe_identifier(std::string_view name) {
   return out;
 }
 
+std::string namespace_of(std::string_view dialect) {
+  auto out = lower_case(dialect);
+  for (auto& c : out) {
+    if (!is_digit(c) && (c < 'a' || c > 'z')) c = '_';
+  }
+  if (out.empty() || is_digit(out.front())) out = std::string("m").append(out);
+  return safe_identifier(out);
+}
+
 Names::Names(const xml::Dialect& dialect) {
   const auto unique = [this](std::string wanted) {
     while (!types_.try_emplace(wanted, 1).second) wanted += '_';
