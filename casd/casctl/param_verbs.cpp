@@ -52,7 +52,7 @@ void add_setgain(CommandLine& line) {
   for (auto [flag, slot] : {std::pair{"--p", &wish->p}, {"--i", &wish->i}, {"--d", &wish->d}}) {
     verb->add_option(flag, *slot, "this gain only")->excludes(values);
   }
-  verb->final_callback([wish] {
+  verb->parse_complete_callback([wish] {
     const bool named = wish->p || wish->i || wish->d;
     if (!named && wish->values.empty()) {
       throw CLI::ValidationError("setgain", "give P I D, or --p, --i, --d");

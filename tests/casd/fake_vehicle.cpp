@@ -56,10 +56,10 @@ void FakeVehicle::on_param_set(const ParamSet& message, base::RunTime now) {
   const std::string name(mav::text(message.param_id));
   const auto found = params.find(name);
   if (found == params.end()) return;
-  const auto encoding = autopilot == MavAutopilot::kArdupilotmega ? ParamEncoding::kCast
-                                                                  : ParamEncoding::kBytewise;
-  found->second.value = std::min(
-      from_wire(encoding, message.param_type, message.param_value), found->second.high);
+  const auto encoding =
+      autopilot == MavAutopilot::kArdupilotmega ? ParamEncoding::kCast : ParamEncoding::kBytewise;
+  found->second.value =
+      std::min(from_wire(encoding, message.param_type, message.param_value), found->second.high);
   say_param(name, now + script.delay);
 }
 
@@ -75,8 +75,8 @@ void FakeVehicle::on_param_list(base::RunTime now) {
 
 void FakeVehicle::say_param(const std::string& name, base::RunTime at, std::uint16_t index) {
   const Param& param = params.at(name);
-  const auto encoding = autopilot == MavAutopilot::kArdupilotmega ? ParamEncoding::kCast
-                                                                  : ParamEncoding::kBytewise;
+  const auto encoding =
+      autopilot == MavAutopilot::kArdupilotmega ? ParamEncoding::kCast : ParamEncoding::kBytewise;
   ParamValue message;
   mav::set_text(message.param_id, name);
   message.param_type = param.type;
@@ -104,8 +104,8 @@ void FakeVehicle::say_text(const std::string& text, base::RunTime at) {
 }
 
 std::optional<mav::PacketBuffer> FakeVehicle::take(base::RunTime now) {
-  const auto due = std::find_if(out_.begin(), out_.end(),
-                                [now](const Outgoing& out) { return out.at <= now; });
+  const auto due =
+      std::find_if(out_.begin(), out_.end(), [now](const Outgoing& out) { return out.at <= now; });
   if (due == out_.end()) return std::nullopt;
   const mav::PacketBuffer packet = due->packet;
   out_.erase(due);

@@ -30,8 +30,8 @@ class FakeVehicle {
 
   Script script;
   mavlink::common::MavAutopilot autopilot = mavlink::common::MavAutopilot::kPx4;
-  mavlink::common::MavModeFlag base_mode = mavlink::common::MavModeFlag::kCustomModeEnabled |
-                                           mavlink::common::MavModeFlag::kHilEnabled;
+  mavlink::common::MavModeFlag base_mode =
+      mavlink::common::MavModeFlag::kCustomModeEnabled | mavlink::common::MavModeFlag::kHilEnabled;
   std::uint32_t custom_mode = 0;
   struct Param {
     double value = 0;

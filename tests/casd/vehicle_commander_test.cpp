@@ -66,9 +66,8 @@ class VehicleCommanderTest : public testing::Test {
   void step() {
     while (const auto packet = vehicle_.take(now_)) {
       mav::PacketParser parser(mavlink::common::table());
-      parser.feed(packet->view(), [this](const mav::PacketView& view) {
-        commander_.on_packet(kLink, view, now_);
-      });
+      parser.feed(packet->view(),
+                  [this](const mav::PacketView& view) { commander_.on_packet(kLink, view, now_); });
     }
     if (now_ - last_beat_ >= 1s) {
       if (last_beat_ != RunTime{} && beating_) vehicle_.say_heartbeat(now_);
@@ -224,13 +223,12 @@ TEST_P(SpinningCommand, GoesThroughTheInterlock) {
   EXPECT_TRUE(vehicle_.commands.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Raw, SpinningCommand,
-    testing::Values(SpinningCase{"ArmCommand", MavCmd::kComponentArmDisarm, 1},
-                    SpinningCase{"ModeWithArmedFlag", MavCmd::kDoSetMode, 129},
-                    SpinningCase{"MotorTest", MavCmd::kDoMotorTest, 1},
-                    SpinningCase{"ActuatorTest", MavCmd::kActuatorTest, 0.5F}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Raw, SpinningCommand,
+                         testing::Values(SpinningCase{"ArmCommand", MavCmd::kComponentArmDisarm, 1},
+                                         SpinningCase{"ModeWithArmedFlag", MavCmd::kDoSetMode, 129},
+                                         SpinningCase{"MotorTest", MavCmd::kDoMotorTest, 1},
+                                         SpinningCase{"ActuatorTest", MavCmd::kActuatorTest, 0.5F}),
+                         [](const auto& test) { return test.param.name; });
 
 class ConsentingCommanderTest : public VehicleCommanderTest {
  protected:
@@ -501,9 +499,8 @@ TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionAndHome) {
   mav::PacketParser parser(mavlink::common::table());
   for (int i = 0; i < 200; ++i, now_ += 5ms) {
     while (const auto packet = vehicle_.take(now_)) {
-      parser.feed(packet->view(), [&](const mav::PacketView& view) {
-        curious.on_packet(kLink, view, now_);
-      });
+      parser.feed(packet->view(),
+                  [&](const mav::PacketView& view) { curious.on_packet(kLink, view, now_); });
     }
   }
   ASSERT_EQ(vehicle_.commands.size(), 2U);
