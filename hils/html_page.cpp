@@ -98,8 +98,8 @@ void HtmlPage::folded(const std::string& summary, const std::string& text) {
 std::string HtmlPage::finish() const {
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>" +
-         escape_xml(title_) + "</title><style>" + std::string(kStyle) + "</style></head>\n<body><main>\n" +
-         body_ + "</main></body></html>\n";
+         escape_xml(title_) + "</title><style>" + std::string(kStyle) +
+         "</style></head>\n<body><main>\n" + body_ + "</main></body></html>\n";
 }
 
 }  // namespace cas::hils

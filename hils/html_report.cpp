@@ -51,9 +51,9 @@ std::vector<std::string> rate_cells(const RateFigures& rate) {
 
 void add_rates(HtmlPage& page, const Measurement& figures) {
   Rows rows{{"Message", "nominal Hz", "sent", "received", "lost", "received Hz", "error %"}};
-  for (const auto& [name, rate] : {std::pair{"HIL_SENSOR", &figures.rates.sensor},
-                                   std::pair{"HIL_GPS", &figures.rates.gps},
-                                   std::pair{"controls", &figures.rates.controls}}) {
+  for (const auto& [name, rate] :
+       {std::pair{"HIL_SENSOR", &figures.rates.sensor}, std::pair{"HIL_GPS", &figures.rates.gps},
+        std::pair{"controls", &figures.rates.controls}}) {
     rows.push_back({name});
     for (std::string& cell : rate_cells(*rate)) rows.back().push_back(std::move(cell));
   }
@@ -160,11 +160,11 @@ std::string junit_report(const Measurement& figures, const Verdict& verdict) {
   }
   for (std::size_t i = 0; i < verdict.failures.size(); ++i) {
     const std::string sentence = escape_xml(verdict.failures[i]);
-    cases += fmt::format("  <testcase classname=\"{}\" name=\"{} {}\" time=\"{:.3f}\">", suite,
-                         verdict.valid ? "limit" : "validity", i + 1,
-                         i == 0 ? figures.wall_s : 0.0);
-    cases += fmt::format("<{} message=\"{}\"/></testcase>\n",
-                         verdict.valid ? "failure" : "error", sentence);
+    cases +=
+        fmt::format("  <testcase classname=\"{}\" name=\"{} {}\" time=\"{:.3f}\">", suite,
+                    verdict.valid ? "limit" : "validity", i + 1, i == 0 ? figures.wall_s : 0.0);
+    cases += fmt::format("<{} message=\"{}\"/></testcase>\n", verdict.valid ? "failure" : "error",
+                         sentence);
     ++(verdict.valid ? failed : errors);
   }
   return fmt::format(

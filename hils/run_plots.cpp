@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/clock.hpp"
+#include "base/vehicle.hpp"
 #include "hils/trajectory.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -111,8 +112,8 @@ std::vector<Mark> stage_marks(const std::vector<Stage>& stages) {
   return marks;
 }
 
-void add_stream_plots(const Scenario& scenario, const RunRecord& record,
-                      const Measurement& figures, NamedPlots& plots) {
+void add_stream_plots(const Scenario& scenario, const RunRecord& record, const Measurement& figures,
+                      NamedPlots& plots) {
   const std::uint32_t controls = controls_message_id(record);
   plots.emplace_back(
       "rates",
@@ -121,36 +122,34 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record,
            .y_label = "%",
            .series = {rate_series("HIL_SENSOR", record.controller, HilSensor::kId,
                                   scenario.rates.sensor_hz),
-                      rate_series("HIL_GPS", record.controller, HilGps::kId,
-                                  scenario.rates.gps_hz),
+                      rate_series("HIL_GPS", record.controller, HilGps::kId, scenario.rates.gps_hz),
                       rate_series("controls", record.simulator, controls,
                                   scenario.rates.controls_hz)},
            .from_zero = true});
   plots.emplace_back(
       "losses",
-      Plot{.title = "Lost per second",
-           .x_label = "simulated time, s",
-           .y_label = "packets",
-           .series = {loss_series("HIL_SENSOR", record.simulator, record.controller,
-                                  HilSensor::kId),
-                      loss_series("HIL_GPS", record.simulator, record.controller, HilGps::kId),
-                      loss_series("controls", record.controller, record.simulator, controls)},
-           .from_zero = true});
+      Plot{
+          .title = "Lost per second",
+          .x_label = "simulated time, s",
+          .y_label = "packets",
+          .series = {loss_series("HIL_SENSOR", record.simulator, record.controller, HilSensor::kId),
+                     loss_series("HIL_GPS", record.simulator, record.controller, HilGps::kId),
+                     loss_series("controls", record.controller, record.simulator, controls)},
+          .from_zero = true});
   const StreamWindow window = figures.window;
   plots.emplace_back(
       "delays",
       Plot{.title = "Delays in the measured stretch",
            .x_label = "us",
            .y_label = "% of the packets",
-           .series = {delay_series("sensor to controller",
-                                   hop_delays_ns(record.simulator, record.controller,
-                                                 HilSensor::kId, window)),
-                      delay_series("control to simulator",
-                                   hop_delays_ns(record.controller, record.simulator, controls,
-                                                 window)),
-                      delay_series("loop: sensor out to control back",
-                                   echo_delays_ns(record.simulator, HilSensor::kId, controls,
-                                                  window))},
+           .series =
+               {delay_series(
+                    "sensor to controller",
+                    hop_delays_ns(record.simulator, record.controller, HilSensor::kId, window)),
+                delay_series("control to simulator",
+                             hop_delays_ns(record.controller, record.simulator, controls, window)),
+                delay_series("loop: sensor out to control back",
+                             echo_delays_ns(record.simulator, HilSensor::kId, controls, window))},
            .log_x = true,
            .from_zero = true});
 }
@@ -166,16 +165,16 @@ void add_motion_plots(const RunRecord& record, std::uint8_t system, NamedPlots& 
     double Pose::*member;
     int reference;
   };
-  for (const Axis& axis : {Axis{"position_x", "North", &Pose::x_m, 0},
-                           Axis{"position_y", "East", &Pose::y_m, 1},
-                           Axis{"position_z", "Height", &Pose::z_m, 2}}) {
-    plots.emplace_back(
-        axis.name, Plot{.title = axis.title,
-                        .x_label = "simulated time, s",
-                        .y_label = "m from the start",
-                        .series = {pose_series("truth", truth, axis.member, start.*axis.member),
-                                   pose_series("estimate", estimate, axis.member, 0),
-                                   reference_series(record.stages, axis.reference)}});
+  for (const Axis& axis :
+       {Axis{"position_x", "North", &Pose::x_m, 0}, Axis{"position_y", "East", &Pose::y_m, 1},
+        Axis{"position_z", "Height", &Pose::z_m, 2}}) {
+    plots.emplace_back(axis.name,
+                       Plot{.title = axis.title,
+                            .x_label = "simulated time, s",
+                            .y_label = "m from the start",
+                            .series = {pose_series("truth", truth, axis.member, start.*axis.member),
+                                       pose_series("estimate", estimate, axis.member, 0),
+                                       reference_series(record.stages, axis.reference)}});
   }
   plots.emplace_back(
       "attitude",
