@@ -72,7 +72,8 @@ class CAS_BASE_EXPORT ConfigNode {
 
   /// Throws for the first key below this node that nobody asked for.
   void reject_unused() const;
-  /// Marks this node and all below it as used (for blocks that another program reads).
+  /// For a block that another program or plugin reads: reject_unused() of the nodes above passes
+  /// it by; its own reader's reject_unused() still checks it.
   void mark_used() const;
 
   /// @throws ConfigError "FILE:LINE: key.path: sentence"
