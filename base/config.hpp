@@ -84,7 +84,7 @@ class CAS_BASE_EXPORT ConfigNode {
   std::filesystem::path file() const;  ///< as given to load()
   std::filesystem::path resolve(
       std::string_view relative) const;  ///< relative to the file's folder
-  std::string dump() const;              ///< this subtree as YAML text
+  std::string dump() const;              ///< this subtree as YAML text, without defaults behind it
 
  private:
   struct Impl;
