@@ -102,6 +102,7 @@ std::vector<LinkStatus> Monitor::links() const {
     status.state = link->state.load(std::memory_order_relaxed);
     status.endpoint = link->endpoint();
     status.reconnects = link->reconnects.get();
+    status.peers = link->peers.get();
     const auto& rx = link->rx;
     status.rx = {rx.packets.get(),      rx.bytes.get(),   rx.crc_errors.get(),
                  rx.lost.get(),         rx.unknown.get(), rx.skipped_bytes.get(),
@@ -115,6 +116,7 @@ std::vector<LinkStatus> Monitor::links() const {
     status.tx.queue_high_water = tx.queue_high_water.get();
     status.tx.queued = tx.queued.get();
     status.tx.write_calls = tx.write_calls.get();
+    status.tx.peer_drops = tx.peer_drops.get();
     for (std::size_t i = 0; i < tx.dropped.size(); ++i) status.tx.dropped[i] = tx.dropped[i].get();
     {
       const std::scoped_lock lock(tx.forwarding_mutex);

@@ -47,6 +47,7 @@ struct LinkMonitor {
   const LinkType type;
   std::atomic<LinkState> state{LinkState::kOpening};
   Counter reconnects;
+  Counter peers;  ///< of a server, now
 
   struct {
     Counter packets, bytes, crc_errors, lost, unknown, skipped_bytes, kernel_drops, foreign;
@@ -55,6 +56,7 @@ struct LinkMonitor {
   } rx;
   struct {
     Counter packets, bytes, queue_high_water, queued, write_calls;
+    Counter peer_drops;  ///< lost for one peer of a server
     std::array<Counter, kDropCauses> dropped;
     std::array<MessageCounters, kDropCauses> dropped_messages;
     MessageCounters messages;
@@ -79,13 +81,15 @@ struct LinkStatus {
   LinkState state = LinkState::kOpening;
   std::string endpoint;
   std::uint64_t reconnects = 0;
+  std::uint64_t peers = 0;
   struct {
     std::uint64_t packets = 0, bytes = 0, crc_errors = 0, lost = 0, unknown = 0, skipped_bytes = 0,
                   kernel_drops = 0, foreign = 0;
     std::array<std::uint64_t, 5> verdicts{};  ///< by Route::Verdict
   } rx;
   struct {
-    std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0;
+    std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0,
+                  peer_drops = 0;
     std::array<std::uint64_t, kDropCauses> dropped{};  ///< by DropCause
     base::Duration forwarding_p50{}, forwarding_p99{}, forwarding_max{};
   } tx;

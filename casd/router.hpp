@@ -85,7 +85,7 @@ class Router {
   bool is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                     base::RunTime now);
 
-  const mav::MessageTable& table_;
+  mav::MessageTable table_;
   RouteTable routes_;
   std::array<PerLink, kMaxLinks> links_;
   std::array<std::unique_ptr<DuplicateFilter>, kMaxGroups> duplicates_;

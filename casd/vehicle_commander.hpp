@@ -117,8 +117,6 @@ class VehicleCommander final : public Station {
   void dispatch(Vehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   void takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
-  void takeoff_here(std::uint8_t system, double altitude_m, const VehicleCommand& command,
-                    const Done& done);
   void takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
   bool interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now, const Done& done) const;
   struct Steps;

@@ -125,31 +125,19 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
   }
 }
 
-/// PX4: the altitude is above mean sea level, so home is asked for first: arming may have moved it.
-/// While it is unknown, the parameter MIS_TAKEOFF_ALT carries the height and NaN says "here".
+/// PX4: the altitude is above mean sea level. While home is unknown, the parameter
+/// MIS_TAKEOFF_ALT carries the height and NaN says "here".
 void VehicleCommander::takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now,
                                     Done done) {
   const std::uint8_t system = vehicle.state.source().system;
-  const VehicleCommand command = here_command(vehicle.state, MavCmd::kNavTakeoff);
-  VehicleCommand ask_home{.id = MavCmd::kRequestMessage};
-  ask_home.params[0] = static_cast<float>(mavlink::common::HomePosition::kId);
-  start(system, ask_home, now,
-        [this, system, altitude_m, command, done = std::move(done)](const Outcome& asked) {
-          if (asked.verdict == Verdict::kTimeout) return done(asked);
-          const VehicleState* state = find(system);
-          if (const auto home = state->home()) {
-            VehicleCommand amsl = command;
-            amsl.params[6] = static_cast<float>(home->alt_m + altitude_m);
-            return start(system, amsl, now_, done);
-          }
-          takeoff_here(system, altitude_m, command, done);
-        });
-}
-
-void VehicleCommander::takeoff_here(std::uint8_t system, double altitude_m,
-                                    const VehicleCommand& command, const Done& done) {
-  set_param(system, "MIS_TAKEOFF_ALT", altitude_m, now_,
-            [this, system, command, done](const Outcome& set) {
+  VehicleCommand command = here_command(vehicle.state, MavCmd::kNavTakeoff);
+  if (const std::optional<HomeAmsl> home = vehicle.state.home()) {
+    command.params[6] = static_cast<float>(home->alt_m + altitude_m);
+    start(system, command, now, std::move(done));
+    return;
+  }
+  set_param(system, "MIS_TAKEOFF_ALT", altitude_m, now,
+            [this, system, command, done = std::move(done)](const Outcome& set) {
               if (!set.ok()) return done(set);
               start(system, command, now_, done);
             });

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -24,8 +23,7 @@ struct Pose {
 /// A pose at a moment of simulated time.
 struct PoseSample {
   std::int64_t time_us = 0;
-  Pose pose{};
-  std::array<double, 4> omega_rad_s{};  ///< rotors 1..4; zero in an estimate
+  Pose pose;
 };
 
 /// Root mean squares of the distance from a reference, per axis.

@@ -251,11 +251,10 @@ TEST_F(VehicleCommanderTest, Px4TakesOffToAnAltitudeAboveSeaLevel) {
   run_for(50ms);
   commander_.takeoff(1, 2.5, now_, done());
   EXPECT_TRUE(finish().ok());
-  ASSERT_EQ(vehicle_.commands.size(), 2U);
-  EXPECT_EQ(vehicle_.commands[0].param1, 242.0F);  // HOME_POSITION is asked for first
-  EXPECT_EQ(vehicle_.commands[1].command, MavCmd::kNavTakeoff);
-  EXPECT_FLOAT_EQ(vehicle_.commands[1].param7, 490.5F);
-  EXPECT_TRUE(std::isnan(vehicle_.commands[1].param5));
+  ASSERT_EQ(vehicle_.commands.size(), 1U);
+  EXPECT_EQ(vehicle_.commands[0].command, MavCmd::kNavTakeoff);
+  EXPECT_FLOAT_EQ(vehicle_.commands[0].param7, 490.5F);
+  EXPECT_TRUE(std::isnan(vehicle_.commands[0].param5));
 }
 
 TEST_F(VehicleCommanderTest, Px4TakesOffByParameterWhileHomeIsUnknown) {
@@ -264,8 +263,8 @@ TEST_F(VehicleCommanderTest, Px4TakesOffByParameterWhileHomeIsUnknown) {
   commander_.takeoff(1, 2.5, now_, done());
   EXPECT_TRUE(finish().ok());
   EXPECT_FLOAT_EQ(static_cast<float>(vehicle_.params["MIS_TAKEOFF_ALT"].value), 2.5F);
-  ASSERT_EQ(vehicle_.commands.size(), 2U);
-  EXPECT_TRUE(std::isnan(vehicle_.commands[1].param7));
+  ASSERT_EQ(vehicle_.commands.size(), 1U);
+  EXPECT_TRUE(std::isnan(vehicle_.commands[0].param7));
 }
 
 TEST_F(VehicleCommanderTest, ArduPilotTakesOffInGuidedToAHeightAboveHome) {

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/app.hpp"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <utility>
+
+#include "base/log.hpp"
+#include "base/notify.hpp"
+#include "base/rpc/server.hpp"
+#include "base/thread.hpp"
+#include "casd/app_methods.hpp"
+#include "casd/command_figures.hpp"
+#include "casd/command_server.hpp"
+#include "casd/gain_map.hpp"
+#include "casd/line_budget.hpp"
+#include "casd/link_set.hpp"
+#include "casd/vehicle_commander.hpp"
+
+namespace cas::casd {
+namespace {
+
+namespace asio = boost::asio;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr auto kTick = milliseconds(50);
+constexpr auto kSettlePoll = milliseconds(5);
+/// READY does not wait longer for links that cannot open (a name server that does not answer).
+constexpr auto kSettlePatience = seconds(2);
+constexpr auto kSummaryPeriod = seconds(5);
+
+GainMap load_gains(const Topology& topology) {
+  return topology.gains.empty() ? GainMap() : GainMap::load(topology.gains);
+}
+
+CommanderOptions commander_options(const Topology& topology) {
+  CommanderOptions options;
+  options.self = topology.self;
+  options.heartbeat_hz = topology.commanding.heartbeat_hz;
+  options.allow_not_hil = topology.commanding.allow_not_hil;
+  return options;
+}
+
+}  // namespace
+
+/// Everything here runs on the thread of `io`, apart from the links.
+struct App::Impl {
+  Impl(AppOptions app_options, Topology first)
+      : options(std::move(app_options)),
+        links(std::move(first)),
+        commander(commander_options(links.topology()),
+                  [this](std::span<const std::uint8_t> packet) {
+                    links.local().send(packet, base::steady_now());
+                  }),
+        commands(server, commander, load_gains(links.topology()),
+                 {.now = base::steady_now,
+                  .link_name = [this](LinkId id) { return link_name(id); },
+                  .audit = [](const std::string& line) { base::log::info(line); }}),
+        figures(server, make_figures_source(links, commands)) {
+    add_app_methods(server, {.reload = [this] { return reload(); }, .tlog = links.tlog()});
+  }
+
+  std::string link_name(LinkId id) const {
+    for (const LinkStatus& link : links.monitor().links()) {
+      if (link.id == id) return link.name;
+    }
+    return "?";
+  }
+
+  void listen() {
+    const CommandPortConfig& port = links.topology().command_port;
+    if (!port.token_file.empty()) server.require_token(port.token_file);
+    const std::uint16_t bound = server.listen_tcp(port.address, port.port);
+    command_endpoint = port.address + ":" + std::to_string(bound);
+    if (!port.unix_path.empty()) server.listen_unix(port.unix_path);
+  }
+
+  void run() {
+    if (!links.topology().tlog.empty()) links.tlog().start(links.topology().tlog);
+    warn_of_narrow_lines();
+    links.start();
+    station_events.assign(links.local().descriptor());
+    do_wait_signal();
+    do_wait_station();
+    do_tick();
+    do_second();
+    settle_deadline = base::steady_now() + kSettlePatience;
+    do_settle();
+    io.run();
+    base::notify("STOPPING=1");
+    station_events.release();
+    links.stop();
+    links.tlog().stop();
+    if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
+  }
+
+  void warn_of_narrow_lines() {
+    for (const std::string& line : line_budget_warnings(links.topology())) base::log::warn(line);
+  }
+
+  void do_wait_signal() {
+    signals.async_wait([this](boost::system::error_code error, int signal) {
+      if (error) return;
+      if (signal != SIGHUP) return stop();
+      reload();
+      do_wait_signal();
+    });
+  }
+
+  void stop() {
+    base::log::info("stopping");
+    server.close();
+    io.stop();
+  }
+
+  /// @return why not; empty when the new topology is in force
+  std::string reload() {
+    base::notify("RELOADING=1");
+    std::string trouble;
+    try {
+      links.reload(Topology::load(options.topology_file));
+      warn_of_narrow_lines();
+      base::log::info("topology reloaded");
+    } catch (const base::ConfigError& error) {
+      trouble = error.what();
+      base::log::error("topology not reloaded: " + trouble);
+    }
+    settle_deadline = base::steady_now() + kSettlePatience;
+    do_settle();
+    return trouble;
+  }
+
+  void do_wait_station() {
+    station_events.async_wait(asio::posix::stream_descriptor::wait_read,
+                              [this](boost::system::error_code error) {
+                                if (error) return;
+                                links.local().dispatch(commander, base::steady_now());
+                                do_wait_station();
+                              });
+  }
+
+  void do_tick() {
+    tick_timer.expires_after(kTick);
+    tick_timer.async_wait([this](boost::system::error_code error) {
+      if (error) return;
+      commander.tick(base::steady_now());
+      do_tick();
+    });
+  }
+
+  void do_second() {
+    second_timer.expires_after(seconds(1));
+    second_timer.async_wait([this](boost::system::error_code error) {
+      if (error) return;
+      const base::RunTime now = base::steady_now();
+      links.monitor().sample(now);
+      links.local().tick(now);
+      figures.publish();
+      if (now >= next_summary) summarise(now);
+      do_second();
+    });
+  }
+
+  void summarise(base::RunTime now) {
+    next_summary = now + kSummaryPeriod;
+    std::string line;
+    for (const LinkStatus& link : links.monitor().links()) {
+      line += (line.empty() ? "" : "; ") + link.name + " " + std::string(to_string(link.state)) +
+              " rx " + std::to_string(link.rx.packets) + " tx " + std::to_string(link.tx.packets);
+    }
+    base::log::debug(line);
+  }
+
+  /// READY once every link has tried to open, so that STATUS has the bound ports.
+  void do_settle() {
+    if (!links.settled() && base::steady_now() < settle_deadline) {
+      settle_timer.expires_after(kSettlePoll);
+      settle_timer.async_wait([this](boost::system::error_code error) {
+        if (!error) do_settle();
+      });
+      return;
+    }
+    const std::string status = "command_port " + command_endpoint + " " + links.endpoints();
+    base::notify("READY=1\nSTATUS=" + status);
+    base::log::info("ready: " + status);
+  }
+
+  AppOptions options;
+  asio::io_context io;
+  asio::signal_set signals{io, SIGTERM, SIGINT, SIGHUP};
+  asio::steady_timer tick_timer{io};
+  asio::steady_timer second_timer{io};
+  asio::steady_timer settle_timer{io};
+  asio::posix::stream_descriptor station_events{io};
+  base::rpc::Server server{io};
+  mutable LinkSet links;
+  VehicleCommander commander;
+  CommandServer commands;
+  CommandFigures figures;
+  std::string command_endpoint;
+  base::RunTime settle_deadline{};
+  base::RunTime next_summary{};
+};
+
+App::App(AppOptions options, Topology topology)
+    : impl_(std::make_unique<Impl>(std::move(options), std::move(topology))) {}
+
+App::~App() = default;
+
+void App::listen() { impl_->listen(); }
+
+void App::run() { impl_->run(); }
+
+}  // namespace cas::casd

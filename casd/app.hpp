@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "casd/topology.hpp"
+
+namespace cas::casd {
+
+struct AppOptions {
+  std::filesystem::path topology_file;
+  std::filesystem::path stats_file;  ///< written at the end; empty: none
+};
+
+/// The running program: links, commander and command port around one io thread. Ends on SIGTERM or
+/// SIGINT; SIGHUP and the method casd.reload read the topology again.
+class App {
+ public:
+  /// @throws base::ConfigError
+  App(AppOptions options, Topology topology);
+  ~App();
+
+  /// Opens the command port. @throws base::ConfigError
+  void listen();
+  /// Runs until told to end.
+  void run();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cas::casd

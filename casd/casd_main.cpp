@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "base/thread.hpp"
+#include "casd/app.hpp"
+
+namespace {
+
+using namespace cas;
+
+struct Flags {
+  std::string topology;
+  std::string stats;
+  std::string log_level = "info";
+  bool check = false;
+};
+
+int run(const Flags& flags) {
+  base::log::init("casd", base::log::parse_level(flags.log_level));
+  casd::Topology topology = casd::Topology::load(flags.topology);
+  if (flags.check) {
+    std::printf("%s: %zu links, %zu routes\n", flags.topology.c_str(), topology.links.size(),
+                topology.routes.size());
+    return base::kExitOk;
+  }
+  if (topology.lock_memory) base::lock_memory();
+  casd::App app({.topology_file = flags.topology, .stats_file = flags.stats}, std::move(topology));
+  try {
+    app.listen();
+  } catch (const base::ConfigError& error) {
+    std::fprintf(stderr, "casd: %s\n", error.what());
+    return base::kExitCommandPort;
+  }
+  app.run();
+  return base::kExitOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Flags flags;
+  CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.");
+  cli.set_version_flag("--version", std::string("casd ") + CAS_VERSION);
+  cli.add_option("topology", flags.topology, "links and routes (YAML)")->required();
+  cli.add_flag("--check", flags.check, "read the topology, say what is wrong, and end");
+  cli.add_option("--stats", flags.stats, "write figures to this file at the end");
+  cli.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return cli.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
+  }
+  try {
+    return run(flags);
+  } catch (const base::ConfigError& error) {
+    std::fprintf(stderr, "casd: %s\n", error.what());
+    return base::kExitConfig;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "casd: internal error: %s\n", error.what());
+    return base::kExitInternal;
+  }
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/socket.h>
+#include <sys/uio.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cas::casd {
+
+/// Reads up to 32 datagrams with one system call.
+class DatagramReader {
+ public:
+  static constexpr std::size_t kBatch = 32;
+  static constexpr std::size_t kMaxDatagram = 4096;
+
+  DatagramReader();
+  /// @return how many came; 0: none waits; -1 with errno: the socket is of no more use
+  int read(int fd);
+  std::span<const std::uint8_t> datagram(std::size_t index) const;
+  const sockaddr_storage& sender(std::size_t index) const { return senders_[index]; }
+  socklen_t sender_size(std::size_t index) const { return messages_[index].msg_hdr.msg_namelen; }
+  /// Datagrams that the kernel has thrown away for lack of room since the socket was opened.
+  std::uint32_t kernel_drops() const { return kernel_drops_; }
+  void reset() { kernel_drops_ = 0; }
+
+ private:
+  void note_drops(msghdr& header);
+
+  static constexpr std::size_t kControlBytes = CMSG_SPACE(sizeof(std::uint32_t));
+  std::vector<std::uint8_t> bytes_;
+  std::array<mmsghdr, kBatch> messages_{};
+  std::array<iovec, kBatch> parts_{};
+  std::array<sockaddr_storage, kBatch> senders_{};
+  alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
+  std::uint32_t kernel_drops_ = 0;
+};
+
+/// Opens a UDP socket for `family`: non-blocking, close-on-exec, a receive buffer for some 40 ms of
+/// flood, drops counted. @param interface  device to bind to, or empty. @return -1 with errno
+int open_udp_socket(int family, const std::string& interface);
+
+}  // namespace cas::casd

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/delivery_batch.hpp"
+
+#include <bit>
+
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+DeliveryBatch::DeliveryBatch() {
+  // The references point into these: they must never move.
+  infos_.reserve(kMaxPackets);
+  bytes_.reserve(kMaxPackets * mav::kMaxPacketBytes);
+}
+
+void DeliveryBatch::add(const PacketInfo& info, std::span<const std::uint8_t> bytes, LinkMask to) {
+  const std::size_t offset = bytes_.size();
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  infos_.push_back(info);
+  const PacketRef packet{&infos_.back(), {bytes_.data() + offset, bytes.size()}};
+  touched_ |= to;
+  for (LinkMask left = to; left != 0; left &= left - 1) {
+    by_link_[static_cast<std::size_t>(std::countr_zero(left))].push_back(packet);
+  }
+}
+
+void DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
+  for (LinkMask left = touched_; left != 0; left &= left - 1) {
+    const auto link = static_cast<std::size_t>(std::countr_zero(left));
+    if (ports[link]) ports[link]->deliver(by_link_[link], now);
+    by_link_[link].clear();
+  }
+  touched_ = 0;
+  infos_.clear();
+  bytes_.clear();
+}
+
+}  // namespace cas::casd

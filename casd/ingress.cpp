@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/ingress.hpp"
+
+#include <utility>
+
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+
+Parser make_parser() { return Parser(mav::public_table()); }
+
+Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor)
+    : link_(link), switchboard_(switchboard), monitor_(std::move(monitor)) {}
+
+void Ingress::take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
+                   std::uint8_t peer) {
+  parse(parser, bytes, [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
+}
+
+void Ingress::take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
+                            std::uint8_t peer) {
+  parse_datagram(parser, bytes,
+                 [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
+}
+
+void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std::uint8_t peer) {
+  if (batch_.full()) deliver(now);
+  monitor_->rx.packets.add();
+  monitor_->rx.messages.add(packet.message_id, packet.source, now);
+  if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
+    monitor_->rx.lost.add(lost);
+  }
+  const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
+  monitor_->rx.verdicts[static_cast<std::size_t>(route.verdict)].add();
+  if (route.verdict != Route::Verdict::kDuplicate) switchboard_.tlog().record(packet.bytes, now);
+  if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
+}
+
+void Ingress::deliver(base::RunTime now) {
+  if (batch_.empty()) return;
+  if (auto ports = switchboard_.ports_after(ports_generation_)) ports_ = std::move(ports);
+  batch_.deliver(*ports_, now);
+}
+
+void Ingress::tick(base::RunTime now) { switchboard_.router().tick(link_, now); }
+
+void Ingress::count_parser(const Parser& parser, const Parser::Stats& before) {
+  const Parser::Stats& after = parser.stats();
+  if (after.crc_errors != before.crc_errors) {
+    monitor_->rx.crc_errors.add(after.crc_errors - before.crc_errors);
+  }
+  if (after.skipped_bytes != before.skipped_bytes) {
+    monitor_->rx.skipped_bytes.add(after.skipped_bytes - before.skipped_bytes);
+  }
+  if (after.unknown_ids != before.unknown_ids) {
+    monitor_->rx.unknown.add(after.unknown_ids - before.unknown_ids);
+  }
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link_core.hpp"
+
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "base/log.hpp"
+
+namespace cas::casd {
+namespace {
+
+// Bytes a second that the link may be given: its line's rate, its cap, or what is less. 0: no
+// limit.
+double line_bytes_s(const LinkConfig& config) {
+  const bool paced = config.type == LinkType::kSerial && config.pace;
+  const double line = paced ? LinePacer::kLineShare * config.baud / 10.0 : 0;
+  if (line > 0 && config.max_bytes_s > 0) return std::min(line, config.max_bytes_s);
+  return std::max(line, config.max_bytes_s);
+}
+
+}  // namespace
+
+LinkCore::LinkCore(LinkContext context)
+    : context_(std::move(context)), ingress_(context_.id, context_.switchboard, context_.monitor) {}
+
+void LinkCore::went_up(const std::string& endpoint) {
+  if (was_up_) context_.monitor->reconnects.add();
+  up_ = was_up_ = true;
+  last_reason_.clear();
+  backoff_.reset();
+  context_.monitor->set_endpoint(endpoint);
+  context_.monitor->state.store(LinkState::kUp, std::memory_order_relaxed);
+  base::log::info("link " + context_.config.name + ": up, " + endpoint);
+}
+
+void LinkCore::went_down(const std::string& reason, base::RunTime now) {
+  up_ = false;
+  backoff_.failed(now);
+  context_.monitor->state.store(LinkState::kDown, std::memory_order_relaxed);
+  if (reason == last_reason_) return;
+  last_reason_ = reason;
+  base::log::warn("link " + context_.config.name + ": down, " + reason);
+}
+
+void LinkCore::on_second(base::RunTime now) {
+  next_second_ = now + std::chrono::seconds(1);
+  ingress_.tick(now);
+}
+
+TxPortOptions LinkCore::port_options() const {
+  return {.queue = context_.config.queue,
+          .line_bytes_s = line_bytes_s(context_.config),
+          .blocking = context_.blocking};
+}
+
+std::string error_text(int error) { return std::generic_category().message(error); }
+
+}  // namespace cas::casd

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link_loop.hpp"
+
+#include <poll.h>
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <future>
+#include <utility>
+
+namespace cas::casd {
+
+LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling)
+    : name_(std::move(name)), scheduling_(std::move(scheduling)) {}
+
+LinkLoop::~LinkLoop() { stop(); }
+
+void LinkLoop::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void LinkLoop::stop() {
+  stopping_.store(true, std::memory_order_release);
+  signal_.raise();
+  if (thread_.joinable()) thread_.join();
+  links_.clear();
+}
+
+void LinkLoop::add(std::unique_ptr<Link> link) {
+  {
+    const std::scoped_lock lock(tasks_mutex_);
+    // std::function must be copyable, a Link is not.
+    auto shared = std::make_shared<std::unique_ptr<Link>>(std::move(link));
+    tasks_.emplace_back([this, shared] { links_.push_back(std::move(*shared)); });
+  }
+  signal_.raise();
+}
+
+void LinkLoop::remove(const Link* link) {
+  run_on_loop([this, link] {
+    std::erase_if(links_, [link](const auto& own) { return own.get() == link; });
+  });
+}
+
+void LinkLoop::run_on_loop(const std::function<void()>& task) {
+  std::promise<void> done;
+  {
+    const std::scoped_lock lock(tasks_mutex_);
+    tasks_.emplace_back([&] {
+      task();
+      done.set_value();
+    });
+  }
+  signal_.raise();
+  done.get_future().wait();
+}
+
+void LinkLoop::wake() {
+  if (thread_id_.load(std::memory_order_relaxed) == std::this_thread::get_id()) return;
+  signal_.raise();
+}
+
+void LinkLoop::run() {
+  thread_id_.store(std::this_thread::get_id(), std::memory_order_relaxed);
+  base::configure_this_thread("casd:" + name_, scheduling_);
+  ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // pacing counts in parts of a millisecond
+  while (!stopping_.load(std::memory_order_acquire)) {
+    run_tasks();
+    wait(base::steady_now());
+    const base::RunTime now = base::steady_now();
+    for (const auto& link : links_) link->serve(poll_set_, now);
+  }
+  run_tasks();
+}
+
+void LinkLoop::wait(base::RunTime now) {
+  poll_set_.clear();
+  poll_set_.add(signal_.descriptor(), POLLIN);
+  for (const auto& link : links_) link->watch(poll_set_, now);
+  timespec timeout{};
+  const bool forever = poll_set_.deadline() == PollSet::kNever;
+  if (!forever && poll_set_.deadline() > now) {
+    const std::int64_t left = (poll_set_.deadline() - now).count();
+    timeout = {static_cast<time_t>(left / 1'000'000'000), left % 1'000'000'000};
+  }
+  auto& entries = poll_set_.entries();
+  if (::ppoll(entries.data(), entries.size(), forever ? nullptr : &timeout, nullptr) < 0) {
+    for (pollfd& entry : entries) entry.revents = 0;
+  }
+  signal_.lower();
+}
+
+void LinkLoop::run_tasks() {
+  std::vector<std::function<void()>> tasks;
+  {
+    const std::scoped_lock lock(tasks_mutex_);
+    tasks.swap(tasks_);
+  }
+  for (const auto& task : tasks) task();
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/thread.hpp"
+#include "casd/link.hpp"
+#include "casd/wake_signal.hpp"
+
+namespace cas::casd {
+
+/// A thread with the links that it serves: one (threads: per_link) or all of them (single,
+/// blocking).
+///
+///   watch: what does each link wait for? --> ppoll --> serve each link --+
+///     ^------------------------------------------------------------------+
+class LinkLoop {
+ public:
+  LinkLoop(std::string name, base::ThreadOptions scheduling);
+  ~LinkLoop();
+  LinkLoop(const LinkLoop&) = delete;
+  LinkLoop& operator=(const LinkLoop&) = delete;
+
+  /// Starts the thread.
+  void start();
+  /// Ends the thread and closes its links.
+  void stop();
+
+  /// From any thread; takes effect at the loop's next turn.
+  void add(std::unique_ptr<Link> link);
+  /// Closes the link; returns when it is closed.
+  void remove(const Link* link);
+  /// Runs `task` on the loop's thread; returns when it has run.
+  void run_on_loop(const std::function<void()>& task);
+  /// Makes the loop look again at what its links wait for. Does nothing on the loop's own thread.
+  void wake();
+
+ private:
+  void run();
+  void wait(base::RunTime now);
+  void run_tasks();
+
+  const std::string name_;
+  const base::ThreadOptions scheduling_;
+  WakeSignal signal_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<std::thread::id> thread_id_{};
+  std::mutex tasks_mutex_;
+  std::vector<std::function<void()>> tasks_;
+  std::vector<std::unique_ptr<Link>> links_;
+  PollSet poll_set_;
+  std::thread thread_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/serial_port.hpp"
+
+// asm/termbits.h has termios2 (any baud rate) and clashes with <termios.h>: no termios call here.
+#include <asm/termbits.h>
+#include <fcntl.h>
+#include <linux/serial.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace cas::casd {
+namespace {
+
+bool make_raw(int fd, const SerialOptions& options) {
+  termios2 settings{};
+  if (::ioctl(fd, TCGETS2, &settings) != 0) return false;
+  settings.c_iflag &= ~static_cast<tcflag_t>(IGNBRK | BRKINT | PARMRK | ISTRIP | INLCR | IGNCR |
+                                             ICRNL | IXON | IXOFF | IXANY);
+  settings.c_oflag &= ~static_cast<tcflag_t>(OPOST);
+  settings.c_lflag &= ~static_cast<tcflag_t>(ECHO | ECHONL | ICANON | ISIG | IEXTEN);
+  settings.c_cflag &= ~static_cast<tcflag_t>(CSIZE | PARENB | CSTOPB | HUPCL | CRTSCTS);
+  settings.c_cflag |= CS8 | CREAD | CLOCAL;
+  if (options.flow_control) settings.c_cflag |= CRTSCTS;
+  if (options.baud > 0) {
+    settings.c_cflag &= ~static_cast<tcflag_t>(CBAUD | (CBAUD << IBSHIFT));
+    settings.c_cflag |= BOTHER | (BOTHER << IBSHIFT);
+    settings.c_ispeed = settings.c_ospeed = options.baud;
+  }
+  settings.c_cc[VMIN] = 0;
+  settings.c_cc[VTIME] = 0;
+  return ::ioctl(fd, TCSETS2, &settings) == 0;
+}
+
+// USB adapters hold received bytes back for up to 16 ms otherwise. Not every driver knows it.
+void ask_low_latency(int fd) {
+  serial_struct settings{};
+  if (::ioctl(fd, TIOCGSERIAL, &settings) != 0) return;
+  settings.flags |= ASYNC_LOW_LATENCY;
+  ::ioctl(fd, TIOCSSERIAL, &settings);
+}
+
+}  // namespace
+
+Descriptor open_serial(const std::string& device, const SerialOptions& options,
+                       std::string& error) {
+  const auto failed = [&](const char* what) {
+    error = device + ": " + what + std::generic_category().message(errno);
+    return Descriptor();
+  };
+  Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!line) return failed("");
+  if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) return failed("in use: ");
+  if (!make_raw(line.get(), options)) return failed("not a terminal: ");
+  ask_low_latency(line.get());
+  ::ioctl(line.get(), TCFLSH, TCIOFLUSH);
+  return line;
+}
+
+int unsent_bytes(int fd) {
+  int bytes = 0;
+  return ::ioctl(fd, TIOCOUTQ, &bytes) == 0 ? bytes : 0;
+}
+
+}  // namespace cas::casd

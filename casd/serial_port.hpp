@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "casd/descriptor.hpp"
+
+namespace cas::casd {
+
+struct SerialOptions {
+  unsigned baud = 0;  ///< any rate; 0 leaves the driver's
+  bool flow_control = false;
+};
+
+/// Opens a serial device: raw, exclusive (flock), its old input and output thrown away, low latency
+/// where the driver knows the word. @return nothing, with the reason in `error`
+Descriptor open_serial(const std::string& device, const SerialOptions& options, std::string& error);
+
+/// Bytes that the driver has not yet put on the line; 0 where it cannot tell (PTY).
+int unsent_bytes(int fd);
+
+}  // namespace cas::casd

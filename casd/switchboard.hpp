@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "casd/delivery_batch.hpp"
+#include "casd/router.hpp"
+#include "casd/tlog.hpp"
+
+namespace cas::casd {
+
+/// What all links share: the router that decides, the ports that take packets, the log.
+class Switchboard {
+ public:
+  explicit Switchboard(std::shared_ptr<const RoutingPlan> plan, base::Duration route_lifetime);
+
+  Router& router() { return router_; }
+  TlogWriter& tlog() { return tlog_; }
+
+  /// Puts other ports in force; links take them over at their next packet.
+  void set_ports(std::shared_ptr<const PortTable> ports);
+  /// The ports in force, when they are others than those of `generation`.
+  std::shared_ptr<const PortTable> ports_after(std::uint64_t& generation);
+
+ private:
+  Router router_;
+  TlogWriter tlog_;
+  std::atomic<std::uint64_t> generation_{1};
+  std::mutex mutex_;
+  std::shared_ptr<const PortTable> ports_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "casd/descriptor.hpp"
+#include "casd/link_core.hpp"
+#include "casd/route_table.hpp"
+#include "casd/socket_address.hpp"
+#include "casd/tx_port.hpp"
+
+namespace cas::casd {
+
+/// Hands each packet to the clients that are to have it. Each client has a queue of its own, so
+/// that one that stops reading costs the others nothing. All writing to clients happens under one
+/// lock, which makes the one writer of the link's counters.
+class TcpFanOut final : public PacketPort {
+ public:
+  TcpFanOut(LinkId own, base::Duration route_lifetime) : own_(own), routes_(route_lifetime) {}
+
+  void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
+
+  // The link's thread:
+  void set_client(std::uint8_t client, std::shared_ptr<TxPort> port);
+  void remove_client(std::uint8_t client, DropCause cause);
+  void carry_on(std::uint8_t client, base::RunTime now);
+  RouteTable& routes() { return routes_; }
+
+ private:
+  LinkMask wanted_by(const PacketInfo& info) const;
+
+  LinkId own_;
+  RouteTable routes_;
+  std::mutex mutex_;
+  std::array<std::shared_ptr<TxPort>, kMaxLinks> clients_;
+  LinkMask present_ = 0;
+};
+
+/// A TCP port for several clients.
+class TcpServerLink final : public Link {
+ public:
+  explicit TcpServerLink(LinkContext context);
+  ~TcpServerLink() override;
+
+  void watch(PollSet& set, base::RunTime now) override;
+  void serve(const PollSet& set, base::RunTime now) override;
+  std::shared_ptr<PacketPort> port() override { return fan_out_; }
+
+ private:
+  struct Client {
+    std::uint8_t slot = 0;
+    int fd = -1;  ///< owned by the port's writer
+    std::shared_ptr<TxPort> port;
+    Parser parser = make_parser();
+    std::size_t poll_entry = 0;
+    std::string name;
+  };
+
+  void listen(base::RunTime now);
+  void accept();
+  /// @return why the client is to be closed, empty: it stays
+  std::string serve_client(Client& client, short events, base::RunTime now);
+  std::string read(Client& client, base::RunTime now);
+  void remove(std::size_t index, const std::string& reason);
+
+  LinkCore core_;
+  std::shared_ptr<TcpFanOut> fan_out_;
+  AddressLookup local_;
+  bool looking_up_ = false;
+  Descriptor listener_;
+  std::size_t poll_entry_ = 0;
+  std::vector<std::unique_ptr<Client>> clients_;
+  LinkMask slots_ = 0;
+  std::vector<std::uint8_t> buffer_;
+};
+
+}  // namespace cas::casd
