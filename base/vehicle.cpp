@@ -62,6 +62,16 @@ ControlScales parse_scales(const ConfigNode& node) {
   return scales;
 }
 
+BatteryParams parse_battery(const ConfigNode& node) {
+  BatteryParams battery;
+  battery.full_v = positive(node, "full_v");
+  battery.empty_v = node.require_in("empty_v", 0.0, battery.full_v);
+  battery.capacity_ah = positive(node, "capacity_ah");
+  battery.resistance_ohm = non_negative(node, "resistance_ohm");
+  battery.efficiency = node.require_in("efficiency", 0.01, 1.0);
+  return battery;
+}
+
 Eigen::Vector3d parse_inertia(const ConfigNode& node) {
   const Eigen::Vector3d inertia = node.as<Eigen::Vector3d>();
   if ((inertia.array() <= 0.0).any()) node.fail("must be above zero in each axis");
@@ -99,6 +109,7 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   vehicle.rotor = parse_rotor_params(node.at("rotor"));
   vehicle.scales = parse_scales(node.at("scales"));
   vehicle.body_drag_linear_n_s_m = non_negative(node, "body_drag_linear_n_s_m");
+  if (const auto battery = node.find("battery")) vehicle.battery = parse_battery(*battery);
   vehicle.system_id = parse_system_id(node.at("system_id"));
   if (const auto sensors = node.find("sensors")) {
     for (const auto& [plugin, preset] : sensors->entries()) {

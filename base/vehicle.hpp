@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "base/config.hpp"
@@ -46,6 +47,15 @@ struct ControlScales {
   double u4_max_nm = 0;  ///< yaw moment at yaw_rudder 1
 };
 
+/// A battery whose voltage sags under load and falls with its charge; rotor speeds fall with it.
+struct BatteryParams {
+  double full_v = 0;   ///< at rest, charged
+  double empty_v = 0;  ///< at rest, discharged
+  double capacity_ah = 0;
+  double resistance_ohm = 0;  ///< inner resistance and leads
+  double efficiency = 0;      ///< shaft power over electrical power
+};
+
 /// An airframe as config/vehicles/*.yaml describes it, for simulator and controller alike.
 struct CAS_BASE_EXPORT Vehicle {
   std::string name;
@@ -56,7 +66,8 @@ struct CAS_BASE_EXPORT Vehicle {
   std::array<RotorGeometry, kRotors> rotors;
   RotorParams rotor;
   ControlScales scales;
-  double body_drag_linear_n_s_m = 0;  ///< fuselage drag per m/s
+  double body_drag_linear_n_s_m = 0;     ///< fuselage drag per m/s
+  std::optional<BatteryParams> battery;  ///< nothing: the voltage never changes
   std::uint8_t system_id = 1;
   ConfigNode sensors = ConfigNode::empty();  ///< sensor presets by plugin name, as maps
 

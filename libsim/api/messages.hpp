@@ -78,10 +78,37 @@ struct BarometerSample {
 
 struct RangeSample {
   static constexpr std::string_view kTypeName = "cas.RangeSample";
-  static constexpr unsigned kTypeVersion = 1;
+  static constexpr unsigned kTypeVersion = 2;
   base::SimTime time;
   double distance_m = 0;
-  bool valid = false;
+  double min_m = 0;
+  double max_m = 0;
+  bool valid = false;  ///< something was met between min_m and max_m
+};
+
+/// Asks the wind for a 1-cosine gust from now on.
+struct GustCommand {
+  static constexpr std::string_view kTypeName = "cas.GustCommand";
+  static constexpr unsigned kTypeVersion = 1;
+  Eigen::Vector3d amplitude_N_m_s = Eigen::Vector3d::Zero();  ///< air velocity at its height
+  double length_m = 0;                                        ///< of air in which it rises
+  double hold_s = 0;
+};
+
+/// What rotors and battery still give; all ones when nothing is wrong.
+struct PropulsionHealth {
+  static constexpr std::string_view kTypeName = "cas.PropulsionHealth";
+  static constexpr unsigned kTypeVersion = 1;
+  Eigen::Vector4d speed_share = Eigen::Vector4d::Ones();   ///< of the speed asked for; 0: stopped
+  Eigen::Vector4d thrust_share = Eigen::Vector4d::Ones();  ///< of thrust and torque at a speed
+  double voltage_share = 1;                                ///< of the battery's voltage
+};
+
+/// Name of the part of the flight that the run is in ("takeoff", "hold"), told by whoever flies it.
+struct FlightPhase {
+  static constexpr std::string_view kTypeName = "cas.FlightPhase";
+  static constexpr unsigned kTypeVersion = 1;
+  std::array<char, 32> name{};  ///< NUL-terminated
 };
 
 /// One packet as it stands on the wire, for interfaces that hand packets over inside the process.

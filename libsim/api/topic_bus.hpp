@@ -21,6 +21,7 @@ struct Topic {
   std::string type;
   unsigned version = 0;
   bool advertised = false;
+  bool needed = false;  ///< somebody cannot do without it
   std::vector<std::pair<std::uint64_t, std::function<void(const void*)>>> subscribers;
   std::uint64_t next_id = 0;
   std::function<void(const void*)> interceptor;  ///< takes what is published, when there is one
@@ -31,6 +32,9 @@ struct Topic {
 };
 
 }  // namespace detail
+
+/// Whether a subscriber can do without the topic's publisher.
+enum class Need { kRequired, kOptional };
 
 /// Publishes on one topic: a direct call of each subscriber, on the simulation thread.
 template <class T>
@@ -110,8 +114,10 @@ class TopicBus {
   /// `on_message(const T&)` runs inside publish(). @throws base::ConfigError as advertise()
   template <class T>
   [[nodiscard]] Subscription subscribe(const std::string& name,
-                                       std::function<void(const T&)> on_message) {
+                                       std::function<void(const T&)> on_message,
+                                       Need need = Need::kRequired) {
     auto topic = find_or_add(name, T::kTypeName, T::kTypeVersion);
+    topic->needed |= need == Need::kRequired;
     const std::uint64_t id = topic->next_id++;
     topic->subscribers.emplace_back(id, [callback = std::move(on_message)](const void* value) {
       callback(*static_cast<const T*>(value));
@@ -134,11 +140,11 @@ class TopicBus {
 
   void freeze() { frozen_ = true; }
 
-  /// Topics that somebody subscribes to and nobody publishes: worth a warning.
+  /// Topics that somebody needs and nobody publishes: worth a warning.
   std::vector<std::string> unpublished() const {
     std::vector<std::string> names;
     for (const auto& [name, topic] : topics_) {
-      if (!topic->advertised && !topic->subscribers.empty()) names.push_back(name);
+      if (!topic->advertised && topic->needed) names.push_back(name);
     }
     return names;
   }

@@ -17,10 +17,13 @@ class DelayLine {
   DelayLine() = default;
   DelayLine(base::Duration delay, std::size_t capacity) : delay_(delay), slots_(capacity) {}
 
-  void push(base::SimTime now, const T& value) {
+  void push(base::SimTime now, const T& value) { push_until(now + delay_, value); }
+
+  /// Holds `value` back until `due`, and until all before it have gone.
+  void push_until(base::SimTime due, const T& value) {
     if (slots_.empty()) return;
     if (size_ == slots_.size()) drop_front();
-    slots_[(head_ + size_) % slots_.size()] = {now + delay_, value};
+    slots_[(head_ + size_) % slots_.size()] = {due, value};
     ++size_;
   }
 
@@ -32,6 +35,7 @@ class DelayLine {
     return value;
   }
 
+  bool empty() const { return size_ == 0; }
   void clear() { head_ = size_ = 0; }
   base::Duration delay() const { return delay_; }
 

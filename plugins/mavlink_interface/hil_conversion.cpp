@@ -106,6 +106,22 @@ mv::HilGps to_hil_gps(const GpsSample& sample) {
   return packet;
 }
 
+mv::DistanceSensor to_distance_sensor(const RangeSample& sample) {
+  constexpr std::uint8_t kInvalidSignal = 1;
+  constexpr std::uint8_t kFullSignal = 100;
+  constexpr std::uint8_t kUnknownCovariance = 255;
+  mv::DistanceSensor packet;
+  packet.time_boot_ms = static_cast<std::uint32_t>(base::to_time_usec(sample.time) / 1000);
+  packet.min_distance = to_known16(sample.min_m * 100.0);
+  packet.max_distance = to_known16(sample.max_m * 100.0);
+  packet.current_distance = to_known16(sample.distance_m * 100.0);
+  packet.type = mv::MavDistanceSensor::kLaser;
+  packet.orientation = mv::MavSensorOrientation::kRotationPitch270;
+  packet.covariance = kUnknownCovariance;
+  packet.signal_quality = sample.valid ? kFullSignal : kInvalidSignal;
+  return packet;
+}
+
 mv::Heartbeat simulator_heartbeat() {
   mv::Heartbeat packet;
   packet.type = mv::MavType::kGeneric;

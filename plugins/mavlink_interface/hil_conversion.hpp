@@ -5,6 +5,7 @@
 
 #include "base/vehicle.hpp"
 #include "libsim/api/messages.hpp"
+#include "mavlink/common/distance_sensor.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
@@ -30,6 +31,9 @@ void fill(mavlink::common::HilSensor& packet, const BarometerSample& sample);
 /// Degrees * 1e7, mm, cm/s, cm (eph, epv: what PX4 reads, [HILS] has no such fields), centidegrees.
 /// Without a fix, place and velocity are zero and speed and course unknown (65535).
 mavlink::common::HilGps to_hil_gps(const GpsSample& sample);
+
+/// Centimetres; a reading without a surface says so by its quality.
+mavlink::common::DistanceSensor to_distance_sensor(const RangeSample& sample);
 
 /// The simulator's own HEARTBEAT: a generic system without autopilot.
 mavlink::common::Heartbeat simulator_heartbeat();

@@ -51,7 +51,10 @@ HilInterface::HilInterface(const HilInterfaceParams& params, PacketPort& port,
 
 void HilInterface::flush(base::SimTime now) {
   send_heartbeat(now);
-  if (gps_) send_gps();  // before the sensors, so that the answer to them knows it
+  // Slow sensors first, so that the answer to HIL_SENSOR knows them.
+  if (range_) send(to_distance_sensor(*range_));
+  range_.reset();
+  if (gps_) send_gps();
   if (imu_) send_sensor();
 }
 

@@ -55,8 +55,10 @@ class HilInterface {
   void on_gps(const GpsSample& sample) { gps_ = sample; }
   void on_magnetometer(const MagnetometerSample& sample) { magnetometer_ = sample; }
   void on_barometer(const BarometerSample& sample) { barometer_ = sample; }
+  void on_range(const RangeSample& sample) { range_ = sample; }
 
-  /// Sends what is new: HEARTBEAT when due, HIL_GPS, HIL_SENSOR (with each IMU sample).
+  /// Sends what is new: HEARTBEAT when due, DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU
+  /// sample).
   void flush(base::SimTime now);
 
   /// Reads what the port has.
@@ -96,6 +98,7 @@ class HilInterface {
   std::optional<GpsSample> gps_;
   std::optional<MagnetometerSample> magnetometer_;
   std::optional<BarometerSample> barometer_;
+  std::optional<RangeSample> range_;
   mavlink::common::HilSensor sensor_;  // keeps the last value of what is not new
 
   // In.

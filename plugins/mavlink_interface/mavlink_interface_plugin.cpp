@@ -97,8 +97,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   void listen(PluginContext& context, const char* topic, void (HilInterface::*take)(const Sample&),
               Subscription& subscription) {
     subscription = context.bus().subscribe<Sample>(
-        context.topic(topic),
-        [this, take](const Sample& sample) { ((*interface_).*take)(sample); });
+        context.topic(topic), [this, take](const Sample& sample) { ((*interface_).*take)(sample); },
+        Need::kOptional);
   }
 
   void subscribe(PluginContext& context) {
@@ -107,6 +107,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     listen<MagnetometerSample>(context, "magnetometer", &HilInterface::on_magnetometer,
                                magnetometer_);
     listen<BarometerSample>(context, "barometer", &HilInterface::on_barometer, barometer_);
+    listen<RangeSample>(context, "rangefinder", &HilInterface::on_range, range_);
   }
 
   HilInterfaceParams params_;
@@ -118,6 +119,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   Subscription gps_;
   Subscription magnetometer_;
   Subscription barometer_;
+  Subscription range_;
   Publisher<MotorCommand> command_;
 };
 

@@ -22,7 +22,7 @@ class RecorderPlugin final : public Plugin {
     truth_ = CsvWriter(file_, kTruthHeader);
     rotors_ = context.bus().subscribe<RotorSpeeds>(
         context.topic("rotor_speeds"),
-        [this](const RotorSpeeds& speeds) { omega_ = speeds.omega_rad_s; });
+        [this](const RotorSpeeds& speeds) { omega_ = speeds.omega_rad_s; }, Need::kOptional);
   }
 
   void pre_step(const StepInfo& step, World& world) override {

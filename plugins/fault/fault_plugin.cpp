@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <tuple>
+#include <variant>
+#include <vector>
+
+#include "base/frames.hpp"
+#include "base/log.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/plugin.hpp"
+#include "plugins/fault/fault_schedule.hpp"
+#include "plugins/fault/sensor_tap.hpp"
+
+namespace cas::sim {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / M_PI;
+
+/// Breaks sensors, rotors, battery and balance by script, and starts gusts.
+class FaultPlugin final : public Plugin {
+ public:
+  void configure(PluginContext& context, const base::ConfigNode& params) override {
+    vehicle_ = context.vehicle_id();
+    seed_ = context.seed();
+    random_ = base::NormalRandom(seed_);
+    schedule_ = FaultSchedule(parse_faults(params));
+    events_.reserve(2 * schedule_.faults().size());
+    open_taps(context);
+    open_topics(context);
+  }
+
+  void pre_step(const StepInfo& step, World& world) override {
+    const base::SimTime end = step.time + step.dt;  // when the sensors of this step will speak
+    for_each_tap([end](auto& tap) { tap.set_now(end); });
+    if (step.index == 0) begin_run(world);
+    schedule_.update(step.time, facts(step.time, world),
+                     [&](const FaultEvent& event) { on_event(event, world); });
+    shift_cg(world);
+  }
+
+  void post_step(const StepInfo&, const World&) override {
+    for_each_tap([](auto& tap) { tap.release(); });
+  }
+
+  void reset() override {
+    schedule_.reset();
+    for_each_tap([](auto& tap) { tap.reset(); });
+    random_ = base::NormalRandom(seed_);
+    events_.clear();
+    armed_ = false;
+    phase_ = {};
+    if (breaks_propulsion_) health_.publish({});
+  }
+
+  std::string stats_json() const override {
+    std::string text = "{\"events\":[";
+    for (const FaultEvent& event : events_) {
+      char time[32];
+      std::snprintf(time, sizeof time, "%.6f", base::to_seconds(event.time));
+      if (text.back() == '}') text += ',';
+      text += std::string("{\"time_s\":") + time + ",\"fault\":\"" +
+              escaped(schedule_.faults()[event.fault].name) + "\",\"event\":\"" +
+              (event.begins ? "begin" : "end") + "\"}";
+    }
+    return text + "]}";
+  }
+
+ private:
+  template <class Action>
+  void for_each_tap(Action&& action) {
+    std::apply([&](auto&... tap) { (action(tap), ...); }, taps_);
+  }
+
+  static std::string escaped(const std::string& name) {
+    std::string text;
+    for (const char c : name) {
+      if (c == '"' || c == '\\') text += '\\';
+      text += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    }
+    return text;
+  }
+
+  /// Intercepts the topics that a fault is about, and no other.
+  template <class Sample>
+  void open_tap(PluginContext& context, SensorTopic topic, const char* name) {
+    bool wanted = false;
+    bool may_delay = false;
+    for (const FaultSpec& fault : schedule_.faults()) {
+      const auto* sensor = std::get_if<SensorFault>(&fault.kind);
+      if (sensor == nullptr || sensor->topic != topic) continue;
+      wanted = true;
+      may_delay |= sensor->effect == SensorEffect::kDelay;
+    }
+    if (!wanted) return;
+    std::get<SensorTap<Sample>>(taps_).open(context.bus(), context.topic(name),
+                                            SampleAccess(context.projection()), may_delay, random_);
+  }
+
+  void open_taps(PluginContext& context) {
+    open_tap<ImuSample>(context, SensorTopic::kImu, "imu");
+    open_tap<GpsSample>(context, SensorTopic::kGps, "gps");
+    open_tap<MagnetometerSample>(context, SensorTopic::kMagnetometer, "magnetometer");
+    open_tap<BarometerSample>(context, SensorTopic::kBarometer, "barometer");
+    open_tap<RangeSample>(context, SensorTopic::kRangefinder, "rangefinder");
+  }
+
+  void open_topics(PluginContext& context) {
+    for (const FaultSpec& fault : schedule_.faults()) {
+      breaks_propulsion_ |= std::holds_alternative<RotorFault>(fault.kind) ||
+                            std::holds_alternative<VoltageFault>(fault.kind);
+      changes_mass_ |= std::holds_alternative<MassFault>(fault.kind);
+      blows_ |= std::holds_alternative<GustCommand>(fault.kind);
+    }
+    TopicBus& bus = context.bus();
+    if (breaks_propulsion_) {
+      health_ = bus.advertise<PropulsionHealth>(context.topic("propulsion_health"));
+    }
+    if (blows_) gust_ = bus.advertise<GustCommand>(context.topic("gust"));
+    command_ = bus.subscribe<MotorCommand>(
+        context.topic("motor_command"),
+        [this](const MotorCommand& command) { armed_ = command.armed; }, Need::kOptional);
+    phase_topic_ = bus.subscribe<FlightPhase>(
+        context.topic("flight_phase"), [this](const FlightPhase& phase) { phase_ = phase; },
+        Need::kOptional);
+  }
+
+  void begin_run(World& world) {
+    if (changes_mass_) world.scale_mass(vehicle_, 1.0);
+    if (blows_ && !gust_.has_subscribers()) {
+      base::log::warn("a fault starts a gust, but the vehicle has no plugin wind");
+    }
+  }
+
+  Facts facts(base::SimTime now, const World& world) const {
+    const BodyState& state = world.state(vehicle_);
+    const Eigen::Vector3d rpy = base::euler_rpy(base::q_ND_from_q_WB(state.q_WB)) * kDegPerRad;
+    Facts facts;
+    facts[Fact::kTime] = base::to_seconds(now);
+    facts[Fact::kAltitude] = state.p_WB.z();
+    facts[Fact::kHeight] = world.environment(vehicle_).height_above_ground_m;
+    facts[Fact::kNorth] = state.p_WB.y();
+    facts[Fact::kEast] = state.p_WB.x();
+    facts[Fact::kSpeed] = state.v_WB.norm();
+    facts[Fact::kClimb] = state.v_WB.z();
+    facts[Fact::kRoll] = rpy[0];
+    facts[Fact::kPitch] = rpy[1];
+    facts[Fact::kYaw] = rpy[2];
+    facts[Fact::kArmed] = armed_ ? 1 : 0;
+    facts.phase = phase_.name.data();
+    return facts;
+  }
+
+  void on_event(const FaultEvent& event, World& world) {
+    const FaultSpec& fault = schedule_.faults()[event.fault];
+    events_.push_back(event);
+    base::log::info("fault '" + fault.name + (event.begins ? "' begins at " : "' ends at ") +
+                    std::to_string(base::to_seconds(event.time)) + " s");
+    if (const auto* sensor = std::get_if<SensorFault>(&fault.kind)) {
+      switch_sensor(*sensor, event.begins);
+    } else if (const auto* gust = std::get_if<GustCommand>(&fault.kind)) {
+      if (event.begins) gust_.publish(*gust);
+    } else if (std::holds_alternative<MassFault>(fault.kind)) {
+      world.scale_mass(vehicle_, mass_factor());
+    } else if (breaks_propulsion_) {
+      health_.publish(propulsion_health());
+    }
+  }
+
+  void switch_sensor(const SensorFault& fault, bool begins) {
+    const auto apply = [&](auto& tap) { begins ? tap.begin(fault) : tap.end(fault); };
+    switch (fault.topic) {
+      case SensorTopic::kImu:
+        return apply(std::get<SensorTap<ImuSample>>(taps_));
+      case SensorTopic::kGps:
+        return apply(std::get<SensorTap<GpsSample>>(taps_));
+      case SensorTopic::kMagnetometer:
+        return apply(std::get<SensorTap<MagnetometerSample>>(taps_));
+      case SensorTopic::kBarometer:
+        return apply(std::get<SensorTap<BarometerSample>>(taps_));
+      case SensorTopic::kRangefinder:
+        return apply(std::get<SensorTap<RangeSample>>(taps_));
+    }
+  }
+
+  /// Calls action(kind) for each active fault of that kind.
+  template <class Kind, class Action>
+  void for_active(Action&& action) const {
+    for (std::size_t i = 0; i < schedule_.faults().size(); ++i) {
+      const auto* kind = std::get_if<Kind>(&schedule_.faults()[i].kind);
+      if (kind != nullptr && schedule_.is_active(i)) action(*kind);
+    }
+  }
+
+  double mass_factor() const {
+    double factor = 1;
+    for_active<MassFault>([&](const MassFault& fault) { factor *= fault.factor; });
+    return factor;
+  }
+
+  PropulsionHealth propulsion_health() const {
+    PropulsionHealth health;
+    for_active<RotorFault>([&](const RotorFault& fault) {
+      health.speed_share[fault.rotor] *= fault.speed_share;
+      health.thrust_share[fault.rotor] *= fault.thrust_share;
+    });
+    for_active<VoltageFault>(
+        [&](const VoltageFault& fault) { health.voltage_share *= fault.share; });
+    return health;
+  }
+
+  /// A shifted centre of gravity gives the surface forces an arm: torque -d x F about the old one,
+  /// with the F = m (a - g) of the step before. The inertia's change with the shift is left out.
+  void shift_cg(World& world) const {
+    Eigen::Vector3d shift_B = Eigen::Vector3d::Zero();
+    for_active<CgFault>([&](const CgFault& fault) { shift_B += fault.shift_B_m; });
+    if (shift_B.isZero(0.0)) return;
+    const BodyState& state = world.state(vehicle_);
+    const Eigen::Vector3d gravity_W = world.environment(vehicle_).gravity_W;
+    const Eigen::Vector3d force_B =
+        world.mass_kg(vehicle_) * (state.q_WB.conjugate() * (state.a_WB - gravity_W));
+    world.add_wrench(vehicle_, {Eigen::Vector3d::Zero(), -shift_B.cross(force_B)});
+  }
+
+  VehicleId vehicle_{};
+  std::uint64_t seed_ = 0;
+  base::NormalRandom random_;
+  FaultSchedule schedule_;
+  std::vector<FaultEvent> events_;
+  bool breaks_propulsion_ = false;
+  bool changes_mass_ = false;
+  bool blows_ = false;
+  bool armed_ = false;
+  FlightPhase phase_;
+  std::tuple<SensorTap<ImuSample>, SensorTap<GpsSample>, SensorTap<MagnetometerSample>,
+             SensorTap<BarometerSample>, SensorTap<RangeSample>>
+      taps_;
+  Publisher<PropulsionHealth> health_;
+  Publisher<GustCommand> gust_;
+  Subscription command_;
+  Subscription phase_topic_;
+};
+
+}  // namespace
+}  // namespace cas::sim
+
+CAS_PLUGIN(cas::sim::FaultPlugin, "fault")

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/fault/fault_spec.hpp"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "plugins/common/noise_params.hpp"
+
+namespace cas::sim {
+namespace {
+
+using base::ConfigNode;
+
+constexpr double kLongestRun = 1e6;  // s
+
+struct FieldName {
+  SensorTopic topic;
+  const char* name;
+  const char* unit;
+  double to_si;
+  SampleField field;
+};
+
+constexpr std::array<FieldName, 8> kFields{
+    {{SensorTopic::kImu, "specific_force", "m_s2", 1.0, SampleField::kSpecificForce},
+     {SensorTopic::kImu, "angular_rate", "deg_s", M_PI / 180.0, SampleField::kAngularRate},
+     {SensorTopic::kGps, "position", "m", 1.0, SampleField::kPosition},
+     {SensorTopic::kGps, "velocity", "m_s", 1.0, SampleField::kVelocity},
+     {SensorTopic::kMagnetometer, "field", "gauss", 1.0, SampleField::kField},
+     {SensorTopic::kBarometer, "pressure", "pa", 1.0, SampleField::kPressure},
+     {SensorTopic::kBarometer, "temperature", "degc", 1.0, SampleField::kTemperature},
+     {SensorTopic::kRangefinder, "distance", "m", 1.0, SampleField::kDistance}}};
+
+SensorTopic parse_topic(const ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  if (word == "imu") return SensorTopic::kImu;
+  if (word == "gps") return SensorTopic::kGps;
+  if (word == "magnetometer") return SensorTopic::kMagnetometer;
+  if (word == "barometer") return SensorTopic::kBarometer;
+  if (word == "rangefinder") return SensorTopic::kRangefinder;
+  node.fail("must be imu, gps, magnetometer, barometer or rangefinder");
+}
+
+/// {sensor: imu, angular_rate_deg_s: [1, 0, 0]}; a scale has no unit: {sensor: imu, angular_rate:
+/// 2}.
+SensorFault parse_change(const ConfigNode& node, SensorEffect effect) {
+  SensorFault fault;
+  fault.effect = effect;
+  fault.topic = parse_topic(node.at("sensor"));
+  std::string known;
+  for (const FieldName& entry : kFields) {
+    if (entry.topic != fault.topic) continue;
+    const bool has_unit = effect != SensorEffect::kScale;
+    const std::string key = entry.name + (has_unit ? std::string("_") + entry.unit : std::string());
+    known += (known.empty() ? "" : " or ") + key;
+    const auto value = node.find(key);
+    if (!value) continue;
+    fault.field = entry.field;
+    fault.value = parse_axes(*value) * (has_unit ? entry.to_si : 1.0);
+    return fault;
+  }
+  node.fail("needs " + known);
+}
+
+/// `freeze: imu` and `drop: imu` name the sensor only.
+SensorFault parse_silence(const ConfigNode& node, SensorEffect effect) {
+  SensorFault fault;
+  fault.effect = effect;
+  fault.topic = parse_topic(node);
+  return fault;
+}
+
+SensorFault parse_delay(const ConfigNode& node) {
+  constexpr double kLongestDelay = 5;
+  SensorFault fault;
+  fault.effect = SensorEffect::kDelay;
+  fault.topic = parse_topic(node.at("sensor"));
+  fault.delay = base::from_seconds(node.require_in("by_s", 0, kLongestDelay));
+  return fault;
+}
+
+RotorFault parse_rotor(const ConfigNode& node) {
+  RotorFault fault;
+  fault.rotor = node.require<int>("number") - 1;
+  if (fault.rotor < 0 || fault.rotor >= base::kRotors) node.at("number").fail("must be 1 to 4");
+  if (node.get("stop", false)) fault.speed_share = 0;
+  fault.thrust_share = node.get_in("thrust_share", 1, 0, 1);
+  return fault;
+}
+
+GustCommand parse_gust(const ConfigNode& node) {
+  GustCommand gust;
+  gust.amplitude_N_m_s = node.require<Eigen::Vector3d>("amplitude_m_s");
+  gust.length_m = node.require_in("length_m", 0.1, 1e5);
+  gust.hold_s = node.get_in("hold_s", 0, 0, kLongestRun);
+  return gust;
+}
+
+/// The one thing that the fault does; the key says which.
+FaultKind parse_kind(const ConfigNode& node) {
+  std::optional<FaultKind> kind;
+  const auto offer = [&](const char* key, const auto& parse) {
+    const auto child = node.find(key);
+    if (!child) return;
+    if (kind) child->fail("is a second effect; give each its own entry");
+    kind = parse(*child);
+  };
+  offer("freeze", [](const ConfigNode& n) { return parse_silence(n, SensorEffect::kFreeze); });
+  offer("drop", [](const ConfigNode& n) { return parse_silence(n, SensorEffect::kDrop); });
+  offer("delay", parse_delay);
+  offer("bias", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kBias); });
+  offer("scale", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kScale); });
+  offer("noise", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kNoise); });
+  offer("rotor", parse_rotor);
+  offer("voltage_share", [](const ConfigNode& n) { return VoltageFault{n.as<double>()}; });
+  offer("mass_factor", [](const ConfigNode& n) { return MassFault{n.as<double>()}; });
+  offer("cg_shift_B_m", [](const ConfigNode& n) { return CgFault{n.as<Eigen::Vector3d>()}; });
+  offer("gust", parse_gust);
+  if (!kind) {
+    node.fail(
+        "needs one of freeze, drop, delay, bias, scale, noise, rotor, voltage_share, mass_factor, "
+        "cg_shift_B_m, gust");
+  }
+  return *kind;
+}
+
+std::optional<Expression> parse_expression(const ConfigNode& node, const char* key) {
+  const auto child = node.find(key);
+  if (!child) return std::nullopt;
+  try {
+    return Expression::parse(child->as<std::string>());
+  } catch (const std::invalid_argument& error) {
+    child->fail(error.what());
+  }
+}
+
+void check_shares(const ConfigNode& node, const FaultKind& kind) {
+  if (const auto* voltage = std::get_if<VoltageFault>(&kind)) {
+    if (voltage->share < 0 || voltage->share > 1)
+      node.at("voltage_share").fail("must lie in [0, 1]");
+  }
+  if (const auto* mass = std::get_if<MassFault>(&kind)) {
+    if (mass->factor <= 0.1 || mass->factor > 10)
+      node.at("mass_factor").fail("must lie in [0.1, 10]");
+  }
+}
+
+FaultSpec parse_fault(const ConfigNode& node, std::size_t number) {
+  FaultSpec fault;
+  fault.name = node.get<std::string>("name", "fault " + std::to_string(number));
+  fault.when = parse_expression(node, "when");
+  fault.until = parse_expression(node, "until");
+  if (node.has("at_s")) {
+    fault.at = base::SimTime(base::from_seconds(node.require_in("at_s", 0, kLongestRun)));
+  }
+  if (node.has("for_s")) {
+    fault.lasting = base::from_seconds(node.require_in("for_s", 0, kLongestRun));
+  }
+  if (fault.at.has_value() == fault.when.has_value()) node.fail("needs at_s or when, not both");
+  if (fault.lasting && fault.until) node.fail("takes for_s or until, not both");
+  fault.kind = parse_kind(node);
+  check_shares(node, fault.kind);
+  return fault;
+}
+
+}  // namespace
+
+std::vector<FaultSpec> parse_faults(const ConfigNode& node) {
+  std::vector<FaultSpec> faults;
+  for (const ConfigNode& item : node.at("faults").items()) {
+    faults.push_back(parse_fault(item, faults.size() + 1));
+  }
+  return faults;
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/geodesy.hpp"
+#include "base/random.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/topic_bus.hpp"
+#include "plugins/common/delay_line.hpp"
+#include "plugins/common/normal3.hpp"
+#include "plugins/fault/fault_spec.hpp"
+
+namespace cas::sim {
+
+/// Reads and writes quantities of samples as vectors; numbers alone stand in x.
+class SampleAccess {
+ public:
+  SampleAccess() = default;
+  explicit SampleAccess(const base::LocalProjection& projection) : projection_(projection) {}
+
+  Eigen::Vector3d read(const ImuSample& s, SampleField field) const {
+    return field == SampleField::kSpecificForce ? s.specific_force_B : s.angular_rate_B;
+  }
+  void write(ImuSample& s, SampleField field, const Eigen::Vector3d& value) const {
+    (field == SampleField::kSpecificForce ? s.specific_force_B : s.angular_rate_B) = value;
+  }
+  Eigen::Vector3d read(const GpsSample& s, SampleField field) const {
+    return field == SampleField::kVelocity ? s.velocity_N : projection_.to_local(s.position);
+  }
+  void write(GpsSample& s, SampleField field, const Eigen::Vector3d& value) const {
+    if (field == SampleField::kVelocity) {
+      s.velocity_N = value;
+    } else {
+      s.position = projection_.to_geodetic(value);
+    }
+  }
+  Eigen::Vector3d read(const MagnetometerSample& s, SampleField) const { return s.field_B_gauss; }
+  void write(MagnetometerSample& s, SampleField, const Eigen::Vector3d& value) const {
+    s.field_B_gauss = value;
+  }
+  Eigen::Vector3d read(const BarometerSample& s, SampleField field) const {
+    return {field == SampleField::kPressure ? s.pressure_pa : s.temperature_degc, 0, 0};
+  }
+  void write(BarometerSample& s, SampleField field, const Eigen::Vector3d& value) const {
+    (field == SampleField::kPressure ? s.pressure_pa : s.temperature_degc) = value.x();
+  }
+  Eigen::Vector3d read(const RangeSample& s, SampleField) const { return {s.distance_m, 0, 0}; }
+  void write(RangeSample& s, SampleField, const Eigen::Vector3d& value) const {
+    s.distance_m = value.x();
+  }
+
+ private:
+  base::LocalProjection projection_;
+};
+
+/// Sits on one sensor's topic and spoils what passes while faults are active.
+template <class Sample>
+class SensorTap {
+ public:
+  /// Begins to intercept. @param may_delay  takes room for samples that are held back
+  void open(TopicBus& bus, const std::string& topic, const SampleAccess& access, bool may_delay,
+            base::NormalRandom& random) {
+    constexpr std::size_t kMostHeldBack = 8192;  // 5 s at 1600 Hz
+    access_ = access;
+    random_ = &random;
+    held_ = DelayLine<Sample>({}, may_delay ? kMostHeldBack : 0);
+    interceptor_ = bus.intercept<Sample>(topic, [this](const Sample& s) { on_publish(s); });
+  }
+
+  void set_now(base::SimTime now) { now_ = now; }
+  void begin(const SensorFault& fault) { active_.push_back(&fault); }
+  void end(const SensorFault& fault) { std::erase(active_, &fault); }
+  /// Lets go what has been held back long enough.
+  void release() {
+    while (const auto sample = held_.pop(now_)) interceptor_.deliver(*sample);
+  }
+  void reset() {
+    active_.clear();
+    held_.clear();
+    last_.reset();
+  }
+
+ private:
+  void on_publish(const Sample& sample) {
+    Sample spoiled = sample;
+    bool dropped = false;
+    base::Duration delay{};
+    for (const SensorFault* fault : active_) {
+      switch (fault->effect) {
+        case SensorEffect::kDrop:
+          dropped = true;
+          break;
+        case SensorEffect::kDelay:
+          delay = std::max(delay, fault->delay);
+          break;
+        case SensorEffect::kFreeze:
+          if (last_) spoiled = *last_;
+          spoiled.time = sample.time;  // a stuck sensor is still read at its rate
+          break;
+        default:
+          change(spoiled, *fault);
+      }
+    }
+    last_ = spoiled;
+    if (dropped) return;
+    if (delay > base::Duration{} || !held_.empty()) {
+      held_.push_until(now_ + delay, spoiled);
+    } else {
+      interceptor_.deliver(spoiled);
+    }
+  }
+
+  void change(Sample& sample, const SensorFault& fault) {
+    Eigen::Vector3d value = access_.read(sample, fault.field);
+    if (fault.effect == SensorEffect::kBias) value += fault.value;
+    if (fault.effect == SensorEffect::kScale) value = value.cwiseProduct(fault.value);
+    if (fault.effect == SensorEffect::kNoise) value += fault.value.cwiseProduct(normal3(*random_));
+    access_.write(sample, fault.field, value);
+  }
+
+  SampleAccess access_;
+  base::NormalRandom* random_ = nullptr;
+  base::SimTime now_;
+  std::vector<const SensorFault*> active_;
+  std::optional<Sample> last_;
+  DelayLine<Sample> held_;
+  Interceptor<Sample> interceptor_;
+};
+
+}  // namespace cas::sim

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/motor/battery_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cas::sim {
+
+BatteryModel::BatteryModel(const base::BatteryParams& params, double torque_coefficient)
+    : params_(params), torque_coefficient_(torque_coefficient), voltage_v_(params.full_v) {}
+
+void BatteryModel::advance(const Eigen::Vector4d& omega, double dt) {
+  constexpr double kSecondsPerHour = 3600;
+  const double open_v = params_.empty_v + charge_ * (params_.full_v - params_.empty_v);
+  const double power_w = torque_coefficient_ * omega.array().cube().sum() / params_.efficiency;
+  const double r = params_.resistance_ohm;
+
+  // V I = P with V = V0 - R I; beyond the most it can give, the battery gives half its voltage.
+  const double root = std::sqrt(std::max(0.0, open_v * open_v - 4.0 * r * power_w));
+  voltage_v_ = 0.5 * (open_v + root);
+  current_a_ = voltage_v_ > 0 ? power_w / voltage_v_ : 0.0;
+  const double used_ah = current_a_ * dt / kSecondsPerHour;
+  charge_ = std::max(0.0, charge_ - used_ah / params_.capacity_ah);
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "base/vehicle.hpp"
+
+namespace cas::sim {
+
+/// A battery that feeds the rotors: open-circuit voltage falls linearly with the charge, the inner
+/// resistance takes the rest. Temperature and recovery after load are not modelled.
+class BatteryModel {
+ public:
+  BatteryModel() = default;
+  /// @param torque_coefficient  k_m of the rotors, N m s^2
+  BatteryModel(const base::BatteryParams& params, double torque_coefficient);
+
+  /// Draws what the rotors take at their speeds: P = sum k_m w^3 / efficiency.
+  void advance(const Eigen::Vector4d& omega, double dt);
+
+  double voltage_v() const { return voltage_v_; }
+  double current_a() const { return current_a_; }
+  double charge() const { return charge_; }  ///< 1 full, 0 empty
+  /// Speed that a rotor reaches over the speed it would reach on a full battery at rest.
+  double speed_share() const { return voltage_v_ / params_.full_v; }
+
+ private:
+  base::BatteryParams params_;
+  double torque_coefficient_ = 0;
+  double charge_ = 1;
+  double voltage_v_ = 0;
+  double current_a_ = 0;
+};
+
+}  // namespace cas::sim

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+#include "base/random.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/world.hpp"
+
+namespace cas::sim {
+
+struct RangefinderParams {
+  double rate_hz = 0;
+  double stddev_m = 0;  ///< white, one sample
+  double min_m = 0;     ///< nearer and farther readings are invalid
+  double max_m = 0;
+  double lsb_m = 0;
+  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction_B{0, 0, -1};  ///< unit vector
+};
+
+/// Reads the block `rangefinder`: keys are described in docs/plugins.md.
+RangefinderParams parse_rangefinder_params(const base::ConfigNode& node, double step_s);
+
+/// One ray into the world. Beam width and reflectivity are not modelled.
+class RangefinderModel {
+ public:
+  RangefinderModel() = default;
+  RangefinderModel(const RangefinderParams& params, std::uint64_t seed)
+      : params_(params), random_(seed) {}
+
+  /// @param distance_m  along the ray; nothing: no surface within max_m
+  RangeSample sample(base::SimTime time, std::optional<double> distance_m);
+
+  const RangefinderParams& params() const { return params_; }
+
+ private:
+  RangefinderParams params_;
+  base::NormalRandom random_;
+};
+
+}  // namespace cas::sim

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "base/random.hpp"
+
+namespace cas::sim {
+
+/// Lengths and intensities of low-altitude turbulence, MIL-F-8785C Sect. 3.7.3.4.
+struct DrydenScales {
+  double length_horizontal_m = 0;   ///< L_u = L_v
+  double length_vertical_m = 0;     ///< L_w
+  double sigma_horizontal_m_s = 0;  ///< sigma_u = sigma_v
+  double sigma_vertical_m_s = 0;    ///< sigma_w
+
+  /// @param w20_m_s   wind at 20 ft: 7.7 light, 15.4 moderate, 23.1 severe
+  /// @param height_m  above ground; held to 10..1000 ft, where the formulas hold
+  static DrydenScales at(double w20_m_s, double height_m);
+};
+
+/// A filter (1 + c tau s) / (1 + tau s)^2 on white noise, stepped by its exact solution. Its output
+/// has variance 1 and, with c = sqrt(3), the lateral and vertical spectrum of Dryden.
+class DrydenLateral {
+ public:
+  void settle(base::NormalRandom& random);
+  /// @param theta  step over time constant, V dt / L
+  double advance(double theta, base::NormalRandom& random);
+
+ private:
+  double y1_ = 0;  // first-order filter of the noise, variance 1
+  double y2_ = 0;  // the same filter once more
+};
+
+/// Dryden turbulence as a vehicle meets it: u along the wind, v across, w up.
+///
+/// The field is frozen and swept past at speed V, so it is a function of time with time constants
+/// L / V. Each step takes the exact solution for its own V and height: nothing depends on the step.
+class Dryden {
+ public:
+  Dryden() = default;
+  explicit Dryden(std::uint64_t seed);
+
+  /// @param speed_m_s  V, through the mean air; above zero
+  /// @return (u, v, w), m/s
+  Eigen::Vector3d advance(const DrydenScales& scales, double speed_m_s, double dt);
+
+ private:
+  base::NormalRandom random_;
+  double u_ = 0;  // variance 1
+  DrydenLateral v_;
+  DrydenLateral w_;
+};
+
+}  // namespace cas::sim

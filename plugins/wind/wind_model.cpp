@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/wind/wind_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace cas::sim {
+namespace {
+
+constexpr double kReferenceHeight = 6.096;  // m, 20 ft
+constexpr double kRoughness = 0.04572;      // m, 0.15 ft: MIL-F-8785C, flight phases of category C
+constexpr double kSlowestSweep = 1.0;  // m/s: in a hover in still air the field stands otherwise
+constexpr double kMetresPerSecondPerKnot = 0.514444;
+
+WindProfile parse_profile(const base::ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  if (word == "uniform") return WindProfile::kUniform;
+  if (word == "log") return WindProfile::kLog;
+  node.fail("must be uniform or log");
+}
+
+/// A number of metres per second at 20 ft, or a word of MIL-F-8785C.
+double parse_turbulence(const base::ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  if (word == "none") return 0;
+  if (word == "light") return 15 * kMetresPerSecondPerKnot;
+  if (word == "moderate") return 30 * kMetresPerSecondPerKnot;
+  if (word == "severe") return 45 * kMetresPerSecondPerKnot;
+  const double w20_m_s = node.as<double>();
+  if (w20_m_s < 0) node.fail("must be none, light, moderate, severe or a wind at 20 ft in m/s");
+  return w20_m_s;
+}
+
+WindParams::Gust parse_gust(const base::ConfigNode& node) {
+  WindParams::Gust gust;
+  gust.start = base::SimTime(base::from_seconds(node.require_in("start_s", 0, 1e6)));
+  gust.gust.amplitude_N_m_s = node.require<Eigen::Vector3d>("amplitude_m_s");
+  gust.gust.length_m = node.require_in("length_m", 0.1, 1e5);
+  gust.gust.hold_s = node.get_in("hold_s", 0, 0, 1e6);
+  return gust;
+}
+
+}  // namespace
+
+WindParams parse_wind_params(const base::ConfigNode& node) {
+  WindParams params;
+  const double speed = node.get_in("mean_m_s", 0, 0, 100);
+  const double from_deg =
+      speed > 0 ? node.require_in("from_deg", 0, 360) : node.get("from_deg", 0.0);
+  const double from = from_deg * M_PI / 180.0;
+  params.mean_N_m_s = {-speed * std::cos(from), -speed * std::sin(from), 0};
+  if (const auto profile = node.find("profile")) params.profile = parse_profile(*profile);
+  if (const auto word = node.find("turbulence"))
+    params.turbulence_w20_m_s = parse_turbulence(*word);
+  if (const auto gusts = node.find("gusts")) {
+    for (const base::ConfigNode& gust : gusts->items()) params.gusts.push_back(parse_gust(gust));
+  }
+  std::stable_sort(params.gusts.begin(), params.gusts.end(),
+                   [](const auto& a, const auto& b) { return a.start < b.start; });
+  return params;
+}
+
+Eigen::Vector3d GustModel::advance_N(double speed_m_s, double dt) {
+  const double length = gust_.length_m;
+  const double share = 0.5 * (1.0 - std::cos(M_PI * std::min(distance_m_, length) / length));
+  const Eigen::Vector3d wind_N = gust_.amplitude_N_m_s * (falling_ ? 1.0 - share : share);
+  if (distance_m_ < length) {
+    distance_m_ += speed_m_s * dt;
+  } else if (falling_) {
+    over_ = true;
+  } else if (held_s_ < gust_.hold_s) {
+    held_s_ += dt;
+  } else {
+    falling_ = true;
+    distance_m_ = 0;
+  }
+  return wind_N;
+}
+
+WindModel::WindModel(const WindParams& params, std::uint64_t seed)
+    : params_(params), dryden_(seed) {}
+
+void WindModel::start(const GustCommand& gust) {
+  const auto free = std::find_if(gusts_.begin(), gusts_.end(),
+                                 [](const GustModel& other) { return other.over(); });
+  if (free != gusts_.end()) *free = GustModel(gust);
+}
+
+Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height_m,
+                                     const Eigen::Vector3d& v_N) {
+  Eigen::Vector3d wind_N = mean_N(height_m);
+  const double sweep = std::max((v_N - wind_N).norm(), kSlowestSweep);
+  wind_N += turbulence_N(height_m, sweep, dt);
+  for (; next_gust_ < params_.gusts.size() && params_.gusts[next_gust_].start <= now;
+       ++next_gust_) {
+    start(params_.gusts[next_gust_].gust);
+  }
+  for (GustModel& gust : gusts_) {
+    if (!gust.over()) wind_N += gust.advance_N(sweep, dt);
+  }
+  return wind_N;
+}
+
+Eigen::Vector3d WindModel::mean_N(double height_m) const {
+  if (params_.profile == WindProfile::kUniform) return params_.mean_N_m_s;
+  const double height = std::max(height_m, kRoughness);
+  return params_.mean_N_m_s *
+         (std::log(height / kRoughness) / std::log(kReferenceHeight / kRoughness));
+}
+
+Eigen::Vector3d WindModel::turbulence_N(double height_m, double speed_m_s, double dt) {
+  if (params_.turbulence_w20_m_s <= 0) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d uvw =
+      dryden_.advance(DrydenScales::at(params_.turbulence_w20_m_s, height_m), speed_m_s, dt);
+  // u along the mean wind (north in still air), v to its right, w up.
+  const double direction = std::atan2(params_.mean_N_m_s.y(), params_.mean_N_m_s.x());
+  const double c = std::cos(direction);
+  const double s = std::sin(direction);
+  return {c * uvw[0] - s * uvw[1], s * uvw[0] + c * uvw[1], -uvw[2]};
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+#include "libsim/api/messages.hpp"
+#include "plugins/wind/dryden.hpp"
+
+namespace cas::sim {
+
+/// How the mean wind changes with height.
+enum class WindProfile {
+  kUniform,  ///< not at all
+  kLog,      ///< MIL-F-8785C: W20 ln(h / z0) / ln(20 ft / z0), z0 = 0.15 ft
+};
+
+struct WindParams {
+  Eigen::Vector3d mean_N_m_s = Eigen::Vector3d::Zero();  ///< air velocity at 20 ft
+  WindProfile profile = WindProfile::kUniform;
+  double turbulence_w20_m_s = 0;  ///< 0: none
+  struct Gust {
+    base::SimTime start;
+    GustCommand gust;
+  };
+  std::vector<Gust> gusts;
+};
+
+/// Reads the parameters of plugin `wind`: keys are described in docs/plugins.md.
+WindParams parse_wind_params(const base::ConfigNode& node);
+
+/// Air velocity by a 1-cosine gust, MIL-F-8785C Sect. 3.7.3.3: rises over a length of air, holds,
+/// falls over the same length.
+class GustModel {
+ public:
+  GustModel() = default;  ///< one that is over
+  explicit GustModel(const GustCommand& gust) : gust_(gust), over_(false) {}
+  /// @param speed_m_s  V, through the mean air
+  Eigen::Vector3d advance_N(double speed_m_s, double dt);
+  bool over() const { return over_; }
+
+ private:
+  GustCommand gust_;
+  double distance_m_ = 0;  // into the rise, or into the fall
+  double held_s_ = 0;
+  bool falling_ = false;
+  bool over_ = true;
+};
+
+/// Mean wind, gusts and turbulence at one vehicle.
+class WindModel {
+ public:
+  WindModel() = default;
+  WindModel(const WindParams& params, std::uint64_t seed);
+
+  /// Begins a gust; the ninth at a time is left out.
+  void start(const GustCommand& gust);
+  /// Air velocity in N for the step that begins at `now`.
+  /// @param v_N  vehicle's velocity over ground, m/s
+  Eigen::Vector3d advance_N(base::SimTime now, double dt, double height_m,
+                            const Eigen::Vector3d& v_N);
+
+ private:
+  Eigen::Vector3d mean_N(double height_m) const;
+  Eigen::Vector3d turbulence_N(double height_m, double speed_m_s, double dt);
+
+  WindParams params_;
+  std::size_t next_gust_ = 0;
+  std::array<GustModel, 8> gusts_;
+  Dryden dryden_;
+};
+
+}  // namespace cas::sim
