@@ -36,7 +36,7 @@ constexpr auto kSettlePatience = seconds(2);
 constexpr auto kSummaryPeriod = seconds(5);
 
 GainMap load_gains(const Topology& topology) {
-  return topology.gains.empty() ? GainMap() : GainMap::load(topology.gains);
+  return topology.gains.empty() ? GainMap::shipped() : GainMap::load(topology.gains);
 }
 
 CommanderOptions commander_options(const Topology& topology) {
@@ -61,7 +61,7 @@ struct App::Impl {
         commands(server, commander, load_gains(links.topology()),
                  {.now = base::steady_now,
                   .link_name = [this](LinkId id) { return link_name(id); },
-                  .audit = [](const std::string& line) { base::log::info(line); }}),
+                  .audit = [](const std::string& line) { base::log::info("audit: " + line); }}),
         figures(server, make_figures_source(links, commands)) {
     add_app_methods(server, {.reload = [this] { return reload(); }, .tlog = links.tlog()});
   }

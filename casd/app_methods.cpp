@@ -59,7 +59,8 @@ FiguresSource make_figures_source(LinkSet& links, const CommandServer& commands)
           .topology = [&links]() -> const Topology& { return links.topology(); },
           .now = base::steady_now,
           .started = base::steady_now(),
-          .vehicles = [&commands] { return commands.vehicles(); }};
+          .vehicles = [&commands] { return commands.vehicles(); },
+          .taps = &links.taps()};
 }
 
 void write_stats(const std::filesystem::path& file, const CommandFigures& figures) {

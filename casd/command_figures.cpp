@@ -54,11 +54,11 @@ json tx_json(const LinkStatus& link) {
                 {"max", microseconds(link.tx.forwarding_max)}}}};
 }
 
-json message_json(const MessageStatus& message) {
+json message_json(const MessageStatus& message, const std::string& name) {
   return json{{"link", message.link},
               {"direction", message.direction},
               {"id", message.id},
-              {"name", message.name},
+              {"name", name},
               {"system", message.source.system},
               {"component", message.source.component},
               {"count", message.count},
@@ -131,14 +131,18 @@ CommandFigures::CommandFigures(base::rpc::Server& server, FiguresSource source)
                        if (link) require_link(*link);
                        return messages(link ? &*link : nullptr);
                      }));
+  if (source_.taps != nullptr) {
+    server_.add_method("message.value",
+                       method([this](CommandParams& params) { return value(params); }));
+  }
   server_.add_topic("links");
   server_.add_topic("messages");
 }
 
-void CommandFigures::require_link(const std::string& name) const {
+LinkId CommandFigures::require_link(const std::string& name) const {
   std::string known;
   for (const LinkStatus& link : source_.monitor->links()) {
-    if (link.name == name) return;
+    if (link.name == name) return link.id;
     known += (known.empty() ? "" : ", ") + link.name;
   }
   throw BadParams("there is no link '" + name + "'; links: " + known);
@@ -181,9 +185,33 @@ json CommandFigures::messages(const std::string* link) const {
   if (link != nullptr) only = *link;
   json all = json::array();
   for (const MessageStatus& message : source_.monitor->messages(source_.now(), only)) {
-    all.push_back(message_json(message));
+    all.push_back(message_json(message, message_name(message.id)));
   }
   return all;
+}
+
+/// The newest packet of one message since somebody looks at it.
+json CommandFigures::value(CommandParams& params) const {
+  MessageTaps::Key key;
+  key.link = require_link(params.text("link"));
+  key.message_id = message_id(params.value("message"));
+  key.source = {static_cast<std::uint8_t>(params.integer("system", 0, 255)),
+                static_cast<std::uint8_t>(params.integer("component", 0, 255))};
+  params.finish();
+  const base::RunTime now = source_.now();
+  json answer{{"id", key.message_id}, {"name", message_name(key.message_id)}, {"fields", nullptr}};
+  if (const auto sample = source_.taps->look(key, now)) {
+    answer["fields"] =
+        source_.decoder.fields(key.message_id, std::span(sample->payload).first(sample->size));
+    answer["age_s"] = base::to_seconds(now - sample->at);
+    answer["count"] = sample->count;
+  }
+  return answer;
+}
+
+std::string CommandFigures::message_name(std::uint32_t id) const {
+  const mav::MessageInfo* info = mav::public_table().find(id);
+  return info == nullptr ? source_.decoder.name(id) : std::string(info->name);
 }
 
 json CommandFigures::routes() const {
@@ -205,7 +233,7 @@ json CommandFigures::drops() const {
   json dropped = json::array();
   for (const MessageStatus& message : source_.monitor->messages(source_.now())) {
     if (message.direction.rfind("drop.", 0) != 0) continue;
-    json entry = message_json(message);
+    json entry = message_json(message, message_name(message.id));
     entry.erase("direction");
     entry["cause"] = message.direction.substr(5);
     dropped.push_back(std::move(entry));

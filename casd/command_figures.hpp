@@ -9,10 +9,14 @@
 
 #include "base/clock.hpp"
 #include "base/rpc/server.hpp"
+#include "casd/message_decoder.hpp"
+#include "casd/message_taps.hpp"
 #include "casd/monitor.hpp"
 #include "casd/topology.hpp"
 
 namespace cas::casd {
+
+class CommandParams;
 
 /// What the figures are taken from.
 struct FiguresSource {
@@ -23,6 +27,10 @@ struct FiguresSource {
   base::RunTime started{};
   /// The `vehicles` of casd.status.
   std::function<nlohmann::json()> vehicles;
+  /// Where the newest packets of watched messages are; without it message.value is left out.
+  MessageTaps* taps = nullptr;
+  /// Names and values of messages beyond the generated dialect.
+  MessageDecoder decoder{};
 };
 
 /// The half of the command port that tells about casd itself: casd.status, link.*, message.* and
@@ -39,11 +47,13 @@ class CommandFigures {
  private:
   nlohmann::json links() const;
   nlohmann::json messages(const std::string* link) const;
+  nlohmann::json value(CommandParams& params) const;
   nlohmann::json routes() const;
   nlohmann::json drops() const;
   nlohmann::json latency() const;
+  std::string message_name(std::uint32_t id) const;
   void publish_link_changes();
-  void require_link(const std::string& name) const;
+  LinkId require_link(const std::string& name) const;
 
   base::rpc::Server& server_;
   FiguresSource source_;

@@ -3,9 +3,23 @@
 
 #include <cmath>
 
+#include "mavlink_gen/runtime/public_table.hpp"
+
 namespace cas::casd {
 
 using nlohmann::json;
+
+std::uint32_t message_id(const json& message) {
+  if (message.is_number_unsigned() && message.get<std::uint64_t>() <= 0xffffff) {
+    return message.get<std::uint32_t>();
+  }
+  if (!message.is_string()) throw BadParams("\"message\" must be a MAVLink message's name or id");
+  const mav::MessageInfo* info = mav::public_table().find(message.get<std::string>());
+  if (info == nullptr) {
+    throw BadParams("no public dialect has a message '" + message.get<std::string>() + "'");
+  }
+  return info->id;
+}
 
 CommandParams::CommandParams(const json& params) : params_(params) {
   if (params_.is_null()) params_ = json::object();

@@ -16,6 +16,9 @@ class BadParams : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A MAVLink message by its name or id. @throws BadParams
+std::uint32_t message_id(const nlohmann::json& message);
+
 /// Reads the named parameters of one JSON-RPC call. Missing, mistyped and unknown ones throw
 /// BadParams.
 class CommandParams {

@@ -7,7 +7,6 @@
 #include "casd/command_json.hpp"
 #include "casd/command_params.hpp"
 #include "casd/command_server.hpp"
-#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
 namespace {
@@ -17,20 +16,6 @@ using nlohmann::json;
 
 json accepted(std::uint8_t system, const Outcome&) {
   return json{{"vehicle", system}, {"result", "ACCEPTED"}};
-}
-
-/// A message by its name or id.
-std::uint32_t message_id(CommandParams& params) {
-  const json message = params.value("message");
-  if (message.is_number_unsigned() && message.get<std::uint64_t>() <= 0xffffff) {
-    return message.get<std::uint32_t>();
-  }
-  if (!message.is_string()) throw BadParams("\"message\" must be a MAVLink message's name or id");
-  const mav::MessageInfo* info = mav::public_table().find(message.get<std::string>());
-  if (info == nullptr) {
-    throw BadParams("no public dialect has a message '" + message.get<std::string>() + "'");
-  }
-  return info->id;
 }
 
 /// Period for SET_MESSAGE_INTERVAL: `hz` above 0, 0 for off, absent for the vehicle's default.
@@ -131,7 +116,7 @@ void CommandServer::add_raw_methods() {
   add(
       "vehicle.message_interval", true,
       [this](CommandParams& params) -> Action {
-        const std::uint32_t id = message_id(params);
+        const std::uint32_t id = message_id(params.value("message"));
         return [this, id, period = period_us(params)](std::uint8_t system, RunTime now, Done done) {
           commander_.message_interval(system, id, period, now, std::move(done));
         };

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/install_paths.hpp"
+
 namespace cas::casd {
 namespace {
 
@@ -46,6 +48,13 @@ std::optional<std::string> unsupported(const GainLoop& loop, const GainValues& v
 
 GainMap GainMap::load(const std::filesystem::path& file) {
   return parse(base::ConfigNode::load(file));
+}
+
+GainMap GainMap::shipped() {
+  for (const std::filesystem::path& folder : base::config_dirs()) {
+    if (std::filesystem::exists(folder / "gains.yaml")) return load(folder / "gains.yaml");
+  }
+  return {};
 }
 
 GainMap GainMap::parse(const base::ConfigNode& node) {

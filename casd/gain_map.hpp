@@ -38,6 +38,8 @@ class GainMap {
   GainMap() = default;
   /// @throws base::ConfigError
   static GainMap load(const std::filesystem::path& file);
+  /// The map that ships with the programs; empty where it is not installed.
+  static GainMap shipped();
   static GainMap parse(const base::ConfigNode& node);
 
   /// The loop, or nothing for an autopilot or a name the map does not have.

@@ -38,6 +38,7 @@ class LinkSet {
   Monitor& monitor() { return monitor_; }
   LocalEndpoint& local() { return *local_; }
   TlogWriter& tlog() { return switchboard_.tlog(); }
+  MessageTaps& taps() { return switchboard_.taps(); }
   /// Has every link tried to open once?
   bool settled() const;
   /// "sim 127.0.0.1:14561 fcu /dev/ttyACM0 921600".

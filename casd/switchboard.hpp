@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "casd/delivery_batch.hpp"
+#include "casd/message_taps.hpp"
 #include "casd/router.hpp"
 #include "casd/tlog.hpp"
 
@@ -18,6 +19,7 @@ class Switchboard {
 
   Router& router() { return router_; }
   TlogWriter& tlog() { return tlog_; }
+  MessageTaps& taps() { return taps_; }
 
   /// Puts other ports in force; links take them over at their next packet.
   void set_ports(std::shared_ptr<const PortTable> ports);
@@ -27,6 +29,7 @@ class Switchboard {
  private:
   Router router_;
   TlogWriter tlog_;
+  MessageTaps taps_;
   std::atomic<std::uint64_t> generation_{1};
   std::mutex mutex_;
   std::shared_ptr<const PortTable> ports_;

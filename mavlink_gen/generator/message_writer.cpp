@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 
 #include "mavlink_gen/generator/cpp_text.hpp"
@@ -26,7 +27,9 @@ class MessageWriter final {
  public:
   MessageWriter(const xml::Message& message, const xml::Dialect& dialect, const Names& names)
       : message_(message), dialect_(dialect), names_(names), type_(names.type(message)) {
-    for (const auto& field : message.fields) members_.insert(names.field(field));
+    const auto members = names.members(message);
+    taken_.insert(members.begin(), members.end());
+    for (std::size_t i = 0; i < members.size(); ++i) members_[&message.fields[i]] = members[i];
   }
 
   std::string write() {
@@ -45,6 +48,8 @@ class MessageWriter final {
   }
 
  private:
+  const std::string& member(const xml::Field& field) const { return members_.at(&field); }
+
   std::string element_type(const xml::Field& field) const {
     if (!has_enum_type(field)) return cpp_type(field.type);
     return names_.type(*dialect_.find_enum(field.enum_name));
@@ -76,7 +81,7 @@ class MessageWriter final {
       if (text.starts_with(' ')) text.erase(0, 1);
       append_comment(out_, "  ", text);
       const auto initial = field.is_version ? std::to_string(field.version) : std::string();
-      out_ += cat({"  ", member_type(field), " ", names_.field(field), "{", initial, "};\n"});
+      out_ += cat({"  ", member_type(field), " ", member(field), "{", initial, "};\n"});
     }
     out_ += '\n';
   }
@@ -84,7 +89,7 @@ class MessageWriter final {
   /// A name for a helper that no member has.
   std::string helper(const std::string& wanted) {
     auto name = wanted;
-    while (!members_.insert(name).second) name += '_';
+    while (!taken_.insert(name).second) name += '_';
     return name;
   }
 
@@ -97,19 +102,19 @@ class MessageWriter final {
   }
 
   void append_known(const xml::Field& field, const Sentinel& sentinel) {
-    const auto member = names_.field(field);
-    const auto name = helper(member + "_known");
+    const auto& raw = member(field);
+    const auto name = helper(raw + "_known");
     out_ += cat({"  bool ", name, "() const { return "});
     const auto first = sentinel.extent == Sentinel::Extent::kFirstElement;
-    const auto value = cat({member, first ? "[0]" : ""});
+    const auto value = cat({raw, first ? "[0]" : ""});
     if (sentinel.is_nan) {
       out_ += sentinel.extent == Sentinel::Extent::kAllElements
-                  ? cat({"!cas::mav::all_nan(", member, ")"})
+                  ? cat({"!cas::mav::all_nan(", raw, ")"})
                   : cat({"!cas::mav::is_nan(", value, ")"});
     } else {
       const auto wanted = cat({"static_cast<", element_type(field), ">(", sentinel.literal, ")"});
       out_ += sentinel.extent == Sentinel::Extent::kAllElements
-                  ? cat({"!cas::mav::all_equal(", member, ", ", wanted, ")"})
+                  ? cat({"!cas::mav::all_equal(", raw, ", ", wanted, ")"})
                   : cat({value, " != ", wanted});
     }
     out_ += "; }\n";
@@ -117,14 +122,14 @@ class MessageWriter final {
 
   void append_scale(const xml::Field& field, const Scale& scale,
                     const std::optional<Sentinel>& sentinel) {
-    const auto member = names_.field(field);
-    const auto name = helper(cat({member, "_", scale.unit}));
+    const auto& raw = member(field);
+    const auto name = helper(cat({raw, "_", scale.unit}));
     const auto setter = helper(cat({"set_", name}));
     const auto arguments = cat({scale.factor, ", ", scale.divisor});
     const bool marked = sentinel && !sentinel->is_nan;
     const auto mark = marked ? cat({", ", sentinel->literal}) : std::string();
-    out_ += cat({"  double ", name, "() const { return cas::mav::to_quantity(", member, ", ",
-                 arguments, mark, "); }\n  void ", setter, "(double cas_quantity) { ", member,
+    out_ += cat({"  double ", name, "() const { return cas::mav::to_quantity(", raw, ", ",
+                 arguments, mark, "); }\n  void ", setter, "(double cas_quantity) { ", raw,
                  " = cas::mav::from_quantity<", cpp_type(field.type), ">(cas_quantity, ", arguments,
                  mark, "); }\n"});
   }
@@ -135,7 +140,7 @@ class MessageWriter final {
         "  void pack(std::uint8_t* cas_out) const {\n";
     for (const auto index : message_.wire_order) {
       const auto& field = message_.fields[index];
-      const auto value = field.is_version ? std::to_string(field.version) : names_.field(field);
+      const auto value = field.is_version ? std::to_string(field.version) : member(field);
       out_ += cat({"    cas::mav::put<", cpp_type(field.type), ">(cas_out + ",
                    std::to_string(field.offset), ", ", value, ");\n"});
     }
@@ -144,7 +149,7 @@ class MessageWriter final {
     for (const auto index : message_.wire_order) {
       const auto& field = message_.fields[index];
       out_ += cat({"    cas::mav::get<", cpp_type(field.type), ">(cas_in + ",
-                   std::to_string(field.offset), ", cas_message.", names_.field(field), ");\n"});
+                   std::to_string(field.offset), ", cas_message.", member(field), ");\n"});
     }
     out_ += "    return cas_message;\n  }\n";
   }
@@ -157,13 +162,13 @@ class MessageWriter final {
     for (const auto& field : message_.fields) {
       const auto offset = std::to_string(field.offset);
       if (field.type == xml::BaseType::kChar && field.array_length > 0) {
-        out_ += cat({"    std::string_view ", names_.field(field), "() const { return text_at_(",
-                     offset, ", ", std::to_string(field.array_length), "); }\n"});
+        out_ += cat({"    std::string_view ", member(field), "() const { return text_at_(", offset,
+                     ", ", std::to_string(field.array_length), "); }\n"});
       } else {
         const auto type = member_type(field);
-        out_ += cat({"    ", type, " ", names_.field(field), "() const { return at_<",
-                     cpp_type(field.type), ", ", type, ", ", std::to_string(field.bytes()), ">(",
-                     offset, "); }\n"});
+        out_ +=
+            cat({"    ", type, " ", member(field), "() const { return at_<", cpp_type(field.type),
+                 ", ", type, ", ", std::to_string(field.bytes()), ">(", offset, "); }\n"});
       }
     }
     out_ += "  };\n";
@@ -191,7 +196,7 @@ class MessageWriter final {
         "{\n";
     for (std::size_t i = 0; i < message_.fields.size(); ++i) {
       out_ += cat({"    cas_visitor(kFields[", std::to_string(i), "], cas_message.",
-                   names_.field(message_.fields[i]), "...);\n"});
+                   member(message_.fields[i]), "...);\n"});
     }
     out_ += "  }\n";
   }
@@ -200,7 +205,8 @@ class MessageWriter final {
   const xml::Dialect& dialect_;
   const Names& names_;
   std::string type_;
-  std::set<std::string> members_;
+  std::map<const xml::Field*, std::string> members_;
+  std::set<std::string> taken_;
   std::string out_;
 };
 

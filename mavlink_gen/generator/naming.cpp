@@ -125,10 +125,16 @@ Names::Names(const xml::Dialect& dialect) {
   }
 }
 
-std::string Names::field(const xml::Field& field) const {
-  auto name = safe_identifier(field.name);
-  if (types_.contains(name)) name += '_';  // it would hide a type in its own struct
-  return name;
+std::vector<std::string> Names::members(const xml::Message& message) const {
+  std::vector<std::string> out;
+  std::set<std::string> taken;
+  for (const auto& field : message.fields) {
+    auto name = safe_identifier(field.name);
+    // It must not hide a type in its own struct.
+    while (types_.contains(name) || !taken.insert(name).second) name += '_';
+    out.push_back(std::move(name));
+  }
+  return out;
 }
 
 std::string Names::header(const xml::Message& message) const { return headers_.at(message.name); }

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "mavlink_gen/parser/model.hpp"
 
@@ -27,7 +28,8 @@ class Names final {
 
   const std::string& type(const xml::Message& message) const { return messages_.at(message.name); }
   const std::string& type(const xml::Enum& item) const { return enums_.at(item.name); }
-  std::string field(const xml::Field& field) const;
+  /// Members of a message's struct, in the order of its fields; no two are the same.
+  std::vector<std::string> members(const xml::Message& message) const;
 
   /// Header of a message without folder: `hil_sensor.hpp`.
   std::string header(const xml::Message& message) const;

@@ -59,11 +59,14 @@ class Loader final {
     dialect_.name = path.stem().string();
     const auto root = diagnostics_.add_file({shown(path), false, {}});
     load_file(path, root);
-    for (auto& item : enums_) dialect_.enums.push_back(std::move(item.second));
-    finish_enums();
-    finish_messages();
-    if (diagnostics_.error_count() > 0) return std::nullopt;
-    return std::move(dialect_);
+    return finish();
+  }
+
+  std::optional<Dialect> parse(std::string_view text, std::string_view name) {
+    dialect_.name = name;
+    in_memory_ = true;
+    load_text(text, std::string(name), diagnostics_.add_file({std::string(name), false, {}}));
+    return finish();
   }
 
  private:
@@ -71,6 +74,14 @@ class Loader final {
     fs::path canonical;
     std::string name;
   };
+
+  std::optional<Dialect> finish() {
+    for (auto& item : enums_) dialect_.enums.push_back(std::move(item.second));
+    finish_enums();
+    finish_messages();
+    if (diagnostics_.error_count() > 0) return std::nullopt;
+    return std::move(dialect_);
+  }
 
   /// Depth first: what a file includes is merged before the file itself.
   void load_file(const fs::path& path, std::uint32_t file) {
@@ -81,7 +92,11 @@ class Loader final {
       const auto position = source.included ? source.included_at : Position{file, 1, 1};
       return diagnostics_.error(position, "cannot read " + source.path + ": " + why);
     }
-    const auto tree = parse_xml(*text, file, diagnostics_);
+    load_text(*text, path, file);
+  }
+
+  void load_text(std::string_view text, const fs::path& path, std::uint32_t file) {
+    const auto tree = parse_xml(text, file, diagnostics_);
     if (!tree) return;
     auto parsed = parse_file(*tree, diagnostics_);
 
@@ -111,6 +126,10 @@ class Loader final {
 
   /// @return the version of the included file
   std::optional<int> follow(const fs::path& from, const Include& include) {
+    if (in_memory_) {
+      diagnostics_.error(include.position, "a dialect in memory cannot include a file");
+      return std::nullopt;
+    }
     const auto path = from.parent_path() / include.path;
     const auto target = canonical(path);
     const auto open = std::find_if(open_.begin(), open_.end(),
@@ -257,12 +276,18 @@ class Loader final {
   std::map<fs::path, std::optional<int>> versions_;
   std::set<fs::path> seen_;
   std::vector<OpenFile> open_;
+  bool in_memory_{};
 };
 
 }  // namespace
 
 std::optional<Dialect> load_dialect(const std::filesystem::path& file, Diagnostics& diagnostics) {
   return Loader(diagnostics).load(file);
+}
+
+std::optional<Dialect> parse_dialect(std::string_view text, std::string_view name,
+                                     Diagnostics& diagnostics) {
+  return Loader(diagnostics).parse(text, name);
 }
 
 }  // namespace cas::mav::xml

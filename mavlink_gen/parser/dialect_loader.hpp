@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string_view>
 
 #include "mavlink_gen/parser/diagnostics.hpp"
 #include "mavlink_gen/parser/model.hpp"
@@ -18,5 +19,9 @@ inline constexpr std::size_t kMaxFileBytes = 64U << 20U;
 /// Whatever the input: no exception for its faults, nothing evaluated, nothing fetched.
 /// @return nothing when an error was reported
 std::optional<Dialect> load_dialect(const std::filesystem::path& file, Diagnostics& diagnostics);
+
+/// Likewise, from text in memory; an <include> is an error.
+std::optional<Dialect> parse_dialect(std::string_view text, std::string_view name,
+                                     Diagnostics& diagnostics);
 
 }  // namespace cas::mav::xml

@@ -60,7 +60,7 @@ void measure(benchmark::State& state, std::size_t messages, Body body) {
   const auto made = static_cast<double>(allocations.load() - before);
   const auto total = static_cast<double>(state.iterations()) * static_cast<double>(messages);
   state.SetItemsProcessed(static_cast<std::int64_t>(total));
-  // kInvert with a rate gives seconds for each message; printed as ns by the unit prefix.
+  // An inverted rate: seconds for each message.
   state.counters["per_message"] =
       benchmark::Counter(total, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   state.counters["allocations"] = made;
@@ -131,21 +131,31 @@ void receive_hil_sensor(benchmark::State& state) {
   });
 }
 
-/// A second of the simulator's traffic, in miniature: sensors, controls, GPS and telemetry.
+/// The simulator's traffic in miniature: sensors, controls, GPS and telemetry, 64 bytes on average.
 std::span<const std::uint8_t> mixed(std::size_t i, Encoder& encoder) {
+  constexpr float kValue = 0.37F;
   switch (i % 10) {
     case 4:
-      return encoder(
-          common::HilGps{.time_usec = i, .fix_type = 3, .lat = 471234567, .lon = 81234567});
+      return encoder(common::HilGps{.time_usec = i,
+                                    .fix_type = 3,
+                                    .lat = 471234567,
+                                    .lon = 81234567,
+                                    .alt = 488000,
+                                    .cog = 9000,
+                                    .satellites_visible = 12,
+                                    .id = 1,
+                                    .yaw = 9000});
     case 7:
-      return encoder(common::Attitude{.time_boot_ms = 5, .roll = 0.1F, .yawspeed = 0.3F});
+      return encoder(common::Attitude{.time_boot_ms = 5, .roll = kValue, .yawspeed = kValue});
     case 9:
       return encoder(common::Heartbeat{.type = common::MavType::kQuadrotor});
     case 1:
     case 3:
-    case 6:
-    case 8:
-      return encoder(common::HilControls{.time_usec = i, .roll_ailerons = 0.1F, .throttle = 0.5F});
+    case 6: {
+      common::HilActuatorControls controls{.time_usec = i};
+      controls.controls.fill(kValue);
+      return encoder(controls);
+    }
     default:
       return encoder(hil_sensor(i));
   }
@@ -154,6 +164,7 @@ std::span<const std::uint8_t> mixed(std::size_t i, Encoder& encoder) {
 void receive_mixed(benchmark::State& state) {
   const auto stream = stream_of(kStreamMessages, mixed);
   PacketParser parser(common::table());
+  state.counters["bytes_each"] = static_cast<double>(stream.size()) / kStreamMessages;
   measure(state, kStreamMessages, [&] {
     std::size_t packets = 0;
     parser.feed(stream, [&](const PacketView& packet) {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "base/clock.hpp"
+#include "base/rate_gate.hpp"
+#include "fcu/arming_checks.hpp"
+#include "fcu/battery.hpp"
+#include "fcu/commander.hpp"
+#include "fcu/control_cascade.hpp"
+#include "fcu/estimator.hpp"
+#include "fcu/failsafe.hpp"
+#include "fcu/fcu_config.hpp"
+#include "fcu/flight_controller.hpp"
+#include "fcu/outbox.hpp"
+#include "fcu/param_binding.hpp"
+#include "fcu/params.hpp"
+#include "fcu/sensor_monitor.hpp"
+#include "fcu/status_texts.hpp"
+#include "mavlink/common/hil_gps.hpp"
+
+namespace cas::fcu {
+
+/// Sticks from MANUAL_CONTROL or HIL_RC_INPUTS_RAW, with the time they were heard.
+struct ManualInput {
+  Sticks sticks;
+  base::RunTime last;
+  bool seen = false;
+};
+
+/// How rough the ride is, for VIBRATION: deviation of the specific force from its own mean.
+struct VibrationMeter {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d square = Eigen::Vector3d::Zero();
+
+  void update(const Eigen::Vector3d& accel_D) {
+    constexpr double kShare = 0.002;
+    const Eigen::Vector3d off = accel_D - mean;
+    mean += kShare * off;
+    square += kShare * (off.cwiseAbs2() - square);
+  }
+};
+
+/// Everything the parts of the flight controller share. The protocols read and command it; the
+/// flight loop runs it.
+struct FcuCore {
+  FcuCore(const FcuConfig& configuration, FlightController::Sink send)
+      : config(configuration),
+        params(config.vehicle),
+        outbox({config.system_id, config.component_id}, std::move(send)),
+        estimator({}, config.decimal_year),
+        cascade(config.vehicle),
+        commander(texts) {}
+
+  /// Passes changed parameters on to the parts that use them.
+  void apply_params();
+  /// What a flight mode sees now.
+  TaskContext context(base::RunTime now, double dt) const;
+  ArmingInput arming_input(base::RunTime now) const;
+  FailsafeInput failsafe_input(base::RunTime now) const;
+  std::optional<Sticks> sticks(base::RunTime now) const;
+  /// The sensor path: one control step when it is due.
+  void control(base::RunTime now, std::uint64_t time_usec);
+  /// Home is where the vehicle stands.
+  void set_home_here();
+  std::uint32_t time_boot_ms(base::RunTime now) const {
+    return static_cast<std::uint32_t>((now - start).count() / 1'000'000);
+  }
+  std::uint64_t time_boot_us(base::RunTime now) const {
+    return static_cast<std::uint64_t>((now - start).count() / 1000);
+  }
+
+  FcuConfig config;
+  ParamStore params;
+  FlightParams flight;
+  std::uint64_t params_applied = ~0ULL;
+  Outbox outbox;
+  StatusTexts texts;
+  Estimator estimator;
+  ControlCascade cascade;
+  Commander commander;
+  SensorMonitor sensors;
+  Battery battery;
+  VibrationMeter vibration;
+  ManualInput manual_control;
+  ManualInput rc_input;
+  std::optional<mavlink::common::HilGps> last_gps;
+  double last_pressure_hpa = 0;
+  double last_temperature_degc = 0;
+  bool home_set = false;
+  Eigen::Vector3d home_N = Eigen::Vector3d::Zero();
+  double home_yaw_rad = 0;
+  double ground_z = 0;
+  bool ground_station_seen = false;
+  base::RunTime ground_station_last;
+  base::RunTime start;
+  bool started = false;
+  base::RunTime last_imu_at;
+  base::SimTime last_control;
+  bool controlled = false;
+  std::uint64_t position_resets_seen = 0;
+  bool reboot_wanted = false;
+  FlightStatus status;
+  FlightController::HilObserver observer;
+};
+
+}  // namespace cas::fcu

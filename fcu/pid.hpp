@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace cas::fcu {
+
+struct PidGains {
+  double p = 0;
+  double i = 0;  ///< per second
+  double d = 0;  ///< seconds
+  double i_limit = 1e9;
+
+  friend bool operator==(const PidGains&, const PidGains&) = default;
+};
+
+/// Whether an actuator further down can follow no more in a direction.
+struct Saturation {
+  bool up = false;
+  bool down = false;
+};
+
+/// u = p e + integral(i e) - d dm/dt. The derivative is that of the measurement, so that a step of
+/// the set-point gives no kick. The integrator stops where the actuator has stopped, and takes up
+/// what a change of the other gains would make the output jump by.
+class Pid {
+ public:
+  /// Gains for the next update().
+  void set_gains(const PidGains& gains) { next_ = gains; }
+
+  /// @param error             set-point minus measurement
+  /// @param measurement_rate  d(measurement)/dt
+  double update(double error, double measurement_rate, double dt, Saturation saturation = {});
+
+  void reset(double integral = 0) { integral_ = integral; }
+  double integral() const { return integral_; }
+
+ private:
+  void take_gains(double error, double measurement_rate);
+
+  PidGains gains_;
+  PidGains next_;
+  bool started_ = false;
+  double integral_ = 0;
+};
+
+}  // namespace cas::fcu

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "base/clock.hpp"
+#include "base/histogram.hpp"
+#include "base/rate_gate.hpp"
+#include "mavlink/common/hil_gps.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+
+namespace cas::fcu {
+
+struct FcuCore;
+
+/// From HIL_SENSOR and HIL_GPS to the estimator and, when it is due, a control step.
+class SensorInput {
+ public:
+  void on_sensor(const mavlink::common::HilSensor& m, FcuCore& core, base::RunTime now);
+  void on_gps(const mavlink::common::HilGps& m, FcuCore& core, base::RunTime now);
+
+  std::uint64_t stale() const { return stale_; }
+  std::uint64_t missed_controls() const { return missed_controls_; }
+  /// How much later than the promptest one the sensor messages came.
+  const base::Histogram& age() const { return age_; }
+
+ private:
+  void note_age(std::uint64_t time_usec, base::RunTime now);
+  bool accept_time(std::uint64_t time_usec, FcuCore& core);
+  void feed_estimator(const mavlink::common::HilSensor& m, base::SimTime time, FcuCore& core,
+                      base::RunTime now);
+
+  base::RateGate gate_{400};
+  bool gate_set_ = false;
+  std::int64_t last_index_ = -1;
+  std::uint64_t last_usec_ = 0;
+  base::SimTime last_time_{};
+  bool started_ = false;
+  std::int64_t smallest_delay_ns_ = std::numeric_limits<std::int64_t>::max();
+  std::uint64_t stale_ = 0;
+  std::uint64_t missed_controls_ = 0;
+  base::Histogram age_;
+};
+
+}  // namespace cas::fcu

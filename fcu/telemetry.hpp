@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/clock.hpp"
+
+namespace cas::fcu {
+
+struct FcuCore;
+
+/// The messages that stream, each with its own interval.
+class Telemetry {
+ public:
+  Telemetry();
+
+  /// Sends what is due.
+  void update(FcuCore& core, base::RunTime now);
+  /// Sends one message at once. @return false when it is not one of ours
+  bool send_now(std::uint32_t id, FcuCore& core, base::RunTime now, int version);
+  /// SET_MESSAGE_INTERVAL: microseconds, -1 off, 0 default. @return false when not one of ours
+  bool set_interval(std::uint32_t id, double interval_us);
+  /// Microseconds, -1 off; nothing of the kind: 0.
+  std::int32_t interval_us(std::uint32_t id) const;
+  /// Sends HEARTBEAT and EXTENDED_SYS_STATE at the next update (something changed).
+  void hurry() { hurry_ = true; }
+
+ private:
+  using Send = void (*)(FcuCore&, base::RunTime, int version);
+  struct Stream {
+    std::uint32_t id = 0;
+    base::Duration usual{};  // zero: on request only
+    Send send = nullptr;
+    base::Duration interval{};  // zero: off
+    base::RunTime next{};
+  };
+  Stream* find(std::uint32_t id);
+
+  std::vector<Stream> streams_;
+  base::RunTime next_due_{};
+  bool hurry_ = false;
+};
+
+}  // namespace cas::fcu

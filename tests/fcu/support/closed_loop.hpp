@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/geodesy.hpp"
+#include "base/random.hpp"
+#include "fcu/flight_controller.hpp"
+#include "fcu/line_model.hpp"
+#include "mavlink/common/command_ack.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+#include "tests/fcu/support/quad_sim.hpp"
+
+namespace cas::fcu::test {
+
+/// Sensor noise of the harness: deviations of one sample.
+struct SensorNoise {
+  Eigen::Vector3d gyro_rad_s = Eigen::Vector3d(0.67, 0.78, 0.12) * M_PI / 180;
+  Eigen::Vector3d accel_m_s2{0.04, 0.06, 0.07};
+  double gps_m = 0.3;
+  double gps_velocity_m_s = 0.1;
+  double baro_pa = 1.0;
+  double mag_gauss = 0.004;
+  Eigen::Vector3d gyro_bias_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accel_bias_m_s2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mag_bias_gauss = Eigen::Vector3d::Zero();
+  double gps_delay_s = 0;
+};
+
+/// [HILS] Table 1, completed.
+SensorNoise table1_noise();
+/// RTK receiver and data-sheet IMU at 500 Hz.
+SensorNoise rtk_noise();
+
+struct LoopOptions {
+  std::string vehicle = "iris_paper";
+  SensorNoise noise;
+  std::uint64_t seed = 1;
+  double mass_scale = 1;
+  double yaw_rad = 0;
+  double wind_m_s = 0;
+  double turbulence_kt = 0;
+  LineConfig line;         ///< both directions
+  double sensor_loss = 0;  ///< share of HIL_SENSOR packets that never arrive
+  std::function<void(FcuConfig&)> configure;
+};
+
+/// Estimator noise parameters that match a sensor preset, as config/fcu files give them.
+void assume(FcuConfig& config, const SensorNoise& noise);
+
+/// Simulator, line and controller on one virtual clock.
+class ClosedLoop {
+ public:
+  explicit ClosedLoop(const LoopOptions& options);
+
+  /// Advances by whole milliseconds; calls `each` after every step.
+  void run(double seconds, const std::function<void()>& each = {});
+  /// Runs until `condition`, at most so long. @return whether it came true
+  bool run_until(const std::function<bool()>& condition, double at_most_s);
+
+  /// Sends a message to the controller as a ground station, past the line.
+  template <class Message>
+  void send(const Message& message) {
+    mav::PacketBuffer buffer;
+    buffer.size = mav::encode(message, {255, 190}, gcs_sequence_++, buffer.bytes);
+    fcu_->on_packet(mav::view_packet(buffer.view()), now());
+  }
+  /// Sends a COMMAND_LONG. @return the result acknowledged at once
+  mavlink::common::MavResult command(mavlink::common::MavCmd id, std::array<float, 7> params = {});
+
+  bool arm();
+  bool take_off(double height_m);
+  /// Waits for the estimator, arms and climbs; false when something is refused or never comes.
+  bool fly_to_hover(double height_m = 2.5);
+  /// Re-positions in Hold.
+  void go_to(double north_m, double east_m, double up_m, float yaw_rad = NAN);
+
+  FlightController& fcu() { return *fcu_; }
+  QuadSim& quad() { return quad_; }
+  SensorNoise& noise() { return options_.noise; }
+  const QuadSim::State& truth() const { return quad_.state(); }
+  double yaw() const;
+  base::RunTime now() const { return base::RunTime(time_.time_since_epoch()); }
+  double time_s() const { return base::to_seconds(time_); }
+  const base::Geodetic& home() const { return home_; }
+
+  bool gps_on = true, mag_on = true, baro_on = true, imu_on = true;
+
+  /// Packets from the controller of one message, newest last.
+  template <class Message>
+  std::vector<Message> received() const {
+    std::vector<Message> out;
+    for (const auto& packet : from_fcu_) {
+      if (const auto m = mav::decode<Message>(mav::view_packet(packet))) out.push_back(*m);
+    }
+    return out;
+  }
+  void forget_packets() { from_fcu_.clear(); }
+  std::vector<std::string> texts() const;
+  bool said(const std::string& part) const;
+  /// Keeps telemetry for received(); off by default for HIL answers, they are many.
+  bool keep_packets = true;
+  std::uint64_t controls_received = 0;
+
+ private:
+  void sense();
+  void on_fcu_bytes(std::span<const std::uint8_t> bytes);
+  void on_answer(const mav::PacketView& packet);
+  void move_lines();
+  template <class Message>
+  void to_fcu(const Message& message);
+
+  LoopOptions options_;
+  base::Vehicle vehicle_;
+  base::Geodetic home_{47.397742, 8.545594, 488.0};
+  base::LocalProjection projection_;
+  Eigen::Vector3d field_N_;
+  QuadSim quad_;
+  WindModel wind_;
+  base::NormalRandom imu_random_, gps_random_, mag_random_, baro_random_, loss_random_;
+  std::unique_ptr<LineModel> up_, down_;
+  std::unique_ptr<FlightController> fcu_;
+  mav::PacketParser answers_;
+  mav::Encoder sim_encoder_{{1, 200}};
+  base::SimTime time_{};
+  std::int64_t steps_ = 0;
+  Eigen::Vector3d force_before_D_ = Eigen::Vector3d::Zero();
+  std::uint8_t gcs_sequence_ = 0;
+  std::vector<std::vector<std::uint8_t>> from_fcu_;
+  struct LateFix {
+    base::SimTime due;
+    std::vector<std::uint8_t> packet;
+  };
+  std::vector<LateFix> late_fixes_;
+};
+
+}  // namespace cas::fcu::test

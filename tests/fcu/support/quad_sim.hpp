@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "base/random.hpp"
+#include "base/vehicle.hpp"
+
+namespace cas::fcu::test {
+
+/// A small Newton-Euler quadrotor in N and D for tests of the controller: rotor lag, thrust and
+/// drag torque, rotor drag in wind, a flat ground to stand on. Independent of libsim.
+class QuadSim {
+ public:
+  struct State {
+    Eigen::Vector3d p_N = Eigen::Vector3d::Zero();
+    Eigen::Vector3d v_N = Eigen::Vector3d::Zero();
+    Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d w_D = Eigen::Vector3d::Zero();
+    Eigen::Vector4d omega = Eigen::Vector4d::Zero();
+  };
+
+  explicit QuadSim(const base::Vehicle& vehicle, double mass_scale = 1.0, double yaw_rad = 0);
+
+  /// U1 (N), U2, U3, U4 (N m); zero speed when not armed.
+  void command(const Eigen::Vector4d& u, bool armed);
+  void set_wind(const Eigen::Vector3d& wind_N) { wind_N_ = wind_N; }
+  /// Share of its thrust that a rotor still gives.
+  void weaken_rotor(int rotor, double share) { share_[rotor] = share; }
+  /// Puts the vehicle somewhere, in flight.
+  void place(const State& state) { state_ = state; }
+
+  void step(double dt);
+
+  const State& state() const { return state_; }
+  /// Mean specific force over the last step, D, m/s^2.
+  const Eigen::Vector3d& specific_force_D() const { return specific_force_D_; }
+  bool on_ground() const { return on_ground_; }
+  double gravity() const { return kGravity; }
+
+ private:
+  static constexpr double kGravity = 9.80665;
+  struct Rates {
+    Eigen::Vector3d v_N, a_N;
+    Eigen::Vector4d q_dot;
+    Eigen::Vector3d w_dot;
+    Eigen::Vector4d omega_dot;
+  };
+  Rates rates(const State& s) const;
+  void touch_ground();
+
+  base::Vehicle vehicle_;
+  double mass_kg_;
+  Eigen::Vector3d inertia_;
+  Eigen::Matrix4d mixing_;
+  Eigen::Matrix4d mixing_inverse_;
+  State state_;
+  Eigen::Vector4d omega_command_ = Eigen::Vector4d::Zero();
+  Eigen::Vector4d share_ = Eigen::Vector4d::Ones();
+  Eigen::Vector3d wind_N_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specific_force_D_{0, 0, -kGravity};
+  bool on_ground_ = true;
+};
+
+/// Light low-altitude turbulence after MIL-F-8785C (Dryden) at a fixed height, plus a mean wind.
+class WindModel {
+ public:
+  /// @param mean_m_s     mean wind at 20 ft, blowing towards north
+  /// @param intensity_kt W20 of the turbulence: 15 kt is light
+  WindModel(double mean_m_s, double intensity_kt, double height_m, std::uint64_t seed);
+  Eigen::Vector3d step(double dt);
+
+ private:
+  double mean_m_s_;
+  Eigen::Vector3d sigma_, rate_;
+  Eigen::Vector3d state_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d second_ = Eigen::Vector3d::Zero();
+  base::NormalRandom random_;
+};
+
+}  // namespace cas::fcu::test

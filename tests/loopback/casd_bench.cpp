@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/loopback/casd_bench.hpp"
+
+#include <stdexcept>
+
+namespace cas::test {
+
+const char* const kHilTopology = R"(schema: 1
+links:
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
+  - {name: fcu, type: serial, device: "$FCU", baud: 921600}
+routes:
+  - {from: sim, to: fcu, allow: [HEARTBEAT, HIL_SENSOR, HIL_GPS]}
+  - {from: fcu, to: sim, allow: [HEARTBEAT, HIL_CONTROLS]}
+)";
+
+mavlink::common::HilSensor hil_sensor(std::uint64_t number) {
+  mavlink::common::HilSensor message;
+  message.time_usec = number;
+  message.zacc = -9.8F;
+  message.temperature = 20.0F;
+  return message;
+}
+
+mavlink::common::HilControls hil_controls(std::uint64_t number) {
+  mavlink::common::HilControls message;
+  message.time_usec = number;
+  message.throttle = 0.5F;
+  return message;
+}
+
+mavlink::common::HilGps hil_gps(std::uint64_t number) {
+  mavlink::common::HilGps message;
+  message.time_usec = number;
+  message.satellites_visible = 10;
+  return message;
+}
+
+std::vector<std::uint64_t> numbers(const PacketStream& stream, std::uint32_t message_id) {
+  std::vector<std::uint64_t> found;
+  for (const PacketStream::Packet& packet : const_cast<PacketStream&>(stream).packets()) {
+    if (packet.message_id != message_id) continue;
+    std::uint64_t number = 0;  // time_usec is the first field of the HIL messages
+    const auto payload = packet.view().payload;
+    for (std::size_t i = 0; i < 8 && i < payload.size(); ++i) {
+      number |= std::uint64_t{payload[i]} << 8 * i;
+    }
+    found.push_back(number);
+  }
+  return found;
+}
+
+CasdBench::CasdBench() : fcu(folder / "fcu0") {}
+
+void CasdBench::start(const std::string& yaml) {
+  links_ = std::make_unique<casd::LinkSet>(parse(yaml));
+  links_->start();
+  if (!wait_until([&] { return links_->settled(); })) throw std::runtime_error("links hang");
+  for (const auto& link : links_->monitor().links()) {
+    if (link.name == "sim" && link.state == casd::LinkState::kUp) sim.set_remote(port("sim"));
+  }
+}
+
+std::string CasdBench::expand(std::string yaml) const {
+  const auto replace = [&](const std::string& word, const std::string& by) {
+    for (std::size_t at = yaml.find(word); at != std::string::npos; at = yaml.find(word)) {
+      yaml.replace(at, word.size(), by);
+    }
+  };
+  replace("$SIM", sim.endpoint());
+  replace("$FCU", (folder / "fcu0").string());
+  replace("$DIR", folder.path().string());
+  return yaml;
+}
+
+casd::Topology CasdBench::parse(const std::string& yaml) const {
+  return casd::Topology::parse(base::ConfigNode::parse(expand(yaml)));
+}
+
+casd::LinkStatus CasdBench::status(const std::string& link) const {
+  for (const casd::LinkStatus& status : links_->monitor().links()) {
+    if (status.name == link) return status;
+  }
+  throw std::runtime_error("no link " + link);
+}
+
+std::uint16_t CasdBench::port(const std::string& link) const {
+  return port_of(status(link).endpoint);
+}
+
+void CasdBench::collect() {
+  sim.read(at_sim);
+  fcu.read(at_fcu);
+}
+
+}  // namespace cas::test

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "tests/loopback/casd_bench.hpp"
+
+namespace cas::test {
+namespace {
+
+std::vector<std::uint64_t> one_to(std::uint64_t last) {
+  std::vector<std::uint64_t> all(last);
+  std::iota(all.begin(), all.end(), std::uint64_t{1});
+  return all;
+}
+
+class CasdForwarding : public testing::TestWithParam<const char*> {
+ protected:
+  std::string topology() const {
+    return std::string("threads: ") + GetParam() + "\n" + kHilTopology;
+  }
+  CasdBench bench;
+};
+
+TEST_P(CasdForwarding, CarriesTheHilStreamsBothWaysAsTheyCame) {
+  bench.start(topology());
+  constexpr std::uint64_t kPackets = 300;
+  std::vector<std::vector<std::uint8_t>> sent;
+  for (std::uint64_t i = 1; i <= kPackets; ++i) {
+    const auto sensor = bench.from_sim(hil_sensor(i));
+    sent.emplace_back(sensor.begin(), sensor.end());
+    bench.sim.send(sensor);
+    bench.fcu.write(bench.from_fcu(hil_controls(i)));
+    // Never more on its way than the line carries within the age limit.
+    ASSERT_TRUE(bench.collect_until([&] {
+      return bench.at_fcu.count(kHilSensor) == i && bench.at_sim.count(kHilControls) == i;
+    })) << i;
+  }
+  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor), one_to(kPackets));
+  EXPECT_EQ(numbers(bench.at_sim, kHilControls), one_to(kPackets));
+  for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(bench.at_fcu.packets()[i].bytes, sent[i]);
+  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
+  EXPECT_EQ(bench.status("sim").rx.lost, 0U);
+  EXPECT_EQ(bench.status("fcu").tx.packets, kPackets);
+}
+
+TEST_P(CasdForwarding, LetsOnlyWhatTheRouteAllowsPass) {
+  bench.start(topology());
+  mavlink::common::Attitude attitude;
+  attitude.roll = 0.1F;
+  bench.fcu.write(bench.from_fcu(attitude));
+  bench.fcu.write(bench.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 1; }));
+  EXPECT_EQ(bench.at_sim.packets().size(), 1U);
+}
+
+TEST_P(CasdForwarding, FindsPacketsBetweenGarbageAndHalfPackets) {
+  bench.start(topology());
+  const auto whole = bench.from_fcu(hil_controls(7));
+  std::vector<std::uint8_t> bytes{0xFD, 0x00, 0x55, 0xFE, 0xFD};
+  bytes.insert(bytes.end(), whole.begin(), whole.begin() + 20);  // cut short
+  bytes.insert(bytes.end(), whole.begin(), whole.end());
+  bench.fcu.write(bytes);
+  // What follows disproves the half packet's claim to the bytes after it.
+  const auto next = bench.from_fcu(hil_controls(8));
+  for (int i = 0; i < 6; ++i) bench.fcu.write(next);
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) >= 2; }));
+  EXPECT_EQ(numbers(bench.at_sim, kHilControls).front(), 7U);
+  EXPECT_EQ(bench.at_sim.garbage(), 0U);
+
+  // A datagram with a half packet takes nothing from the next one.
+  const auto sensor = bench.from_sim(hil_sensor(1));
+  bench.sim.send(sensor.first(30));
+  bench.sim.send(bench.from_sim(hil_sensor(2)));
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor).front(), 2U);
+}
+
+TEST_P(CasdForwarding, WritesTheFlightLog) {
+  bench.start(topology());
+  const auto file = bench.folder / "flight.tlog";
+  bench.links().tlog().start(file);
+  const auto packet = bench.from_sim(hil_sensor(1));
+  bench.sim.send(packet);
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  bench.links().tlog().stop();
+  EXPECT_EQ(std::filesystem::file_size(file), 8 + packet.size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, CasdForwarding, testing::Values("per_link", "single", "blocking"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(CasdLine, IsPacedToItsRateAndDropsOnlyWhatIsTooOld) {
+  CasdBench bench;
+  bench.start(R"(schema: 1
+links:
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
+  - {name: fcu, type: serial, device: "$FCU", baud: 115200}
+)");
+  // 100 packets at once: 7.7 kB are 0.67 s of this line, far beyond the age limit of 25 ms.
+  constexpr std::uint64_t kPackets = 100;
+  for (std::uint64_t i = 1; i <= kPackets; ++i) bench.sim.send(bench.from_sim(hil_sensor(i)));
+  bench.sim.send(bench.from_sim(mavlink::common::CommandLong{}));
+  ASSERT_TRUE(bench.collect_until([&] {
+    return bench.at_fcu.count(mavlink::common::CommandLong::kId) == 1 &&
+           bench.status("fcu").tx.queued == 0;
+  }));
+  const auto status = bench.status("fcu");
+  const auto aged = status.tx.dropped[static_cast<std::size_t>(casd::DropCause::kAge)];
+  EXPECT_GT(aged, 0U);
+  EXPECT_EQ(bench.at_fcu.count(kHilSensor) + aged, kPackets);
+  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
+}
+
+TEST(CasdLine, FinishesEveryPacketItBegan) {
+  CasdBench bench;
+  bench.start(R"(schema: 1
+links:
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
+  - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}
+)");
+  // The controller does not read: the line fills up in the middle of a packet.
+  constexpr std::uint64_t kPackets = 3000;
+  for (std::uint64_t i = 1; i <= kPackets; ++i) {
+    bench.sim.send(bench.from_sim(hil_sensor(i)));
+    if (i % 50 == 0) {
+      ASSERT_TRUE(wait_until([&] { return bench.status("sim").rx.packets == i; }));
+    }
+  }
+  EXPECT_GT(bench.status("fcu").tx.queued, 0U);
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == kPackets; }));
+  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor), one_to(kPackets));
+  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
+}
+
+}  // namespace
+}  // namespace cas::test

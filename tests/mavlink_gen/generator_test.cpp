@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+
+#include "mavlink_gen/generator/cpp_writer.hpp"
+#include "mavlink_gen/generator/diff.hpp"
+#include "mavlink_gen/generator/docs.hpp"
+#include "mavlink_gen/generator/json.hpp"
+#include "mavlink_gen/generator/naming.hpp"
+#include "mavlink_gen/generator/output_files.hpp"
+#include "mavlink_gen/generator/subset.hpp"
+#include "mavlink_gen/parser/dialect_loader.hpp"
+#include "tests/mavlink_gen/temporary_folder.hpp"
+
+namespace {
+
+using namespace cas::mav;
+using test::TemporaryFolder;
+
+const std::string kDialects = CAS_SOURCE_DIR "/tests/mavlink_gen/dialects/";
+const std::string kCommon = CAS_SOURCE_DIR "/mavlink_gen/dialects/common.xml";
+
+xml::Dialect load(const std::string& file) {
+  xml::Diagnostics diagnostics;
+  auto dialect = xml::load_dialect(file, diagnostics);
+  EXPECT_EQ(diagnostics.error_count(), 0U) << diagnostics.render();
+  return dialect.value_or(xml::Dialect{});
+}
+
+struct Outcome {
+  int code{};
+  std::string output;  // of both streams
+};
+
+Outcome run(const std::string& arguments) {
+  const std::string command = std::string(CAS_MAVLINK_GEN) + ' ' + arguments + " 2>&1";
+  Outcome outcome;
+  auto* pipe = ::popen(command.c_str(), "r");
+  char buffer[4096];
+  for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
+    outcome.output.append(buffer, n);
+  }
+  outcome.code = WEXITSTATUS(::pclose(pipe));
+  return outcome;
+}
+
+struct NameCase {
+  const char* enum_name;
+  const char* entry;
+  const char* enumerator;
+};
+
+TEST(Naming, EntriesLoseTheWordsTheyShareWithTheirEnum) {
+  for (const auto& [enum_name, entry, enumerator] : {
+           NameCase{"MAV_CMD", "MAV_CMD_NAV_TAKEOFF", "kNavTakeoff"},
+           NameCase{"MAV_COMPONENT", "MAV_COMP_ID_AUTOPILOT1", "kCompIdAutopilot1"},
+           NameCase{"HIL_SENSOR_UPDATED_FLAGS", "HIL_SENSOR_UPDATED_XACC", "kXacc"},
+           NameCase{"GPS_FIX_TYPE", "GPS_FIX_TYPE_3D_FIX", "k3dFix"},
+           NameCase{"A", "A", "kA"},
+           NameCase{"A_B", "A_B", "kB"},
+           NameCase{"A", "A_1_2", "k1_2"},
+       }) {
+    xml::Enum item;
+    item.name = enum_name;
+    item.entries.resize(1);
+    item.entries[0].name = entry;
+    EXPECT_EQ(gen::Names::enumerators(item).front(), enumerator) << entry;
+  }
+}
+
+TEST(Naming, PascalCaseKeepsDigitsApart) {
+  EXPECT_EQ(gen::pascal_case("HIL_SENSOR"), "HilSensor");
+  EXPECT_EQ(gen::pascal_case("GPS2_RAW"), "Gps2Raw");
+  EXPECT_EQ(gen::pascal_case("PART_1_2"), "Part1_2");
+}
+
+TEST(OutputFiles, UnchangedFilesAreNotTouched) {
+  const TemporaryFolder folder;
+  const gen::Files files{{"a/b.hpp", "text"}};
+  ASSERT_EQ(gen::write_files(folder.path(), files), "");
+  const auto time_of = [&] {
+    struct stat status {};
+    ::stat((folder.path() / "a/b.hpp").c_str(), &status);
+    return std::pair(status.st_ino, status.st_mtim.tv_nsec);
+  };
+  const auto before = time_of();
+  ASSERT_EQ(gen::write_files(folder.path(), files), "");
+  EXPECT_EQ(time_of(), before);
+  ASSERT_EQ(gen::write_files(folder.path(), {{"a/b.hpp", "other"}}), "");
+  EXPECT_EQ(TemporaryFolder::read(folder.path() / "a/b.hpp"), "other");
+}
+
+TEST(OutputFiles, FolderThatCannotBeMadeIsASentence) {
+  EXPECT_NE(gen::write_files("/proc/no/such", {{"a", "b"}}), "");
+}
+
+TEST(CppWriter, SameInputGivesTheSameBytes) {
+  EXPECT_EQ(gen::write_cpp(load(kCommon), "common"), gen::write_cpp(load(kCommon), "common"));
+}
+
+TEST(Subset, KeepsTheMessagesNamedAndWhatTheyUse) {
+  auto dialect = load(kCommon);
+  ASSERT_EQ(gen::keep_only(dialect, {"HEARTBEAT", "COMMAND_LONG"}), "");
+  EXPECT_EQ(dialect.messages.size(), 2U);
+  EXPECT_NE(dialect.find_enum("MAV_TYPE"), nullptr);
+  EXPECT_NE(dialect.find_enum("MAV_CMD"), nullptr);
+  EXPECT_NE(dialect.find_enum("MAV_VTOL_STATE"), nullptr) << "a parameter of a command uses it";
+  EXPECT_EQ(dialect.find_enum("MAV_SEVERITY"), nullptr);
+  EXPECT_NE(gen::keep_only(dialect, {"HEARTBEET"}).find("did you mean HEARTBEAT?"),
+            std::string::npos);
+}
+
+TEST(Json, HoldsEveryFactOfTheDialect) {
+  const auto json = nlohmann::json::parse(gen::write_json(load(kDialects + "every_construct.xml")));
+  EXPECT_EQ(json["schema"], 1);
+  EXPECT_EQ(json["dialect"], "every_construct");
+  EXPECT_EQ(json["version"], 9);
+  const auto& last = json["messages"].back();
+  EXPECT_EQ(last["id"], 16777215);
+  EXPECT_EQ(last["fields"].size(), 23U);
+  EXPECT_EQ(last["fields"][3]["units"], "cm/s");
+}
+
+TEST(Docs, ShowFieldsEnumsAndParameters) {
+  const auto page = gen::write_docs(load(kDialects + "every_construct.xml"));
+  EXPECT_NE(page.find("CRANE\\_STATUS (201)"), std::string::npos);
+  EXPECT_NE(page.find("Deprecated since 2026-01, use ALL\\_TYPES."), std::string::npos);
+  EXPECT_NE(page.find("1: Mass (kg)"), std::string::npos);
+  EXPECT_EQ(page.find("<markup>"), std::string::npos) << "text must not become HTML";
+}
+
+// --- diff ----------------------------------------------------------------------------------------
+
+struct ChangeCase {
+  const char* name;
+  const char* from;  // replaced in the dialect below
+  const char* to;
+  gen::Impact impact;
+  const char* text;
+};
+
+const std::string kBefore = R"(<mavlink><enums><enum name="E">
+<entry value="1" name="E_ONE"/><entry value="2" name="E_TWO"/></enum></enums>
+<messages><message id="7" name="M"><field type="uint16_t" name="a" units="m"/>
+<field type="uint8_t" name="b" enum="E"/><extensions/><field type="uint8_t" name="x"/>
+</message></messages></mavlink>)";
+
+void PrintTo(const ChangeCase& change, std::ostream* out) { *out << change.name; }
+
+class Diff : public testing::TestWithParam<ChangeCase> {};
+
+TEST_P(Diff, SaysWhatAChangeDoes) {
+  const auto& [name, from, to, impact, text] = GetParam();
+  auto changed = kBefore;
+  const auto at = changed.find(from);
+  ASSERT_NE(at, std::string::npos);
+  changed.replace(at, std::string(from).size(), to);
+  const TemporaryFolder folder;
+  const auto changes = gen::compare(load(folder.write("a.xml", kBefore).string()),
+                                    load(folder.write("b.xml", changed).string()));
+  ASSERT_FALSE(changes.empty());
+  EXPECT_EQ(changes.front().impact, impact) << gen::render(changes);
+  EXPECT_NE(gen::render(changes).find(text), std::string::npos) << gen::render(changes);
+}
+
+using gen::Impact;
+INSTANTIATE_TEST_SUITE_P(
+    Changes, Diff,
+    testing::Values(
+        ChangeCase{"IdChanged", "id=\"7\"", "id=\"8\"", Impact::kBreaks, "id 7 became 8"},
+        ChangeCase{"MessageRenamed", "name=\"M\"", "name=\"N\"", Impact::kBreaks, "M: removed"},
+        ChangeCase{"TypeChanged", "uint16_t", "int16_t", Impact::kBreaks,
+                   "was uint16_t, is int16_t"},
+        ChangeCase{"FieldRenamed", "name=\"a\"", "name=\"c\"", Impact::kBreaks, "field a removed"},
+        ChangeCase{"FieldAdded", "<extensions/>", "<field type=\"float\" name=\"n\"/><extensions/>",
+                   Impact::kBreaks, "field n added"},
+        ChangeCase{"ExtensionInFront", "<extensions/>",
+                   "<extensions/><field type=\"float\" name=\"n\"/>", Impact::kBreaks,
+                   "moved from byte 3 to 7"},
+        ChangeCase{"ExtensionBecomesBase", "<extensions/>", "", Impact::kBreaks,
+                   "is no extension any more"},
+        ChangeCase{"ExtensionAtTheEnd", "\n</message>",
+                   "<field type=\"float\" name=\"n\"/></message>", Impact::kCompatible,
+                   "extension n added"},
+        ChangeCase{"UnitChanged", "units=\"m\"", "units=\"mm\"", Impact::kMeaning,
+                   "unit of a was 'm', is 'mm'"},
+        ChangeCase{"ValueChanged", "value=\"2\"", "value=\"3\"", Impact::kMeaning,
+                   "E_TWO was 2, is 3"},
+        ChangeCase{"EntryRenamed", "E_TWO", "E_ZWEI", Impact::kSource, "renamed to E_ZWEI"},
+        ChangeCase{"EntryRemoved", "<entry value=\"2\" name=\"E_TWO\"/>", "", Impact::kSource,
+                   "E_TWO removed"},
+        ChangeCase{"EntryAdded", "</enum>", "<entry value=\"9\" name=\"E_NINE\"/></enum>",
+                   Impact::kCompatible, "E_NINE added"},
+        ChangeCase{
+            "MessageAdded", "</messages>",
+            "<message id=\"8\" name=\"N\"><field type=\"char\" name=\"a\"/></message></messages>",
+            Impact::kCompatible, "N: added"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Diff, SameDialectHasNoChange) {
+  EXPECT_TRUE(gen::compare(load(kCommon), load(kCommon)).empty());
+}
+
+// --- the program ---------------------------------------------------------------------------------
+
+TEST(Program, ExitCodesSayWhatHappened) {
+  const TemporaryFolder folder;
+  const auto good = folder.write("good.xml", kBefore).string();
+  const auto bad = folder.write("bad.xml", "<mavlink><messages><x/></messages></mavlink>").string();
+  auto changed_text = kBefore;
+  changed_text.replace(changed_text.find("uint16_t"), 8, "uint32_t");
+  const auto changed = folder.write("changed.xml", changed_text).string();
+  const auto out = (folder.path() / "out").string();
+  EXPECT_EQ(run("check " + good).code, 0);
+  EXPECT_EQ(run("check " + bad).code, 1);
+  EXPECT_EQ(run("check").code, 2);
+  EXPECT_EQ(run("frobnicate").code, 2);
+  EXPECT_EQ(run("generate --out /proc/nowhere " + good).code, 3);
+  EXPECT_EQ(run("diff " + good + ' ' + changed).code, 4);
+  EXPECT_EQ(run("diff " + good + ' ' + good).code, 0);
+  EXPECT_EQ(run("generate --out " + out + ' ' + good).code, 0);
+  EXPECT_EQ(run("--version").code, 0);
+}
+
+TEST(Program, FaultyInputWritesNothing) {
+  const TemporaryFolder folder;
+  const auto bad = folder.write("bad.xml", "<mavlink><messages><x/></messages></mavlink>").string();
+  const auto out = folder.path() / "out";
+  const auto outcome = run("generate --out " + out.string() + ' ' + bad);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.output.find("bad.xml:1:20: error: <x> is not allowed in <messages>"),
+            std::string::npos)
+      << outcome.output;
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Program, StrictTakesWarningsForErrors) {
+  const TemporaryFolder folder;
+  const auto file =
+      folder.write("w.xml", "<mavlink><enums><enum name=\"E\" colour=\"red\"/></enums></mavlink>");
+  EXPECT_EQ(run("check " + file.string()).code, 0);
+  EXPECT_EQ(run("check --strict " + file.string()).code, 1);
+}
+
+}  // namespace

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+
+#include "mavlink/common/all.hpp"
+#include "mavlink/common/enum_text.hpp"
+#include "mavlink/every_construct/all.hpp"
+#include "mavlink/every_construct/enum_text.hpp"
+#include "mavlink/nasty_names/all.hpp"
+#include "mavlink/nasty_names/enum_text.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/runtime/print.hpp"
+
+namespace {
+
+using namespace cas::mav;
+namespace every = mavlink::every_construct;
+namespace nasty = mavlink::nasty_names;
+
+TEST(TestDialects, SeveralDialectsLiveInOneProgram) {
+  EXPECT_EQ(every::table().all().size(), 3U);
+  EXPECT_EQ(nasty::table().all().size(), 12U);
+  EXPECT_EQ(mavlink::common::table().all().size(), 90U);
+}
+
+TEST(TestDialects, EveryTypeSurvivesARoundTrip) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 200; ++i) {
+    std::array<std::uint8_t, every::AllTypes::kMaxLength> payload;
+    for (auto& byte : payload) byte = static_cast<std::uint8_t>(random());
+    const auto message = every::AllTypes::unpack(payload.data());
+    PacketBuffer buffer;
+    buffer.size = encode(message, {1, 1}, 0, buffer.bytes);
+    PacketParser parser(every::table());
+    int packets = 0;
+    parser.feed(buffer.view(), [&](const PacketView& packet) {
+      ++packets;
+      std::array<std::uint8_t, every::AllTypes::kMaxLength> again;
+      decode<every::AllTypes>(packet)->pack(again.data());
+      EXPECT_EQ(again, payload);
+    });
+    EXPECT_EQ(packets, 1);
+  }
+}
+
+TEST(TestDialects, ConstantIsFilledByTheEncoder) {
+  PacketBuffer buffer;
+  buffer.size = encode(every::CraneBeat{.protocol = 99}, {1, 1}, 0, buffer.bytes);
+  EXPECT_EQ(decode<every::CraneBeat>(view_packet(buffer.view()))->protocol, 7);
+}
+
+TEST(TestDialects, EnumOnANarrowFieldKeepsTheFieldsBits) {
+  every::CraneStatus status{.narrow = static_cast<every::WideFlags>(0xFFFF'FFFF'1234)};
+  PacketBuffer buffer;
+  buffer.size = encode(status, {1, 1}, 0, buffer.bytes);
+  EXPECT_EQ(decode<every::CraneStatus>(view_packet(buffer.view()))->narrow,
+            static_cast<every::WideFlags>(0x1234));
+}
+
+TEST(TestDialects, EnumsHaveTheWidthOfTheirValues) {
+  static_assert(std::is_same_v<std::underlying_type_t<every::Numbers>, std::int64_t>);
+  static_assert(std::is_same_v<std::underlying_type_t<every::WideFlags>, std::uint64_t>);
+  static_assert(std::is_same_v<std::underlying_type_t<every::CraneState>, std::uint16_t>);
+  static_assert(std::is_same_v<std::underlying_type_t<every::SmallFlags>, std::uint8_t>);
+  static_assert(every::Numbers::kNegative == static_cast<every::Numbers>(-5));
+  EXPECT_EQ(name_of(every::Numbers::kNegative), "NUMBERS_NEGATIVE");
+  EXPECT_EQ(value_of<every::WideFlags>("WIDE_FLAGS_ALL"), every::WideFlags::kAll);
+}
+
+TEST(TestDialects, CollidingNamesGetAnUnderscore) {
+  nasty::Namespace message;
+  message.class_ = nasty::Class::kNamespace | nasty::Class::kClass;
+  message.errno_ = 3;
+  message.NULL_ = 4;
+  EXPECT_TRUE(has(message.class_, nasty::Class::kClass));
+  EXPECT_EQ(nasty::Namespace::kFields[0].name, "class");
+  nasty::Std other{.out = 1, .in = 2, .message = 3, .value = 4};
+  other.set_speed_m_s_(2.5);
+  EXPECT_EQ(other.speed, 250);
+  EXPECT_DOUBLE_EQ(other.speed_m_s_(), 2.5);
+  EXPECT_EQ(other.speed_m_s, 0);
+  PacketBuffer buffer;
+  buffer.size = encode(other, {1, 1}, 0, buffer.bytes);
+  EXPECT_EQ(*decode<nasty::Std>(view_packet(buffer.view())), other);
+}
+
+TEST(TestDialects, NastyMessagesPrint) {
+  std::string out;
+  write_json(nasty::Namespace{}, [&](std::string_view piece) { out += piece; });
+  EXPECT_NE(out.find("\"operator\":0"), std::string::npos);
+}
+
+}  // namespace

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+
+/// A program under test, with a notify socket of its own and its output in a file. It ends with the
+/// object.
+class ChildProcess {
+ public:
+  /// @param command  program and arguments
+  explicit ChildProcess(const std::vector<std::string>& command);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// Waits for READY=1. @return its STATUS; nothing at the deadline or when the program has ended
+  std::optional<std::string> wait_ready(base::Duration patience = kPatience);
+  void signal(int number);
+  /// Waits for the end. @return the exit code, 128 + signal, or nothing at the deadline
+  std::optional<int> wait_exit(base::Duration patience = kPatience);
+  /// Standard output and error so far.
+  std::string output() const;
+  pid_t pid() const { return pid_; }
+
+ private:
+  bool ended();
+
+  TemporaryFolder folder_;
+  int notify_fd_ = -1;
+  pid_t pid_ = -1;
+  std::optional<int> exit_code_;
+};
+
+}  // namespace cas::test

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "tests/support/packet_stream.hpp"
+
+namespace cas::test {
+
+/// A UDP socket on a free port of 127.0.0.1 that plays simulator or ground station.
+class UdpPeer {
+ public:
+  UdpPeer();
+  ~UdpPeer();
+  UdpPeer(const UdpPeer&) = delete;
+  UdpPeer& operator=(const UdpPeer&) = delete;
+
+  std::uint16_t port() const { return port_; }
+  /// "127.0.0.1:PORT".
+  std::string endpoint() const;
+  /// Where packets go from now on.
+  void set_remote(std::uint16_t port) { remote_ = port; }
+  void send(std::span<const std::uint8_t> bytes);
+  /// Reads what has come so far. @return datagrams read
+  std::size_t read(PacketStream& into);
+
+ private:
+  int fd_ = -1;
+  std::uint16_t port_ = 0;
+  std::uint16_t remote_ = 0;
+};
+
+/// A port of 127.0.0.1 that was free a moment ago, for the rare test that must name one.
+std::uint16_t free_udp_port();
+/// Port of "127.0.0.1:14550".
+std::uint16_t port_of(const std::string& endpoint);
+
+}  // namespace cas::test
