@@ -72,7 +72,8 @@ class CAS_BASE_EXPORT ConfigNode {
 
   /// Throws for the first key below this node that nobody asked for.
   void reject_unused() const;
-  /// Marks this node and all below it as used (for blocks that another program reads).
+  /// For a block that another program or plugin reads: reject_unused() of the nodes above passes
+  /// it by; its own reader's reject_unused() still checks it.
   void mark_used() const;
 
   /// @throws ConfigError "FILE:LINE: key.path: sentence"
@@ -83,7 +84,7 @@ class CAS_BASE_EXPORT ConfigNode {
   std::filesystem::path file() const;  ///< as given to load()
   std::filesystem::path resolve(
       std::string_view relative) const;  ///< relative to the file's folder
-  std::string dump() const;              ///< this subtree as YAML text
+  std::string dump() const;              ///< this subtree as YAML text, without defaults behind it
 
  private:
   struct Impl;

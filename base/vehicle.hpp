@@ -34,9 +34,9 @@ struct RotorParams {
   double radius_m = 0;
   double drag_coefficient = 0;            ///< in-plane drag, N s^2/m per rad/s of |omega| (lambda)
   double rolling_moment_coefficient = 0;  ///< N m s^2/m per rad/s
-  double zero_thrust_speed_m_s = 0;    ///< axial airspeed at which thrust has faded to zero
-  double reference_density_kg_m3 = 0;  ///< air in which k_f and k_m hold; 0: in any air
-  double ground_effect = 0;            ///< share of Cheeseman and Bennett's thrust gain, 0..1
+  double zero_thrust_speed_m_s = 0;       ///< axial airspeed at which thrust has faded to zero
+  double reference_density_kg_m3 = 0;     ///< air in which k_f and k_m hold; 0: in any air
+  double ground_effect = 0;               ///< share of Cheeseman and Bennett's thrust gain, 0..1
 };
 
 /// Full scales of HIL_CONTROLS: what +-1 (roll, pitch, yaw) and 1 (throttle) stand for.
@@ -69,7 +69,7 @@ struct CAS_BASE_EXPORT Vehicle {
   double body_drag_linear_n_s_m = 0;     ///< fuselage drag per m/s
   std::optional<BatteryParams> battery;  ///< nothing: the voltage never changes
   std::uint8_t system_id = 1;
-  ConfigNode sensors = ConfigNode::empty();  ///< sensor presets by plugin name, as maps
+  ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_presets()
 
   static Vehicle load(const std::filesystem::path& file);
 
@@ -77,5 +77,10 @@ struct CAS_BASE_EXPORT Vehicle {
   /// (3).
   Eigen::Matrix4d mixing_matrix() const;
 };
+
+/// Parameters of the sensor plugins, a map by plugin name. `node` is that map, or the name of a
+/// shipped set ("rtk": sensors/rtk.yaml), or a file of that form.
+/// @throws ConfigError when there is no such set
+CAS_BASE_EXPORT ConfigNode sensor_presets(const ConfigNode& node);
 
 }  // namespace cas::base

@@ -97,6 +97,12 @@ YAML::Node route(const char* from, const char* to) {
   return node;
 }
 
+/// The rate that casd is told: none for USB, which has no bit rate that a sender could keep to.
+int serial_baud(const Scenario& scenario) {
+  const fcu::LineConfig line = fcu::LineConfig::parse(scenario.line);
+  return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
+}
+
 YAML::Node casd_links(const Scenario& scenario, const RunPlaces& places) {
   YAML::Node simulator;
   simulator["name"] = "sim";
@@ -107,7 +113,7 @@ YAML::Node casd_links(const Scenario& scenario, const RunPlaces& places) {
   controller["name"] = "fcu";
   controller["type"] = "serial";
   controller["device"] = full_path(places.sockets) + "/fcu0";  // the link, not what it points to
-  controller["baud"] = static_cast<int>(fcu::LineConfig::parse(scenario.line).baud);
+  controller["baud"] = serial_baud(scenario);
   YAML::Node links;
   links.push_back(simulator);
   links.push_back(controller);

@@ -12,12 +12,15 @@
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
 #include "hils/direct_run.hpp"
+#include "hils/html_report.hpp"
 #include "hils/judgement.hpp"
 #include "hils/measurement.hpp"
 #include "hils/report.hpp"
+#include "hils/run_plots.hpp"
 #include "hils/scenario.hpp"
 #include "hils/supervisor.hpp"
 #include "hils/tcas_run.hpp"
+#include "hils/version.hpp"
 
 namespace {
 
@@ -42,6 +45,19 @@ RunRecord fly(const Scenario& scenario, Architecture architecture, std::uint64_t
   return run_tcas(scenario, seed, out);
 }
 
+void write_results(const Scenario& scenario, const RunRecord& record, const Measurement& figures,
+                   const Verdict& verdict, const std::filesystem::path& out) {
+  write_text(out / "summary.json", summary_json(figures, verdict));
+  write_text(out / "junit.xml", junit_report(figures, verdict));
+  const auto plots = run_plots(scenario, record, figures);
+  std::filesystem::create_directories(out / "plots");
+  for (const auto& [name, plot] : plots) write_text(out / "plots" / (name + ".svg"), to_svg(plot));
+  write_text(out / "report.html",
+             html_report(figures, verdict, plots,
+                         {scenario.file, scenario.vehicle, out / "run" / "hilsim.yaml",
+                          out / "run" / "casd.yaml", out / "run" / "fcu.yaml"}));
+}
+
 int run(const RunFlags& flags) {
   const Scenario scenario = Scenario::load(base::find_config(flags.scenario));
   const Architecture architecture =
@@ -53,7 +69,7 @@ int run(const RunFlags& flags) {
   const RunRecord record = fly(scenario, architecture, seed, out);
   const Measurement figures = measure(scenario, architecture, seed, record);
   const Verdict verdict = judge(figures, scenario.limits);
-  write_text(out / "summary.json", summary_json(figures, verdict));
+  write_results(scenario, record, figures, verdict, out);
   fmt::print("{}\nResults: {}\n", text_report(figures, verdict), flags.out);
   return verdict.exit_code();
 }
@@ -78,7 +94,7 @@ int guarded(const RunFlags& flags) {
 
 int main(int argc, char** argv) {
   CLI::App app{"Flies experiments with a controller in the loop, measures and judges them"};
-  app.set_version_flag("--version", CAS_VERSION);
+  app.set_version_flag("--version", std::string(kVersion));
   app.require_subcommand(1);
   std::string log_level = "warn";
   app.add_option("--log-level", log_level, "debug, info, warn, error or off");

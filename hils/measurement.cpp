@@ -31,12 +31,6 @@ StreamWindow window_of(const Stage& hold) {
   return {.begin_usec = base::to_time_usec(hold.begin), .end_usec = base::to_time_usec(hold.end)};
 }
 
-bool controls_in_outputs(const RunRecord& record) {
-  return std::ranges::any_of(record.controller, [](const base::LedgerEntry& entry) {
-    return entry.message_id == HilActuatorControls::kId;
-  });
-}
-
 /// The reference in the axes of truth.csv: the plan's places count from where the vehicle stood.
 Pose reference_in_truth(const Stage& hold, std::span<const PoseSample> truth) {
   Pose start;
@@ -71,8 +65,7 @@ void measure_hold(const RunRecord& record, std::uint8_t system, Measurement& fig
 }
 
 void measure_stream(const Scenario& scenario, const RunRecord& record, Measurement& figures) {
-  const std::uint32_t controls_id =
-      controls_in_outputs(record) ? HilActuatorControls::kId : HilControls::kId;
+  const std::uint32_t controls_id = controls_message_id(record);
   const auto& [simulator, controller] = std::tie(record.simulator, record.controller);
   const StreamWindow window = figures.window;
   figures.rates.sensor =
@@ -88,6 +81,13 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
 }
 
 }  // namespace
+
+std::uint32_t controls_message_id(const RunRecord& record) {
+  const bool outputs = std::ranges::any_of(record.controller, [](const base::LedgerEntry& entry) {
+    return entry.message_id == HilActuatorControls::kId;
+  });
+  return outputs ? HilActuatorControls::kId : HilControls::kId;
+}
 
 Measurement measure(const Scenario& scenario, Architecture architecture, std::uint64_t seed,
                     const RunRecord& record) {

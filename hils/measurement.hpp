@@ -62,6 +62,9 @@ struct Measurement {
   std::optional<RmsFigures> rms_estimate;  ///< estimate against reference during the hold
 };
 
+/// HIL_ACTUATOR_CONTROLS where the controller answered with it, else HIL_CONTROLS.
+std::uint32_t controls_message_id(const RunRecord& record);
+
 /// Works out the figures of a run. @throws base::ConfigError when its files cannot be read
 Measurement measure(const Scenario& scenario, Architecture architecture, std::uint64_t seed,
                     const RunRecord& record);

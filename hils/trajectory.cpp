@@ -21,7 +21,17 @@ namespace cas::hils {
 namespace {
 
 /// Columns of truth.csv in the recorder's order, as far as they are read here.
-enum Column : std::size_t { kTime = 0, kX, kY, kZ, kVx, kVy, kVz, kRoll, kPitch, kYaw, kColumns };
+enum Column : std::size_t {
+  kTime = 0,
+  kX,
+  kY,
+  kZ,
+  kRoll = 7,
+  kPitch,
+  kYaw,
+  kOmega = 13,
+  kColumns = 17,
+};
 
 std::optional<std::vector<double>> parse_row(std::string_view line) {
   std::vector<double> values;
@@ -46,7 +56,8 @@ PoseSample to_sample(const std::vector<double>& row) {
                    .z_m = row[kZ],
                    .roll_rad = row[kRoll],
                    .pitch_rad = row[kPitch],
-                   .yaw_rad = row[kYaw]}};
+                   .yaw_rad = row[kYaw]},
+          .omega_rad_s = {row[kOmega], row[kOmega + 1], row[kOmega + 2], row[kOmega + 3]}};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -23,7 +24,8 @@ struct Pose {
 /// A pose at a moment of simulated time.
 struct PoseSample {
   std::int64_t time_us = 0;
-  Pose pose;
+  Pose pose{};
+  std::array<double, 4> omega_rad_s{};  ///< rotors 1..4; zero in an estimate
 };
 
 /// Root mean squares of the distance from a reference, per axis.

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -91,11 +93,39 @@ StartPose parse_pose(const ConfigNode& node) {
           .yaw_deg = node.get("yaw_deg", 0.0)};
 }
 
-PluginConfig parse_plugin(const ConfigNode& node, const base::Vehicle& vehicle) {
+/// What stands behind a plugin's own keys: the configuration's `sensors` over the vehicle file's.
+struct SensorLayers {
+  ConfigNode presets;
+  std::optional<ConfigNode> overrides;
+
+  ConfigNode under(const ConfigNode& params, const std::string& plugin) const {
+    const auto preset = presets.find(plugin);
+    const auto over = overrides ? overrides->find(plugin) : std::nullopt;
+    if (!over) return preset ? params.merged_over(*preset) : params;
+    return params.merged_over(preset ? over->merged_over(*preset) : *over);
+  }
+};
+
+/// `sensors` of a vehicle: a preset instead of the vehicle file's, or a map with single blocks to
+/// lay over them and perhaps a `preset`.
+SensorLayers parse_sensors(const ConfigNode& node, const base::Vehicle& vehicle) {
+  SensorLayers layers{vehicle.sensors, std::nullopt};
+  const auto sensors = node.find("sensors");
+  if (!sensors) return layers;
+  if (sensors->is_scalar()) {
+    layers.presets = base::sensor_presets(*sensors);
+    return layers;
+  }
+  if (const auto preset = sensors->find("preset")) layers.presets = base::sensor_presets(*preset);
+  layers.overrides = *sensors;
+  sensors->mark_used();
+  return layers;
+}
+
+PluginConfig parse_plugin(const ConfigNode& node, const SensorLayers& sensors) {
   PluginConfig plugin;
   plugin.plugin = node.require<std::string>("plugin");
-  const auto preset = vehicle.sensors.find(plugin.plugin);
-  plugin.params = preset ? node.merged_over(*preset) : node;
+  plugin.params = sensors.under(node, plugin.plugin);
   return plugin;
 }
 
@@ -107,9 +137,10 @@ VehicleConfig parse_vehicle(const ConfigNode& node) {
   }
   vehicle.vehicle = base::Vehicle::load(find_file(node.at("vehicle")));
   if (const auto pose = node.find("pose")) vehicle.pose = parse_pose(*pose);
+  const SensorLayers sensors = parse_sensors(node, vehicle.vehicle);
   if (const auto plugins = node.find("plugins")) {
     for (const ConfigNode& plugin : plugins->items()) {
-      vehicle.plugins.push_back(parse_plugin(plugin, vehicle.vehicle));
+      vehicle.plugins.push_back(parse_plugin(plugin, sensors));
       plugin.mark_used();  // the plugin's own keys are checked when it has read them
     }
   }

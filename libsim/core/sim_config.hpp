@@ -35,7 +35,7 @@ struct PaceConfig {
   double catch_up_rate = 1.25;  ///< fastest pace, as a multiple of `speed`, after a late step
   base::Duration max_lag = std::chrono::milliseconds(250);  ///< lag beyond this is given up
   base::Duration lockstep_timeout = std::chrono::seconds(1);
-  base::ThreadOptions thread;  ///< of the simulation thread
+  base::ThreadOptions thread{};  ///< of the simulation thread
   bool lock_memory = false;
 };
 

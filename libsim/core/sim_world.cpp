@@ -64,7 +64,8 @@ VehicleId SimWorld::add_vehicle(const VehicleModel& model, const StartPose& pose
       .environment = {},
       .extra = {},
       .applied = {},
-      .rest = RestDetector(model.mass.mass_kg() * gravity_W_.norm(), solver_->radius(index))};
+      .rest = RestDetector(model.mass.mass_kg() * gravity_W_.norm(), solver_->radius(index)),
+      .rest_at_start = std::nullopt};
   vehicles_.push_back(std::move(body));
   set_to_start(vehicles_.back());
   return static_cast<VehicleId>(index);
@@ -77,6 +78,7 @@ void SimWorld::add_force_model(VehicleId vehicle, ForceModel& model) {
 
 void SimWorld::start() {
   solver_->reset();
+  touching_pairs_.reserve(vehicles_.size() * vehicles_.size());
   for (std::size_t i = 0; i < vehicles_.size(); ++i) settle(i);
   reset();
 }
@@ -95,8 +97,10 @@ void SimWorld::set_to_start(VehicleBody& body) {
   body.forces.reset_states();
   body.environment.wind_W = wind_W_;
   body.extra = {};
-  body.mode = Mode::kFree;
+  body.touching = body.rest_at_start.has_value();
+  body.mode = body.touching ? Mode::kHeld : Mode::kFree;
   body.rest.wake();
+  if (body.rest_at_start) body.rest = *body.rest_at_start;
   refresh_environment(body);
 }
 
@@ -124,6 +128,7 @@ void SimWorld::settle(std::size_t index) {
   if (!rest.at_rest() || (state.p_WB - body.start.p_WB).norm() > kSettleDistance) return;
   body.start.p_WB = state.p_WB;
   body.start.q_WB = state.q_WB;
+  body.rest_at_start = rest;
 }
 
 void SimWorld::advance(double dt) {

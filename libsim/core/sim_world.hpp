@@ -79,6 +79,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
     Eigen::Vector3d w_before_B = Eigen::Vector3d::Zero();
     Mode mode = Mode::kFree;
     RestDetector rest;
+    std::optional<RestDetector> rest_at_start;  // of a vehicle that starts at rest on something
   };
 
   VehicleBody& at(VehicleId vehicle) { return vehicles_[static_cast<std::size_t>(vehicle)]; }

@@ -120,6 +120,25 @@ TEST(Config, AnotherProgramsBlockIsLeftToItsOwnReader) {
   EXPECT_THROW(imu.reject_unused(), ConfigError);
 }
 
+TEST(Config, AMapOverDefaultsHasTheKeysOfBoth) {
+  const ConfigNode own = ConfigNode::parse("rate_hz: 250", "world.yaml");
+  const ConfigNode preset = ConfigNode::parse("rate_hz: 500\nnoise: x\n", "vehicle.yaml");
+  const ConfigNode node = own.merged_over(preset);
+  EXPECT_EQ(node.require<double>("rate_hz"), 250);
+  EXPECT_EQ(node.require<std::string>("noise"), "x");
+  EXPECT_EQ(node.entries().size(), 2U);
+  EXPECT_EQ(node.at("noise").file(), "vehicle.yaml");
+  EXPECT_EQ(node.at("rate_hz").file(), "world.yaml");
+  EXPECT_NO_THROW(node.reject_unused());
+}
+
+TEST(Config, AnUnknownKeyOfTheDefaultsIsRefusedToo) {
+  const ConfigNode preset = ConfigNode::parse("noize: x\n", "vehicle.yaml");
+  const ConfigNode node = ConfigNode::empty().merged_over(preset);
+  node.find("noise");
+  EXPECT_THROW(node.reject_unused(), ConfigError);
+}
+
 TEST(Config, ANodeOutlivesTheOneItCameFrom) {
   std::optional<ConfigNode> child;
   child = ConfigNode::parse("a: {b: 7}").at("a");

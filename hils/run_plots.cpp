@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/run_plots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+#include "base/clock.hpp"
+#include "base/vehicle.hpp"
+#include "hils/trajectory.hpp"
+#include "mavlink/common/hil_gps.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using mavlink::common::HilGps;
+using mavlink::common::HilSensor;
+using Direction = base::LedgerEntry::Direction;
+using NamedPlots = std::vector<std::pair<std::string, Plot>>;
+
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+constexpr int kBucketsPerDecade = 20;
+
+double seconds(std::uint64_t usec) { return static_cast<double>(usec) * 1e-6; }
+
+/// Packets of a message in each second of their own stamps.
+std::map<std::int64_t, int> per_second(const std::vector<base::LedgerEntry>& ledger,
+                                       Direction direction, std::uint32_t message_id) {
+  std::map<std::int64_t, int> counts;
+  for (const base::LedgerEntry& entry : ledger) {
+    if (entry.direction == direction && entry.message_id == message_id) {
+      ++counts[static_cast<std::int64_t>(entry.time_usec / 1'000'000)];
+    }
+  }
+  return counts;
+}
+
+/// Stamps (k, k + 1] s would be exact; the share of the nominal count per second, without the last
+/// second, which is not whole.
+Series rate_series(const std::string& name, const std::vector<base::LedgerEntry>& ledger,
+                   std::uint32_t message_id, double nominal_hz) {
+  Series series{.name = name, .steps = true};
+  auto counts = per_second(ledger, Direction::kReceived, message_id);
+  if (!counts.empty()) counts.erase(std::prev(counts.end()));
+  for (const auto& [second, count] : counts) {
+    series.points.emplace_back(static_cast<double>(second), 100.0 * count / nominal_hz);
+  }
+  return series;
+}
+
+Series loss_series(const std::string& name, const std::vector<base::LedgerEntry>& sender,
+                   const std::vector<base::LedgerEntry>& receiver, std::uint32_t message_id) {
+  Series series{.name = name, .steps = true};
+  const auto sent = per_second(sender, Direction::kSent, message_id);
+  const auto received = per_second(receiver, Direction::kReceived, message_id);
+  for (const auto& [second, count] : sent) {
+    const auto arrived = received.find(second);
+    const int lost = count - (arrived == received.end() ? 0 : arrived->second);
+    series.points.emplace_back(static_cast<double>(second), lost);
+  }
+  return series;
+}
+
+/// Share of the delays in logarithmic buckets, in percent.
+Series delay_series(const std::string& name, const std::vector<std::int64_t>& delays_ns) {
+  Series series{.name = name, .steps = true};
+  std::map<int, std::size_t> buckets;
+  for (const std::int64_t delay : delays_ns) {
+    const double us = std::max(1.0, static_cast<double>(delay) / 1000.0);
+    ++buckets[static_cast<int>(std::floor(std::log10(us) * kBucketsPerDecade))];
+  }
+  if (buckets.empty()) return series;
+  const int last = buckets.rbegin()->first + 1;
+  for (int bucket = buckets.begin()->first; bucket <= last; ++bucket) {
+    const auto found = buckets.find(bucket);
+    const double count = found == buckets.end() ? 0 : static_cast<double>(found->second);
+    series.points.emplace_back(std::pow(10.0, static_cast<double>(bucket) / kBucketsPerDecade),
+                               100.0 * count / static_cast<double>(delays_ns.size()));
+  }
+  return series;
+}
+
+Series pose_series(const std::string& name, const std::vector<PoseSample>& samples,
+                   double Pose::*member, double offset, double scale = 1) {
+  Series series{.name = name};
+  for (const PoseSample& sample : samples) {
+    series.points.emplace_back(static_cast<double>(sample.time_us) * 1e-6,
+                               scale * (sample.pose.*member - offset));
+  }
+  return series;
+}
+
+/// The reference of each step, as a staircase.
+Series reference_series(const std::vector<Stage>& stages, int axis) {
+  Series series{.name = "reference", .dashed = true, .steps = true};
+  for (const Stage& stage : stages) {
+    series.points.emplace_back(base::to_seconds(stage.begin), stage.reference_m[axis]);
+    series.points.emplace_back(base::to_seconds(stage.end), stage.reference_m[axis]);
+  }
+  return series;
+}
+
+std::vector<Mark> stage_marks(const std::vector<Stage>& stages) {
+  std::vector<Mark> marks;
+  for (const Stage& stage : stages) {
+    marks.push_back(
+        {.x = base::to_seconds(stage.begin), .text = std::string(to_string(stage.step.kind))});
+  }
+  return marks;
+}
+
+void add_stream_plots(const Scenario& scenario, const RunRecord& record, const Measurement& figures,
+                      NamedPlots& plots) {
+  const std::uint32_t controls = controls_message_id(record);
+  plots.emplace_back(
+      "rates",
+      Plot{.title = "Received per second, share of nominal",
+           .x_label = "simulated time, s",
+           .y_label = "%",
+           .series = {rate_series("HIL_SENSOR", record.controller, HilSensor::kId,
+                                  scenario.rates.sensor_hz),
+                      rate_series("HIL_GPS", record.controller, HilGps::kId, scenario.rates.gps_hz),
+                      rate_series("controls", record.simulator, controls,
+                                  scenario.rates.controls_hz)},
+           .from_zero = true});
+  plots.emplace_back(
+      "losses",
+      Plot{
+          .title = "Lost per second",
+          .x_label = "simulated time, s",
+          .y_label = "packets",
+          .series = {loss_series("HIL_SENSOR", record.simulator, record.controller, HilSensor::kId),
+                     loss_series("HIL_GPS", record.simulator, record.controller, HilGps::kId),
+                     loss_series("controls", record.controller, record.simulator, controls)},
+          .from_zero = true});
+  const StreamWindow window = figures.window;
+  plots.emplace_back(
+      "delays",
+      Plot{.title = "Delays in the measured stretch",
+           .x_label = "us",
+           .y_label = "% of the packets",
+           .series =
+               {delay_series(
+                    "sensor to controller",
+                    hop_delays_ns(record.simulator, record.controller, HilSensor::kId, window)),
+                delay_series("control to simulator",
+                             hop_delays_ns(record.controller, record.simulator, controls, window)),
+                delay_series("loop: sensor out to control back",
+                             echo_delays_ns(record.simulator, HilSensor::kId, controls, window))},
+           .log_x = true,
+           .from_zero = true});
+}
+
+void add_motion_plots(const RunRecord& record, std::uint8_t system, NamedPlots& plots) {
+  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
+  const std::vector<PoseSample> estimate =
+      read_estimate(record.flight_tlog, system, record.log_clock);
+  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
+  struct Axis {
+    const char* name;
+    const char* title;
+    double Pose::*member;
+    int reference;
+  };
+  for (const Axis& axis :
+       {Axis{"position_x", "North", &Pose::x_m, 0}, Axis{"position_y", "East", &Pose::y_m, 1},
+        Axis{"position_z", "Height", &Pose::z_m, 2}}) {
+    plots.emplace_back(axis.name,
+                       Plot{.title = axis.title,
+                            .x_label = "simulated time, s",
+                            .y_label = "m from the start",
+                            .series = {pose_series("truth", truth, axis.member, start.*axis.member),
+                                       pose_series("estimate", estimate, axis.member, 0),
+                                       reference_series(record.stages, axis.reference)}});
+  }
+  plots.emplace_back(
+      "attitude",
+      Plot{.title = "Attitude (true)",
+           .x_label = "simulated time, s",
+           .y_label = "deg",
+           .series = {pose_series("roll", truth, &Pose::roll_rad, 0, kDegreesPerRadian),
+                      pose_series("pitch", truth, &Pose::pitch_rad, 0, kDegreesPerRadian),
+                      pose_series("yaw", truth, &Pose::yaw_rad, 0, kDegreesPerRadian)}});
+  Plot motors{.title = "Rotor speeds", .x_label = "simulated time, s", .y_label = "rad/s"};
+  for (std::size_t rotor = 0; rotor < 4; ++rotor) {
+    Series series{.name = "rotor " + std::to_string(rotor + 1)};
+    for (const PoseSample& sample : truth) {
+      series.points.emplace_back(static_cast<double>(sample.time_us) * 1e-6,
+                                 sample.omega_rad_s[rotor]);
+    }
+    motors.series.push_back(std::move(series));
+  }
+  plots.emplace_back("motors", std::move(motors));
+}
+
+}  // namespace
+
+NamedPlots run_plots(const Scenario& scenario, const RunRecord& record,
+                     const Measurement& figures) {
+  NamedPlots plots;
+  add_motion_plots(record, base::Vehicle::load(scenario.vehicle).system_id, plots);
+  add_stream_plots(scenario, record, figures, plots);
+  const std::vector<Mark> marks = stage_marks(record.stages);
+  for (auto& [name, plot] : plots) {
+    if (plot.log_x) continue;
+    plot.marks = marks;
+    plot.shaded = {seconds(figures.window.begin_usec), seconds(figures.window.end_usec)};
+  }
+  return plots;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hils/measurement.hpp"
+#include "hils/plot.hpp"
+
+namespace cas::hils {
+
+/// The curves of one run, by short name ("rates", "position_x", ...), on simulated time.
+std::vector<std::pair<std::string, Plot>> run_plots(const Scenario& scenario,
+                                                    const RunRecord& record,
+                                                    const Measurement& figures);
+
+}  // namespace cas::hils

@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/api/plugin.hpp"
+
+extern "C" __attribute__((visibility("default"))) const cas::sim::PluginDescriptor* cas_plugin_v1();
+extern "C" const cas::sim::PluginDescriptor* cas_plugin_v1() { return nullptr; }
