@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/install_paths.hpp"
 #include "libsim/core/mesh_file.hpp"
 #include "libsim/core/sdf_headers.hpp"
 #include "libsim/core/uri.hpp"
@@ -186,8 +187,11 @@ std::string joined(const sdf::Errors& errors) {
 
 }  // namespace
 
-WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& model_path) {
+WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& given_model_path) {
   std::error_code error;
+  std::vector<fs::path> model_path = given_model_path;
+  model_path.push_back(file.parent_path() / "models");
+  for (const fs::path& dir : base::config_dirs()) model_path.push_back(dir / "worlds/models");
   if (!fs::exists(file, error)) throw base::ConfigError(file.string() + ": world cannot be read");
   sdf::Console::Instance()->SetQuiet(true);  // what it would print comes back as errors
   sdf::ParserConfig parser;

@@ -70,6 +70,7 @@ PaceConfig parse_pace(const ConfigNode& root) {
   using std::chrono::milliseconds;
   PaceConfig pace;
   if (const auto mode = root.find("pace")) pace.mode = one_of(*mode, kPaceModes);
+  pace.speed_given = root.has("speed");
   pace.speed = root.get_in("speed", 1.0, 1e-3, 1e3);
   const auto node = root.find("pacing");
   if (!node) return pace;

@@ -31,6 +31,7 @@ enum class Integrator {
 
 struct PaceConfig {
   PaceMode mode = PaceMode::kRealtime;
+  bool speed_given = false;     ///< else an SDF world's real-time factor holds
   double speed = 1.0;           ///< simulated seconds per second of wall clock, realtime only
   double catch_up_rate = 1.25;  ///< fastest pace, as a multiple of `speed`, after a late step
   base::Duration max_lag = std::chrono::milliseconds(250);  ///< lag beyond this is given up

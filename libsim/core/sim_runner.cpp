@@ -53,6 +53,7 @@ struct SimRunner::Impl {
               config.integrator),
         plugins(options.plugin_dirs) {
     log_warnings(model.warnings);
+    if (!config.pace.speed_given) config.pace.speed = model.real_time_factor.value_or(1.0);
     for (const VehicleConfig& vehicle : config.vehicles) {
       const VehicleModel vehicle_model = load_vehicle_model(vehicle.vehicle.urdf);
       log_warnings(vehicle_model.warnings);
