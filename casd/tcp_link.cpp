@@ -29,7 +29,7 @@ void prepare_tcp(int fd) {
   ::setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &probe_s, sizeof probe_s);
   const int probes = 3;
   ::setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
-  const unsigned unacknowledged_ms = 5000;
+  const unsigned unacknowledged_ms = 10'000;  // a peer that stopped reading is ours to find first
   ::setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &unacknowledged_ms, sizeof unacknowledged_ms);
   // What lies in the kernel's buffer can be neither dropped nor overtaken: keep it small.
   const int buffer_bytes = 64 * 1024;

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "base/rpc/client.hpp"
+#include "tests/loopback/casd_bench.hpp"
+#include "tests/support/child_process.hpp"
+
+namespace cas::test {
+namespace {
+
+const std::string kCasd = CAS_BINARY_DIR "/bin/casd";
+
+/// The word after `name` in READY's status line.
+std::string endpoint_in(const std::string& status, const std::string& name) {
+  const std::size_t at = (" " + status).find(" " + name + " ");
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + name.size() + 1;
+  return status.substr(begin, status.find(' ', begin) - begin);
+}
+
+class CasdProgram : public testing::Test {
+ protected:
+  std::string topology(const std::string& yaml) {
+    return bench.folder.write("topology.yaml", bench.expand(yaml));
+  }
+  CasdBench bench;
+};
+
+const std::string kWithPort = std::string("command_port: {port: 0}\n") + kHilTopology;
+
+TEST_F(CasdProgram, TellsItsBoundPortsForwardsAndEndsCleanly) {
+  const auto stats = bench.folder / "stats.json";
+  ChildProcess casd({kCasd, topology(kWithPort), "--stats", stats});
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  bench.sim.set_remote(port_of(endpoint_in(*status, "sim")));
+
+  bench.sim.send(bench.from_sim(hil_sensor(1)));
+  bench.fcu.write(bench.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(bench.collect_until([&] {
+    return bench.at_fcu.count(kHilSensor) == 1 && bench.at_sim.count(kHilControls) == 1;
+  }));
+  casd.signal(SIGTERM);
+  EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
+  const auto figures = nlohmann::json::parse(std::ifstream(stats));
+  EXPECT_EQ(figures["program"], "casd");
+  EXPECT_EQ(figures["links"].size(), 2U);
+}
+
+TEST_F(CasdProgram, AnswersOnTheCommandPort) {
+  ChildProcess casd({kCasd, topology(kWithPort)});
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  base::rpc::Client client(endpoint_in(*status, "command_port"));
+  const auto answer = client.call("casd.status", nlohmann::json::object());
+  EXPECT_EQ(answer["threads"], "per_link");
+  EXPECT_EQ(answer["links"][0]["state"], "up");
+}
+
+TEST_F(CasdProgram, ReloadsOnHangupAndKeepsTheOldTopologyWhenTheNewOneIsBad) {
+  ChildProcess casd({kCasd, topology(kWithPort)});
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  base::rpc::Client client(endpoint_in(*status, "command_port"));
+  const auto links = [&] { return client.call("link.list", nlohmann::json::object()).size(); };
+
+  topology(kWithPort + "  - {from: sim, to: nowhere}\n");
+  casd.signal(SIGHUP);
+  ASSERT_TRUE(wait_until([&] { return casd.output().find("not reloaded") != std::string::npos; }));
+  EXPECT_NE(casd.output().find("there is no link 'nowhere'"), std::string::npos);
+  EXPECT_EQ(links(), 2U);
+
+  std::string more = kWithPort;
+  more.insert(more.find("routes:"), "  - {name: gcs, type: udp_server, local: \"127.0.0.1:0\"}\n");
+  topology(more);
+  casd.signal(SIGHUP);
+  ASSERT_TRUE(wait_until([&] { return links() == 3; }));
+}
+
+TEST_F(CasdProgram, EndsWhenTheCommandPortIsTaken) {
+  ChildProcess first({kCasd, topology(kWithPort)});
+  const auto status = first.wait_ready();
+  ASSERT_TRUE(status) << first.output();
+  const std::string port = std::to_string(port_of(endpoint_in(*status, "command_port")));
+  const auto file = bench.folder.write(
+      "second.yaml", "schema: 1\ncommand_port: {port: " + port +
+                         "}\nlinks:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n");
+  ChildProcess second({kCasd, file});
+  EXPECT_EQ(second.wait_exit(), 71);
+  EXPECT_NE(second.output().find(port), std::string::npos) << second.output();
+}
+
+struct ExitCase {
+  const char* name;
+  const char* yaml;  // nullptr: no file
+  const char* flag;
+  int code;
+  const char* says;
+};
+
+class CasdExit : public testing::TestWithParam<ExitCase> {};
+
+TEST_P(CasdExit, HasItsCodeAndASentence) {
+  const ExitCase& test = GetParam();
+  TemporaryFolder folder;
+  const std::string file = folder / "topology.yaml";
+  if (test.yaml != nullptr) folder.write("topology.yaml", test.yaml);
+  ChildProcess casd({kCasd, file, test.flag});
+  EXPECT_EQ(casd.wait_exit(), test.code);
+  EXPECT_NE(casd.output().find(test.says), std::string::npos) << casd.output();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Codes, CasdExit,
+    testing::Values(ExitCase{"Version", nullptr, "--version", 0, "casd "},
+                    ExitCase{"GoodTopology",
+                             "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0'}\n",
+                             "--check", 0, "1 links"},
+                    ExitCase{"MissingFile", nullptr, "--check", 78, "topology.yaml"},
+                    ExitCase{"UnknownFlag", nullptr, "--frobnicate", 78, "frobnicate"},
+                    ExitCase{"MisspeltKey",
+                             "schema: 1\nlinks:\n  - {name: a, type: udp, locall: 'x:1'}\n",
+                             "--check", 78, "topology.yaml:3"}),
+    [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace cas::test

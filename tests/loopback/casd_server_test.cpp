@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+
+#include "tests/loopback/casd_bench.hpp"
+
+namespace cas::test {
+namespace {
+
+/// A TCP connection to a port of 127.0.0.1.
+class TcpPeer {
+ public:
+  explicit TcpPeer(std::uint16_t port, int receive_bytes = 0) {
+    fd_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (receive_bytes > 0) {
+      ::setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
+    }
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(port);
+    connected_ = ::connect(fd_, reinterpret_cast<sockaddr*>(&to), sizeof to) == 0;
+  }
+  explicit TcpPeer(int accepted, bool) : fd_(accepted), connected_(true) {}
+  ~TcpPeer() { ::close(fd_); }
+  TcpPeer(const TcpPeer&) = delete;
+  TcpPeer& operator=(const TcpPeer&) = delete;
+
+  bool connected() const { return connected_; }
+  void send(std::span<const std::uint8_t> bytes) {
+    EXPECT_EQ(::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  void read(PacketStream& into) {
+    std::array<std::uint8_t, 65536> buffer;
+    for (;;) {
+      const ssize_t count = ::recv(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT);
+      if (count <= 0) {
+        closed_ = count == 0;
+        return;
+      }
+      into.feed(std::span(buffer).first(static_cast<std::size_t>(count)));
+    }
+  }
+  bool closed() const { return closed_; }
+
+ private:
+  int fd_ = -1;
+  bool connected_ = false;
+  bool closed_ = false;
+};
+
+struct Station {
+  explicit Station(std::uint8_t system) : encoder({system, 190}) {}
+  UdpPeer socket;
+  PacketStream heard;
+  mav::Encoder encoder;
+};
+
+const char* const kServers = R"(schema: 1
+links:
+  - {name: fcu, type: serial, device: "$FCU"}
+  - {name: gcs, type: udp_server, local: "127.0.0.1:0", expiry_s: 0.4}
+  - {name: tcp, type: tcp_server, local: "127.0.0.1:0"}
+)";
+
+TEST(CasdUdpServer, Serves64StationsOnOnePort) {
+  CasdBench bench;
+  bench.start(kServers);
+  std::vector<std::unique_ptr<Station>> stations;
+  for (std::uint8_t i = 0; i < 64; ++i) {
+    stations.push_back(std::make_unique<Station>(static_cast<std::uint8_t>(100 + i)));
+    stations.back()->socket.set_remote(bench.port("gcs"));
+  }
+  const auto everyone = [&](std::size_t packets) {
+    return bench.collect_until([&] {
+      bool all = true;
+      for (auto& station : stations) {
+        station->socket.send(station->encoder(mavlink::common::Heartbeat{}));
+        station->socket.read(station->heard);
+        all = all && station->heard.count(kHilControls) >= packets;
+      }
+      return all;
+    });
+  };
+  ASSERT_TRUE(bench.collect_until([&] {
+    for (auto& station : stations) {
+      station->socket.send(station->encoder(mavlink::common::Heartbeat{}));
+    }
+    return bench.status("gcs").peers == 64;
+  }));
+  std::vector<std::uint8_t> burst;
+  for (std::uint64_t i = 1; i <= 20; ++i) {
+    const auto packet = bench.from_fcu(hil_controls(i));
+    burst.insert(burst.end(), packet.begin(), packet.end());
+  }
+  bench.fcu.write(burst);
+  ASSERT_TRUE(everyone(20));
+  for (auto& station : stations) {
+    EXPECT_EQ(station->heard.count(kHilControls), 20U);
+    EXPECT_EQ(station->heard.garbage(), 0U);
+  }
+  // A 65th finds no room and is counted.
+  Station late(7);
+  late.socket.set_remote(bench.port("gcs"));
+  late.socket.send(late.encoder(mavlink::common::Heartbeat{}));
+  ASSERT_TRUE(everyone(20) && wait_until([&] { return bench.status("gcs").rx.foreign > 0; }));
+  EXPECT_EQ(bench.status("gcs").peers, 64U);
+}
+
+TEST(CasdUdpServer, SendsAddressedPacketsToTheirPeerAloneAndForgetsSilentOnes) {
+  CasdBench bench;
+  bench.start(kServers);
+  Station one(101);
+  Station other(102);
+  for (Station* station : {&one, &other}) {
+    station->socket.set_remote(bench.port("gcs"));
+    station->socket.send(station->encoder(mavlink::common::Heartbeat{}));
+  }
+  ASSERT_TRUE(wait_until([&] { return bench.status("gcs").peers == 2; }));
+  mavlink::common::CommandAck ack;
+  ack.target_system = 102;
+  ack.target_component = 190;
+  bench.fcu.write(bench.from_fcu(ack));
+  bench.fcu.write(bench.from_fcu(mavlink::common::Heartbeat{}));
+  ASSERT_TRUE(bench.collect_until([&] {
+    one.socket.read(one.heard);
+    other.socket.read(other.heard);
+    return one.heard.count(kHeartbeat) > 0 && other.heard.count(kHeartbeat) > 0;
+  }));
+  EXPECT_EQ(one.heard.count(mavlink::common::CommandAck::kId), 0U);
+  EXPECT_EQ(other.heard.count(mavlink::common::CommandAck::kId), 1U);
+  EXPECT_TRUE(wait_until([&] { return bench.status("gcs").peers == 0; }));
+}
+
+TEST(CasdUdpServer, LetsItsPeersTalkWhenARouteSaysSo) {
+  CasdBench bench;
+  bench.start(std::string(kServers) + "routes:\n  - {from: gcs, to: gcs}\n");
+  Station one(101);
+  Station other(102);
+  for (Station* station : {&one, &other}) station->socket.set_remote(bench.port("gcs"));
+  ASSERT_TRUE(bench.collect_until([&] {
+    for (Station* station : {&one, &other}) {
+      station->socket.send(station->encoder(mavlink::common::Heartbeat{}));
+      station->socket.read(station->heard);
+    }
+    return !one.heard.packets().empty() && !other.heard.packets().empty();
+  }));
+  for (const auto& packet : one.heard.packets()) EXPECT_EQ(packet.source.system, 102);
+  for (const auto& packet : other.heard.packets()) EXPECT_EQ(packet.source.system, 101);
+}
+
+TEST(CasdTcpServer, ServesSeveralClientsAndCostsNobodyAStalledOne) {
+  CasdBench bench;
+  bench.start(kServers);
+  TcpPeer stalled(bench.port("tcp"), 4096);
+  TcpPeer client(bench.port("tcp"));
+  ASSERT_TRUE(stalled.connected() && client.connected());
+  ASSERT_TRUE(wait_until([&] { return bench.status("tcp").peers == 2; }));
+
+  // Until the stalled one is given up, every packet reaches the other.
+  PacketStream heard;
+  std::uint64_t sent = 0;
+  ASSERT_TRUE(bench.collect_until([&] {
+    for (int i = 0; i < 20; ++i) bench.fcu.write(bench.from_fcu(hil_controls(++sent)));
+    const bool kept_up = wait_until([&] {
+      client.read(heard);
+      return heard.count(kHilControls) == sent;
+    });
+    EXPECT_TRUE(kept_up);
+    return bench.status("tcp").peers == 1;
+  }));
+  const auto status = bench.status("tcp");
+  EXPECT_GT(status.tx.dropped[static_cast<std::size_t>(casd::DropCause::kStalled)] +
+                status.tx.dropped[static_cast<std::size_t>(casd::DropCause::kAge)],
+            0U);
+
+  // Both ways.
+  mav::Encoder from_client({255, 190});
+  client.send(from_client(mavlink::common::Heartbeat{}));
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHeartbeat) == 1; }));
+}
+
+TEST(CasdTcp, ConnectsAgainWhenTheServerComesBack) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  socklen_t size = sizeof address;
+  ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  CasdBench bench;
+  bench.start(
+      "schema: 1\nlinks:\n  - {name: fcu, type: serial, device: \"$FCU\"}\n"
+      "  - {name: net, type: tcp, remote: \"localhost:" +
+      std::to_string(ntohs(address.sin_port)) + "\"}\n");
+  EXPECT_NE(bench.status("net").state, casd::LinkState::kUp);  // nobody listens yet
+  ::listen(listener, 4);
+  for (std::uint64_t round = 1; round <= 2; ++round) {
+    TcpPeer server(::accept(listener, nullptr, nullptr), true);
+    PacketStream heard;
+    ASSERT_TRUE(bench.collect_until([&] {
+      bench.fcu.write(bench.from_fcu(hil_controls(round)));
+      server.read(heard);
+      return heard.count(kHilControls) > 0;
+    }));
+    EXPECT_EQ(numbers(heard, kHilControls).front(), round);
+  }
+  ::close(listener);
+}
+
+}  // namespace
+}  // namespace cas::test
