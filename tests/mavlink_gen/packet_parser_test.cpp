@@ -64,7 +64,7 @@ TEST(PacketParser, FindsPacketsBetweenGarbageWholeAndBytewise) {
     sent.push_back(packet_of(message, static_cast<std::uint8_t>(i)));
     append(stream, sent.back());
   }
-  // Closes candidates that the last garbage may have opened.
+  // Zeros close candidates that the last garbage may have opened.
   stream.insert(stream.end(), kMaxPacketBytes, 0);
   for (const std::size_t chunk :
        {stream.size(), std::size_t{1}, std::size_t{7}, std::size_t{300}}) {
@@ -96,15 +96,137 @@ TEST(PacketParser, PacketComesOutWithItsLastByte) {
   }
 }
 
+TEST(PacketParser, StrayStartByteDoesNotDelayThePacketBehindIt) {
+  Bytes stream{kStartV2, 200, 0, 0, 1, 2, 3, 0xAA, 0xBB, 0xCC};  // looks like an unknown id
+  append(stream, packet_of(common::Heartbeat{}));
+  EXPECT_EQ(receive(stream, 1).packets.size(), 1U);
+  EXPECT_EQ(receive(stream, stream.size()).packets.size(), 1U);
+}
+
+TEST(PacketParser, PacketInsideAPacketsPayloadIsNotInvented) {
+  common::Tunnel tunnel{.payload_length = 128};
+  const auto inner = packet_of(common::Heartbeat{});
+  std::copy(inner.begin(), inner.end(), tunnel.payload.begin());
+  tunnel.payload.back() = kStartV2;
+  auto stream = packet_of(tunnel);
+  append(stream, inner);
+  for (const std::size_t chunk : {stream.size(), std::size_t{1}}) {
+    const auto received = receive(stream, chunk);
+    ASSERT_EQ(received.packets.size(), 2U);
+    EXPECT_EQ(received.packets[1], inner);
+    EXPECT_EQ(received.stats.skipped_bytes, 0U);
+  }
+}
+
+TEST(PacketParser, AbuttingPacketsOfBothVersionsComeOut) {
+  Bytes stream;
+  PacketBuffer v1;
+  for (std::uint8_t i = 0; i < 100; ++i) {
+    append(stream, packet_of(common::HilSensor{.time_usec = i, .zacc = -9.8F}, i));
+    v1.size = encode_v1(common::Attitude{.time_boot_ms = i}, {1, 1}, i, v1.bytes);
+    append(stream, v1.view());
+  }
+  for (const std::size_t chunk : {stream.size(), std::size_t{1}, std::size_t{11}}) {
+    const auto received = receive(stream, chunk);
+    EXPECT_EQ(received.packets.size(), 200U);
+    EXPECT_EQ(received.stats.skipped_bytes, 0U);
+    EXPECT_EQ(received.stats.crc_errors, 0U);
+  }
+}
+
+TEST(PacketParser, CutPacketCostsOnlyItself) {
+  const auto whole = packet_of(common::Attitude{.time_boot_ms = 6, .yawspeed = 2});
+  for (std::size_t kept = 0; kept < whole.size(); ++kept) {
+    Bytes stream(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(kept));
+    append(stream, whole);
+    append(stream, whole);
+    EXPECT_EQ(receive(stream, stream.size()).packets.size(), 2U) << kept;
+    EXPECT_EQ(receive(stream, 1).packets.size(), 2U) << kept;
+  }
+}
+
+TEST(PacketParser, FlushGivesUpOnAnIncompleteCandidate) {
+  // The header of a long packet that never came, then a short one.
+  auto stream = packet_of(common::HilSensor{.time_usec = 1, .id = 1});
+  stream.resize(12);
+  const auto inner = packet_of(common::Heartbeat{});
+  append(stream, inner);
+  PacketParser parser(common::table());
+  int packets = 0;
+  const auto count = [&](const PacketView&) { ++packets; };
+  parser.feed(stream, count);
+  EXPECT_EQ(packets, 0);
+  parser.flush(count);
+  EXPECT_EQ(packets, 1);
+  parser.feed(inner, count);
+  EXPECT_EQ(packets, 2);
+}
+
+TEST(PacketParser, ResetForgetsAHalfPacket) {
+  const auto packet = packet_of(common::Heartbeat{});
+  PacketParser parser(common::table());
+  int packets = 0;
+  const auto count = [&](const PacketView&) { ++packets; };
+  parser.feed(std::span(packet).first(5), count);
+  parser.reset();
+  parser.feed(packet, count);
+  EXPECT_EQ(packets, 1);
+}
+
+TEST(PacketParser, UnknownIncompatibilityFlagDropsThePacket) {
+  auto packet = packet_of(common::Heartbeat{});
+  const auto finish = [&](std::uint8_t incompat, std::uint8_t compat) {
+    packet[2] = incompat;
+    packet[3] = compat;
+    const std::span body(packet.data() + 1, packet.size() - 3);
+    const auto crc = Crc16().update(body).update(common::Heartbeat::kCrcExtra).value();
+    packet[packet.size() - 2] = static_cast<std::uint8_t>(crc & 0xFFU);
+    packet[packet.size() - 1] = static_cast<std::uint8_t>(crc >> 8U);
+    return receive(packet, packet.size());
+  };
+  const auto dropped = finish(0x80, 0);
+  EXPECT_TRUE(dropped.packets.empty());
+  EXPECT_EQ(dropped.stats.incompatible, 1U);
+  EXPECT_EQ(finish(0, 0xFF).packets.size(), 1U) << "compatibility flags never matter";
+}
+
+TEST(PacketParser, Version1LengthMustFitTheMessage) {
+  const auto heartbeat_of_length = [](std::uint8_t length) {
+    Bytes bytes{kStartV1, length, 0, 1, 1, 0};
+    bytes.resize(kHeaderBytesV1 + length, 1);
+    const auto crc = Crc16().update(std::span(bytes).subspan(1)).update(50).value();
+    bytes.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+    bytes.push_back(static_cast<std::uint8_t>(crc >> 8U));
+    return receive(bytes, bytes.size()).packets.size();
+  };
+  EXPECT_EQ(heartbeat_of_length(9), 1U);
+  EXPECT_EQ(heartbeat_of_length(8), 0U);
+  EXPECT_EQ(heartbeat_of_length(10), 0U);
+}
+
+TEST(PacketParser, UntrimmedEmptyAndLongPayloadsAreAccepted) {
+  for (const std::size_t length : {0U, 1U, 9U, 20U, 255U}) {
+    Bytes bytes{kStartV2, static_cast<std::uint8_t>(length), 0, 0, 0, 1, 1, 0, 0, 0};
+    bytes.resize(kHeaderBytesV2 + length, 0);
+    const auto crc = Crc16().update(std::span(bytes).subspan(1)).update(50).value();
+    bytes.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+    bytes.push_back(static_cast<std::uint8_t>(crc >> 8U));
+    EXPECT_EQ(receive(bytes, bytes.size()).packets.size(), 1U) << length;
+    EXPECT_EQ(receive(bytes, 1).packets.size(), 1U) << length;
+  }
+}
+
 TEST(PacketParser, ReportsUnknownIdsApart) {
   static constexpr MessageInfo kOnlyHeartbeat[] = {{0, 50, 9, 9, -1, -1, "HEARTBEAT"}};
   static constexpr StaticMessageTable kStorage(kOnlyHeartbeat);
   Bytes stream = packet_of(common::Attitude{.time_boot_ms = 6, .yawspeed = 2});
   append(stream, packet_of(common::Heartbeat{}));
-  const auto received = receive(stream, stream.size(), kStorage.view());
-  EXPECT_EQ(received.packets.size(), 1U);
-  EXPECT_EQ(received.unknown.size(), 1U);
-  EXPECT_EQ(received.stats.unknown_ids, 1U);
+  for (const std::size_t chunk : {stream.size(), std::size_t{1}, std::size_t{5}}) {
+    const auto received = receive(stream, chunk, kStorage.view());
+    EXPECT_EQ(received.packets.size(), 1U);
+    EXPECT_EQ(received.unknown.size(), 1U);
+    EXPECT_EQ(received.stats.unknown_ids, 1U);
+  }
 }
 
 TEST(PacketParser, PublicTableKnowsEveryMessageOfOurDialect) {
