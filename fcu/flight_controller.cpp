@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/frames.hpp"
@@ -344,6 +345,10 @@ std::string FlightController::params_text() const {
     if (param.value != param.initial) out << param.name << ' ' << param.value << '\n';
   }
   return out.str();
+}
+
+bool FlightController::take_reboot_request() {
+  return std::exchange(impl_->core.reboot_wanted, false);
 }
 
 std::uint64_t FlightController::params_revision() const { return impl_->core.params.revision(); }

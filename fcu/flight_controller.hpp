@@ -93,6 +93,8 @@ class FlightController {
   bool set_param(std::string_view name, double value);
   /// All parameters that differ from their defaults, as "NAME VALUE" lines.
   std::string params_text() const;
+  /// Whether a reboot was asked for since the last call; the shell makes a new controller.
+  bool take_reboot_request();
   /// Counts up at each change of a parameter, so that a shell knows when to save.
   std::uint64_t params_revision() const;
 

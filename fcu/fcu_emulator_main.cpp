@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "base/notify.hpp"
+#include "fcu/emulator.hpp"
+#include "fcu/pty.hpp"
+
+namespace {
+
+using namespace cas;
+
+struct Flags {
+  std::filesystem::path config;
+  fcu::EmulatorOptions options;
+  std::string log_level = "info";
+};
+
+void add_flags(CLI::App& app, Flags& flags) {
+  app.add_option("config", flags.config, "Flight controller to emulate (YAML)")->required();
+  app.add_option("--link", flags.options.link, "Symlink to offer the pseudo-terminal under");
+  app.add_option("--stats", flags.options.stats, "Write figures (JSON) to this file at the end");
+  app.add_option("--ledger", flags.options.ledger, "Write the packet ledger (CSV) at the end");
+  app.add_option("--control", flags.options.control, "Unix socket for control (JSON-RPC)");
+  app.add_option("--params", flags.options.params,
+                 "Parameter file: read at start, kept up to date");
+  app.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
+  app.set_version_flag("--version", "fcu_emulator " CAS_VERSION);
+}
+
+int run(Flags& flags) {
+  const fcu::FcuConfig config = fcu::FcuConfig::load(flags.config);
+  if (flags.options.link.empty()) flags.options.link = fcu::default_link("fcu0");
+  fcu::Emulator emulator(config, flags.options);
+  base::log::info("running on " + emulator.endpoints());
+  base::notify("READY=1\nSTATUS=" + emulator.endpoints());
+  emulator.run();
+  base::notify("STOPPING=1");
+  base::log::info("stopped");
+  return base::kExitOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Emulates a flight controller on a pseudo-terminal.", "fcu_emulator");
+  Flags flags;
+  add_flags(app, flags);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
+  }
+  try {
+    base::log::init("fcu_emulator", base::log::parse_level(flags.log_level));
+    return run(flags);
+  } catch (const base::ConfigError& error) {
+    std::fprintf(stderr, "fcu_emulator: %s\n", error.what());
+    return base::kExitConfig;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "fcu_emulator: internal error: %s\n", error.what());
+    return base::kExitInternal;
+  }
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace cas::fcu {
+
+/// A pseudo-terminal that stands for a serial port, offered under a symlink that stays the same.
+///
+/// Raw from birth, so that nothing is echoed to the peer; one slave is kept open, so that the
+/// master never reads EIO when the peer goes; the symlink is replaced by rename, so that it always
+/// points to something; a lock file beside it keeps a second program off the same name.
+class Pty {
+ public:
+  /// @param link  symlink to offer the slave under; its folder is made
+  /// @throws base::ConfigError
+  explicit Pty(std::filesystem::path link);
+  ~Pty();
+  Pty(const Pty&) = delete;
+  Pty& operator=(const Pty&) = delete;
+
+  /// Non-blocking master; -1 while hung up.
+  int master() const { return master_; }
+  /// "/dev/pts/N"; empty while hung up.
+  const std::string& slave_name() const { return slave_name_; }
+  const std::filesystem::path& link() const { return link_; }
+
+  /// Unplugs: the peer reads EIO or end of file, the symlink is gone.
+  void hang_up();
+  /// Plugs in again: a fresh pair under the same symlink. @throws base::ConfigError
+  void open();
+
+ private:
+  void lock();
+  void open_pair();
+  void place_link() const;
+  void close_pair();
+
+  std::filesystem::path link_;
+  std::string slave_name_;
+  int master_ = -1;
+  int slave_ = -1;
+  int lock_ = -1;
+};
+
+/// $XDG_RUNTIME_DIR/cas/NAME, or a place in a private folder under /tmp.
+std::filesystem::path default_link(const std::string& name);
+
+}  // namespace cas::fcu
