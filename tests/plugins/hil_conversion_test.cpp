@@ -126,6 +126,24 @@ TEST(HilGps, SaysUnknownWithoutAFix) {
   EXPECT_EQ(packet.eph, 9900);
 }
 
+TEST(DistanceSensor, CarriesCentimetresDownwards) {
+  RangeSample sample;
+  sample.time = base::SimTime(std::chrono::milliseconds(1234));
+  sample.distance_m = 2.345;
+  sample.min_m = 0.2;
+  sample.max_m = 20;
+  sample.valid = true;
+  const mv::DistanceSensor packet = to_distance_sensor(sample);
+  EXPECT_EQ(packet.time_boot_ms, 1234U);
+  EXPECT_EQ(packet.current_distance, 235);
+  EXPECT_EQ(packet.min_distance, 20);
+  EXPECT_EQ(packet.max_distance, 2000);
+  EXPECT_EQ(static_cast<int>(packet.orientation), 25);
+  EXPECT_EQ(packet.signal_quality, 100);
+  sample.valid = false;
+  EXPECT_EQ(to_distance_sensor(sample).signal_quality, 1);
+}
+
 TEST(SimulatorHeartbeat, IsAGenericSystemWithoutAutopilot) {
   const mv::Heartbeat packet = simulator_heartbeat();
   EXPECT_EQ(static_cast<int>(packet.type), 0);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "plugins/motor/battery_model.hpp"
 #include "plugins/motor/motor_mixer.hpp"
 #include "plugins/motor/rotor_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
@@ -261,6 +262,62 @@ TEST(MotorPlugin, DrivesItsForceModelFromTheBus) {
   ASSERT_EQ(speeds.size(), 1U);
   EXPECT_TRUE(speeds[0].omega_rad_s.isApprox(Vector4d(1, 2, 3, 4)));
   EXPECT_EQ(speeds[0].time.time_since_epoch(), std::chrono::milliseconds(1));
+}
+
+constexpr base::BatteryParams kBattery{
+    .full_v = 16, .empty_v = 12, .capacity_ah = 1, .resistance_ohm = 0.1, .efficiency = 0.5};
+
+TEST(Battery, SagsUnderLoad) {
+  BatteryModel battery(kBattery, 2e-7);
+  EXPECT_DOUBLE_EQ(battery.speed_share(), 1.0);
+  const Vector4d omega = Vector4d::Constant(500);  // 4 * 2e-7 * 500^3 / 0.5 = 200 W
+  battery.advance(omega, 0.0);
+  // V (V0 - V) / R = P: V = (16 + sqrt(256 - 4 * 0.1 * 200)) / 2.
+  EXPECT_NEAR(battery.voltage_v(), (16 + std::sqrt(176.0)) / 2, kExact);
+  EXPECT_NEAR(battery.voltage_v() * battery.current_a(), 200, 1e-9);
+}
+
+TEST(Battery, EmptiesByItsCurrent) {
+  BatteryModel battery(kBattery, 2e-7);
+  double used_ah = 0;
+  for (int i = 0; i < 60; ++i) {
+    battery.advance(Vector4d::Constant(500), 1.0);
+    used_ah += battery.current_a() / 3600;
+  }
+  EXPECT_NEAR(battery.charge(), 1 - used_ah, kExact);
+  for (int i = 0; i < 1000; ++i) battery.advance(Vector4d::Constant(500), 1.0);
+  EXPECT_DOUBLE_EQ(battery.charge(), 0);
+  EXPECT_LT(battery.voltage_v(), 12);
+}
+
+TEST(Battery, GivesHalfItsVoltageBeyondWhatItCanGive) {
+  BatteryModel battery(kBattery, 1.0);
+  battery.advance(Vector4d::Constant(500), 0.0);
+  EXPECT_DOUBLE_EQ(battery.voltage_v(), 8);
+}
+
+TEST(MotorPlugin, PassesBrokenRotorsOn) {
+  test::PluginHarness harness;
+  const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  const auto health = harness.bus.advertise<PropulsionHealth>("iris0/propulsion_health");
+  harness.add("motor", "{}");
+  MotorCommand outputs;
+  outputs.kind = MotorCommand::Kind::kMotorOutputs;
+  outputs.armed = true;
+  outputs.values = Vector4d::Constant(0.7);  // 800 rad/s
+  command.publish(outputs);
+  PropulsionHealth broken;
+  broken.speed_share = {1, 0, 1, 1};
+  broken.thrust_share = {1, 1, 0.5, 1};
+  broken.voltage_share = 0.5;
+  health.publish(broken);
+  std::array<double, 4> omega{400, 400, 400, 400};
+  std::array<double, 4> omega_dot{};
+  Wrench wrench;
+  harness.context.force_models[0]->evaluate({}, {}, omega, omega_dot, wrench);
+  EXPECT_NEAR(omega_dot[0], 0, 1e-9);             // 800 * 0.5
+  EXPECT_NEAR(omega_dot[1], -400 / 0.025, 1e-6);  // stopped
+  EXPECT_NEAR(wrench.force_B.z(), 3.5 * 5.84e-6 * 400 * 400, 1e-9);
 }
 
 }  // namespace

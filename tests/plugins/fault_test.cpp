@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "plugins/fault/expression.hpp"
+#include "plugins/fault/fault_spec.hpp"
+#include "tests/plugins/plugin_harness.hpp"
+
+namespace cas::sim {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+struct ExpressionCase {
+  const char* name;
+  const char* text;
+  bool expected;  // at altitude 3, time 10, speed 0, armed, phase hold
+};
+
+class ExpressionOnFacts : public testing::TestWithParam<ExpressionCase> {};
+
+TEST_P(ExpressionOnFacts, IsTrueOrNot) {
+  Facts facts;
+  facts[Fact::kAltitude] = 3;
+  facts[Fact::kTime] = 10;
+  facts[Fact::kArmed] = 1;
+  facts[Fact::kYaw] = -90;
+  facts.phase = "hold";
+  EXPECT_EQ(Expression::parse(GetParam().text).evaluate(facts), GetParam().expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, ExpressionOnFacts,
+    testing::Values(ExpressionCase{"BothHold", "altitude > 2 and phase == hold", true},
+                    ExpressionCase{"OtherPhase", "altitude > 2 and phase == land", false},
+                    ExpressionCase{"NotPhase", "phase != land", true},
+                    ExpressionCase{"OrBindsLess", "speed > 1 and speed > 2 or altitude >= 3", true},
+                    ExpressionCase{"Brackets", "speed > 1 and (speed > 2 or altitude >= 3)", false},
+                    ExpressionCase{"Not", "not altitude < 2", true},
+                    ExpressionCase{"FactAlone", "armed", true},
+                    ExpressionCase{"NotFactAlone", "not armed", false},
+                    ExpressionCase{"Negative", "yaw < -89.5", true},
+                    ExpressionCase{"NumberFirst", "2 < altitude", true},
+                    ExpressionCase{"Equal", "time == 10", true},
+                    ExpressionCase{"NoSpaces", "altitude>2 and time>=1e1", true}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Expression, RefusesWhatItDoesNotUnderstand) {
+  for (const char* text : {"", "altitude >", "altitude > 2 and", "(altitude > 2", "altitud > 2",
+                           "altitude > 2 )", "phase > hold", "phase ==", "altitude > 2 2"}) {
+    EXPECT_THROW(Expression::parse(text), std::invalid_argument) << text;
+  }
+}
+
+TEST(FaultSpec, RefusesHalfAndDoubleEntries) {
+  for (const char* yaml :
+       {"faults: [{at_s: 1}]", "faults: [{freeze: imu}]",
+        "faults: [{at_s: 1, when: armed, freeze: imu}]",
+        "faults: [{at_s: 1, freeze: imu, drop: gps}]", "faults: [{at_s: 1, freeze: sonar}]",
+        "faults: [{at_s: 1, bias: {sensor: imu}}]", "faults: [{at_s: 1, rotor: {number: 5}}]",
+        "faults: [{at_s: 1, for_s: 1, until: armed, freeze: imu}]",
+        "faults: [{when: 'altitud > 2', freeze: imu}]"}) {
+    EXPECT_THROW(parse_faults(base::ConfigNode::parse(yaml)), base::ConfigError) << yaml;
+  }
+}
+
+/// A vehicle with an IMU and a barometer whose faults are `yaml`; samples by time of arrival.
+class FaultyVehicle : public testing::Test {
+ protected:
+  struct Arrived {
+    base::SimTime at;
+    BarometerSample sample;
+  };
+
+  void start(const std::string& faults, bool with_fault_first = false) {
+    if (with_fault_first) plugin_ = &harness_.add("fault", faults);
+    harness_.add("imu", "{rate_hz: 500, gyro_stddev_deg_s: 1.0e-6, accel_stddev_m_s2: 1.0e-6}");
+    harness_.add("barometer", "{rate_hz: 50, stddev_pa: 1.0e-3}");
+    if (!with_fault_first) plugin_ = &harness_.add("fault", faults);
+    barometer_ = harness_.bus.subscribe<BarometerSample>("iris0/barometer",
+                                                         [this](const BarometerSample& s) {
+                                                           pressures_.push_back({now_, s});
+                                                         });
+    imu_ = harness_.bus.subscribe<ImuSample>("iris0/imu",
+                                             [this](const ImuSample& s) { imus_.push_back(s); });
+  }
+  void run(base::Duration time) {
+    for (base::Duration done{}; done < time; done += milliseconds(1)) {
+      now_ += milliseconds(1);
+      harness_.step();
+    }
+  }
+
+  test::PluginHarness harness_;
+  Plugin* plugin_ = nullptr;
+  base::SimTime now_;
+  std::vector<Arrived> pressures_;
+  std::vector<ImuSample> imus_;
+  Subscription barometer_;
+  Subscription imu_;
+};
+
+TEST_F(FaultyVehicle, DropsSamplesForAWhile) {
+  start("{faults: [{at_s: 0.5, for_s: 0.2, drop: barometer}]}");
+  run(seconds(1));
+  EXPECT_EQ(pressures_.size(), 40U);
+  EXPECT_EQ(imus_.size(), 500U);  // the others do not notice
+}
+
+TEST_F(FaultyVehicle, FreezesAValueWhileItsStampGoesOn) {
+  start("{faults: [{at_s: 0.5, for_s: 0.2, freeze: barometer}]}", true);
+  run(seconds(1));
+  ASSERT_EQ(pressures_.size(), 50U);
+  const double frozen = pressures_[24].sample.pressure_pa;  // 0.5 s
+  for (std::size_t i = 25; i < 35; ++i) {
+    EXPECT_EQ(pressures_[i].sample.pressure_pa, frozen);
+    EXPECT_EQ(pressures_[i].sample.time, pressures_[i].at);
+  }
+  EXPECT_NE(pressures_[35].sample.pressure_pa, frozen);
+}
+
+TEST_F(FaultyVehicle, DelaysExactlyAndKeepsTheOrder) {
+  start("{faults: [{at_s: 0.1, for_s: 0.3, delay: {sensor: barometer, by_s: 0.05}}]}");
+  run(seconds(1));
+  ASSERT_EQ(pressures_.size(), 50U);
+  for (std::size_t i = 0; i < pressures_.size(); ++i) {
+    const auto& [at, sample] = pressures_[i];
+    EXPECT_EQ(sample.time.time_since_epoch(), milliseconds(20 * (i + 1)));
+    const bool late = sample.time > base::SimTime(milliseconds(100)) &&
+                      sample.time <= base::SimTime(milliseconds(400));
+    const base::Duration delay = at - sample.time;
+    // What comes after the fault's end waits until what was held back has gone.
+    EXPECT_GE(delay, late ? milliseconds(50) : milliseconds(0)) << i;
+    EXPECT_LE(delay, late ? milliseconds(50) : milliseconds(30)) << i;
+  }
+}
+
+TEST_F(FaultyVehicle, BiasesAndScalesInTheUnitsOfTheKeys) {
+  start(
+      "{faults: [{at_s: 0.1, for_s: 0.1, bias: {sensor: imu, angular_rate_deg_s: [90, 0, 0]}}, "
+      "{at_s: 0.3, scale: {sensor: imu, specific_force: [1, 1, 2]}}]}");
+  run(milliseconds(500));
+  constexpr double kNoise = 1e-4;
+  EXPECT_NEAR(imus_[40].angular_rate_B.x(), 0, kNoise);
+  EXPECT_NEAR(imus_[70].angular_rate_B.x(), M_PI / 2, kNoise);
+  EXPECT_NEAR(imus_[120].angular_rate_B.x(), 0, kNoise);
+  EXPECT_NEAR(imus_[70].specific_force_B.z(), test::kGravity, kNoise);
+  EXPECT_NEAR(imus_[200].specific_force_B.z(), 2 * test::kGravity, kNoise);
+}
+
+TEST_F(FaultyVehicle, BeginsOnAStateAndEndsOnAnother) {
+  start("{faults: [{name: high, when: altitude > 2, until: altitude < 1, drop: barometer}]}");
+  run(milliseconds(100));
+  harness_.world.body.p_WB.z() = 2.5;
+  run(milliseconds(100));
+  harness_.world.body.p_WB.z() = 0.5;
+  run(milliseconds(100));
+  harness_.world.body.p_WB.z() = 2.5;  // once is enough
+  run(milliseconds(100));
+  EXPECT_EQ(pressures_.size(), 15U);
+  const std::string stats = plugin_->stats_json();
+  EXPECT_EQ(stats,
+            "{\"events\":[{\"time_s\":0.100000,\"fault\":\"high\",\"event\":\"begin\"},"
+            "{\"time_s\":0.200000,\"fault\":\"high\",\"event\":\"end\"}]}");
+}
+
+TEST_F(FaultyVehicle, KnowsThePhaseOfTheFlight) {
+  const auto phase = harness_.bus.advertise<FlightPhase>("iris0/flight_phase");
+  start("{faults: [{when: phase == hold, drop: barometer}]}");
+  run(milliseconds(100));
+  FlightPhase hold;
+  std::string("hold").copy(hold.name.data(), hold.name.size() - 1);
+  phase.publish(hold);
+  run(milliseconds(100));
+  EXPECT_EQ(pressures_.size(), 5U);
+}
+
+TEST_F(FaultyVehicle, StopsWeakensAndStarvesRotors) {
+  start(
+      "{faults: [{at_s: 0.1, rotor: {number: 2, stop: true}}, "
+      "{at_s: 0.2, for_s: 0.1, rotor: {number: 3, thrust_share: 0.6}}, "
+      "{at_s: 0.2, voltage_share: 0.9}]}");
+  PropulsionHealth health;
+  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
+      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  run(milliseconds(150));
+  EXPECT_TRUE(health.speed_share.isApprox(Vector4d(1, 0, 1, 1)));
+  EXPECT_TRUE(health.thrust_share.isApprox(Vector4d::Ones()));
+  run(milliseconds(100));
+  EXPECT_TRUE(health.thrust_share.isApprox(Vector4d(1, 1, 0.6, 1)));
+  EXPECT_DOUBLE_EQ(health.voltage_share, 0.9);
+  run(milliseconds(100));
+  EXPECT_TRUE(health.thrust_share.isApprox(Vector4d::Ones()));
+}
+
+TEST_F(FaultyVehicle, ChangesMassAndBalance) {
+  start(
+      "{faults: [{at_s: 0.1, for_s: 0.1, mass_factor: 1.5}, {at_s: 0.3, cg_shift_B_m: [0.02, 0, "
+      "0]}]}");
+  run(milliseconds(150));
+  EXPECT_DOUBLE_EQ(harness_.world.mass_factor, 1.5);
+  run(milliseconds(100));
+  EXPECT_DOUBLE_EQ(harness_.world.mass_factor, 1.0);
+  EXPECT_TRUE(harness_.world.added.torque_B.isZero(0.0));
+  run(milliseconds(51));
+  // Weight held by surface forces: nose-heavy by m g 0.02 about +By.
+  EXPECT_NEAR(harness_.world.added.torque_B.y(), 1.55 * test::kGravity * 0.02, 1e-9);
+}
+
+TEST_F(FaultyVehicle, AsksTheWindForAGust) {
+  start("{faults: [{at_s: 0.1, gust: {amplitude_m_s: [3, 0, 0], length_m: 2}}]}");
+  harness_.add("wind", "{}");
+  run(milliseconds(100));
+  EXPECT_TRUE(harness_.world.air.wind_W.isZero(0.0));
+  run(milliseconds(2000));  // 1 m/s in still air: 2 m take 2 s
+  EXPECT_NEAR(harness_.world.air.wind_W.y(), 3, 0.05);
+}
+
+TEST_F(FaultyVehicle, BreaksTheSameWayAfterReset) {
+  start("{faults: [{at_s: 0.05, noise: {sensor: barometer, pressure_pa: 50}}]}");
+  run(milliseconds(400));
+  const auto first = std::move(pressures_);
+  pressures_.clear();
+  now_ = {};
+  harness_.reset();
+  run(milliseconds(400));
+  ASSERT_EQ(first.size(), pressures_.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].sample.pressure_pa, pressures_[i].sample.pressure_pa);
+  }
+  EXPECT_GT(std::abs(first[10].sample.pressure_pa - first[1].sample.pressure_pa), 1);
+}
+
+}  // namespace
+}  // namespace cas::sim

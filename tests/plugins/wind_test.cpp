@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "plugins/wind/dryden.hpp"
+#include "plugins/wind/wind_model.hpp"
+#include "tests/plugins/plugin_harness.hpp"
+#include "tests/plugins/statistics.hpp"
+
+namespace cas::sim {
+namespace {
+
+using Eigen::Vector3d;
+using test::Statistics;
+
+constexpr double kKnot = 0.514444;
+
+TEST(DrydenScales, AreThoseOfTheSpecification) {
+  // MIL-F-8785C at h = 100 ft, W20 = 30 kt: L_u = 100 / (0.2593)^1.2 ft, sigma_w = 3 kt.
+  const DrydenScales scales = DrydenScales::at(30 * kKnot, 30.48);
+  EXPECT_NEAR(scales.length_vertical_m, 30.48, 1e-9);
+  EXPECT_NEAR(scales.length_horizontal_m, 100 / std::pow(0.2593, 1.2) * 0.3048, 1e-9);
+  EXPECT_NEAR(scales.sigma_vertical_m_s, 3 * kKnot, 1e-9);
+  EXPECT_NEAR(scales.sigma_horizontal_m_s, 3 * kKnot / std::pow(0.2593, 0.4), 1e-9);
+}
+
+TEST(DrydenScales, AreHeldBelowTenAndAboveAThousandFeet) {
+  EXPECT_EQ(DrydenScales::at(10, 0).length_vertical_m,
+            DrydenScales::at(10, 3.048).length_vertical_m);
+  EXPECT_EQ(DrydenScales::at(10, 900).length_vertical_m,
+            DrydenScales::at(10, 304.8).length_vertical_m);
+}
+
+constexpr DrydenScales kScales{.length_horizontal_m = 40,
+                               .length_vertical_m = 10,
+                               .sigma_horizontal_m_s = 2,
+                               .sigma_vertical_m_s = 1};
+constexpr double kSpeed = 8;
+
+TEST(Dryden, HasItsIntensitiesAtAnyStep) {
+  for (const double dt : {0.001, 0.004, 0.1, 1.0}) {
+    Dryden dryden(17);
+    Statistics u, v, w;
+    const int count = static_cast<int>(std::min(2e6, 40'000 / dt));
+    for (int i = 0; i < count; ++i) {
+      const Vector3d gust = dryden.advance(kScales, kSpeed, dt);
+      u.add(gust[0]);
+      v.add(gust[1]);
+      w.add(gust[2]);
+    }
+    // Time constants 5 s and 1.25 s: at least 2000 s are 200 independent values.
+    const double limit = 4.0 / std::sqrt(2.0 * count * dt / 10.0);
+    EXPECT_NEAR(u.stddev() / 2, 1, limit) << dt;
+    EXPECT_NEAR(v.stddev() / 2, 1, limit) << dt;
+    EXPECT_NEAR(w.stddev() / 1, 1, limit) << dt;
+  }
+}
+
+/// One-sided power spectral density at one frequency, averaged over Hann-windowed stretches.
+double density_at(const std::vector<double>& samples, double dt, double omega) {
+  constexpr std::size_t kLength = 8192;
+  double sum = 0;
+  int stretches = 0;
+  double window_power = 0;
+  for (std::size_t i = 0; i < kLength; ++i) {
+    window_power += std::pow(std::sin(M_PI * static_cast<double>(i) / kLength), 4);
+  }
+  for (std::size_t start = 0; start + kLength <= samples.size(); start += kLength / 2) {
+    std::complex<double> line = 0;
+    const std::complex<double> turn = std::polar(1.0, -omega * dt);
+    std::complex<double> phase = 1;
+    for (std::size_t i = 0; i < kLength; ++i) {
+      const double window = std::pow(std::sin(M_PI * static_cast<double>(i) / kLength), 2);
+      line += samples[start + i] * window * phase;
+      phase *= turn;
+    }
+    sum += std::norm(line);
+    ++stretches;
+  }
+  return sum / stretches * dt / window_power / M_PI;  // per rad/s, one-sided
+}
+
+TEST(Dryden, HasTheSpectraOfTheSpecification) {
+  constexpr double kStep = 0.02;
+  Dryden dryden(23);
+  std::vector<double> u, v, w;
+  for (int i = 0; i < 1'000'000; ++i) {
+    const Vector3d gust = dryden.advance(kScales, kSpeed, kStep);
+    u.push_back(gust[0]);
+    v.push_back(gust[1]);
+    w.push_back(gust[2]);
+  }
+  const double tau = kScales.length_horizontal_m / kSpeed;
+  const double tau_w = kScales.length_vertical_m / kSpeed;
+  const auto longitudinal = [](double sigma, double t, double omega) {
+    return sigma * sigma * 2 * t / M_PI / (1 + std::pow(t * omega, 2));
+  };
+  const auto lateral = [](double sigma, double t, double omega) {
+    const double x = std::pow(t * omega, 2);
+    return sigma * sigma * t / M_PI * (1 + 3 * x) / std::pow(1 + x, 2);
+  };
+  constexpr double kLimit = 0.2;  // 4 standard errors of 243 half-overlapping stretches, rounded up
+  for (const double omega : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+    EXPECT_NEAR(density_at(u, kStep, omega) / longitudinal(2, tau, omega), 1, kLimit) << omega;
+    EXPECT_NEAR(density_at(v, kStep, omega) / lateral(2, tau, omega), 1, kLimit) << omega;
+    EXPECT_NEAR(density_at(w, kStep, omega) / lateral(1, tau_w, omega), 1, kLimit) << omega;
+  }
+}
+
+WindParams parse(const std::string& yaml) {
+  return parse_wind_params(base::ConfigNode::parse(yaml));
+}
+
+TEST(Wind, BlowsFromWhereItIsSaidToComeFrom) {
+  WindModel wind(parse("{mean_m_s: 5, from_deg: 270}"), 1);  // a west wind moves air east
+  EXPECT_TRUE(wind.advance_N({}, 1e-3, 10, Vector3d::Zero()).isApprox(Vector3d(0, 5, 0), 1e-12));
+}
+
+TEST(Wind, FollowsTheLogarithmicProfile) {
+  WindModel wind(parse("{mean_m_s: 5, from_deg: 180, profile: log}"), 1);
+  EXPECT_NEAR(wind.advance_N({}, 1e-3, 6.096, Vector3d::Zero()).x(), 5, 1e-9);
+  const double at_2 = 5 * std::log(2 / 0.04572) / std::log(6.096 / 0.04572);
+  EXPECT_NEAR(wind.advance_N({}, 1e-3, 2, Vector3d::Zero()).x(), at_2, 1e-9);
+  EXPECT_NEAR(wind.advance_N({}, 1e-3, 0, Vector3d::Zero()).x(), 0, 1e-9);
+}
+
+TEST(Wind, GustRisesByOneMinusCosineHoldsAndFalls) {
+  // Mean 10 m/s past a hovering vehicle: 20 m of air take 2 s.
+  WindModel wind(parse("{mean_m_s: 10, from_deg: 180, gusts: [{start_s: 1, amplitude_m_s: [0, 4, "
+                       "0], length_m: 20, hold_s: 3}]}"),
+                 1);
+  auto gust_at = [&, ms = 0](int until_ms) mutable {
+    double east = 0;
+    for (; ms <= until_ms; ++ms) {
+      east =
+          wind.advance_N(base::SimTime(std::chrono::milliseconds(ms)), 1e-3, 10, Vector3d::Zero())
+              .y();
+    }
+    return east;
+  };
+  constexpr double kOneStep = 0.01;
+  EXPECT_NEAR(gust_at(999), 0, 1e-12);
+  EXPECT_NEAR(gust_at(2000), 2, kOneStep);
+  EXPECT_NEAR(gust_at(3000), 4, kOneStep);
+  EXPECT_NEAR(gust_at(5900), 4, 1e-9);
+  EXPECT_NEAR(gust_at(7000), 2, 2 * kOneStep);
+  EXPECT_NEAR(gust_at(8100), 0, 1e-9);
+}
+
+TEST(Wind, RefusesAWindFromNowhere) {
+  EXPECT_THROW(parse("{mean_m_s: 5}"), base::ConfigError);
+  EXPECT_THROW(parse("{turbulence: stormy}"), base::ConfigError);
+}
+
+TEST(WindPlugin, MovesTheAirTheSameWayAfterReset) {
+  test::PluginHarness harness;
+  harness.add("wind", "{mean_m_s: 5, from_deg: 0, turbulence: moderate}");
+  std::vector<Vector3d> first, second;
+  for (auto* record : {&first, &second}) {
+    for (int i = 0; i < 100; ++i) {
+      harness.step();
+      record->push_back(harness.world.air.wind_W);
+    }
+    harness.reset();
+  }
+  EXPECT_EQ(first, second);
+  EXPECT_NE(first[0], first[99]);
+  EXPECT_LT(first[0].y(), 0);  // a north wind moves air south
+}
+
+TEST(RangefinderPlugin, MeasuresAlongItsRay) {
+  test::PluginHarness harness;
+  harness.add("rangefinder",
+              "{rate_hz: 50, stddev_m: 1.0e-6, min_m: 0.2, max_m: 20, position_B_m: [0, 0, -0.1]}");
+  std::vector<RangeSample> samples;
+  const auto listening = harness.bus.subscribe<RangeSample>(
+      "iris0/rangefinder", [&](const RangeSample& s) { samples.push_back(s); });
+  auto& body = harness.world.body;
+  const auto measure = [&](double height, double roll) {
+    body.p_WB.z() = height;
+    body.q_WB = Eigen::AngleAxisd(roll, Vector3d::UnitX());
+    samples.clear();
+    harness.run(std::chrono::milliseconds(20));
+    return samples.at(0);
+  };
+  EXPECT_NEAR(measure(5.1, 0).distance_m, 5, 1e-4);
+  EXPECT_TRUE(measure(5.1, 0).valid);
+  EXPECT_NEAR(measure(5.0, M_PI / 3).distance_m, 9.9, 1e-4);  // 5 / cos 60 deg less the lever
+  EXPECT_FALSE(measure(0.15, 0).valid);                       // too near
+  EXPECT_FALSE(measure(30, 0).valid);                         // nothing in reach
+  EXPECT_EQ(measure(30, 0).max_m, 20);
+}
+
+}  // namespace
+}  // namespace cas::sim
