@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "casd/command_params.hpp"
 
 namespace cas::casd {
 namespace {
@@ -22,36 +23,58 @@ json log_status(const TlogWriter& tlog) {
               {"left_out", tlog.left_out()}};
 }
 
-void start_log(TlogWriter& tlog, const json& params, const Reply& reply) {
-  if (!params.is_object() || !params.contains("file") || !params["file"].is_string()) {
-    return reply.error(base::rpc::kInvalidParams, "log.start takes {\"file\": PATH}", nullptr);
-  }
-  try {
-    tlog.start(params["file"].get<std::string>());
-    reply.result(log_status(tlog));
-  } catch (const base::ConfigError& error) {
-    reply.error(base::rpc::kRefused, error.what(), nullptr);
-  }
+/// A log goes into a new .tlog file: a client of the port must not overwrite what it likes.
+json start_log(TlogWriter& tlog, CommandParams& params) {
+  const std::filesystem::path file(params.text("file"));
+  params.finish();
+  std::error_code ignored;
+  if (file.extension() != ".tlog") throw BadParams("\"file\" must end in .tlog");
+  if (std::filesystem::exists(file, ignored)) throw BadParams(file.string() + " exists already");
+  tlog.start(file);
+  return log_status(tlog);
+}
+
+/// A method of the daemon itself. What changes something leaves a line in the audit log; what it
+/// cannot do is a refusal in words.
+void add_method(base::rpc::Server& server, const std::string& name, bool audited,
+                std::function<json(CommandParams&)> body) {
+  server.add_method(name, [name, audited, body](const json& params, const Reply& reply) {
+    std::string what = "done";
+    try {
+      CommandParams reader(params);
+      reply.result(body(reader));
+    } catch (const BadParams& error) {
+      what = error.what();
+      reply.error(base::rpc::kInvalidParams, what, nullptr);
+    } catch (const base::ConfigError& error) {
+      what = error.what();
+      reply.error(base::rpc::kRefused, what, nullptr);
+    }
+    if (audited) base::log::info("audit: " + reply.client + " " + name + ": " + what);
+  });
 }
 
 }  // namespace
 
 void add_app_methods(base::rpc::Server& server, AppHooks hooks) {
-  server.add_method("casd.reload", [reload = hooks.reload](const json&, const Reply& reply) {
+  add_method(server, "casd.reload", true, [reload = hooks.reload](CommandParams& params) {
+    params.finish();
     const std::string trouble = reload();
-    if (!trouble.empty()) return reply.error(base::rpc::kRefused, trouble, nullptr);
-    reply.result(json{{"reloaded", true}});
+    if (!trouble.empty()) throw base::ConfigError(trouble);
+    return json{{"reloaded", true}};
   });
   TlogWriter& tlog = hooks.tlog;
-  server.add_method("log.start", [&tlog](const json& params, const Reply& reply) {
-    start_log(tlog, params, reply);
-  });
-  server.add_method("log.stop", [&tlog](const json&, const Reply& reply) {
+  add_method(server, "log.start", true,
+             [&tlog](CommandParams& params) { return start_log(tlog, params); });
+  add_method(server, "log.stop", true, [&tlog](CommandParams& params) {
+    params.finish();
     tlog.stop();
-    reply.result(log_status(tlog));
+    return log_status(tlog);
   });
-  server.add_method("log.status",
-                    [&tlog](const json&, const Reply& reply) { reply.result(log_status(tlog)); });
+  add_method(server, "log.status", false, [&tlog](CommandParams& params) {
+    params.finish();
+    return log_status(tlog);
+  });
 }
 
 FiguresSource make_figures_source(LinkSet& links, const CommandServer& commands) {

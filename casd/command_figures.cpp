@@ -137,6 +137,7 @@ CommandFigures::CommandFigures(base::rpc::Server& server, FiguresSource source)
   }
   server_.add_topic("links");
   server_.add_topic("messages");
+  server_.add_topic("drops");
 }
 
 LinkId CommandFigures::require_link(const std::string& name) const {
@@ -254,6 +255,11 @@ json CommandFigures::latency() const {
 void CommandFigures::publish() {
   publish_link_changes();
   if (server_.has_subscribers("messages")) server_.publish("messages", messages(nullptr));
+  std::uint64_t dropped = 0;
+  for (const LinkStatus& link : source_.monitor->links()) {
+    for (const std::uint64_t count : link.tx.dropped) dropped += count;
+  }
+  if (std::exchange(last_dropped_, dropped) != dropped) server_.publish("drops", drops());
 }
 
 void CommandFigures::publish_link_changes() {

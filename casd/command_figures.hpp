@@ -34,7 +34,7 @@ struct FiguresSource {
 };
 
 /// The half of the command port that tells about casd itself: casd.status, link.*, message.* and
-/// the topics `links` and `messages`. Everything on the server's thread.
+/// the topics `links`, `messages` and `drops`. Everything on the server's thread.
 class CommandFigures {
  public:
   CommandFigures(base::rpc::Server& server, FiguresSource source);
@@ -58,6 +58,7 @@ class CommandFigures {
   base::rpc::Server& server_;
   FiguresSource source_;
   std::map<std::string, std::string> last_states_;
+  std::uint64_t last_dropped_ = 0;
 };
 
 }  // namespace cas::casd

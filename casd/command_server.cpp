@@ -83,14 +83,14 @@ void CommandServer::run(const std::string& name, bool audited, const Parse& pars
   }
   const auto resolved = commander_.resolve(asked);
   if (const auto* why = std::get_if<Outcome>(&resolved)) {
-    if (audited) audit(name, params, asked.value_or(0), *why);
+    if (audited) audit(reply.client, name, params, asked.value_or(0), *why);
     answer_error(reply, *why);
     return;
   }
   const std::uint8_t system = std::get<std::uint8_t>(resolved);
   action(system, hooks_.now(),
          [this, name, audited, answer, params, reply, system](const Outcome& outcome) {
-           if (audited) audit(name, params, system, outcome);
+           if (audited) audit(reply.client, name, params, system, outcome);
            if (outcome.ok()) {
              reply.result(answer(system, outcome));
            } else {
@@ -99,13 +99,13 @@ void CommandServer::run(const std::string& name, bool audited, const Parse& pars
          });
 }
 
-/// "vehicle.takeoff {"altitude_m":2.5} vehicle 1: accepted".
-void CommandServer::audit(const std::string& name, const json& params, std::uint8_t system,
-                          const Outcome& outcome) const {
+/// "127.0.0.1:40412 vehicle.takeoff {"altitude_m":2.5} vehicle 1: accepted".
+void CommandServer::audit(const std::string& client, const std::string& name, const json& params,
+                          std::uint8_t system, const Outcome& outcome) const {
   if (!hooks_.audit) return;
   const std::string asked =
       params.is_null() ? "{}" : params.dump(-1, ' ', false, json::error_handler_t::replace);
-  hooks_.audit(name + " " + asked + " vehicle " + std::to_string(system) + ": " +
+  hooks_.audit(client + " " + name + " " + asked + " vehicle " + std::to_string(system) + ": " +
                (outcome.ok() ? "accepted" : outcome.message));
 }
 

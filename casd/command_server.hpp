@@ -53,8 +53,8 @@ class CommandServer {
   void add(const std::string& name, bool audited, Parse parse, Answer answer);
   void run(const std::string& name, bool audited, const Parse& parse, const Answer& answer,
            const nlohmann::json& params, const base::rpc::Reply& reply);
-  void audit(const std::string& name, const nlohmann::json& params, std::uint8_t system,
-             const Outcome& outcome) const;
+  void audit(const std::string& client, const std::string& name, const nlohmann::json& params,
+             std::uint8_t system, const Outcome& outcome) const;
   void publish_text(const VehicleState& vehicle, const StatusText& text);
   const GainLoop* find_loop(std::uint8_t system, const std::string& loop, const Done& done) const;
   nlohmann::json summary(const VehicleState& vehicle) const;

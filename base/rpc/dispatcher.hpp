@@ -25,6 +25,7 @@ class CAS_BASE_EXPORT Peer {
   /// The client gave a wrong token: no further line of it is to be read.
   virtual void on_refused() {}
 
+  std::string name;              ///< for an audit: "127.0.0.1:40412", "unix:uid 1000"
   std::set<std::string> topics;  ///< subscribed
   bool authorised = true;
   std::size_t calls = 0;  ///< under way

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/rpc/session.hpp"
 
+#include <netdb.h>
+#include <sys/socket.h>
+
+#include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
@@ -19,6 +23,28 @@ constexpr std::size_t kLinesPerWrite = 32;            // gathered into one syste
 constexpr auto kFlushTime = std::chrono::seconds(5);  // for a client that ends without reading
 constexpr auto kDrainTime = std::chrono::seconds(1);
 
+/// "127.0.0.1:40412", "[::1]:40412", or the user behind a Unix socket: "unix:uid 1000".
+std::string peer_name(int fd) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) return "?";
+  if (address.ss_family == AF_UNIX) {
+    ucred user{};
+    socklen_t user_size = sizeof user;
+    if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &user, &user_size) != 0) return "unix";
+    return "unix:uid " + std::to_string(user.uid);
+  }
+  std::array<char, NI_MAXHOST> host{};
+  std::array<char, NI_MAXSERV> port{};
+  if (::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(),
+                    static_cast<socklen_t>(host.size()), port.data(),
+                    static_cast<socklen_t>(port.size()), NI_NUMERICHOST | NI_NUMERICSERV) != 0) {
+    return "?";
+  }
+  const bool v6 = address.ss_family == AF_INET6;
+  return (v6 ? "[" : "") + std::string(host.data()) + (v6 ? "]:" : ":") + port.data();
+}
+
 }  // namespace
 
 Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
@@ -28,7 +54,9 @@ Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
       deadline_(socket_.get_executor()),
       dispatcher_(std::move(dispatcher)),
       limits_(limits),
-      on_closed_(std::move(on_closed)) {}
+      on_closed_(std::move(on_closed)) {
+  name = peer_name(socket_.native_handle());
+}
 
 void Session::refuse(const std::string& message) {
   deliver(Dispatcher::error_line(kInternalError, message));

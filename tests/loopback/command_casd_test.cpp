@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/rpc/client.hpp"
+#include "tests/loopback/scripted_vehicle.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::test {
+namespace {
+
+using base::rpc::CallError;
+using base::rpc::Client;
+using casd::test::FakeVehicle;
+using mavlink::common::MavModeFlag;
+using mavlink::common::MavParamType;
+using mavlink::common::MavResult;
+using nlohmann::json;
+
+/// The real casd between a scripted vehicle on a line and clients of its command port.
+class CommandCasdTest : public testing::Test {
+ protected:
+  CommandCasdTest() : line_(folder_ / "fcu0") {}
+
+  /// Starts vehicle and daemon, and waits until casd knows the vehicle.
+  void start(std::function<void(FakeVehicle&)> script, const std::string& more = "") {
+    vehicle_ = std::make_unique<ScriptedVehicle>(line_, std::move(script));
+    topology_ = folder_.write("casd.yaml",
+                              "schema: 1\n"
+                              "command_port: {port: 0}\n"
+                              "links:\n"
+                              "  - {name: fcu, type: serial, baud: 921600, device: '" +
+                                  (folder_ / "fcu0").string() + "'}\n" +
+                                  "gains: " CAS_SOURCE_DIR "/config/gains.yaml\n" + more);
+    run_casd();
+  }
+  void run_casd() {
+    casd_ = std::make_unique<ChildProcess>(std::vector<std::string>{
+        CAS_BINARY_DIR "/bin/casd", topology_.string(), "--stats", (folder_ / "stats").string()});
+    const std::optional<std::string> status = casd_->wait_ready();
+    ASSERT_TRUE(status.has_value()) << casd_->output();
+    const std::size_t at = status->find("command_port ") + 13;
+    address_ = status->substr(at, status->find(' ', at) - at);
+    client_.emplace(address_);
+    ASSERT_TRUE(wait_until([this] {
+      return !client_->call("casd.status", json::object()).at("vehicles").empty();
+    })) << casd_->output();
+  }
+  /// Runs the real casctl. @return its exit code
+  int casctl(std::vector<std::string> arguments, std::string* output = nullptr) {
+    arguments.insert(arguments.begin(), {CAS_BINARY_DIR "/bin/casctl", "--address", address_});
+    ChildProcess child(arguments);
+    const std::optional<int> code = child.wait_exit();
+    if (output != nullptr) *output = child.output();
+    return code.value_or(-1);
+  }
+
+  TemporaryFolder folder_;
+  PtyPair line_;
+  std::unique_ptr<ScriptedVehicle> vehicle_;
+  std::unique_ptr<ChildProcess> casd_;
+  std::filesystem::path topology_;
+  std::string address_;
+  std::optional<Client> client_;
+};
+
+void know_gains(FakeVehicle& vehicle) {
+  vehicle.params = {{"MC_ROLLRATE_P", {.value = 0.15}},
+                    {"MC_ROLLRATE_I", {.value = 0.2}},
+                    {"MC_ROLLRATE_D", {.value = 0.003}},
+                    {"MC_ROLL_P", {.value = 6.5}},
+                    {"SYS_HITL", {.value = 1, .type = MavParamType::kInt32}}};
+}
+
+TEST_F(CommandCasdTest, ArmsTakesOffAndLandsThroughALine) {
+  start([](FakeVehicle& vehicle) {
+    mavlink::common::HomePosition home;
+    home.altitude = 488'000;
+    vehicle.say(home, base::steady_now() + std::chrono::milliseconds(300));
+  });
+  EXPECT_TRUE(wait_until(
+      [this] { return client_->call("vehicle.state", json::object()).contains("home"); }));
+  EXPECT_EQ(casctl({"arm"}), 0);
+  EXPECT_EQ(casctl({"takeoff", "2.5"}), 0);
+  EXPECT_EQ(casctl({"land"}), 0);
+  const auto& commands = vehicle_->stop().commands;
+  bool climbed = false;
+  for (const auto& command : commands) {
+    if (command.command == mavlink::common::MavCmd::kNavTakeoff) {
+      climbed = command.param7 == 490.5F;
+    }
+  }
+  EXPECT_TRUE(climbed);
+}
+
+TEST_F(CommandCasdTest, GivesTheVehiclesReasonForARefusal) {
+  start([](FakeVehicle& vehicle) {
+    vehicle.script.result = MavResult::kTemporarilyRejected;
+    vehicle.script.text = "Arming denied: high gyro bias";
+  });
+  std::string output;
+  EXPECT_EQ(casctl({"arm"}, &output), 1);
+  EXPECT_NE(output.find("Arming denied: high gyro bias"), std::string::npos) << output;
+}
+
+TEST_F(CommandCasdTest, HoldsTheInterlock) {
+  start([](FakeVehicle& vehicle) { vehicle.base_mode = MavModeFlag::kCustomModeEnabled; });
+  std::string output;
+  EXPECT_EQ(casctl({"arm", "--not-hil"}, &output), 1);
+  EXPECT_NE(output.find("allow_not_hil"), std::string::npos) << output;
+  for (const auto& command : vehicle_->stop().commands) {
+    EXPECT_NE(command.command, mavlink::common::MavCmd::kComponentArmDisarm);
+  }
+}
+
+TEST_F(CommandCasdTest, ReportsAVehicleThatNeverAnswers) {
+  start([](FakeVehicle& vehicle) { vehicle.script.answers = 0; });
+  EXPECT_EQ(casctl({"land"}), 4);
+}
+
+TEST_F(CommandCasdTest, SetsAGainOnTheVehicle) {
+  start(know_gains);
+  EXPECT_EQ(casctl({"setgain", "rollrate", "0.16", "0.21", "0.004"}), 0);
+  EXPECT_FLOAT_EQ(static_cast<float>(vehicle_->stop().params["MC_ROLLRATE_D"].value), 0.004F);
+}
+
+TEST_F(CommandCasdTest, EndsWithFiguresAndAllConnectionsClosed) {
+  start(know_gains);
+  casd_->signal(SIGTERM);
+  EXPECT_EQ(casd_->wait_exit(), 0);
+  std::ifstream in(folder_ / "stats");
+  const json stats = json::parse(in);
+  EXPECT_EQ(stats.at("program"), "casd");
+  EXPECT_GT(stats.at("links").at(0).at("rx").at("packets"), 0);
+}
+
+TEST_F(CommandCasdTest, ComesBackAfterAKillWithNothingStale) {
+  start(know_gains);
+  casd_->signal(SIGKILL);
+  EXPECT_TRUE(casd_->wait_exit().has_value());
+  EXPECT_EQ(casctl({"status"}), 3);
+  run_casd();
+  EXPECT_EQ(casctl({"arm"}), 0);
+  EXPECT_EQ(casctl({"param", "get", "SYS_HITL"}), 0);
+}
+
+TEST_F(CommandCasdTest, RefusesAnOpenAddressWithoutAToken) {
+  const auto topology = folder_.write("open.yaml",
+                                      "schema: 1\n"
+                                      "command_port: {address: 0.0.0.0, port: 0}\n"
+                                      "links:\n"
+                                      "  - {name: a, type: udp, local: '127.0.0.1:0'}\n");
+  ChildProcess casd({CAS_BINARY_DIR "/bin/casd", topology.string()});
+  EXPECT_EQ(casd.wait_exit(), 71);
+  EXPECT_NE(casd.output().find("needs a token"), std::string::npos) << casd.output();
+}
+
+TEST_F(CommandCasdTest, WritesWhoAskedWhatIntoItsLog) {
+  start(know_gains);
+  EXPECT_EQ(casctl({"disarm"}), 0);
+  EXPECT_TRUE(wait_until([this] {
+    return casd_->output().find("vehicle.disarm {\"force\":false} vehicle 1: accepted") !=
+           std::string::npos;
+  })) << casd_->output();
+}
+
+TEST_F(CommandCasdTest, ShowsTheNewestValueOfAMessage) {
+  start(know_gains);
+  const json asked{{"link", "fcu"}, {"message", "HEARTBEAT"}, {"system", 1}, {"component", 1}};
+  json value;
+  EXPECT_TRUE(wait_until([&] {
+    value = client_->call("message.value", asked);
+    return !value.at("fields").is_null();
+  }));
+  EXPECT_EQ(value.at("fields").at(1), (json{{"name", "autopilot"}, {"value", 12}}));
+}
+
+TEST_F(CommandCasdTest, IsDrivenFromItsPageByPythonAlone) {
+  start([](FakeVehicle& vehicle) {
+    know_gains(vehicle);
+    const base::RunTime soon = base::steady_now() + std::chrono::milliseconds(300);
+    vehicle.say(mavlink::common::HomePosition{}, soon);
+    vehicle.say(mavlink::common::Attitude{}, soon);
+    vehicle.say(mavlink::common::LocalPositionNed{}, soon);
+    vehicle.say(mavlink::common::GlobalPositionInt{}, soon);
+    vehicle.say_text("Ready for takeoff!", soon);
+  });
+  EXPECT_TRUE(wait_until([this] {
+    return !client_->call("vehicle.state", json::object()).at("statustexts").empty();
+  }));
+  ChildProcess python({"/usr/bin/env", "python3",
+                       CAS_SOURCE_DIR "/tests/loopback/protocol_client.py",
+                       CAS_SOURCE_DIR "/docs/protocol.md", address_, folder_.path().string()});
+  EXPECT_EQ(python.wait_exit(std::chrono::seconds(60)), 0) << python.output();
+}
+
+}  // namespace
+}  // namespace cas::test

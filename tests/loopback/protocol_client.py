@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sends every example request of docs/protocol.md to a running casd and compares the answers.
+
+Usage: protocol_client.py PAGE HOST:PORT FOLDER     exit 0: casd answers as the page says
+
+An example answer stands for its shape: each of its keys must be there with a value of the same kind, error
+codes must be the same. Lists are compared by their first elements.
+"""
+
+import json
+import os
+import socket
+import sys
+
+
+def examples(page):
+    """Pairs (request, answer) of the page's json blocks."""
+    request = None
+    for line in open(page, encoding="utf-8"):
+        if line.startswith("-> "):
+            request = json.loads(line[3:])
+        elif line.startswith("<- "):
+            yield request, json.loads(line[3:])
+
+
+def kind(value):
+    if isinstance(value, bool):
+        return "boolean"
+    if isinstance(value, (int, float)):
+        return "number"
+    return type(value).__name__
+
+
+def differences(expected, actual, path):
+    """Where an answer has another shape than the page's."""
+    if expected is None or (path.endswith("/statustexts") and not actual):
+        return
+    if kind(expected) != kind(actual):
+        yield f"{path}: the page has {kind(expected)}, casd {kind(actual)} ({actual!r})"
+    elif isinstance(expected, dict):
+        for key, value in expected.items():
+            if key not in actual:
+                yield f"{path}/{key}: missing"
+            else:
+                yield from differences(value, actual[key], f"{path}/{key}")
+    elif isinstance(expected, list) and expected and actual:
+        yield from differences(expected[0], actual[0], f"{path}[0]")
+    elif path.endswith("/error/code") and expected != actual:
+        yield f"{path}: the page has {expected}, casd {actual}"
+
+
+class Client:
+    """One connection: a line a request, a line an answer."""
+
+    def __init__(self, address):
+        host, port = address.rsplit(":", 1)
+        self.socket = socket.create_connection((host, int(port)), timeout=30)
+        self.lines = self.socket.makefile("r", encoding="utf-8", newline="\n")
+
+    def send(self, text):
+        self.socket.sendall((text + "\n").encode())
+
+    def answer(self):
+        """The next line that is no notification."""
+        while True:
+            message = json.loads(self.lines.readline())
+            if isinstance(message, list) or "id" in message:
+                return message
+
+
+def check_examples(client, page, folder):
+    faults = []
+    count = 0
+    for request, expected in examples(page):
+        if "file" in request.get("params", {}):
+            request["params"]["file"] = os.path.join(folder, request["params"]["file"])
+        client.send(json.dumps(request))
+        actual = client.answer()
+        count += 1
+        if actual.get("id") != request["id"]:
+            faults.append(f"{request['method']}: answered with id {actual.get('id')}")
+        faults += [f"{request['method']}: {text}" for text in differences(expected, actual, "")]
+    if count < 30:
+        faults.append(f"only {count} examples were found on the page")
+    return faults
+
+
+def check_rules(client):
+    """What the page says about batches, notifications and faults."""
+    faults = []
+    client.send("this is no JSON")
+    if client.answer()["error"]["code"] != -32700:
+        faults.append("a line that is no JSON is not answered with -32700")
+    client.send('[{"jsonrpc":"2.0","id":1,"method":"link.list"},{"jsonrpc":"2.0","method":"link.list"},'
+                '{"jsonrpc":"2.0","id":2,"method":"nothing"}]')
+    if [each["id"] for each in client.answer()] != [1, 2]:
+        faults.append("a batch is not answered by an array in the order of its requests")
+    client.send('{"jsonrpc":"2.0","method":"link.list"}')
+    client.send('{"jsonrpc":"2.0","id":9,"method":"link.list"}')
+    if client.answer()["id"] != 9:
+        faults.append("a notification was answered")
+    return faults
+
+
+def main():
+    page, address, folder = sys.argv[1:]
+    client = Client(address)
+    faults = check_examples(client, page, folder) + check_rules(client)
+    for fault in faults:
+        print(fault)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
