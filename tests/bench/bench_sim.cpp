@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where the time of a simulated step goes: each part alone, then whole worlds.
+// A `real_time` counter tells how many simulated seconds pass in a second of one core.
+#include <benchmark/benchmark.h>
+
+#include <filesystem>
+#include <string>
+
+#include "base/atmosphere.hpp"
+#include "libsim/core/rigid_body.hpp"
+#include "libsim/core/sim_runner.hpp"
+#include "tests/libsim/support/crate.hpp"
+#include "tests/libsim/support/four_rotors.hpp"
+
+namespace {
+
+using namespace cas;
+using namespace cas::sim;
+
+constexpr double kStep = 1e-3;
+constexpr VehicleId kFirst{0};
+
+void count_steps(benchmark::State& state, double vehicles = 1) {
+  state.SetItemsProcessed(state.iterations());
+  state.counters["real_time"] = benchmark::Counter(static_cast<double>(state.iterations()) * kStep,
+                                                   benchmark::Counter::kIsRate);
+  state.counters["per_vehicle"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * vehicles,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+void integrate_body(benchmark::State& state) {
+  BodyState body;
+  body.w_WB_B = {0.1, 0.2, 0.3};
+  ForceSet none;
+  const MassProperties mass(1.5, Eigen::Vector3d(0.03, 0.03, 0.056).asDiagonal());
+  for (auto _ : state) {
+    integrate_free(body, none, mass, {}, {}, kStep);
+    benchmark::DoNotOptimize(body);
+  }
+  count_steps(state);
+}
+BENCHMARK(integrate_body);
+
+void integrate_body_and_rotors(benchmark::State& state) {
+  BodyState body;
+  test::FourRotors rotors(Eigen::Vector4d(800, 805, 800, 805));
+  ForceSet forces;
+  forces.add(rotors);
+  const MassProperties mass(1.5, Eigen::Vector3d(0.03, 0.03, 0.056).asDiagonal());
+  for (auto _ : state) {
+    integrate_free(body, forces, mass, {}, {}, kStep);
+    benchmark::DoNotOptimize(body);
+  }
+  count_steps(state);
+}
+BENCHMARK(integrate_body_and_rotors);
+
+void world_free(benchmark::State& state) {
+  const auto world = test::make_world(test::flat_world());
+  world->add_vehicle(test::crate(), {.z_m = 1e6});
+  world->start();
+  for (auto _ : state) world->advance(kStep);
+  count_steps(state);
+}
+BENCHMARK(world_free);
+
+/// In reach of the ground, not touching it: narrow phase, no contact.
+void world_near_ground(benchmark::State& state) {
+  const auto world = test::make_world(test::flat_world());
+  world->add_vehicle(test::crate(), {.z_m = 0.1});
+  test::SteadyThrust hover(test::kCrateMass * test::kGravity);
+  world->add_force_model(kFirst, hover);
+  world->start();
+  for (auto _ : state) world->advance(kStep);
+  count_steps(state);
+}
+BENCHMARK(world_near_ground);
+
+void world_contact(benchmark::State& state) {
+  const auto world = test::make_world(test::flat_world());
+  world->add_vehicle(test::crate(), {});
+  world->start();
+  double sign = 1;
+  for (auto _ : state) {
+    world->add_wrench(kFirst, {{sign = -sign, 0, 0}, Eigen::Vector3d::Zero()});
+    world->advance(kStep);
+  }
+  count_steps(state);
+}
+BENCHMARK(world_contact);
+
+void world_held(benchmark::State& state) {
+  const auto world = test::make_world(test::flat_world());
+  world->add_vehicle(test::crate(), {});
+  world->start();
+  for (auto _ : state) world->advance(kStep);
+  count_steps(state);
+}
+BENCHMARK(world_held);
+
+/// ODE's own stepper in free flight, for comparison.
+void world_ode(benchmark::State& state) {
+  const auto world = test::make_world(test::flat_world(), Integrator::kOde);
+  world->add_vehicle(test::crate(), {.z_m = 1e6});
+  world->start();
+  for (auto _ : state) world->advance(kStep);
+  count_steps(state);
+}
+BENCHMARK(world_ode);
+
+void air_density(benchmark::State& state) {
+  double altitude = 488;
+  for (auto _ : state) benchmark::DoNotOptimize(base::isa::density_kg_m3(altitude += 1e-3));
+}
+BENCHMARK(air_density);
+
+// Whole simulations of the shipped vehicle through its plugin libraries.
+
+std::string vehicles(int count, const std::string& plugins) {
+  std::string list;
+  for (int i = 0; i < count; ++i) {
+    const std::string n = std::to_string(i);
+    list += "  - {name: v" + n +
+            ", vehicle: " CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml, pose: {x_m: " +
+            std::to_string(5 * i) + ", z_m: 100000}, plugins: [" + plugins + "]}\n";
+  }
+  return list;
+}
+
+std::unique_ptr<SimRunner> simulation(int count, const std::string& plugins) {
+  auto runner = std::make_unique<SimRunner>(
+      SimConfig::parse(base::ConfigNode::parse(
+          "schema: 1\nworld: {gravity_m_s2: 9.80665, ground: true}\n"
+          "home: {lat_deg: 47.4, lon_deg: 8.5, alt_m: 488}\ndecimal_year: 2026.5\n"
+          "pace: free_run\nvehicles:\n" +
+              vehicles(count, plugins),
+          "bench")),
+      SimOptions{.output_dir = std::filesystem::temp_directory_path(),
+                 .plugin_dirs = {std::filesystem::path(CAS_BINARY_DIR) / "plugins"}});
+  runner->start();
+  return runner;
+}
+
+const std::string kMotor = "{plugin: motor}";
+const std::string kSensors =
+    "{plugin: imu}, {plugin: gps}, {plugin: magnetometer}, {plugin: barometer}";
+const std::string kBus =
+    "{plugin: mavlink_interface, transport: bus, system_id: 1, component_id: 200}";
+
+void run_simulation(benchmark::State& state, const std::string& plugins, int count) {
+  const auto runner = simulation(count, plugins);
+  for (auto _ : state) runner->step();
+  count_steps(state, count);
+}
+
+void simulate_bare(benchmark::State& state) { run_simulation(state, "", 1); }
+void simulate_motor(benchmark::State& state) { run_simulation(state, kMotor, 1); }
+void simulate_motor_imu(benchmark::State& state) {
+  run_simulation(state, kMotor + ", {plugin: imu}", 1);
+}
+void simulate_motor_gps(benchmark::State& state) {
+  run_simulation(state, kMotor + ", {plugin: gps}", 1);
+}
+void simulate_motor_magnetometer(benchmark::State& state) {
+  run_simulation(state, kMotor + ", {plugin: magnetometer}", 1);
+}
+void simulate_motor_barometer(benchmark::State& state) {
+  run_simulation(state, kMotor + ", {plugin: barometer}", 1);
+}
+void simulate_all_sensors(benchmark::State& state) {
+  run_simulation(state, kMotor + ", " + kSensors, static_cast<int>(state.range(0)));
+}
+void simulate_all_and_packets(benchmark::State& state) {
+  run_simulation(state, kMotor + ", " + kSensors + ", " + kBus, static_cast<int>(state.range(0)));
+}
+BENCHMARK(simulate_bare);
+BENCHMARK(simulate_motor);
+BENCHMARK(simulate_motor_imu);
+BENCHMARK(simulate_motor_gps);
+BENCHMARK(simulate_motor_magnetometer);
+BENCHMARK(simulate_motor_barometer);
+BENCHMARK(simulate_all_sensors)->Arg(1)->Arg(2)->Arg(5)->Arg(10)->Arg(20);
+BENCHMARK(simulate_all_and_packets)->Arg(1)->Arg(20);
+
+}  // namespace
+
+BENCHMARK_MAIN();

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program hilsim as a process: readiness, control socket, signals, files, refusals.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "base/rpc/client.hpp"
+#include "tests/base/temporary_folder.hpp"
+#include "tests/libsim/support/sim_files.hpp"
+#include "tests/support/child_process.hpp"
+
+namespace cas::sim {
+namespace {
+
+using base::rpc::Client;
+using base::rpc::Json;
+using cas::test::ChildProcess;
+using cas::test::wait_until;
+using testing::HasSubstr;
+
+const std::string kHilsim = std::string(CAS_BINARY_DIR) + "/bin/hilsim";
+
+class Hilsim : public testing::Test {
+ protected:
+  std::string write(const std::string& pace, const std::string& plugins = "[]") {
+    return folder_
+        .write("sim.yaml",
+               "schema: 1\nworld: {gravity_m_s2: 9.80665, ground: true}\n"
+               "home: {lat_deg: 47.4, lon_deg: 8.5, alt_m: 488}\n"
+               "decimal_year: 2026.5\npace: " +
+                   pace + "\nvehicles:\n" + test::vehicle("iris0", "{z_m: 1}", plugins))
+        .string();
+  }
+  std::vector<std::string> command(const std::string& config, std::vector<std::string> more = {}) {
+    std::vector<std::string> all{kHilsim,        config,
+                                 "--control",    socket(),
+                                 "--stats",      stats(),
+                                 "--output",     (folder_.path() / "out").string(),
+                                 "--plugin-dir", test::kFakePluginDir.string()};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  std::string socket() const { return (folder_.path() / "control").string(); }
+  std::string stats() const { return (folder_.path() / "stats.json").string(); }
+  Json read_stats() const { return Json::parse(std::ifstream(stats())); }
+
+  base::TemporaryFolder folder_;
+};
+
+TEST_F(Hilsim, AnswersOnItsControlSocket) {
+  ChildProcess hilsim(command(write("realtime", "[{plugin: fake_counter}]"), {"--paused"}));
+  const auto status = hilsim.wait_ready();
+  ASSERT_TRUE(status) << hilsim.output();
+  EXPECT_EQ(*status, "fake 1");
+  Client client("unix:" + socket());
+
+  Json answer = client.call("sim.status", nullptr);
+  EXPECT_EQ(answer["steps"], 0) << "paused at time zero";
+  EXPECT_TRUE(answer["paused"]);
+  EXPECT_EQ(answer["pace"], "realtime");
+  EXPECT_NEAR(answer["vehicles"][0]["p_W"][2].get<double>(), 1.055, 0.01);
+
+  answer = client.call("sim.step", {{"n", 100}});
+  EXPECT_EQ(answer["steps"], 100);
+  answer = client.call("sim.run_until", {{"time_s", 0.25}});
+  EXPECT_EQ(answer["steps"], 250);
+  EXPECT_TRUE(answer["paused"]);
+  EXPECT_LT(answer["vehicles"][0]["v_W"][2].get<double>(), -2.0) << "it falls";
+  answer = client.call("sim.stats", nullptr);
+  EXPECT_EQ(answer["plugins"]["fake_counter@iris0"]["post"], 250);
+  answer = client.call("sim.reset", nullptr);
+  EXPECT_EQ(answer["steps"], 0);
+  EXPECT_THROW(client.call("sim.step", {{"n", -1}}), base::rpc::CallError);
+  EXPECT_THROW(client.call("sim.run_until", {{"time", 1}}), base::rpc::CallError);
+
+  client.call("sim.resume", nullptr);
+  client.call("sim.quit", nullptr);
+  EXPECT_EQ(hilsim.wait_exit(), 0);
+  EXPECT_EQ(read_stats()["program"], "hilsim");
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "out" / "finished_iris0"));
+}
+
+TEST_F(Hilsim, RealTimeRunEndsAtTheTerminationSignal) {
+  ChildProcess hilsim(command(write("realtime", "[{plugin: fake_counter}]")));
+  ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
+  Client client("unix:" + socket());
+  ASSERT_TRUE(
+      wait_until([&] { return client.call("sim.status", nullptr)["steps"].get<int>() > 100; }));
+  hilsim.signal(SIGTERM);
+  EXPECT_EQ(hilsim.wait_exit(), 0) << hilsim.output();
+  const Json stats = read_stats();
+  EXPECT_GT(stats["steps"], 100);
+  EXPECT_EQ(stats["lateness_us"]["count"], stats["steps"]);
+  EXPECT_LT(stats["real_time_factor"], 1.02);
+}
+
+TEST_F(Hilsim, SignalsPauseStepAndReset) {
+  ChildProcess hilsim(command(write("realtime"), {"--paused"}));
+  ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
+  Client client("unix:" + socket());
+  const auto steps = [&] { return client.call("sim.status", nullptr)["steps"].get<int>(); };
+  hilsim.signal(SIGUSR2);
+  EXPECT_TRUE(wait_until([&] { return steps() == 1; }));
+  hilsim.signal(SIGUSR1);
+  EXPECT_TRUE(wait_until([&] { return steps() > 10; }));
+  hilsim.signal(SIGUSR1);
+  EXPECT_TRUE(wait_until([&] { return client.call("sim.status", nullptr)["paused"].get<bool>(); }));
+  hilsim.signal(SIGHUP);
+  EXPECT_TRUE(wait_until([&] { return steps() == 0; }));
+  hilsim.signal(SIGINT);
+  EXPECT_EQ(hilsim.wait_exit(), 0);
+}
+
+TEST_F(Hilsim, EndsByItselfAfterItsDuration) {
+  ChildProcess hilsim(command(write("free_run"), {"--duration", "20"}));
+  EXPECT_EQ(hilsim.wait_exit(), 0) << hilsim.output();
+  EXPECT_EQ(read_stats()["steps"], 20000);
+}
+
+TEST_F(Hilsim, RefusesWithOneSentenceAndExitCode78) {
+  const auto refuse = [&](const std::vector<std::string>& arguments) {
+    ChildProcess hilsim(arguments);
+    EXPECT_EQ(hilsim.wait_exit(), 78);
+    return hilsim.output();
+  };
+  EXPECT_THAT(refuse({kHilsim}), HasSubstr("config is required"));
+  EXPECT_THAT(refuse({kHilsim, "/nowhere.yaml"}),
+              HasSubstr("hilsim: /nowhere.yaml: cannot be read"));
+  EXPECT_THAT(refuse(command(write("realtime", "[{plugin: fake_wrong_abi}]"))),
+              HasSubstr("rebuild it"));
+  EXPECT_THAT(refuse(command(write("realtime", "[{plugin: fake_throws_in_configure}]"))),
+              HasSubstr("the sensor is not there"));
+  EXPECT_THAT(refuse(command(write("realtime"), {"--log-level", "loud"})), HasSubstr("loud"));
+}
+
+}  // namespace
+}  // namespace cas::sim
