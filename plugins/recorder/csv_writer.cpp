@@ -35,7 +35,7 @@ void CsvWriter::row(std::span<const double> values) {
   std::array<char, kNumberBytes * kMaxColumns> text;
   char* end = text.data();
   for (const double value : values) {
-    end = std::to_chars(end, end + kNumberBytes, value).ptr;
+    end = std::to_chars(end, end + kNumberBytes, value + 0.0).ptr;  // + 0.0: no "-0"
     *end++ = ',';
   }
   end[-1] = '\n';

@@ -1,58 +1,121 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/common/noise_params.hpp"
 #include "plugins/recorder/csv_writer.hpp"
+#include "plugins/recorder/flight_ulog.hpp"
+#include "plugins/recorder/sensor_csv.hpp"
 #include "plugins/recorder/truth_row.hpp"
 
 namespace cas::sim {
 namespace {
 
-/// Writes the vehicle's true motion to a CSV file, from time zero on.
+/// Writes the vehicle's true motion to `file` (CSV) at `rate_hz` from time zero on; every sample of
+/// every sensor to CSV files in `sensor_dir`; all of it to `ulog`. The last two are optional.
 class RecorderPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& params) override {
     vehicle_ = context.vehicle_id();
     rate_ = base::RateGate(parse_rate(params, base::to_seconds(context.step())));
-    file_ = context.output_dir() / params.require<std::string>("file");
-    truth_ = CsvWriter(file_, kTruthHeader);
-    rotors_ = context.bus().subscribe<RotorSpeeds>(
-        context.topic("rotor_speeds"),
-        [this](const RotorSpeeds& speeds) { omega_ = speeds.omega_rad_s; }, Need::kOptional);
+    const auto place = [&](const char* key) -> std::filesystem::path {
+      const auto name = params.find(key);
+      return name ? context.output_dir() / name->as<std::string>() : std::filesystem::path();
+    };
+    params.at("file");  // says that it is missing
+    truth_file_ = place("file");
+    sensor_dir_ = place("sensor_dir");
+    ulog_file_ = place("ulog");
+    open();
+    subscribe(context);
   }
 
   void pre_step(const StepInfo& step, World& world) override {
-    if (step.index == 0) write(step.time, world);
+    now_ = step.time;
+    if (step.index == 0) write_truth(step.time, world);
   }
 
   void post_step(const StepInfo& step, const World& world) override {
-    if (rate_.due(step.time)) write(step.time, world);
+    if (!rate_.due(step.time)) return;
+    write_truth(step.time, world);
+    if (ulog_) ulog_->write(speeds_);
   }
 
   void reset() override {
-    truth_.close();  // or its buffer would end up in the new file
-    truth_ = CsvWriter(file_, kTruthHeader);
+    finish();  // or a buffer would end up in the new file
+    open();
     rate_.reset();
-    omega_.setZero();
+    speeds_ = {};
+    now_ = {};
   }
 
-  void finish() override { truth_.close(); }
+  void finish() override {
+    truth_.close();
+    if (sensors_) sensors_->close();
+    if (ulog_) ulog_->close();
+    sensors_.reset();
+    ulog_.reset();
+  }
 
  private:
-  void write(base::SimTime time, const World& world) {
-    truth_.row(truth_row(time, world.state(vehicle_), omega_));
+  void open() {
+    truth_ = CsvWriter(truth_file_, kTruthHeader);
+    if (!sensor_dir_.empty()) sensors_.emplace(sensor_dir_);
+    if (!ulog_file_.empty()) ulog_.emplace(ulog_file_);
+  }
+
+  void write_truth(base::SimTime time, const World& world) {
+    const BodyState& state = world.state(vehicle_);
+    truth_.row(truth_row(time, state, speeds_.omega_rad_s));
+    if (ulog_) ulog_->write_truth(time, state);
+  }
+
+  template <class Sample>
+  void listen(PluginContext& context, const char* topic) {
+    subscriptions_.push_back(context.bus().subscribe<Sample>(
+        context.topic(topic),
+        [this](const Sample& sample) {
+          if (sensors_) sensors_->write(sample);
+          if (ulog_) ulog_->write(sample);
+        },
+        Need::kOptional));
+  }
+
+  void subscribe(PluginContext& context) {
+    subscriptions_.push_back(context.bus().subscribe<RotorSpeeds>(
+        context.topic("rotor_speeds"), [this](const RotorSpeeds& speeds) { speeds_ = speeds; },
+        Need::kOptional));
+    if (!sensors_ && !ulog_) return;
+    listen<ImuSample>(context, "imu");
+    listen<GpsSample>(context, "gps");
+    listen<MagnetometerSample>(context, "magnetometer");
+    listen<BarometerSample>(context, "barometer");
+    listen<RangeSample>(context, "rangefinder");
+    subscriptions_.push_back(context.bus().subscribe<MotorCommand>(
+        context.topic("motor_command"),
+        [this](const MotorCommand& command) {
+          if (sensors_) sensors_->write(now_, command);
+          if (ulog_) ulog_->write(now_, command);
+        },
+        Need::kOptional));
   }
 
   VehicleId vehicle_{};
   base::RateGate rate_;
-  std::filesystem::path file_;
+  std::filesystem::path truth_file_;
+  std::filesystem::path sensor_dir_;
+  std::filesystem::path ulog_file_;
   CsvWriter truth_;
-  Eigen::Vector4d omega_ = Eigen::Vector4d::Zero();
-  Subscription rotors_;
+  std::optional<SensorCsv> sensors_;
+  std::optional<FlightUlog> ulog_;
+  base::SimTime now_;  // start of the step: when commands are applied
+  RotorSpeeds speeds_;
+  std::vector<Subscription> subscriptions_;
 };
 
 }  // namespace

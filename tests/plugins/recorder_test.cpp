@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "base/frames.hpp"
+#include "libsim/api/messages.hpp"
 #include "plugins/recorder/csv_writer.hpp"
 #include "plugins/recorder/truth_row.hpp"
 #include "tests/plugins/plugin_harness.hpp"
+#include "tests/plugins/ulog_reader.hpp"
 
 namespace cas::sim {
 namespace {
@@ -93,6 +95,61 @@ TEST(RecorderPlugin, BeginsAnewAfterReset) {
   harness.run(std::chrono::milliseconds(50));
   harness.finish();
   EXPECT_EQ(lines_of(folder / "truth.csv").size(), 7U);
+}
+
+constexpr const char* kImu = "{rate_hz: 500, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 0.05}";
+constexpr const char* kGps =
+    "{rate_hz: 5, position_stddev_m: 0.3, velocity_stddev_m_s: 0.1, eph_m: 0.42, epv_m: 0.3, "
+    "satellites: 10}";
+
+TEST(RecorderPlugin, WritesEverySampleOfEverySensor) {
+  const Folder folder;
+  test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
+  harness.add("imu", kImu);
+  harness.add("gps", kGps);
+  harness.add("recorder", "{file: truth.csv, rate_hz: 100, sensor_dir: sensors}");
+  harness.run(std::chrono::seconds(1));
+  harness.finish();
+  const auto imu = lines_of(folder / "sensors/imu.csv");
+  ASSERT_EQ(imu.size(), 501U);
+  EXPECT_EQ(imu[1].substr(0, 6), "0.002,");
+  EXPECT_EQ(lines_of(folder / "sensors/gps.csv").size(), 6U);
+  EXPECT_EQ(lines_of(folder / "sensors/barometer.csv").size(), 1U);  // nobody published
+}
+
+TEST(RecorderPlugin, WritesALogThatKeepsTheRulesOfUlog) {
+  const Folder folder;
+  test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
+  harness.world.body.p_WB = {1, 2, 3};
+  const auto commands = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  harness.add("imu", kImu);
+  harness.add("gps", kGps);
+  harness.add("recorder", "{file: truth.csv, rate_hz: 100, ulog: flight.ulg}");
+  harness.run(std::chrono::seconds(1));
+  MotorCommand command;
+  command.values = {15, 0.1, 0.2, 0.3};
+  command.armed = true;
+  commands.publish(command);
+  harness.finish();
+
+  const test::UlogReader log((folder / "flight.ulg").string());
+  EXPECT_EQ(log.info("sys_name"), "CAS");
+  EXPECT_EQ(log.formats().size(), 10U);
+  const auto& positions = log.messages("vehicle_local_position_groundtruth");
+  ASSERT_EQ(positions.size(), 101U);
+  EXPECT_EQ(positions[0].timestamp, 0U);
+  EXPECT_EQ(positions[100].timestamp, 1'000'000U);
+  EXPECT_EQ(log.value("vehicle_local_position_groundtruth", positions[0], "x"), 2);   // north
+  EXPECT_EQ(log.value("vehicle_local_position_groundtruth", positions[0], "z"), -3);  // down
+  const auto& imu = log.messages("sensor_combined");
+  ASSERT_EQ(imu.size(), 500U);
+  EXPECT_NEAR(log.value("sensor_combined", imu[0], "accelerometer_m_s2", 2), -test::kGravity, 0.5);
+  ASSERT_EQ(log.messages("sensor_gps").size(), 5U);
+  EXPECT_EQ(log.value("sensor_gps", log.messages("sensor_gps")[0], "satellites_used"), 10);
+  EXPECT_FLOAT_EQ(static_cast<float>(
+                      log.value("motor_command", log.messages("motor_command").at(0), "values", 3)),
+                  0.3F);
+  EXPECT_FALSE(log.has("sensor_baro"));
 }
 
 }  // namespace

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/recorder/flight_ulog.hpp"
+
+#include <array>
+
+#include "base/frames.hpp"
+
+namespace cas::sim {
+namespace {
+
+enum Topic : std::uint16_t {
+  kPosition,
+  kAttitude,
+  kAngularVelocity,
+  kImu,
+  kGps,
+  kMagnetometer,
+  kBarometer,
+  kRange,
+  kRotors,
+  kCommand,
+  kTopics,
+};
+
+constexpr std::array<UlogTopic, kTopics> kLogged{
+    {{"vehicle_local_position_groundtruth", "float x;float y;float z;float vx;float vy;float vz"},
+     {"vehicle_attitude_groundtruth", "float[4] q"},
+     {"vehicle_angular_velocity_groundtruth", "float[3] xyz"},
+     {"sensor_combined", "float[3] gyro_rad;float[3] accelerometer_m_s2"},
+     {"sensor_gps",
+      "double latitude_deg;double longitude_deg;double altitude_msl_m;float vel_n_m_s;float "
+      "vel_e_m_s;float vel_d_m_s;float eph;float epv;uint8_t fix_type;uint8_t satellites_used"},
+     {"sensor_mag", "float x;float y;float z"},
+     {"sensor_baro", "float pressure;float temperature"},
+     {"distance_sensor", "float current_distance;float min_distance;float max_distance;bool valid"},
+     {"rotor_speeds", "float[4] omega_rad_s"},
+     {"motor_command", "float[4] values;uint8_t kind;bool armed"}}};
+
+}  // namespace
+
+FlightUlog::FlightUlog(const std::filesystem::path& file) : file_(file, kLogged) {}
+
+void FlightUlog::write_truth(base::SimTime time, const BodyState& state) {
+  const Eigen::Quaterniond q = base::q_ND_from_q_WB(state.q_WB);
+  file_.write(
+      kPosition,
+      UlogRecord(time).put_floats(base::swap_WN(state.p_WB)).put_floats(base::swap_WN(state.v_WB)));
+  file_.write(kAttitude,
+              UlogRecord(time).put_float(q.w()).put_float(q.x()).put_float(q.y()).put_float(q.z()));
+  file_.write(kAngularVelocity, UlogRecord(time).put_floats(base::swap_BD(state.w_WB_B)));
+}
+
+void FlightUlog::write(const ImuSample& sample) {
+  file_.write(kImu, UlogRecord(sample.time)
+                        .put_floats(base::swap_BD(sample.angular_rate_B))
+                        .put_floats(base::swap_BD(sample.specific_force_B)));
+}
+
+void FlightUlog::write(const GpsSample& sample) {
+  file_.write(kGps, UlogRecord(sample.time)
+                        .put(sample.position.lat_deg)
+                        .put(sample.position.lon_deg)
+                        .put(sample.position.alt_m)
+                        .put_floats(sample.velocity_N)
+                        .put_float(sample.eph_m)
+                        .put_float(sample.epv_m)
+                        .put(sample.fix_type)
+                        .put(sample.satellites));
+}
+
+void FlightUlog::write(const MagnetometerSample& sample) {
+  file_.write(kMagnetometer,
+              UlogRecord(sample.time).put_floats(base::swap_BD(sample.field_B_gauss)));
+}
+
+void FlightUlog::write(const BarometerSample& sample) {
+  file_.write(
+      kBarometer,
+      UlogRecord(sample.time).put_float(sample.pressure_pa).put_float(sample.temperature_degc));
+}
+
+void FlightUlog::write(const RangeSample& sample) {
+  file_.write(kRange, UlogRecord(sample.time)
+                          .put_float(sample.distance_m)
+                          .put_float(sample.min_m)
+                          .put_float(sample.max_m)
+                          .put(sample.valid));
+}
+
+void FlightUlog::write(const RotorSpeeds& speeds) {
+  file_.write(kRotors, UlogRecord(speeds.time).put_floats(speeds.omega_rad_s));
+}
+
+void FlightUlog::write(base::SimTime time, const MotorCommand& command) {
+  file_.write(kCommand, UlogRecord(time)
+                            .put_floats(command.values)
+                            .put(static_cast<std::uint8_t>(command.kind))
+                            .put(command.armed));
+}
+
+}  // namespace cas::sim

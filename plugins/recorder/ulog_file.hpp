@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "base/clock.hpp"
+#include "base/error.hpp"
+
+namespace cas::sim {
+
+/// One topic of a log: its name and its fields after the timestamp, "float[3] gyro_rad;float x".
+struct UlogTopic {
+  std::string_view name;
+  std::string_view fields;
+};
+
+/// The bytes of one logged message, in the order of the topic's fields; the timestamp comes first.
+class UlogRecord {
+ public:
+  explicit UlogRecord(base::SimTime time) { put(base::to_time_usec(time)); }
+
+  template <class T>
+  UlogRecord& put(const T& value) {
+    static_assert(std::is_arithmetic_v<T>);
+    CAS_CHECK(size_ + sizeof value <= bytes_.size());
+    std::memcpy(bytes_.data() + size_, &value, sizeof value);
+    size_ += sizeof value;
+    return *this;
+  }
+  UlogRecord& put_float(double value) { return put(static_cast<float>(value)); }
+  /// Each coefficient of an Eigen vector as float.
+  template <class Vector>
+  UlogRecord& put_floats(const Vector& vector) {
+    for (int i = 0; i < vector.size(); ++i) put_float(vector[i]);
+    return *this;
+  }
+  std::span<const std::uint8_t> bytes() const { return {bytes_.data(), size_}; }
+
+ private:
+  std::array<std::uint8_t, 128> bytes_;
+  std::size_t size_ = 0;
+};
+
+/// Writes a log in PX4's ULog format, version 1 (docs.px4.io, "ULog File Format"), which
+/// PlotJuggler, Flight Review and pyulog read.
+class UlogFile {
+ public:
+  UlogFile() = default;
+  /// Writes header and definitions; topic i gets the message id i. @throws base::ConfigError
+  UlogFile(const std::filesystem::path& file, std::span<const UlogTopic> topics);
+
+  void write(std::uint16_t topic, const UlogRecord& record);
+  /// @throws base::ConfigError when what was written did not reach the disk
+  void close();
+
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  void write_header();
+  void write_info(std::string_view key, std::string_view value);
+  void write_message(char type, std::span<const std::uint8_t> head,
+                     std::span<const std::uint8_t> body);
+
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  std::filesystem::path path_;
+};
+
+}  // namespace cas::sim
