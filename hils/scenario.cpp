@@ -2,17 +2,12 @@
 #include "hils/scenario.hpp"
 
 #include <array>
-#include <utility>
 
 namespace cas::hils {
 
 namespace {
 
 constexpr int kSchema = 1;
-constexpr std::array<std::pair<Architecture, std::string_view>, 2> kArchitectures{{
-    {Architecture::kDirect, "direct"},
-    {Architecture::kTcas, "tcas"},
-}};
 constexpr std::array<std::string_view, 4> kAxes{"x_m", "y_m", "z_m", "yaw_rad"};
 
 base::Geodetic parse_home(const base::ConfigNode& node) {
@@ -67,18 +62,27 @@ void check_files(const base::ConfigNode& root, const Scenario& scenario) {
 }  // namespace
 
 std::string_view to_string(Architecture architecture) {
-  for (const auto& [candidate, name] : kArchitectures) {
-    if (candidate == architecture) return name;
+  switch (architecture) {
+    case Architecture::kDirect:
+      return "direct";
+    case Architecture::kSitl:
+      return "sitl";
+    case Architecture::kTs:
+      return "ts";
+    case Architecture::kLoop:
+      return "loop";
+    case Architecture::kTcas:
+      return "tcas";
   }
   return "?";
 }
 
 Architecture parse_architecture(std::string_view word) {
-  for (const auto& [architecture, name] : kArchitectures) {
-    if (name == word) return architecture;
+  for (const Architecture architecture : kArchitectures) {
+    if (to_string(architecture) == word) return architecture;
   }
   throw base::ConfigError("there is no architecture '" + std::string(word) +
-                          "'; it is tcas or direct");
+                          "'; there are direct, sitl, ts, loop and tcas");
 }
 
 Scenario Scenario::load(const std::filesystem::path& file) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -20,8 +21,14 @@ namespace cas::hils {
 /// How simulator and controller are connected.
 enum class Architecture {
   kDirect,  ///< one process on the virtual clock
-  kTcas,    ///< hilsim, casd (one thread per link) and fcu_emulator as processes
+  kSitl,    ///< casd between two UDP links, no serial line
+  kTs,      ///< casd with `threads: blocking`: our reading of the traditional set-up of [HILS]
+  kLoop,    ///< casd with `threads: single`: one event loop
+  kTcas,    ///< casd with `threads: per_link`
 };
+inline constexpr std::array kArchitectures{Architecture::kDirect, Architecture::kSitl,
+                                           Architecture::kTs, Architecture::kLoop,
+                                           Architecture::kTcas};
 
 std::string_view to_string(Architecture architecture);
 /// @throws base::ConfigError for another word

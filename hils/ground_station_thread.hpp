@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <thread>
+
+#include "hils/file_descriptor.hpp"
+#include "hils/ground_station.hpp"
+
+namespace cas::hils {
+
+/// A GroundStation on a UDP socket of its own, with a thread, for runs in real time.
+class GroundStationThread {
+ public:
+  /// Binds 127.0.0.1 with a free port; answers to whoever wrote last. @throws base::ConfigError
+  explicit GroundStationThread(std::uint8_t vehicle_system);
+  ~GroundStationThread();
+  GroundStationThread(const GroundStationThread&) = delete;
+  GroundStationThread& operator=(const GroundStationThread&) = delete;
+
+  std::uint16_t port() const { return port_; }
+
+ private:
+  void run();
+
+  FileDescriptor socket_;
+  FileDescriptor stop_;
+  std::uint16_t port_ = 0;
+  std::uint8_t vehicle_system_;
+  std::thread thread_;
+};
+
+/// How often the ground station of an experiment loads the parameter list.
+inline constexpr base::Duration kParameterListPeriod = std::chrono::seconds(20);
+
+}  // namespace cas::hils
