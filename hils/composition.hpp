@@ -14,8 +14,9 @@ struct RunPlaces {
   std::filesystem::path out;      ///< results: truth.csv, flight.tlog, summary.json
   std::filesystem::path run;      ///< effective configurations, ledgers, figures, program output
   std::filesystem::path sockets;  ///< short-lived: control sockets, the PTY's link
-  std::uint16_t simulator_port = 0;
-  std::uint16_t casd_port = 0;
+  std::uint16_t simulator_port = 0;       ///< hilsim's end of link "sim"
+  std::uint16_t casd_port = 0;            ///< casd's end of link "sim"
+  std::uint16_t ground_station_port = 0;  ///< where casd's link "gcs" sends; 0: no such link
 
   std::filesystem::path simulator_config() const { return run / "hilsim.yaml"; }
   std::filesystem::path casd_config() const { return run / "casd.yaml"; }
@@ -37,9 +38,10 @@ enum class Transport { kUdp, kBus };
 std::string simulator_config(const Scenario& scenario, std::uint64_t seed, Transport transport,
                              const RunPlaces& places);
 /// The configuration of fcu_emulator (and of the controller in a direct run), as YAML text.
-std::string fcu_config(const Scenario& scenario, std::uint64_t seed);
+std::string fcu_config(const Scenario& scenario, Architecture architecture, std::uint64_t seed);
 /// The topology of casd, as YAML text.
-std::string casd_config(const Scenario& scenario, const RunPlaces& places);
+std::string casd_config(const Scenario& scenario, Architecture architecture,
+                        const RunPlaces& places);
 
 /// Name of the one vehicle of a run, and the folder of its topics.
 inline constexpr const char* kVehicleName = "iris0";

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whole flights on the virtual clock: simulator, router, line, controller and ground station.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "hils/direct_run.hpp"
+#include "hils/judgement.hpp"
+#include "hils/measurement.hpp"
+#include "hils/report.hpp"
+#include "hils/scenario.hpp"
+
+namespace cas::hils {
+namespace {
+
+std::string content(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// One flight in a folder of its own.
+class Flight {
+ public:
+  Flight(const Scenario& scenario, std::uint64_t seed, const std::string& name)
+      : folder_(std::filesystem::path(testing::TempDir()) /
+                ("closed_loop_" + name + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+    const RunRecord record = run_direct(scenario, seed, folder_);
+    figures_ = measure(scenario, Architecture::kDirect, seed, record);
+    verdict_ = judge(figures_, scenario.limits);
+    truth_ = content(record.truth_csv);
+    log_ = content(record.flight_tlog);
+  }
+  ~Flight() { std::filesystem::remove_all(folder_); }
+  Flight(const Flight&) = delete;
+  Flight& operator=(const Flight&) = delete;
+
+  const Measurement& figures() const { return figures_; }
+  const Verdict& verdict() const { return verdict_; }
+  std::string text() const { return text_report(figures_, verdict_); }
+  const std::string& truth() const { return truth_; }
+  const std::string& log() const { return log_; }
+
+ private:
+  std::filesystem::path folder_;
+  Measurement figures_;
+  Verdict verdict_;
+  std::string truth_;
+  std::string log_;
+};
+
+Scenario hover() { return Scenario::load(CAS_SOURCE_DIR "/config/scenarios/hover.yaml"); }
+
+/// The hover flown once for all tests that look at one flight.
+class Hover : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { flight_ = new Flight(hover(), 1, "hover"); }
+  static void TearDownTestSuite() {
+    delete flight_;
+    flight_ = nullptr;
+  }
+  static const Measurement& figures() { return flight_->figures(); }
+  static inline const Flight* flight_ = nullptr;
+};
+
+TEST_F(Hover, KeepsTheLimitsOfItsScenario) {
+  EXPECT_TRUE(flight_->verdict().passed) << flight_->text();
+}
+
+TEST_F(Hover, LosesNoPacketAndKeepsTheRatesExactly) {
+  const StreamFigures& rates = figures().rates;
+  // Both ends of the 30 s window may hold a packet.
+  EXPECT_NEAR(static_cast<double>(rates.sensor.sent), 15000, 1) << flight_->text();
+  EXPECT_NEAR(static_cast<double>(rates.gps.sent), 150, 1);
+  EXPECT_NEAR(static_cast<double>(rates.controls.sent), 12000, 1);
+  EXPECT_EQ(rates.sensor.lost + rates.gps.lost + rates.controls.lost, 0U);
+  EXPECT_NEAR(rates.sensor.received_hz, 500, 0.05);
+  EXPECT_NEAR(rates.gps.received_hz, 5, 0.005);
+  EXPECT_NEAR(rates.controls.received_hz, 400, 0.05);
+}
+
+TEST_F(Hover, TakesAtLeastTheTimeOnTheWire) {
+  // A control of 54 bytes after a sensor of 70 or more, ten bits a byte at 921 600 baud.
+  constexpr double kWireUs = (70 + 54) * 10 / 0.9216;
+  EXPECT_GT(figures().sensor_to_control.p50, kWireUs);
+  EXPECT_LT(figures().sensor_to_control.p99, 4 * kWireUs);
+}
+
+TEST_F(Hover, LandsAndDisarms) {
+  ASSERT_FALSE(figures().stages.empty());
+  EXPECT_EQ(figures().stages.back().step.kind, StepKind::kDisarm);
+  EXPECT_TRUE(figures().flight_failure.empty());
+}
+
+TEST_F(Hover, IsTheSameToTheByteForTheSameSeed) {
+  const Flight again(hover(), 1, "again");
+  EXPECT_TRUE(flight_->truth() == again.truth());
+  EXPECT_TRUE(flight_->log() == again.log());
+}
+
+TEST_F(Hover, IsAnotherFlightForAnotherSeed) {
+  const Flight other(hover(), 2, "other");
+  EXPECT_TRUE(other.verdict().passed) << other.text();
+  EXPECT_FALSE(flight_->truth() == other.truth());
+  EXPECT_FALSE(flight_->log() == other.log());
+}
+
+}  // namespace
+}  // namespace cas::hils
