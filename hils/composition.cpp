@@ -8,6 +8,7 @@
 
 #include "base/install_paths.hpp"
 #include "fcu/line_config.hpp"
+#include "hils/report.hpp"
 
 namespace cas::hils {
 
@@ -97,6 +98,7 @@ YAML::Node route(const char* from, const char* to) {
   return node;
 }
 
+<<<<<<< HEAD
 /// The rate that casd is told: none for USB, which has no bit rate that a sender could keep to.
 int serial_baud(const Scenario& scenario) {
   const fcu::LineConfig line = fcu::LineConfig::parse(scenario.line);
@@ -104,23 +106,54 @@ int serial_baud(const Scenario& scenario) {
 }
 
 YAML::Node casd_links(const Scenario& scenario, const RunPlaces& places) {
+=======
+bool has_line(Architecture architecture) { return architecture != Architecture::kSitl; }
+
+std::string_view threads(Architecture architecture) {
+  if (architecture == Architecture::kTs) return "blocking";
+  if (architecture == Architecture::kLoop) return "single";
+  return "per_link";
+}
+
+/// The rate that casd is told: none for USB, which has no bit rate that a sender could keep to.
+int serial_baud(const RunRequest& request) {
+  if (!has_line(request.architecture)) return 0;
+  const fcu::LineConfig line = fcu::LineConfig::parse(request.scenario.line);
+  return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
+}
+
+YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
+  YAML::Node links;
+>>>>>>> 0366892 (Choose among five architectures; ground station traffic)
   YAML::Node simulator;
   simulator["name"] = "sim";
   simulator["type"] = "udp";
   simulator["local"] = local_port(places.casd_port);
   simulator["remote"] = local_port(places.simulator_port);
+  links.push_back(simulator);
   YAML::Node controller;
   controller["name"] = "fcu";
   controller["type"] = "serial";
+<<<<<<< HEAD
   controller["device"] = full_path(places.sockets) + "/fcu0";  // the link, not what it points to
   controller["baud"] = serial_baud(scenario);
   YAML::Node links;
   links.push_back(simulator);
+=======
+  controller["device"] = places.fcu_link().string();
+  controller["baud"] = serial_baud(request);
+>>>>>>> 0366892 (Choose among five architectures; ground station traffic)
   links.push_back(controller);
+  if (places.ground_station_port == 0) return links;
+  YAML::Node ground_station;
+  ground_station["name"] = "gcs";
+  ground_station["type"] = "udp";
+  ground_station["remote"] = local_port(places.ground_station_port);
+  links.push_back(ground_station);
   return links;
 }
 
-YAML::Node casd_routes() {
+YAML::Node casd_routes(const RunPlaces& places) {
   YAML::Node to_controller = route("sim", "fcu");
   to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"});
   YAML::Node to_simulator = route("fcu", "sim");
@@ -128,13 +161,19 @@ YAML::Node casd_routes() {
   YAML::Node routes;
   routes.push_back(to_controller);
   routes.push_back(to_simulator);
+  if (places.ground_station_port == 0) return routes;
+  YAML::Node to_ground = route("fcu", "gcs");
+  to_ground["block"] = list({"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
+  routes.push_back(to_ground);
+  routes.push_back(route("gcs", "fcu"));
   return routes;
 }
 
 }  // namespace
 
-std::string simulator_config(const Scenario& scenario, std::uint64_t seed, Transport transport,
+std::string simulator_config(const RunRequest& request, Transport transport,
                              const RunPlaces& places) {
+  const Scenario& scenario = request.scenario;
   YAML::Node root;
   root["schema"] = 1;
   root["world"]["gravity_m_s2"] = kGravity;
@@ -145,7 +184,7 @@ std::string simulator_config(const Scenario& scenario, std::uint64_t seed, Trans
   root["decimal_year"] = scenario.decimal_year;
   root["step_us"] = scenario.step_us;
   root["pace"] = transport == Transport::kBus ? "free_run" : "realtime";
-  root["seed"] = seed;
+  root["seed"] = request.seed;
   root["integrator"] = scenario.integrator;
   YAML::Node vehicle;
   vehicle["name"] = kVehicleName;
@@ -159,32 +198,40 @@ std::string simulator_config(const Scenario& scenario, std::uint64_t seed, Trans
   return to_text(root);
 }
 
-std::string fcu_config(const Scenario& scenario, std::uint64_t seed) {
+std::string fcu_config(const RunRequest& request) {
+  const Scenario& scenario = request.scenario;
   YAML::Node root = copy(scenario.controller);
   root["schema"] = 1;
   root["vehicle"] = full_path(scenario.vehicle);
   root["decimal_year"] = scenario.decimal_year;
   root["control_rate_hz"] = scenario.rates.controls_hz;
-  root["seed"] = seed;
-  root["line"] = copy(scenario.line);
+  root["seed"] = request.seed;
+  if (has_line(request.architecture)) root["line"] = copy(scenario.line);
   return to_text(root);
 }
 
-std::string casd_config(const Scenario& scenario, const RunPlaces& places) {
+std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   YAML::Node root;
   root["schema"] = 1;
   root["system_id"] = 254;
   root["component_id"] = 190;
-  root["threads"] = "per_link";
+  root["threads"] = std::string(threads(request.architecture));
   root["command_port"]["address"] = "127.0.0.1";
   root["command_port"]["port"] = 0;
   root["command_port"]["unix"] = places.command_port().string();
-  root["links"] = casd_links(scenario, places);
-  root["routes"] = casd_routes();
+  root["links"] = casd_links(request, places);
+  root["routes"] = casd_routes(places);
   root["commanding"]["heartbeat_hz"] = 1;
   root["gains"] = full_path(base::find_config("gains.yaml"));
   root["log"]["tlog"] = full_path(places.flight_tlog());
   return to_text(root);
+}
+
+void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {
+  std::filesystem::create_directories(places.run);
+  write_text(places.simulator_config(), simulator_config(request, transport, places));
+  write_text(places.fcu_config(), fcu_config(request));
+  write_text(places.casd_config(), casd_config(request, places));
 }
 
 }  // namespace cas::hils

@@ -5,17 +5,17 @@
 #include <filesystem>
 #include <string>
 
-#include "hils/scenario.hpp"
+#include "hils/run_request.hpp"
 
 namespace cas::hils {
 
 /// Where the pieces of one run are.
 struct RunPlaces {
-  std::filesystem::path out;      ///< results: truth.csv, flight.tlog, summary.json
-  std::filesystem::path run;      ///< effective configurations, ledgers, figures, program output
-  std::filesystem::path sockets;  ///< short-lived: control sockets, the PTY's link
-  std::uint16_t simulator_port = 0;       ///< hilsim's end of link "sim"
-  std::uint16_t casd_port = 0;            ///< casd's end of link "sim"
+  std::filesystem::path out;         ///< results: truth.csv, flight.tlog, summary.json
+  std::filesystem::path run;         ///< effective configurations, ledgers, figures, program output
+  std::filesystem::path sockets;     ///< short-lived: control sockets, the PTY's link
+  std::uint16_t simulator_port = 0;  ///< hilsim's end of link "sim"
+  std::uint16_t casd_port = 0;       ///< casd's end of link "sim"
   std::uint16_t ground_station_port = 0;  ///< where casd's link "gcs" sends; 0: no such link
 
   std::filesystem::path simulator_config() const { return run / "hilsim.yaml"; }
@@ -34,14 +34,15 @@ struct RunPlaces {
 /// How the simulator's interface plugin hands over its packets.
 enum class Transport { kUdp, kBus };
 
-/// The configuration of hilsim for a scenario, as YAML text.
-std::string simulator_config(const Scenario& scenario, std::uint64_t seed, Transport transport,
+/// The configuration of hilsim for a run, as YAML text.
+std::string simulator_config(const RunRequest& request, Transport transport,
                              const RunPlaces& places);
-/// The configuration of fcu_emulator (and of the controller in a direct run), as YAML text.
-std::string fcu_config(const Scenario& scenario, Architecture architecture, std::uint64_t seed);
+/// The configuration of fcu_emulator (and of the controller on the virtual clock), as YAML text.
+std::string fcu_config(const RunRequest& request);
 /// The topology of casd, as YAML text.
-std::string casd_config(const Scenario& scenario, Architecture architecture,
-                        const RunPlaces& places);
+std::string casd_config(const RunRequest& request, const RunPlaces& places);
+/// Writes the three into `places.run`. @throws base::ConfigError
+void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places);
 
 /// Name of the one vehicle of a run, and the folder of its topics.
 inline constexpr const char* kVehicleName = "iris0";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -12,6 +13,9 @@
 #include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
+
+/// How often the ground station of an experiment loads the parameter list.
+inline constexpr base::Duration kParameterListPeriod = std::chrono::seconds(20);
 
 /// The traffic of a ground station that is connected during an experiment: a heartbeat each second,
 /// the whole parameter list when it meets the vehicle and again every `list_period`. Pure: time and

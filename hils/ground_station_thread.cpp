@@ -49,7 +49,8 @@ void GroundStationThread::run() {
         ::sendto(socket_.get(), bytes.data(), bytes.size(), 0, generic(peer), sizeof(peer));
       });
   std::array<std::uint8_t, 2048> buffer{};
-  constexpr int kTickMs = static_cast<int>(GroundStation::kTickPeriod / std::chrono::milliseconds(1));
+  constexpr int kTickMs =
+      static_cast<int>(GroundStation::kTickPeriod / std::chrono::milliseconds(1));
   while (true) {
     std::array<pollfd, 2> fds{pollfd{socket_.get(), POLLIN, 0}, pollfd{stop_.get(), POLLIN, 0}};
     ::poll(fds.data(), fds.size(), kTickMs);

@@ -30,7 +30,4 @@ class GroundStationThread {
   std::thread thread_;
 };
 
-/// How often the ground station of an experiment loads the parameter list.
-inline constexpr base::Duration kParameterListPeriod = std::chrono::seconds(20);
-
 }  // namespace cas::hils

@@ -11,16 +11,25 @@
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
+<<<<<<< HEAD
 #include "hils/direct_run.hpp"
+=======
+>>>>>>> 0366892 (Choose among five architectures; ground station traffic)
 #include "hils/html_report.hpp"
 #include "hils/judgement.hpp"
 #include "hils/measurement.hpp"
+#include "hils/realtime_run.hpp"
 #include "hils/report.hpp"
 #include "hils/run_plots.hpp"
 #include "hils/scenario.hpp"
 #include "hils/supervisor.hpp"
+<<<<<<< HEAD
 #include "hils/tcas_run.hpp"
 #include "hils/version.hpp"
+=======
+#include "hils/version.hpp"
+#include "hils/virtual_run.hpp"
+>>>>>>> 0366892 (Choose among five architectures; ground station traffic)
 
 namespace {
 
@@ -32,17 +41,29 @@ struct RunFlags {
   std::string architecture;
   std::optional<std::uint64_t> seed;
   std::string out;
+  bool on_virtual_clock = false;
 };
 
-RunRecord fly(const Scenario& scenario, Architecture architecture, std::uint64_t seed,
-              const std::filesystem::path& out) {
-  switch (architecture) {
-    case Architecture::kDirect:
-      return run_direct(scenario, seed, out);
-    case Architecture::kTcas:
-      break;
+RunRecord fly(const RunRequest& request, bool on_virtual_clock) {
+  if (on_virtual_clock || request.architecture == Architecture::kDirect) {
+    return run_on_virtual_clock(request);
   }
-  return run_tcas(scenario, seed, out);
+  return run_in_real_time(request);
+}
+
+void write_results(const RunRequest& request, const RunRecord& record, const Measurement& figures,
+                   const Verdict& verdict) {
+  const std::filesystem::path& out = request.out;
+  write_text(out / "summary.json", summary_json(figures, verdict));
+  write_text(out / "junit.xml", junit_report(figures, verdict));
+  const auto plots = run_plots(request.scenario, record, figures);
+  std::filesystem::create_directories(out / "plots");
+  for (const auto& [name, plot] : plots) write_text(out / "plots" / (name + ".svg"), to_svg(plot));
+  write_text(
+      out / "report.html",
+      html_report(figures, verdict, plots,
+                  {request.scenario.file, request.scenario.vehicle, out / "run" / "hilsim.yaml",
+                   out / "run" / "casd.yaml", out / "run" / "fcu.yaml"}));
 }
 
 void write_results(const Scenario& scenario, const RunRecord& record, const Measurement& figures,
@@ -59,17 +80,25 @@ void write_results(const Scenario& scenario, const RunRecord& record, const Meas
 }
 
 int run(const RunFlags& flags) {
-  const Scenario scenario = Scenario::load(base::find_config(flags.scenario));
-  const Architecture architecture =
-      flags.architecture.empty() ? scenario.architecture : parse_architecture(flags.architecture);
-  const std::uint64_t seed = flags.seed.value_or(scenario.seed);
-  const std::filesystem::path out = std::filesystem::absolute(flags.out);
-  std::filesystem::create_directories(out);
+  RunRequest request;
+  request.scenario = Scenario::load(base::find_config(flags.scenario));
+  request.architecture = flags.architecture.empty() ? request.scenario.architecture
+                                                    : parse_architecture(flags.architecture);
+  request.seed = flags.seed.value_or(request.scenario.seed);
+  request.out = std::filesystem::absolute(flags.out);
+  std::filesystem::create_directories(request.out);
 
+<<<<<<< HEAD
   const RunRecord record = fly(scenario, architecture, seed, out);
   const Measurement figures = measure(scenario, architecture, seed, record);
   const Verdict verdict = judge(figures, scenario.limits);
   write_results(scenario, record, figures, verdict, out);
+=======
+  const RunRecord record = fly(request, flags.on_virtual_clock);
+  const Measurement figures = measure(request, record);
+  const Verdict verdict = judge(figures, request.scenario.limits);
+  write_results(request, record, figures, verdict);
+>>>>>>> 0366892 (Choose among five architectures; ground station traffic)
   fmt::print("{}\nResults: {}\n", text_report(figures, verdict), flags.out);
   return verdict.exit_code();
 }
@@ -102,7 +131,9 @@ int main(int argc, char** argv) {
   RunFlags flags;
   CLI::App* command = app.add_subcommand("run", "fly one scenario");
   command->add_option("SCENARIO", flags.scenario, "scenario file")->required();
-  command->add_option("--architecture", flags.architecture, "tcas or direct");
+  command->add_option("--architecture", flags.architecture, "direct, sitl, ts, loop or tcas");
+  command->add_flag("--virtual", flags.on_virtual_clock,
+                    "compute time instead of waiting for it: exact and fast");
   command->add_option("--out", flags.out, "folder for the results")->required();
   command->add_option("--seed", flags.seed, "instead of the scenario's");
   try {

@@ -82,6 +82,7 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
 
 }  // namespace
 
+<<<<<<< HEAD
 std::uint32_t controls_message_id(const RunRecord& record) {
   const bool outputs = std::ranges::any_of(record.controller, [](const base::LedgerEntry& entry) {
     return entry.message_id == HilActuatorControls::kId;
@@ -91,10 +92,14 @@ std::uint32_t controls_message_id(const RunRecord& record) {
 
 Measurement measure(const Scenario& scenario, Architecture architecture, std::uint64_t seed,
                     const RunRecord& record) {
+=======
+Measurement measure(const RunRequest& request, const RunRecord& record) {
+  const Scenario& scenario = request.scenario;
+>>>>>>> 0366892 (Choose among five architectures; ground station traffic)
   Measurement figures;
   figures.scenario = scenario.name;
-  figures.architecture = architecture;
-  figures.seed = seed;
+  figures.architecture = request.architecture;
+  figures.seed = request.seed;
   figures.virtual_clock = record.virtual_clock;
   figures.flight_failure = record.flight_failure;
   figures.simulated_s = record.simulated_s;

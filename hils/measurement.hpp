@@ -11,7 +11,7 @@
 #include "hils/clock_map.hpp"
 #include "hils/flight_plan.hpp"
 #include "hils/packet_account.hpp"
-#include "hils/scenario.hpp"
+#include "hils/run_request.hpp"
 #include "hils/trajectory.hpp"
 
 namespace cas::hils {
@@ -66,7 +66,6 @@ struct Measurement {
 std::uint32_t controls_message_id(const RunRecord& record);
 
 /// Works out the figures of a run. @throws base::ConfigError when its files cannot be read
-Measurement measure(const Scenario& scenario, Architecture architecture, std::uint64_t seed,
-                    const RunRecord& record);
+Measurement measure(const RunRequest& request, const RunRecord& record);
 
 }  // namespace cas::hils

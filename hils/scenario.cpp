@@ -111,6 +111,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
     scenario.plugins = root.at("plugins").items();
     root.at("plugins").mark_used();
   }
+  scenario.ground_station = root.get("ground_station", false);
   scenario.steps = parse_flight(root.at("steps"));
   if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"));
   root.reject_unused();

@@ -67,6 +67,7 @@ struct Scenario {
   base::ConfigNode controller = base::ConfigNode::empty();  ///< stamp, actuators, params
   base::ConfigNode sensors = base::ConfigNode::empty();     ///< plugin name -> its parameters
   std::vector<base::ConfigNode> plugins;                    ///< further plugins of the vehicle
+  bool ground_station = false;  ///< one that listens and loads the parameter list now and then
   std::vector<FlightStep> steps;
   Limits limits;
 

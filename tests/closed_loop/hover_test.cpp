@@ -8,11 +8,11 @@
 #include <iterator>
 #include <string>
 
-#include "hils/direct_run.hpp"
 #include "hils/judgement.hpp"
 #include "hils/measurement.hpp"
 #include "hils/report.hpp"
 #include "hils/scenario.hpp"
+#include "hils/virtual_run.hpp"
 
 namespace cas::hils {
 namespace {
@@ -29,8 +29,10 @@ class Flight {
       : folder_(std::filesystem::path(testing::TempDir()) /
                 ("closed_loop_" + name + std::to_string(::getpid()))) {
     std::filesystem::create_directories(folder_);
-    const RunRecord record = run_direct(scenario, seed, folder_);
-    figures_ = measure(scenario, Architecture::kDirect, seed, record);
+    const RunRequest request{
+        .scenario = scenario, .architecture = Architecture::kDirect, .seed = seed, .out = folder_};
+    const RunRecord record = run_on_virtual_clock(request);
+    figures_ = measure(request, record);
     verdict_ = judge(figures_, scenario.limits);
     truth_ = content(record.truth_csv);
     log_ = content(record.flight_tlog);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/tcas_run.hpp"
+#include "hils/realtime_run.hpp"
 
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -8,9 +8,10 @@
 #include "base/clock.hpp"
 #include "base/install_paths.hpp"
 #include "base/rpc/client.hpp"
+#include "base/vehicle.hpp"
 #include "hils/composition.hpp"
+#include "hils/ground_station_thread.hpp"
 #include "hils/progress.hpp"
-#include "hils/report.hpp"
 #include "hils/run_directory.hpp"
 #include "hils/supervisor.hpp"
 
@@ -206,34 +207,32 @@ class Pilot {
   double real_time_factor_ = 0;
 };
 
-void write_configs(const Scenario& scenario, std::uint64_t seed, const RunPlaces& places) {
-  write_text(places.simulator_config(), simulator_config(scenario, seed, Transport::kUdp, places));
-  write_text(places.fcu_config(), fcu_config(scenario, seed));
-  write_text(places.casd_config(), casd_config(scenario, places));
-}
-
 }  // namespace
 
-RunRecord run_tcas(const Scenario& scenario, std::uint64_t seed, const std::filesystem::path& out) {
+RunRecord run_in_real_time(const RunRequest& request) {
   const base::RunTime begin = base::steady_now();
   const RunDirectory sockets;
   const std::vector<std::uint16_t> ports = free_udp_ports(2);
-  const RunPlaces places{.out = out,
-                         .run = out / "run",
-                         .sockets = sockets.path(),
-                         .simulator_port = ports[0],
-                         .casd_port = ports[1]};
-  std::filesystem::create_directories(places.run);
-  write_configs(scenario, seed, places);
+  RunPlaces places{.out = request.out,
+                   .run = request.out / "run",
+                   .sockets = sockets.path(),
+                   .simulator_port = ports[0],
+                   .casd_port = ports[1]};
+  Supervisor supervisor;  // before any thread: it blocks signals for all of them
+  std::optional<GroundStationThread> ground_station;
+  if (request.scenario.ground_station) {
+    ground_station.emplace(base::Vehicle::load(request.scenario.vehicle).system_id);
+    places.ground_station_port = ground_station->port();
+  }
+  write_configs(request, Transport::kUdp, places);
 
   RunRecord record;
   record.truth_csv = places.truth_csv();
   record.flight_tlog = places.flight_tlog();
-  Supervisor supervisor;
   Programs programs(supervisor, places);
   programs.start();
   try {
-    Pilot(supervisor, places, scenario.steps).fly(record);
+    Pilot(supervisor, places, request.scenario.steps).fly(record);
   } catch (const base::rpc::ConnectionError& error) {
     supervisor.wait(milliseconds(500));  // a program that died is noticed within this time
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);

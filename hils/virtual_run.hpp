@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
-
 #include "hils/measurement.hpp"
-#include "hils/scenario.hpp"
+#include "hils/run_request.hpp"
 
 namespace cas::hils {
 
@@ -13,7 +11,6 @@ namespace cas::hils {
 /// scenario and seed give the same bytes of truth.csv and flight.tlog, on any machine.
 ///
 /// @throws RunStopped when the user interrupts, base::ConfigError
-RunRecord run_direct(const Scenario& scenario, std::uint64_t seed,
-                     const std::filesystem::path& out);
+RunRecord run_on_virtual_clock(const RunRequest& request);
 
 }  // namespace cas::hils

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/direct_run.hpp"
+#include "hils/virtual_run.hpp"
 
 #include <signal.h>
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "base/clock.hpp"
-#include "base/config.hpp"
 #include "base/install_paths.hpp"
 #include "casd/topology.hpp"
 #include "hils/composition.hpp"
+#include "hils/ground_station.hpp"
 #include "hils/progress.hpp"
-#include "hils/report.hpp"
 #include "hils/supervisor.hpp"
 #include "hils/tlog_writer.hpp"
 #include "hils/virtual_controller.hpp"
@@ -29,6 +29,8 @@ namespace {
 constexpr std::int64_t kLogEpochUs = 1'767'225'600'000'000;
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = std::chrono::seconds(1);
+/// Stands for a port in a topology whose links are not opened.
+constexpr std::uint16_t kAnyPort = 1;
 constexpr base::Duration kShowPeriod = std::chrono::seconds(1);
 
 std::int64_t log_clock_us(base::Duration since_start) {
@@ -60,32 +62,29 @@ class InterruptGuard {
 };
 
 /// The whole bench as one discrete-event simulation.
-class DirectBench {
+class VirtualBench {
  public:
-  DirectBench(const Scenario& scenario, std::uint64_t seed, const RunPlaces& places)
-      : vehicle_(base::Vehicle::load(scenario.vehicle)),
+  VirtualBench(const RunRequest& request, const RunPlaces& places)
+      : vehicle_(base::Vehicle::load(request.scenario.vehicle)),
         log_(places.flight_tlog()),
-        topology_(casd::Topology::parse(
-            base::ConfigNode::parse(casd_config(scenario, places), places.casd_config()))),
+        topology_(casd::Topology::load(places.casd_config())),
         relay_(topology_),
         to_simulator_(relay_.link("sim")),
         to_controller_(relay_.link("fcu")),
-        controller_(fcu::FcuConfig::parse(
-                        base::ConfigNode::parse(fcu_config(scenario, seed), places.fcu_config())),
+        controller_(fcu::FcuConfig::load(places.fcu_config()),
                     [this](auto bytes, auto now) { relay_.receive(to_controller_, bytes, now); }),
-        simulator_(sim::SimConfig::parse(base::ConfigNode::parse(
-                       simulator_config(scenario, seed, Transport::kBus, places),
-                       places.simulator_config())),
+        simulator_(sim::SimConfig::load(places.simulator_config()),
                    {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, kVehicleName,
                    [this](auto bytes, auto now) { relay_.receive(to_simulator_, bytes, now); }),
         pilot_(relay_.commander(), vehicle_.system_id, casd::GainMap::load(topology_.gains),
-               scenario.steps) {
+               request.scenario.steps) {
     relay_.connect(to_simulator_, [this](auto bytes, auto now) {
       simulator_.write(bytes, now);
       return bytes.size();
     });
     relay_.connect(to_controller_,
                    [this](auto bytes, auto now) { return controller_.write(bytes, now); });
+    if (request.scenario.ground_station) connect_ground_station();
     relay_.on_packet([this](casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
       if (from == to_controller_) log_.write(log_clock_us(now.time_since_epoch()), packet.bytes);
     });
@@ -117,18 +116,34 @@ class DirectBench {
   }
 
  private:
+  void connect_ground_station() {
+    const casd::LinkId link = relay_.link("gcs");
+    ground_station_.emplace(vehicle_.system_id, kParameterListPeriod,
+                            [this, link](auto bytes) { relay_.receive(link, bytes, now_); });
+    relay_.connect(link, [this](auto bytes, auto) {
+      ground_station_->on_bytes(bytes);
+      return bytes.size();
+    });
+  }
+
   /// Everything that is due at `now`, in an order that never changes.
   void advance(base::RunTime now) {
+    now_ = now;
     if (now >= simulator_.next_event()) simulator_.step(now);
     relay_.run(now);
     controller_.run(now);
     if (now >= pilot_.next_event()) pilot_.run(now);
+    if (ground_station_ && now >= next_ground_tick_) {
+      ground_station_->tick(now);
+      next_ground_tick_ = now + GroundStation::kTickPeriod;
+    }
   }
 
   base::RunTime next_event(base::RunTime now) const {
     base::RunTime next = std::min({simulator_.next_event(), relay_.next_event(),
                                    controller_.next_event(), pilot_.next_event()});
     if (const auto room = controller_.room_at(now)) next = std::min(next, *room);
+    if (ground_station_) next = std::min(next, next_ground_tick_);
     return std::max(next, now + base::Duration(1));  // time always goes on
   }
 
@@ -149,23 +164,26 @@ class DirectBench {
   VirtualController controller_;
   VirtualSimulator simulator_;
   VirtualPilot pilot_;
+  std::optional<GroundStation> ground_station_;
   Progress progress_;
+  base::RunTime now_{};
+  base::RunTime next_ground_tick_{};
   base::RunTime next_show_{};
 };
 
 }  // namespace
 
-RunRecord run_direct(const Scenario& scenario, std::uint64_t seed,
-                     const std::filesystem::path& out) {
+RunRecord run_on_virtual_clock(const RunRequest& request) {
   const InterruptGuard interrupts;
   const base::RunTime begin = base::steady_now();
-  const RunPlaces places{.out = out, .run = out / "run", .sockets = out / "run"};
-  std::filesystem::create_directories(places.run);
-  write_text(places.simulator_config(), simulator_config(scenario, seed, Transport::kBus, places));
-  write_text(places.fcu_config(), fcu_config(scenario, seed));
-  write_text(places.casd_config(), casd_config(scenario, places));
+  const RunPlaces places{
+      .out = request.out,
+      .run = request.out / "run",
+      .sockets = request.out / "run",
+      .ground_station_port = request.scenario.ground_station ? kAnyPort : std::uint16_t{0}};
+  write_configs(request, Transport::kBus, places);
 
-  DirectBench bench(scenario, seed, places);
+  VirtualBench bench(request, places);
   bench.fly();
   RunRecord record;
   bench.fill(record);
