@@ -98,15 +98,6 @@ YAML::Node route(const char* from, const char* to) {
   return node;
 }
 
-<<<<<<< HEAD
-/// The rate that casd is told: none for USB, which has no bit rate that a sender could keep to.
-int serial_baud(const Scenario& scenario) {
-  const fcu::LineConfig line = fcu::LineConfig::parse(scenario.line);
-  return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
-}
-
-YAML::Node casd_links(const Scenario& scenario, const RunPlaces& places) {
-=======
 bool has_line(Architecture architecture) { return architecture != Architecture::kSitl; }
 
 std::string_view threads(Architecture architecture) {
@@ -124,7 +115,6 @@ int serial_baud(const RunRequest& request) {
 
 YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
   YAML::Node links;
->>>>>>> 0366892 (Choose among five architectures; ground station traffic)
   YAML::Node simulator;
   simulator["name"] = "sim";
   simulator["type"] = "udp";
@@ -134,15 +124,8 @@ YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
   YAML::Node controller;
   controller["name"] = "fcu";
   controller["type"] = "serial";
-<<<<<<< HEAD
-  controller["device"] = full_path(places.sockets) + "/fcu0";  // the link, not what it points to
-  controller["baud"] = serial_baud(scenario);
-  YAML::Node links;
-  links.push_back(simulator);
-=======
   controller["device"] = places.fcu_link().string();
   controller["baud"] = serial_baud(request);
->>>>>>> 0366892 (Choose among five architectures; ground station traffic)
   links.push_back(controller);
   if (places.ground_station_port == 0) return links;
   YAML::Node ground_station;

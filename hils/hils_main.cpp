@@ -11,10 +11,6 @@
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
-<<<<<<< HEAD
-#include "hils/direct_run.hpp"
-=======
->>>>>>> 0366892 (Choose among five architectures; ground station traffic)
 #include "hils/html_report.hpp"
 #include "hils/judgement.hpp"
 #include "hils/measurement.hpp"
@@ -23,13 +19,8 @@
 #include "hils/run_plots.hpp"
 #include "hils/scenario.hpp"
 #include "hils/supervisor.hpp"
-<<<<<<< HEAD
-#include "hils/tcas_run.hpp"
-#include "hils/version.hpp"
-=======
 #include "hils/version.hpp"
 #include "hils/virtual_run.hpp"
->>>>>>> 0366892 (Choose among five architectures; ground station traffic)
 
 namespace {
 
@@ -66,19 +57,6 @@ void write_results(const RunRequest& request, const RunRecord& record, const Mea
                    out / "run" / "casd.yaml", out / "run" / "fcu.yaml"}));
 }
 
-void write_results(const Scenario& scenario, const RunRecord& record, const Measurement& figures,
-                   const Verdict& verdict, const std::filesystem::path& out) {
-  write_text(out / "summary.json", summary_json(figures, verdict));
-  write_text(out / "junit.xml", junit_report(figures, verdict));
-  const auto plots = run_plots(scenario, record, figures);
-  std::filesystem::create_directories(out / "plots");
-  for (const auto& [name, plot] : plots) write_text(out / "plots" / (name + ".svg"), to_svg(plot));
-  write_text(out / "report.html",
-             html_report(figures, verdict, plots,
-                         {scenario.file, scenario.vehicle, out / "run" / "hilsim.yaml",
-                          out / "run" / "casd.yaml", out / "run" / "fcu.yaml"}));
-}
-
 int run(const RunFlags& flags) {
   RunRequest request;
   request.scenario = Scenario::load(base::find_config(flags.scenario));
@@ -88,17 +66,10 @@ int run(const RunFlags& flags) {
   request.out = std::filesystem::absolute(flags.out);
   std::filesystem::create_directories(request.out);
 
-<<<<<<< HEAD
-  const RunRecord record = fly(scenario, architecture, seed, out);
-  const Measurement figures = measure(scenario, architecture, seed, record);
-  const Verdict verdict = judge(figures, scenario.limits);
-  write_results(scenario, record, figures, verdict, out);
-=======
   const RunRecord record = fly(request, flags.on_virtual_clock);
   const Measurement figures = measure(request, record);
   const Verdict verdict = judge(figures, request.scenario.limits);
   write_results(request, record, figures, verdict);
->>>>>>> 0366892 (Choose among five architectures; ground station traffic)
   fmt::print("{}\nResults: {}\n", text_report(figures, verdict), flags.out);
   return verdict.exit_code();
 }

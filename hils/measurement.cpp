@@ -82,7 +82,6 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
 
 }  // namespace
 
-<<<<<<< HEAD
 std::uint32_t controls_message_id(const RunRecord& record) {
   const bool outputs = std::ranges::any_of(record.controller, [](const base::LedgerEntry& entry) {
     return entry.message_id == HilActuatorControls::kId;
@@ -90,12 +89,8 @@ std::uint32_t controls_message_id(const RunRecord& record) {
   return outputs ? HilActuatorControls::kId : HilControls::kId;
 }
 
-Measurement measure(const Scenario& scenario, Architecture architecture, std::uint64_t seed,
-                    const RunRecord& record) {
-=======
 Measurement measure(const RunRequest& request, const RunRecord& record) {
   const Scenario& scenario = request.scenario;
->>>>>>> 0366892 (Choose among five architectures; ground station traffic)
   Measurement figures;
   figures.scenario = scenario.name;
   figures.architecture = request.architecture;
