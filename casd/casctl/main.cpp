@@ -113,6 +113,8 @@ int main(int argc, char** argv) {
   add_status_verbs(line);
   add_flight_verbs(line);
   add_param_verbs(line);
+  add_service_verbs(line);
+  add_monitor_verb(line);
   try {
     line.app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -29,5 +29,7 @@ struct CommandLine {
 void add_status_verbs(CommandLine& line);
 void add_flight_verbs(CommandLine& line);
 void add_param_verbs(CommandLine& line);
+void add_service_verbs(CommandLine& line);
+void add_monitor_verb(CommandLine& line);
 
 }  // namespace cas::casctl
