@@ -51,8 +51,10 @@ constexpr const EnumEntry* find_entry(E value) {
 /// The name of an enum value as in the XML, empty for a value without one.
 template <class E>
 constexpr std::string_view name_of(E value) {
-  const auto* entry = find_entry(value);
-  return entry == nullptr ? std::string_view() : entry->name;
+  for (const auto& entry : enum_info(value).entries) {
+    if (entry.value == detail::enum_bits(value)) return entry.name;
+  }
+  return {};
 }
 
 /// The value that an entry of E's XML enum has.
