@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string_view>
+
+#include "base/clock.hpp"
+#include "base/random.hpp"
+
+namespace airspeed {
+
+/// What the plugin publishes. A topic's type declares its name and version.
+struct AirspeedSample {
+  static constexpr std::string_view kTypeName = "example.AirspeedSample";
+  static constexpr unsigned kTypeVersion = 1;
+  cas::base::SimTime time;
+  double differential_pressure_pa = 0;
+};
+
+/// A pitot tube along Bx: q = 1/2 rho v^2 of the air from ahead, with white noise.
+class AirspeedModel {
+ public:
+  AirspeedModel() = default;
+  /// @param stddev_pa  deviation of one sample
+  AirspeedModel(double stddev_pa, std::uint64_t seed) : stddev_pa_(stddev_pa), random_(seed) {}
+
+  /// @param v_air_W  velocity through the air in W, m/s
+  AirspeedSample sample(cas::base::SimTime time, const Eigen::Quaterniond& q_WB,
+                        const Eigen::Vector3d& v_air_W, double density_kg_m3);
+
+ private:
+  double stddev_pa_ = 0;
+  cas::base::NormalRandom random_;
+};
+
+}  // namespace airspeed
