@@ -76,6 +76,16 @@ struct ControlServer::Impl {
         loop.step(static_cast<std::uint64_t>(n), std::move(done));
       });
     });
+    server.add_method("sim.phase", [this](const Json& params, Reply reply) {
+      if (!params.is_object() || !params.contains("name") || !params["name"].is_string()) {
+        return reply.error(base::rpc::kInvalidParams, "name is the name of a phase", nullptr);
+      }
+      carry(std::move(reply),
+            [this, name = params["name"].get<std::string>()](const std::function<void()>& done) {
+              loop.set_flight_phase(name);
+              done();
+            });
+    });
     server.add_method("sim.run_until", [this](const Json& params, Reply reply) {
       const auto time_s = number_of(params, "time_s");
       if (!time_s || !(*time_s >= 0 && *time_s <= kLongestTime)) {

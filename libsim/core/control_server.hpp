@@ -14,8 +14,8 @@ namespace cas::sim {
 ///   SIGINT, SIGTERM, sim.quit   end in good order        SIGUSR1   pause, or resume
 ///   SIGUSR2                     one step while paused    SIGHUP    reset
 ///
-/// Methods sim.status, pause, resume, step {n}, run_until {time_s}, reset, stats, quit; each is
-/// carried out between two steps and answered when it is done.
+/// Methods sim.status, pause, resume, step {n}, run_until {time_s}, reset, stats, phase {name},
+/// quit; each is carried out between two steps and answered when it is done.
 class ControlServer {
  public:
   /// Blocks the signals for the calling thread and those it starts. @throws base::ConfigError

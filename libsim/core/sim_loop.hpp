@@ -7,6 +7,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -52,6 +53,7 @@ class CAS_SIM_EXPORT SimLoop {
   /// Runs at the ordered pace and pauses at the first step that ends at or after `time`.
   void run_until(base::SimTime time, std::function<void()> done);
   void reset();
+  void set_flight_phase(std::string_view name) { runner_.set_flight_phase(name); }
 
   LoopFigures figures() const;
   const base::Histogram& step_times() const { return step_times_; }

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "libsim/core/model_loader.hpp"
 #include "libsim/core/plugin_host.hpp"
@@ -86,6 +87,7 @@ struct SimRunner::Impl {
   TopicBus bus;
   SimWorld world;
   PluginHost plugins;  // last: plugins go before what they are wired to
+  std::vector<Publisher<FlightPhase>> phases;
   base::SimTime time{};
   std::uint64_t steps = 0;
   std::uint64_t lockstep_timeouts = 0;
@@ -103,6 +105,9 @@ TopicBus& SimRunner::bus() { return impl_->bus; }
 void SimRunner::start() {
   const PluginSurroundings around{impl_->bus, impl_->world, impl_->step, impl_->config.seed,
                                   impl_->options.output_dir};
+  for (const VehicleConfig& vehicle : impl_->config.vehicles) {
+    impl_->phases.push_back(impl_->bus.advertise<FlightPhase>(vehicle.name + "/flight_phase"));
+  }
   impl_->plugins.configure(impl_->config.vehicles, around);
   impl_->bus.freeze();
   for (const std::string& topic : impl_->bus.unpublished()) {
@@ -150,6 +155,12 @@ const World& SimRunner::world() const { return impl_->world; }
 const SimConfig& SimRunner::config() const { return impl_->config; }
 std::uint64_t SimRunner::lockstep_timeouts() const { return impl_->lockstep_timeouts; }
 void SimRunner::set_interrupt(const std::atomic<bool>* flag) { impl_->interrupt = flag; }
+
+void SimRunner::set_flight_phase(std::string_view name) {
+  FlightPhase phase;
+  name.copy(phase.name.data(), phase.name.size() - 1);
+  for (const auto& publisher : impl_->phases) publisher.publish(phase);
+}
 
 std::vector<std::string> SimRunner::vehicle_names() const {
   std::vector<std::string> names;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -57,6 +58,10 @@ class CAS_SIM_EXPORT SimRunner {
   /// Steps that went on without the controls they waited for (lockstep).
   std::uint64_t lockstep_timeouts() const;
   std::vector<PluginFigures> plugin_figures() const;
+
+  /// Tells the plugins of all vehicles which part of the flight it is ("takeoff", "hold"): topic
+  /// `flight_phase`. Names are cut to 31 characters.
+  void set_flight_phase(std::string_view name);
 
   /// Ends a lockstep wait early when the flag is set; the flag must outlive the runner.
   void set_interrupt(const std::atomic<bool>* flag);

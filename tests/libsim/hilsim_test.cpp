@@ -83,6 +83,23 @@ TEST_F(Hilsim, AnswersOnItsControlSocket) {
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "out" / "finished_iris0"));
 }
 
+TEST_F(Hilsim, TellsThePluginsThePhaseOfTheFlight) {
+  ChildProcess hilsim(command(
+      write("free_run", "[{plugin: fault, faults: [{when: phase == hold, mass_factor: 1.5}]}]"),
+      {"--paused"}));
+  ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
+  Client client("unix:" + socket());
+  client.call("sim.step", {{"n", 10}});
+  EXPECT_THROW(client.call("sim.phase", {{"name", 1}}), base::rpc::CallError);
+  client.call("sim.phase", {{"name", "hold"}});
+  client.call("sim.step", {{"n", 10}});
+  const Json events = client.call("sim.stats", nullptr)["plugins"]["fault@iris0"]["events"];
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0]["time_s"], 0.01);
+  client.call("sim.quit", nullptr);
+  EXPECT_EQ(hilsim.wait_exit(), 0);
+}
+
 TEST_F(Hilsim, RealTimeRunEndsAtTheTerminationSignal) {
   ChildProcess hilsim(command(write("realtime", "[{plugin: fake_counter}]")));
   ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
