@@ -11,11 +11,11 @@ struct EstimatorParams {
   Eigen::Vector3d gyro_noise_rad_s{0.0117, 0.0136, 0.0021};
   Eigen::Vector3d accel_noise_m_s2{0.04, 0.06, 0.07};
   // Random walks, per square root of a second.
-  double gyro_bias_walk_rad_s = 2e-5;
-  double accel_bias_walk_m_s2 = 3e-4;
-  double earth_field_walk_gauss = 2e-5;
-  double body_field_walk_gauss = 2e-5;
-  double baro_offset_walk_m = 3e-3;
+  double gyro_bias_walk_rad_s = 1e-5;
+  double accel_bias_walk_m_s2 = 2e-4;
+  double earth_field_walk_gauss = 1e-5;
+  double body_field_walk_gauss = 1e-5;
+  double baro_offset_walk_m = 1e-3;
   // Noise of one measurement.
   double gps_position_noise_m = 0.3;
   double gps_height_noise_m = 0.3;

@@ -43,6 +43,8 @@ FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
   if (node.require<int>("schema") != kSchema) node.at("schema").fail("must be 1");
   FcuConfig config;
   config.vehicle = base::Vehicle::load(node.resolve(node.require<std::string>("vehicle")));
+  const auto sensors = node.find("sensors");
+  config.sensors = sensors ? base::sensor_presets(*sensors) : config.vehicle.sensors;
   config.system_id = parse_id(node, "system_id", config.vehicle.system_id);
   config.component_id = parse_id(node, "component_id", 1);
   if (const auto line = node.find("line")) config.line = LineConfig::parse(*line);

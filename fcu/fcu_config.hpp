@@ -25,6 +25,8 @@ enum class ActuatorMessage { kHilControls, kHilActuatorControls };
 /// An emulated flight controller as config/fcu/*.yaml describes it.
 struct FcuConfig {
   base::Vehicle vehicle;
+  /// The sensors' data sheets by plugin name: those of the vehicle file, or a set named instead.
+  base::ConfigNode sensors = base::ConfigNode::empty();
   std::uint8_t system_id = 1;
   std::uint8_t component_id = 1;
   LineConfig line;

@@ -17,6 +17,7 @@
 #include "fcu/outbox.hpp"
 #include "fcu/param_binding.hpp"
 #include "fcu/params.hpp"
+#include "fcu/sensor_figures.hpp"
 #include "fcu/sensor_monitor.hpp"
 #include "fcu/status_texts.hpp"
 #include "mavlink/common/hil_gps.hpp"
@@ -48,7 +49,7 @@ struct VibrationMeter {
 struct FcuCore {
   FcuCore(const FcuConfig& configuration, FlightController::Sink send)
       : config(configuration),
-        params(config.vehicle),
+        params(config.vehicle, sensor_figures(config.sensors).params),
         outbox({config.system_id, config.component_id}, std::move(send)),
         estimator({}, config.decimal_year),
         cascade(config.vehicle),

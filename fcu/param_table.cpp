@@ -93,55 +93,37 @@ void add_position(std::vector<Param>& list, const base::Vehicle& vehicle) {
   list.push_back(real("MPC_YAWRAUTO_MAX", 60, 0, 360));
 }
 
-/// Deviations of one IMU sample from the vehicle's sensor preset: the figures of its data sheet.
-Eigen::Vector3d preset(const base::Vehicle& vehicle, const char* plugin, const char* key,
-                       const Eigen::Vector3d& fallback) {
-  const auto block = vehicle.sensors.find(plugin);
-  const auto value = block ? block->find(key) : std::nullopt;
-  return value ? value->as<Eigen::Vector3d>() : fallback;
-}
-
-void add_estimator(std::vector<Param>& list, const base::Vehicle& vehicle) {
-  const Eigen::Vector3d gyro =
-      preset(vehicle, "imu", "gyro_stddev_deg_s", Eigen::Vector3d::Constant(0.5)) * M_PI / 180;
-  const Eigen::Vector3d accel =
-      preset(vehicle, "imu", "accel_stddev_m_s2", Eigen::Vector3d::Constant(0.06));
-  const Eigen::Vector3d position =
-      preset(vehicle, "gps", "position_stddev_m", Eigen::Vector3d::Constant(0.3));
-  const Eigen::Vector3d velocity =
-      preset(vehicle, "gps", "velocity_stddev_m_s", Eigen::Vector3d::Constant(0.1));
-  const Eigen::Vector3d mag =
-      preset(vehicle, "magnetometer", "stddev_gauss", Eigen::Vector3d::Constant(0.004));
+/// What the estimator assumes: the data sheet's figures, axes of D as the IMU's.
+void add_estimator(std::vector<Param>& list, const EstimatorParams& p) {
   const char* axes[] = {"X", "Y", "Z"};
   for (int axis = 0; axis < 3; ++axis) {
     // Of one sample: rad/s and m/s^2.
     list.push_back(
-        real(std::string("CAS_GYR_NOISE_") + axes[axis], std::max(gyro[axis], 1e-4), 1e-6, 1));
+        real(std::string("CAS_GYR_NOISE_") + axes[axis], p.gyro_noise_rad_s[axis], 1e-6, 1));
     list.push_back(
-        real(std::string("CAS_ACC_NOISE_") + axes[axis], std::max(accel[axis], 1e-3), 1e-5, 10));
+        real(std::string("CAS_ACC_NOISE_") + axes[axis], p.accel_noise_m_s2[axis], 1e-5, 20));
   }
   // Random walks, per square root of a second.
-  list.push_back(real("CAS_GYR_B_WALK", 2e-5, 0, 0.1));
-  list.push_back(real("CAS_ACC_B_WALK", 3e-4, 0, 1));
-  list.push_back(real("CAS_MAG_E_WALK", 2e-5, 0, 0.1));
-  list.push_back(real("CAS_MAG_B_WALK", 2e-5, 0, 0.1));
-  list.push_back(real("CAS_BARO_WALK", 3e-3, 0, 1));
-  list.push_back(
-      real("EKF2_GPS_P_NOISE", std::max(position.head<2>().maxCoeff(), 0.005), 0.001, 10));
-  list.push_back(real("CAS_GPS_Z_NOISE", std::max(position.z(), 0.005), 0.001, 20));
-  list.push_back(real("EKF2_GPS_V_NOISE", std::max(velocity.maxCoeff(), 0.01), 0.001, 5));
-  list.push_back(real("EKF2_BARO_NOISE", 0.087, 0.001, 15));
-  list.push_back(real("EKF2_MAG_NOISE", std::max(mag.maxCoeff(), 0.001), 0.0001, 1));
-  list.push_back(real("EKF2_GPS_DELAY", 0, 0, 500));
+  list.push_back(real("CAS_GYR_B_WALK", p.gyro_bias_walk_rad_s, 0, 0.1));
+  list.push_back(real("CAS_ACC_B_WALK", p.accel_bias_walk_m_s2, 0, 1));
+  list.push_back(real("CAS_MAG_E_WALK", p.earth_field_walk_gauss, 0, 0.1));
+  list.push_back(real("CAS_MAG_B_WALK", p.body_field_walk_gauss, 0, 0.1));
+  list.push_back(real("CAS_BARO_WALK", p.baro_offset_walk_m, 0, 1));
+  list.push_back(real("EKF2_GPS_P_NOISE", p.gps_position_noise_m, 0.001, 10));
+  list.push_back(real("CAS_GPS_Z_NOISE", p.gps_height_noise_m, 0.001, 20));
+  list.push_back(real("EKF2_GPS_V_NOISE", p.gps_velocity_noise_m_s, 0.001, 5));
+  list.push_back(real("EKF2_BARO_NOISE", p.baro_noise_m, 0.001, 15));
+  list.push_back(real("EKF2_MAG_NOISE", p.mag_noise_gauss, 0.0001, 1));
+  list.push_back(real("EKF2_GPS_DELAY", 1000 * p.gps_delay_s, 0, 500));
   list.push_back(real("EKF2_GPS_P_GATE", 5, 1, 20));
   list.push_back(real("EKF2_GPS_V_GATE", 5, 1, 20));
   list.push_back(real("EKF2_BARO_GATE", 5, 1, 20));
   list.push_back(real("EKF2_MAG_GATE", 5, 1, 20));
-  list.push_back(real("EKF2_ANGERR_INIT", 0.1, 0.01, 0.5));
-  list.push_back(real("EKF2_GBIAS_INIT", 0.02, 0, 0.2));
-  list.push_back(real("EKF2_ABIAS_INIT", 0.1, 0, 0.5));
-  list.push_back(real("CAS_MAG_E_INIT", 0.002, 0, 0.2));
-  list.push_back(real("CAS_MAG_B_INIT", 0.002, 0, 0.2));
+  list.push_back(real("EKF2_ANGERR_INIT", p.tilt_initial_rad, 0.01, 0.5));
+  list.push_back(real("EKF2_GBIAS_INIT", p.gyro_bias_initial_rad_s, 0, 0.5));
+  list.push_back(real("EKF2_ABIAS_INIT", p.accel_bias_initial_m_s2, 0, 2));
+  list.push_back(real("CAS_MAG_E_INIT", p.earth_field_initial_gauss, 0, 0.2));
+  list.push_back(real("CAS_MAG_B_INIT", p.body_field_initial_gauss, 0, 0.2));
 }
 
 void add_safety(std::vector<Param>& list) {
@@ -199,12 +181,12 @@ void add_system(std::vector<Param>& list, const base::Vehicle& vehicle) {
 
 }  // namespace
 
-std::vector<Param> default_params(const base::Vehicle& vehicle) {
+std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& estimator) {
   std::vector<Param> list;
   add_rate_loops(list, vehicle);
   add_attitude(list);
   add_position(list, vehicle);
-  add_estimator(list, vehicle);
+  add_estimator(list, estimator);
   add_safety(list);
   add_system(list, vehicle);
   return list;

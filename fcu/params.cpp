@@ -24,7 +24,8 @@ std::uint32_t crc32_byte(std::uint32_t crc, std::uint8_t byte) {
 
 }  // namespace
 
-ParamStore::ParamStore(const base::Vehicle& vehicle) : params_(default_params(vehicle)) {
+ParamStore::ParamStore(const base::Vehicle& vehicle, const EstimatorParams& estimator)
+    : params_(default_params(vehicle, estimator)) {
   for (Param& param : params_) {
     CAS_CHECK(param.name.size() <= 16);
     param.value = param.initial = representable(param.type, param.initial);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/vehicle.hpp"
+#include "fcu/estimator_params.hpp"
 
 namespace cas::fcu {
 
@@ -30,7 +31,8 @@ enum class ParamSetResult { kOk, kUnknown, kOutOfRange, kNotANumber };
 /// thrust) are computed from the vehicle file.
 class ParamStore {
  public:
-  explicit ParamStore(const base::Vehicle& vehicle);
+  /// @param estimator  what the sensors' data sheets say
+  explicit ParamStore(const base::Vehicle& vehicle, const EstimatorParams& estimator = {});
 
   std::size_t size() const { return params_.size(); }
   const Param& at(std::size_t index) const { return params_[index]; }
@@ -61,6 +63,6 @@ class ParamStore {
 };
 
 /// All parameters with their defaults for an airframe, unsorted.
-std::vector<Param> default_params(const base::Vehicle& vehicle);
+std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& estimator);
 
 }  // namespace cas::fcu

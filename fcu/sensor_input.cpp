@@ -118,8 +118,9 @@ void SensorInput::on_gps(const HilGps& m, FcuCore& core, RunTime now) {
   GpsInput fix;
   const bool by_arrival = core.params.get_int("CAS_STAMP_MODE") == 1;
   // By arrival only the receiver's usual delay is known; by the message its own stamp tells it.
-  fix.time = by_arrival ? SimTime(now - core.start) : base::from_time_usec(m.time_usec);
-  fix.time -= base::from_seconds(core.estimator.params().gps_delay_s);
+  fix.time = by_arrival ? SimTime(now - core.start) -
+                              base::from_seconds(core.estimator.params().gps_delay_s)
+                        : base::from_time_usec(m.time_usec);
   fix.fix_type = m.fix_type;
   fix.place = {m.lat * 1e-7, m.lon * 1e-7, m.alt * 1e-3};
   fix.velocity_N = Vector3d(m.vn, m.ve, m.vd) * 0.01;

@@ -70,6 +70,7 @@ ClosedLoop::ClosedLoop(const LoopOptions& options)
       answers_(mavlink::common::table()) {
   FcuConfig config;
   config.vehicle = vehicle_;
+  config.sensors = vehicle_.sensors;
   config.decimal_year = kYear;
   config.home_hint = home_;
   assume(config, options.noise);

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "base/config.hpp"
+#include "base/error.hpp"
+#include "base/vehicle.hpp"
+#include "fcu/estimation_bound.hpp"
+
+namespace {
+
+using namespace cas;
+
+void print_row(const char* name, const fcu::EstimationBound& b) {
+  std::printf("%-28s %8.4f %8.4f %8.4f   %8.4f %8.4f %8.4f   %8.5f %8.5f %8.5f\n", name,
+              b.position_m.x(), b.position_m.y(), b.position_m.z(), b.velocity_m_s.x(),
+              b.velocity_m_s.y(), b.velocity_m_s.z(), b.attitude_rad.x(), b.attitude_rad.y(),
+              b.attitude_rad.z());
+}
+
+int run(const std::string& preset, bool endless) {
+  const base::ConfigNode word =
+      base::ConfigNode::parse("sensors: " + preset, "command line").at("sensors");
+  const fcu::SensorFigures figures = fcu::sensor_figures(base::sensor_presets(word));
+  std::printf("Best possible errors of a hovering vehicle, sensor set %s (1 sigma)\n\n",
+              preset.c_str());
+  std::printf("%-28s %26s   %26s   %26s\n", "", "position m (x y z)", "velocity m/s (x y z)",
+              "attitude rad (about x y z)");
+  print_row("20 s to 60 s of a flight", fcu::flight_bound(figures));
+  if (endless) print_row("endless flight", fcu::steady_bound(figures));
+  std::printf("\n[HILS] Table 5, SITL row: x 0.0068, y 0.0050, z 0.0449 m, yaw 0.0342 rad.\n");
+  return base::kExitOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Prints the best possible estimation errors for a sensor set (Riccati equation).",
+               "estimation_bound");
+  std::string preset = "table1";
+  bool flight_only = false;
+  app.add_option("preset", preset, "Set in config/sensors, or a file of that form");
+  app.add_flag("--flight-only", flight_only, "Leave out the endless flight, which takes longer");
+  app.set_version_flag("--version", "estimation_bound " CAS_VERSION);
+  try {
+    app.parse(argc, argv);
+    return run(preset, !flight_only);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
+  } catch (const base::ConfigError& error) {
+    std::fprintf(stderr, "estimation_bound: %s\n", error.what());
+    return base::kExitConfig;
+  }
+}
