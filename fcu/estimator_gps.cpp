@@ -15,8 +15,8 @@ using Eigen::Vector3d;
 constexpr int kUsableFix = 3;
 constexpr double kRejectionTimeout_s = 4.0;
 constexpr int kVelocityRejections = 5;       // in a row, then the fixes are believed
-constexpr double kOriginDeviation_m = 0.07;  // horizontal, for a final origin
-constexpr double kOriginPatience_s = 10.0;   // ... or what is reached by then
+constexpr double kOriginDeviation_m = 0.05;  // horizontal, for a final origin
+constexpr double kOriginPatience_s = 12.0;   // ... or what is reached by then
 
 }  // namespace
 

@@ -139,7 +139,6 @@ void FlightController::Impl::dispatch(const mav::PacketView& packet, RunTime now
     case HilSensor::kId:
       return handle<HilSensor>(packet, [&](const auto& m) {
         sensors.on_sensor(m, core, now);
-        update_status();
         tick(now);
       });
     case HilGps::kId:
@@ -291,7 +290,9 @@ void FlightController::on_packet(const mav::PacketView& packet, RunTime now) {
   impl_->begin(now);
   impl_->sequence.update(packet.source, packet.sequence);
   if (packet.message_id < Outbox::kIds) ++impl_->received[packet.message_id];
-  if (impl_->is_for_us(packet)) impl_->dispatch(packet, now);
+  if (!impl_->is_for_us(packet)) return;
+  impl_->dispatch(packet, now);
+  impl_->update_status();
 }
 
 void FlightController::tick(RunTime now) {
@@ -305,6 +306,8 @@ void FlightController::set_hil_observer(HilObserver observer) {
 }
 
 const FlightStatus& FlightController::status() const { return impl_->core.status; }
+
+const Estimator& FlightController::estimator() const { return impl_->core.estimator; }
 
 FlightControllerStats FlightController::stats() const {
   FlightControllerStats stats;

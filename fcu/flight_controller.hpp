@@ -22,6 +22,8 @@ struct PacketView;
 
 namespace cas::fcu {
 
+class Estimator;
+
 enum class LandedState : std::uint8_t { kOnGround, kTakingOff, kInAir, kLanding };
 
 /// What the controller believes and wants at its last step.
@@ -84,6 +86,7 @@ class FlightController {
   void set_hil_observer(HilObserver observer);
 
   const FlightStatus& status() const;
+  const Estimator& estimator() const;
   /// Copies the counts (not for every step).
   FlightControllerStats stats() const;
 

@@ -158,7 +158,7 @@ void ClosedLoop::sense() {
       m.fields_updated = F::kXacc | F::kYacc | F::kZacc | F::kXgyro | F::kYgyro | F::kZgyro;
     }
     if (mag_on && steps_ % 10 == 0) {
-      const Vector3d b = noisy(q_DN * field_N_ + noise.mag_bias_gauss,
+      const Vector3d b = noisy(q_DN * (field_N_ + noise.field_error_gauss) + noise.mag_bias_gauss,
                                Vector3d::Constant(noise.mag_gauss), mag_random_);
       m.xmag = static_cast<float>(b.x());
       m.ymag = static_cast<float>(b.y());
@@ -167,7 +167,7 @@ void ClosedLoop::sense() {
     }
     if (baro_on && steps_ % 20 == 0) {
       const double pressure =
-          base::isa::pressure_pa(home_.alt_m - truth.p_N.z()) + noise.baro_pa * baro_random_();
+          base::isa::pressure_pa(home_.alt_m - truth.p_N.z()) + noise.baro_offset_pa + noise.baro_pa * baro_random_();
       m.abs_pressure = static_cast<float>(pressure / 100);
       m.fields_updated |= F::kAbsPressure | F::kPressureAlt | F::kTemperature;
     }
@@ -257,7 +257,7 @@ bool ClosedLoop::take_off(double height_m) {
 bool ClosedLoop::fly_to_hover(double height_m) {
   if (!run_until([this] { return fcu_->status().estimator_ready; }, 20)) return false;
   if (!arm() || !take_off(height_m)) return false;
-  return run_until([this] { return fcu_->status().mode == FlightMode::kHold; }, 20);
+  return run_until([this] { return fcu_->status().landed == LandedState::kInAir; }, 20);
 }
 
 void ClosedLoop::go_to(double north_m, double east_m, double up_m, float yaw_rad) {

@@ -28,6 +28,8 @@ struct SensorNoise {
   Eigen::Vector3d gyro_bias_rad_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d accel_bias_m_s2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d mag_bias_gauss = Eigen::Vector3d::Zero();
+  Eigen::Vector3d field_error_gauss = Eigen::Vector3d::Zero();  ///< earth against its model, N
+  double baro_offset_pa = 0;
   double gps_delay_s = 0;
 };
 
