@@ -61,9 +61,9 @@ void add_attitude(std::vector<Param>& list) {
 
 void add_position(std::vector<Param>& list, const base::Vehicle& vehicle) {
   const double hover = vehicle.mass_kg * kStandardGravity_m_s2 / vehicle.scales.u1_max_n;
-  list.push_back(real("MPC_XY_P", 1.3, 0, 5));
+  list.push_back(real("MPC_XY_P", 1.5, 0, 5));
   list.push_back(real("MPC_Z_P", 1.3, 0, 5));
-  list.push_back(real("MPC_XY_VEL_P_ACC", 3.0, 0, 15));
+  list.push_back(real("MPC_XY_VEL_P_ACC", 4.0, 0, 15));
   list.push_back(real("MPC_XY_VEL_I_ACC", 0.7, 0, 60));
   list.push_back(real("MPC_XY_VEL_D_ACC", 0.2, 0, 5));
   list.push_back(real("MPC_Z_VEL_P_ACC", 5.0, 0, 15));

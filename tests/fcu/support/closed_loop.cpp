@@ -166,8 +166,8 @@ void ClosedLoop::sense() {
       m.fields_updated |= F::kXmag | F::kYmag | F::kZmag;
     }
     if (baro_on && steps_ % 20 == 0) {
-      const double pressure =
-          base::isa::pressure_pa(home_.alt_m - truth.p_N.z()) + noise.baro_offset_pa + noise.baro_pa * baro_random_();
+      const double pressure = base::isa::pressure_pa(home_.alt_m - truth.p_N.z()) +
+                              noise.baro_offset_pa + noise.baro_pa * baro_random_();
       m.abs_pressure = static_cast<float>(pressure / 100);
       m.fields_updated |= F::kAbsPressure | F::kPressureAlt | F::kTemperature;
     }

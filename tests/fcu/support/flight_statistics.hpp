@@ -15,8 +15,8 @@ struct FlightStatistics {
   Eigen::Array3d tracking_m = Eigen::Array3d::Zero();  ///< truth minus reference
   Eigen::Array3d estimate_m = Eigen::Array3d::Zero();  ///< estimate minus truth
   Eigen::Array3d control_m = Eigen::Array3d::Zero();   ///< estimate minus reference
-  double yaw_rad = 0;           ///< truth minus reference
-  double estimate_yaw_rad = 0;  ///< estimate minus truth
+  double yaw_rad = 0;                                  ///< truth minus reference
+  double estimate_yaw_rad = 0;                         ///< estimate minus truth
 
   void add(ClosedLoop& loop, const Eigen::Vector3d& reference_N, double yaw_reference_rad) {
     const FlightStatus& status = loop.fcu().status();
