@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <sys/prctl.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -78,6 +80,7 @@ int run(const Flags& flags) {
   runner.start();
   if (pace.lock_memory) base::lock_memory();
   base::configure_this_thread("simulation", pace.thread);
+  ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // wake at the deadline, not up to 50 us later
   if (flags.paused) loop.post([&loop] { loop.pause(); });
 
   base::notify("READY=1\nSTATUS=" + sim::endpoints_report(runner));

@@ -33,11 +33,12 @@ base::RunTime Pacer::deadline(base::SimTime t) const {
 base::RunTime Pacer::start_of(base::SimTime t) const {
   if (config_.mode != PaceMode::kRealtime) return base::RunTime::min();
   const base::RunTime due = deadline(t);
-  return started_ ? std::max(due, last_start_ + shortest_interval_) : due;
+  return started_ ? std::max(due, planned_ + shortest_interval_) : due;
 }
 
 void Pacer::on_start(base::RunTime now, base::SimTime t) {
   if (config_.mode != PaceMode::kRealtime) return;
+  const base::RunTime planned = start_of(t);
   const base::Duration lateness = std::max(base::Duration::zero(), now - deadline(t));
   lateness_.add(lateness);
   if (lateness > wall_step_) ++late_steps_;
@@ -45,7 +46,7 @@ void Pacer::on_start(base::RunTime now, base::SimTime t) {
     epoch_wall_ += lateness;
     given_up_ += lateness;
   }
-  last_start_ = now;
+  planned_ = std::max(planned, now - kLargestBurst);
   started_ = true;
 }
 

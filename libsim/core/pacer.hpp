@@ -13,9 +13,10 @@ namespace cas::sim {
 /// Decides when a step may start. Reads no clock: time comes in as an argument.
 ///
 /// realtime: step at simulated time t has the absolute deadline epoch + (t - t_epoch) / speed, so
-/// that lateness never adds up. A late step is followed by steps at most `catch_up_rate` times as
-/// fast as ordered, never by a burst that would flood a serial line; what is more than `max_lag`
-/// behind is given up (the epoch moves, the real-time factor tells). lockstep, free_run: at once.
+/// that lateness never adds up. What a late wake-up of a few milliseconds delayed follows at once;
+/// after a longer stall the steps come at most `catch_up_rate` times as fast as ordered, never in a
+/// burst that would flood a serial line. What is more than `max_lag` behind is given up (the epoch
+/// moves, the real-time factor tells). lockstep, free_run: at once.
 class CAS_SIM_EXPORT Pacer {
  public:
   Pacer(const PaceConfig& config, base::Duration step);
@@ -26,6 +27,9 @@ class CAS_SIM_EXPORT Pacer {
   base::RunTime start_of(base::SimTime t) const;
   /// Books a step from `t` that starts at `now`.
   void on_start(base::RunTime now, base::SimTime t);
+
+  /// Wall clock that may be made up for at once.
+  static constexpr base::Duration kLargestBurst = std::chrono::milliseconds(10);
 
   /// Steps that started more than one step (of wall clock) behind their deadline.
   std::uint64_t late_steps() const { return late_steps_; }
@@ -42,7 +46,7 @@ class CAS_SIM_EXPORT Pacer {
   base::Duration shortest_interval_;  // between steps that catch up
   base::RunTime epoch_wall_{};
   base::SimTime epoch_sim_{};
-  base::RunTime last_start_{};
+  base::RunTime planned_{};  // start of the last step, had the thread been there in time
   bool started_ = false;
   std::uint64_t late_steps_ = 0;
   base::Duration given_up_{};

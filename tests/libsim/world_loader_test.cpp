@@ -102,6 +102,20 @@ TEST(SdfWorld, RunsWithItsOwnHomeStepAndFactor) {
   EXPECT_TRUE(runner.world().in_contact(VehicleId{0}));
 }
 
+TEST(ShippedWorlds, LoadWithVehiclesAndPlugins) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kWorlds)) {
+    if (entry.path().extension() != ".yaml") continue;
+    SCOPED_TRACE(entry.path());
+    const SimRunner runner(
+        SimConfig::load(entry.path()),
+        {.output_dir = ".", .plugin_dirs = {std::filesystem::path(CAS_BINARY_DIR) / "plugins"}});
+    EXPECT_FALSE(runner.vehicle_names().empty());
+    ++files;
+  }
+  EXPECT_GE(files, 3);
+}
+
 TEST(SdfWorld, NeedsAHomeFromSomewhere) {
   const std::string world = "world: " + (kData / "classic.world").string() + "\n";
   EXPECT_THAT(
