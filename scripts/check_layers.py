@@ -76,7 +76,8 @@ LIGHT = ("nlohmann/json_fwd.hpp",)
 JSON_HEADERS = ("casd/casctl/", "casd/command_params.hpp")
 
 SUFFIXES = {".hpp", ".cpp", ".h", ".cc"}
-SKIPPED = {"build", "out", "node_modules", "__pycache__"}
+# example_plugin stands for a stranger's source tree.
+SKIPPED = {"build", "out", "node_modules", "__pycache__", "example_plugin"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
