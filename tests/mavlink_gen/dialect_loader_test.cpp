@@ -117,6 +117,7 @@ TEST(OurDialect, IsTheFactsOfTheMessagesWeSpeak) {
     EXPECT_EQ(fact[2], message.crc_extra);
     EXPECT_EQ(fact[3], message.min_length);
     EXPECT_EQ(fact[4], message.max_length);
+    EXPECT_FALSE(message.text.empty());
     ASSERT_EQ(fact[5].size(), message.fields.size());
     for (std::size_t f = 0; f < message.fields.size(); ++f) {
       const auto& field = message.fields[f];
@@ -127,6 +128,7 @@ TEST(OurDialect, IsTheFactsOfTheMessagesWeSpeak) {
       EXPECT_EQ(row[3], field.offset);
       EXPECT_EQ(row[4] == 1, field.extension);
       EXPECT_EQ(row[5].is_null() ? "" : row[5].get<std::string>(), field.enum_name);
+      EXPECT_FALSE(field.text.empty()) << field.name << " has no description";
     }
   }
   ASSERT_EQ(dialect.enums.size(), facts["enums"].size());
