@@ -7,6 +7,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -162,9 +163,20 @@ struct App::Impl {
       links.monitor().sample(now);
       links.local().tick(now);
       figures.publish();
+      feed_watchdog(now);
       if (now >= next_summary) summarise(now);
       do_second();
     });
+  }
+
+  /// systemd restarts casd when a link's thread hangs (WatchdogSec in the unit).
+  void feed_watchdog(base::RunTime now) {
+    if (std::getenv("WATCHDOG_USEC") == nullptr) return;
+    if (links.alive(now)) {
+      base::notify("WATCHDOG=1");
+    } else {
+      base::log::error("a link's thread hangs");
+    }
   }
 
   void summarise(base::RunTime now) {

@@ -61,6 +61,12 @@ void LinkLoop::wake() {
   signal_.raise();
 }
 
+bool LinkLoop::answers(base::RunTime now, base::Duration patience) {
+  const base::RunTime last{base::Duration(last_turn_ns_.load(std::memory_order_relaxed))};
+  signal_.raise();
+  return last == base::RunTime{} || now - last < patience;
+}
+
 void LinkLoop::run() {
   thread_id_.store(std::this_thread::get_id(), std::memory_order_relaxed);
   base::configure_this_thread("casd:" + name_, scheduling_);
@@ -69,6 +75,7 @@ void LinkLoop::run() {
     run_tasks();
     wait(base::steady_now());
     const base::RunTime now = base::steady_now();
+    last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
     for (const auto& link : links_) link->serve(poll_set_, now);
   }
   run_tasks();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -40,6 +41,8 @@ class LinkLoop {
   void run_on_loop(const std::function<void()>& task);
   /// Makes the loop look again at what its links wait for. Does nothing on the loop's own thread.
   void wake();
+  /// Whether the thread has turned within `patience`, and a nudge so that it can: ask regularly.
+  bool answers(base::RunTime now, base::Duration patience);
 
  private:
   void run();
@@ -51,6 +54,7 @@ class LinkLoop {
   WakeSignal signal_;
   std::atomic<bool> stopping_{false};
   std::atomic<std::thread::id> thread_id_{};
+  std::atomic<std::int64_t> last_turn_ns_{0};  ///< RunTime; 0 before the first
   std::mutex tasks_mutex_;
   std::vector<std::function<void()>> tasks_;
   std::vector<std::unique_ptr<Link>> links_;

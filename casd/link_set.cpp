@@ -62,6 +62,15 @@ bool LinkSet::settled() const {
                       [](const LinkStatus& link) { return link.state == LinkState::kOpening; });
 }
 
+bool LinkSet::alive(base::RunTime now) {
+  constexpr auto kPatience = std::chrono::seconds(5);
+  bool all = true;
+  for (const auto& [name, running] : running_) {
+    if (running.loop && !running.loop->answers(now, kPatience)) all = false;
+  }
+  return all;
+}
+
 std::string LinkSet::endpoints() const {
   std::string text;
   for (const LinkStatus& link : monitor_.links()) {

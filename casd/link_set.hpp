@@ -41,6 +41,8 @@ class LinkSet {
   MessageTaps& taps() { return switchboard_.taps(); }
   /// Has every link tried to open once?
   bool settled() const;
+  /// Whether every link's thread still turns: ask once a second.
+  bool alive(base::RunTime now);
   /// "sim 127.0.0.1:14561 fcu /dev/ttyACM0 921600".
   std::string endpoints() const;
 

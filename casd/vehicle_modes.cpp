@@ -15,6 +15,7 @@ using mavlink::common::MavModeFlag;
 struct Mode {
   std::string_view word;
   std::uint32_t number;
+  bool asked_for = true;  ///< can be set by its word; others are only shown
 };
 
 /// PX4: main mode in bits 16-23, sub mode of AUTO in bits 24-31.
@@ -39,6 +40,9 @@ constexpr Mode kPx4Modes[] = {
     {"RTL", px4(kPx4Auto, 5)},
     {"LAND", px4(kPx4Auto, 6)},
     {"PRECLAND", px4(kPx4Auto, 9)},
+    {"FOLLOW", px4(kPx4Auto, 8)},
+    {"ORBIT", px4(3, 1), false},
+    {"TERMINATION", px4(10), false},
 };
 
 constexpr Mode kCopterModes[] = {
@@ -101,7 +105,7 @@ std::optional<std::uint32_t> custom_mode(Autopilot autopilot, std::string_view w
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   for (const Mode& mode : modes(autopilot)) {
-    if (mode.word == upper) return mode.number;
+    if (mode.asked_for && mode.word == upper) return mode.number;
   }
   return std::nullopt;
 }
@@ -109,6 +113,7 @@ std::optional<std::uint32_t> custom_mode(Autopilot autopilot, std::string_view w
 std::string mode_words(Autopilot autopilot) {
   std::string words;
   for (const Mode& mode : modes(autopilot)) {
+    if (!mode.asked_for) continue;
     if (!words.empty()) words += ' ';
     words += mode.word;
   }

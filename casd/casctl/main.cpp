@@ -115,6 +115,7 @@ int main(int argc, char** argv) {
   add_param_verbs(line);
   add_service_verbs(line);
   add_monitor_verb(line);
+  add_doctor_verb(line);
   try {
     line.app.parse(argc, argv);
   } catch (const CLI::Success& success) {

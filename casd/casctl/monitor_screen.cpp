@@ -99,7 +99,8 @@ class MonitorScreen {
     gains_wanted_ = false;
     json gains = json::array();
     json params = vehicle_params(status);
-    for (const json& loop : session_->call("gain.list", params).at("loops")) {
+    const json list = session_->call("gain.list", params);
+    for (const json& loop : list.at("loops")) {
       params["loop"] = loop.at("loop");
       gains.push_back(session_->call("gain.get", params));
     }

@@ -251,8 +251,7 @@ std::vector<ScreenLine> MonitorModel::help_lines() const {
 ScreenLine MonitorModel::last_line(std::size_t) const {
   if (prompt_) return {*prompt_, Style::kPlain};
   if (!note_.empty()) return {note_, note_bad_ ? Style::kBad : Style::kGood};
-  std::string keys =
-      "q quit  Enter open  Tab link  d dir  s sort  / filter  g gains  : command  ? keys";
+  std::string keys = "q quit  Enter open  Tab link  d dir  s sort  / filter  g gains  : do  ? keys";
   if (paused_) keys = "PAUSED (p goes on)  " + keys;
   if (!link_.empty() || !direction_.empty() || !filter_.empty()) {
     keys = "[" + (link_.empty() ? std::string("all") : link_) +

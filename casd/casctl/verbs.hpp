@@ -31,5 +31,6 @@ void add_flight_verbs(CommandLine& line);
 void add_param_verbs(CommandLine& line);
 void add_service_verbs(CommandLine& line);
 void add_monitor_verb(CommandLine& line);
+void add_doctor_verb(CommandLine& line);
 
 }  // namespace cas::casctl

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "casd/gain_map.hpp"
+#include "casd/topology.hpp"
+
+namespace cas::casd {
+namespace {
+
+TEST(ShippedTopologies, AreReadAndNameTheShippedGains) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(CAS_SOURCE_DIR "/config/topologies")) {
+    const Topology topology = Topology::load(entry.path());
+    EXPECT_FALSE(topology.links.empty()) << entry.path();
+    EXPECT_FALSE(topology.commanding.allow_not_hil) << entry.path();
+    EXPECT_FALSE(GainMap::load(topology.gains).empty()) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 5);
+}
+
+}  // namespace
+}  // namespace cas::casd
