@@ -30,6 +30,7 @@ class LinkCore {
 
   const LinkConfig& config() const { return context_.config; }
   LinkId id() const { return context_.id; }
+  bool blocking() const { return context_.blocking; }
   LinkMonitor& monitor() { return *context_.monitor; }
   std::shared_ptr<LinkMonitor> shared_monitor() const { return context_.monitor; }
   const std::function<void()>& wake() const { return context_.wake; }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/serial_link.hpp"
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <string>
 #include <utility>
@@ -11,6 +14,8 @@ namespace cas::casd {
 namespace {
 
 constexpr std::size_t kReadBytes = 16 * 1024;
+// threads: blocking gives up on the rest of a packet after this silence.
+constexpr int kBlockingPatience_ms = 20;
 
 }  // namespace
 
@@ -41,7 +46,9 @@ void SerialLink::serve(const PollSet& set, base::RunTime now) {
     if (core_.backoff().due(now)) open(now);
     return;
   }
-  if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) read(now);
+  if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
+    core_.blocking() ? read_packet_blocking(now) : read(now);
+  }
   if (fd_ >= 0 && port_->broken()) close("writing failed", now);
   if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
   if (core_.second_due(now)) core_.on_second(now);
@@ -72,6 +79,24 @@ void SerialLink::read(base::RunTime now) {
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
   close(count == 0 ? "hung up" : error_text(errno), now);
+}
+
+// One packet, byte by byte, waiting for the line in its middle: how programs with one thread read
+// (MAVLink's own C examples among them).
+void SerialLink::read_packet_blocking(base::RunTime now) {
+  do {
+    const ssize_t count = ::read(fd_, buffer_.data(), 1);
+    if (count > 0) {
+      core_.ingress().take(parser_, {buffer_.data(), 1}, now);
+    } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
+      pollfd more{fd_, POLLIN, 0};
+      if (::poll(&more, 1, kBlockingPatience_ms) <= 0) break;
+    } else {
+      core_.ingress().deliver(now);
+      return close(count == 0 ? "hung up" : error_text(errno), now);
+    }
+  } while (parser_.inside_packet());
+  core_.ingress().deliver(now);
 }
 
 void SerialLink::close(const std::string& reason, base::RunTime now) {

@@ -41,7 +41,7 @@ TxPort::TxPort(const TxPortOptions& options, std::shared_ptr<LinkMonitor> monito
              [this](const PacketInfo& info, DropCause cause) { count_drop(info, cause); }) {}
 
 void TxPort::deliver(std::span<const PacketRef> packets, base::RunTime now) {
-  if (options_.blocking) return write_blocking(packets);
+  if (options_.blocking) return deliver_blocking(packets);
   std::size_t done = 0;
   if (!backlog_.load(std::memory_order_acquire)) {
     const std::unique_lock lock(writer_mutex_, std::try_to_lock);
@@ -72,6 +72,7 @@ void TxPort::detach(DropCause cause) {
 }
 
 void TxPort::carry_on(base::RunTime now) {
+  if (options_.blocking) return carry_on_blocking();
   {
     const std::scoped_lock lock(writer_mutex_);
     drain(now);
@@ -90,19 +91,38 @@ std::optional<base::RunTime> TxPort::stuck_since() const {
   return base::RunTime(base::Duration(since));
 }
 
-// One packet after the other, each followed by the time the line takes for it.
-void TxPort::write_blocking(std::span<const PacketRef> packets) {
+// A line without a rate is written to at once; for a paced one the packets wait in the same queue
+// as in the other thread models, and each turn of the loop writes one.
+void TxPort::deliver_blocking(std::span<const PacketRef> packets) {
   const std::scoped_lock lock(writer_mutex_);
-  for (const PacketRef& packet : packets) {
-    const base::RunTime start = base::steady_now();
-    if (!write_one_blocking(packet, start)) {
-      const std::scoped_lock counting(queue_mutex_);
-      count_drop(*packet.info, writer_ ? DropCause::kStalled : DropCause::kDown);
-    }
-    if (pacer_.limited()) sleep_until(pacer_.arrival(0, start));
+  if (pacer_.limited()) {
+    enqueue(packets);
+    due_ns_.store(1, std::memory_order_relaxed);  // at once
+    return wake_();
   }
+  for (const PacketRef& packet : packets) write_or_drop(packet, base::steady_now());
   busy_.store(false, std::memory_order_relaxed);
   busy_since_ns_.store(0, std::memory_order_relaxed);
+}
+
+// One packet, then the time the line takes for it.
+void TxPort::carry_on_blocking() {
+  const std::scoped_lock lock(writer_mutex_);
+  const base::RunTime start = base::steady_now();
+  busy_.store(false, std::memory_order_relaxed);
+  due_ns_.store(0, std::memory_order_relaxed);
+  if (!take_batch(start)) return;
+  for (; batch_at_ < batch_.size(); ++batch_at_) write_or_drop(batch_[batch_at_], start);
+  busy_.store(false, std::memory_order_relaxed);
+  busy_since_ns_.store(0, std::memory_order_relaxed);
+  if (pacer_.limited()) sleep_until(pacer_.arrival(0, start));
+  if (anything_queued()) due_ns_.store(1, std::memory_order_relaxed);
+}
+
+void TxPort::write_or_drop(const PacketRef& packet, base::RunTime now) {
+  if (write_one_blocking(packet, now)) return;
+  const std::scoped_lock counting(queue_mutex_);
+  count_drop(*packet.info, writer_ ? DropCause::kStalled : DropCause::kDown);
 }
 
 // @return true when the packet is gone, or begun with its rest in the tail

@@ -20,7 +20,7 @@ namespace cas::casd {
 struct TxPortOptions {
   TxQueueOptions queue;
   double line_bytes_s = 0;  ///< rate that writes are held to; 0: none
-  bool blocking = false;    ///< wait for the line inside deliver() (threads: blocking)
+  bool blocking = false;    ///< write one packet a turn and wait for the line (threads: blocking)
 };
 
 /// The sending side of a link: one descriptor that several threads write to.
@@ -61,7 +61,9 @@ class TxPort final : public PacketPort {
   std::optional<base::RunTime> stuck_since() const;
 
  private:
-  void write_blocking(std::span<const PacketRef> packets);
+  void deliver_blocking(std::span<const PacketRef> packets);
+  void carry_on_blocking();
+  void write_or_drop(const PacketRef& packet, base::RunTime now);
   bool write_one_blocking(const PacketRef& packet, base::RunTime now);
   std::size_t write_direct(std::span<const PacketRef> packets, base::RunTime now);
   std::size_t write_some(std::span<const PacketRef> packets, base::RunTime now);

@@ -70,6 +70,8 @@ LineConfig LineConfig::parse(const base::ConfigNode& node) {
       node.get_in("send_buffer_bytes", static_cast<double>(line.send_buffer_bytes), 0, kMostBytes));
   line.receive_fifo_bytes = static_cast<std::size_t>(node.get_in(
       "receive_fifo_bytes", static_cast<double>(line.receive_fifo_bytes), 0, kMostBytes));
+  line.receive_trigger_bytes = static_cast<std::size_t>(node.get_in(
+      "receive_trigger_bytes", static_cast<double>(line.receive_trigger_bytes), 1, kMostBytes));
   node.reject_unused();
   return line;
 }

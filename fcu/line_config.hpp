@@ -28,6 +28,8 @@ struct LineConfig {
   std::size_t send_buffer_bytes = 0;  ///< room before the writer is held back; 0 = endless
   std::size_t receive_fifo_bytes =
       0;  ///< bytes that may wait to be read; more overrun; 0 = endless
+  /// A receiver is woken after this many bytes of a longer write: the trigger level of its FIFO.
+  std::size_t receive_trigger_bytes = 128;
 
   /// The figures behind a preset's name. @throws base::ConfigError for an unknown name
   static LineConfig from_preset(const std::string& name);

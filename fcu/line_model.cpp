@@ -114,7 +114,7 @@ std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
     }
     arrival = std::max(arrival, last_arrival_);
     last_arrival_ = arrival;
-    const bool wakes = i + 1 == taken || (i + 1) % kTriggerBytes == 0;
+    const bool wakes = i + 1 == taken || (i + 1) % config_.receive_trigger_bytes == 0;
     on_line_.push_back({arrival, value, wakes});
   }
   // A lost last byte must not leave the rest of the write waiting for the next one.

@@ -43,8 +43,8 @@ class LineModel {
 
   /// Moves bytes that have arrived by `now` into `out`. @return how many
   std::size_t read(std::span<std::uint8_t> out, base::RunTime now);
-  /// When to read next: a write's last byte, or kTriggerBytes of it, has arrived. Nothing while
-  /// the line is empty.
+  /// When to read next: a write's last byte, or `receive_trigger_bytes` of it, has arrived. Nothing
+  /// while the line is empty.
   std::optional<base::RunTime> next_arrival() const;
 
   /// New settings for bytes written from now on.
@@ -56,9 +56,6 @@ class LineModel {
   void restore() { hung_up_ = false; }
 
   const Stats& stats() const { return stats_; }
-
-  /// A receiver is woken after this many bytes of a longer write.
-  static constexpr std::size_t kTriggerBytes = 128;
 
  private:
   struct Byte {

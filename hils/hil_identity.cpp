@@ -19,18 +19,26 @@ std::uint64_t leading_u64(std::span<const std::uint8_t> payload) {
   return value;
 }
 
+bool is_hil(std::uint32_t message_id) {
+  return message_id == mavlink::common::HilSensor::kId ||
+         message_id == mavlink::common::HilGps::kId ||
+         message_id == mavlink::common::HilControls::kId ||
+         message_id == mavlink::common::HilActuatorControls::kId;
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {
-  switch (packet.message_id) {
-    case mavlink::common::HilSensor::kId:
-    case mavlink::common::HilGps::kId:
-    case mavlink::common::HilControls::kId:
-    case mavlink::common::HilActuatorControls::kId:
-      return leading_u64(packet.payload);
-    default:
-      return std::nullopt;
-  }
+  if (!is_hil(packet.message_id)) return std::nullopt;
+  return leading_u64(packet.payload);
+}
+
+std::optional<std::uint64_t> hil_time_usec(std::uint32_t message_id,
+                                           std::span<const std::uint8_t> packet_bytes) {
+  if (!is_hil(message_id)) return std::nullopt;
+  const bool v1 = packet_bytes[0] == mav::kStartV1;
+  const std::size_t header = v1 ? mav::kHeaderBytesV1 : mav::kHeaderBytesV2;
+  return leading_u64(packet_bytes.subspan(header, packet_bytes[1]));
 }
 
 }  // namespace cas::hils

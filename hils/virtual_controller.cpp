@@ -3,23 +3,23 @@
 
 #include <algorithm>
 #include <chrono>
-
-#include "base/random.hpp"
+#include <optional>
 
 namespace cas::hils {
 
 namespace {
 
-constexpr base::Duration kTickPeriod = std::chrono::milliseconds(20);
+/// As fcu_emulator has it.
+constexpr base::Duration kTickPeriod = std::chrono::milliseconds(5);
 constexpr std::size_t kBufferBytes = 4096;
 constexpr std::size_t kLedgerEntries = 1 << 17;  ///< about two minutes of flight
 
 }  // namespace
 
 VirtualController::VirtualController(const fcu::FcuConfig& config, OnBytes on_bytes)
-    : up_(config.line, base::derive_seed(config.seed, "line_up")),
-      down_(config.line, base::derive_seed(config.seed, "line_down")),
-      controller_(config, [this](std::span<const std::uint8_t> packet) { send(packet); }),
+    : line_(config.line, config.seed),
+      controller_(config,
+                  [this](std::span<const std::uint8_t> packet) { line_.send(packet, now_); }),
       ledger_(kLedgerEntries),
       on_bytes_(std::move(on_bytes)),
       buffer_(kBufferBytes) {
@@ -29,44 +29,28 @@ VirtualController::VirtualController(const fcu::FcuConfig& config, OnBytes on_by
 }
 
 std::size_t VirtualController::write(std::span<const std::uint8_t> bytes, base::RunTime now) {
-  return up_.write(bytes, now);
+  const std::size_t taken = std::min(bytes.size(), line_.up_room(now));
+  line_.receive(bytes.first(taken), now);
+  return taken;
 }
 
 void VirtualController::run(base::RunTime now) {
   now_ = now;
-  while (const std::size_t size = up_.read(buffer_, now)) {
+  while (const std::size_t size = line_.up(buffer_, now)) {
     controller_.on_bytes(std::span(buffer_).first(size), now);
   }
   if (now >= next_tick_) {
     controller_.tick(now);
     next_tick_ = now + kTickPeriod;
   }
-  push_down(now);
-  while (const std::size_t size = down_.read(buffer_, now)) {
+  while (const std::size_t size = line_.down(buffer_, now)) {
     on_bytes_(std::span(buffer_).first(size), now);
   }
 }
 
-base::RunTime VirtualController::next_event() const {
-  base::RunTime next = next_tick_;
-  for (const fcu::LineModel* line : {&up_, &down_}) {
-    if (const auto arrival = line->next_arrival()) next = std::min(next, *arrival);
-  }
-  if (!outgoing_.empty()) {
-    if (const auto room = down_.room_at(now_)) next = std::min(next, *room);
-  }
-  return next;
-}
-
-void VirtualController::send(std::span<const std::uint8_t> packet) {
-  outgoing_.insert(outgoing_.end(), packet.begin(), packet.end());
-  push_down(now_);
-}
-
-void VirtualController::push_down(base::RunTime now) {
-  if (outgoing_.empty()) return;
-  const std::size_t taken = down_.write(outgoing_, now);
-  outgoing_.erase(outgoing_.begin(), outgoing_.begin() + static_cast<std::ptrdiff_t>(taken));
+base::RunTime VirtualController::next_event(base::RunTime now) const {
+  const std::optional<base::RunTime> event = line_.next_event(now);
+  return event ? std::min(*event, next_tick_) : next_tick_;
 }
 
 }  // namespace cas::hils

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/clock.hpp"
 #include "base/ledger.hpp"
+#include "fcu/emulator_line.hpp"
 #include "fcu/fcu_config.hpp"
 #include "fcu/flight_controller.hpp"
-#include "fcu/line_model.hpp"
 
 namespace cas::hils {
 
@@ -31,23 +30,17 @@ class VirtualController {
   std::size_t write(std::span<const std::uint8_t> bytes, base::RunTime now);
   /// Moves what has arrived, at either end, and does what time alone makes due.
   void run(base::RunTime now);
-  base::RunTime next_event() const;
-  /// When a writer that was held back may go on.
-  std::optional<base::RunTime> room_at(base::RunTime now) const { return up_.room_at(now); }
+  base::RunTime next_event(base::RunTime now) const;
 
   const fcu::FlightController& controller() const { return controller_; }
+  const fcu::EmulatorLine& line() const { return line_; }
   const std::vector<base::LedgerEntry>& ledger() const { return ledger_.entries(); }
 
  private:
-  void send(std::span<const std::uint8_t> packet);
-  void push_down(base::RunTime now);
-
-  fcu::LineModel up_;
-  fcu::LineModel down_;
+  fcu::EmulatorLine line_;
   fcu::FlightController controller_;
   base::PacketLedger ledger_;
   OnBytes on_bytes_;
-  std::vector<std::uint8_t> outgoing_;  ///< what the line has not taken yet
   std::vector<std::uint8_t> buffer_;
   base::RunTime now_{};
   base::RunTime next_tick_{};

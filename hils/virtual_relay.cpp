@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "base/error.hpp"
+#include "hils/hil_identity.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::hils {
@@ -13,11 +14,15 @@ namespace {
 
 constexpr base::Duration kTickPeriod = std::chrono::milliseconds(50);
 constexpr base::Duration kSecond = std::chrono::seconds(1);
+/// As casd: silence after which the rest of a packet is given up (threads: blocking).
+constexpr base::Duration kBlockingPatience = std::chrono::milliseconds(20);
 
-casd::LinePacer pacer_for(const casd::LinkConfig& link) {
-  if (link.max_bytes_s > 0) return casd::LinePacer(link.max_bytes_s);
+casd::LinePacer pacer_for(const casd::LinkConfig& link, casd::ThreadModel threads) {
+  const base::Duration slack =
+      threads == casd::ThreadModel::kBlocking ? base::Duration{} : casd::LinePacer::kSlack;
+  if (link.max_bytes_s > 0) return casd::LinePacer(link.max_bytes_s, slack);
   if (link.type == casd::LinkType::kSerial && link.pace && link.baud > 0) {
-    return casd::LinePacer::for_baud(link.baud);
+    return casd::LinePacer::for_baud(link.baud, slack);
   }
   return {};
 }
@@ -33,21 +38,27 @@ casd::CommanderOptions commander_options(const casd::Topology& topology) {
 }  // namespace
 
 VirtualRelay::Port::Port(const casd::LinkConfig& config)
-    : queue(config.queue), pacer(pacer_for(config)), parser(mav::public_table()) {}
+    : is_line(config.type == casd::LinkType::kSerial),
+      queue(config.queue),
+      parser(mav::public_table()),
+      ledger(1 << 16) {}
 
 VirtualRelay::VirtualRelay(const casd::Topology& topology)
-    : slots_(casd::slots_in_order(topology)),
+    : blocking_(topology.threads == casd::ThreadModel::kBlocking),
+      slots_(casd::slots_in_order(topology)),
       router_(casd::make_plan(topology, slots_), mav::public_table(), topology.route_lifetime),
       commander_(commander_options(topology),
                  [this](std::span<const std::uint8_t> bytes) { send_own(bytes); }),
       own_parser_(mav::public_table()) {
   ports_.reserve(topology.links.size());
-  for (const casd::LinkConfig& link : topology.links) ports_.emplace_back(link);
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    ports_[i].queue = casd::TxQueue(topology.links[i].queue,
-                                    [this, i](const casd::PacketInfo&, casd::DropCause cause) {
-                                      ++ports_[i].dropped[static_cast<std::size_t>(cause)];
-                                    });
+  for (const casd::LinkConfig& link : topology.links) {
+    const std::size_t i = ports_.size();
+    Port& port = ports_.emplace_back(link);
+    port.pacer = pacer_for(link, topology.threads);
+    port.queue =
+        casd::TxQueue(link.queue, [this, i](const casd::PacketInfo& info, casd::DropCause cause) {
+          note_drop(ports_[i], info, cause);
+        });
   }
 }
 
@@ -64,7 +75,46 @@ void VirtualRelay::connect(casd::LinkId link, Write write) {
 void VirtualRelay::receive(casd::LinkId from, std::span<const std::uint8_t> bytes,
                            base::RunTime now) {
   now_ = now;
+  if (!blocking_) return take(from, bytes, now);
+  Port& port = ports_[from];
+  port.inbox.insert(port.inbox.end(), bytes.begin(), bytes.end());
+  serve(now);
+}
+
+void VirtualRelay::run(base::RunTime now) {
+  now_ = now;
+  if (now >= next_tick_) {
+    commander_.tick(now);
+    next_tick_ = now + kTickPeriod;
+  }
+  if (now >= next_second_) {
+    for (const auto& [name, link] : slots_) router_.tick(link, now);
+    next_second_ = now + kSecond;
+  }
+  if (blocking_) return serve(now);
+  for (Port& port : ports_) pump(port, now);
+}
+
+base::RunTime VirtualRelay::next_event() const {
+  base::RunTime next = std::min(next_tick_, next_second_);
+  if (blocking_) {
+    if (give_up_at_) return std::min(next, *give_up_at_);
+    return anything_to_do() ? std::min(next, busy_until_) : next;
+  }
+  for (const Port& port : ports_) {
+    // A tail waits for the link, whose owner calls run() when it has room again.
+    if (!port.queue.empty() && port.tail.empty()) next = std::min(next, port.pacer.ready_at());
+  }
+  return next;
+}
+
+// ------------------------------------------------------------------------------ packets
+
+void VirtualRelay::take(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now) {
   ports_[from].parser.feed(bytes, [&](const mav::PacketView& packet) {
+    if (const auto stamp = hil_time_usec(packet)) {
+      ports_[from].ledger.received(packet.message_id, *stamp, now);
+    }
     if (on_packet_) on_packet_(from, packet, now);
     route(from, packet, now);
   });
@@ -76,7 +126,7 @@ void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base:
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     if ((route.to & casd::bit(static_cast<casd::LinkId>(i))) == 0) continue;
     ports_[i].queue.push(route.info, packet.bytes);
-    pump(ports_[i], now);
+    if (!blocking_ || !ports_[i].pacer.limited()) pump(ports_[i], now);
   }
   if ((route.to & casd::bit(casd::kLocalLink)) != 0) commander_.on_packet(from, packet, now);
 }
@@ -86,35 +136,31 @@ void VirtualRelay::send_own(std::span<const std::uint8_t> bytes) {
       bytes, [this](const mav::PacketView& packet) { route(casd::kLocalLink, packet, now_); });
 }
 
-void VirtualRelay::run(base::RunTime now) {
-  now_ = now;
-  for (Port& port : ports_) pump(port, now);
-  if (now >= next_tick_) {
-    commander_.tick(now);
-    next_tick_ = now + kTickPeriod;
-  }
-  if (now >= next_second_) {
-    for (const auto& [name, link] : slots_) router_.tick(link, now);
-    next_second_ = now + kSecond;
-  }
-}
-
-base::RunTime VirtualRelay::next_event() const {
-  base::RunTime next = std::min(next_tick_, next_second_);
-  for (const Port& port : ports_) {
-    // A tail waits for the link, whose owner calls run() when it has room again.
-    if (!port.queue.empty() && port.tail.empty()) next = std::min(next, port.pacer.ready_at());
-  }
-  return next;
+void VirtualRelay::note_drop(Port& port, const casd::PacketInfo& info, casd::DropCause cause) {
+  port.drops.push_back({.packet = {.direction = base::LedgerEntry::Direction::kSent,
+                                   .message_id = info.message_id,
+                                   .time_usec = 0,
+                                   .at_ns = info.received.time_since_epoch().count()},
+                        .cause = cause});
 }
 
 void VirtualRelay::pump(Port& port, base::RunTime now) {
   while (write_tail(port, now) && port.pacer.ready(now)) {
-    const std::optional<casd::QueuedPacket> packet = port.queue.pop(now, port.pacer);
-    if (!packet) return;
-    port.pacer.sent(packet->bytes.size(), now);
-    port.tail.assign(packet->bytes.begin(), packet->bytes.end());
+    if (!write_packet(port, now)) return;
   }
+}
+
+/// @return false when there was none
+bool VirtualRelay::write_packet(Port& port, base::RunTime now) {
+  const std::optional<casd::QueuedPacket> packet = port.queue.pop(now, port.pacer);
+  if (!packet) return false;
+  port.pacer.sent(packet->bytes.size(), now);
+  if (const auto stamp = hil_time_usec(packet->info.message_id, packet->bytes)) {
+    port.ledger.sent(packet->info.message_id, *stamp, now);
+  }
+  port.tail.assign(packet->bytes.begin(), packet->bytes.end());
+  write_tail(port, now);
+  return true;
 }
 
 /// @return true when nothing of a packet is left to be written
@@ -123,6 +169,71 @@ bool VirtualRelay::write_tail(Port& port, base::RunTime now) {
   const std::size_t taken = port.write ? port.write(port.tail, now) : port.tail.size();
   port.tail.erase(port.tail.begin(), port.tail.begin() + static_cast<std::ptrdiff_t>(taken));
   return port.tail.empty();
+}
+
+// ------------------------------------------------------------------------------ threads: blocking
+
+/// The one thread's loop, as far as it gets by `now`.
+void VirtualRelay::serve(base::RunTime now) {
+  while (now >= busy_until_ && anything_to_do()) {
+    switch (phase_) {
+      case Phase::kTakeDatagrams:
+        take_datagrams(now);
+        phase_ = Phase::kReadLines;
+        break;
+      case Phase::kReadLines:
+        if (!read_lines(now)) return;
+        phase_ = Phase::kWriteLines;
+        break;
+      case Phase::kWriteLines:
+        write_lines(now);
+        phase_ = Phase::kTakeDatagrams;
+        break;
+    }
+  }
+}
+
+bool VirtualRelay::anything_to_do() const {
+  return give_up_at_ || std::ranges::any_of(ports_, [](const Port& port) {
+           return !port.inbox.empty() || !port.queue.empty() || !port.tail.empty();
+         });
+}
+
+void VirtualRelay::take_datagrams(base::RunTime now) {
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    if (ports_[i].is_line || ports_[i].inbox.empty()) continue;
+    const std::vector<std::uint8_t> bytes(ports_[i].inbox.begin(), ports_[i].inbox.end());
+    ports_[i].inbox.clear();
+    take(static_cast<casd::LinkId>(i), bytes, now);
+  }
+}
+
+/// One packet of each line. @return false while the thread waits for the rest of one
+bool VirtualRelay::read_lines(base::RunTime now) {
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    Port& port = ports_[i];
+    if (!port.is_line || (port.inbox.empty() && !give_up_at_)) continue;
+    if (!port.inbox.empty()) give_up_at_.reset();
+    do {
+      if (port.inbox.empty()) {
+        if (!give_up_at_) give_up_at_ = now + kBlockingPatience;
+        if (now < *give_up_at_) return false;
+        break;
+      }
+      const std::uint8_t byte = port.inbox.front();
+      port.inbox.pop_front();
+      take(static_cast<casd::LinkId>(i), {&byte, 1}, now);
+    } while (port.parser.inside_packet());
+    give_up_at_.reset();
+  }
+  return true;
+}
+
+void VirtualRelay::write_lines(base::RunTime now) {
+  for (Port& port : ports_) {
+    if (!write_tail(port, now) || !port.pacer.limited() || port.queue.empty()) continue;
+    if (write_packet(port, now)) busy_until_ = std::max(busy_until_, port.pacer.arrival(0, now));
+  }
 }
 
 }  // namespace cas::hils

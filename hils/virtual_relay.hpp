@@ -2,12 +2,16 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/ledger.hpp"
 #include "casd/line_pacer.hpp"
 #include "casd/router.hpp"
 #include "casd/topology.hpp"
@@ -18,15 +22,20 @@
 namespace cas::hils {
 
 /// casd without sockets and threads: its own router, queues, pacers and ground station, moved by
-/// the virtual clock. Forwarding itself takes no time.
+/// the virtual clock. Computing takes no time; lines do.
 ///
 ///   receive() --> parser --> Router --> queue of each destination --> pacer --> write
 ///                              +--> own station (VehicleCommander)
+///
+/// threads: per_link and single are the same here: neither waits for a line. With threads: blocking
+/// the one thread is modelled: in each turn it takes all waiting datagrams, reads one packet from
+/// each line (waiting in its middle for the rest) and writes one packet to each paced line (waiting
+/// until the line is through with it); what comes meanwhile stays in the kernel's buffers.
 class VirtualRelay {
  public:
   /// Hands bytes to a link. @return how many it took
   using Write = std::function<std::size_t(std::span<const std::uint8_t>, base::RunTime)>;
-  /// Hears each packet that came in on a link.
+  /// Hears each packet when it is read from a link.
   using OnPacket = std::function<void(casd::LinkId from, const mav::PacketView&, base::RunTime)>;
 
   explicit VirtualRelay(const casd::Topology& topology);
@@ -46,27 +55,47 @@ class VirtualRelay {
   base::RunTime next_event() const;
 
   casd::VehicleCommander& commander() { return commander_; }
-  /// Packets dropped towards a link, by cause.
-  const std::array<std::uint64_t, casd::kDropCauses>& dropped(casd::LinkId link) const {
-    return ports_[link].dropped;
+  /// HIL packets as they passed a link: received from it, sent over it.
+  const std::vector<base::LedgerEntry>& ledger(casd::LinkId link) const {
+    return ports_[link].ledger.entries();
   }
+  /// HIL packets dropped towards a link, by cause; `at_ns` is when they had come in.
+  struct Drop {
+    base::LedgerEntry packet;
+    casd::DropCause cause;
+  };
+  const std::vector<Drop>& drops(casd::LinkId link) const { return ports_[link].drops; }
 
  private:
   struct Port {
+    explicit Port(const casd::LinkConfig& config);
+    bool is_line = false;  ///< a stream with a rate, not datagrams
     casd::TxQueue queue;
     casd::LinePacer pacer;
     Write write;
     std::vector<std::uint8_t> tail;  ///< of a packet that the link has taken in part
-    std::array<std::uint64_t, casd::kDropCauses> dropped{};
     mav::PacketParser parser;
-    explicit Port(const casd::LinkConfig& config);
+    std::deque<std::uint8_t> inbox;  ///< threads: blocking: what the kernel holds
+    base::PacketLedger ledger;
+    std::vector<Drop> drops;
   };
+  enum class Phase { kTakeDatagrams, kReadLines, kWriteLines };
 
+  void take(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now);
   void route(casd::LinkId from, const mav::PacketView& packet, base::RunTime now);
   void send_own(std::span<const std::uint8_t> bytes);
+  void note_drop(Port& port, const casd::PacketInfo& info, casd::DropCause cause);
   void pump(Port& port, base::RunTime now);
+  bool write_packet(Port& port, base::RunTime now);
   bool write_tail(Port& port, base::RunTime now);
 
+  void serve(base::RunTime now);
+  bool anything_to_do() const;
+  void take_datagrams(base::RunTime now);
+  bool read_lines(base::RunTime now);
+  void write_lines(base::RunTime now);
+
+  bool blocking_;
   casd::LinkSlots slots_;
   casd::Router router_;
   std::vector<Port> ports_;
@@ -76,6 +105,11 @@ class VirtualRelay {
   base::RunTime now_{};
   base::RunTime next_tick_{};
   base::RunTime next_second_{};
+
+  // threads: blocking
+  Phase phase_ = Phase::kTakeDatagrams;
+  base::RunTime busy_until_{};               ///< the thread waits for a line
+  std::optional<base::RunTime> give_up_at_;  ///< the thread waits for the rest of a packet
 };
 
 }  // namespace cas::hils

@@ -141,8 +141,7 @@ class VirtualBench {
 
   base::RunTime next_event(base::RunTime now) const {
     base::RunTime next = std::min({simulator_.next_event(), relay_.next_event(),
-                                   controller_.next_event(), pilot_.next_event()});
-    if (const auto room = controller_.room_at(now)) next = std::min(next, *room);
+                                   controller_.next_event(now), pilot_.next_event()});
     if (ground_station_) next = std::min(next, next_ground_tick_);
     return std::max(next, now + base::Duration(1));  // time always goes on
   }

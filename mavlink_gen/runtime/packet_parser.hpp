@@ -93,6 +93,8 @@ class PacketParser {
   }
 
   const Stats& stats() const { return stats_; }
+  /// True while the bytes so far end inside what may be a packet.
+  bool inside_packet() const { return held_size_ > 0; }
 
   /// Forgets a half packet.
   void reset() {
