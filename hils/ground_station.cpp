@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/manual_control.hpp"
 #include "mavlink/common/param_request_list.hpp"
 #include "mavlink/common/param_value.hpp"
 #include "mavlink/common/table.hpp"
@@ -17,6 +18,7 @@ namespace mv = mavlink::common;
 
 constexpr mav::Source kGroundStation{255, 190};  ///< the ids that ground stations use
 constexpr base::Duration kHeartbeatPeriod = std::chrono::seconds(1);
+constexpr base::Duration kSticksPeriod = std::chrono::milliseconds(40);  ///< as QGroundControl
 
 mv::Heartbeat heartbeat() {
   mv::Heartbeat message;
@@ -24,6 +26,14 @@ mv::Heartbeat heartbeat() {
   message.autopilot = mv::MavAutopilot::kInvalid;
   message.system_status = mv::MavState::kActive;
   message.mavlink_version = 3;
+  return message;
+}
+
+/// On-screen sticks that nobody touches.
+mv::ManualControl centred_sticks(std::uint8_t vehicle_system) {
+  mv::ManualControl message;
+  message.target = vehicle_system;
+  message.z = 500;
   return message;
 }
 
@@ -53,6 +63,10 @@ void GroundStation::tick(base::RunTime now) {
   if (now >= next_heartbeat_) {
     send_(encode_(heartbeat()));
     next_heartbeat_ = now + kHeartbeatPeriod;
+  }
+  if (vehicle_heard_ && now >= next_sticks_) {
+    send_(encode_(centred_sticks(vehicle_system_)));
+    next_sticks_ = now + kSticksPeriod;
   }
   if (!vehicle_heard_ || (next_list_ && now < *next_list_)) return;
   mv::ParamRequestList request;

@@ -18,8 +18,8 @@ namespace cas::hils {
 inline constexpr base::Duration kParameterListPeriod = std::chrono::seconds(20);
 
 /// The traffic of a ground station that is connected during an experiment: a heartbeat each second,
-/// the whole parameter list when it meets the vehicle and again every `list_period`. Pure: time and
-/// bytes come in as arguments.
+/// centred sticks (MANUAL_CONTROL) 25 times a second, the whole parameter list when it meets the
+/// vehicle and again every `list_period`. Pure: time and bytes come in as arguments.
 class GroundStation {
  public:
   using Send = std::function<void(std::span<const std::uint8_t>)>;
@@ -30,7 +30,7 @@ class GroundStation {
   /// Call it at least every `kTickPeriod`.
   void tick(base::RunTime now);
 
-  static constexpr base::Duration kTickPeriod = std::chrono::milliseconds(100);
+  static constexpr base::Duration kTickPeriod = std::chrono::milliseconds(20);
 
   std::uint64_t received() const { return received_; }           ///< packets
   std::size_t parameters() const { return parameters_.size(); }  ///< different ones, so far
@@ -47,6 +47,7 @@ class GroundStation {
   bool vehicle_heard_ = false;
   std::set<std::uint16_t> parameters_;
   base::RunTime next_heartbeat_{};
+  base::RunTime next_sticks_{};
   std::optional<base::RunTime> next_list_;
 };
 

@@ -16,6 +16,13 @@ base::Geodetic parse_home(const base::ConfigNode& node) {
           .alt_m = node.require_in("alt_m", -500, 9000)};
 }
 
+WakeUpFigures parse_wake_up(const base::ConfigNode& node) {
+  WakeUpFigures figures;
+  figures.p50_us = node.require_in("p50_us", 0, 1e6);
+  figures.p99_us = node.require_in("p99_us", figures.p50_us, 1e6);
+  return figures;
+}
+
 Rates parse_rates(const base::ConfigNode& node) {
   return {.sensor_hz = node.require_in("sensor_hz", 50, 2000),
           .gps_hz = node.require_in("gps_hz", 1, 50),
@@ -111,6 +118,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
     scenario.plugins = root.at("plugins").items();
     root.at("plugins").mark_used();
   }
+  if (root.has("wake_up")) scenario.wake_up = parse_wake_up(root.at("wake_up"));
   scenario.ground_station = root.get("ground_station", false);
   scenario.steps = parse_flight(root.at("steps"));
   if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"));

@@ -15,6 +15,7 @@
 #include "base/config.hpp"
 #include "base/geodesy.hpp"
 #include "hils/flight_step.hpp"
+#include "hils/wake_up.hpp"
 
 namespace cas::hils {
 
@@ -67,6 +68,7 @@ struct Scenario {
   base::ConfigNode controller = base::ConfigNode::empty();  ///< stamp, actuators, params
   base::ConfigNode sensors = base::ConfigNode::empty();     ///< plugin name -> its parameters
   std::vector<base::ConfigNode> plugins;                    ///< further plugins of the vehicle
+  WakeUpFigures wake_up;        ///< threads of casd on the virtual clock
   bool ground_station = false;  ///< one that listens and loads the parameter list now and then
   std::vector<FlightStep> steps;
   Limits limits;

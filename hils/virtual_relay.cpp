@@ -43,13 +43,16 @@ VirtualRelay::Port::Port(const casd::LinkConfig& config)
       parser(mav::public_table()),
       ledger(1 << 16) {}
 
-VirtualRelay::VirtualRelay(const casd::Topology& topology)
+VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
     : blocking_(topology.threads == casd::ThreadModel::kBlocking),
+      single_(topology.threads == casd::ThreadModel::kSingle),
+      wake_up_(wake_up),
       slots_(casd::slots_in_order(topology)),
       router_(casd::make_plan(topology, slots_), mav::public_table(), topology.route_lifetime),
       commander_(commander_options(topology),
                  [this](std::span<const std::uint8_t> bytes) { send_own(bytes); }),
-      own_parser_(mav::public_table()) {
+      own_parser_(mav::public_table()),
+      threads_(topology.links.size()) {
   ports_.reserve(topology.links.size());
   for (const casd::LinkConfig& link : topology.links) {
     const std::size_t i = ports_.size();
@@ -75,7 +78,15 @@ void VirtualRelay::connect(casd::LinkId link, Write write) {
 void VirtualRelay::receive(casd::LinkId from, std::span<const std::uint8_t> bytes,
                            base::RunTime now) {
   now_ = now;
-  if (!blocking_) return take(from, bytes, now);
+  if (!blocking_) {
+    if (wake_up_.is_instant()) return take(from, bytes, now);
+    std::deque<Arrival>& thread = thread_of(from);
+    const base::RunTime at = thread.empty() ? now + wake_up_.draw() : thread.back().handled_at;
+    thread.push_back({at, from, {bytes.begin(), bytes.end()}});
+    return;
+  }
+  const bool asleep = now >= busy_until_ && (!anything_to_do() || give_up_at_);
+  if (asleep) busy_until_ = now + wake_up_.draw();
   Port& port = ports_[from];
   port.inbox.insert(port.inbox.end(), bytes.begin(), bytes.end());
   serve(now);
@@ -92,20 +103,42 @@ void VirtualRelay::run(base::RunTime now) {
     next_second_ = now + kSecond;
   }
   if (blocking_) return serve(now);
-  for (Port& port : ports_) pump(port, now);
+  handle_arrivals(now);
+  carry_on(now);
 }
 
 base::RunTime VirtualRelay::next_event() const {
   base::RunTime next = std::min(next_tick_, next_second_);
   if (blocking_) {
-    if (give_up_at_) return std::min(next, *give_up_at_);
-    return anything_to_do() ? std::min(next, busy_until_) : next;
+    if (!anything_to_do()) return next;
+    return std::min(next, give_up_at_ && busy_until_ <= now_ ? *give_up_at_ : busy_until_);
+  }
+  for (const std::deque<Arrival>& thread : threads_) {
+    if (!thread.empty()) next = std::min(next, thread.front().handled_at);
   }
   for (const Port& port : ports_) {
-    // A tail waits for the link, whose owner calls run() when it has room again.
-    if (!port.queue.empty() && port.tail.empty()) next = std::min(next, port.pacer.ready_at());
+    if (port.carry_on_at) next = std::min(next, *port.carry_on_at);
   }
   return next;
+}
+
+void VirtualRelay::handle_arrivals(base::RunTime now) {
+  for (std::deque<Arrival>& thread : threads_) {
+    for (; !thread.empty() && thread.front().handled_at <= now; thread.pop_front()) {
+      take(thread.front().from, thread.front().bytes, now);
+    }
+  }
+}
+
+/// The threads of the destinations, where packets wait for the pacer. A tail waits for the link
+/// itself, whose owner calls run() when it has room again.
+void VirtualRelay::carry_on(base::RunTime now) {
+  for (Port& port : ports_) {
+    if (!port.tail.empty() || (port.carry_on_at && now >= *port.carry_on_at)) {
+      port.carry_on_at.reset();
+      pump(port, now);
+    }
+  }
 }
 
 // ------------------------------------------------------------------------------ packets
@@ -148,6 +181,8 @@ void VirtualRelay::pump(Port& port, base::RunTime now) {
   while (write_tail(port, now) && port.pacer.ready(now)) {
     if (!write_packet(port, now)) return;
   }
+  if (port.queue.empty() || !port.tail.empty() || port.carry_on_at) return;
+  port.carry_on_at = port.pacer.ready_at() + wake_up_.draw();
 }
 
 /// @return false when there was none
@@ -232,7 +267,9 @@ bool VirtualRelay::read_lines(base::RunTime now) {
 void VirtualRelay::write_lines(base::RunTime now) {
   for (Port& port : ports_) {
     if (!write_tail(port, now) || !port.pacer.limited() || port.queue.empty()) continue;
-    if (write_packet(port, now)) busy_until_ = std::max(busy_until_, port.pacer.arrival(0, now));
+    if (write_packet(port, now)) {
+      busy_until_ = std::max(busy_until_, port.pacer.arrival(0, now) + wake_up_.draw());
+    }
   }
 }
 

@@ -17,6 +17,7 @@
 #include "casd/topology.hpp"
 #include "casd/tx_queue.hpp"
 #include "casd/vehicle_commander.hpp"
+#include "hils/wake_up.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
@@ -31,6 +32,8 @@ namespace cas::hils {
 /// the one thread is modelled: in each turn it takes all waiting datagrams, reads one packet from
 /// each line (waiting in its middle for the rest) and writes one packet to each paced line (waiting
 /// until the line is through with it); what comes meanwhile stays in the kernel's buffers.
+///
+/// A thread that waited goes on a little after what it waited for: the machine's scheduler.
 class VirtualRelay {
  public:
   /// Hands bytes to a link. @return how many it took
@@ -38,7 +41,7 @@ class VirtualRelay {
   /// Hears each packet when it is read from a link.
   using OnPacket = std::function<void(casd::LinkId from, const mav::PacketView&, base::RunTime)>;
 
-  explicit VirtualRelay(const casd::Topology& topology);
+  explicit VirtualRelay(const casd::Topology& topology, WakeUp wake_up);
   VirtualRelay(const VirtualRelay&) = delete;
   VirtualRelay& operator=(const VirtualRelay&) = delete;
 
@@ -78,6 +81,7 @@ class VirtualRelay {
     std::deque<std::uint8_t> inbox;  ///< threads: blocking: what the kernel holds
     base::PacketLedger ledger;
     std::vector<Drop> drops;
+    std::optional<base::RunTime> carry_on_at;  ///< the thread waits for the pacer until then
   };
   enum class Phase { kTakeDatagrams, kReadLines, kWriteLines };
 
@@ -86,6 +90,8 @@ class VirtualRelay {
   void send_own(std::span<const std::uint8_t> bytes);
   void note_drop(Port& port, const casd::PacketInfo& info, casd::DropCause cause);
   void pump(Port& port, base::RunTime now);
+  void carry_on(base::RunTime now);
+  void handle_arrivals(base::RunTime now);
   bool write_packet(Port& port, base::RunTime now);
   bool write_tail(Port& port, base::RunTime now);
 
@@ -95,7 +101,9 @@ class VirtualRelay {
   bool read_lines(base::RunTime now);
   void write_lines(base::RunTime now);
 
-  bool blocking_;
+  const bool blocking_;
+  const bool single_;
+  WakeUp wake_up_;
   casd::LinkSlots slots_;
   casd::Router router_;
   std::vector<Port> ports_;
@@ -105,6 +113,15 @@ class VirtualRelay {
   base::RunTime now_{};
   base::RunTime next_tick_{};
   base::RunTime next_second_{};
+
+  // threads: per_link, single: what a thread that has been woken will find.
+  struct Arrival {
+    base::RunTime handled_at;
+    casd::LinkId from;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::deque<Arrival>& thread_of(casd::LinkId link) { return threads_[single_ ? 0 : link]; }
+  std::vector<std::deque<Arrival>> threads_;
 
   // threads: blocking
   Phase phase_ = Phase::kTakeDatagrams;

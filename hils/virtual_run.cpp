@@ -9,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "base/install_paths.hpp"
+#include "base/random.hpp"
 #include "casd/topology.hpp"
 #include "hils/composition.hpp"
 #include "hils/ground_station.hpp"
@@ -68,7 +69,8 @@ class VirtualBench {
       : vehicle_(base::Vehicle::load(request.scenario.vehicle)),
         log_(places.flight_tlog()),
         topology_(casd::Topology::load(places.casd_config())),
-        relay_(topology_),
+        relay_(topology_,
+               WakeUp(request.scenario.wake_up, base::derive_seed(request.seed, "wake_up"))),
         to_simulator_(relay_.link("sim")),
         to_controller_(relay_.link("fcu")),
         controller_(fcu::FcuConfig::load(places.fcu_config()),
