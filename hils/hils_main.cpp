@@ -94,7 +94,7 @@ int guarded(const RunFlags& flags) {
 
 int main(int argc, char** argv) {
   CLI::App app{"Flies experiments with a controller in the loop, measures and judges them"};
-  app.set_version_flag("--version", std::string(kVersion));
+  app.set_version_flag("--version", "hils " + std::string(kVersion));
   app.require_subcommand(1);
   std::string log_level = "warn";
   app.add_option("--log-level", log_level, "debug, info, warn, error or off");
