@@ -86,6 +86,7 @@ ControlSetpoint HoldTask::update(const TaskContext& context) {
 
 void TakeoffTask::activate(const TaskContext& context) {
   mover_.reset(context.estimate.p_N, Vector3d::Zero(), context.yaw_rad);
+  clear_ = false;
   aim(context);
 }
 
@@ -100,9 +101,22 @@ ControlSetpoint TakeoffTask::update(const TaskContext& context) {
   MoverLimits limits = mover_limits(context.params);
   limits.up_m_s = context.params.takeoff_speed_m_s;
   mover_.set_limits(limits);
-  aim(context);
   ControlSetpoint out;
+  constexpr double kClear_m = 0.15;
+  if (!clear_ && context.ground_z - context.estimate.p_N.z() > kClear_m) {
+    clear_ = true;  // the place it left the ground at, not the one it was put down at
+    Vector3d here = context.estimate.p_N;
+    here.z() = mover_.position().z();
+    mover_.reset(here, context.estimate.v_N, mover_.yaw());
+  }
+  aim(context);
   out.trajectory = mover_.update(context.dt);
+  if (!clear_) {  // straight up: feet on the ground must not be pulled aside
+    out.near_ground = true;
+    out.trajectory->p_N.head<2>().setConstant(kUnset);
+    out.trajectory->v_N.head<2>().setConstant(kUnset);
+    out.trajectory->a_N.head<2>().setConstant(kUnset);
+  }
   return out;
 }
 

@@ -55,6 +55,7 @@ class TakeoffTask final : public FlightTask {
   Mover mover_;
   std::optional<double> wanted_z_;
   double wanted_yaw_ = kUnset;
+  bool clear_ = false;  ///< of the ground
 };
 
 /// Descends on the spot until the ground is there; level when there is no position.

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/commander.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "base/frames.hpp"
 
 namespace cas::fcu {
 
@@ -161,18 +164,33 @@ void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
   if (!flying_) {
     if (armed_s_ < context.params.spool_up_s || !now.wants_takeoff(context)) return;
     flying_ = true;
+    contact_ = false;
     has_flown_ = true;
     land_detector_.reset();
     now.activate(context);
     return;
   }
   const Eigen::Vector3d& v = context.estimate.v_N;
-  const LandDetector::Input in{thrust_ratio, v.z(), v.head<2>().norm(), context.estimate.w_D.norm(),
-                               now.descending(context)};
-  if (!land_detector_.update(in, context.dt)) return;
+  const LandDetector::Input in{thrust_ratio, v.z(), v.head<2>().norm(), now.descending(context)};
+  const LandDetector::Stage stage = land_detector_.update(in, context.dt);
+  if (stage == LandDetector::Stage::kContact && !contact_) contact_thrust_ = thrust_ratio;
+  contact_ = stage == LandDetector::Stage::kContact;
+  if (stage != LandDetector::Stage::kLanded) return;
   flying_ = false;
   landed_s_ = 0;
   texts_.info("Landed");
+}
+
+void Commander::settle_on_ground(const TaskContext& context) {
+  // Level, and less thrust with every step: what stands stays, what hangs would sink and be seen.
+  constexpr double kThrustFall_per_s = 1.5;
+  contact_thrust_ = std::max(0.0, contact_thrust_ - kThrustFall_per_s * context.dt);
+  AttitudeSetpoint level;
+  level.q_ND = base::quaternion_rpy(0, 0, context.yaw_rad);
+  level.thrust_n = contact_thrust_ * context.params.hover_thrust * context.full_thrust_n;
+  setpoint_ = ControlSetpoint{};
+  setpoint_.attitude = level;
+  setpoint_.near_ground = true;
 }
 
 void Commander::finish_tasks(const TaskContext& context) {
@@ -224,6 +242,7 @@ ControlSetpoint Commander::update(const TaskContext& context, const FailsafeInpu
   }
   finish_tasks(context);
   setpoint_ = task(mode_).update(context);
+  if (contact_) settle_on_ground(context);
   return setpoint_;
 }
 

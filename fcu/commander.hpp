@@ -71,6 +71,7 @@ class Commander {
   void enter(FlightMode mode, const TaskContext& context);
   void act(const FailsafeDecision& decision, const TaskContext& context);
   void update_flying(const TaskContext& context, double thrust_ratio);
+  void settle_on_ground(const TaskContext& context);
   void finish_tasks(const TaskContext& context);
   void auto_disarm(const TaskContext& context);
   void set_disarmed(const std::string& why);
@@ -78,6 +79,7 @@ class Commander {
   StatusTexts& texts_;
   bool armed_ = false;
   bool flying_ = false;
+  bool contact_ = false;
   FlightMode mode_ = FlightMode::kHold;
   double armed_s_ = 0;
   double landed_s_ = 0;
@@ -92,6 +94,7 @@ class Commander {
   ManualTask position_{FlightMode::kPosition};
   MissionTask mission_;
   LandDetector land_detector_;
+  double contact_thrust_ = 1;  ///< over hover, on the way down to nothing
   Failsafe failsafe_;
   ControlSetpoint setpoint_;
 };

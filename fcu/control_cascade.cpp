@@ -41,6 +41,11 @@ void ControlCascade::reset() {
 
 const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
                                           const EstimatorState& estimate, double dt) {
+  near_ground_ = setpoint.near_ground;
+  if (near_ground_) {
+    position_.reset();
+    rates_.reset();
+  }
   if (setpoint.trajectory) {
     follow_trajectory(*setpoint.trajectory, estimate, dt);
     follow_attitude(estimate, dt);
@@ -95,7 +100,7 @@ void ControlCascade::follow_attitude(const EstimatorState& estimate, double dt) 
   const Vector3d torque = rates_.update(rate_setpoint_, output_.torque, dt);
   Vector4d demand;
   demand << attitude_setpoint_.thrust_n, torque.cwiseProduct(torque_max_);
-  output_ = mixer_.mix(demand);
+  output_ = mixer_.mix(demand, !near_ground_);
 }
 
 }  // namespace cas::fcu

@@ -64,6 +64,7 @@ class ControlCascade {
   Eigen::Vector2d cut_N_ = Eigen::Vector2d::Zero();
   Saturation altitude_saturation_;
   double yaw_hold_rad_ = 0;
+  bool near_ground_ = false;
 };
 
 }  // namespace cas::fcu

@@ -3,38 +3,46 @@
 
 namespace cas::fcu {
 
-/// Finds out that the vehicle stands on the ground.
+/// Finds out that the vehicle stands on the ground, in two steps.
 ///
-/// In the air, thrust well below hover makes the vehicle fall: low thrust without vertical motion
-/// for half a second happens on the ground only.
+/// Contact: wants down, does not go down, and thrust is already low. Then the thrust is taken away.
+/// Landed: with a third of the hover thrust and less nothing moves. In the air either would make
+/// the vehicle fall, which ends the suspicion.
 class LandDetector {
  public:
+  enum class Stage { kAir, kContact, kLanded };
+
   struct Input {
     double thrust_ratio = 1;  ///< thrust over hover thrust
     double vertical_speed_m_s = 0;
     double horizontal_speed_m_s = 0;
-    double rate_rad_s = 0;    ///< norm of the body rates
     bool descending = false;  ///< the set-point wants down (or nothing)
   };
 
-  void reset() { contact_s_ = 0; }
-  /// @param dt  s @return true while standing on the ground
-  bool update(const Input& in, double dt) {
-    constexpr double kThrustRatio = 0.6;
+  void reset() { *this = LandDetector{}; }
+
+  /// @param dt  s
+  Stage update(const Input& in, double dt) {
     constexpr double kVerticalSpeed_m_s = 0.3;
     constexpr double kHorizontalSpeed_m_s = 1.0;
-    constexpr double kRate_rad_s = 0.5;
-    const bool contact =
-        in.descending && in.thrust_ratio < kThrustRatio &&
-        -kVerticalSpeed_m_s < in.vertical_speed_m_s && in.vertical_speed_m_s < kVerticalSpeed_m_s &&
-        in.horizontal_speed_m_s < kHorizontalSpeed_m_s && in.rate_rad_s < kRate_rad_s;
-    contact_s_ = contact ? contact_s_ + dt : 0;
-    return contact_s_ > kContactTime_s;
+    const bool still = in.descending && -kVerticalSpeed_m_s < in.vertical_speed_m_s &&
+                       in.vertical_speed_m_s < kVerticalSpeed_m_s &&
+                       in.horizontal_speed_m_s < kHorizontalSpeed_m_s;
+    const bool suspected =
+        still && (contact_s_ > kContactTime_s || in.thrust_ratio < kContactThrust);
+    contact_s_ = suspected ? contact_s_ + dt : 0;
+    landed_s_ = suspected && in.thrust_ratio < kLandedThrust ? landed_s_ + dt : 0;
+    if (landed_s_ > kLandedTime_s) return Stage::kLanded;
+    return contact_s_ > kContactTime_s ? Stage::kContact : Stage::kAir;
   }
 
  private:
-  static constexpr double kContactTime_s = 0.5;
+  static constexpr double kContactThrust = 0.75;
+  static constexpr double kContactTime_s = 0.25;
+  static constexpr double kLandedThrust = 0.35;
+  static constexpr double kLandedTime_s = 0.3;
   double contact_s_ = 0;
+  double landed_s_ = 0;
 };
 
 }  // namespace cas::fcu

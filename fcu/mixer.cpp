@@ -46,13 +46,18 @@ Mixer::Mixer(const base::Vehicle& vehicle)
       low_(std::pow(vehicle.rotor.omega_idle_rad_s, 2)),
       high_(std::pow(vehicle.rotor.omega_max_rad_s, 2)) {}
 
-MixerResult Mixer::mix(const Vector4d& demand) const {
+MixerResult Mixer::mix(const Vector4d& demand, bool may_lift) const {
   const Vector4d thrust_column = omega_sq_from_u_.col(0);
 
   // Roll and pitch, scaled only when no thrust makes room for them.
   Vector4d tilt = omega_sq_from_u_.col(1) * demand[1] + omega_sq_from_u_.col(2) * demand[2];
   ThrustRange range = thrust_range(thrust_column, tilt, low_, high_);
-  if (range.from > range.to) {
+  if (!may_lift && range.from > demand[0]) {
+    const Vector4d level = thrust_column * std::max(demand[0], idle()[0]);
+    tilt *= largest_part(level, tilt, low_, high_);
+    range = thrust_range(thrust_column, tilt, low_, high_);
+    range.to = std::max(range.from, range.to);
+  } else if (range.from > range.to) {
     const ThrustRange level = thrust_range(thrust_column, Vector4d::Zero(), low_, high_);
     // The width of the range shrinks linearly with the scale: from `level` to `range`.
     const double width_level = level.to - level.from;

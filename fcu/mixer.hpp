@@ -20,12 +20,13 @@ struct MixerResult {
 /// Brings U1..U4 within what the rotors can do: roll and pitch first, then thrust, yaw last.
 ///
 /// Roll and pitch are kept whole as long as the span between slowest and fastest rotor suffices;
-/// thrust moves as far as they need; yaw gets what is left.
+/// thrust moves as far as they need (on the ground only downwards); yaw gets what is left.
 class Mixer {
  public:
   explicit Mixer(const base::Vehicle& vehicle);
 
-  MixerResult mix(const Eigen::Vector4d& demand) const;
+  /// @param may_lift  whether roll and pitch may raise the thrust above the demand (in the air)
+  MixerResult mix(const Eigen::Vector4d& demand, bool may_lift = true) const;
   /// Output 0..1 of each rotor: speed above idle over the span from idle to full.
   Eigen::Vector4d motor_outputs(const Eigen::Vector4d& omega_sq) const;
   /// U with all rotors at idle speed.

@@ -32,8 +32,9 @@ struct AttitudeSetpoint {
 struct ControlSetpoint {
   std::optional<TrajectorySetpoint> trajectory;
   std::optional<AttitudeSetpoint> attitude;
-  bool idle = false;     ///< rotors at idle speed: armed on the ground
-  bool stopped = false;  ///< no output at all
+  bool near_ground = false;  ///< about to leave or to touch it: nothing may wind up, nor lift
+  bool idle = false;         ///< rotors at idle speed: armed on the ground
+  bool stopped = false;      ///< no output at all
 };
 
 }  // namespace cas::fcu
