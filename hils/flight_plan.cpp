@@ -32,6 +32,10 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
       }
       phase_ = Phase::kWaiting;
     }
+    if (airborne_ && !vehicle.armed && vehicle.heard) {
+      failure_ = "the vehicle disarmed itself during " + std::string(to_string(step.kind));
+      break;
+    }
     if (phase_ == Phase::kWaiting && reached(step, now, vehicle)) {
       end_step(now);
       continue;
@@ -122,7 +126,10 @@ void FlightPlan::end_step(base::SimTime now) {
                      .end = now,
                      .reference_m = reference_m_,
                      .reference_yaw_rad = reference_yaw_rad_});
+  const StepKind kind = steps_[current_].kind;
+  if (kind == StepKind::kTakeoff) airborne_ = true;
   ++current_;
+  if (!done() && steps_[current_].kind == StepKind::kLand) airborne_ = false;  // it may disarm now
   begun_ = false;
 }
 

@@ -72,6 +72,7 @@ class FlightPlan {
   base::SimTime retry_at_;
   std::optional<base::SimTime> still_since_;
   bool begun_ = false;
+  bool airborne_ = false;  ///< between takeoff and land: disarming is a crash
   Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
   double reference_yaw_rad_ = 0;
   std::string last_refusal_;

@@ -107,6 +107,24 @@ Sentences missed_limits(const Measurement& figures, const Limits& limits) {
   return failures;
 }
 
+/// Why the machine may be to blame for a missed limit; empty when it kept up.
+std::string doubt_about_machine(const Measurement& figures) {
+  if (figures.virtual_clock) return {};
+  if (figures.pace.worst_stall_ms > kStallMs) {
+    return fmt::format(
+        "the machine stood still for {:.0f} ms during the measurement, so what follows is no "
+        "verdict on the vehicle",
+        figures.pace.worst_stall_ms);
+  }
+  if (figures.cpu_pressure.value_or(0) > kBusyShare) {
+    return fmt::format(
+        "the machine was busy: during {:.0f} % of the measurement something waited for a "
+        "processor, so what follows is no verdict on the vehicle",
+        100 * *figures.cpu_pressure);
+  }
+  return {};
+}
+
 }  // namespace
 
 Verdict judge(const Measurement& figures, const Limits& limits) {
@@ -116,13 +134,11 @@ Verdict judge(const Measurement& figures, const Limits& limits) {
   verdict.failures = missed_limits(figures, limits);
   verdict.passed = verdict.failures.empty();
   verdict.valid = true;
-  if (!verdict.passed && !figures.virtual_clock && figures.pace.worst_stall_ms > kStallMs) {
+  if (verdict.passed) return verdict;
+  const std::string doubt = doubt_about_machine(figures);
+  if (!doubt.empty()) {
     verdict.valid = false;
-    verdict.failures.insert(
-        verdict.failures.begin(),
-        fmt::format("the machine stood still for {:.0f} ms during the measurement, so what follows "
-                    "is no verdict on the vehicle",
-                    figures.pace.worst_stall_ms));
+    verdict.failures.insert(verdict.failures.begin(), doubt);
   }
   return verdict;
 }

@@ -35,6 +35,8 @@ inline constexpr double kLeastRealTimeFactor = 0.99;
 /// A run that stood still for longer than this and then missed a limit gives no verdict on the
 /// vehicle: the machine may have been the cause.
 inline constexpr double kStallMs = 50.0;
+/// Likewise when something waited for a processor during a larger share of the measurement.
+inline constexpr double kBusyShare = 0.25;
 
 /// Judges a run: first whether it is valid, then the flight and the limits.
 Verdict judge(const Measurement& figures, const Limits& limits);

@@ -100,6 +100,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.simulated_s = record.simulated_s;
   figures.wall_s = record.wall_s;
   figures.cpu_s = record.cpu_s;
+  figures.cpu_pressure = record.cpu_pressure;
   figures.stages = record.stages;
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);

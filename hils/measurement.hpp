@@ -30,6 +30,7 @@ struct RunRecord {
   double simulated_s = 0;      ///< length of the whole run
   double wall_s = 0;
   std::vector<std::pair<std::string, double>> cpu_s;  ///< processor time by program
+  std::optional<double> cpu_pressure;  ///< share of the hold in which some task had to wait
 };
 
 /// The three HIL messages of a run.
@@ -58,6 +59,7 @@ struct Measurement {
   DelayFigures sensor_uplink;      ///< HIL_SENSOR, simulator to controller
   DelayFigures controls_downlink;  ///< controls, controller to simulator
   PaceFigures pace;
+  std::optional<double> cpu_pressure;
   std::optional<RmsFigures> rms;           ///< truth against reference during the hold
   std::optional<RmsFigures> rms_estimate;  ///< estimate against reference during the hold
 };

@@ -10,6 +10,7 @@
 #include "base/rpc/client.hpp"
 #include "base/vehicle.hpp"
 #include "hils/composition.hpp"
+#include "hils/cpu_pressure.hpp"
 #include "hils/ground_station_thread.hpp"
 #include "hils/progress.hpp"
 #include "hils/run_directory.hpp"
@@ -157,6 +158,7 @@ class Pilot {
       record.log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
       const VehicleReport vehicle = look();
       const std::optional<FlightStep> command = plan_.update(now, vehicle);
+      watch_machine();
       if (plan_.done() || !plan_.failure().empty()) break;
       progress_.show(now, plan_, vehicle, real_time_factor_);
       if (command) {
@@ -170,6 +172,7 @@ class Pilot {
     record.flight_failure = plan_.failure();
     record.stages = plan_.stages();
     record.hold = plan_.measured();
+    record.cpu_pressure = pressure_.share();
   }
 
  private:
@@ -199,11 +202,22 @@ class Pilot {
     }
   }
 
+  /// Looks at the machine's load during the measured hold.
+  void watch_machine() {
+    const FlightStep* step = plan_.current();
+    const bool measuring = step != nullptr && step->measure;
+    if (measuring && !measuring_) pressure_.start();
+    if (!measuring && measuring_) pressure_.stop();
+    measuring_ = measuring;
+  }
+
   Supervisor& supervisor_;
   base::rpc::Client simulator_;
   base::rpc::Client casd_;
   FlightPlan plan_;
   Progress progress_;
+  CpuPressure pressure_;
+  bool measuring_ = false;
   double real_time_factor_ = 0;
 };
 

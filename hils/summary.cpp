@@ -53,6 +53,7 @@ std::string summary_json(const Measurement& figures, const Verdict& verdict) {
   summary["virtual_clock"] = figures.virtual_clock;
   summary["real_time_factor"] = figures.pace.real_time_factor;
   summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
+  summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
   summary["simulated_s"] = figures.simulated_s;
   summary["wall_s"] = figures.wall_s;
   summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},

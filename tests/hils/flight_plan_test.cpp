@@ -91,6 +91,18 @@ TEST(FlightPlan, StartsTheStillnessAnewWhenTheVehicleMoves) {
   EXPECT_TRUE(plan.done());
 }
 
+TEST(FlightPlan, FailsWhenTheVehicleDisarmsInTheAir) {
+  FlightPlan plan({{.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5},
+                   {.kind = StepKind::kHold, .duration = seconds(5)},
+                   {.kind = StepKind::kLand}});
+  plan.update(at(seconds(0)), hovering());
+  plan.on_outcome(at(seconds(0)), "");
+  plan.update(at(seconds(1)), hovering());
+  plan.update(at(seconds(2)), hovering());
+  plan.update(at(seconds(3)), on_ground());
+  EXPECT_EQ(plan.failure(), "the vehicle disarmed itself during hold");
+}
+
 TEST(FlightPlan, SkipsDisarmWhenTheVehicleHasDisarmedItself) {
   FlightPlan plan({{.kind = StepKind::kDisarm}});
   EXPECT_FALSE(plan.update(at(seconds(0)), on_ground()));

@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "hils/cpu_pressure.hpp"
 #include "hils/report.hpp"
 
 namespace cas::hils {
@@ -98,6 +99,23 @@ TEST(Judgement, GivesNoVerdictOnAMissAfterAStall) {
   EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitPassed);
   figures.rates.sensor.lost = 3;
   EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitInvalid);
+}
+
+TEST(Judgement, GivesNoVerdictOnAMissWhileOthersWantedTheProcessor) {
+  Measurement figures = good();
+  figures.cpu_pressure = 0.9;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitPassed);
+  figures.rates.sensor.lost = 3;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitInvalid);
+  figures.cpu_pressure = 0.05;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitLimitsMissed);
+}
+
+TEST(CpuPressure, ReadsTheKernelsTotal) {
+  EXPECT_EQ(parse_cpu_pressure("some avg10=87.49 avg60=89.17 avg300=88.17 total=5929389308"),
+            std::chrono::microseconds(5'929'389'308));
+  EXPECT_FALSE(parse_cpu_pressure("full avg10=0.00 total=0"));
+  EXPECT_FALSE(parse_cpu_pressure("some avg10=0.00"));
 }
 
 TEST(Judgement, GivesNoVerdictWhenTheAccountDoesNotClose) {
