@@ -40,6 +40,7 @@ void LinkCore::went_down(const std::string& reason, base::RunTime now) {
   context_.monitor->state.store(LinkState::kDown, std::memory_order_relaxed);
   if (reason == last_reason_) return;
   last_reason_ = reason;
+  context_.monitor->set_endpoint(reason);
   base::log::warn("link " + context_.config.name + ": down, " + reason);
 }
 

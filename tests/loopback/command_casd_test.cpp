@@ -149,6 +149,23 @@ TEST_F(CommandCasdTest, ComesBackAfterAKillWithNothingStale) {
   EXPECT_EQ(casctl({"param", "get", "SYS_HITL"}), 0);
 }
 
+TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
+  const auto topology = folder_.write("down.yaml",
+                                      "schema: 1\n"
+                                      "command_port: {port: 0}\n"
+                                      "links:\n"
+                                      "  - {name: fcu, type: serial, device: '" +
+                                          (folder_ / "nowhere").string() + "'}\n");
+  ChildProcess casd({CAS_BINARY_DIR "/bin/casd", topology.string()});
+  const std::optional<std::string> status = casd.wait_ready();
+  ASSERT_TRUE(status.has_value()) << casd.output();
+  const std::size_t at = status->find("command_port ") + 13;
+  Client client(status->substr(at, status->find(' ', at) - at));
+  const json link = client.call("link.list", json::object()).at(0);
+  EXPECT_EQ(link.at("state"), "down");
+  EXPECT_NE(link.at("endpoint").get<std::string>().find("No such file"), std::string::npos) << link;
+}
+
 TEST_F(CommandCasdTest, RefusesAnOpenAddressWithoutAToken) {
   const auto topology = folder_.write("open.yaml",
                                       "schema: 1\n"
