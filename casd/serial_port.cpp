@@ -29,7 +29,7 @@ bool make_raw(int fd, const SerialOptions& options) {
     settings.c_cflag |= BOTHER | (BOTHER << IBSHIFT);
     settings.c_ispeed = settings.c_ospeed = options.baud;
   }
-  settings.c_cc[VMIN] = 0;
+  settings.c_cc[VMIN] = 1;  // with 0 an empty line reads like one that was hung up
   settings.c_cc[VTIME] = 0;
   return ::ioctl(fd, TCSETS2, &settings) == 0;
 }
