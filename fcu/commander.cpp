@@ -141,6 +141,7 @@ void Commander::terminate(const std::string& reason) {
 
 void Commander::enter(FlightMode mode, const TaskContext& context) {
   mode_ = mode;
+  may_take_off_ = true;
   land_detector_.reset();
   task(mode).activate(context);
 }
@@ -162,7 +163,9 @@ void Commander::act(const FailsafeDecision& decision, const TaskContext& context
 void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
   FlightTask& now = task(mode_);
   if (!flying_) {
-    if (armed_s_ < context.params.spool_up_s || !now.wants_takeoff(context)) return;
+    if (!may_take_off_ || armed_s_ < context.params.spool_up_s || !now.wants_takeoff(context)) {
+      return;
+    }
     flying_ = true;
     contact_ = false;
     has_flown_ = true;
@@ -177,6 +180,7 @@ void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
   contact_ = stage == LandDetector::Stage::kContact;
   if (stage != LandDetector::Stage::kLanded) return;
   flying_ = false;
+  may_take_off_ = is_manual(mode_) || mode_ == FlightMode::kOffboard;
   landed_s_ = 0;
   texts_.info("Landed");
 }

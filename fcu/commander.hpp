@@ -80,6 +80,7 @@ class Commander {
   bool armed_ = false;
   bool flying_ = false;
   bool contact_ = false;
+  bool may_take_off_ = true;  ///< after a landing only a new request lifts an automatic mode
   FlightMode mode_ = FlightMode::kHold;
   double armed_s_ = 0;
   double landed_s_ = 0;

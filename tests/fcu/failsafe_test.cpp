@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Each failsafe by a fault, in closed loop on a virtual clock.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/manual_control.hpp"
+#include "mavlink/common/set_position_target_local_ned.hpp"
+#include "tests/fcu/support/closed_loop.hpp"
+
+namespace cas::fcu {
+namespace {
+
+using namespace mavlink::common;  // NOLINT
+using test::ClosedLoop;
+using test::LoopOptions;
+
+class FailsafeFlight : public testing::Test {
+ protected:
+  void hover() { ASSERT_TRUE(loop_.fly_to_hover(2.5)); }
+  bool reaches(FlightMode mode, double at_most_s = 15) {
+    return loop_.run_until([&] { return loop_.fcu().status().mode == mode; }, at_most_s);
+  }
+  bool lands(double at_most_s = 40) {
+    return loop_.run_until([&] { return !loop_.fcu().status().armed; }, at_most_s);
+  }
+  ClosedLoop loop_{LoopOptions{}};
+};
+
+TEST_F(FailsafeFlight, WithoutGpsItDescendsLevelAndDisarms) {
+  hover();
+  loop_.gps_on = false;
+  EXPECT_TRUE(reaches(FlightMode::kLand));
+  EXPECT_TRUE(loop_.said("Position lost"));
+  EXPECT_TRUE(lands());
+  EXPECT_TRUE(loop_.quad().on_ground());
+}
+
+TEST_F(FailsafeFlight, WithoutBarometerItHoldsHeightByGps) {
+  hover();
+  loop_.baro_on = false;
+  loop_.run(10);
+  EXPECT_TRUE(loop_.said("Barometer lost"));
+  EXPECT_EQ(loop_.fcu().status().mode, FlightMode::kHold);
+  EXPECT_NEAR(loop_.truth().p_N.z(), -2.5, 0.5);
+}
+
+TEST_F(FailsafeFlight, WithoutCompassItHoldsHeadingByGyro) {
+  hover();
+  loop_.mag_on = false;
+  loop_.run(10);
+  EXPECT_TRUE(loop_.said("Compass lost"));
+  EXPECT_NEAR(loop_.yaw(), 0, 0.1);
+}
+
+TEST_F(FailsafeFlight, WithoutGyroAndAccelerometerTheRotorsStop) {
+  hover();
+  loop_.imu_on = false;
+  EXPECT_TRUE(loop_.run_until([&] { return !loop_.fcu().status().armed; }, 1));
+  EXPECT_TRUE(loop_.said("Gyro and accelerometer lost"));
+  EXPECT_EQ(loop_.fcu().status().mode, FlightMode::kTermination);
+}
+
+TEST_F(FailsafeFlight, LosingTheGroundStationReturnsWhenToldTo) {
+  ASSERT_TRUE(loop_.fcu().set_param("NAV_DLL_ACT", 2));
+  Heartbeat beat;
+  beat.type = MavType::kGcs;
+  loop_.send(beat);
+  hover();
+  loop_.send(beat);
+  EXPECT_TRUE(reaches(FlightMode::kReturn, 12));
+  EXPECT_TRUE(loop_.said("Ground station lost"));
+}
+
+TEST_F(FailsafeFlight, LosingThePilotReturns) {
+  hover();
+  ManualControl sticks;
+  sticks.target = 1;
+  sticks.z = 500;
+  loop_.send(sticks);
+  ASSERT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 3, 0}), MavResult::kAccepted);
+  EXPECT_TRUE(reaches(FlightMode::kReturn, 3));
+  EXPECT_TRUE(loop_.said("Manual control lost"));
+}
+
+TEST_F(FailsafeFlight, LosingTheCompanionHolds) {
+  hover();
+  SetPositionTargetLocalNed target;
+  target.target_system = 1;
+  target.coordinate_frame = MavFrame::kLocalNed;
+  target.z = -2.5F;
+  loop_.send(target);
+  ASSERT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 6, 0}), MavResult::kAccepted);
+  EXPECT_TRUE(reaches(FlightMode::kHold, 3));
+  EXPECT_TRUE(loop_.said("Offboard set-points lost"));
+}
+
+TEST_F(FailsafeFlight, ACriticalBatteryReturnsAndAnEmptyOneLands) {
+  ASSERT_TRUE(loop_.fcu().set_param("SIM_BAT_MIN_PCT", 0));
+  ASSERT_TRUE(loop_.fcu().set_param("SIM_BAT_DRAIN", 200));
+  hover();
+  ASSERT_TRUE(loop_.fcu().set_param("SIM_BAT_DRAIN", 20));
+  EXPECT_TRUE(reaches(FlightMode::kReturn, 30));
+  EXPECT_TRUE(loop_.said("Low battery"));
+  EXPECT_TRUE(reaches(FlightMode::kLand, 10));
+  EXPECT_TRUE(lands());
+}
+
+TEST_F(FailsafeFlight, TiltedTooFarTheRotorsStop) {
+  ASSERT_TRUE(loop_.fly_to_hover(20));  // room to fall
+  loop_.quad().weaken_rotor(0, 0);      // both rotors of the right side
+  loop_.quad().weaken_rotor(1, 0);
+  EXPECT_TRUE(loop_.run_until([&] { return !loop_.fcu().status().armed; }, 10));
+  EXPECT_TRUE(loop_.said("tilt too large"));
+  EXPECT_EQ(loop_.command(MavCmd::kComponentArmDisarm, {1}), MavResult::kTemporarilyRejected);
+}
+
+// ---------------------------------------------------------------- arming checks
+
+struct MissingSensor {
+  const char* name;
+  bool ClosedLoop::*sensor;
+  const char* reason;
+};
+
+class ArmingWithout : public testing::TestWithParam<MissingSensor> {};
+
+TEST_P(ArmingWithout, IsRefusedWithTheReason) {
+  ClosedLoop loop{LoopOptions{}};
+  loop.*GetParam().sensor = false;
+  loop.run(8);
+  EXPECT_FALSE(loop.arm());
+  loop.run(0.1);
+  EXPECT_TRUE(loop.said(GetParam().reason));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Sensors, ArmingWithout,
+    testing::Values(MissingSensor{"Imu", &ClosedLoop::imu_on, "no accelerometer and gyro data"},
+                    MissingSensor{"Mag", &ClosedLoop::mag_on, "no compass data"},
+                    MissingSensor{"Baro", &ClosedLoop::baro_on, "no barometer data"},
+                    MissingSensor{"Gps", &ClosedLoop::gps_on, "no GPS data"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Arming, IsForcedByTheMagicNumber) {
+  ClosedLoop loop{LoopOptions{}};
+  loop.gps_on = false;
+  loop.run(4);
+  EXPECT_FALSE(loop.arm());
+  EXPECT_EQ(loop.command(MavCmd::kComponentArmDisarm, {1, 21196}), MavResult::kAccepted);
+}
+
+TEST(Arming, EndsByItselfWithoutATakeOff) {
+  ClosedLoop loop{LoopOptions{}};
+  ASSERT_TRUE(loop.run_until([&] { return loop.fcu().status().estimator_ready; }, 20));
+  ASSERT_TRUE(loop.arm());
+  loop.run(9);
+  EXPECT_TRUE(loop.fcu().status().armed);
+  loop.run(2);
+  EXPECT_FALSE(loop.fcu().status().armed);
+}
+
+TEST(Arming, IsNotTakenAwayInTheAirWithoutForce) {
+  ClosedLoop loop{LoopOptions{}};
+  ASSERT_TRUE(loop.fly_to_hover(2.5));
+  EXPECT_EQ(loop.command(MavCmd::kComponentArmDisarm, {0}), MavResult::kTemporarilyRejected);
+  EXPECT_TRUE(loop.fcu().status().armed);
+  EXPECT_EQ(loop.command(MavCmd::kComponentArmDisarm, {0, 21196}), MavResult::kAccepted);
+  EXPECT_FALSE(loop.fcu().status().armed);
+}
+
+}  // namespace
+}  // namespace cas::fcu
