@@ -45,6 +45,8 @@ class Ingress {
   void deliver(base::RunTime now);
   /// Once a second.
   void tick(base::RunTime now);
+  /// Lets go of the ports; nothing may be delivered afterwards.
+  void let_go() { ports_.reset(); }
   LinkId link() const { return link_; }
 
  private:

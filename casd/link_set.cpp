@@ -18,7 +18,10 @@ LinkSet::LinkSet(Topology topology)
   publish_ports();
 }
 
-LinkSet::~LinkSet() { stop(); }
+LinkSet::~LinkSet() {
+  stop();
+  local_->let_go();
+}
 
 void LinkSet::start() {
   started_ = true;

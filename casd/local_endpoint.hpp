@@ -33,6 +33,8 @@ class LocalEndpoint final : public PacketPort {
   bool send(std::span<const std::uint8_t> packet, base::RunTime now);
   /// Keeps the station's route alive: once a second.
   void tick(base::RunTime now) { ingress_.tick(now); }
+  /// Drops the table of ports, which holds this endpoint too. Nothing is sent from here on.
+  void let_go() { ingress_.let_go(); }
   std::uint64_t dropped() const { return dropped_.get(); }
 
  private:

@@ -70,8 +70,9 @@ void UlogFile::write_message(char type, std::span<const std::uint8_t> head,
   const auto size = bytes_of_number(static_cast<std::uint16_t>(head.size() + body.size()));
   std::fwrite(size.data(), 1, size.size(), file_.get());
   std::fputc(type, file_.get());
-  std::fwrite(head.data(), 1, head.size(), file_.get());
-  std::fwrite(body.data(), 1, body.size(), file_.get());
+  for (const auto part : {head, body}) {
+    if (!part.empty()) std::fwrite(part.data(), 1, part.size(), file_.get());
+  }
 }
 
 void UlogFile::close() {
