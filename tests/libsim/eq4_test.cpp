@@ -80,8 +80,7 @@ TEST(Eq4, IsTheSmallAngleReadingOfNewtonEuler) {
   const double hover =
       std::sqrt(vehicle.mass_kg * kGravity / (4 * vehicle.rotor.thrust_coefficient));
   // A little of each moment.
-  const Eigen::Vector4d omega =
-      Eigen::Vector4d(hover + 2.4, hover - 1.0, hover + 0.4, hover - 2.0);
+  const Eigen::Vector4d omega = Eigen::Vector4d(hover + 2.4, hover - 1.0, hover + 0.4, hover - 2.0);
   const SteadyRotors rotors(vehicle, omega);
   ForceSet forces;
   forces.add(rotors);

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mavlink_gen/parser/message_parser.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "mavlink_gen/parser/layout.hpp"
+#include "mavlink_gen/parser/numbers.hpp"
+
+namespace cas::mav::xml {
+namespace {
+
+constexpr std::uint32_t kMaxMessageId = 0xFFFFFF;
+constexpr std::uint32_t kMaxArrayLength = 255;
+
+class MessageParser final {
+ public:
+  explicit MessageParser(ElementReader& reader) : reader_(reader) {}
+
+  std::optional<Message> parse(const Element& element) {
+    constexpr std::array<std::string_view, 2> kAttributes{"id", "name"};
+    constexpr std::array<std::string_view, 6> kChildren{"description", "wip",   "superseded",
+                                                        "deprecated",  "field", "extensions"};
+    reader_.expect_attributes(element, kAttributes);
+    Message message;
+    message.position = element.position;
+    message.name = reader_.require_name(element);
+    const bool has_id = parse_id(element, message);
+    std::set<std::string> names;
+    bool extension = false;
+    bool faulty = false;
+    for (const auto& child : element.children) {
+      if (!reader_.expect_child(element, child, kChildren)) {
+        faulty = true;
+      } else if (child.name == "extensions") {
+        if (extension) reader_.error(child.position, "<extensions/> stands twice");
+        extension = true;
+      } else if (child.name == "field") {
+        faulty = !parse_field(child, extension, names, message) || faulty;
+      } else {
+        reader_.parse_common_child(child, message.text, message.lifecycle);
+      }
+    }
+    if (!has_id || message.name.empty() || faulty) return std::nullopt;
+    if (!check_size(message)) return std::nullopt;
+    return message;
+  }
+
+ private:
+  bool parse_id(const Element& element, Message& message) {
+    const auto* attribute = reader_.require(element, "id");
+    if (attribute == nullptr) return false;
+    const auto id = parse_number(trimmed(attribute->value), kMaxMessageId);
+    if (!id) {
+      reader_.error(attribute->position, quoted(attribute->value) + " is no message id: 0 to " +
+                                             std::to_string(kMaxMessageId));
+      return false;
+    }
+    message.id = *id;
+    return true;
+  }
+
+  bool check_size(Message& message) {
+    const auto has_base = std::any_of(message.fields.begin(), message.fields.end(),
+                                      [](const Field& field) { return !field.extension; });
+    if (!has_base) {
+      reader_.error(message.position, "message " + message.name + " has no base field");
+      return false;
+    }
+    if (message.fields.size() > kMaxFields) {
+      reader_.error(
+          message.fields[kMaxFields].position,
+          "message " + message.name + " has more than " + std::to_string(kMaxFields) + " fields");
+      return false;
+    }
+    compute_layout(message);
+    if (message.max_length > kMaxPayloadBytes) {
+      reader_.error(message.position, "message " + message.name + " needs " +
+                                          std::to_string(message.max_length) +
+                                          " bytes, a payload has at most 255");
+      return false;
+    }
+    return true;
+  }
+
+  bool parse_field(const Element& element, bool extension, std::set<std::string>& names,
+                   Message& message) {
+    constexpr std::array<std::string_view, 14> kAttributes{
+        "type",    "name",    "enum",         "units",    "multiplier", "invalid",   "instance",
+        "display", "default", "print_format", "minValue", "maxValue",   "increment", "resolution"};
+    reader_.expect_attributes(element, kAttributes);
+    for (const auto& child : element.children) {
+      if (child.name != "description") reader_.expect_child(element, child, {});
+    }
+    Field field;
+    field.position = element.position;
+    field.extension = extension;
+    field.name = reader_.require_name(element);
+    const bool typed = parse_type(element, field);
+    if (field.name.empty() || !typed) return false;
+    if (!names.insert(field.name).second) {
+      reader_.error(element.find("name")->position,
+                    "message " + message.name + " has the field " + field.name + " twice");
+      return false;
+    }
+    field.enum_name = ElementReader::value_of(element, "enum");
+    field.units = ElementReader::value_of(element, "units");
+    field.multiplier = ElementReader::value_of(element, "multiplier");
+    field.invalid = ElementReader::value_of(element, "invalid");
+    field.print_format = ElementReader::value_of(element, "print_format");
+    field.default_value = ElementReader::value_of(element, "default");
+    field.min_value = ElementReader::value_of(element, "minValue");
+    field.max_value = ElementReader::value_of(element, "maxValue");
+    field.display_bitmask = ElementReader::value_of(element, "display") == "bitmask";
+    field.instance = reader_.parse_flag(element, "instance");
+    field.text = prose(element.text);
+    message.fields.push_back(std::move(field));
+    return true;
+  }
+
+  /// Reads `type`, `type[n]`, the old `array[n]` and uint8_t_mavlink_version.
+  bool parse_type(const Element& element, Field& field) {
+    const auto* attribute = reader_.require(element, "type");
+    if (attribute == nullptr) return false;
+    const auto text = trimmed(attribute->value);
+    auto base = std::string_view(text);
+    if (const auto bracket = base.find('['); bracket != std::string_view::npos) {
+      const auto closed = base.back() == ']';
+      const auto digits = base.substr(bracket + 1, base.size() - bracket - 2);
+      const auto length = closed ? parse_number(digits, kMaxArrayLength) : std::nullopt;
+      if (!length || *length == 0) {
+        reader_.error(attribute->position,
+                      quoted(attribute->value) + " has no array length from 1 to 255");
+        return false;
+      }
+      field.array_length = static_cast<int>(*length);
+      base = base.substr(0, bracket);
+    }
+    if (base == "uint8_t_mavlink_version" && field.array_length == 0) {
+      field.type = BaseType::kUint8;
+      field.is_version = true;
+      return true;
+    }
+    if (base == "array" && field.array_length > 0) base = "int8_t";
+    std::vector<std::string_view> known;
+    for (int i = 0; i <= static_cast<int>(BaseType::kDouble); ++i) {
+      known.push_back(wire_name(static_cast<BaseType>(i)));
+      if (known.back() != base) continue;
+      field.type = static_cast<BaseType>(i);
+      return true;
+    }
+    known.push_back("uint8_t_mavlink_version");
+    reader_.error(attribute->position, "unknown type " + quoted(base) + suggestion(base, known));
+    return false;
+  }
+
+  ElementReader& reader_;
+};
+
+}  // namespace
+
+std::optional<Message> parse_message(const Element& element, ElementReader& reader) {
+  return MessageParser(reader).parse(element);
+}
+
+}  // namespace cas::mav::xml
