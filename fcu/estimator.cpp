@@ -219,7 +219,7 @@ void Estimator::on_magnetometer(base::SimTime time, const Vector3d& field_D) {
     return;
   }
   if (!field_known_) return;
-  if (!heading_aligned_) return;
+  if (!heading_aligned_) return align_heading(field_D);
 
   // In N: R (y - body) - earth = [earth]x theta + d_earth + R d_body.
   using C = ErrorCovariance;

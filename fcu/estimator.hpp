@@ -111,6 +111,7 @@ class Estimator {
   void align(const ImuInput& imu);
   void finish_alignment();
   void start_covariance();
+  void align_heading(const Eigen::Vector3d& field_D);
   void set_field_from_model(const base::Geodetic& place);
   void predict(const ImuInput& imu);
   void fuse_rest(base::SimTime time);
