@@ -23,14 +23,14 @@ ConfigNode ConfigNode::load(const std::filesystem::path& file) {
 
 ConfigNode ConfigNode::parse(std::string_view text, const std::string& name) {
   const auto document = parse_config(text, name);
-  return ConfigNode(std::make_shared<const Impl>(Impl{document, &document->root, "", {}}));
+  return ConfigNode(std::make_shared<const Impl>(Impl{document, &document->root, ""}));
 }
 
 ConfigNode ConfigNode::empty(const std::string& name) {
   const auto document = std::make_shared<ConfigDocument>();
   document->file = name;
   document->root.kind = ConfigTree::Kind::kMap;
-  return ConfigNode(std::make_shared<const Impl>(Impl{document, &document->root, "", {}}));
+  return ConfigNode(std::make_shared<const Impl>(Impl{document, &document->root, ""}));
 }
 
 bool ConfigNode::is_map() const { return impl_->tree->kind == ConfigTree::Kind::kMap; }
@@ -60,9 +60,8 @@ std::optional<ConfigNode> ConfigNode::find(std::string_view key) const {
   std::optional<ConfigNode> behind;
   if (impl_->defaults) behind = ConfigNode(impl_->defaults).find(key);
   if (child == nullptr) return behind;
-  if (behind) behind->mark_used();
   child->used = true;
-  return impl_->entry(key, *child);
+  return impl_->over(key, *child, behind);
 }
 
 std::vector<ConfigNode> ConfigNode::items() const {
@@ -75,10 +74,7 @@ std::vector<ConfigNode> ConfigNode::items() const {
 std::vector<std::pair<std::string, ConfigNode>> ConfigNode::entries() const {
   if (!is_map() && !is_null()) fail("expected a map");
   std::vector<std::pair<std::string, ConfigNode>> nodes;
-  for (const auto& [key, child] : impl_->tree->entries) {
-    child->used = true;
-    nodes.emplace_back(key, impl_->entry(key, *child));
-  }
+  for (const auto& [key, child] : impl_->tree->entries) nodes.emplace_back(key, *find(key));
   if (!impl_->defaults) return nodes;
   for (auto& [key, node] : ConfigNode(impl_->defaults).entries()) {
     if (impl_->tree->find(key) == nullptr) nodes.emplace_back(key, std::move(node));
@@ -114,6 +110,7 @@ ConfigNode ConfigNode::merged_over(const ConfigNode& defaults) const {
 void ConfigNode::mark_used() const {
   impl_->tree->used = true;
   impl_->tree->opaque = true;
+  if (impl_->defaults) ConfigNode(impl_->defaults).mark_used();
 }
 
 void ConfigNode::fail(std::string_view sentence) const {

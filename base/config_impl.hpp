@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,11 +21,19 @@ struct ConfigNode::Impl {
   std::shared_ptr<const Impl> defaults = nullptr;  // map behind this one, see merged_over()
 
   ConfigNode child(const ConfigTree& below, std::string child_path) const {
-    return ConfigNode(
-        std::make_shared<const Impl>(Impl{document, &below, std::move(child_path), {}}));
+    return ConfigNode(std::make_shared<const Impl>(Impl{document, &below, std::move(child_path)}));
   }
   ConfigNode entry(std::string_view key, const ConfigTree& below) const {
     return child(below, path.empty() ? std::string(key) : path + "." + std::string(key));
+  }
+  /// The value of `key`: `below` alone, or with what stands behind it.
+  ConfigNode over(std::string_view key, const ConfigTree& below,
+                  const std::optional<ConfigNode>& behind) const {
+    const ConfigNode node = entry(key, below);
+    if (!behind) return node;
+    if (node.is_map() && behind->is_map()) return node.merged_over(*behind);
+    behind->mark_used();
+    return node;
   }
   ConfigNode item(std::size_t index) const {
     return child(*tree->items[index], path + "[" + std::to_string(index) + "]");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/vehicle.hpp"
 
-#include "base/install_paths.hpp"
+#include "base/sensor_set.hpp"
 
 namespace cas::base {
 namespace {
@@ -99,31 +99,7 @@ void check_schema(const ConfigNode& node) {
 
 }  // namespace
 
-ConfigNode sensor_presets(const ConfigNode& node) {
-  ConfigNode presets = node;
-  if (node.is_scalar()) {
-    const auto word = node.as<std::string>();
-    const bool is_name = std::filesystem::path(word).extension().empty();
-    std::error_code error;
-    const auto beside = node.resolve(word);
-    if (is_name) {
-      presets = ConfigNode::load(find_config("sensors/" + word + ".yaml"));
-    } else {
-      presets =
-          ConfigNode::load(std::filesystem::exists(beside, error) ? beside : find_config(word));
-    }
-    check_schema(presets);
-    presets.require<std::string>("description");
-  }
-  for (const auto& [plugin, preset] : presets.entries()) {
-    const bool is_about_the_file = plugin == "schema" || plugin == "description";
-    if (!preset.is_map() && !is_about_the_file) {
-      preset.fail("must be a map of the plugin's parameters");
-    }
-  }
-  presets.mark_used();  // each plugin checks its own block
-  return presets;
-}
+ConfigNode sensor_presets(const ConfigNode& node) { return sensor_set(node, ConfigNode::empty()); }
 
 Vehicle Vehicle::load(const std::filesystem::path& file) {
   const ConfigNode node = ConfigNode::load(file);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 
+#include "base/cli/manual.hpp"
 #include "base/error.hpp"
+#include "base/install_paths.hpp"
 #include "base/log.hpp"
 #include "base/thread.hpp"
 #include "casd/app.hpp"
@@ -21,14 +24,15 @@ struct Flags {
 
 int run(const Flags& flags) {
   base::log::init("casd", base::log::parse_level(flags.log_level));
-  casd::Topology topology = casd::Topology::load(flags.topology);
+  const std::filesystem::path file = base::find_config(flags.topology);
+  casd::Topology topology = casd::Topology::load(file);
   if (flags.check) {
     std::printf("%s: %zu links, %zu routes\n", flags.topology.c_str(), topology.links.size(),
                 topology.routes.size());
     return base::kExitOk;
   }
   if (topology.lock_memory) base::lock_memory();
-  casd::App app({.topology_file = flags.topology, .stats_file = flags.stats}, std::move(topology));
+  casd::App app({.topology_file = file, .stats_file = flags.stats}, std::move(topology));
   try {
     app.listen();
   } catch (const base::ConfigError& error) {
@@ -49,6 +53,7 @@ int main(int argc, char** argv) {
   cli.add_flag("--check", flags.check, "read the topology, say what is wrong, and end");
   cli.add_option("--stats", flags.stats, "write figures to this file at the end");
   cli.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
+  base::cli::add_manual(cli, "casd", CAS_VERSION);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

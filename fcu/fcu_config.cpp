@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/fcu_config.hpp"
 
+#include "base/sensor_set.hpp"
+
 namespace cas::fcu {
 namespace {
 
@@ -44,7 +46,8 @@ FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
   FcuConfig config;
   config.vehicle = base::Vehicle::load(node.resolve(node.require<std::string>("vehicle")));
   const auto sensors = node.find("sensors");
-  config.sensors = sensors ? base::sensor_presets(*sensors) : config.vehicle.sensors;
+  config.sensors = config.vehicle.sensors;
+  if (sensors) config.sensors = base::sensor_set(*sensors, config.sensors);
   config.system_id = parse_id(node, "system_id", config.vehicle.system_id);
   config.component_id = parse_id(node, "component_id", 1);
   if (const auto line = node.find("line")) config.line = LineConfig::parse(*line);

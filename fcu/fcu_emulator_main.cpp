@@ -3,7 +3,9 @@
 #include <cstdio>
 #include <exception>
 
+#include "base/cli/manual.hpp"
 #include "base/error.hpp"
+#include "base/install_paths.hpp"
 #include "base/log.hpp"
 #include "base/notify.hpp"
 #include "fcu/emulator.hpp"
@@ -29,10 +31,11 @@ void add_flags(CLI::App& app, Flags& flags) {
                  "Parameter file: read at start, kept up to date");
   app.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
   app.set_version_flag("--version", "fcu_emulator " CAS_VERSION);
+  base::cli::add_manual(app, "fcu_emulator", CAS_VERSION);
 }
 
 int run(Flags& flags) {
-  const fcu::FcuConfig config = fcu::FcuConfig::load(flags.config);
+  const fcu::FcuConfig config = fcu::FcuConfig::load(base::find_config(flags.config));
   if (flags.options.link.empty()) flags.options.link = fcu::default_link("fcu0");
   fcu::Emulator emulator(config, flags.options);
   base::log::info("running on " + emulator.endpoints());

@@ -37,13 +37,27 @@ std::string full_path(const std::filesystem::path& path) {
 
 std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
 
-/// One plugin of the vehicle with the scenario's overrides of its parameters.
-YAML::Node plugin(const Scenario& scenario, const std::string& name) {
+YAML::Node plugin(const char* name) {
   YAML::Node node(YAML::NodeType::Map);
   node["plugin"] = name;
-  const std::optional<base::ConfigNode> overrides = scenario.sensors.find(name);
-  if (!overrides) return node;
-  for (const auto& entry : copy(*overrides)) node[entry.first] = entry.second;
+  return node;
+}
+
+/// What `sensors` of simulator and controller alike says: the scenario's set at the scenario's
+/// rates. A set in a file is named by its whole path, for the files made of it lie elsewhere.
+YAML::Node sensors(const Scenario& scenario) {
+  YAML::Node node(YAML::NodeType::Map);
+  if (scenario.sensors.is_scalar()) {
+    node["preset"] = scenario.sensors.as<std::string>();
+  } else {
+    node = copy(scenario.sensors);
+  }
+  if (node["preset"]) {
+    const auto file = scenario.sensors.resolve(node["preset"].as<std::string>());
+    if (std::filesystem::is_regular_file(file)) node["preset"] = full_path(file);
+  }
+  node["imu"]["rate_hz"] = scenario.rates.sensor_hz;
+  node["gps"]["rate_hz"] = scenario.rates.gps_hz;
   return node;
 }
 
@@ -65,15 +79,9 @@ YAML::Node interface_plugin(Transport transport, const RunPlaces& places) {
 
 YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport, const RunPlaces& places) {
   YAML::Node plugins;
-  plugins.push_back(plugin(scenario, "motor"));
-  YAML::Node imu = plugin(scenario, "imu");
-  imu["rate_hz"] = scenario.rates.sensor_hz;
-  plugins.push_back(imu);
-  YAML::Node gps = plugin(scenario, "gps");
-  gps["rate_hz"] = scenario.rates.gps_hz;
-  plugins.push_back(gps);
-  plugins.push_back(plugin(scenario, "magnetometer"));
-  plugins.push_back(plugin(scenario, "barometer"));
+  for (const char* name : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
+    plugins.push_back(plugin(name));
+  }
   for (const base::ConfigNode& further : scenario.plugins) plugins.push_back(copy(further));
   plugins.push_back(interface_plugin(transport, places));
   YAML::Node recorder;
@@ -176,6 +184,7 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   vehicle["pose"]["y_m"] = 0;
   vehicle["pose"]["z_m"] = 0;
   vehicle["pose"]["yaw_deg"] = kNorthYawDeg;
+  vehicle["sensors"] = sensors(scenario);
   vehicle["plugins"] = vehicle_plugins(scenario, transport, places);
   root["vehicles"].push_back(vehicle);
   return to_text(root);
@@ -186,6 +195,7 @@ std::string fcu_config(const RunRequest& request) {
   YAML::Node root = copy(scenario.controller);
   root["schema"] = 1;
   root["vehicle"] = full_path(scenario.vehicle);
+  if (!root["sensors"]) root["sensors"] = sensors(scenario);
   root["decimal_year"] = scenario.decimal_year;
   root["control_rate_hz"] = scenario.rates.controls_hz;
   root["seed"] = request.seed;

@@ -62,6 +62,11 @@ void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
   retry_at_ = now + kRetry;
 }
 
+std::string_view FlightPlan::phase() const {
+  if (done()) return "done";
+  return begun_ || current_ > 0 ? to_string(steps_[current_].kind) : std::string_view();
+}
+
 std::optional<Stage> FlightPlan::measured() const {
   for (const Stage& stage : stages_) {
     if (stage.step.measure) return stage;

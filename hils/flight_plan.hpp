@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -52,6 +53,9 @@ class FlightPlan {
   const std::vector<Stage>& stages() const { return stages_; }
   /// The step under way, for progress lines.
   const FlightStep* current() const { return done() ? nullptr : &steps_[current_]; }
+  /// What the vehicle is about, for the simulator's `flight_phase`: the step under way by its word,
+  /// "done" after the last, nothing before the first.
+  std::string_view phase() const;
   base::Duration elapsed_in_step(base::SimTime now) const { return now - step_begin_; }
   /// The stage of the measured hold; nothing before it is over.
   std::optional<Stage> measured() const;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "base/cli/manual.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
@@ -107,6 +108,7 @@ int main(int argc, char** argv) {
                     "compute time instead of waiting for it: exact and fast");
   command->add_option("--out", flags.out, "folder for the results")->required();
   command->add_option("--seed", flags.seed, "instead of the scenario's");
+  base::cli::add_manual(app, "hils", std::string(kVersion));
   try {
     app.parse(argc, argv);
     base::log::init("hils", base::log::parse_level(log_level));

@@ -158,6 +158,7 @@ class Pilot {
       record.log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
       const VehicleReport vehicle = look();
       const std::optional<FlightStep> command = plan_.update(now, vehicle);
+      tell_phase();
       watch_machine();
       if (plan_.done() || !plan_.failure().empty()) break;
       progress_.show(now, plan_, vehicle, real_time_factor_);
@@ -180,6 +181,13 @@ class Pilot {
     const Json status = simulator_.call("sim.status", Json::object());
     real_time_factor_ = status.value("real_time_factor", 0.0);
     return base::SimTime(base::from_seconds(status.at("time_s").get<double>()));
+  }
+
+  /// The simulator's fault scripts ask for it.
+  void tell_phase() {
+    if (plan_.phase() == phase_) return;
+    phase_ = plan_.phase();
+    simulator_.call("sim.phase", {{"name", phase_}});
   }
 
   VehicleReport look() {
@@ -217,6 +225,7 @@ class Pilot {
   FlightPlan plan_;
   Progress progress_;
   CpuPressure pressure_;
+  std::string phase_;
   bool measuring_ = false;
   double real_time_factor_ = 0;
 };

@@ -66,7 +66,7 @@ struct Scenario {
   Rates rates;
   base::ConfigNode line = base::ConfigNode::empty();        ///< as fcu_emulator's `line`
   base::ConfigNode controller = base::ConfigNode::empty();  ///< stamp, actuators, params
-  base::ConfigNode sensors = base::ConfigNode::empty();     ///< plugin name -> its parameters
+  base::ConfigNode sensors = base::ConfigNode::empty();     ///< a set, or keys that differ
   std::vector<base::ConfigNode> plugins;                    ///< further plugins of the vehicle
   WakeUpFigures wake_up;        ///< threads of casd on the virtual clock
   bool ground_station = false;  ///< one that listens and loads the parameter list now and then

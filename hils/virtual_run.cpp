@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 
 #include "base/clock.hpp"
@@ -14,6 +15,7 @@
 #include "hils/composition.hpp"
 #include "hils/ground_station.hpp"
 #include "hils/progress.hpp"
+#include "hils/report.hpp"
 #include "hils/supervisor.hpp"
 #include "hils/tlog_writer.hpp"
 #include "hils/virtual_controller.hpp"
@@ -67,6 +69,7 @@ class VirtualBench {
  public:
   VirtualBench(const RunRequest& request, const RunPlaces& places)
       : vehicle_(base::Vehicle::load(request.scenario.vehicle)),
+        stats_file_(places.run / "hilsim_stats.json"),
         log_(places.flight_tlog()),
         topology_(casd::Topology::load(places.casd_config())),
         relay_(topology_,
@@ -103,6 +106,7 @@ class VirtualBench {
     }
     progress_.clear();
     simulator_.finish();
+    write_text(stats_file_, simulator_.stats_json());
     log_.close();
   }
 
@@ -134,7 +138,10 @@ class VirtualBench {
     if (now >= simulator_.next_event()) simulator_.step(now);
     relay_.run(now);
     controller_.run(now);
-    if (now >= pilot_.next_event()) pilot_.run(now);
+    if (now >= pilot_.next_event()) {
+      pilot_.run(now);
+      simulator_.set_flight_phase(pilot_.plan().phase());
+    }
     if (ground_station_ && now >= next_ground_tick_) {
       ground_station_->tick(now);
       next_ground_tick_ = now + GroundStation::kTickPeriod;
@@ -157,6 +164,7 @@ class VirtualBench {
   }
 
   base::Vehicle vehicle_;
+  std::filesystem::path stats_file_;
   TlogWriter log_;
   casd::Topology topology_;
   VirtualRelay relay_;

@@ -2,6 +2,8 @@
 #include "hils/virtual_simulator.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "hils/hil_identity.hpp"
 #include "mavlink/common/table.hpp"
@@ -46,8 +48,28 @@ void VirtualSimulator::step(base::RunTime now) {
   runner_.step();
 }
 
+void VirtualSimulator::set_flight_phase(std::string_view name) {
+  if (name == phase_) return;
+  phase_ = name;
+  runner_.set_flight_phase(name);
+}
+
 base::RunTime VirtualSimulator::next_event() const {
   return base::RunTime((runner_.time() + runner_.step_size()).time_since_epoch());
+}
+
+std::string VirtualSimulator::stats_json() const {
+  using Json = nlohmann::json;
+  Json plugins = Json::object();
+  for (const sim::PluginFigures& figures : runner_.plugin_figures()) {
+    plugins[figures.name] = Json::parse(figures.json, nullptr, false);
+  }
+  const Json stats{{"schema", 1},
+                   {"program", "hilsim"},
+                   {"time_s", base::to_seconds(runner_.time())},
+                   {"steps", runner_.steps()},
+                   {"plugins", std::move(plugins)}};
+  return stats.dump(2) + "\n";
 }
 
 void VirtualSimulator::on_wire_out(const sim::WirePacket& packet) {

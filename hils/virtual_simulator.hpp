@@ -4,6 +4,8 @@
 #include <deque>
 #include <functional>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "base/clock.hpp"
 #include "base/ledger.hpp"
@@ -33,9 +35,13 @@ class VirtualSimulator {
   void step(base::RunTime now);
   /// When the next step ends.
   base::RunTime next_event() const;
+  /// What the flight is about, for the plugins. Names are words of the program: they are kept.
+  void set_flight_phase(std::string_view name);
   /// Writes the files of the run.
   void finish() { runner_.finish(); }
 
+  /// Figures of its plugins, as `plugins` in what `hilsim --stats` writes.
+  std::string stats_json() const;
   base::SimTime time() const { return runner_.time(); }
   const std::vector<base::LedgerEntry>& ledger() const { return ledger_.entries(); }
 
@@ -54,6 +60,7 @@ class VirtualSimulator {
   mav::PacketParser received_;
   base::PacketLedger ledger_;
   std::deque<Arrival> arrived_;
+  std::string_view phase_;
   base::RunTime now_{};
 };
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
 #include <cmath>
 #include <memory>
+#include <string>
+#include <thread>
 
+#include "base/rpc/client.hpp"
 #include "casd/casctl/table.hpp"
 #include "casd/casctl/verbs.hpp"
 
@@ -25,10 +29,9 @@ bool landed(const json& state) {
   return word == "on_ground" || (word == "undefined" && !state.value("armed", true));
 }
 
-/// Calls, waits where asked, and says in words what is so now.
-int fly(Session& session, const std::string& method, const json& params, const std::string& did,
-        const std::string& state_word, const std::function<bool(const json&)>& reached) {
-  json result = session.vehicle_call(method, params);
+/// Waits where asked, and says in words what is so now.
+int tell(Session& session, json result, const std::string& did, const std::string& state_word,
+         const std::function<bool(const json&)>& reached) {
   std::string words = did;
   if (session.options().wait && reached) {
     result["state"] = session.wait_for(state_word, reached);
@@ -38,18 +41,40 @@ int fly(Session& session, const std::string& method, const json& params, const s
   return kDone;
 }
 
+int fly(Session& session, const std::string& method, const json& params, const std::string& did,
+        const std::string& state_word, const std::function<bool(const json&)>& reached) {
+  return tell(session, session.vehicle_call(method, params), did, state_word, reached);
+}
+
+/// With --wait asks again each second while the vehicle says "not yet": estimators take a while.
+json arm(Session& session, const json& params) {
+  const auto give_up =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(session.options().timeout_s);
+  for (;;) {
+    try {
+      return session.vehicle_call("vehicle.arm", params);
+    } catch (const base::rpc::CallError& error) {
+      const bool not_yet =
+          std::string(error.what()).find("temporarily rejected") != std::string::npos;
+      if (!session.options().wait || !not_yet || std::chrono::steady_clock::now() > give_up) throw;
+    }
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+}
+
 void add_arm(CommandLine& line) {
   struct Flags {
     bool force = false;
     bool not_hil = false;
   };
   const auto flags = std::make_shared<Flags>();
-  CLI::App* verb = line.add_verb(
-      "arm", "Arm the motors (only of a vehicle in HIL mode)", "casctl arm --wait",
-      [flags](Session& session) {
-        return fly(session, "vehicle.arm", {{"force", flags->force}, {"not_hil", flags->not_hil}},
-                   "armed", "armed", [](const json& state) { return state.value("armed", false); });
-      });
+  CLI::App* verb =
+      line.add_verb("arm", "Arm the motors (only of a vehicle in HIL mode)", "casctl arm --wait",
+                    [flags](Session& session) {
+                      const json params{{"force", flags->force}, {"not_hil", flags->not_hil}};
+                      return tell(session, arm(session, params), "armed", "armed",
+                                  [](const json& state) { return state.value("armed", false); });
+                    });
   verb->add_flag("--force", flags->force, "skip the vehicle's own checks");
   verb->add_flag("--not-hil", flags->not_hil,
                  "arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "

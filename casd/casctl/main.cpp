@@ -4,6 +4,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "base/cli/manual.hpp"
 #include "base/rpc/message.hpp"
 #include "casd/casctl/verbs.hpp"
 
@@ -116,6 +117,7 @@ int main(int argc, char** argv) {
   add_service_verbs(line);
   add_monitor_verb(line);
   add_doctor_verb(line);
+  cas::base::cli::add_manual(line.app, "casctl", CAS_VERSION);
   try {
     line.app.parse(argc, argv);
   } catch (const CLI::Success& success) {

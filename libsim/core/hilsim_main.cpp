@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/manual.hpp"
 #include "base/error.hpp"
+#include "base/install_paths.hpp"
 #include "base/log.hpp"
 #include "base/notify.hpp"
 #include "base/thread.hpp"
@@ -49,6 +51,7 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->check(CLI::PositiveNumber);
   app.add_flag("--paused", flags.paused, "Start paused at time zero");
   app.set_version_flag("--version", "hilsim " CAS_VERSION);
+  base::cli::add_manual(app, "hilsim", CAS_VERSION);
 }
 
 /// Gives each interface plugin its `ledger` parameter, as if the file had it.
@@ -66,7 +69,7 @@ void order_ledgers(sim::SimConfig& config, const std::filesystem::path& file) {
 }
 
 int run(const Flags& flags) {
-  sim::SimConfig config = sim::SimConfig::load(flags.config);
+  sim::SimConfig config = sim::SimConfig::load(base::find_config(flags.config));
   if (flags.ledger) order_ledgers(config, *flags.ledger);
   std::error_code error;
   std::filesystem::create_directories(flags.output, error);

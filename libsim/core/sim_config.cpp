@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/install_paths.hpp"
+#include "base/sensor_set.hpp"
 
 namespace cas::sim {
 
@@ -94,39 +95,22 @@ StartPose parse_pose(const ConfigNode& node) {
           .yaw_deg = node.get("yaw_deg", 0.0)};
 }
 
-/// What stands behind a plugin's own keys: the configuration's `sensors` over the vehicle file's.
-struct SensorLayers {
-  ConfigNode presets;
-  std::optional<ConfigNode> overrides;
-
-  ConfigNode under(const ConfigNode& params, const std::string& plugin) const {
-    const auto preset = presets.find(plugin);
-    const auto over = overrides ? overrides->find(plugin) : std::nullopt;
-    if (!over) return preset ? params.merged_over(*preset) : params;
-    return params.merged_over(preset ? over->merged_over(*preset) : *over);
+/// A plugin's own keys, behind them what the sensor set says of it.
+/// A block in `sensors` for a plugin that the vehicle does not have is a mistake.
+void check_blocks(const ConfigNode& sensors, const std::vector<PluginConfig>& plugins) {
+  if (!sensors.is_map()) return;
+  for (const auto& [name, block] : sensors.entries()) {
+    const auto is_it = [&, &name = name](const PluginConfig& p) { return p.plugin == name; };
+    if (name == "preset" || std::any_of(plugins.begin(), plugins.end(), is_it)) continue;
+    block.fail("the vehicle has no plugin '" + name + "'");
   }
-};
-
-/// `sensors` of a vehicle: a preset instead of the vehicle file's, or a map with single blocks to
-/// lay over them and perhaps a `preset`.
-SensorLayers parse_sensors(const ConfigNode& node, const base::Vehicle& vehicle) {
-  SensorLayers layers{vehicle.sensors, std::nullopt};
-  const auto sensors = node.find("sensors");
-  if (!sensors) return layers;
-  if (sensors->is_scalar()) {
-    layers.presets = base::sensor_presets(*sensors);
-    return layers;
-  }
-  if (const auto preset = sensors->find("preset")) layers.presets = base::sensor_presets(*preset);
-  layers.overrides = *sensors;
-  sensors->mark_used();
-  return layers;
 }
 
-PluginConfig parse_plugin(const ConfigNode& node, const SensorLayers& sensors) {
+PluginConfig parse_plugin(const ConfigNode& node, const ConfigNode& sensors) {
   PluginConfig plugin;
   plugin.plugin = node.require<std::string>("plugin");
-  plugin.params = sensors.under(node, plugin.plugin);
+  const auto preset = sensors.find(plugin.plugin);
+  plugin.params = preset ? node.merged_over(*preset) : node;
   return plugin;
 }
 
@@ -138,13 +122,15 @@ VehicleConfig parse_vehicle(const ConfigNode& node) {
   }
   vehicle.vehicle = base::Vehicle::load(find_file(node.at("vehicle")));
   if (const auto pose = node.find("pose")) vehicle.pose = parse_pose(*pose);
-  const SensorLayers sensors = parse_sensors(node, vehicle.vehicle);
+  ConfigNode presets = vehicle.vehicle.sensors;
+  if (const auto sensors = node.find("sensors")) presets = base::sensor_set(*sensors, presets);
   if (const auto plugins = node.find("plugins")) {
     for (const ConfigNode& plugin : plugins->items()) {
-      vehicle.plugins.push_back(parse_plugin(plugin, sensors));
+      vehicle.plugins.push_back(parse_plugin(plugin, presets));
       plugin.mark_used();  // the plugin's own keys are checked when it has read them
     }
   }
+  if (const auto sensors = node.find("sensors")) check_blocks(*sensors, vehicle.plugins);
   return vehicle;
 }
 

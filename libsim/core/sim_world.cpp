@@ -303,7 +303,9 @@ void SimWorld::add_wrench(VehicleId vehicle, const Wrench& wrench) {
 void SimWorld::scale_mass(VehicleId vehicle, double factor) {
   if (!(factor > 0)) throw base::ConfigError("mass can only be scaled by a positive factor");
   VehicleBody& body = at(vehicle);
-  body.mass = body.start_mass.scaled(factor);
+  const MassProperties mass = body.start_mass.scaled(factor);
+  if (mass.mass_kg() == body.mass.mass_kg()) return;  // a vehicle at rest is not woken for nothing
+  body.mass = mass;
   solver_->set_mass(static_cast<std::size_t>(vehicle), body.mass);
   body.rest.wake();
   if (body.mode == Mode::kHeld) body.mode = Mode::kContact;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/manual.hpp"
 #include "mavlink_gen/generator/cpp_writer.hpp"
 #include "mavlink_gen/generator/diff.hpp"
 #include "mavlink_gen/generator/docs.hpp"
@@ -147,6 +148,7 @@ int run(int argc, char** argv) {
     command->add_flag("--strict", options.strict, "Treat warnings as errors");
   }
 
+  cas::base::cli::add_manual(app, "mavlink_gen", CAS_VERSION);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

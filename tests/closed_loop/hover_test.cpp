@@ -1,61 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whole flights on the virtual clock: simulator, router, line, controller and ground station.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-
-#include "hils/judgement.hpp"
-#include "hils/measurement.hpp"
-#include "hils/report.hpp"
-#include "hils/scenario.hpp"
-#include "hils/virtual_run.hpp"
+#include "tests/closed_loop/flight.hpp"
 
 namespace cas::hils {
 namespace {
 
-std::string content(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-/// One flight in a folder of its own.
-class Flight {
- public:
-  Flight(const Scenario& scenario, std::uint64_t seed, const std::string& name)
-      : folder_(std::filesystem::path(testing::TempDir()) /
-                ("closed_loop_" + name + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-    const RunRequest request{
-        .scenario = scenario, .architecture = Architecture::kDirect, .seed = seed, .out = folder_};
-    const RunRecord record = run_on_virtual_clock(request);
-    figures_ = measure(request, record);
-    verdict_ = judge(figures_, scenario.limits);
-    truth_ = content(record.truth_csv);
-    log_ = content(record.flight_tlog);
-  }
-  ~Flight() { std::filesystem::remove_all(folder_); }
-  Flight(const Flight&) = delete;
-  Flight& operator=(const Flight&) = delete;
-
-  const Measurement& figures() const { return figures_; }
-  const Verdict& verdict() const { return verdict_; }
-  std::string text() const { return text_report(figures_, verdict_); }
-  const std::string& truth() const { return truth_; }
-  const std::string& log() const { return log_; }
-
- private:
-  std::filesystem::path folder_;
-  Measurement figures_;
-  Verdict verdict_;
-  std::string truth_;
-  std::string log_;
-};
-
-Scenario hover() { return Scenario::load(CAS_SOURCE_DIR "/config/scenarios/hover.yaml"); }
+using test::Flight;
+using test::hover;
 
 /// The hover flown once for all tests that look at one flight.
 class Hover : public testing::Test {

@@ -144,8 +144,7 @@ TEST_F(Hilsim, RefusesWithOneSentenceAndExitCode78) {
     return hilsim.output();
   };
   EXPECT_THAT(refuse({kHilsim}), HasSubstr("config is required"));
-  EXPECT_THAT(refuse({kHilsim, "/nowhere.yaml"}),
-              HasSubstr("hilsim: /nowhere.yaml: cannot be read"));
+  EXPECT_THAT(refuse({kHilsim, "/nowhere.yaml"}), HasSubstr("hilsim: /nowhere.yaml: no such file"));
   EXPECT_THAT(refuse(command(write("realtime", "[{plugin: fake_wrong_abi}]"))),
               HasSubstr("rebuild it"));
   EXPECT_THAT(refuse(command(write("realtime", "[{plugin: fake_throws_in_configure}]"))),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <set>
 #include <string>
@@ -92,6 +93,30 @@ TEST(Imu, ClipsAtItsRangeAndRoundsToItsResolution) {
   BodyState state;
   state.w_WB_B = {20, -20, 1.3};
   EXPECT_TRUE(one_sample(params, state).angular_rate_B.isApprox(Vector3d{10, -10, 1.25}, kQuiet));
+}
+
+TEST(Imu, TurnOnBiasIsDrawnOnceForEachRun) {
+  ImuParams params = quiet_params();
+  params.gyro.turn_on_bias_stddev = {0.1, 0.2, 0.0};
+  params.accel.turn_on_bias_stddev = {0.0, 0.0, 0.3};
+  std::array<Statistics, 3> biases;
+  constexpr std::uint64_t kRuns = 4000;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    ImuModel imu(params, seed);
+    imu.accumulate({}, kGravityW, 0.002);
+    const ImuSample first = imu.sample(base::SimTime{}, {});
+    imu.accumulate({}, kGravityW, 0.002);
+    EXPECT_TRUE(imu.sample({}, {}).angular_rate_B.isApprox(first.angular_rate_B, 1e-6));
+    EXPECT_NEAR(first.angular_rate_B.z(), 0, kQuiet);
+    biases[0].add(first.angular_rate_B.x());
+    biases[1].add(first.angular_rate_B.y());
+    biases[2].add(first.specific_force_B.z() - kGravity);
+  }
+  const std::array<double, 3> expected{0.1, 0.2, 0.3};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(biases[i].stddev() / expected[i], 1, 0.045) << i;  // 4 standard errors
+    EXPECT_NEAR(biases[i].mean() / expected[i], 0, 0.063) << i;
+  }
 }
 
 TEST(Imu, VibratesAtTheRotorsSpeed) {
@@ -214,6 +239,24 @@ INSTANTIATE_TEST_SUITE_P(Grid, ImuRate,
                                          RateCase{"Imu500HzAt2ms", 500, 2000, 5000},
                                          RateCase{"Imu333HzAt250us", 333, 250, 3330}),
                          [](const auto& test) { return test.param.name; });
+
+TEST(ImuPlugin, ShakesOnlyWhileTheRotorsTurn) {
+  test::PluginHarness harness;
+  const auto speeds = harness.bus.advertise<RotorSpeeds>("iris0/rotor_speeds");
+  harness.add("imu",
+              "{rate_hz: 500, gyro_stddev_deg_s: 1.0e-6, accel_stddev_m_s2: 1.0e-6, "
+              "accel_vibration_m_s2: 3, vibration_reference_rad_s: 800}");
+  Statistics spread;
+  const auto listening = harness.bus.subscribe<ImuSample>(
+      "iris0/imu", [&](const ImuSample& s) { spread.add(s.specific_force_B.x()); });
+  harness.run(std::chrono::milliseconds(200));
+  EXPECT_LT(spread.stddev(), 1e-5);
+  spread = {};
+  // Four rotors of one speed whose phases are drawn: up to four amplitudes of 3 (700 / 800)^2.
+  speeds.publish({.time = {}, .omega_rad_s = {700, 710, 690, 720}});
+  harness.run(std::chrono::seconds(4));
+  EXPECT_NEAR(spread.stddev(), 3 * std::pow(705.0 / 800, 2) * std::sqrt(4.0 / 2), 0.4);
+}
 
 TEST(ImuPlugin, RepeatsItselfAfterReset) {
   test::PluginHarness harness;

@@ -211,6 +211,18 @@ TEST(Barometer, KnowsTheDaysPressureTheSensorsHeatAndTheWind) {
   EXPECT_NEAR(sample.temperature_degc, 40, 1e-9);
 }
 
+TEST(Barometer, RoundsToItsResolution) {
+  BarometerParams params;
+  params.rate_hz = 50;
+  params.stddev_pa = 3;
+  params.lsb_pa = 4;
+  BarometerModel barometer(params, 1);
+  for (int i = 0; i < 100; ++i) {
+    const double steps = barometer.sample({}, 488, 0, 1.2).pressure_pa / 4;
+    EXPECT_NEAR(steps, std::round(steps), 1e-9);
+  }
+}
+
 TEST(Barometer, NoiseHasNoMeanAndTheConfiguredDeviation) {
   BarometerParams params = quiet_barometer();
   params.stddev_pa = 1.0;

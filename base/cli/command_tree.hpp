@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace cas::base::cli {
+
+/// One option, flag or argument.
+struct Argument {
+  std::vector<std::string> names;  ///< "-h", "--help"; a positional has its word alone
+  std::string value;               ///< what it takes, "TEXT"; empty for a flag
+  std::string description;
+  std::string fallback;     ///< default, as printed in the help
+  std::string environment;  ///< variable that stands in for it
+  bool positional = false;
+  bool required = false;
+};
+
+/// A program or a verb, with all that belongs to it.
+struct Command {
+  std::vector<std::string> path;  ///< empty for the program itself, {"param", "get"} for a verb
+  std::string description;
+  std::string footer;
+  std::vector<Argument> arguments;
+  std::vector<Command> commands;
+
+  std::string words() const;  ///< the path with spaces
+};
+
+/// What a command line has to offer, without what is hidden from its help.
+Command describe(const CLI::App& app);
+
+/// Calls visit(command) for the command and all below it, outer ones first.
+template <class Visit>
+void for_each_command(const Command& command, const Visit& visit) {
+  visit(command);
+  for (const Command& below : command.commands) for_each_command(below, visit);
+}
+
+}  // namespace cas::base::cli

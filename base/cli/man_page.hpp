@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "base/cli/command_tree.hpp"
+
+namespace cas::base::cli {
+
+/// The manual page of a program, in man(7) macros.
+std::string man_page(const std::string& program, const std::string& version,
+                     const Command& command);
+
+}  // namespace cas::base::cli

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Debian packages by CPack: cas-common (libraries, shipped configuration), casd (with casctl), cas-sim (hilsim with its
+# plugins, hils, fcu_emulator) and cas-dev. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
+set(debian ${PROJECT_SOURCE_DIR}/packaging/debian)
+set(exactly "(= ${PROJECT_VERSION})")
+
+# The service, its configuration in /etc, rules for devices.
+install(FILES ${PROJECT_SOURCE_DIR}/config/topologies/pixhawk_usb.yaml DESTINATION /etc/cas RENAME casd.yaml
+        COMPONENT casd)
+install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd.service DESTINATION /lib/systemd/system COMPONENT casd)
+install(FILES ${PROJECT_SOURCE_DIR}/config/udev/61-cas-pixhawk.rules DESTINATION /lib/udev/rules.d COMPONENT casd)
+install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/cas-modules.conf DESTINATION /usr/lib/modules-load.d
+        RENAME cas.conf COMPONENT casd)
+install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd-realtime.conf
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}/../casd/examples COMPONENT casd)
+
+# What each package has in /usr/share/doc.
+set(changelog ${PROJECT_BINARY_DIR}/changelog.gz)
+execute_process(COMMAND gzip -9nc ${debian}/changelog OUTPUT_FILE ${changelog} COMMAND_ERROR_IS_FATAL ANY)
+foreach(pair common:cas-common casd:casd sim:cas-sim dev:cas-dev)
+  string(REPLACE ":" ";" pair ${pair})
+  list(GET pair 0 component)
+  list(GET pair 1 package)
+  install(FILES ${debian}/copyright ${changelog} DESTINATION /usr/share/doc/${package} COMPONENT ${component})
+  string(TOUPPER ${component} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${package})
+  set(CPACK_DEBIAN_${upper}_FILE_NAME DEB-DEFAULT)
+endforeach()
+file(GLOB pages ${PROJECT_SOURCE_DIR}/docs/*.md)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${pages} DESTINATION /usr/share/doc/cas-common COMPONENT common)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_SET_DESTDIR ON)
+set(CPACK_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL common casd sim dev)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_PACKAGE_NAME cas)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "The CAS authors <cas@packages.debian.org>")
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
+
+set(CPACK_DEBIAN_COMMON_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_COMMON_PACKAGE_SECTION libs)
+set(CPACK_COMPONENT_COMMON_DESCRIPTION "hardware-in-the-loop simulation for UAVs, common files
+ The libraries and the shipped configuration of CAS: vehicles, worlds, sensor
+ sets, scenarios and topologies, with the documentation.")
+
+set(CPACK_DEBIAN_CASD_PACKAGE_DEPENDS "cas-common ${exactly}, init-system-helpers")
+set(CPACK_DEBIAN_CASD_PACKAGE_CONTROL_EXTRA
+    "${debian}/conffiles;${debian}/postinst;${debian}/prerm;${debian}/postrm")
+set(CPACK_COMPONENT_CASD_DESCRIPTION "MAVLink router and command port for HIL simulation
+ casd routes MAVLink between simulator, flight controller and ground stations,
+ counts what is lost and why, and takes commands. casctl commands and watches
+ it from the terminal.")
+
+set(CPACK_DEBIAN_SIM_PACKAGE_DEPENDS "cas-common ${exactly}")
+set(CPACK_DEBIAN_SIM_PACKAGE_RECOMMENDS "casd ${exactly}")
+set(CPACK_COMPONENT_SIM_DESCRIPTION "quadrotor simulator with HIL sensors and an emulated autopilot
+ hilsim simulates vehicles, sensors and weather as plugins; fcu_emulator is a
+ flight controller on a pseudo-terminal; hils flies experiments with both, or
+ with a real Pixhawk, measures and judges them.")
+
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "cas-common ${exactly}, libeigen3-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_COMPONENT_DEV_DESCRIPTION "headers and CMake package of CAS
+ What it takes to build a plugin for the simulator outside of its tree, and
+ the generator of MAVLink codecs.")
+include(CPack)

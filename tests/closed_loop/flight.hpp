@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "hils/judgement.hpp"
+#include "hils/measurement.hpp"
+#include "hils/report.hpp"
+#include "hils/scenario.hpp"
+#include "hils/virtual_run.hpp"
+
+namespace cas::hils::test {
+
+inline std::string content(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// One flight on the virtual clock in a folder of its own, which goes with it.
+class Flight {
+ public:
+  Flight(const Scenario& scenario, std::uint64_t seed, const std::string& name)
+      : folder_(std::filesystem::path(testing::TempDir()) /
+                ("closed_loop_" + name + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+    const RunRequest request{
+        .scenario = scenario, .architecture = Architecture::kDirect, .seed = seed, .out = folder_};
+    const RunRecord record = run_on_virtual_clock(request);
+    figures_ = measure(request, record);
+    verdict_ = judge(figures_, scenario.limits);
+    truth_ = content(record.truth_csv);
+    log_ = content(record.flight_tlog);
+    simulator_stats_ = content(folder_ / "run" / "hilsim_stats.json");
+  }
+  ~Flight() { std::filesystem::remove_all(folder_); }
+  Flight(const Flight&) = delete;
+  Flight& operator=(const Flight&) = delete;
+
+  const Measurement& figures() const { return figures_; }
+  const Verdict& verdict() const { return verdict_; }
+  std::string text() const { return text_report(figures_, verdict_); }
+  const std::string& truth() const { return truth_; }
+  const std::string& log() const { return log_; }
+  const std::string& simulator_stats() const { return simulator_stats_; }
+
+ private:
+  std::filesystem::path folder_;
+  Measurement figures_;
+  Verdict verdict_;
+  std::string truth_;
+  std::string log_;
+  std::string simulator_stats_;
+};
+
+inline Scenario hover() { return Scenario::load(CAS_SOURCE_DIR "/config/scenarios/hover.yaml"); }
+
+}  // namespace cas::hils::test

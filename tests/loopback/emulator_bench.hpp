@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/child_process.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+
+/// What casctl said.
+struct Said {
+  int code = -1;
+  std::string text;  ///< standard output and error
+};
+
+/// The shipped programs around a pseudo-terminal: fcu_emulator, casd and, where asked for, hilsim.
+class EmulatorBench {
+ public:
+  /// Starts controller and daemon. `line` is the controller's, `baud` what casd is told of it.
+  void start(const std::string& line = "{preset: ideal}", int baud = 0) {
+    const std::string fcu = folder
+                                .write("fcu.yaml", "schema: 1\nvehicle: " CAS_SOURCE_DIR
+                                                   "/config/vehicles/iris_paper.yaml\nline: " +
+                                                       line + "\n")
+                                .string();
+    fcu_ = run({"fcu_emulator", fcu, "--link", device()});
+    start_casd(device(), baud);
+  }
+  /// Starts the daemon alone, on a device that may not be there.
+  void start_casd(const std::string& device, int baud) {
+    const std::string topology =
+        folder
+            .write("casd.yaml",
+                   "schema: 1\n"
+                   "command_port: {unix: '" +
+                       socket() +
+                       "', port: 0}\n"
+                       "gains: " CAS_SOURCE_DIR
+                       "/config/gains.yaml\n"
+                       "links:\n"
+                       "  - {name: sim, type: udp, local: '127.0.0.1:0'}\n"
+                       "  - {name: fcu, type: serial, device: '" +
+                       device + "', baud: " + std::to_string(baud) +
+                       "}\n"
+                       "routes:\n"
+                       "  - {from: sim, to: fcu, allow: [HEARTBEAT, HIL_SENSOR, HIL_GPS]}\n"
+                       "  - {from: fcu, to: sim, allow: [HEARTBEAT, HIL_CONTROLS]}\n")
+            .string();
+    casd_ = run({"casd", topology});
+  }
+  /// Starts the simulator against link `sim`, in real time.
+  void start_simulator() {
+    const Said links = casctl({"links"});
+    const std::size_t at = links.text.find("127.0.0.1:");
+    const std::string port = links.text.substr(at, links.text.find(' ', at) - at);
+    const std::string world =
+        folder
+            .write("world.yaml",
+                   "schema: 1\n"
+                   "world: {gravity_m_s2: 9.80665, ground: true}\n"
+                   "home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488}\n"
+                   "decimal_year: 2026.5\n"
+                   "pace: realtime\n"
+                   "vehicles:\n"
+                   "  - name: iris0\n"
+                   "    vehicle: " CAS_SOURCE_DIR
+                   "/config/vehicles/iris_paper.yaml\n"
+                   "    plugins: [{plugin: motor}, {plugin: imu}, {plugin: gps},"
+                   " {plugin: magnetometer}, {plugin: barometer},"
+                   " {plugin: mavlink_interface, transport: udp,"
+                   " local: '127.0.0.1:0', remote: '" +
+                       port + "'}]\n")
+            .string();
+    hilsim_ = run({"hilsim", world, "--plugin-dir", CAS_BINARY_DIR "/plugins"});
+  }
+
+  /// Runs the real casctl.
+  Said casctl(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {CAS_BINARY_DIR "/bin/casctl", "--address",
+                                         "unix:" + socket(), "--timeout", "30"});
+    ChildProcess child(arguments);
+    const int code = child.wait_exit(std::chrono::seconds(60)).value_or(-1);
+    return {code, child.output()};
+  }
+  /// Waits until casd has heard the vehicle.
+  bool hears_the_vehicle() {
+    return wait_until([this] {
+      return casctl({"status"}).text.find("heartbeat") == std::string::npos &&
+             casctl({"status"}).text.find("PX4") != std::string::npos;
+    });
+  }
+
+  std::string device() const { return (folder / "fcu0").string(); }
+  std::string socket() const { return (folder / "casd.sock").string(); }
+  std::string output() const { return casd_->output() + fcu_->output(); }
+
+  TemporaryFolder folder;
+
+ private:
+  std::unique_ptr<ChildProcess> run(std::vector<std::string> command) {
+    command[0] = CAS_BINARY_DIR "/bin/" + command[0];
+    auto child = std::make_unique<ChildProcess>(command);
+    EXPECT_TRUE(child->wait_ready()) << child->output();
+    return child;
+  }
+
+  std::unique_ptr<ChildProcess> fcu_;
+  std::unique_ptr<ChildProcess> casd_;
+  std::unique_ptr<ChildProcess> hilsim_;
+};
+
+}  // namespace cas::test

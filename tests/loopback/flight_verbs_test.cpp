@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A flight by casctl alone, in real time, through simulator, daemon, pseudo-terminal and emulated
+// controller: wants a quiet machine.
+#include <gtest/gtest.h>
+
+#include "tests/loopback/emulator_bench.hpp"
+
+namespace cas::test {
+namespace {
+
+TEST(FlightVerbs, FlyAVehicleFromTheGroundAndBack) {
+  EmulatorBench bench;
+  bench.start();
+  bench.start_simulator();
+  ASSERT_TRUE(bench.hears_the_vehicle()) << bench.output();
+  const auto expect_done = [&bench](const std::vector<std::string>& verb, const char* says) {
+    const Said said = bench.casctl(verb);
+    EXPECT_EQ(said.code, 0) << said.text;
+    EXPECT_NE(said.text.find(says), std::string::npos) << said.text;
+  };
+  expect_done({"arm", "--wait"}, "armed");  // waits for the estimator, too
+  expect_done({"takeoff", "2", "--wait"}, "airborne");
+  expect_done({"hold"}, "holds position");
+  expect_done({"goto", "2", "1", "-2.5", "90", "--wait"}, "there");
+  expect_done({"doctor"}, "vehicle 1 is in HIL mode");
+  expect_done({"mode", "HOLD", "--wait"}, "in mode HOLD");
+  expect_done({"rtl"}, "returns to launch");
+  expect_done({"land", "--wait"}, "landed");
+  expect_done({"disarm", "--wait"}, "disarmed");
+}
+
+TEST(FlightVerbs, DoctorFindsALineThatIsTooSlow) {
+  EmulatorBench bench;
+  bench.start("{preset: baud_115200}", 115200);
+  bench.start_simulator();
+  ASSERT_TRUE(bench.hears_the_vehicle()) << bench.output();
+  Said said;
+  EXPECT_TRUE(wait_until([&] {
+    said = bench.casctl({"doctor"});
+    return said.code == 1 && said.text.find("line fcu") != std::string::npos;
+  })) << said.text;
+  EXPECT_NE(said.text.find("BAD"), std::string::npos) << said.text;
+}
+
+}  // namespace
+}  // namespace cas::test

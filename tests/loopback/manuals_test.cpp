@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Each program's account of itself.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "tests/support/child_process.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::test {
+namespace {
+
+class Manual : public testing::TestWithParam<const char*> {
+ protected:
+  static std::string printed(const std::string& form) {
+    ChildProcess program({CAS_BINARY_DIR "/bin/" + std::string(GetParam()), "--manual", form});
+    EXPECT_EQ(program.wait_exit(), 0) << program.output();
+    return program.output();
+  }
+  /// What the shell command says about a file with this text; nothing when the command is not here.
+  std::string opinion(const std::string& command, const std::string& text) const {
+    if (std::system(
+            ("command -v " + command.substr(0, command.find(' ')) + " >/dev/null").c_str()) != 0) {
+      return {};
+    }
+    ChildProcess shell(
+        {"/bin/sh", "-c", command + " '" + folder_.write("text", text).string() + "'"});
+    EXPECT_EQ(shell.wait_exit(), 0) << shell.output();
+    return shell.output();
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_P(Manual, IsAPageThatTroffTakesWithoutWarning) {
+  const std::string page = printed("man");
+  EXPECT_NE(page.find(".SH NAME\n"), std::string::npos) << page;
+  EXPECT_EQ(opinion("groff -man -Tutf8 -ww -z", page), "");
+}
+
+TEST_P(Manual, CompletionIsCorrectShell) {
+  EXPECT_EQ(opinion("bash -n", printed("bash")), "");
+  EXPECT_EQ(opinion("zsh -n", printed("zsh")), "");
+  EXPECT_EQ(opinion("fish --no-execute", printed("fish")), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, Manual,
+                         testing::Values("casd", "casctl", "hilsim", "fcu_emulator", "hils",
+                                         "mavlink_gen"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace cas::test

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/mavlink_interface/hil_interface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/plugins/recording_port.hpp"
+
+namespace cas::sim {
+namespace {
+
+namespace mv = mavlink::common;
+using std::chrono::milliseconds;
+using test::at_ms;
+using test::controls_for;
+using test::RecordingPort;
+using test::updated;
+
+HilInterfaceParams interface_params() {
+  HilInterfaceParams params;
+  params.scales = {.u1_max_n = 20, .u2_max_nm = 2, .u3_max_nm = 2, .u4_max_nm = 1};
+  params.actuator_timeout = milliseconds(500);
+  return params;
+}
+
+ImuSample imu_at(int ms) {
+  ImuSample sample;
+  sample.time = at_ms(ms);
+  return sample;
+}
+
+GpsSample fix_at(int ms) {
+  GpsSample sample;
+  sample.time = at_ms(ms);
+  return sample;
+}
+
+TEST(HilInterface, FlagsOnlyWhatIsNew) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  interface.on_imu(imu_at(2));
+  interface.on_magnetometer({at_ms(2), {0.2, 0, -0.4}});
+  interface.on_barometer({at_ms(2), 95600, 12});
+  interface.flush(at_ms(2));
+  interface.on_imu(imu_at(4));
+  interface.flush(at_ms(4));
+  ASSERT_EQ(port.sensors.size(), 2U);
+  EXPECT_EQ(updated(port.sensors[0]), 0x1BFFU);
+  EXPECT_EQ(updated(port.sensors[1]), 0x003FU);
+  EXPECT_FLOAT_EQ(port.sensors[1].abs_pressure, 956);  // repeats the last value, not flagged
+  EXPECT_EQ(port.sensors[1].time_usec, 4000U);
+}
+
+TEST(HilInterface, SendsNothingWithoutANewSample) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  interface.flush(at_ms(1));
+  interface.flush(at_ms(2));
+  EXPECT_EQ(port.ids, std::vector<std::uint32_t>{mv::Heartbeat::kId});
+}
+
+TEST(HilInterface, SendsTheFixBeforeTheSensorsOfTheSameMoment) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  interface.on_imu(imu_at(200));
+  interface.on_gps(fix_at(200));
+  interface.flush(at_ms(200));
+  EXPECT_EQ(port.ids, (std::vector<std::uint32_t>{0, 113, 107}));
+  EXPECT_EQ(port.source, (mav::Source{1, 200}));
+}
+
+TEST(HilInterface, BeatsOncePerSecond) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  for (int ms = 1; ms <= 10000; ++ms) interface.flush(at_ms(ms));
+  EXPECT_EQ(interface.sent().of(mv::Heartbeat::kId), 11U);  // one at once, then each second
+}
+
+TEST(HilInterface, CountsOnlyWhatThePortTook) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  port.refuses = true;
+  interface.on_imu(imu_at(2));
+  interface.flush(at_ms(2));
+  EXPECT_EQ(interface.sent().of(mv::HilSensor::kId), 0U);
+}
+
+TEST(HilInterface, TakesTheNewestCommandOnce) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  port.put(controls_for(2, 0.25F));
+  port.put(controls_for(4, 0.5F));
+  interface.receive();
+  const auto command = interface.take_command(at_ms(5));
+  ASSERT_TRUE(command);
+  EXPECT_DOUBLE_EQ(command->values[0], 10);
+  EXPECT_FALSE(interface.take_command(at_ms(6)));
+  EXPECT_EQ(interface.received().of(mv::HilControls::kId), 2U);
+}
+
+TEST(HilInterface, TakesActuatorControlsToo) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  mv::HilActuatorControls outputs;
+  outputs.controls[2] = 0.5F;
+  outputs.mode = static_cast<decltype(outputs.mode)>(129);
+  port.put(outputs);
+  interface.receive();
+  const auto command = interface.take_command(at_ms(1));
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->kind, MotorCommand::Kind::kMotorOutputs);
+  EXPECT_TRUE(command->armed);
+}
+
+TEST(HilInterface, StopsTheRotorsWhenTheStreamDies) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  EXPECT_FALSE(interface.take_command(at_ms(10000)));  // never a stream: nothing to lose
+  port.put(controls_for(2));
+  interface.receive();
+  EXPECT_TRUE(interface.take_command(at_ms(10000))->armed);
+  EXPECT_FALSE(interface.take_command(at_ms(10499)));
+  const auto stop = interface.take_command(at_ms(10500));
+  ASSERT_TRUE(stop);
+  EXPECT_FALSE(stop->armed);
+  EXPECT_TRUE(stop->values.isZero(0.0));
+  EXPECT_FALSE(interface.take_command(at_ms(12000)));  // once
+  EXPECT_EQ(interface.actuator_timeouts(), 1U);
+}
+
+TEST(HilInterface, WaitsForTheAnswersThatAreDue) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  // 400 Hz on 500 Hz: floor(t * 400) advances at 4, 6, 8, 10, not at 2, 12, ...
+  std::vector<int> due;
+  for (int ms = 2; ms <= 20; ms += 2) {
+    interface.on_imu(imu_at(ms));
+    interface.flush(at_ms(ms));
+    if (!interface.answered()) due.push_back(ms);
+    port.put(controls_for(ms));
+    interface.receive();
+    EXPECT_TRUE(interface.answered());
+  }
+  EXPECT_EQ(due, (std::vector<int>{4, 6, 8, 10, 14, 16, 18, 20}));
+}
+
+TEST(HilInterface, AnAnswerToWhatWasNeverSentIsNone) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  interface.on_imu(imu_at(4));
+  interface.flush(at_ms(4));
+  port.put(controls_for(900));
+  interface.receive();
+  EXPECT_FALSE(interface.answered());
+}
+
+TEST(HilInterface, KeepsALedgerOfHilPackets) {
+  RecordingPort port;
+  base::PacketLedger ledger(16);
+  HilInterface interface(interface_params(), port, &ledger);
+  interface.on_imu(imu_at(2));
+  interface.on_gps(fix_at(1));
+  interface.flush(at_ms(2));
+  port.put(controls_for(2));
+  interface.receive();
+  ASSERT_EQ(ledger.entries().size(), 3U);  // no heartbeat
+  EXPECT_EQ(ledger.entries()[0].message_id, mv::HilGps::kId);
+  EXPECT_EQ(ledger.entries()[0].time_usec, 1000U);
+  EXPECT_EQ(ledger.entries()[1].message_id, mv::HilSensor::kId);
+  EXPECT_EQ(ledger.entries()[2].direction, base::LedgerEntry::Direction::kReceived);
+  EXPECT_EQ(ledger.entries()[2].time_usec, 2000U);
+  EXPECT_EQ(ledger.entries()[2].at_ns, 100'000'000'000);
+}
+
+TEST(HilInterface, CountsDamageAndLoss) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  port.put(controls_for(2));
+  port.put(controls_for(4));
+  port.put(controls_for(6));
+  port.in[1][20] ^= 0xFF;
+  interface.receive();
+  EXPECT_EQ(interface.received().of(mv::HilControls::kId), 2U);
+  const std::string stats = interface.stats_json();
+  EXPECT_NE(stats.find("\"crc_errors\":1"), std::string::npos) << stats;
+  EXPECT_NE(stats.find("\"lost_by_sequence\":1"), std::string::npos) << stats;
+  EXPECT_NE(stats.find("\"HIL_CONTROLS\":2"), std::string::npos) << stats;
+}
+
+}  // namespace
+}  // namespace cas::sim
