@@ -1,31 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <cstdint>
+#include <optional>
 
 #include "base/clock.hpp"
+#include "fcu/command.hpp"
+#include "fcu/gyro_calibration.hpp"
 #include "fcu/telemetry.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
 #include "mavlink/common/enums.hpp"
 #include "mavlink/common/set_mode.hpp"
-#include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::fcu {
 
 struct FcuCore;
 
-/// A command from COMMAND_LONG or COMMAND_INT in one form. Latitude and longitude are in degrees.
-struct Command {
-  mavlink::common::MavCmd id{};
-  std::array<double, 7> param{};
-  mavlink::common::MavFrame frame = mavlink::common::MavFrame::kGlobal;
-  mav::Source from;
-  int version = 2;
-};
-
-/// Carries out commands and acknowledges each one.
+/// Carries out commands and acknowledges each one. A repetition of a command whose answer was lost
+/// (`confirmation` above 0) gets the same answer again and does nothing twice.
 class CommandHandler {
  public:
   explicit CommandHandler(Telemetry& telemetry) : telemetry_(telemetry) {}
@@ -36,15 +28,26 @@ class CommandHandler {
               base::RunTime now);
   void on_set_mode(const mavlink::common::SetMode& m, mav::Source from, int version, FcuCore& core,
                    base::RunTime now);
+  /// Goes on with what takes time.
+  void update(FcuCore& core, base::RunTime now);
 
  private:
   using Result = mavlink::common::MavResult;
-  void acknowledge(const Command& command, Result result, FcuCore& core) const;
+  struct Answered {
+    Command command;
+    Result result{};
+    base::RunTime at;
+  };
+  static void acknowledge(const Command& command, Result result, FcuCore& core, int percent = 0);
+  bool was_answered(const Command& command, base::RunTime now) const;
+  void run(const Command& command, bool repeated, FcuCore& core, base::RunTime now);
   Result execute(const Command& command, FcuCore& core, base::RunTime now);
-  Result flight_command(const Command& command, FcuCore& core, base::RunTime now);
   Result information_command(const Command& command, FcuCore& core, base::RunTime now);
+  Result request_message(const Command& command, FcuCore& core, base::RunTime now);
 
   Telemetry& telemetry_;
+  GyroCalibration calibration_;
+  std::optional<Answered> last_;
 };
 
 }  // namespace cas::fcu

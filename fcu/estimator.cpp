@@ -16,14 +16,9 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kAlignmentTime_s = 0.5;
-constexpr double kAlignmentWithoutMag_s = 2.0;
-constexpr double kHeadingUnknown_rad = 1.8;  // uniform over the circle
 constexpr double kLongestStep_s = 0.1;       // a longer gap in the samples is not integrated
 constexpr double kFusionTimeout_s = 5.0;     // dead reckoning is trusted this long
 constexpr double kRejectionTimeout_s = 4.0;  // then the fixes are believed again
-constexpr double kOriginDeviation_m = 0.07;  // horizontal, for a final origin
-constexpr double kOriginPatience_s = 10.0;   // ... or what is reached by then
 constexpr double kRestRate_rad_s = 0.15;     // larger rates are not rest
 constexpr double kRestForce_m_s2 = 1.0;      // larger deviations from gravity are not rest
 constexpr int kRestSamples = 10;             // IMU samples per rest measurement
@@ -53,57 +48,6 @@ void Estimator::set_origin(const base::Geodetic& origin) {
 void Estimator::set_field_from_model(const base::Geodetic& place) {
   state_.earth_field_N = base::magnetic_field_N(place, decimal_year_);
   field_known_ = true;
-}
-
-// ------------------------------------------------------------------------------ alignment
-
-void Estimator::align(const ImuInput& imu) {
-  if (alignment_.imu_samples == 0) alignment_.start = imu.time;
-  ++alignment_.imu_samples;
-  alignment_.accel += imu.accel_D;
-  alignment_.gyro += imu.gyro_D;
-  const double elapsed = to_seconds(imu.time - alignment_.start);
-  const bool has_heading = alignment_.mag_samples >= 10 && field_known_;
-  if (elapsed >= kAlignmentTime_s && (has_heading || elapsed >= kAlignmentWithoutMag_s)) {
-    state_.time = imu.time;
-    finish_alignment();
-  }
-}
-
-void Estimator::finish_alignment() {
-  const Vector3d f_D = alignment_.accel / alignment_.imu_samples;
-  const double roll = std::atan2(-f_D.y(), -f_D.z());
-  const double pitch = std::atan2(f_D.x(), std::hypot(f_D.y(), f_D.z()));
-  double yaw = 0;
-  heading_aligned_ = alignment_.mag_samples >= 10 && field_known_;
-  if (heading_aligned_) {
-    const Vector3d level =
-        base::quaternion_rpy(roll, pitch, 0) * (alignment_.mag / alignment_.mag_samples);
-    yaw = std::atan2(state_.earth_field_N.y(), state_.earth_field_N.x()) -
-          std::atan2(level.y(), level.x());
-  }
-  state_.q_ND = base::quaternion_rpy(roll, pitch, base::wrap_angle(yaw));
-  state_.gyro_bias_D.setZero();
-  state_.accel_bias_D.setZero();
-  start_covariance();
-  history_.clear();
-  last_walk_ = state_.time;
-  aligned_ = true;
-}
-
-void Estimator::start_covariance() {
-  using C = ErrorCovariance;
-  const auto square = [](double x) { return x * x; };
-  const double tilt = square(params_.tilt_initial_rad);
-  const double heading = square(heading_aligned_ ? params_.tilt_initial_rad : kHeadingUnknown_rad);
-  covariance_.set_block(C::kTheta, Vector3d(tilt, tilt, heading));
-  covariance_.reset_block(C::kVelocity, 3, square(0.5));
-  covariance_.reset_block(C::kPosition, 3, square(params_.gps_position_noise_m));
-  covariance_.reset_block(C::kGyroBias, 3, square(params_.gyro_bias_initial_rad_s));
-  covariance_.reset_block(C::kAccelBias, 3, square(params_.accel_bias_initial_m_s2));
-  covariance_.reset_block(C::kEarthField, 3, square(params_.earth_field_initial_gauss));
-  covariance_.reset_block(C::kBodyField, 3, square(params_.body_field_initial_gauss));
-  covariance_.reset_block(C::kBaroOffset, 1, square(params_.baro_offset_initial_m));
 }
 
 // ------------------------------------------------------------------------------ prediction
@@ -187,15 +131,17 @@ void Estimator::apply_errors() {
   errors_.setZero();
 }
 
-void Estimator::fuse_rest(base::SimTime) {
+void Estimator::fuse_rest(base::SimTime now) {
   const Vector3d& gyro = last_imu_->gyro_D;
   const bool quiet = gyro.norm() < kRestRate_rad_s &&
                      std::abs(last_imu_->accel_D.norm() - params_.gravity_m_s2) < kRestForce_m_s2;
   if (!quiet) {
     rest_samples_ = 0;
     rest_gyro_sum_.setZero();
+    rest_since_.reset();
     return;
   }
+  if (!rest_since_) rest_since_ = now;
   rest_gyro_sum_ += gyro;
   if (++rest_samples_ < kRestSamples) return;
   const Vector3d rate = rest_gyro_sum_ / rest_samples_ - state_.gyro_bias_D;
@@ -209,6 +155,10 @@ void Estimator::fuse_rest(base::SimTime) {
   apply_errors();
   rest_samples_ = 0;
   rest_gyro_sum_.setZero();
+}
+
+double Estimator::rest_s() const {
+  return at_rest_ && rest_since_ ? to_seconds(state_.time - *rest_since_) : 0.0;
 }
 
 void Estimator::on_magnetometer(base::SimTime time, const Vector3d& field_D) {

@@ -71,6 +71,8 @@ class Estimator {
   void set_origin(const base::Geodetic& origin);
   /// Says that the vehicle stands still on the ground, as far as the controller knows.
   void set_at_rest(bool at_rest) { at_rest_ = at_rest; }
+  /// For how long the vehicle has been at rest by word and by its samples, s.
+  double rest_s() const;
 
   void on_imu(const ImuInput& imu);
   void on_magnetometer(base::SimTime time, const Eigen::Vector3d& field_D_gauss);
@@ -138,6 +140,7 @@ class Estimator {
   Vector errors_ = Vector::Zero();  ///< corrections found, not yet applied
   Eigen::Vector3d rest_gyro_sum_ = Eigen::Vector3d::Zero();
   int rest_samples_ = 0;
+  std::optional<base::SimTime> rest_since_;
   base::SimTime first_fix_;
   base::SimTime last_walk_;
   bool aligned_ = false;

@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/fcu_core.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/frames.hpp"
-#include "mavlink/common/hil_actuator_controls.hpp"
-#include "mavlink/common/hil_controls.hpp"
 
 namespace cas::fcu {
-
-using mavlink::common::HilActuatorControls;
-using mavlink::common::HilControls;
-using mavlink::common::MavMode;
-using mavlink::common::MavModeFlag;
 
 void FcuCore::apply_params() {
   if (params_applied == params.revision()) return;
@@ -85,78 +75,19 @@ FailsafeInput FcuCore::failsafe_input(base::RunTime now) const {
   return in;
 }
 
+void FcuCore::restart_estimate() {
+  estimator = Estimator(estimator.params(), config.decimal_year);
+  if (config.home_hint) estimator.set_origin(*config.home_hint);
+  last_control.reset();
+  home_set = false;
+  position_resets_seen = 0;
+}
+
 void FcuCore::set_home_here() {
   home_N = estimator.state().p_N;
   home_yaw_rad = base::euler_rpy(estimator.state().q_ND).z();
   ground_z = home_N.z();
   home_set = true;
-}
-
-namespace {
-
-/// MAV_MODE_FLAG bits of the answer: HIL always, armed as it is.
-std::uint8_t answer_mode(bool armed) {
-  const MavModeFlag flags =
-      armed ? MavModeFlag::kHilEnabled | MavModeFlag::kSafetyArmed : MavModeFlag::kHilEnabled;
-  return static_cast<std::uint8_t>(flags);
-}
-
-float scaled(double value, double full, double low) {
-  return static_cast<float>(std::clamp(full > 0 ? value / full : 0.0, low, 1.0));
-}
-
-}  // namespace
-
-void FcuCore::control(base::RunTime now, std::uint64_t time_usec) {
-  // Time since the last step, on the sensor's clock.
-  const base::SimTime time = base::from_time_usec(time_usec);
-  const double period = 1.0 / config.control_rate_hz;
-  const double elapsed = controlled ? base::to_seconds(time - last_control) : period;
-  const double dt = std::clamp(elapsed, 0.2 * period, 10 * period);
-  last_control = time;
-  controlled = true;
-
-  // While disarmed the place the vehicle stands at is known better with every fix.
-  if (!commander.armed() && estimator.origin_final()) set_home_here();
-  if (estimator.position_resets() != position_resets_seen) {
-    position_resets_seen = estimator.position_resets();
-    commander.on_position_reset(estimator.last_position_reset_N());
-  }
-
-  const TaskContext task = context(now, dt);
-  const double thrust_ratio = cascade.output().u[0] / std::max(cascade.hover_thrust_n(), 1e-3);
-  FailsafeInput failsafe = failsafe_input(now);
-  failsafe.offboard_alive = commander.offboard().alive(now, flight.offboard_timeout_s);
-  const ControlSetpoint setpoint = commander.update(task, failsafe, thrust_ratio);
-  const MixerResult& out = cascade.update(setpoint, estimator.state(), dt);
-  estimator.set_at_rest(!commander.flying());
-  battery.update(commander.armed(), dt);
-
-  // The answer.
-  const auto& scales = config.vehicle.scales;
-  if (params.get_int("CAS_HIL_ACT") == 0) {
-    HilControls answer;
-    answer.time_usec = time_usec;
-    answer.roll_ailerons = scaled(out.u[1], scales.u2_max_nm, -1);
-    answer.pitch_elevator = scaled(out.u[2], scales.u3_max_nm, -1);
-    answer.yaw_rudder = scaled(out.u[3], scales.u4_max_nm, -1);
-    answer.throttle = scaled(out.u[0], scales.u1_max_n, 0);
-    answer.mode = static_cast<MavMode>(answer_mode(commander.armed()));
-    outbox.send(answer);
-    if (observer) observer(HilControls::kId, time_usec, true);
-  } else {
-    HilActuatorControls answer;
-    answer.time_usec = time_usec;
-    const Eigen::Vector4d motors = cascade.mixer().motor_outputs(out.omega_sq);
-    for (int i = 0; i < 4; ++i) {
-      answer.controls[static_cast<std::size_t>(i)] =
-          commander.armed() ? static_cast<float>(motors[i]) : 0.0F;
-    }
-    answer.mode = static_cast<MavModeFlag>(answer_mode(commander.armed()));
-    outbox.send(answer);
-    if (observer) observer(HilActuatorControls::kId, time_usec, true);
-  }
-  status.u = out.u;
 }
 
 }  // namespace cas::fcu

@@ -62,8 +62,8 @@ struct FcuCore {
   ArmingInput arming_input(base::RunTime now) const;
   FailsafeInput failsafe_input(base::RunTime now) const;
   std::optional<Sticks> sticks(base::RunTime now) const;
-  /// The sensor path: one control step when it is due.
-  void control(base::RunTime now, std::uint64_t time_usec);
+  /// Forgets the estimate and begins anew, as at start.
+  void restart_estimate();
   /// Home is where the vehicle stands.
   void set_home_here();
   std::uint32_t time_boot_ms(base::RunTime now) const {
@@ -99,8 +99,7 @@ struct FcuCore {
   base::RunTime start;
   bool started = false;
   base::RunTime last_imu_at;
-  base::SimTime last_control;
-  bool controlled = false;
+  std::optional<base::SimTime> last_control;  ///< stamp of the newest control step
   std::uint64_t position_resets_seen = 0;
   bool reboot_wanted = false;
   FlightStatus status;

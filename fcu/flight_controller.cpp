@@ -2,32 +2,114 @@
 #include "fcu/flight_controller.hpp"
 
 #include <algorithm>
-#include <sstream>
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/frames.hpp"
-#include "fcu/command_handler.hpp"
 #include "fcu/fcu_core.hpp"
-#include "fcu/mission_protocol.hpp"
-#include "fcu/param_protocol.hpp"
+#include "fcu/ground_protocols.hpp"
+#include "fcu/hil_answer.hpp"
 #include "fcu/sensor_input.hpp"
-#include "fcu/setpoint_messages.hpp"
-#include "fcu/telemetry.hpp"
-#include "mavlink/common/heartbeat.hpp"
-#include "mavlink/common/mission_request.hpp"
-#include "mavlink/common/mission_request_int.hpp"
-#include "mavlink/common/ping.hpp"
-#include "mavlink/common/statustext.hpp"
 #include "mavlink/common/table.hpp"
-#include "mavlink/common/timesync.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"
 
 namespace cas::fcu {
 
 using base::RunTime;
-using namespace mavlink::common;  // NOLINT: a dispatcher over its messages
+using mavlink::common::HilGps;
+using mavlink::common::HilSensor;
+using mavlink::common::table;
+
+struct FlightController::Impl {
+  Impl(const FcuConfig& config, Sink send);
+
+  // The loop of [HILS] Fig. 8.
+  void on_sensor(const HilSensor& m, RunTime now);
+  void control(std::uint64_t time_usec, RunTime now);
+  double time_step(std::uint64_t time_usec);
+  void settle_frame();
+  ControlSetpoint next_setpoint(double dt, RunTime now);
+
+  // Around it.
+  bool is_for_us(const mav::PacketView& packet) const;
+  void on_packet(const mav::PacketView& packet, RunTime now);
+  void tick(RunTime now);
+  void begin(RunTime now);
+  void watch_sensors(RunTime now);
+  void update_status();
+
+  FcuCore core;
+  SensorInput sensors;
+  GroundProtocols ground;
+  mav::PacketParser parser;
+  mav::SequenceTracker sequence;
+  std::array<std::uint64_t, Outbox::kIds> received{};
+  bool sensors_lost = false;
+};
+
+// ------------------------------------------------------------------------------ the loop
+
+/// One sensor message on its way to the rotors:
+///
+///   HIL_SENSOR --> estimate --> set-point --> position, altitude --> attitude --> rates --> mixer
+///    HIL_GPS --------^          (Xr, Yr, Zr, yaw_r)                                           |
+///                                                     HIL_CONTROLS (u1, u2, u3, u4) <---------+
+void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {
+  // Estimate attitude, velocity and position from every sample ...
+  const bool fresh = sensors.on_sensor(m, core, now);
+  // ... and control at 400 Hz, on the sensor's clock.
+  if (fresh && sensors.control_due(m.time_usec, core.config.control_rate_hz)) {
+    control(m.time_usec, now);
+  }
+  tick(now);
+}
+
+void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
+  const double dt = time_step(time_usec);
+  settle_frame();
+
+  // Where to: the trajectory of the flight mode, or what a failsafe wants instead.
+  const ControlSetpoint setpoint = next_setpoint(dt, now);
+
+  // How: position and altitude --> attitude --> rates --> what four rotors can give of it.
+  const MixerResult& output = core.cascade.update(setpoint, core.estimator.state(), dt);
+
+  // The answer carries the stamp of the sample that it was computed from.
+  send_answer(output, time_usec, core);
+  core.status.u = output.u;
+
+  // For the next step.
+  core.estimator.set_at_rest(!core.commander.flying());
+  core.battery.update(core.commander.armed(), dt);
+}
+
+/// Time since the last control step on the sensor's clock, s.
+double FlightController::Impl::time_step(std::uint64_t time_usec) {
+  const double period = 1.0 / core.config.control_rate_hz;
+  const base::SimTime time = base::from_time_usec(time_usec);
+  const auto last = std::exchange(core.last_control, time);
+  if (!last) return period;
+  return std::clamp(base::to_seconds(time - *last), 0.2 * period, 10 * period);
+}
+
+void FlightController::Impl::settle_frame() {
+  // While disarmed, the place the vehicle stands at is known better with every fix.
+  if (!core.commander.armed() && core.estimator.origin_final()) core.set_home_here();
+  // When the estimate jumps, the references jump with it: the vehicle stays where it is.
+  if (core.estimator.position_resets() == core.position_resets_seen) return;
+  core.position_resets_seen = core.estimator.position_resets();
+  core.commander.on_position_reset(core.estimator.last_position_reset_N());
+}
+
+ControlSetpoint FlightController::Impl::next_setpoint(double dt, RunTime now) {
+  FailsafeInput failsafe = core.failsafe_input(now);
+  failsafe.offboard_alive = core.commander.offboard().alive(now, core.flight.offboard_timeout_s);
+  const double hover_n = std::max(core.cascade.hover_thrust_n(), 1e-3);
+  const double thrust_ratio = core.cascade.output().u[0] / hover_n;
+  return core.commander.update(core.context(now, dt), failsafe, thrust_ratio);
+}
+
+// ------------------------------------------------------------------------------ around the loop
 
 namespace {
 
@@ -42,183 +124,54 @@ base::Duration param_interval(const LineConfig& line) {
 
 }  // namespace
 
-struct FlightController::Impl {
-  Impl(const FcuConfig& config, Sink send)
-      : core(config, std::move(send)),
-        params(param_interval(config.line)),
-        commands(telemetry),
-        parser(table()) {
-    for (const auto& [name, value] : config.params) {
-      const ParamSetResult result = core.params.set(name, value);
-      if (result == ParamSetResult::kUnknown) throw base::ConfigError("no parameter " + name);
-      if (result != ParamSetResult::kOk) {
-        throw base::ConfigError("parameter " + name + " is out of range");
-      }
+FlightController::Impl::Impl(const FcuConfig& config, Sink send)
+    : core(config, std::move(send)), ground(param_interval(config.line)), parser(table()) {
+  for (const auto& [name, value] : config.params) {
+    const ParamSetResult result = core.params.set(name, value);
+    if (result == ParamSetResult::kUnknown) throw base::ConfigError("no parameter " + name);
+    if (result != ParamSetResult::kOk) {
+      throw base::ConfigError("parameter " + name + " is out of range");
     }
-    core.params.set("MAV_SYS_ID", config.system_id);
-    core.params.set("MAV_COMP_ID", config.component_id);
-    core.params.set("CAS_HIL_ACT",
-                    config.actuators == ActuatorMessage::kHilActuatorControls ? 1 : 0);
-    core.params.set("CAS_STAMP_MODE", config.stamp == StampMode::kArrival ? 1 : 0);
-    core.apply_params();
-    if (config.home_hint) core.estimator.set_origin(*config.home_hint);
   }
-
-  void begin(RunTime now) {
-    if (core.started) return;
-    core.started = true;
-    core.start = now;
-  }
-
-  bool is_for_us(const mav::PacketView& packet) const {
-    const mav::MessageInfo* info = table().find(packet.message_id);
-    if (info == nullptr) return false;
-    const mav::Source target = mav::target_of(packet, *info);
-    const bool system = target.system == 0 || target.system == core.config.system_id;
-    const bool component = target.component == 0 || target.component == core.config.component_id;
-    return system && component;
-  }
-
-  template <class Message, class Handler>
-  void handle(const mav::PacketView& packet, Handler&& handler) {
-    if (const auto message = mav::decode<Message>(packet)) handler(*message);
-  }
-
-  void dispatch(const mav::PacketView& packet, RunTime now);
-  void dispatch_mission(const mav::PacketView& packet, RunTime now);
-  void on_heartbeat(const Heartbeat& m, RunTime now);
-  void on_timesync(const Timesync& m, const mav::PacketView& packet, RunTime now);
-  void on_ping(const Ping& m, const mav::PacketView& packet);
-  void tick(RunTime now);
-  void watch_sensors(RunTime now);
-  void say();
-  void update_status();
-
-  FcuCore core;
-  Telemetry telemetry;
-  ParamProtocol params;
-  CommandHandler commands;
-  MissionProtocol missions;
-  SensorInput sensors;
-  mav::PacketParser parser;
-  mav::SequenceTracker sequence;
-  std::array<std::uint64_t, Outbox::kIds> received{};
-  bool sensors_lost = false;
-  bool was_armed = false;
-  FlightMode was_mode = FlightMode::kHold;
-  LandedState was_landed = LandedState::kOnGround;
-};
-
-void FlightController::Impl::on_heartbeat(const Heartbeat& m, RunTime now) {
-  if (m.type != MavType::kGcs) return;
-  core.ground_station_seen = true;
-  core.ground_station_last = now;
+  core.params.set("MAV_SYS_ID", config.system_id);
+  core.params.set("MAV_COMP_ID", config.component_id);
+  core.params.set("CAS_HIL_ACT", config.actuators == ActuatorMessage::kHilActuatorControls ? 1 : 0);
+  core.params.set("CAS_STAMP_MODE", config.stamp == StampMode::kArrival ? 1 : 0);
+  core.params.mark_start();
+  core.apply_params();
+  if (config.home_hint) core.estimator.set_origin(*config.home_hint);
 }
 
-void FlightController::Impl::on_timesync(const Timesync& m, const mav::PacketView& packet,
-                                         RunTime now) {
-  if (m.tc1 != 0) return;  // an answer; we ask nobody
-  Timesync answer;
-  answer.tc1 = (now - core.start).count();
-  answer.ts1 = m.ts1;
-  answer.target_system = packet.source.system;
-  answer.target_component = packet.source.component;
-  core.outbox.reply(answer, packet.version);
+void FlightController::Impl::begin(RunTime now) {
+  if (std::exchange(core.started, true)) return;
+  core.start = now;
 }
 
-void FlightController::Impl::on_ping(const Ping& m, const mav::PacketView& packet) {
-  if (m.target_system != 0 || m.target_component != 0) return;
-  core.outbox.reply(Ping{m.time_usec, m.seq, packet.source.system, packet.source.component},
-                    packet.version);
+bool FlightController::Impl::is_for_us(const mav::PacketView& packet) const {
+  const mav::MessageInfo* info = table().find(packet.message_id);
+  if (info == nullptr) return false;
+  const mav::Source target = mav::target_of(packet, *info);
+  const bool system = target.system == 0 || target.system == core.config.system_id;
+  const bool component = target.component == 0 || target.component == core.config.component_id;
+  return system && component;
 }
 
-void FlightController::Impl::dispatch(const mav::PacketView& packet, RunTime now) {
-  const int version = packet.version;
-  const mav::Source from = packet.source;
-  switch (packet.message_id) {
-    case HilSensor::kId:
-      return handle<HilSensor>(packet, [&](const auto& m) {
-        sensors.on_sensor(m, core, now);
-        tick(now);
-      });
-    case HilGps::kId:
-      return handle<HilGps>(packet, [&](const auto& m) { sensors.on_gps(m, core, now); });
-    case Heartbeat::kId:
-      return handle<Heartbeat>(packet, [&](const auto& m) { on_heartbeat(m, now); });
-    case CommandLong::kId:
-      return handle<CommandLong>(
-          packet, [&](const auto& m) { commands.on_long(m, from, version, core, now); });
-    case CommandInt::kId:
-      return handle<CommandInt>(
-          packet, [&](const auto& m) { commands.on_int(m, from, version, core, now); });
-    case SetMode::kId:
-      return handle<SetMode>(
-          packet, [&](const auto& m) { commands.on_set_mode(m, from, version, core, now); });
-    case ParamRequestList::kId:
-      return params.on_list(version);
-    case ParamRequestRead::kId:
-      return handle<ParamRequestRead>(packet,
-                                      [&](const auto& m) { params.on_read(m, core, version); });
-    case ParamSet::kId:
-      return handle<ParamSet>(packet, [&](const auto& m) {
-        params.on_set(m, core, version);
-        core.apply_params();
-      });
-    case SetPositionTargetLocalNed::kId:
-      return handle<SetPositionTargetLocalNed>(
-          packet, [&](const auto& m) { on_position_target(m, core, now); });
-    case SetPositionTargetGlobalInt::kId:
-      return handle<SetPositionTargetGlobalInt>(
-          packet, [&](const auto& m) { on_global_target(m, core, now); });
-    case SetAttitudeTarget::kId:
-      return handle<SetAttitudeTarget>(packet,
-                                       [&](const auto& m) { on_attitude_target(m, core, now); });
-    case ManualControl::kId:
-      return handle<ManualControl>(packet, [&](const auto& m) { on_manual_control(m, core, now); });
-    case HilRcInputsRaw::kId:
-      return handle<HilRcInputsRaw>(packet, [&](const auto& m) { on_rc_inputs(m, core, now); });
-    case RcChannelsOverride::kId:
-      return handle<RcChannelsOverride>(packet,
-                                        [&](const auto& m) { on_rc_override(m, core, now); });
-    case Timesync::kId:
-      return handle<Timesync>(packet, [&](const auto& m) { on_timesync(m, packet, now); });
-    case Ping::kId:
-      return handle<Ping>(packet, [&](const auto& m) { on_ping(m, packet); });
-    default:
-      dispatch_mission(packet, now);
+void FlightController::Impl::on_packet(const mav::PacketView& packet, RunTime now) {
+  sequence.update(packet.source, packet.sequence);
+  if (packet.message_id < Outbox::kIds) ++received[packet.message_id];
+  if (!is_for_us(packet)) return;
+  if (packet.message_id == HilSensor::kId) {
+    if (const auto m = mav::decode<HilSensor>(packet)) on_sensor(*m, now);
+  } else if (packet.message_id == HilGps::kId) {
+    if (const auto m = mav::decode<HilGps>(packet)) sensors.on_gps(*m, core, now);
+  } else {
+    ground.on_packet(packet, core, now);
   }
 }
 
-void FlightController::Impl::dispatch_mission(const mav::PacketView& packet, RunTime now) {
-  const int version = packet.version;
-  const mav::Source from = packet.source;
-  switch (packet.message_id) {
-    case MissionCount::kId:
-      return handle<MissionCount>(
-          packet, [&](const auto& m) { missions.on_count(m, from, version, core, now); });
-    case MissionItemInt::kId:
-      return handle<MissionItemInt>(
-          packet, [&](const auto& m) { missions.on_item(m, from, version, core, now); });
-    case MissionRequestList::kId:
-      return handle<MissionRequestList>(
-          packet, [&](const auto& m) { missions.on_request_list(m, from, version, core); });
-    case MissionRequestInt::kId:
-      return handle<MissionRequestInt>(packet, [&](const auto& m) {
-        missions.on_request(m.seq, m.mission_type, from, version, core);
-      });
-    case MissionRequest::kId:
-      return handle<MissionRequest>(packet, [&](const auto& m) {
-        missions.on_request(m.seq, m.mission_type, from, version, core);
-      });
-    case MissionClearAll::kId:
-      return handle<MissionClearAll>(
-          packet, [&](const auto& m) { missions.on_clear(m, from, version, core); });
-    case MissionSetCurrent::kId:
-      return handle<MissionSetCurrent>(
-          packet, [&](const auto& m) { missions.on_set_current(m, core, now); });
-    default:
-      return;
-  }
+void FlightController::Impl::tick(RunTime now) {
+  watch_sensors(now);
+  ground.update(core, now);
 }
 
 void FlightController::Impl::watch_sensors(RunTime now) {
@@ -226,15 +179,6 @@ void FlightController::Impl::watch_sensors(RunTime now) {
       core.sensors.seen(SensorMonitor::kImu) && !core.sensors.alive(SensorMonitor::kImu, now);
   if (lost && !sensors_lost) core.commander.on_sensors_lost();
   sensors_lost = lost;
-}
-
-void FlightController::Impl::say() {
-  for (const StatusTexts::Line& line : core.texts.take()) {
-    Statustext m;
-    m.severity = line.severity;
-    mav::set_text(m.text, line.text);
-    core.outbox.send(m);
-  }
 }
 
 void FlightController::Impl::update_status() {
@@ -257,23 +201,6 @@ void FlightController::Impl::update_status() {
   }
 }
 
-void FlightController::Impl::tick(RunTime now) {
-  watch_sensors(now);
-  const bool changed = core.commander.armed() != was_armed || core.commander.mode() != was_mode ||
-                       core.commander.landed() != was_landed;
-  if (changed) {
-    was_armed = core.commander.armed();
-    was_mode = core.commander.mode();
-    was_landed = core.commander.landed();
-    telemetry.hurry();
-  }
-  core.apply_params();
-  if (!core.texts.empty()) say();
-  telemetry.update(core, now);
-  params.update(core, now);
-  missions.update(core, now);
-}
-
 // ------------------------------------------------------------------------------ interface
 
 FlightController::FlightController(const FcuConfig& config, Sink send)
@@ -288,10 +215,7 @@ void FlightController::on_bytes(std::span<const std::uint8_t> bytes, RunTime now
 
 void FlightController::on_packet(const mav::PacketView& packet, RunTime now) {
   impl_->begin(now);
-  impl_->sequence.update(packet.source, packet.sequence);
-  if (packet.message_id < Outbox::kIds) ++impl_->received[packet.message_id];
-  if (!impl_->is_for_us(packet)) return;
-  impl_->dispatch(packet, now);
+  impl_->on_packet(packet, now);
   impl_->update_status();
 }
 
@@ -340,15 +264,7 @@ bool FlightController::set_param(std::string_view name, double value) {
   return good;
 }
 
-std::string FlightController::params_text() const {
-  std::ostringstream out;
-  out.precision(9);
-  for (std::size_t i = 0; i < impl_->core.params.size(); ++i) {
-    const Param& param = impl_->core.params.at(i);
-    if (param.value != param.initial) out << param.name << ' ' << param.value << '\n';
-  }
-  return out.str();
-}
+std::string FlightController::params_text() const { return impl_->core.params.changed_text(); }
 
 bool FlightController::take_reboot_request() {
   return std::exchange(impl_->core.reboot_wanted, false);

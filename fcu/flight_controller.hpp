@@ -94,7 +94,7 @@ class FlightController {
   bool get_param(std::string_view name, double& value) const;
   /// Sets a parameter as PARAM_SET would. @return false when unknown or out of range
   bool set_param(std::string_view name, double value);
-  /// All parameters that differ from their defaults, as "NAME VALUE" lines.
+  /// All parameters that differ from what the configuration begins with, as "NAME VALUE" lines.
   std::string params_text() const;
   /// Whether a reboot was asked for since the last call; the shell makes a new controller.
   bool take_reboot_request();

@@ -10,16 +10,20 @@ namespace {
 
 constexpr double kStandardGravity_m_s2 = 9.80665;
 
+Param param(std::string name, ParamType type, double initial, double low, double high) {
+  return {.name = std::move(name),
+          .type = type,
+          .value = initial,
+          .initial = initial,
+          .start = initial,
+          .low = low,
+          .high = high};
+}
 Param real(std::string name, double initial, double low, double high) {
-  return {std::move(name), ParamType::kReal32, initial, initial, low, high};
+  return param(std::move(name), ParamType::kReal32, initial, low, high);
 }
 Param integer(std::string name, int initial, int low, int high) {
-  return {std::move(name),
-          ParamType::kInt32,
-          static_cast<double>(initial),
-          static_cast<double>(initial),
-          static_cast<double>(low),
-          static_cast<double>(high)};
+  return param(std::move(name), ParamType::kInt32, initial, low, high);
 }
 
 /// Rate loops: crossover in rad/s -> full-scale torque per rad/s for this airframe.

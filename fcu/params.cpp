@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <sstream>
 
 #include "base/error.hpp"
 
@@ -28,7 +29,7 @@ ParamStore::ParamStore(const base::Vehicle& vehicle, const EstimatorParams& esti
     : params_(default_params(vehicle, estimator)) {
   for (Param& param : params_) {
     CAS_CHECK(param.name.size() <= 16);
-    param.value = param.initial = representable(param.type, param.initial);
+    param.value = param.start = param.initial = representable(param.type, param.initial);
   }
   std::sort(params_.begin(), params_.end(),
             [](const Param& a, const Param& b) { return a.name < b.name; });
@@ -69,6 +70,20 @@ ParamSetResult ParamStore::set(std::string_view name, double value) {
 void ParamStore::reset_to_defaults() {
   for (Param& param : params_) param.value = param.initial;
   ++revision_;
+}
+
+void ParamStore::mark_start() {
+  for (Param& param : params_) param.start = param.value;
+}
+
+std::string ParamStore::changed_text() const {
+  constexpr int kDigits = 10;  // a float and an INT32 come back exactly
+  std::ostringstream out;
+  out.precision(kDigits);
+  for (const Param& param : params_) {
+    if (param.value != param.start) out << param.name << ' ' << param.value << '\n';
+  }
+  return out.str();
 }
 
 std::uint32_t ParamStore::hash() const {

@@ -19,8 +19,9 @@ enum class ParamType : std::uint8_t { kInt32, kReal32 };
 struct Param {
   std::string name;  ///< at most 16 characters
   ParamType type = ParamType::kReal32;
-  double value = 0;  ///< representable in its wire type
-  double initial = 0;
+  double value = 0;    ///< representable in its wire type
+  double initial = 0;  ///< default
+  double start = 0;    ///< what the configuration begins with
   double low = 0;
   double high = 0;
 };
@@ -48,6 +49,11 @@ class ParamStore {
 
   /// Counts up with every change.
   std::uint64_t revision() const { return revision_; }
+
+  /// The values of now are those that the configuration begins with.
+  void mark_start();
+  /// What differs from the start, as "NAME VALUE" lines.
+  std::string changed_text() const;
 
   /// CRC-32 over names and values in list order, as a ground station's cache compares it.
   std::uint32_t hash() const;

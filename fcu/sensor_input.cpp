@@ -45,11 +45,7 @@ bool SensorInput::accept_time(std::uint64_t time_usec, FcuCore& core) {
     // The simulation began anew: so does the estimate. The rotors stop with it.
     core.texts.warn("Sensor time went back: estimator restarted");
     core.commander.disarm(true);
-    core.estimator = Estimator(core.estimator.params(), core.config.decimal_year);
-    if (core.config.home_hint) core.estimator.set_origin(*core.config.home_hint);
-    core.controlled = false;
-    core.home_set = false;
-    core.position_resets_seen = 0;
+    core.restart_estimate();
     gate_set_ = false;
     last_time_ = {};
     started_ = false;
@@ -82,34 +78,36 @@ void SensorInput::feed_estimator(const HilSensor& m, SimTime time, FcuCore& core
   }
 }
 
-void SensorInput::on_sensor(const HilSensor& m, FcuCore& core, RunTime now) {
-  if (!accept_time(m.time_usec, core)) return;
+bool SensorInput::on_sensor(const HilSensor& m, FcuCore& core, RunTime now) {
+  if (!accept_time(m.time_usec, core)) return false;
   note_age(m.time_usec, now);
   if (core.observer) core.observer(HilSensor::kId, m.time_usec, false);
   core.status.sensor_time_usec = m.time_usec;
 
-  // Estimate: by the message's own time, or by its arrival.
+  // By the message's own time, or by its arrival.
   const bool by_arrival = core.params.get_int("CAS_STAMP_MODE") == 1;
   SimTime time = by_arrival ? SimTime(now - core.start) : base::from_time_usec(m.time_usec);
   if (started_ && time <= last_time_) time = last_time_ + std::chrono::microseconds(1);
   feed_estimator(m, time, core, now);
   last_time_ = time;
   started_ = true;
+  return true;
+}
 
-  // Control: 400 Hz on the grid of the sensor's clock.
+bool SensorInput::control_due(std::uint64_t time_usec, double rate_hz) {
   if (!gate_set_) {
-    gate_ = base::RateGate(core.config.control_rate_hz);
+    gate_ = base::RateGate(rate_hz);
     gate_set_ = true;
     last_index_ = -1;
   }
-  const SimTime stamp = base::from_time_usec(m.time_usec);
-  if (!gate_.due(stamp)) return;
+  const SimTime stamp = base::from_time_usec(time_usec);
+  if (!gate_.due(stamp)) return false;
   const std::int64_t index = gate_.index_at(stamp.time_since_epoch());
   if (last_index_ >= 0 && index > last_index_ + 1) {
     missed_controls_ += static_cast<std::uint64_t>(index - last_index_ - 1);
   }
   last_index_ = index;
-  core.control(now, m.time_usec);
+  return true;
 }
 
 void SensorInput::on_gps(const HilGps& m, FcuCore& core, RunTime now) {

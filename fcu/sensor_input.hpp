@@ -14,11 +14,15 @@ namespace cas::fcu {
 
 struct FcuCore;
 
-/// From HIL_SENSOR and HIL_GPS to the estimator and, when it is due, a control step.
+/// From HIL_SENSOR and HIL_GPS to the estimator; says when a control step is due.
 class SensorInput {
  public:
-  void on_sensor(const mavlink::common::HilSensor& m, FcuCore& core, base::RunTime now);
+  /// @return false for a sample whose time stood still or went back: nothing was done with it
+  bool on_sensor(const mavlink::common::HilSensor& m, FcuCore& core, base::RunTime now);
   void on_gps(const mavlink::common::HilGps& m, FcuCore& core, base::RunTime now);
+  /// Whether the sample with this stamp falls into a new control period, on the grid of the
+  /// sensor's clock.
+  bool control_due(std::uint64_t time_usec, double rate_hz);
 
   std::uint64_t stale() const { return stale_; }
   std::uint64_t missed_controls() const { return missed_controls_; }

@@ -54,11 +54,13 @@ void Telemetry::update(FcuCore& core, base::RunTime now) {
   }
 }
 
-bool Telemetry::send_now(std::uint32_t id, FcuCore& core, base::RunTime now, int version) {
+Telemetry::Sent Telemetry::send_now(std::uint32_t id, FcuCore& core, base::RunTime now,
+                                    int version) {
   Stream* stream = find(id);
-  if (stream == nullptr) return false;
+  if (stream == nullptr) return Sent::kUnknown;
+  const std::uint64_t before = core.outbox.counts()[id];
   stream->send(core, now, version);
-  return true;
+  return core.outbox.counts()[id] > before ? Sent::kSent : Sent::kNothingYet;
 }
 
 bool Telemetry::set_interval(std::uint32_t id, double interval_us) {

@@ -18,8 +18,13 @@ class Telemetry {
 
   /// Sends what is due.
   void update(FcuCore& core, base::RunTime now);
-  /// Sends one message at once. @return false when it is not one of ours
-  bool send_now(std::uint32_t id, FcuCore& core, base::RunTime now, int version);
+  enum class Sent {
+    kSent,
+    kNothingYet,  ///< one of ours, but what it tells is not known yet
+    kUnknown,     ///< not one of ours
+  };
+  /// Sends one message at once.
+  Sent send_now(std::uint32_t id, FcuCore& core, base::RunTime now, int version);
   /// SET_MESSAGE_INTERVAL: microseconds, -1 off, 0 default. @return false when not one of ours
   bool set_interval(std::uint32_t id, double interval_us);
   /// Microseconds, -1 off; nothing of the kind: 0.

@@ -23,7 +23,4 @@ std::span<const MessageSource> message_sources();
 /// Sent at once when arming state, mode or landed state change.
 inline constexpr std::array<std::uint32_t, 2> kHurriedIds{0, 245};
 
-/// The arming checks' verdict, for SYS_STATUS.
-bool ready_to_arm(const FcuCore& core, base::RunTime now);
-
 }  // namespace cas::fcu

@@ -63,6 +63,17 @@ TEST(Params, CountEachChangeOnce) {
   EXPECT_EQ(store.revision(), before + 1);
 }
 
+TEST(Params, WhatIsSavedIsWhatDiffersFromTheStart) {
+  ParamStore store(iris());
+  const double initial = store.get("MC_ROLL_P");
+  store.set("MC_ROLL_P", 6);  // by the configuration
+  store.mark_start();
+  EXPECT_EQ(store.changed_text(), "");
+  store.set("MC_ROLL_P", initial);  // back to the default is a change too
+  store.set("CAL_GYRO0_ID", 2147483647);
+  EXPECT_EQ(store.changed_text(), "CAL_GYRO0_ID 2147483647\nMC_ROLL_P 7\n");
+}
+
 TEST(Params, HashChangesWithAnyValue) {
   ParamStore store(iris());
   const auto before = store.hash();

@@ -68,7 +68,7 @@ ClosedLoop::ClosedLoop(const LoopOptions& options)
       baro_random_(base::derive_seed(options.seed, "baro")),
       loss_random_(base::derive_seed(options.seed, "loss")),
       answers_(mavlink::common::table()) {
-  FcuConfig config;
+  FcuConfig& config = config_;
   config.vehicle = vehicle_;
   config.sensors = vehicle_.sensors;
   config.decimal_year = kYear;
@@ -87,6 +87,7 @@ ClosedLoop::ClosedLoop(const LoopOptions& options)
 template <class Message>
 void ClosedLoop::to_fcu(const Message& message) {
   const auto bytes = sim_encoder_(message);
+  if (options_.tap) options_.tap(bytes, now());
   if (up_) {
     up_->write(bytes, now());
   } else {

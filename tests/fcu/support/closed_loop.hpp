@@ -49,6 +49,8 @@ struct LoopOptions {
   LineConfig line;         ///< both directions
   double sensor_loss = 0;  ///< share of HIL_SENSOR packets that never arrive
   std::function<void(FcuConfig&)> configure;
+  /// Hears all that the controller is given, in order.
+  std::function<void(std::span<const std::uint8_t>, base::RunTime)> tap;
 };
 
 /// Estimator noise parameters that match a sensor preset, as config/fcu files give them.
@@ -69,6 +71,7 @@ class ClosedLoop {
   void send(const Message& message) {
     mav::PacketBuffer buffer;
     buffer.size = mav::encode(message, {255, 190}, gcs_sequence_++, buffer.bytes);
+    if (options_.tap) options_.tap(buffer.view(), now());
     fcu_->on_packet(mav::view_packet(buffer.view()), now());
   }
   /// Sends a COMMAND_LONG. @return the result acknowledged at once
@@ -81,6 +84,8 @@ class ClosedLoop {
   /// Re-positions in Hold.
   void go_to(double north_m, double east_m, double up_m, float yaw_rad = NAN);
 
+  /// The controller's configuration.
+  const FcuConfig& config() const { return config_; }
   FlightController& fcu() { return *fcu_; }
   QuadSim& quad() { return quad_; }
   SensorNoise& noise() { return options_.noise; }
@@ -117,6 +122,7 @@ class ClosedLoop {
   void to_fcu(const Message& message);
 
   LoopOptions options_;
+  FcuConfig config_;
   base::Vehicle vehicle_;
   base::Geodetic home_{47.397742, 8.545594, 488.0};
   base::LocalProjection projection_;

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The serial line of a running fcu_emulator, changed through its control socket.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/rpc/message.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/ping.hpp"
+#include "mavlink/common/timesync.hpp"
+#include "tests/fcu/support/emulator_bench.hpp"
+
+namespace cas::fcu {
+namespace {
+
+using namespace mavlink::common;  // NOLINT
+using base::rpc::Json;
+using test::EmulatorBench;
+
+class Line : public testing::Test {
+ protected:
+  /// Time from a PING to its answer, s.
+  double round_trip() {
+    const base::RunTime begin = base::steady_now();
+    bench_.until_ping<Ping>();
+    return base::to_seconds(base::steady_now() - begin);
+  }
+  EmulatorBench bench_;
+};
+
+TEST_F(Line, StatusAndFiguresAreToldByTheControlSocket) {
+  bench_.settle();
+  const Json status = bench_.call("fcu.status");
+  EXPECT_FALSE(status["armed"].get<bool>());
+  EXPECT_EQ(status["mode"], "HOLD");
+  EXPECT_EQ(status["landed"], "on_ground");
+  EXPECT_TRUE(status["estimator_ready"].get<bool>());
+  const Json stats = bench_.call("fcu.stats");
+  EXPECT_GT(stats["received"]["HIL_SENSOR"].get<int>(), 1000);
+  EXPECT_GT(stats["sent"]["HIL_CONTROLS"].get<int>(), 1000);
+  EXPECT_EQ(stats["crc_errors"], 0);
+  EXPECT_EQ(stats["line"]["preset"], "ideal");
+  EXPECT_GE(stats["sensor_age_us"]["max"].get<double>(), 0);
+  EXPECT_GT(stats["update_us"]["p50"].get<double>(), 0);
+}
+
+TEST_F(Line, ASlowByteClockMakesPacketsLate) {
+  // 12 bytes of header and checksum and 14 of PING each way; nothing else is on the line upwards.
+  bench_.call("line.set", {{"baud", 2400}});
+  constexpr double kByte_s = 10.0 / 2400;
+  EXPECT_GT(round_trip(), 2 * 20 * kByte_s);
+  bench_.call("line.set", {{"preset", "baud_921600"}});
+  EXPECT_EQ(bench_.call("fcu.stats")["line"]["preset"], "baud_921600");
+}
+
+TEST_F(Line, ExtraDelayActsBothWays) {
+  bench_.call("line.set", {{"extra_delay_us", 60'000}});
+  EXPECT_GT(round_trip(), 0.12);
+}
+
+TEST_F(Line, LossesAreCounted) {
+  bench_.call("line.set", {{"packet_loss", 1}});
+  bench_.send(Ping{1, 1, 0, 0});
+  EXPECT_TRUE(cas::test::wait_until(
+      [&] { return bench_.call("fcu.stats")["line"]["up"]["lost"].get<int>() > 0; }));
+  bench_.call("line.set", {{"preset", "ideal"}});
+  EXPECT_LT(round_trip(), 19);
+}
+
+TEST_F(Line, WrongSettingsAreRefusedInWords) {
+  const auto refused = [&](const std::string& method, const Json& params, const char* word) {
+    try {
+      bench_.call(method, params);
+      ADD_FAILURE() << params;
+    } catch (const base::rpc::CallError& error) {
+      EXPECT_EQ(error.code(), base::rpc::kInvalidParams);
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+    }
+  };
+  refused("line.set", {{"preset", "baud_9"}}, "baud_9");
+  refused("line.set", {{"bawd", 5}}, "bawd");
+  refused("line.set", {{"bit_error_rate", 2}}, "bit_error_rate");
+  refused("line.hangup", {{"ms", -5}}, "ms");
+}
+
+TEST_F(Line, HangsUpAndComesBack) {
+  ASSERT_TRUE(bench_.next<Heartbeat>());
+  bench_.call("line.hangup", {{"ms", 100}});
+  EXPECT_TRUE(cas::test::wait_until([&] {
+    bench_.read();
+    return bench_.hung_up();
+  }));
+  ASSERT_TRUE(bench_.reopen());
+  EXPECT_TRUE(bench_.next<Heartbeat>());
+  EXPECT_LT(round_trip(), 19);
+}
+
+}  // namespace
+}  // namespace cas::fcu
