@@ -61,7 +61,6 @@ ClosedLoop::ClosedLoop(const LoopOptions& options)
       projection_(home_),
       field_N_(base::magnetic_field_N(home_, kYear)),
       quad_(vehicle_, options.mass_scale, options.yaw_rad),
-      wind_(options.wind_m_s, options.turbulence_kt, 6.1, base::derive_seed(options.seed, "wind")),
       imu_random_(base::derive_seed(options.seed, "imu")),
       gps_random_(base::derive_seed(options.seed, "gps")),
       mag_random_(base::derive_seed(options.seed, "mag")),
@@ -208,7 +207,6 @@ void ClosedLoop::run(double seconds, const std::function<void()>& each) {
   const auto steps = static_cast<std::int64_t>(std::llround(seconds * 1e6 / kStep_us));
   const double dt = kStep_us * 1e-6;
   for (std::int64_t i = 0; i < steps; ++i) {
-    if (options_.wind_m_s != 0 || options_.turbulence_kt != 0) quad_.set_wind(wind_.step(dt));
     force_before_D_ = quad_.specific_force_D();
     quad_.step(dt);
     ++steps_;

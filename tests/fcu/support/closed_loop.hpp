@@ -44,8 +44,6 @@ struct LoopOptions {
   std::uint64_t seed = 1;
   double mass_scale = 1;
   double yaw_rad = 0;
-  double wind_m_s = 0;
-  double turbulence_kt = 0;
   LineConfig line;         ///< both directions
   double sensor_loss = 0;  ///< share of HIL_SENSOR packets that never arrive
   std::function<void(FcuConfig&)> configure;
@@ -128,7 +126,6 @@ class ClosedLoop {
   base::LocalProjection projection_;
   Eigen::Vector3d field_N_;
   QuadSim quad_;
-  WindModel wind_;
   base::NormalRandom imu_random_, gps_random_, mag_random_, baro_random_, loss_random_;
   std::unique_ptr<LineModel> up_, down_;
   std::unique_ptr<FlightController> fcu_;

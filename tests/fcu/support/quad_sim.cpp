@@ -94,27 +94,4 @@ void QuadSim::touch_ground() {
   state_.q_ND = base::quaternion_rpy(0, 0, base::euler_rpy(state_.q_ND).z());
 }
 
-WindModel::WindModel(double mean_m_s, double intensity_kt, double height_m, std::uint64_t seed)
-    : mean_m_s_(mean_m_s), random_(seed) {
-  constexpr double kFeet = 3.280839895;
-  constexpr double kFeetPerSecondPerKnot = 1.68780986;
-  const double h = std::max(height_m * kFeet, 10.0);
-  const double w20 = intensity_kt * kFeetPerSecondPerKnot;
-  const double sigma_w = 0.1 * w20;
-  const double sigma_u = sigma_w / std::pow(0.177 + 0.000823 * h, 0.4);
-  const double length_u = h / std::pow(0.177 + 0.000823 * h, 1.2);
-  const double speed = std::max(mean_m_s * kFeet, 1.0 * kFeet);
-  sigma_ = Vector3d(sigma_u, sigma_u, sigma_w) / kFeet;
-  rate_ = Vector3d(speed / length_u, speed / length_u, speed / h);
-}
-
-Vector3d WindModel::step(double dt) {
-  // First-order shaping of each axis: the spectrum of u; v and w differ little below the corner.
-  for (int i = 0; i < 3; ++i) {
-    const double keep = std::exp(-rate_[i] * dt);
-    state_[i] = keep * state_[i] + sigma_[i] * std::sqrt(1 - keep * keep) * random_();
-  }
-  return Vector3d(mean_m_s_, 0, 0) + state_;
-}
-
 }  // namespace cas::fcu::test

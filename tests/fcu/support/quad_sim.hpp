@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "base/random.hpp"
 #include "base/vehicle.hpp"
 
 namespace cas::fcu::test {
@@ -61,22 +60,6 @@ class QuadSim {
   Eigen::Vector3d wind_N_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d specific_force_D_{0, 0, -kGravity};
   bool on_ground_ = true;
-};
-
-/// Light low-altitude turbulence after MIL-F-8785C (Dryden) at a fixed height, plus a mean wind.
-class WindModel {
- public:
-  /// @param mean_m_s     mean wind at 20 ft, blowing towards north
-  /// @param intensity_kt W20 of the turbulence: 15 kt is light
-  WindModel(double mean_m_s, double intensity_kt, double height_m, std::uint64_t seed);
-  Eigen::Vector3d step(double dt);
-
- private:
-  double mean_m_s_;
-  Eigen::Vector3d sigma_, rate_;
-  Eigen::Vector3d state_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d second_ = Eigen::Vector3d::Zero();
-  base::NormalRandom random_;
 };
 
 }  // namespace cas::fcu::test
