@@ -83,7 +83,7 @@ struct App::Impl {
   }
 
   void run() {
-    if (!links.topology().tlog.empty()) links.tlog().start(links.topology().tlog);
+    start_log(links.topology().log);
     warn_of_narrow_lines();
     links.start();
     station_events.assign(links.local().descriptor());
@@ -99,6 +99,12 @@ struct App::Impl {
     links.stop();
     links.tlog().stop();
     if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
+  }
+
+  /// casd started anew leaves the log of before alone.
+  void start_log(const TlogConfig& log) {
+    if (log.tlog.empty()) return;
+    links.tlog().start(log.overwrite ? log.tlog : free_tlog_name(log.tlog), log.rotation);
   }
 
   void warn_of_narrow_lines() {

@@ -26,11 +26,23 @@ json log_status(const TlogWriter& tlog) {
 /// A log goes into a new .tlog file: a client of the port must not overwrite what it likes.
 json start_log(TlogWriter& tlog, CommandParams& params) {
   const std::filesystem::path file(params.text("file"));
+  const auto at_least = [&params](const std::string& key, double least) {
+    const double number = params.optional_number(key).value_or(0);
+    if (number != 0 && (number < least || number > 1e6)) {
+      throw BadParams("\"" + key + "\" must be 0 (off) or from " + std::to_string(least) +
+                      " to 1e6");
+    }
+    return number;
+  };
+  TlogRotation rotation;
+  rotation.max_bytes = static_cast<std::uint64_t>(at_least("rotate_mib", 0.001) * 1024 * 1024);
+  rotation.max_age = base::from_seconds(at_least("rotate_minutes", 0.001) * 60);
+  rotation.keep = static_cast<int>(params.optional_integer("keep", 0, 1'000'000).value_or(0));
   params.finish();
   std::error_code ignored;
   if (file.extension() != ".tlog") throw BadParams("\"file\" must end in .tlog");
   if (std::filesystem::exists(file, ignored)) throw BadParams(file.string() + " exists already");
-  tlog.start(file);
+  tlog.start(file, rotation);
   return log_status(tlog);
 }
 

@@ -20,20 +20,28 @@ constexpr const char* kVerdictWords[] = {"forwarded", "duplicate", "no_rule", "n
 
 double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
 
+/// What became of packets on a link with `signing`, by mav::SignatureVerdict.
+constexpr const char* kSignatureWords[] = {"accepted", "unsigned_allowed", "unsigned",  "bad",
+                                           "replayed", "too_old",          "table_full"};
+
+json signatures_json(const LinkStatus& link) {
+  json counts{{"setup_signing", link.rx.setup_signing}};
+  for (std::size_t i = 0; i < link.rx.signatures.size(); ++i) {
+    counts[kSignatureWords[i]] = link.rx.signatures[i];
+  }
+  return counts;
+}
+
 json rx_json(const LinkStatus& link) {
   json verdicts = json::object();
   for (std::size_t i = 0; i < link.rx.verdicts.size(); ++i) {
     verdicts[kVerdictWords[i]] = link.rx.verdicts[i];
   }
-  return json{{"packets", link.rx.packets},
-              {"bytes", link.rx.bytes},
-              {"crc_errors", link.rx.crc_errors},
-              {"lost", link.rx.lost},
-              {"unknown", link.rx.unknown},
-              {"skipped_bytes", link.rx.skipped_bytes},
-              {"kernel_drops", link.rx.kernel_drops},
-              {"foreign", link.rx.foreign},
-              {"verdicts", verdicts}};
+  return json{{"packets", link.rx.packets},           {"bytes", link.rx.bytes},
+              {"crc_errors", link.rx.crc_errors},     {"lost", link.rx.lost},
+              {"unknown", link.rx.unknown},           {"skipped_bytes", link.rx.skipped_bytes},
+              {"kernel_drops", link.rx.kernel_drops}, {"foreign", link.rx.foreign},
+              {"not_accepted", link.rx.not_accepted}, {"verdicts", verdicts}};
 }
 
 json tx_json(const LinkStatus& link) {
@@ -174,7 +182,9 @@ json CommandFigures::links() const {
                {"rx", rx_json(link)},
                {"tx", tx_json(link)}};
     for (const LinkConfig& config : topology.links) {
-      if (config.name == link.name && config.baud > 0) entry["baud"] = config.baud;
+      if (config.name != link.name) continue;
+      if (config.baud > 0) entry["baud"] = config.baud;
+      if (config.signing) entry["rx"]["signatures"] = signatures_json(link);
     }
     all.push_back(std::move(entry));
   }

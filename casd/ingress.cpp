@@ -9,8 +9,13 @@ namespace cas::casd {
 
 Parser make_parser() { return Parser(mav::public_table()); }
 
-Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor)
-    : link_(link), switchboard_(switchboard), monitor_(std::move(monitor)) {}
+Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor,
+                 AcceptRule accept, std::shared_ptr<LinkSigning> signing)
+    : link_(link),
+      switchboard_(switchboard),
+      monitor_(std::move(monitor)),
+      accept_(std::move(accept)),
+      signing_(std::move(signing)) {}
 
 void Ingress::take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
                    std::uint8_t peer) {
@@ -30,6 +35,7 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std:
   if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
     monitor_->rx.lost.add(lost);
   }
+  if (!accept_.accepts(packet)) return monitor_->rx.not_accepted.add();
   const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   monitor_->rx.verdicts[static_cast<std::size_t>(route.verdict)].add();
   switchboard_.taps().on_packet(link_, packet, now);

@@ -4,7 +4,9 @@
 #include <memory>
 #include <span>
 
+#include "casd/accept_rule.hpp"
 #include "casd/delivery_batch.hpp"
+#include "casd/link_signing.hpp"
 #include "casd/monitor.hpp"
 #include "casd/switchboard.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
@@ -20,7 +22,9 @@ Parser make_parser();
 /// on the thread that read the bytes.
 class Ingress {
  public:
-  Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor);
+  /// @param signing  empty: signatures are not looked at
+  Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor,
+          AcceptRule accept = {}, std::shared_ptr<LinkSigning> signing = nullptr);
 
   /// Bytes of a stream. Packets are collected until deliver().
   void take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
@@ -32,7 +36,7 @@ class Ingress {
   template <class OnPacket>
   void parse_datagram(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
     parse(parser, bytes, on_packet);
-    parser.flush(on_packet);
+    parser.flush([&](const mav::PacketView& packet) { admit(packet, on_packet); });
   }
   /// Likewise for bytes of a stream.
   template <class OnPacket>
@@ -54,16 +58,26 @@ class Ingress {
   void parse(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
     const Parser::Stats before = parser.stats();
     monitor_->rx.bytes.add(bytes.size());
-    parser.feed(bytes, on_packet, [&](const mav::PacketView& packet) {
-      if (switchboard_.router().passes_unknown(link_)) on_packet(packet);
-    });
+    parser.feed(
+        bytes, [&](const mav::PacketView& packet) { admit(packet, on_packet); },
+        [&](const mav::PacketView& packet) {
+          if (switchboard_.router().passes_unknown(link_)) admit(packet, on_packet);
+        });
     count_parser(parser, before);
+  }
+  /// Only what is signed as it should be counts as received.
+  template <class OnPacket>
+  void admit(const mav::PacketView& packet, OnPacket& on_packet) {
+    if (!signing_) return on_packet(packet);
+    if (const auto admitted = signing_->admit(packet)) on_packet(*admitted);
   }
   void count_parser(const Parser& parser, const Parser::Stats& before);
 
   LinkId link_;
   Switchboard& switchboard_;
   std::shared_ptr<LinkMonitor> monitor_;
+  AcceptRule accept_;
+  std::shared_ptr<LinkSigning> signing_;
   mav::SequenceTracker sequence_;
   DeliveryBatch batch_;
   std::shared_ptr<const PortTable> ports_;

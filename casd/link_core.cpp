@@ -22,7 +22,9 @@ double line_bytes_s(const LinkConfig& config) {
 }  // namespace
 
 LinkCore::LinkCore(LinkContext context)
-    : context_(std::move(context)), ingress_(context_.id, context_.switchboard, context_.monitor) {}
+    : context_(std::move(context)),
+      ingress_(context_.id, context_.switchboard, context_.monitor, context_.config.accept,
+               context_.signing) {}
 
 void LinkCore::went_up(const std::string& endpoint) {
   if (was_up_) context_.monitor->reconnects.add();
@@ -52,6 +54,7 @@ void LinkCore::on_second(base::RunTime now) {
 TxPortOptions LinkCore::port_options() const {
   return {.queue = context_.config.queue,
           .line_bytes_s = line_bytes_s(context_.config),
+          .signing = context_.signing,
           .blocking = context_.blocking};
 }
 

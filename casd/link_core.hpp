@@ -19,8 +19,9 @@ struct LinkContext {
   LinkConfig config;
   Switchboard& switchboard;
   std::shared_ptr<LinkMonitor> monitor;
-  std::function<void()> wake;  ///< wakes the thread of the link's loop
-  bool blocking = false;       ///< threads: blocking
+  std::shared_ptr<LinkSigning> signing;  ///< empty: none
+  std::function<void()> wake;            ///< wakes the thread of the link's loop
+  bool blocking = false;                 ///< threads: blocking
 };
 
 /// What every kind of link does alike: state, back-off, the once-a-second chores.

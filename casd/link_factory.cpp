@@ -7,6 +7,7 @@
 #include "casd/serial_link.hpp"
 #include "casd/tcp_link.hpp"
 #include "casd/tcp_server_link.hpp"
+#include "casd/tlog_link.hpp"
 #include "casd/udp_link.hpp"
 #include "casd/udp_server_link.hpp"
 
@@ -25,6 +26,8 @@ std::unique_ptr<Link> make_link(LinkContext context) {
       return std::make_unique<TcpLink>(std::move(context));
     case LinkType::kTcpServer:
       return std::make_unique<TcpServerLink>(std::move(context));
+    case LinkType::kTlog:
+      return std::make_unique<TlogLink>(std::move(context));
   }
   CAS_CHECK(false);
   return nullptr;

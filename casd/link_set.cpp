@@ -14,6 +14,7 @@ LinkSet::LinkSet(Topology topology)
     : topology_(std::move(topology)),
       switchboard_(make_plan(topology_, slots_in_order(topology_)), topology_.route_lifetime),
       local_(std::make_shared<LocalEndpoint>(switchboard_, topology_.self)) {
+  keys_.read(topology_);
   for (const LinkConfig& config : topology_.links) open(config);
   publish_ports();
 }
@@ -40,6 +41,7 @@ void LinkSet::reload(Topology topology) {
   if (topology.threads != topology_.threads || topology.self != topology_.self) {
     throw base::ConfigError("threads, system_id and component_id only change with a restart");
   }
+  keys_.read(topology);
   const auto unchanged = [&](const Running& running) {
     return std::any_of(topology.links.begin(), topology.links.end(),
                        [&](const LinkConfig& config) { return config == running.config; });
@@ -86,10 +88,12 @@ std::string LinkSet::endpoints() const {
 
 void LinkSet::open(const LinkConfig& config) {
   Running running{.config = config, .id = free_slot(), .port = {}, .loop = loop_for(config)};
+  auto monitor = monitor_.add_link(running.id, config.name, config.type);
   auto link = make_link({.id = running.id,
                          .config = config,
                          .switchboard = switchboard_,
-                         .monitor = monitor_.add_link(running.id, config.name, config.type),
+                         .monitor = monitor,
+                         .signing = keys_.for_link(config, monitor),
                          .wake = [loop = running.loop.get()] { loop->wake(); },
                          .blocking = topology_.threads == ThreadModel::kBlocking});
   running.link = link.get();

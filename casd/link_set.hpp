@@ -6,6 +6,7 @@
 #include <string>
 
 #include "casd/link_loop.hpp"
+#include "casd/link_signing.hpp"
 #include "casd/local_endpoint.hpp"
 #include "casd/monitor.hpp"
 #include "casd/switchboard.hpp"
@@ -65,6 +66,7 @@ class LinkSet {
   Topology topology_;
   Switchboard switchboard_;
   Monitor monitor_;
+  SigningKeys keys_;
   std::shared_ptr<LocalEndpoint> local_;
   std::shared_ptr<LinkLoop> common_loop_;  ///< threads: single, blocking
   std::map<std::string, Running> running_;

@@ -104,11 +104,25 @@ std::vector<LinkStatus> Monitor::links() const {
     status.reconnects = link->reconnects.get();
     status.peers = link->peers.get();
     const auto& rx = link->rx;
-    status.rx = {rx.packets.get(),      rx.bytes.get(),   rx.crc_errors.get(),
-                 rx.lost.get(),         rx.unknown.get(), rx.skipped_bytes.get(),
-                 rx.kernel_drops.get(), rx.foreign.get(), {}};
+    status.rx = {rx.packets.get(),
+                 rx.bytes.get(),
+                 rx.crc_errors.get(),
+                 rx.lost.get(),
+                 rx.unknown.get(),
+                 rx.skipped_bytes.get(),
+                 rx.kernel_drops.get(),
+                 rx.foreign.get(),
+                 {},
+                 0,
+                 0,
+                 {}};
     for (std::size_t i = 0; i < rx.verdicts.size(); ++i) {
       status.rx.verdicts[i] = rx.verdicts[i].get();
+    }
+    status.rx.not_accepted = rx.not_accepted.get();
+    status.rx.setup_signing = rx.setup_signing.get();
+    for (std::size_t i = 0; i < rx.signatures.size(); ++i) {
+      status.rx.signatures[i] = rx.signatures[i].get();
     }
     const auto& tx = link->tx;
     status.tx.packets = tx.packets.get();

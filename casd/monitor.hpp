@@ -51,7 +51,10 @@ struct LinkMonitor {
 
   struct {
     Counter packets, bytes, crc_errors, lost, unknown, skipped_bytes, kernel_drops, foreign;
-    std::array<Counter, 5> verdicts;  ///< by Route::Verdict: where received packets ended
+    Counter not_accepted;               ///< left out by the link's `accept`
+    Counter setup_signing;              ///< refused: a key never goes on
+    std::array<Counter, 7> signatures;  ///< by mav::SignatureVerdict, on links with `signing`
+    std::array<Counter, 5> verdicts;    ///< by Route::Verdict: where received packets ended
     MessageCounters messages;
   } rx;
   struct {
@@ -86,6 +89,8 @@ struct LinkStatus {
     std::uint64_t packets = 0, bytes = 0, crc_errors = 0, lost = 0, unknown = 0, skipped_bytes = 0,
                   kernel_drops = 0, foreign = 0;
     std::array<std::uint64_t, 5> verdicts{};  ///< by Route::Verdict
+    std::uint64_t not_accepted = 0, setup_signing = 0;
+    std::array<std::uint64_t, 7> signatures{};  ///< by mav::SignatureVerdict
   } rx;
   struct {
     std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0,

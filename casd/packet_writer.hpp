@@ -23,6 +23,8 @@ class PacketWriter {
   virtual WriteResult write(std::span<const PacketRef> packets) = 0;
   /// Writes raw bytes: the rest of a packet that was begun. @return bytes gone, -1 when broken
   virtual std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) = 0;
+  /// Bytes that it adds to each packet.
+  virtual std::size_t added_bytes() const { return 0; }
   /// What to wait on when it takes no more.
   virtual int descriptor() const = 0;
 };

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <chrono>
 #include <system_error>
@@ -17,24 +14,13 @@ namespace {
 // Written at the latest after this: a log survives a crash but for the last moments.
 constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
 
-bool write_all(int fd, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t gone = ::write(fd, bytes.data(), bytes.size());
-    if (gone < 0 && errno == EINTR) continue;
-    if (gone <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(gone));
-  }
-  return true;
-}
-
 }  // namespace
 
 TlogWriter::~TlogWriter() { stop(); }
 
-void TlogWriter::start(const std::filesystem::path& file) {
+void TlogWriter::start(const std::filesystem::path& file, const TlogRotation& rotation) {
   stop();
-  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (fd < 0) {
+  if (!files_.open(file, rotation, base::steady_now())) {
     throw base::ConfigError("log " + file.string() + ": " + std::generic_category().message(errno));
   }
   const std::scoped_lock lock(mutex_);
@@ -42,7 +28,6 @@ void TlogWriter::start(const std::filesystem::path& file) {
       std::chrono::system_clock::now().time_since_epoch());
   unix_minus_run_ns_ = (unix_ns - base::steady_now().time_since_epoch()).count();
   path_ = file;
-  fd_ = fd;
   stopping_ = false;
   thread_ = std::thread([this] { run(); });
   active_.store(true, std::memory_order_relaxed);
@@ -57,8 +42,7 @@ void TlogWriter::stop() {
   }
   more_.notify_one();
   thread_.join();
-  ::close(fd_);
-  fd_ = -1;
+  files_.close();
 }
 
 std::filesystem::path TlogWriter::file() const {
@@ -83,6 +67,17 @@ void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now)
   recorded_.fetch_add(1, std::memory_order_relaxed);
 }
 
+bool TlogWriter::write(std::span<const std::uint8_t> records) {
+  const bool written = files_.write(records, base::steady_now());
+  const int error = errno;
+  {
+    const std::scoped_lock lock(mutex_);
+    path_ = files_.current();
+  }
+  errno = error;
+  return written;
+}
+
 void TlogWriter::run() {
   std::vector<std::uint8_t> taken;
   bool failed = false;
@@ -93,7 +88,7 @@ void TlogWriter::run() {
       last = stopping_;
       taken.swap(waiting_);
     }
-    if (!failed && !write_all(fd_, taken)) {
+    if (!failed && !write(taken)) {
       failed = true;
       active_.store(false, std::memory_order_relaxed);
       base::log::error("log " + file().string() + ": " + std::generic_category().message(errno));

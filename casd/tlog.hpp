@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "casd/tlog_files.hpp"
 
 namespace cas::casd {
 
@@ -27,10 +28,11 @@ class TlogWriter {
   TlogWriter& operator=(const TlogWriter&) = delete;
 
   /// Starts a new file. @throws base::ConfigError when it cannot be created
-  void start(const std::filesystem::path& file);
+  void start(const std::filesystem::path& file, const TlogRotation& rotation = {});
   /// Writes what is left and closes.
   void stop();
   bool active() const { return active_.load(std::memory_order_relaxed); }
+  /// The file that is being written, or the last one.
   std::filesystem::path file() const;
 
   /// From any thread; does nothing while no log is open.
@@ -43,6 +45,7 @@ class TlogWriter {
   static constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
 
   void run();
+  bool write(std::span<const std::uint8_t> records);
 
   std::atomic<bool> active_{false};
   std::atomic<std::uint64_t> recorded_{0};
@@ -54,7 +57,7 @@ class TlogWriter {
   bool stopping_ = false;
   std::int64_t unix_minus_run_ns_ = 0;  ///< wall clock at run time zero
   std::filesystem::path path_;
-  int fd_ = -1;
+  TlogFiles files_;  ///< of the thread, once it runs
   std::thread thread_;
 };
 

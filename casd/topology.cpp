@@ -41,6 +41,17 @@ CommandingConfig parse_commanding(const base::ConfigNode& node) {
   return commanding;
 }
 
+TlogConfig parse_log(const base::ConfigNode& node) {
+  TlogConfig log;
+  log.tlog = node.get<std::string>("tlog", "");
+  log.rotation.max_bytes =
+      static_cast<std::uint64_t>(node.get_in("rotate_mib", 0, 0, 1e6) * 1024 * 1024);
+  log.rotation.max_age = base::from_seconds(node.get_in("rotate_minutes", 0, 0, 1e6) * 60);
+  log.rotation.keep = static_cast<int>(node.get_in("keep", 0, 0, 1e6));
+  log.overwrite = node.get<bool>("overwrite", false);
+  return log;
+}
+
 std::vector<LinkConfig> parse_links(const base::ConfigNode& root) {
   std::vector<LinkConfig> links;
   std::set<std::string> names;
@@ -60,7 +71,8 @@ std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links
   std::vector<RouteConfig> routes;
   for (const LinkConfig& from : links) {
     for (const LinkConfig& to : links) {
-      if (from.name != to.name) routes.push_back({from.name, to.name, {}});
+      if (from.name != to.name && to.type != LinkType::kTlog)
+        routes.push_back({from.name, to.name, {}});
     }
   }
   return routes;
@@ -121,7 +133,7 @@ Topology Topology::parse(const base::ConfigNode& root) {
   if (const auto node = root.find("commanding")) topology.commanding = parse_commanding(*node);
   topology.links = parse_links(root);
   topology.routes = parse_routes(root, topology.links);
-  if (const auto log = root.find("log")) topology.tlog = log->get<std::string>("tlog", "");
+  if (const auto log = root.find("log")) topology.log = parse_log(*log);
   if (const auto gains = root.find("gains")) {
     topology.gains = root.resolve(gains->as<std::string>());
   }

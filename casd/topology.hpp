@@ -13,16 +13,29 @@
 #include "base/clock.hpp"
 #include "base/config.hpp"
 #include "base/thread.hpp"
+#include "casd/accept_rule.hpp"
 #include "casd/forward_rule.hpp"
 #include "casd/link_id.hpp"
 #include "casd/router.hpp"
+#include "casd/tlog_files.hpp"
 #include "casd/tx_queue.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
 
-enum class LinkType : std::uint8_t { kUdp, kUdpServer, kSerial, kTcp, kTcpServer };
+enum class LinkType : std::uint8_t { kUdp, kUdpServer, kSerial, kTcp, kTcpServer, kTlog };
 std::string_view to_string(LinkType type);
+
+/// MAVLink 2 signing of a link (`signing`).
+struct SigningConfig {
+  std::filesystem::path key_file;
+  std::uint8_t link_id = 0;  ///< tells the links of one key apart
+  bool verify = true;        ///< refuse what is not signed with the key, take signatures off
+  bool sign = true;          ///< sign what goes out
+  std::vector<std::uint32_t> allow_unsigned;  ///< messages that may come unsigned
+
+  friend bool operator==(const SigningConfig&, const SigningConfig&) = default;
+};
 
 /// One entry of `links`. Keys that a type does not have are refused.
 struct LinkConfig {
@@ -42,10 +55,17 @@ struct LinkConfig {
   bool flow_control = false;  ///< RTS/CTS
   bool pace = true;           ///< hold writes to 98 % of the baud rate
 
+  // tlog
+  std::filesystem::path file;
+  double speed = 1;     ///< recorded seconds per second
+  bool repeat = false;  ///< from the start again at its end
+
   // all
   double max_bytes_s = 0;     ///< cap on what is sent; 0: none
   bool pass_unknown = false;  ///< let packets with unknown message ids pass
   std::string group;          ///< redundant paths share a group name
+  AcceptRule accept;
+  std::optional<SigningConfig> signing;
   TxQueueOptions queue;
   base::ThreadOptions scheduling;  ///< of the link's thread (threads: per_link)
 
@@ -79,6 +99,13 @@ struct CommandingConfig {
   bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL
 };
 
+/// Recording from the start (`log`).
+struct TlogConfig {
+  std::filesystem::path tlog;  ///< empty: none
+  TlogRotation rotation;
+  bool overwrite = false;  ///< an existing file is written anew; false: the next free name is taken
+};
+
 /// casd's whole configuration ("TOPOLOGY.yaml", schema 1).
 struct Topology {
   mav::Source self{254, 190};
@@ -90,7 +117,7 @@ struct Topology {
   CommandingConfig commanding;
   std::vector<LinkConfig> links;
   std::vector<RouteConfig> routes;
-  std::filesystem::path tlog;   ///< empty: none
+  TlogConfig log;
   std::filesystem::path gains;  ///< empty: none; loop name -> parameter names per autopilot
 
   /// @throws ConfigError "FILE:LINE: key: sentence"

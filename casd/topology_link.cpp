@@ -8,15 +8,15 @@
 namespace cas::casd {
 namespace {
 
-constexpr std::array kTypes{LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial, LinkType::kTcp,
-                            LinkType::kTcpServer};
+constexpr std::array kTypes{LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial,
+                            LinkType::kTcp, LinkType::kTcpServer, LinkType::kTlog};
 
 LinkType parse_type(const base::ConfigNode& node) {
   const auto word = node.as<std::string>();
   for (const LinkType type : kTypes) {
     if (word == to_string(type)) return type;
   }
-  node.fail("'" + word + "' is none of udp, udp_server, serial, tcp, tcp_server");
+  node.fail("'" + word + "' is none of udp, udp_server, serial, tcp, tcp_server, tlog");
 }
 
 // "HOST:PORT" or "[V6]:PORT"; whether the host exists is found out when the link opens.
@@ -69,6 +69,12 @@ void parse_serial(const base::ConfigNode& node, LinkConfig& link) {
   if (link.pace && link.baud == 0) node.at("pace").fail("a line without baud has no pace");
 }
 
+void parse_tlog(const base::ConfigNode& node, LinkConfig& link) {
+  link.file = node.resolve(node.require<std::string>("file"));
+  link.speed = node.get_in("speed", link.speed, 0.01, 1000);
+  link.repeat = node.get<bool>("repeat", false);
+}
+
 void parse_queue(const base::ConfigNode& node, TxQueueOptions& queue) {
   const auto ms = [&](std::string_view key, base::Duration fallback) {
     return base::from_seconds(node.get_in(key, base::to_seconds(fallback) * 1e3, 0.1, 60'000) /
@@ -97,6 +103,8 @@ void parse_common(const base::ConfigNode& node, LinkConfig& link) {
     link.pass_unknown = word == "pass";
   }
   link.group = node.get<std::string>("group", "");
+  if (const auto accept = node.find("accept")) link.accept = parse_accept(*accept);
+  if (const auto signing = node.find("signing")) link.signing = parse_signing(*signing);
   if (const auto queue = node.find("queue")) parse_queue(*queue, link.queue);
   if (const auto scheduling = node.find("scheduling")) {
     link.scheduling = base::parse_thread_options(*scheduling);
@@ -117,6 +125,8 @@ std::string_view to_string(LinkType type) {
       return "tcp";
     case LinkType::kTcpServer:
       return "tcp_server";
+    case LinkType::kTlog:
+      return "tlog";
   }
   return "?";
 }
@@ -141,6 +151,9 @@ LinkConfig parse_link(const base::ConfigNode& node) {
     case LinkType::kSerial:
       parse_serial(node, link);
       break;
+    case LinkType::kTlog:
+      parse_tlog(node, link);
+      break;
   }
   parse_common(node, link);
   node.reject_unused();
@@ -150,9 +163,9 @@ LinkConfig parse_link(const base::ConfigNode& node) {
 bool operator==(const LinkConfig& a, const LinkConfig& b) {
   const auto own = [](const LinkConfig& link) {
     return std::tie(link.name, link.type, link.local, link.remote, link.interface, link.max_peers,
-                    link.expiry, link.device, link.baud, link.flow_control, link.pace,
-                    link.max_bytes_s, link.queue, link.scheduling.fifo_priority,
-                    link.scheduling.cpus);
+                    link.expiry, link.device, link.baud, link.flow_control, link.pace, link.file,
+                    link.speed, link.repeat, link.max_bytes_s, link.accept, link.signing,
+                    link.queue, link.scheduling.fifo_priority, link.scheduling.cpus);
   };
   return own(a) == own(b);
 }

@@ -48,26 +48,6 @@ std::uint32_t parse_message(const base::ConfigNode& node, const std::string& tex
   return known->id;
 }
 
-std::vector<std::uint32_t> parse_messages(const base::ConfigNode& node) {
-  std::vector<std::uint32_t> ids;
-  for (const base::ConfigNode& entry : one_or_many(node)) {
-    ids.push_back(parse_message(entry, entry.as<std::string>()));
-  }
-  return ids;
-}
-
-std::vector<std::uint8_t> parse_bytes(const base::ConfigNode& node, std::string_view key) {
-  std::vector<std::uint8_t> ids;
-  const auto list = node.find(key);
-  if (!list) return ids;
-  for (const base::ConfigNode& entry : one_or_many(*list)) {
-    const int id = entry.as<int>();
-    if (id < 0 || id > 255) entry.fail(std::to_string(id) + " is not an id (0..255)");
-    ids.push_back(static_cast<std::uint8_t>(id));
-  }
-  return ids;
-}
-
 RateRule parse_rate(const std::string& message, const base::ConfigNode& node) {
   RateRule rate{.message_id = parse_message(node, message)};
   if (!node.is_map()) {
@@ -96,14 +76,38 @@ ForwardRule parse_rule(const base::ConfigNode& node) {
   return rule;
 }
 
-bool is_server(const std::vector<LinkConfig>& links, const std::string& name) {
+bool is_of_type(const std::vector<LinkConfig>& links, const std::string& name, LinkType type) {
   return std::any_of(links.begin(), links.end(), [&](const LinkConfig& link) {
-    return link.name == name &&
-           (link.type == LinkType::kUdpServer || link.type == LinkType::kTcpServer);
+    return link.name == name && link.type == type;
   });
 }
 
+bool is_server(const std::vector<LinkConfig>& links, const std::string& name) {
+  return is_of_type(links, name, LinkType::kUdpServer) ||
+         is_of_type(links, name, LinkType::kTcpServer);
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> parse_messages(const base::ConfigNode& node) {
+  std::vector<std::uint32_t> ids;
+  for (const base::ConfigNode& entry : one_or_many(node)) {
+    ids.push_back(parse_message(entry, entry.as<std::string>()));
+  }
+  return ids;
+}
+
+std::vector<std::uint8_t> parse_bytes(const base::ConfigNode& node, std::string_view key) {
+  std::vector<std::uint8_t> ids;
+  const auto list = node.find(key);
+  if (!list) return ids;
+  for (const base::ConfigNode& entry : one_or_many(*list)) {
+    const int id = entry.as<int>();
+    if (id < 0 || id > 255) entry.fail(std::to_string(id) + " is not an id (0..255)");
+    ids.push_back(static_cast<std::uint8_t>(id));
+  }
+  return ids;
+}
 
 std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
                                      const std::vector<LinkConfig>& links) {
@@ -117,6 +121,10 @@ std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
   std::vector<RouteConfig> routes;
   for (const std::string& one : from) {
     for (const std::string& other : to) {
+      if (is_of_type(links, other, LinkType::kTlog)) {
+        if (single) node.fail("nothing can be sent to '" + other + "', a log that is played");
+        continue;
+      }
       if (one != other) {
         routes.push_back({one, other, rule});
       } else if (single) {

@@ -6,6 +6,8 @@
 
 #include <utility>
 
+#include "casd/link_signing.hpp"
+
 namespace cas::casd {
 namespace {
 
@@ -58,7 +60,7 @@ void TxPort::deliver(std::span<const PacketRef> packets, base::RunTime now) {
 void TxPort::attach(std::unique_ptr<PacketWriter> writer) {
   const std::scoped_lock lock(writer_mutex_);
   drop_all(DropCause::kDown);
-  writer_ = std::move(writer);
+  writer_ = options_.signing ? options_.signing->wrap(std::move(writer)) : std::move(writer);
   pacer_.reset();
   broken_.store(false, std::memory_order_relaxed);
   open_.store(true, std::memory_order_release);
@@ -278,7 +280,7 @@ void TxPort::drop_all(DropCause cause) {
 void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
   std::size_t bytes = 0;
   for (const PacketRef& packet : written) {
-    bytes += packet.bytes.size();
+    bytes += packet.bytes.size() + writer_->added_bytes();
     monitor_->tx.messages.add(packet.info->message_id, packet.info->source, now);
   }
   pacer_.sent(bytes, now);

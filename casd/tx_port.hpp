@@ -17,10 +17,13 @@
 
 namespace cas::casd {
 
+class LinkSigning;
+
 struct TxPortOptions {
   TxQueueOptions queue;
-  double line_bytes_s = 0;  ///< rate that writes are held to; 0: none
-  bool blocking = false;    ///< write one packet a turn and wait for the line (threads: blocking)
+  double line_bytes_s = 0;               ///< rate that writes are held to; 0: none
+  std::shared_ptr<LinkSigning> signing;  ///< may be empty
+  bool blocking = false;  ///< write one packet a turn and wait for the line (threads: blocking)
 };
 
 /// The sending side of a link: one descriptor that several threads write to.

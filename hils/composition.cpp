@@ -217,6 +217,7 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["commanding"]["heartbeat_hz"] = 1;
   root["gains"] = full_path(base::find_config("gains.yaml"));
   root["log"]["tlog"] = full_path(places.flight_tlog());
+  root["log"]["overwrite"] = true;
   return to_text(root);
 }
 

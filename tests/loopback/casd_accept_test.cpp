@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "tests/loopback/casd_bench.hpp"
+
+namespace cas::test {
+namespace {
+
+/// A simulator's link with this `accept`, the controller's line, and nothing else.
+std::string topology(const std::string& accept) {
+  return R"(schema: 1
+links:
+  - {name: sim, type: udp_server, local: "127.0.0.1:0", accept: )" +
+         accept + R"(}
+  - {name: fcu, type: serial, device: "$FCU"}
+)";
+}
+
+TEST(CasdAccept, AReadOnlyLinkHearsEverythingAndSaysNothing) {
+  CasdBench bench;
+  bench.start(topology("nothing"));
+  // Who shows itself with a whole packet is a peer all the same.
+  bench.sim.send(bench.from_sim(mavlink::common::Heartbeat{}));
+  bench.sim.send(bench.from_sim(mavlink::common::CommandLong{.target_system = 1}));
+  ASSERT_TRUE(bench.collect_until([&] { return bench.status("sim").rx.not_accepted == 2; }));
+  bench.fcu.write(bench.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 1; }));
+  EXPECT_EQ(bench.at_fcu.packets().size(), 0U);
+  EXPECT_EQ(bench.status("sim").rx.verdicts[0], 0U);
+}
+
+TEST(CasdAccept, LimitsALinkToNamedMessagesAndSystems) {
+  CasdBench bench;
+  bench.start(topology("{messages: [HIL_SENSOR, HEARTBEAT], systems: [1, 2]}"));
+  mav::Encoder stranger{{9, 1}};
+  bench.sim.send(bench.from_sim(hil_gps(1)));
+  bench.sim.send(stranger(hil_sensor(1)));
+  bench.sim.send(bench.from_sim(hil_sensor(2)));
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor).front(), 2U);
+  EXPECT_EQ(bench.at_fcu.packets().size(), 1U);
+  EXPECT_EQ(bench.status("sim").rx.not_accepted, 2U);
+}
+
+}  // namespace
+}  // namespace cas::test
