@@ -45,7 +45,8 @@ class SensorSet : public testing::TestWithParam<const char*> {};
 TEST_P(SensorSet, FliesHoverFromOneLineOfYaml) {
   const std::string name = GetParam();
   Scenario scenario = short_hover("sensors: " + name);
-  scenario.limits = {.lost = 0};
+  scenario.limits = {};
+  scenario.limits.lost = 0;
   const Flight flight(scenario, 1, name);
   EXPECT_TRUE(flight.verdict().passed) << flight.text();
   EXPECT_LT(horizontal_rms_m(flight), 1.5) << flight.text();
