@@ -5,6 +5,7 @@
 #include "casd/command_json.hpp"
 #include "casd/command_params.hpp"
 #include "casd/command_server.hpp"
+#include "casd/vehicle_health.hpp"
 
 namespace cas::casd {
 namespace {
@@ -59,6 +60,13 @@ json texts_json(const VehicleState& vehicle, base::RunTime now) {
   return texts;
 }
 
+/// What speaks against flying; nothing is an empty list.
+json complaints_json(const VehicleState& vehicle, base::RunTime now) {
+  json all = json::array();
+  for (std::string& complaint : complaints(vehicle, now)) all.push_back(std::move(complaint));
+  return all;
+}
+
 }  // namespace
 
 json CommandServer::vehicles() const {
@@ -77,7 +85,8 @@ json CommandServer::summary(const VehicleState& vehicle) const {
               {"mode", vehicle.mode()},
               {"landed", vehicle.landed_word()},
               {"link", hooks_.link_name(vehicle.link())},
-              {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(hooks_.now()))}};
+              {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(hooks_.now()))},
+              {"complaints", complaints_json(vehicle, hooks_.now())}};
 }
 
 json CommandServer::state(const VehicleState& vehicle) const {

@@ -31,31 +31,41 @@ class LinePacer {
     return LinePacer(kLineShare * baud / 10.0, slack);
   }
 
-  bool limited() const { return bytes_per_s_ > 0; }
+  /// Holds the line for this long after each sensor packet: a receiver that stamps sensors on
+  /// arrival never gets two of them in a burst.
+  void set_sensor_gap(base::Duration gap) { sensor_gap_ = gap; }
+
+  bool limited() const { return bytes_per_s_ > 0 || sensor_gap_ > base::Duration{}; }
   /// True when the next packet may be handed over.
-  bool ready(base::RunTime now) const { return !limited() || busy_until_ - now <= slack_; }
+  bool ready(base::RunTime now) const {
+    return !limited() || (busy_until_ - now <= slack_ && held_until_ <= now);
+  }
   /// The moment from which `ready` holds.
-  base::RunTime ready_at() const { return busy_until_ - slack_; }
+  base::RunTime ready_at() const { return std::max(busy_until_ - slack_, held_until_); }
   /// When the last byte of a packet that is handed over now would be on the other side.
   base::RunTime arrival(std::size_t bytes, base::RunTime now) const {
-    return std::max(busy_until_, now) + time_for(bytes);
+    return std::max({busy_until_, held_until_, now}) + time_for(bytes);
   }
   /// The line was given so many bytes.
   void sent(std::size_t bytes, base::RunTime now) {
-    if (limited()) busy_until_ = arrival(bytes, now);
+    if (bytes_per_s_ > 0) busy_until_ = std::max(busy_until_, now) + time_for(bytes);
   }
+  /// The line was given a sensor packet.
+  void sent_sensor(base::RunTime now) { held_until_ = now + sensor_gap_; }
   /// Time the line takes for so many bytes.
   base::Duration time_for(std::size_t bytes) const {
-    return limited() ? base::from_seconds(static_cast<double>(bytes) / bytes_per_s_)
-                     : base::Duration{};
+    return bytes_per_s_ > 0 ? base::from_seconds(static_cast<double>(bytes) / bytes_per_s_)
+                            : base::Duration{};
   }
   /// A fresh line: nothing on its way.
-  void reset() { busy_until_ = base::RunTime{}; }
+  void reset() { busy_until_ = held_until_ = base::RunTime{}; }
 
  private:
   double bytes_per_s_ = 0;
   base::Duration slack_ = kSlack;
+  base::Duration sensor_gap_{};
   base::RunTime busy_until_{};
+  base::RunTime held_until_{};  ///< by the sensor gap
 };
 
 }  // namespace cas::casd

@@ -54,6 +54,7 @@ void LinkCore::on_second(base::RunTime now) {
 TxPortOptions LinkCore::port_options() const {
   return {.queue = context_.config.queue,
           .line_bytes_s = line_bytes_s(context_.config),
+          .sensor_gap = context_.config.sensor_gap,
           .signing = context_.signing,
           .blocking = context_.blocking};
 }

@@ -50,10 +50,11 @@ struct LinkConfig {
   base::Duration expiry = std::chrono::seconds(30);  ///< udp_server: silence that ends a peer
 
   // serial
-  std::string device;         ///< path, usually a udev or symlink name
-  unsigned baud = 0;          ///< 0: USB, no rate of its own
-  bool flow_control = false;  ///< RTS/CTS
-  bool pace = true;           ///< hold writes to 98 % of the baud rate
+  std::string device;           ///< path, usually a udev or symlink name
+  unsigned baud = 0;            ///< 0: USB, no rate of its own
+  bool flow_control = false;    ///< RTS/CTS
+  bool pace = true;             ///< hold writes to 98 % of the baud rate
+  base::Duration sensor_gap{};  ///< least time between two HIL_SENSOR; 0: none
 
   // tlog
   std::filesystem::path file;

@@ -67,6 +67,8 @@ void parse_serial(const base::ConfigNode& node, LinkConfig& link) {
   link.flow_control = node.get<bool>("flow_control", false);
   link.pace = node.get<bool>("pace", link.baud > 0);
   if (link.pace && link.baud == 0) node.at("pace").fail("a line without baud has no pace");
+  constexpr double kLongestGap_ms = 20;
+  link.sensor_gap = base::from_seconds(1e-3 * node.get_in("sensor_gap_ms", 0, 0, kLongestGap_ms));
 }
 
 void parse_tlog(const base::ConfigNode& node, LinkConfig& link) {
@@ -163,9 +165,10 @@ LinkConfig parse_link(const base::ConfigNode& node) {
 bool operator==(const LinkConfig& a, const LinkConfig& b) {
   const auto own = [](const LinkConfig& link) {
     return std::tie(link.name, link.type, link.local, link.remote, link.interface, link.max_peers,
-                    link.expiry, link.device, link.baud, link.flow_control, link.pace, link.file,
-                    link.speed, link.repeat, link.max_bytes_s, link.accept, link.signing,
-                    link.queue, link.scheduling.fifo_priority, link.scheduling.cpus);
+                    link.expiry, link.device, link.baud, link.flow_control, link.pace,
+                    link.sensor_gap, link.file, link.speed, link.repeat, link.max_bytes_s,
+                    link.accept, link.signing, link.queue, link.scheduling.fifo_priority,
+                    link.scheduling.cpus);
   };
   return own(a) == own(b);
 }

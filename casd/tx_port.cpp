@@ -18,6 +18,8 @@ constexpr std::size_t kBatchPackets = 64;
 // threads: blocking gives a line that takes nothing so long, then goes on.
 constexpr int kBlockingPatience_ms = 1000;
 
+constexpr std::uint32_t kHilSensorId = 107;
+
 std::int64_t ns(base::RunTime time) { return time.time_since_epoch().count(); }
 
 void sleep_until(base::RunTime when) {
@@ -28,7 +30,9 @@ void sleep_until(base::RunTime when) {
 }
 
 LinePacer make_pacer(const TxPortOptions& options) {
-  return LinePacer(options.line_bytes_s, options.blocking ? base::Duration{} : LinePacer::kSlack);
+  LinePacer pacer(options.line_bytes_s, options.blocking ? base::Duration{} : LinePacer::kSlack);
+  if (!options.blocking) pacer.set_sensor_gap(options.sensor_gap);
+  return pacer;
 }
 
 }  // namespace
@@ -282,6 +286,7 @@ void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
   for (const PacketRef& packet : written) {
     bytes += packet.bytes.size() + writer_->added_bytes();
     monitor_->tx.messages.add(packet.info->message_id, packet.info->source, now);
+    if (packet.info->message_id == kHilSensorId) pacer_.sent_sensor(now);
   }
   pacer_.sent(bytes, now);
   monitor_->tx.packets.add(written.size());

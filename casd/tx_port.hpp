@@ -22,6 +22,7 @@ class LinkSigning;
 struct TxPortOptions {
   TxQueueOptions queue;
   double line_bytes_s = 0;               ///< rate that writes are held to; 0: none
+  base::Duration sensor_gap{};           ///< least time between two HIL_SENSOR; 0: none
   std::shared_ptr<LinkSigning> signing;  ///< may be empty
   bool blocking = false;  ///< write one packet a turn and wait for the line (threads: blocking)
 };

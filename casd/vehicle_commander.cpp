@@ -18,6 +18,11 @@ bool is_vehicle(const Heartbeat& heartbeat) {
   return heartbeat.autopilot != MavAutopilot::kInvalid && heartbeat.type != MavType::kGcs;
 }
 
+constexpr std::pair<std::uint32_t, double> kArduPilotStreams[] = {
+    {SysStatus::kId, 1},         {ExtendedSysState::kId, 2},  {Attitude::kId, 10},
+    {LocalPositionNed::kId, 10}, {GlobalPositionInt::kId, 5}, {HomePosition::kId, 0.5},
+};
+
 bool addressed(const CommandAck& ack, mav::Source self) {
   // Older autopilots leave the addressee out.
   if (ack.target_system == 0) return true;
@@ -76,6 +81,11 @@ void VehicleCommander::ask_on_sight(std::uint8_t system, base::RunTime now) {
     VehicleCommand request{.id = MavCmd::kRequestMessage};
     request.params[0] = static_cast<float>(id);
     start(system, request, now, [](const Outcome&) {});
+  }
+  // PX4 streams by itself; ArduPilot sends little more than HEARTBEAT until it is asked.
+  if (find(system)->autopilot() != Autopilot::kArduPilot) return;
+  for (const auto& [id, hz] : kArduPilotStreams) {
+    message_interval(system, id, 1e6 / hz, now, [](const Outcome&) {});
   }
 }
 

@@ -14,18 +14,8 @@ using mavlink::common::MavCmd;
 using mavlink::common::MavModeFlag;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-/// MAV_CMD_COMPONENT_ARM_DISARM param2: act against the vehicle's own checks.
-constexpr float kForce = 21196;
 /// MAV_CMD_DO_REPOSITION param2: go there now, in the mode that takes such targets.
 constexpr float kChangeMode = 1;
-constexpr base::Duration kFreshHeartbeat = std::chrono::seconds(3);
-
-VehicleCommand arm_command(bool arm, bool force) {
-  VehicleCommand command{.id = MavCmd::kComponentArmDisarm};
-  command.params[0] = arm ? 1.0F : 0.0F;
-  command.params[1] = force ? kForce : 0.0F;
-  return command;
-}
 
 /// DO_SET_MODE with the armed and HIL flags as they are.
 VehicleCommand mode_command(const VehicleState& state, std::uint32_t mode) {
@@ -47,67 +37,11 @@ VehicleCommand here_command(const VehicleState& state, MavCmd id) {
   return command;
 }
 
-/// Whether a command may start motors.
-bool spins(const VehicleCommand& command) {
-  switch (command.id) {
-    case MavCmd::kComponentArmDisarm:
-      return command.params[0] != 0;
-    case MavCmd::kDoSetMode: {
-      const auto flags = static_cast<MavModeFlag>(static_cast<std::uint8_t>(command.params[0]));
-      return has(flags, MavModeFlag::kSafetyArmed);
-    }
-    case MavCmd::kDoMotorTest:
-    case MavCmd::kActuatorTest:
-      return true;
-    default:
-      return false;
-  }
-}
-
 std::string vehicle_text(const VehicleState& state) {
   return "vehicle " + std::to_string(state.source().system);
 }
 
 }  // namespace
-
-/// Real propellers may spin: answers `done` and returns true unless the vehicle says that it flies
-/// a simulation, or request and configuration both consent to one that does not.
-bool VehicleCommander::interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now,
-                                   const Done& done) const {
-  const VehicleState& state = vehicle.state;
-  if (not_hil && options_.allow_not_hil) return false;
-  std::string why;
-  if (state.heartbeat_age(now) > kFreshHeartbeat) {
-    why = " has sent no HEARTBEAT for " +
-          std::to_string(static_cast<int>(base::to_seconds(state.heartbeat_age(now)))) +
-          " s, so casd cannot tell whether it is in HIL mode";
-  } else if (!state.hil()) {
-    why = " does not say that it is in HIL mode: real propellers may spin";
-  } else {
-    return false;
-  }
-  why += not_hil ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
-                 : "; put it in HIL mode (PX4: SYS_HITL 1 and a restart)";
-  done(failure(Verdict::kInterlock, vehicle_text(state) + why));
-  return true;
-}
-
-void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done) {
-  command(system, arm_command(true, options.force), options.not_hil, now, std::move(done));
-}
-
-void VehicleCommander::disarm(std::uint8_t system, bool force, base::RunTime now, Done done) {
-  start(system, arm_command(false, force), now, std::move(done));
-}
-
-void VehicleCommander::command(std::uint8_t system, const VehicleCommand& command, bool not_hil,
-                               base::RunTime now, Done done) {
-  now_ = now;
-  Vehicle* vehicle = known(system, done);
-  if (vehicle == nullptr) return;
-  if (spins(command) && interlocked(*vehicle, not_hil, now, done)) return;
-  vehicle->commands.start(command, now, std::move(done));
-}
 
 void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::RunTime now,
                                Done done) {

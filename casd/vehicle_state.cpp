@@ -59,6 +59,9 @@ void VehicleState::on_packet(LinkId link, const mav::PacketView& packet, base::R
     case ExtendedSysState::kId:
       hear(extended_, packet, now);
       break;
+    case SysStatus::kId:
+      hear(sys_status_, packet, now);
+      break;
     case AutopilotVersion::kId:
       if (const auto message = mav::decode<AutopilotVersion>(packet)) {
         capabilities_ = static_cast<std::uint64_t>(message->capabilities);

@@ -18,6 +18,7 @@
 #include "mavlink/common/home_position.hpp"
 #include "mavlink/common/local_position_ned.hpp"
 #include "mavlink/common/statustext.hpp"
+#include "mavlink/common/sys_status.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
@@ -86,6 +87,7 @@ class VehicleState {
   const std::optional<Heard<mavlink::common::GlobalPositionInt>>& global_position() const {
     return global_position_;
   }
+  const std::optional<Heard<mavlink::common::SysStatus>>& sys_status() const { return sys_status_; }
   /// HOME_POSITION, or what GLOBAL_POSITION_INT and LOCAL_POSITION_NED together imply.
   std::optional<HomeAmsl> home() const;
   /// Height above home in m, from the newest of what the vehicle tells.
@@ -109,6 +111,7 @@ class VehicleState {
   std::optional<Heard<mavlink::common::LocalPositionNed>> local_position_;
   std::optional<Heard<mavlink::common::GlobalPositionInt>> global_position_;
   std::optional<Heard<mavlink::common::HomePosition>> home_;
+  std::optional<Heard<mavlink::common::SysStatus>> sys_status_;
   std::optional<std::uint64_t> capabilities_;
   StatusTextJoiner joiner_;
   std::deque<StatusText> status_texts_;

@@ -153,8 +153,9 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
     } else if (!vehicle.value("hil", false)) {
       bad(all, who + " does not say that it is in HIL mode",
           facts.sys_hitl == 1.0 ? "SYS_HITL is 1 already: restart the board"
-                                : "PX4: casctl param set SYS_HITL 1, then casctl reboot; other "
-                                  "firmware: see its manual for HIL");
+                                : "PX4: casctl param set SYS_HITL 1, then casctl reboot; a "
+                                  "firmware in software (SITL) never says so: see "
+                                  "docs/firmware");
     } else {
       good(all, who + " is in HIL mode");
     }

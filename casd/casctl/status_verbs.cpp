@@ -53,6 +53,12 @@ void print_vehicles(const json& vehicles) {
   } else {
     table.print(std::cout);
   }
+  for (const json& vehicle : vehicles) {
+    for (const json& complaint : vehicle.value("complaints", json::array())) {
+      std::cout << "vehicle " << count(vehicle, "system") << ": " << complaint.get<std::string>()
+                << '\n';
+    }
+  }
 }
 
 void print_status(const json& status) {

@@ -35,6 +35,18 @@ TEST(LinePacer, GivesTheLineBytesHalfAMillisecondAhead) {
   EXPECT_NEAR(base::to_seconds(line.ready_at() - at({})), 0.0095, 1e-5);
 }
 
+TEST(LinePacer, KeepsSensorPacketsApart) {
+  LinePacer line;  // USB: no rate of its own
+  line.set_sensor_gap(std::chrono::milliseconds(3));
+  line.sent(77, at({}));
+  EXPECT_TRUE(line.ready(at({}))) << "other packets hold nothing";
+  line.sent_sensor(at({}));
+  EXPECT_FALSE(line.ready(at(microseconds(2999))));
+  EXPECT_EQ(line.ready_at(), at(std::chrono::milliseconds(3)));
+  EXPECT_TRUE(line.ready(at(std::chrono::milliseconds(3))));
+  EXPECT_EQ(line.arrival(100, at({})), at(std::chrono::milliseconds(3)));
+}
+
 TEST(LinePacer, IdleTimeIsNotSavedUp) {
   LinePacer line = LinePacer::for_baud(115200);
   line.sent(77, at(std::chrono::seconds(100)));
