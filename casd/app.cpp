@@ -21,6 +21,7 @@
 #include "casd/gain_map.hpp"
 #include "casd/line_budget.hpp"
 #include "casd/link_set.hpp"
+#include "casd/metrics_port.hpp"
 #include "casd/vehicle_commander.hpp"
 
 namespace cas::casd {
@@ -80,6 +81,10 @@ struct App::Impl {
     const std::uint16_t bound = server.listen_tcp(port.address, port.port);
     command_endpoint = port.address + ":" + std::to_string(bound);
     if (!port.unix_path.empty()) server.listen_unix(port.unix_path);
+    if (const auto& http = links.topology().metrics) {
+      metrics_endpoint =
+          http->address + ":" + std::to_string(metrics.listen(http->address, http->port));
+    }
   }
 
   void run() {
@@ -123,6 +128,7 @@ struct App::Impl {
   void stop() {
     base::log::info("stopping");
     server.close();
+    metrics.close();
     io.stop();
   }
 
@@ -131,7 +137,10 @@ struct App::Impl {
     base::notify("RELOADING=1");
     std::string trouble;
     try {
-      links.reload(Topology::load(options.topology_file));
+      Topology topology = Topology::load(options.topology_file);
+      const auto decoder = load_decoder(topology);
+      links.reload(std::move(topology));
+      figures.set_decoder(decoder);
       warn_of_narrow_lines();
       base::log::info("topology reloaded");
     } catch (const base::ConfigError& error) {
@@ -204,7 +213,8 @@ struct App::Impl {
       });
       return;
     }
-    const std::string status = "command_port " + command_endpoint + " " + links.endpoints();
+    std::string status = "command_port " + command_endpoint + " " + links.endpoints();
+    if (!metrics_endpoint.empty()) status += " metrics " + metrics_endpoint;
     base::notify("READY=1\nSTATUS=" + status);
     base::log::info("ready: " + status);
   }
@@ -221,7 +231,9 @@ struct App::Impl {
   VehicleCommander commander;
   CommandServer commands;
   CommandFigures figures;
+  MetricsPort metrics{io, [this] { return figures.metrics(); }};
   std::string command_endpoint;
+  std::string metrics_endpoint;  ///< empty: none
   base::RunTime settle_deadline{};
   base::RunTime next_summary{};
 };

@@ -95,7 +95,15 @@ FiguresSource make_figures_source(LinkSet& links, const CommandServer& commands)
           .now = base::steady_now,
           .started = base::steady_now(),
           .vehicles = [&commands] { return commands.vehicles(); },
-          .taps = &links.taps()};
+          .taps = &links.taps(),
+          .echo = &links.echo(),
+          .decoder = load_decoder(links.topology())};
+}
+
+std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
+  auto decoder = std::make_shared<MessageDecoder>();
+  if (!topology.dialect.empty()) decoder->add_dialect(topology.dialect);
+  return decoder;
 }
 
 void write_stats(const std::filesystem::path& file, const CommandFigures& figures) {

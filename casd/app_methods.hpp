@@ -25,6 +25,9 @@ void add_app_methods(base::rpc::Server& server, AppHooks hooks);
 /// Where the command port takes its figures from; both outlive it.
 FiguresSource make_figures_source(LinkSet& links, const CommandServer& commands);
 
+/// Names and values of the generated dialect and of the topology's own. @throws base::ConfigError
+std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology);
+
 /// Writes the figures of the run as JSON, beside the file and renamed.
 void write_stats(const std::filesystem::path& file, const CommandFigures& figures);
 

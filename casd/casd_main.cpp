@@ -10,6 +10,7 @@
 #include "base/log.hpp"
 #include "base/thread.hpp"
 #include "casd/app.hpp"
+#include "casd/topology_text.hpp"
 
 namespace {
 
@@ -29,6 +30,8 @@ int run(const Flags& flags) {
   if (flags.check) {
     std::printf("%s: %zu links, %zu routes\n", flags.topology.c_str(), topology.links.size(),
                 topology.routes.size());
+    std::fputs(casd::topology_text(topology).c_str(), stdout);
+    casd::check_named_files(topology);
     return base::kExitOk;
   }
   if (topology.lock_memory) base::lock_memory();

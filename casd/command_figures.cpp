@@ -133,6 +133,7 @@ CommandFigures::CommandFigures(base::rpc::Server& server, FiguresSource source)
   plain("link.routes", &CommandFigures::routes);
   plain("link.drops", &CommandFigures::drops);
   plain("link.latency", &CommandFigures::latency);
+  plain("link.echo", &CommandFigures::echo);
   server_.add_method("message.list", method([this](CommandParams& params) {
                        const std::optional<std::string> link = params.optional_text("link");
                        params.finish();
@@ -205,7 +206,7 @@ json CommandFigures::messages(const std::string* link) const {
 json CommandFigures::value(CommandParams& params) const {
   MessageTaps::Key key;
   key.link = require_link(params.text("link"));
-  key.message_id = message_id(params.value("message"));
+  key.message_id = asked_message(params.value("message"));
   key.source = {static_cast<std::uint8_t>(params.integer("system", 0, 255)),
                 static_cast<std::uint8_t>(params.integer("component", 0, 255))};
   params.finish();
@@ -213,7 +214,7 @@ json CommandFigures::value(CommandParams& params) const {
   json answer{{"id", key.message_id}, {"name", message_name(key.message_id)}, {"fields", nullptr}};
   if (const auto sample = source_.taps->look(key, now)) {
     answer["fields"] =
-        source_.decoder.fields(key.message_id, std::span(sample->payload).first(sample->size));
+        source_.decoder->fields(key.message_id, std::span(sample->payload).first(sample->size));
     answer["age_s"] = base::to_seconds(now - sample->at);
     answer["count"] = sample->count;
   }
@@ -221,8 +222,21 @@ json CommandFigures::value(CommandParams& params) const {
 }
 
 std::string CommandFigures::message_name(std::uint32_t id) const {
+  if (std::string own = source_.decoder->name(id); !own.empty()) return own;
   const mav::MessageInfo* info = mav::public_table().find(id);
-  return info == nullptr ? source_.decoder.name(id) : std::string(info->name);
+  return info == nullptr ? std::string() : std::string(info->name);
+}
+
+/// By name or id; names of the dialect that was read at run time go first.
+std::uint32_t CommandFigures::asked_message(const json& message) const {
+  if (message.is_string()) {
+    if (const auto own = source_.decoder->find(message.get<std::string>())) return *own;
+  }
+  return message_id(message);
+}
+
+void CommandFigures::set_decoder(std::shared_ptr<const MessageDecoder> decoder) {
+  source_.decoder = std::move(decoder);
 }
 
 json CommandFigures::routes() const {
@@ -250,16 +264,6 @@ json CommandFigures::drops() const {
     dropped.push_back(std::move(entry));
   }
   return json{{"not_forwarded", not_forwarded}, {"dropped", dropped}};
-}
-
-json CommandFigures::latency() const {
-  json all = json::array();
-  for (const LinkStatus& link : source_.monitor->links()) {
-    json entry = tx_json(link)["forwarding_us"];
-    entry["link"] = link.name;
-    all.push_back(std::move(entry));
-  }
-  return all;
 }
 
 void CommandFigures::publish() {

@@ -9,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "base/rpc/server.hpp"
+#include "casd/echo_latency.hpp"
 #include "casd/message_decoder.hpp"
 #include "casd/message_taps.hpp"
 #include "casd/monitor.hpp"
@@ -29,8 +30,10 @@ struct FiguresSource {
   std::function<nlohmann::json()> vehicles;
   /// Where the newest packets of watched messages are; without it message.value is left out.
   MessageTaps* taps = nullptr;
-  /// Names and values of messages beyond the generated dialect.
-  MessageDecoder decoder{};
+  /// Where controllers' answers are timed; without it link.echo is empty.
+  const EchoLatency* echo = nullptr;
+  /// Names and values of messages, replaced on a reload.
+  std::shared_ptr<const MessageDecoder> decoder = std::make_shared<const MessageDecoder>();
 };
 
 /// The half of the command port that tells about casd itself: casd.status, link.*, message.* and
@@ -41,6 +44,10 @@ class CommandFigures {
 
   /// casd.status, also written to --stats FILE.
   nlohmann::json status() const;
+  /// The same for Prometheus.
+  std::string metrics() const;
+  /// Another dialect is in force.
+  void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
   /// After each Monitor::sample: tells subscribers.
   void publish();
 
@@ -51,8 +58,11 @@ class CommandFigures {
   nlohmann::json routes() const;
   nlohmann::json drops() const;
   nlohmann::json latency() const;
+  nlohmann::json echo() const;
   std::string message_name(std::uint32_t id) const;
+  std::string link_name(LinkId id) const;
   void publish_link_changes();
+  std::uint32_t asked_message(const nlohmann::json& message) const;
   LinkId require_link(const std::string& name) const;
 
   base::rpc::Server& server_;

@@ -88,8 +88,10 @@ void CommandServer::run(const std::string& name, bool audited, const Parse& pars
     return;
   }
   const std::uint8_t system = std::get<std::uint8_t>(resolved);
-  action(system, hooks_.now(),
-         [this, name, audited, answer, params, reply, system](const Outcome& outcome) {
+  const base::RunTime now = hooks_.now();
+  const bool logged = audited && !is_more_of_sticks(name, now);
+  action(system, now,
+         [this, name, audited = logged, answer, params, reply, system](const Outcome& outcome) {
            if (audited) audit(reply.client, name, params, system, outcome);
            if (outcome.ok()) {
              reply.result(answer(system, outcome));
@@ -97,6 +99,13 @@ void CommandServer::run(const std::string& name, bool audited, const Parse& pars
              answer_error(reply, outcome);
            }
          });
+}
+
+bool CommandServer::is_more_of_sticks(const std::string& name, base::RunTime now) {
+  constexpr auto kStretch = std::chrono::seconds(1);
+  if (name != "vehicle.manual_control") return false;
+  const auto before = std::exchange(last_sticks_, now);
+  return before && now - *before < kStretch;
 }
 
 /// "127.0.0.1:40412 vehicle.takeoff {"altitude_m":2.5} vehicle 1: accepted".

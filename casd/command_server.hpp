@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "base/clock.hpp"
@@ -49,6 +50,8 @@ class CommandServer {
   void add_state_methods();
   void add_gain_methods();
   void add_param_methods();
+  /// Sticks come many times a second: only the first of a stretch leaves a line.
+  bool is_more_of_sticks(const std::string& name, base::RunTime now);
   /// Audited methods change the vehicle.
   void add(const std::string& name, bool audited, Parse parse, Answer answer);
   void run(const std::string& name, bool audited, const Parse& parse, const Answer& answer,
@@ -64,6 +67,7 @@ class CommandServer {
   VehicleCommander& commander_;
   GainMap gains_;
   CommandServerHooks hooks_;
+  std::optional<base::RunTime> last_sticks_;
 };
 
 }  // namespace cas::casd

@@ -114,6 +114,31 @@ void CommandServer::add_flight_methods() {
 
 void CommandServer::add_raw_methods() {
   add(
+      "vehicle.manual_control", true,
+      [this](CommandParams& params) -> Action {
+        const auto stick = [&params](const std::string& key, double low) {
+          const double value = params.optional_number(key).value_or(0);
+          if (!(value >= low && value <= 1)) {
+            throw BadParams("\"" + key + "\" must be from " + (low < 0 ? "-1" : "0") + " to 1");
+          }
+          return value;
+        };
+        const VehicleCommander::Sticks sticks{
+            .pitch = stick("pitch", -1),
+            .roll = stick("roll", -1),
+            .throttle = stick("throttle", 0),
+            .yaw = stick("yaw", -1),
+            .buttons = static_cast<std::uint16_t>(
+                params.optional_integer("buttons", 0, 0xffff).value_or(0))};
+        const bool not_hil = params.flag("not_hil");
+        return [this, sticks, not_hil](std::uint8_t system, RunTime now, Done done) {
+          commander_.manual_control(system, sticks, not_hil, now, std::move(done));
+        };
+      },
+      [](std::uint8_t system, const Outcome&) {
+        return json{{"vehicle", system}, {"result", "SENT"}};
+      });
+  add(
       "vehicle.message_interval", true,
       [this](CommandParams& params) -> Action {
         const std::uint32_t id = message_id(params.value("message"));

@@ -39,6 +39,7 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std:
   const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   monitor_->rx.verdicts[static_cast<std::size_t>(route.verdict)].add();
   switchboard_.taps().on_packet(link_, packet, now);
+  switchboard_.echo().on_packet(packet, now);
   if (route.verdict != Route::Verdict::kDuplicate) switchboard_.tlog().record(packet.bytes, now);
   if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
 }

@@ -40,6 +40,7 @@ class LinkSet {
   LocalEndpoint& local() { return *local_; }
   TlogWriter& tlog() { return switchboard_.tlog(); }
   MessageTaps& taps() { return switchboard_.taps(); }
+  EchoLatency& echo() { return switchboard_.echo(); }
   /// Has every link tried to open once?
   bool settled() const;
   /// Whether every link's thread still turns: ask once a second.

@@ -138,6 +138,13 @@ json MessageDecoder::field_json(const Field& field, std::span<const std::uint8_t
   return entry;
 }
 
+std::optional<std::uint32_t> MessageDecoder::find(std::string_view name) const {
+  for (const auto& [id, message] : messages_) {
+    if (message.name == name) return id;
+  }
+  return std::nullopt;
+}
+
 std::string MessageDecoder::name(std::uint32_t message_id) const {
   const auto found = messages_.find(message_id);
   return found == messages_.end() ? std::string() : found->second.name;

@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mavlink_gen/runtime/message.hpp"
@@ -23,6 +25,8 @@ class MessageDecoder {
 
   /// [{"name", "value", "units"?}] in the order of the XML; an empty list for an unknown message.
   nlohmann::json fields(std::uint32_t message_id, std::span<const std::uint8_t> payload) const;
+  /// Id of a message of a dialect that was read at run time.
+  std::optional<std::uint32_t> find(std::string_view name) const;
   /// Name in a dialect that was read at run time; empty when none has it.
   std::string name(std::uint32_t message_id) const;
 

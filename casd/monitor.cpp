@@ -137,6 +137,7 @@ std::vector<LinkStatus> Monitor::links() const {
       status.tx.forwarding_p50 = tx.forwarding.quantile(0.50);
       status.tx.forwarding_p99 = tx.forwarding.quantile(0.99);
       status.tx.forwarding_max = tx.forwarding.max();
+      status.tx.routes = tx.routes.figures();
     }
     all.push_back(std::move(status));
   }

@@ -15,6 +15,7 @@
 #include "base/histogram.hpp"
 #include "casd/link_id.hpp"
 #include "casd/message_counters.hpp"
+#include "casd/route_latency.hpp"
 #include "casd/router.hpp"
 #include "casd/topology.hpp"
 #include "casd/tx_queue.hpp"
@@ -64,6 +65,7 @@ struct LinkMonitor {
     std::array<MessageCounters, kDropCauses> dropped_messages;
     MessageCounters messages;
     base::Histogram forwarding;  ///< read to written; read it through Monitor
+    RouteLatency routes;         ///< the same by receiving link, under the same lock
     mutable std::mutex forwarding_mutex;
   } tx;
 
@@ -97,6 +99,7 @@ struct LinkStatus {
                   peer_drops = 0;
     std::array<std::uint64_t, kDropCauses> dropped{};  ///< by DropCause
     base::Duration forwarding_p50{}, forwarding_p99{}, forwarding_max{};
+    std::vector<RouteLatency::Figures> routes;
   } tx;
 };
 

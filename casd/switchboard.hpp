@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "casd/delivery_batch.hpp"
+#include "casd/echo_latency.hpp"
 #include "casd/message_taps.hpp"
 #include "casd/router.hpp"
 #include "casd/tlog.hpp"
@@ -20,6 +21,7 @@ class Switchboard {
   Router& router() { return router_; }
   TlogWriter& tlog() { return tlog_; }
   MessageTaps& taps() { return taps_; }
+  EchoLatency& echo() { return echo_; }
 
   /// Puts other ports in force; links take them over at their next packet.
   void set_ports(std::shared_ptr<const PortTable> ports);
@@ -30,6 +32,7 @@ class Switchboard {
   Router router_;
   TlogWriter tlog_;
   MessageTaps taps_;
+  EchoLatency echo_;
   std::atomic<std::uint64_t> generation_{1};
   std::mutex mutex_;
   std::shared_ptr<const PortTable> ports_;

@@ -34,6 +34,13 @@ CommandPortConfig parse_command_port(const base::ConfigNode& node) {
   return port;
 }
 
+MetricsConfig parse_metrics(const base::ConfigNode& node) {
+  MetricsConfig metrics;
+  metrics.address = node.get<std::string>("address", metrics.address);
+  metrics.port = static_cast<std::uint16_t>(node.get_in("port", metrics.port, 0, 65535));
+  return metrics;
+}
+
 CommandingConfig parse_commanding(const base::ConfigNode& node) {
   CommandingConfig commanding;
   commanding.heartbeat_hz = node.get_in("heartbeat_hz", commanding.heartbeat_hz, 0, 100);
@@ -130,10 +137,14 @@ Topology Topology::parse(const base::ConfigNode& root) {
   if (const auto node = root.find("command_port")) {
     topology.command_port = parse_command_port(*node);
   }
+  if (const auto node = root.find("metrics")) topology.metrics = parse_metrics(*node);
   if (const auto node = root.find("commanding")) topology.commanding = parse_commanding(*node);
   topology.links = parse_links(root);
   topology.routes = parse_routes(root, topology.links);
   if (const auto log = root.find("log")) topology.log = parse_log(*log);
+  if (const auto dialect = root.find("dialect")) {
+    topology.dialect = root.resolve(dialect->as<std::string>());
+  }
   if (const auto gains = root.find("gains")) {
     topology.gains = root.resolve(gains->as<std::string>());
   }

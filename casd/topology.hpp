@@ -95,6 +95,12 @@ struct CommandPortConfig {
   std::filesystem::path token_file;  ///< empty: no authorisation
 };
 
+/// Figures over HTTP (`metrics`).
+struct MetricsConfig {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 9790;  ///< 0 takes a free one
+};
+
 struct CommandingConfig {
   double heartbeat_hz = 1;
   bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL
@@ -115,11 +121,13 @@ struct Topology {
   bool lock_memory = false;
   base::Duration route_lifetime = Router::kRouteLifetime;
   CommandPortConfig command_port;
+  std::optional<MetricsConfig> metrics;  ///< nothing: no HTTP port
   CommandingConfig commanding;
   std::vector<LinkConfig> links;
   std::vector<RouteConfig> routes;
   TlogConfig log;
-  std::filesystem::path gains;  ///< empty: none; loop name -> parameter names per autopilot
+  std::filesystem::path dialect;  ///< MAVLink XML beside the generated dialect; empty: none
+  std::filesystem::path gains;    ///< empty: none; loop name -> parameter names per autopilot
 
   /// @throws ConfigError "FILE:LINE: key: sentence"
   static Topology load(const std::filesystem::path& file);

@@ -293,7 +293,11 @@ void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
   monitor_->tx.bytes.add(bytes);
   const base::RunTime done = base::steady_now();
   const std::scoped_lock lock(monitor_->tx.forwarding_mutex);
-  for (const PacketRef& packet : written) monitor_->tx.forwarding.add(done - packet.info->received);
+  for (const PacketRef& packet : written) {
+    const base::Duration time = done - packet.info->received;
+    monitor_->tx.forwarding.add(time);
+    monitor_->tx.routes.add(packet.info->from, time);
+  }
 }
 
 // queue_mutex_ is held: it makes the one writer of these counters.

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/vehicle_commander.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "mavlink/common/autopilot_version.hpp"
+#include "mavlink/common/manual_control.hpp"
 
 namespace cas::casd {
 namespace {
@@ -148,9 +151,31 @@ void VehicleCommander::beat(base::RunTime now) {
 template <class M>
 void VehicleCommander::send(const Vehicle& vehicle, M message) {
   const mav::Source target = vehicle.state.source();
-  message.target_system = target.system;
-  message.target_component = target.component;
+  if constexpr (requires { message.target_system; }) {
+    message.target_system = target.system;
+    message.target_component = target.component;
+  } else {
+    message.target = target.system;
+  }
   send_(encoder_(message));
+}
+
+void VehicleCommander::manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil,
+                                      base::RunTime now, Done done) {
+  Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr || interlocked(*vehicle, not_hil, now, done)) return;
+  constexpr double kFull = 1000;
+  const auto scaled = [](double stick, double low) {
+    return static_cast<std::int16_t>(std::lround(std::clamp(stick, low, 1.0) * kFull));
+  };
+  mavlink::common::ManualControl message;
+  message.x = scaled(sticks.pitch, -1);
+  message.y = scaled(sticks.roll, -1);
+  message.z = scaled(sticks.throttle, 0);
+  message.r = scaled(sticks.yaw, -1);
+  message.buttons = sticks.buttons;
+  send(*vehicle, message);
+  done(Outcome{});
 }
 
 const VehicleState* VehicleCommander::find(std::uint8_t system) const {

@@ -82,6 +82,19 @@ class VehicleCommander final : public Station {
   /// Period of a message on the vehicle's link; 0 the vehicle's default, negative off.
   void message_interval(std::uint8_t system, std::uint32_t message_id, double period_us,
                         base::RunTime now, Done done);
+
+  /// Stick positions from -1 to 1; throttle from 0 to 1.
+  struct Sticks {
+    double pitch = 0;  ///< forward is positive
+    double roll = 0;   ///< right is positive
+    double throttle = 0;
+    double yaw = 0;  ///< clockwise is positive
+    std::uint16_t buttons = 0;
+  };
+  /// MANUAL_CONTROL once; nothing acknowledges it. Vehicles take gestures of sticks as commands to
+  /// arm, so the interlock holds here too.
+  void manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil, base::RunTime now,
+                      Done done);
   void reboot(std::uint8_t system, base::RunTime now, Done done);
   /// Any other command; arming goes through the interlock here too.
   void command(std::uint8_t system, const VehicleCommand& command, bool not_hil, base::RunTime now,

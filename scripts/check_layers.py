@@ -20,7 +20,7 @@ EXTERNALS = {
     "fmt": ("fmt/",),
     "yaml-cpp": ("yaml-cpp/",),
     "Eigen": ("Eigen/", "unsupported/Eigen/"),
-    "Asio": ("boost/asio", "boost/system"),
+    "Asio": ("boost/asio", "boost/beast", "boost/system"),
     "nlohmann": ("nlohmann/",),
     "ODE": ("ode/",),
     "urdfdom": ("urdf_parser/", "urdf_model/", "urdf_world/", "urdf_exception/", "tinyxml"),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/rpc/dispatcher.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -153,7 +154,8 @@ class Dispatcher::Call {
 Dispatcher::Dispatcher()
     : session_methods_{{"subscribe", &Dispatcher::subscribe},
                        {"unsubscribe", &Dispatcher::unsubscribe},
-                       {"authorise", &Dispatcher::authorise}} {}
+                       {"authorise", &Dispatcher::authorise},
+                       {"methods", &Dispatcher::methods}} {}
 
 void Dispatcher::add_method(const std::string& name, Method method) {
   CAS_CHECK(!session_methods_.contains(name));
@@ -239,6 +241,15 @@ void Dispatcher::unsubscribe(const Json& params, Peer& peer, const Reply& reply)
   const std::optional<std::string> topic = topic_of(params);
   if (!topic) return reply.error(kInvalidParams, "\"topic\" must be a string", nullptr);
   reply.result(peer.topics.erase(*topic) > 0);
+}
+
+/// What may be called, by name.
+void Dispatcher::methods(const Json&, Peer&, const Reply& reply) {
+  std::vector<std::string> names;
+  for (const auto& [name, method] : methods_) names.push_back(name);
+  for (const auto& [name, method] : session_methods_) names.push_back(name);
+  std::sort(names.begin(), names.end());
+  reply.result(names);
 }
 
 void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {

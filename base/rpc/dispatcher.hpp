@@ -64,6 +64,7 @@ class CAS_BASE_EXPORT Dispatcher {
   void subscribe(const Json& params, Peer& peer, const Reply& reply);
   void unsubscribe(const Json& params, Peer& peer, const Reply& reply);
   void authorise(const Json& params, Peer& peer, const Reply& reply);
+  void methods(const Json& params, Peer& peer, const Reply& reply);
 
   // Shared with a running call, which may end the server that holds it.
   std::map<std::string, std::shared_ptr<const Method>> methods_;

@@ -21,6 +21,8 @@ struct ServerLimits {
   std::size_t max_clients = 64;
   std::size_t max_queued_replies = 256;  ///< a client that never reads is closed
   std::size_t max_queued_bytes = 4 * 1024 * 1024;
+  /// Lines of one client; what comes faster waits in its socket. As many may come at once.
+  double max_lines_s = 1000;
 };
 
 /// JSON-RPC 2.0 lines over TCP and Unix sockets; batches and notifications included. Everything

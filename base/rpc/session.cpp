@@ -4,6 +4,7 @@
 #include <netdb.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/read_until.hpp>
@@ -54,6 +55,9 @@ Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
       deadline_(socket_.get_executor()),
       dispatcher_(std::move(dispatcher)),
       limits_(limits),
+      pause_(socket_.get_executor()),
+      credit_lines_(limits.max_lines_s),
+      credited_(std::chrono::steady_clock::now()),
       on_closed_(std::move(on_closed)) {
   name = peer_name(socket_.native_handle());
 }
@@ -69,8 +73,22 @@ void Session::do_read() {
                            if (self->closed_ || self->finishing_) return;
                            if (error) return self->on_read_end(error == asio::error::not_found);
                            self->on_line(size);
-                           if (!self->closed_ && !self->finishing_) self->do_read();
+                           if (!self->closed_ && !self->finishing_) self->read_at_rate();
                          });
+}
+
+// Whoever sends faster than it may is read more slowly, and slows down nobody else.
+void Session::read_at_rate() {
+  const auto now = std::chrono::steady_clock::now();
+  const std::chrono::duration<double> since = now - std::exchange(credited_, now);
+  credit_lines_ =
+      std::min(limits_.max_lines_s, credit_lines_ + since.count() * limits_.max_lines_s) - 1;
+  if (credit_lines_ >= 0) return do_read();
+  pause_.expires_after(std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(-credit_lines_ / limits_.max_lines_s)));
+  pause_.async_wait([self = shared_from_this()](const AsioError& error) {
+    if (!error && !self->closed_ && !self->finishing_) self->do_read();
+  });
 }
 
 void Session::on_line(std::size_t size) {
@@ -179,6 +197,7 @@ void Session::close() {
   AsioError ignored;
   socket_.close(ignored);
   deadline_.cancel();
+  pause_.cancel();
   topics.clear();
   dispatcher_ = nullptr;
   if (const auto on_closed = std::exchange(on_closed_, nullptr)) on_closed(shared_from_this());

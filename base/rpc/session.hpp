@@ -43,6 +43,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void on_refused() override { finish(); }
 
   void do_read();
+  void read_at_rate();
   void on_line(std::size_t size);
   void on_read_end(bool line_too_long);
   void do_write();
@@ -56,6 +57,9 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   boost::asio::steady_timer deadline_;      // of the end that finish() began
   std::shared_ptr<Dispatcher> dispatcher_;  // null once closed
   ServerLimits limits_;
+  boost::asio::steady_timer pause_;  // until the next line may be read
+  double credit_lines_;
+  std::chrono::steady_clock::time_point credited_;
   std::function<void(const std::shared_ptr<Session>&)> on_closed_;
   std::string rx_;
   std::deque<Line> tx_;

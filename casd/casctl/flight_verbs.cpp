@@ -147,6 +147,49 @@ void add_mode(CommandLine& line) {
       ->required();
 }
 
+/// Sends the sticks again and again, then lets go of them.
+int hold_sticks(Session& session, const json& sticks, double duration_s) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kPeriod = std::chrono::milliseconds(50);  // 20 Hz, as ground stations do
+  const auto start = Clock::now();
+  const auto end = start + std::chrono::duration<double>(duration_s);
+  json result = session.vehicle_call("vehicle.manual_control", sticks);
+  for (auto next = start + kPeriod; next < end; next += kPeriod) {
+    std::this_thread::sleep_until(next);
+    result = session.vehicle_call("vehicle.manual_control", sticks);
+  }
+  report(session.options(), result,
+         sentence(result, "had the sticks for " + fixed(duration_s, 1) + " s"));
+  return kDone;
+}
+
+void add_manual(CommandLine& line) {
+  struct Sticks {
+    double pitch = 0, roll = 0, throttle = 0.5, yaw = 0;
+    double duration_s = 1;
+  };
+  const auto sticks = std::make_shared<Sticks>();
+  CLI::App* verb = line.add_verb(
+      "manual", "Hold the sticks for some time (a mode that listens to them is needed)",
+      "casctl manual --pitch 0.2 --for 2", [sticks](Session& session) {
+        return hold_sticks(session,
+                           {{"pitch", sticks->pitch},
+                            {"roll", sticks->roll},
+                            {"throttle", sticks->throttle},
+                            {"yaw", sticks->yaw}},
+                           sticks->duration_s);
+      });
+  verb->add_option("--pitch", sticks->pitch, "-1 back to 1 forward")->check(CLI::Range(-1.0, 1.0));
+  verb->add_option("--roll", sticks->roll, "-1 left to 1 right")->check(CLI::Range(-1.0, 1.0));
+  verb->add_option("--throttle", sticks->throttle, "0 to 1; 0.5 keeps the height")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  verb->add_option("--yaw", sticks->yaw, "-1 left to 1 right")->check(CLI::Range(-1.0, 1.0));
+  verb->add_option("--for", sticks->duration_s, "seconds")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+}
+
 void add_message_interval(CommandLine& line) {
   struct Wish {
     std::string message;
@@ -188,6 +231,7 @@ void add_flight_verbs(CommandLine& line) {
   });
   add_goto(line);
   add_mode(line);
+  add_manual(line);
   add_message_interval(line);
 }
 

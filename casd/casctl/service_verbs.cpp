@@ -106,6 +106,12 @@ int show_latency(Session& session) {
   }
   table.print(std::cout);
   std::cout << "from read on one link to written on the other\n";
+  for (const json& echo : session.call("link.echo")) {
+    std::cout << "vehicle " << echo.at("vehicle") << " answers HIL_SENSOR after "
+              << fixed(echo.value("p50", 0.0), 0) << " us (p99 " << fixed(echo.value("p99", 0.0), 0)
+              << ", " << echo.at("count") << " answers, " << echo.at("unmatched")
+              << " with another stamp)\n";
+  }
   return kDone;
 }
 
@@ -170,19 +176,33 @@ int show_budget(Session& session) {
 }
 
 void add_log(CommandLine& line) {
-  const auto file = std::make_shared<std::string>();
+  struct Recording {
+    std::string file;
+    double rotate_mib = 0;
+    double rotate_minutes = 0;
+    int keep = 0;
+  };
+  const auto recording = std::make_shared<Recording>();
   CLI::App* log = line.app.add_subcommand("log", "Record all packets into a .tlog file");
   log->fallthrough();
   log->require_subcommand(1);
-  line.add_verb(*log, "start", "Start a new file (on casd's machine)",
-                "casctl log start /tmp/flight.tlog",
-                [file](Session& session) {
-                  const json result = session.call("log.start", {{"file", *file}});
-                  report(session.options(), result, "recording into " + *file);
-                  return kDone;
-                })
-      ->add_option("FILE", *file, "a new file that ends in .tlog")
-      ->required();
+  CLI::App* start =
+      line.add_verb(*log, "start", "Start a new file (on casd's machine)",
+                    "casctl log start /tmp/flight.tlog", [recording](Session& session) {
+                      json params{{"file", recording->file}};
+                      if (recording->rotate_mib > 0) params["rotate_mib"] = recording->rotate_mib;
+                      if (recording->rotate_minutes > 0)
+                        params["rotate_minutes"] = recording->rotate_minutes;
+                      if (recording->keep > 0) params["keep"] = recording->keep;
+                      report(session.options(), session.call("log.start", params),
+                             "recording into " + recording->file);
+                      return kDone;
+                    });
+  start->add_option("FILE", recording->file, "a new file that ends in .tlog")->required();
+  start->add_option("--rotate-mib", recording->rotate_mib, "go on in the next file at this size");
+  start->add_option("--rotate-minutes", recording->rotate_minutes,
+                    "go on in the next file at this age");
+  start->add_option("--keep", recording->keep, "files of this recording that stay; 0: all");
   line.add_verb(*log, "stop", "Stop recording", "casctl log stop", [](Session& session) {
     const json result = session.call("log.stop");
     report(session.options(), result,

@@ -80,6 +80,30 @@ TEST_F(CommandServerTest, ArmsOutsideHilOnlyByConsentOfBoth) {
   EXPECT_EQ(call("vehicle.arm", {{"not_hil", true}}).at("result"), "ACCEPTED");
 }
 
+TEST_F(CommandServerTest, MovesTheSticksOfAVehicleInHilOnly) {
+  EXPECT_EQ(call("vehicle.manual_control", {{"pitch", 0.25}, {"roll", -1}, {"throttle", 0.5}}),
+            (json{{"vehicle", 1}, {"result", "SENT"}}));
+  EXPECT_EQ(call("vehicle.manual_control", {{"yaw", 1}, {"buttons", 3}}).at("result"), "SENT");
+  bench_.stop();
+  ASSERT_EQ(bench_.vehicle().sticks.size(), 2U);
+  const auto& first = bench_.vehicle().sticks[0];
+  EXPECT_EQ(first.target, 1);
+  EXPECT_EQ(first.x, 250);
+  EXPECT_EQ(first.y, -1000);
+  EXPECT_EQ(first.z, 500);
+  EXPECT_EQ(first.r, 0);
+  EXPECT_EQ(bench_.vehicle().sticks[1].r, 1000);
+  EXPECT_EQ(bench_.vehicle().sticks[1].buttons, 3);
+  EXPECT_EQ(bench_.audit().size(), 1U) << "sticks come many times a second";
+}
+
+TEST_F(CommandServerTest, KeepsTheSticksOfARealVehicle) {
+  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  EXPECT_EQ(error("vehicle.manual_control", {{"throttle", 0.5}}).code(), -32004);
+  bench_.stop();
+  EXPECT_TRUE(bench_.vehicle().sticks.empty());
+}
+
 TEST_F(CommandServerTest, KnowsNoVehicleSeven) {
   EXPECT_EQ(error("vehicle.arm", {{"vehicle", 7}}).code(), -32002);
 }
@@ -118,6 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"VehicleZero", "vehicle.arm", R"({"vehicle": 0})"},
                     BadCase{"VehicleFraction", "vehicle.arm", R"({"vehicle": 1.5})"},
                     BadCase{"ListOfParameters", "vehicle.arm", "[1]"},
+                    BadCase{"StickTooFar", "vehicle.manual_control", R"({"pitch": 1.5})"},
                     BadCase{"NoGain", "gain.set", R"({"loop": "roll"})"},
                     BadCase{"UnknownMode", "vehicle.mode", R"({"mode": "WARP"})"},
                     BadCase{"UnknownMessage", "vehicle.message_interval", R"({"message": "X"})"},

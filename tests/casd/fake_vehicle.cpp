@@ -11,6 +11,7 @@ using namespace mavlink::common;
 
 void FakeVehicle::handle(const mav::PacketView& packet, base::RunTime now) {
   if (packet.message_id == Heartbeat::kId) ++heartbeats;
+  if (const auto moved = mav::decode<ManualControl>(packet)) sticks.push_back(*moved);
   if (const auto command = mav::decode<CommandLong>(packet)) {
     if (command->target_system != source_.system) return;
     commands.push_back(*command);

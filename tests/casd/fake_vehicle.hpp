@@ -44,6 +44,7 @@ class FakeVehicle {
   std::vector<mavlink::common::CommandLong> commands;
   std::vector<mavlink::common::CommandInt> int_commands;
   std::vector<mavlink::common::ParamSet> param_sets;
+  std::vector<mavlink::common::ManualControl> sticks;
   int param_reads = 0;
   int heartbeats = 0;
 

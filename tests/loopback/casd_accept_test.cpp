@@ -42,5 +42,38 @@ TEST(CasdAccept, LimitsALinkToNamedMessagesAndSystems) {
   EXPECT_EQ(bench.status("sim").rx.not_accepted, 2U);
 }
 
+TEST(CasdAccept, AFloodOfSendersTakesNothingFromTheOthers) {
+  CasdBench bench;
+  bench.start(R"(schema: 1
+links:
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
+  - {name: fcu, type: serial, device: "$FCU"}
+  - {name: gcs, type: udp_server, local: "127.0.0.1:0"}
+routes:
+  - {from: sim, to: fcu}
+  - {from: fcu, to: sim}
+)");
+  UdpPeer flood;
+  flood.set_remote(bench.port("gcs"));
+  // Every id that there is: far more than any table keeps.
+  constexpr std::uint64_t kSenders = 65'536;
+  for (std::uint64_t i = 0; i < kSenders; ++i) {
+    mav::Encoder stranger{{static_cast<std::uint8_t>(i >> 8U), static_cast<std::uint8_t>(i)}};
+    flood.send(stranger(mavlink::common::Heartbeat{}));
+    if (i % 512 == 511) {  // no faster than casd reads, so that every one of them counts
+      ASSERT_TRUE(wait_until([&] {
+        const auto rx = bench.status("gcs").rx;
+        return rx.packets + rx.kernel_drops >= i + 1;
+      }));
+    }
+  }
+  EXPECT_LE(bench.links().monitor().messages(base::steady_now(), "gcs").size(), 2048U);
+  bench.sim.send(bench.from_sim(hil_sensor(1)));
+  bench.fcu.write(bench.from_fcu(hil_controls(1)));
+  EXPECT_TRUE(bench.collect_until([&] {
+    return bench.at_fcu.count(kHilSensor) == 1 && bench.at_sim.count(kHilControls) == 1;
+  }));
+}
+
 }  // namespace
 }  // namespace cas::test

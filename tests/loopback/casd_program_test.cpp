@@ -120,6 +120,22 @@ INSTANTIATE_TEST_SUITE_P(
                     ExitCase{"GoodTopology",
                              "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0'}\n",
                              "--check", 0, "1 links"},
+                    ExitCase{"EffectiveTopology",
+                             "schema: 1\nlinks:\n"
+                             "  - {name: a, type: udp, local: '[::1]:0', accept: nothing}\n"
+                             "  - {name: b, type: serial, device: /dev/x, baud: 921600}\n"
+                             "routes:\n  - {from: a, to: b, allow: [HIL_SENSOR]}\n",
+                             "--check", 0,
+                             "  a: udp at [::1]:0, read-only\n"
+                             "  b: serial /dev/x at 921600 baud, paced\n"
+                             "routes\n"
+                             "  a -> b: only HIL_SENSOR\n"
+                             "expected load of the lines\n"
+                             "  b: "},
+                    ExitCase{"MissingKey",
+                             "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0', "
+                             "signing: {key_file: none.key}}\n",
+                             "--check", 78, "none.key"},
                     ExitCase{"MissingFile", nullptr, "--check", 78, "topology.yaml"},
                     ExitCase{"UnknownFlag", nullptr, "--frobnicate", 78, "frobnicate"},
                     ExitCase{"MisspeltKey",

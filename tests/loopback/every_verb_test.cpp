@@ -47,6 +47,7 @@ const std::vector<Verb>& verbs() {
       {"land", {"land"}, 0, "lands"},
       {"hold", {"hold"}, 0, "holds position"},
       {"rtl", {"rtl"}, 0, "returns to launch"},
+      {"manual", {"manual", "--pitch", "0.1", "--for", "0.1"}, 0, "had the sticks"},
       {"goto", {"goto", "1", "0", "-2"}, 1, "home position"},
       {"doctor", {"doctor"}, 1, "gets no HIL_SENSOR"},
       {"monitor", {"monitor", "--once"}, 0, "HEARTBEAT"},

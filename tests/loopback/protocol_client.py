@@ -86,6 +86,17 @@ def check_examples(client, page, folder):
     return faults
 
 
+def check_completeness(client, page):
+    """Every method that casd has is shown on the page, and its parameters are named there."""
+    client.send('{"jsonrpc":"2.0","id":1,"method":"methods"}')
+    has = set(client.answer()["result"])
+    shown = {request["method"] for request, _ in examples(page)}
+    text = open(page, encoding="utf-8").read()
+    faults = [f"{method}: not shown on the page" for method in sorted(has - shown)]
+    return faults + [f"{method}: not described on the page" for method in sorted(has)
+                     if "." in method and f"**{method}**" not in text]
+
+
 def check_rules(client):
     """What the page says about batches, notifications and faults."""
     faults = []
@@ -106,7 +117,8 @@ def check_rules(client):
 def main():
     page, address, folder = sys.argv[1:]
     client = Client(address)
-    faults = check_examples(client, page, folder) + check_rules(client)
+    faults = check_completeness(client, page) + check_examples(client, page, folder)
+    faults += check_rules(client)
     for fault in faults:
         print(fault)
     return 1 if faults else 0

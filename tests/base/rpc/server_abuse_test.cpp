@@ -152,6 +152,24 @@ TEST(ServerAbuse, WithoutDescriptorsClientsWaitAndAreServedLater) {
   EXPECT_EQ(late.ask(kEcho)["id"], 1);
 }
 
+TEST(ServerAbuse, AClientThatAsksTooFastIsSlowedDownAndOthersAreNot) {
+  ServerLimits limits;
+  limits.max_lines_s = 50;
+  RunningServer server(limits);
+  RawClient hasty(server.port());
+  const base::RunTime start = base::steady_now();
+  std::string flood;
+  for (int i = 0; i < 70; ++i)
+    flood += R"({"jsonrpc":"2.0","id":1,"method":"echo"})"
+             "\n";
+  ASSERT_TRUE(hasty.send(flood));
+  RawClient patient(server.port());
+  EXPECT_TRUE(patient.ask(R"({"jsonrpc":"2.0","id":1,"method":"echo"})").contains("result"));
+  for (int i = 0; i < 70; ++i) EXPECT_TRUE(hasty.json().contains("result"));
+  // 50 at once, the other 20 at 50 a second.
+  EXPECT_GE(base::steady_now() - start, std::chrono::milliseconds(350));
+}
+
 TEST(ServerAbuse, RandomBytesNeverEndTheServer) {
   RunningServer server;
   std::mt19937 random(1);  // fixed: the same bytes in every run

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/histogram.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// How long controllers take, as casd sees it: from a HIL_SENSOR read on one link to the controls
+/// that echo its time_usec read on another. Line, controller and line back are in it. A stock
+/// autopilot echoes its own clock: then nothing matches.
+///
+/// Any thread. Memory is fixed: a table of the newest stamps, and histograms for a few vehicles.
+class EchoLatency {
+ public:
+  struct Figures {
+    std::uint8_t system = 0;
+    std::uint64_t matched = 0;
+    std::uint64_t unmatched = 0;  ///< controls whose stamp no sensor message had
+    base::Duration p50{}, p99{}, max{};
+  };
+
+  /// From a link's thread, for each packet that it received.
+  void on_packet(const mav::PacketView& packet, base::RunTime now);
+  /// By system id.
+  std::vector<Figures> figures() const;
+
+  static constexpr std::size_t kMaxVehicles = 16;
+
+ private:
+  struct Sent {
+    std::atomic<std::uint64_t> key{0};
+    std::atomic<std::int64_t> at_ns{0};
+  };
+  struct Vehicle {
+    base::Histogram times;
+    std::uint64_t unmatched = 0;
+  };
+  static constexpr std::size_t kSlots = 1024;  // two seconds of 500 Hz
+
+  void on_sensor(std::uint64_t key, base::RunTime now);
+  void on_controls(std::uint64_t key, std::uint8_t system, base::RunTime now);
+  static std::size_t slot_of(std::uint64_t key);
+
+  std::array<Sent, kSlots> sent_;
+  mutable std::mutex mutex_;
+  std::map<std::uint8_t, Vehicle> vehicles_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace cas::casd {
+
+/// A small HTTP server that answers GET /metrics. Everything on the thread of `io`; few clients at
+/// a time, each with a deadline, so that none can hold it.
+class MetricsPort {
+ public:
+  using Text = std::function<std::string()>;
+
+  /// @param text  makes the answer's body
+  MetricsPort(boost::asio::io_context& io, Text text);
+  ~MetricsPort();
+  MetricsPort(const MetricsPort&) = delete;
+  MetricsPort& operator=(const MetricsPort&) = delete;
+
+  /// @param port  0 takes a free one
+  /// @return the bound port @throws base::ConfigError
+  std::uint16_t listen(const std::string& address, std::uint16_t port);
+  /// Ends all connections.
+  void close();
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology_text.hpp"
+
+#include <cstdio>
+#include <string_view>
+#include <vector>
+
+#include "casd/gain_map.hpp"
+#include "casd/line_budget.hpp"
+#include "casd/message_decoder.hpp"
+#include "casd/signing_key.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+namespace {
+
+std::string message_word(std::uint32_t id) {
+  const mav::MessageInfo* known = mav::public_table().find(id);
+  return known == nullptr ? std::to_string(id) : std::string(known->name);
+}
+
+/// ", blocks A B" for a list that is not empty.
+template <class List, class Word>
+std::string listed(std::string_view what, const List& list, Word word) {
+  if (list.empty()) return {};
+  std::string text = ", " + std::string(what);
+  for (const auto& each : list) text += " " + word(each);
+  return text;
+}
+
+std::string where(const LinkConfig& link) {
+  std::string text;
+  if (!link.local.empty()) text += " at " + link.local;
+  if (!link.remote.empty()) text += " to " + link.remote;
+  if (!link.device.empty()) text += " " + link.device;
+  if (link.baud > 0) {
+    text += " at " + std::to_string(link.baud) + " baud" + (link.pace ? ", paced" : ", not paced");
+  }
+  if (!link.file.empty()) text += " " + link.file.string();
+  return text;
+}
+
+std::string link_line(const LinkConfig& link) {
+  const auto number = [](auto id) { return std::to_string(id); };
+  std::string text = "  " + link.name + ": " + std::string(to_string(link.type)) + where(link);
+  if (!link.group.empty()) text += ", group " + link.group;
+  if (link.accept.read_only) text += ", read-only";
+  text += listed("accepts only", link.accept.messages, message_word);
+  text += listed("accepts only systems", link.accept.systems, number);
+  if (link.signing) {
+    text += std::string(link.signing->verify ? ", verifies" : "") +
+            (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();
+  }
+  return text + "\n";
+}
+
+std::string route_line(const RouteConfig& route) {
+  const auto number = [](auto id) { return std::to_string(id); };
+  const ForwardRule& rule = route.rule;
+  std::string text;
+  if (rule.allow) {
+    text += rule.allow->empty() ? ", nothing" : listed("only", *rule.allow, message_word);
+  }
+  text += listed("not", rule.block, message_word);
+  text += listed("only systems", rule.allow_systems, number);
+  text += listed("not systems", rule.block_systems, number);
+  text += listed("only components", rule.allow_components, number);
+  text += listed("not components", rule.block_components, number);
+  text += listed("thinned out", rule.rates,
+                 [](const RateRule& rate) { return message_word(rate.message_id); });
+  return "  " + route.from + " -> " + route.to +
+         (text.empty() ? ": everything" : ": " + text.substr(2)) + "\n";
+}
+
+std::string budget_line(const LineBudget& budget) {
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, "%.1f of %.1f kB/s, ", budget.load_bytes_s() / 1e3,
+                budget.capacity_bytes_s / 1e3);
+  return "  " + budget.link + ": " + numbers + (budget.fits() ? "carries it" : "TOO SLOW") + "\n";
+}
+
+}  // namespace
+
+std::string topology_text(const Topology& topology) {
+  std::string text = "system " + std::to_string(topology.self.system) + "/" +
+                     std::to_string(topology.self.component) + ", threads " +
+                     std::string(to_string(topology.threads)) + ", command port " +
+                     topology.command_port.address + ":" +
+                     std::to_string(topology.command_port.port) + "\nlinks\n";
+  for (const LinkConfig& link : topology.links) text += link_line(link);
+  text += "routes\n";
+  for (const RouteConfig& route : topology.routes) text += route_line(route);
+  const std::vector<LineBudget> budgets = line_budgets(topology);
+  if (!budgets.empty()) text += "expected load of the lines\n";
+  for (const LineBudget& budget : budgets) text += budget_line(budget);
+  for (const std::string& warning : line_budget_warnings(topology)) text += warning + "\n";
+  return text;
+}
+
+void check_named_files(const Topology& topology) {
+  for (const LinkConfig& link : topology.links) {
+    if (link.signing) read_signing_key(link.signing->key_file);
+  }
+  if (!topology.dialect.empty()) MessageDecoder().add_dialect(topology.dialect);
+  if (!topology.gains.empty()) GainMap::load(topology.gains);
+}
+
+}  // namespace cas::casd

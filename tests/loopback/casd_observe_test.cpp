@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "base/rpc/client.hpp"
+#include "tests/base/rpc/raw_client.hpp"
+#include "tests/loopback/casd_bench.hpp"
+#include "tests/support/child_process.hpp"
+
+namespace cas::test {
+namespace {
+
+using base::rpc::RawClient;
+using nlohmann::json;
+
+constexpr const char* kLabDialect = R"(<?xml version="1.0"?>
+<mavlink><messages>
+  <message id="54321" name="LAB_THING">
+    <description>A thing.</description>
+    <field type="uint8_t" name="state">State.</field>
+    <field type="float" name="heat" units="degC">Heat.</field>
+  </message>
+</messages></mavlink>)";
+
+/// The word after `name` in STATUS, as a port.
+std::uint16_t port_in(const std::string& status, const std::string& name) {
+  const std::size_t begin = status.find(name + " ") + name.size() + 1;
+  return port_of(status.substr(begin, status.find(' ', begin) - begin));
+}
+
+/// A packet of a private message: state 7, heat 42.
+std::vector<std::uint8_t> lab_thing(std::uint8_t crc_extra) {
+  std::vector<std::uint8_t> packet{0xFD, 5, 0, 0, 0, 1, 200, 0x31, 0xD4, 0, 0, 0, 0x28, 0x42, 7};
+  packet.resize(packet.size() + 2);
+  mav::detail::append_checksum(packet.data(), packet.size() - 2, crc_extra);
+  return packet;
+}
+
+class CasdObserve : public testing::Test {
+ protected:
+  void start(const std::string& more) {
+    const auto file = bench.folder.write(
+        "topology.yaml", bench.expand("command_port: {port: 0}\n" + more + kHilTopology));
+    casd.emplace(std::vector<std::string>{CAS_BINARY_DIR "/bin/casd", file});
+    const auto ready = casd->wait_ready();
+    ASSERT_TRUE(ready) << casd->output();
+    status = *ready;
+    bench.sim.set_remote(port_in(status, "sim"));
+  }
+  json call(const std::string& method, const json& params = json::object()) {
+    if (!client) client.emplace("127.0.0.1:" + std::to_string(port_in(status, "command_port")));
+    return client->call(method, params);
+  }
+  /// All that an HTTP server answers to these bytes.
+  std::vector<std::string> http(const std::string& request) {
+    RawClient raw(port_in(status, "metrics"));
+    EXPECT_TRUE(raw.send(request));
+    std::vector<std::string> lines;
+    while (auto line = raw.line()) lines.push_back(*line);
+    return lines;
+  }
+
+  CasdBench bench;
+  std::optional<ChildProcess> casd;
+  std::optional<base::rpc::Client> client;
+  std::string status;
+};
+
+TEST_F(CasdObserve, TellsPrometheusItsFigures) {
+  start("metrics: {port: 0}\n");
+  bench.sim.send(bench.from_sim(hil_sensor(1)));
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  const auto lines = http("GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+  const auto has = [&](const std::string& wanted) {
+    return std::find(lines.begin(), lines.end(), wanted) != lines.end();
+  };
+  ASSERT_FALSE(lines.empty());
+  EXPECT_EQ(lines.front(), "HTTP/1.1 200 OK\r");
+  EXPECT_TRUE(has("# TYPE casd_link_rx_packets_total counter"));
+  EXPECT_TRUE(has("casd_link_rx_packets_total{link=\"sim\"} 1"));
+  EXPECT_TRUE(has("casd_link_up{link=\"fcu\",type=\"serial\"} 1"));
+  EXPECT_TRUE(
+      has("casd_messages_total{link=\"sim\",direction=\"rx\",message=\"HIL_SENSOR\","
+          "system=\"1\",component=\"200\"} 1"));
+}
+
+TEST_F(CasdObserve, AnswersOnlyGetOfMetricsOverHttp) {
+  start("metrics: {port: 0}\n");
+  EXPECT_EQ(http("GET / HTTP/1.1\r\n\r\n").front(), "HTTP/1.1 404 Not Found\r");
+  EXPECT_EQ(http("POST /metrics HTTP/1.1\r\n\r\n").front(), "HTTP/1.1 405 Method Not Allowed\r");
+  EXPECT_TRUE(http("no HTTP at all\r\n\r\n").empty());
+  EXPECT_TRUE(http("GET /" + std::string(20'000, 'x') + " HTTP/1.1\r\n\r\n").empty());
+  // Silent clients take no place from others for long, and none from the command port.
+  std::vector<RawClient> silent;
+  for (int i = 0; i < 30; ++i) silent.emplace_back(port_in(status, "metrics"));
+  EXPECT_EQ(call("link.list").size(), 2U);
+}
+
+TEST_F(CasdObserve, ShowsMessagesOfADialectReadAtRunTime) {
+  bench.folder.write("lab.xml", kLabDialect);
+  start("dialect: lab.xml\n");
+  const json asked{{"link", "sim"}, {"message", "LAB_THING"}, {"system", 1}, {"component", 200}};
+  EXPECT_EQ(call("message.value", asked).at("id"), 54321);
+  json value;
+  EXPECT_TRUE(wait_until([&] {
+    bench.sim.send(lab_thing(77));
+    value = call("message.value", asked);
+    return !value.at("fields").is_null();
+  }));
+  EXPECT_EQ(value.at("name"), "LAB_THING");
+  EXPECT_EQ(value.at("fields").at(1), (json{{"name", "heat"}, {"units", "degC"}, {"value", 42}}));
+  EXPECT_EQ(call("message.list").at(0).at("name"), "LAB_THING");
+}
+
+TEST_F(CasdObserve, RefusesABadDialectAtTheStartAndAtAReload) {
+  bench.folder.write("lab.xml", kLabDialect);
+  start("dialect: lab.xml\n");
+  bench.folder.write("lab.xml", "<mavlink><messages>");
+  EXPECT_THROW(call("casd.reload"), base::rpc::CallError);
+  EXPECT_EQ(call("message.value",
+                 {{"link", "sim"}, {"message", "LAB_THING"}, {"system", 1}, {"component", 200}})
+                .at("id"),
+            54321);
+  ChildProcess second({CAS_BINARY_DIR "/bin/casd", (bench.folder / "topology.yaml").string()});
+  EXPECT_EQ(second.wait_exit(), 78);
+  EXPECT_NE(second.output().find("lab.xml"), std::string::npos) << second.output();
+}
+
+TEST(CasdLatency, TellsRoutesApartAndTimesTheEcho) {
+  CasdBench bench;
+  bench.start(kHilTopology);
+  bench.sim.send(bench.from_sim(hil_sensor(7)));
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  bench.fcu.write(bench.from_fcu(hil_controls(7)));
+  bench.fcu.write(bench.from_fcu(hil_controls(8)));  // nobody sent an eight
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 2; }));
+
+  const auto echo = bench.links().echo().figures();
+  ASSERT_EQ(echo.size(), 1U);
+  EXPECT_EQ(echo[0].matched, 1U);
+  EXPECT_EQ(echo[0].unmatched, 1U);
+  EXPECT_GT(echo[0].max, base::Duration{});
+
+  ASSERT_TRUE(wait_until([&] { return bench.status("sim").tx.packets == 2; }));
+  const auto routes = bench.status("sim").tx.routes;
+  ASSERT_EQ(routes.size(), 1U);
+  EXPECT_EQ(routes[0].from, bench.status("fcu").id);
+  EXPECT_EQ(routes[0].count, 2U);
+}
+
+}  // namespace
+}  // namespace cas::test
