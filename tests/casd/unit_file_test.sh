@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The unit file is one that systemd takes without complaint, and keeps casd away from what it does not need.
+# Usage: unit_file_test.sh CONFIG_FOLDER CASD       exit 77: systemd-analyze is not there
+set -euo pipefail
+config=$1
+casd=$2
+command -v systemd-analyze >/dev/null || exit 77
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+# The programs are not installed here.
+sed "s#/usr/bin/casd#$casd#" "$config/systemd/casd.service" > "$folder/casd.service"
+
+complaints=$(systemd-analyze verify --man=no "$folder/casd.service" 2>&1)
+[ -z "$complaints" ] || { echo "$complaints"; exit 1; }
+
+# In tenths: 1.5 at most.
+systemd-analyze security --offline=true --threshold=15 --no-pager "$folder/casd.service" | tail -1
+
+# What the service stands and falls with.
+for line in Type=notify Restart=on-failure RestartPreventExitStatus=78 WatchdogSec= DynamicUser=yes; do
+  grep -q "^$line" "$config/systemd/casd.service" || { echo "$line is missing"; exit 1; }
+done
