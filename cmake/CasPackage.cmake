@@ -38,37 +38,40 @@ set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGE_NAME cas)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+# Each package has a first line of its own: nothing is put ahead of it when this is what CPack would say by itself.
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${CMAKE_PROJECT_NAME} built using CMake")
 set(CPACK_PACKAGE_CONTACT "The CAS authors <cas@packages.debian.org>")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
 
-set(CPACK_DEBIAN_COMMON_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_COMMON_PACKAGE_CONTROL_EXTRA ${debian}/triggers)
 set(CPACK_DEBIAN_COMMON_PACKAGE_SECTION libs)
 set(CPACK_COMPONENT_COMMON_DESCRIPTION "hardware-in-the-loop simulation for UAVs, common files
- The libraries and the shipped configuration of CAS: vehicles, worlds, sensor
- sets, scenarios and topologies, with the documentation.")
+The libraries and the shipped configuration of CAS: vehicles, worlds, sensor
+sets, scenarios and topologies, with the documentation.")
 
-set(CPACK_DEBIAN_CASD_PACKAGE_DEPENDS "cas-common ${exactly}, init-system-helpers")
+set(CPACK_DEBIAN_CASD_PACKAGE_DEPENDS "cas-common ${exactly}")
 set(CPACK_DEBIAN_CASD_PACKAGE_CONTROL_EXTRA
     "${debian}/conffiles;${debian}/postinst;${debian}/prerm;${debian}/postrm")
 set(CPACK_COMPONENT_CASD_DESCRIPTION "MAVLink router and command port for HIL simulation
- casd routes MAVLink between simulator, flight controller and ground stations,
- counts what is lost and why, and takes commands. casctl commands and watches
- it from the terminal.")
+casd routes MAVLink between simulator, flight controller and ground stations,
+counts what is lost and why, and takes commands. casctl commands and watches
+it from the terminal.")
 
 set(CPACK_DEBIAN_SIM_PACKAGE_DEPENDS "cas-common ${exactly}")
 set(CPACK_DEBIAN_SIM_PACKAGE_RECOMMENDS "casd ${exactly}")
 set(CPACK_COMPONENT_SIM_DESCRIPTION "quadrotor simulator with HIL sensors and an emulated autopilot
- hilsim simulates vehicles, sensors and weather as plugins; fcu_emulator is a
- flight controller on a pseudo-terminal; hils flies experiments with both, or
- with a real Pixhawk, measures and judges them.")
+hilsim simulates vehicles, sensors and weather as plugins; fcu_emulator is a
+flight controller on a pseudo-terminal; hils flies experiments with both, or
+with a real Pixhawk, measures and judges them.")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "cas-common ${exactly}, libeigen3-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "headers and CMake package of CAS
- What it takes to build a plugin for the simulator outside of its tree, and
- the generator of MAVLink codecs.")
+What it takes to build a plugin for the simulator outside of its tree, and
+the generator of MAVLink codecs.")
 include(CPack)
