@@ -90,6 +90,7 @@ struct App::Impl {
   void run() {
     start_log(links.topology().log);
     warn_of_narrow_lines();
+    if (!options.ledger_file.empty()) links.monitor().keep_ledgers();
     links.start();
     station_events.assign(links.local().descriptor());
     do_wait_signal();
@@ -102,6 +103,9 @@ struct App::Impl {
     base::notify("STOPPING=1");
     station_events.release();
     links.stop();
+    if (!options.ledger_file.empty()) {
+      write_link_ledgers(options.ledger_file, links.monitor().ledgers());
+    }
     links.tlog().stop();
     if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
   }

@@ -18,6 +18,7 @@ using namespace cas;
 
 struct Flags {
   std::string topology;
+  std::string ledger;
   std::string stats;
   std::string log_level = "info";
   bool check = false;
@@ -35,7 +36,9 @@ int run(const Flags& flags) {
     return base::kExitOk;
   }
   if (topology.lock_memory) base::lock_memory();
-  casd::App app({.topology_file = file, .stats_file = flags.stats}, std::move(topology));
+  casd::App app(
+      {.topology_file = file, .ledger_file = flags.ledger, .stats_file = flags.stats},
+      std::move(topology));
   try {
     app.listen();
   } catch (const base::ConfigError& error) {
@@ -54,6 +57,8 @@ int main(int argc, char** argv) {
   cli.set_version_flag("--version", std::string("casd ") + CAS_VERSION);
   cli.add_option("topology", flags.topology, "links and routes (YAML)")->required();
   cli.add_flag("--check", flags.check, "read the topology, say what is wrong, and end");
+  cli.add_option("--ledger", flags.ledger,
+                 "write each HIL packet at each link to this file at the end");
   cli.add_option("--stats", flags.stats, "write figures to this file at the end");
   cli.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
   base::cli::add_manual(cli, "casd", CAS_VERSION);

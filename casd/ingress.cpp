@@ -37,6 +37,7 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std:
   }
   if (!accept_.accepts(packet)) return monitor_->rx.not_accepted.add();
   const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
+  if (monitor_->ledger) monitor_->ledger->received(route.info);
   monitor_->rx.verdicts[static_cast<std::size_t>(route.verdict)].add();
   switchboard_.taps().on_packet(link_, packet, now);
   switchboard_.echo().on_packet(packet, now);

@@ -59,8 +59,17 @@ std::string LinkMonitor::endpoint() const {
 
 std::shared_ptr<LinkMonitor> Monitor::add_link(LinkId id, const std::string& name, LinkType type) {
   auto link = std::make_shared<LinkMonitor>(name, type);
+  if (keeps_ledgers_) link->ledger = std::make_unique<LinkLedger>();
   links_[id] = link;
   return link;
+}
+
+std::map<std::string, const LinkLedger*> Monitor::ledgers() const {
+  std::map<std::string, const LinkLedger*> ledgers;
+  for (const auto& [id, link] : links_) {
+    if (link->ledger) ledgers[link->name] = link->ledger.get();
+  }
+  return ledgers;
 }
 
 void Monitor::remove_link(LinkId id) {

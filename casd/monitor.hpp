@@ -14,6 +14,7 @@
 #include "base/clock.hpp"
 #include "base/histogram.hpp"
 #include "casd/link_id.hpp"
+#include "casd/link_ledger.hpp"
 #include "casd/message_counters.hpp"
 #include "casd/route_latency.hpp"
 #include "casd/router.hpp"
@@ -49,6 +50,9 @@ struct LinkMonitor {
   std::atomic<LinkState> state{LinkState::kOpening};
   Counter reconnects;
   Counter peers;  ///< of a server, now
+
+  /// HIL packets one by one; nothing unless asked for.
+  std::unique_ptr<LinkLedger> ledger;
 
   struct {
     Counter packets, bytes, crc_errors, lost, unknown, skipped_bytes, kernel_drops, foreign;
@@ -121,6 +125,10 @@ class Monitor {
  public:
   std::shared_ptr<LinkMonitor> add_link(LinkId id, const std::string& name, LinkType type);
   void remove_link(LinkId id);
+  /// Links that are added from now on remember each HIL packet.
+  void keep_ledgers() { keeps_ledgers_ = true; }
+  /// The ledgers of the links there are; to be read when these have stopped.
+  std::map<std::string, const LinkLedger*> ledgers() const;
 
   /// Once a second: forms the rates.
   void sample(base::RunTime now);
@@ -142,6 +150,7 @@ class Monitor {
 
   std::map<LinkId, std::shared_ptr<LinkMonitor>> links_;
   std::map<RateKey, Rate> rates_;
+  bool keeps_ledgers_ = false;
 };
 
 }  // namespace cas::casd

@@ -22,6 +22,7 @@ struct PacketInfo {
   LinkId from = kNoLink;
   std::uint8_t from_peer = kNoPeer;  ///< which peer of a server link sent it
   base::RunTime received;            ///< when the link read it
+  std::uint64_t hil_time_usec = 0;   ///< stamp of HIL_SENSOR, HIL_GPS and the controls; else 0
 };
 
 /// Reads the addresses from the payload as it came (a field cut off with trailing zeros is 0).

@@ -20,7 +20,7 @@ struct QueuedPacket {
 /// the first push.
 class PacketRing {
  public:
-  /// @param capacity_bytes  of the block: packets and 56 bytes of bookkeeping each
+  /// @param capacity_bytes  of the block: packets and 64 bytes of bookkeeping each
   explicit PacketRing(std::size_t capacity_bytes) : capacity_(capacity_bytes) {}
 
   /// @return false when there is no room

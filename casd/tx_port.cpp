@@ -292,6 +292,9 @@ void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
   monitor_->tx.packets.add(written.size());
   monitor_->tx.bytes.add(bytes);
   const base::RunTime done = base::steady_now();
+  if (monitor_->ledger) {
+    for (const PacketRef& packet : written) monitor_->ledger->sent(*packet.info, done);
+  }
   const std::scoped_lock lock(monitor_->tx.forwarding_mutex);
   for (const PacketRef& packet : written) {
     const base::Duration time = done - packet.info->received;
@@ -305,6 +308,7 @@ void TxPort::count_drop(const PacketInfo& info, DropCause cause) {
   const auto index = static_cast<std::size_t>(cause);
   monitor_->tx.dropped[index].add();
   monitor_->tx.dropped_messages[index].add(info.message_id, info.source, info.received);
+  if (monitor_->ledger) monitor_->ledger->dropped(info, cause, base::steady_now());
 }
 
 bool TxPort::anything_queued() {

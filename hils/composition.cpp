@@ -77,12 +77,22 @@ YAML::Node interface_plugin(Transport transport, const RunPlaces& places) {
   return node;
 }
 
+YAML::Node fault_plugin(const Scenario& scenario) {
+  YAML::Node node(YAML::NodeType::Map);
+  node["plugin"] = "fault";
+  for (const base::ConfigNode& fault : scenario.faults.vehicle) {
+    node["faults"].push_back(copy(fault));
+  }
+  return node;
+}
+
 YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport, const RunPlaces& places) {
   YAML::Node plugins;
   for (const char* name : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
     plugins.push_back(plugin(name));
   }
   for (const base::ConfigNode& further : scenario.plugins) plugins.push_back(copy(further));
+  if (!scenario.faults.vehicle.empty()) plugins.push_back(fault_plugin(scenario));
   plugins.push_back(interface_plugin(transport, places));
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
@@ -114,10 +124,17 @@ std::string_view threads(Architecture architecture) {
   return "per_link";
 }
 
+YAML::Node line_node(const RunRequest& request) {
+  if (!has_line(request.architecture)) return YAML::Node(YAML::NodeType::Map);
+  YAML::Node node = copy(request.scenario.line);
+  if (!request.line_preset.empty()) node["preset"] = request.line_preset;
+  return node;
+}
+
 /// The rate that casd is told: none for USB, which has no bit rate that a sender could keep to.
 int serial_baud(const RunRequest& request) {
-  if (!has_line(request.architecture)) return 0;
-  const fcu::LineConfig line = fcu::LineConfig::parse(request.scenario.line);
+  if (!request.fcu_device.empty()) return static_cast<int>(request.fcu_baud);
+  const fcu::LineConfig line = line_of(request);
   return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
 }
 
@@ -132,7 +149,8 @@ YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
   YAML::Node controller;
   controller["name"] = "fcu";
   controller["type"] = "serial";
-  controller["device"] = places.fcu_link().string();
+  controller["device"] =
+      request.fcu_device.empty() ? places.fcu_link().string() : request.fcu_device;
   controller["baud"] = serial_baud(request);
   links.push_back(controller);
   if (places.ground_station_port == 0) return links;
@@ -144,7 +162,21 @@ YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
   return links;
 }
 
-YAML::Node casd_routes(const RunPlaces& places) {
+/// The traditional set-up forwards everything to everybody.
+YAML::Node routes_without_filter(const RunPlaces& places) {
+  YAML::Node routes;
+  std::vector<const char*> names{"sim", "fcu"};
+  if (places.ground_station_port != 0) names.push_back("gcs");
+  for (const char* from : names) {
+    for (const char* to : names) {
+      if (from != to) routes.push_back(route(from, to));
+    }
+  }
+  return routes;
+}
+
+YAML::Node casd_routes(Architecture architecture, const RunPlaces& places) {
+  if (architecture == Architecture::kTs) return routes_without_filter(places);
   YAML::Node to_controller = route("sim", "fcu");
   to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"});
   YAML::Node to_simulator = route("fcu", "sim");
@@ -199,7 +231,7 @@ std::string fcu_config(const RunRequest& request) {
   root["decimal_year"] = scenario.decimal_year;
   root["control_rate_hz"] = scenario.rates.controls_hz;
   root["seed"] = request.seed;
-  if (has_line(request.architecture)) root["line"] = copy(scenario.line);
+  root["line"] = line_node(request);
   return to_text(root);
 }
 
@@ -213,12 +245,17 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["command_port"]["port"] = 0;
   root["command_port"]["unix"] = places.command_port().string();
   root["links"] = casd_links(request, places);
-  root["routes"] = casd_routes(places);
+  root["routes"] = casd_routes(request.architecture, places);
   root["commanding"]["heartbeat_hz"] = 1;
   root["gains"] = full_path(base::find_config("gains.yaml"));
   root["log"]["tlog"] = full_path(places.flight_tlog());
   root["log"]["overwrite"] = true;
   return to_text(root);
+}
+
+fcu::LineConfig line_of(const RunRequest& request) {
+  return fcu::LineConfig::parse(
+      base::ConfigNode::parse(to_text(line_node(request)), request.scenario.file.string()));
 }
 
 void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {

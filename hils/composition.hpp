@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "fcu/line_config.hpp"
 #include "hils/run_request.hpp"
 
 namespace cas::hils {
@@ -23,6 +24,9 @@ struct RunPlaces {
   std::filesystem::path fcu_config() const { return run / "fcu.yaml"; }
   std::filesystem::path simulator_ledger() const { return run / "simulator_ledger.csv"; }
   std::filesystem::path controller_ledger() const { return run / "controller_ledger.csv"; }
+  std::filesystem::path casd_stats() const { return run / "casd_stats.json"; }
+  std::filesystem::path simulator_stats() const { return run / "hilsim_stats.json"; }
+  std::filesystem::path casd_ledger() const { return run / "casd_ledger.csv"; }
   std::filesystem::path truth_csv() const { return out / "truth.csv"; }
   std::filesystem::path flight_tlog() const { return out / "flight.tlog"; }
   std::filesystem::path fcu_link() const { return sockets / "fcu0"; }
@@ -41,6 +45,8 @@ std::string simulator_config(const RunRequest& request, Transport transport,
 std::string fcu_config(const RunRequest& request);
 /// The topology of casd, as YAML text.
 std::string casd_config(const RunRequest& request, const RunPlaces& places);
+/// The serial line of a run: the scenario's with the request's preset; ideal without a line.
+fcu::LineConfig line_of(const RunRequest& request);
 /// Writes the three into `places.run`. @throws base::ConfigError
 void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places);
 

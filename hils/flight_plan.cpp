@@ -19,6 +19,12 @@ constexpr base::Duration kStillFor = seconds(1);
 
 }  // namespace
 
+Motion VehicleReport::estimate() const {
+  return {.p_m = {p_N.x(), p_N.y(), -p_N.z()},
+          .v_m_s = {v_N.x(), v_N.y(), -v_N.z()},
+          .rpy_rad = {roll_rad, pitch_rad, yaw_rad}};
+}
+
 FlightPlan::FlightPlan(std::vector<FlightStep> steps) : steps_(std::move(steps)) {}
 
 std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleReport& vehicle) {
@@ -40,8 +46,9 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
       end_step(now);
       continue;
     }
-    if (phase_ != Phase::kCommanding && step.kind != StepKind::kHold &&
-        now - step_begin_ > step.timeout) {
+    const bool timed = step.kind == StepKind::kHold || step.kind == StepKind::kTrajectory;
+    const bool flying_it = timed && phase_ == Phase::kWaiting;
+    if (phase_ != Phase::kCommanding && !flying_it && now - step_begin_ > step.timeout) {
       failure_ = std::string(to_string(step.kind)) + " was not done within " +
                  std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
       if (!vehicle.heard) failure_ += ": the vehicle was not heard";
@@ -56,6 +63,7 @@ void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
   last_refusal_ = refusal;
   if (refusal.empty()) {
     phase_ = Phase::kWaiting;
+    accepted_ = now;
     return;
   }
   phase_ = Phase::kBegin;
@@ -64,7 +72,7 @@ void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
 
 std::string_view FlightPlan::phase() const {
   if (done()) return "done";
-  return begun_ || current_ > 0 ? to_string(steps_[current_].kind) : std::string_view();
+  return begun_ || current_ > 0 ? phase_of(steps_[current_]) : std::string_view();
 }
 
 std::optional<Stage> FlightPlan::measured() const {
@@ -75,7 +83,7 @@ std::optional<Stage> FlightPlan::measured() const {
 }
 
 bool FlightPlan::needs_command(const FlightStep& step, const VehicleReport& vehicle) const {
-  if (step.kind == StepKind::kHold) return false;
+  if (!is_command(step.kind)) return false;
   if (step.kind == StepKind::kDisarm) return vehicle.armed;
   return true;
 }
@@ -89,7 +97,13 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
       return vehicle.in_air && hangs_still(now, vehicle);
     case StepKind::kHold:
       return now - step_begin_ >= step.duration;
+    case StepKind::kTrajectory:
+      return now - accepted_ >= step.duration;
+    case StepKind::kWaitUntil:
+      return condition_holds(step, now, vehicle);
+    case StepKind::kEndTrajectory:
     case StepKind::kSetGain:
+    case StepKind::kSetParam:
       return true;
     case StepKind::kLand:
       return vehicle.on_ground;
@@ -97,6 +111,13 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
       return !vehicle.armed;
   }
   return false;
+}
+
+bool FlightPlan::condition_holds(const FlightStep& step, base::SimTime now,
+                                 const VehicleReport& vehicle) const {
+  if (step.until->on_truth && !vehicle.truth) return false;
+  const Motion motion = step.until->on_truth ? *vehicle.truth : vehicle.estimate();
+  return step.until->expression.evaluate(facts_of(now, motion, vehicle.armed, phase_of(step)));
 }
 
 bool FlightPlan::hangs_still(base::SimTime now, const VehicleReport& vehicle) {
@@ -115,6 +136,7 @@ void FlightPlan::begin_step(base::SimTime now, const FlightStep& step) {
   begun_ = true;
   phase_ = Phase::kBegin;
   step_begin_ = now;
+  accepted_ = now;
   retry_at_ = now;
   still_since_.reset();
   last_refusal_.clear();
@@ -129,6 +151,7 @@ void FlightPlan::end_step(base::SimTime now) {
   stages_.push_back({.step = steps_[current_],
                      .begin = step_begin_,
                      .end = now,
+                     .accepted = accepted_,
                      .reference_m = reference_m_,
                      .reference_yaw_rad = reference_yaw_rad_});
   const StepKind kind = steps_[current_].kind;

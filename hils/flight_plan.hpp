@@ -21,7 +21,13 @@ struct VehicleReport {
   bool has_position = false;
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
+  double roll_rad = 0;
+  double pitch_rad = 0;
   double yaw_rad = 0;
+  std::optional<Motion> truth{};  ///< what the simulator knows, where it is at hand
+
+  /// Motion by the vehicle's own estimate.
+  Motion estimate() const;
 };
 
 /// One step of the flight as it went.
@@ -29,6 +35,7 @@ struct Stage {
   FlightStep step;
   base::SimTime begin;
   base::SimTime end;
+  base::SimTime accepted;  ///< when the vehicle confirmed the command; else the begin
   Eigen::Vector3d reference_m = Eigen::Vector3d::Zero();  ///< north, east, up from the start
   double reference_yaw_rad = 0;
 };
@@ -53,11 +60,11 @@ class FlightPlan {
   const std::vector<Stage>& stages() const { return stages_; }
   /// The step under way, for progress lines.
   const FlightStep* current() const { return done() ? nullptr : &steps_[current_]; }
-  /// What the vehicle is about, for the simulator's `flight_phase`: the step under way by its word,
-  /// "done" after the last, nothing before the first.
+  /// What the vehicle is about, for conditions and the simulator's `flight_phase`: the step under
+  /// way by its name or word, "done" after the last, nothing before the first.
   std::string_view phase() const;
   base::Duration elapsed_in_step(base::SimTime now) const { return now - step_begin_; }
-  /// The stage of the measured hold; nothing before it is over.
+  /// The stage of the measured step; nothing before it is over.
   std::optional<Stage> measured() const;
 
  private:
@@ -65,6 +72,8 @@ class FlightPlan {
 
   bool needs_command(const FlightStep& step, const VehicleReport& vehicle) const;
   bool reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
+  bool condition_holds(const FlightStep& step, base::SimTime now,
+                       const VehicleReport& vehicle) const;
   bool hangs_still(base::SimTime now, const VehicleReport& vehicle);
   void begin_step(base::SimTime now, const FlightStep& step);
   void end_step(base::SimTime now);
@@ -74,6 +83,7 @@ class FlightPlan {
   Phase phase_ = Phase::kBegin;
   base::SimTime step_begin_;
   base::SimTime retry_at_;
+  base::SimTime accepted_;
   std::optional<base::SimTime> still_since_;
   bool begun_ = false;
   bool airborne_ = false;  ///< between takeoff and land: disarming is a crash

@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
+#include <span>
+
+#include "hils/flight_rehearsal.hpp"
 
 namespace cas::hils {
 
@@ -13,22 +15,33 @@ constexpr double kMaxStepSeconds = 86'400;
 constexpr double kMaxDistanceM = 10'000;
 constexpr double kRadiansPerDegree = M_PI / 180.0;
 
-constexpr std::array<std::pair<StepKind, std::string_view>, 7> kWords{{
+constexpr std::array<std::pair<StepKind, std::string_view>, 11> kWords{{
     {StepKind::kArm, "arm"},
     {StepKind::kTakeoff, "takeoff"},
     {StepKind::kGoto, "goto"},
     {StepKind::kHold, "hold"},
+    {StepKind::kTrajectory, "trajectory"},
     {StepKind::kSetGain, "setgain"},
+    {StepKind::kSetParam, "setparam"},
+    {StepKind::kWaitUntil, "wait_until"},
     {StepKind::kLand, "land"},
     {StepKind::kDisarm, "disarm"},
+    {StepKind::kEndTrajectory, "end of trajectory"},  // the last one: no word of a scenario
+}};
+
+constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{{
+    {fcu::PatternShape::kCircle, "circle"},
+    {fcu::PatternShape::kFigureEight, "figure_eight"},
+    {fcu::PatternShape::kSteps, "step"},
 }};
 
 StepKind parse_kind(const base::ConfigNode& node, std::string_view word) {
-  for (const auto& [kind, name] : kWords) {
+  std::string known;
+  for (const auto& [kind, name] : std::span(kWords).first(kWords.size() - 1)) {
     if (name == word) return kind;
+    known += (known.empty() ? "" : ", ") + std::string(name);
   }
-  node.fail("there is no step '" + std::string(word) +
-            "'; steps are arm, takeoff, goto, hold, setgain, land and disarm");
+  node.fail("there is no step '" + std::string(word) + "'; steps are " + known);
 }
 
 std::optional<double> optional_number(const base::ConfigNode& node, std::string_view key) {
@@ -52,14 +65,57 @@ void parse_gain(const base::ConfigNode& body, FlightStep& step) {
   if (!step.p && !step.i && !step.d) body.fail("a setgain step names at least one of p, i and d");
 }
 
+fcu::PatternShape parse_shape(const base::ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  for (const auto& [shape, name] : kShapes) {
+    if (name == word) return shape;
+  }
+  node.fail("a trajectory is a circle, a figure_eight or a step");
+}
+
+/// A step goes north at once after half of its time, the others go on for `duration_s`.
+void parse_trajectory(const base::ConfigNode& body, FlightStep& step) {
+  Trajectory& trajectory = step.trajectory;
+  trajectory.shape = parse_shape(body.at("shape"));
+  trajectory.size_m = body.require_in("size_m", 0.1, 50);
+  const double duration_s = body.require_in("duration_s", 2, 240);
+  step.duration = base::from_seconds(duration_s);
+  if (trajectory.shape == fcu::PatternShape::kSteps) {
+    trajectory.period_s = duration_s / 2;
+  } else {
+    trajectory.speed_m_s = body.require_in("speed_m_s", 0.1, 10);
+  }
+  step.params = {{"CAS_TRJ_SIZE", trajectory.size_m},
+                 {"CAS_TRJ_SPEED", trajectory.speed_m_s},
+                 {"CAS_TRJ_PERIOD", trajectory.period_s},
+                 {"CAS_TRJ_SHAPE", static_cast<double>(trajectory.shape)}};
+}
+
+void parse_params(const base::ConfigNode& body, FlightStep& step) {
+  for (const auto& [name, value] : body.entries()) {
+    if (name == "name" || name == "timeout_s") continue;
+    step.params.emplace_back(name, value.as<double>());
+  }
+  if (step.params.empty()) body.fail("a setparam step names at least one parameter");
+}
+
 void parse_body(const base::ConfigNode& body, FlightStep& step) {
   if (step.kind == StepKind::kTakeoff) step.altitude_m = body.require_in("altitude_m", 0.5, 1000);
   if (step.kind == StepKind::kGoto) parse_goto(body, step);
   if (step.kind == StepKind::kSetGain) parse_gain(body, step);
+  if (step.kind == StepKind::kSetParam) parse_params(body, step);
+  if (step.kind == StepKind::kTrajectory) parse_trajectory(body, step);
+  if (step.kind == StepKind::kWaitUntil) {
+    step.until = parse_condition(body, "condition");
+    if (!step.until) body.fail("wait_until needs a condition, such as 'altitude > 2'");
+  }
   if (step.kind == StepKind::kHold) {
     step.duration = base::from_seconds(body.require_in("duration_s", 0.1, kMaxStepSeconds));
+  }
+  if (step.kind == StepKind::kHold || step.kind == StepKind::kTrajectory) {
     step.measure = body.get("measure", false);
   }
+  step.name = body.get<std::string>("name", "");
   const double timeout_s =
       body.get_in("timeout_s", base::to_seconds(step.timeout), 0.1, kMaxStepSeconds);
   step.timeout = base::from_seconds(timeout_s);
@@ -82,51 +138,6 @@ FlightStep parse_step(const base::ConfigNode& node) {
   return step;
 }
 
-/// Walks through the flight and refuses a step that the state before it does not allow.
-class Rehearsal {
- public:
-  void play(const FlightStep& step, const base::ConfigNode& node) {
-    const std::string word(to_string(step.kind));
-    switch (step.kind) {
-      case StepKind::kArm:
-        if (armed_) node.fail("the vehicle is armed already");
-        armed_ = true;
-        return;
-      case StepKind::kTakeoff:
-        if (!armed_) node.fail("takeoff needs an arm step before it");
-        if (airborne_) node.fail("the vehicle is in the air already");
-        airborne_ = true;
-        return;
-      case StepKind::kGoto:
-      case StepKind::kLand:
-        if (!airborne_) node.fail(word + " needs a takeoff step before it");
-        airborne_ = step.kind == StepKind::kGoto;
-        return;
-      case StepKind::kHold:
-        if (step.measure && !airborne_) node.fail("a measured hold needs a takeoff step before it");
-        if (step.measure && measured_) node.fail("only one hold can be the measured one");
-        measured_ = measured_ || step.measure;
-        return;
-      case StepKind::kDisarm:
-        if (airborne_) node.fail("disarm in the air would drop the vehicle: land first");
-        armed_ = false;
-        return;
-      case StepKind::kSetGain:
-        return;
-    }
-  }
-
-  void finish(const base::ConfigNode& steps) const {
-    if (airborne_) steps.fail("the flight ends in the air: add a land step");
-    if (!measured_) steps.fail("no hold is measured: give one of them 'measure: true'");
-  }
-
- private:
-  bool armed_ = false;
-  bool airborne_ = false;
-  bool measured_ = false;
-};
-
 }  // namespace
 
 std::string_view to_string(StepKind kind) {
@@ -136,13 +147,24 @@ std::string_view to_string(StepKind kind) {
   return "?";
 }
 
+std::string_view phase_of(const FlightStep& step) {
+  return step.name.empty() ? to_string(step.kind) : std::string_view(step.name);
+}
+
+bool is_command(StepKind kind) { return kind != StepKind::kHold && kind != StepKind::kWaitUntil; }
+
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps) {
   if (!steps.is_list()) steps.fail("steps is a list");
   std::vector<FlightStep> flight;
-  Rehearsal rehearsal;
+  FlightRehearsal rehearsal;
   for (const base::ConfigNode& node : steps.items()) {
     flight.push_back(parse_step(node));
     rehearsal.play(flight.back(), node);
+    if (flight.back().kind != StepKind::kTrajectory) continue;
+    FlightStep end;
+    end.kind = StepKind::kEndTrajectory;
+    end.params = {{"CAS_TRJ_SHAPE", 0}};
+    flight.push_back(end);
   }
   rehearsal.finish(steps);
   return flight;

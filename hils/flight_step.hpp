@@ -5,43 +5,70 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
 #include "base/config.hpp"
+#include "fcu/pattern.hpp"
+#include "hils/flight_facts.hpp"
 
 namespace cas::hils {
 
 /// What a step of a flight asks for.
 enum class StepKind {
-  kArm,      ///< done when the vehicle says that it is armed
-  kTakeoff,  ///< done when it hangs still at the height
-  kGoto,     ///< done when it hangs still at the place
-  kHold,     ///< done when `duration` of simulated time has passed
-  kSetGain,  ///< done when the vehicle has confirmed the gains
-  kLand,     ///< done when the vehicle says that it stands on the ground
-  kDisarm,   ///< done when it says that it is disarmed
+  kArm,            ///< done when the vehicle says that it is armed
+  kTakeoff,        ///< done when it hangs still at the height
+  kGoto,           ///< done when it hangs still at the place
+  kHold,           ///< done when `duration` of simulated time has passed
+  kTrajectory,     ///< done when it has been flown for `duration`
+  kEndTrajectory,  ///< done when the vehicle has confirmed; follows each trajectory by itself
+  kSetGain,        ///< done when the vehicle has confirmed the gains
+  kSetParam,       ///< done when the vehicle has confirmed the parameters
+  kWaitUntil,      ///< done when the condition holds
+  kLand,           ///< done when the vehicle says that it stands on the ground
+  kDisarm,         ///< done when it says that it is disarmed
 };
 
 std::string_view to_string(StepKind kind);
+
+/// A path about the place where the vehicle hangs, flown by the controller itself.
+struct Trajectory {
+  fcu::PatternShape shape = fcu::PatternShape::kNone;
+  double size_m = 0;
+  double speed_m_s = 1;
+  double period_s = 10;
+
+  fcu::Pattern pattern() const { return {shape, size_m, speed_m_s, period_s}; }
+};
 
 /// One step of a flight. Positions are in N with height up, relative to where the vehicle was
 /// armed.
 struct FlightStep {
   StepKind kind = StepKind::kHold;
+  std::string
+      name{};  ///< for reports, and `phase` in conditions; the step's word where none is given
   base::Duration timeout = std::chrono::seconds(30);  ///< simulated time until the step has failed
   double altitude_m = 0;                              ///< takeoff
   Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< goto: north, east, up
   double yaw_rad = 0;                                 ///< goto
-  base::Duration duration{};                          ///< hold
-  bool measure = false;                               ///< hold: the window of all figures
-  std::string loop{};                                 ///< setgain
-  std::optional<double> p{}, i{}, d{};                ///< setgain
+  base::Duration duration{};                          ///< hold, trajectory
+  bool measure = false;                 ///< hold, trajectory: the window of all figures
+  Trajectory trajectory{};              ///< trajectory
+  std::string loop{};                   ///< setgain
+  std::optional<double> p{}, i{}, d{};  ///< setgain
+  std::vector<std::pair<std::string, double>> params{};  ///< setparam, trajectory and its end
+  std::optional<Condition> until{};                      ///< wait_until
 };
+
+/// The step's name, or the word for what it is.
+std::string_view phase_of(const FlightStep& step);
+/// Whether the vehicle is told something.
+bool is_command(StepKind kind);
 
 /// Reads the list `steps`: each entry is a word (`arm`) or a map with one key (`takeoff:
 /// {altitude_m: 2.5}`). Checks that the flight is possible: armed before takeoff, exactly one
-/// measured hold, landed at the end. @throws base::ConfigError
+/// measured step, landed at the end. @throws base::ConfigError
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps);
 
 }  // namespace cas::hils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/ground_station.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -60,6 +61,10 @@ void GroundStation::on_packet(const mav::PacketView& packet) {
 }
 
 void GroundStation::tick(base::RunTime now) {
+  const double since_s = std::min(base::to_seconds(now - last_tick_), 0.1);
+  last_tick_ = now;
+  const auto extra = static_cast<int>(flood_hz_ * since_s);
+  for (int i = 0; i < extra; ++i) send_(encode_(centred_sticks(vehicle_system_)));
   if (now >= next_heartbeat_) {
     send_(encode_(heartbeat()));
     next_heartbeat_ = now + kHeartbeatPeriod;

@@ -30,6 +30,9 @@ class GroundStation {
   /// Call it at least every `kTickPeriod`.
   void tick(base::RunTime now);
 
+  /// Sends so many packets a second besides; 0: none.
+  void flood(double packets_hz) { flood_hz_ = packets_hz; }
+
   static constexpr base::Duration kTickPeriod = std::chrono::milliseconds(20);
 
   std::uint64_t received() const { return received_; }           ///< packets
@@ -45,6 +48,8 @@ class GroundStation {
   mav::PacketParser parser_;
   std::uint64_t received_ = 0;
   bool vehicle_heard_ = false;
+  double flood_hz_ = 0;
+  base::RunTime last_tick_{};
   std::set<std::uint16_t> parameters_;
   base::RunTime next_heartbeat_{};
   base::RunTime next_sticks_{};

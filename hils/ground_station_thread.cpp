@@ -62,6 +62,7 @@ void GroundStationThread::run() {
       if (received <= 0) break;
       station.on_bytes(std::span(buffer).first(static_cast<std::size_t>(received)));
     }
+    station.flood(flood_hz_);
     station.tick(base::steady_now());
   }
 }

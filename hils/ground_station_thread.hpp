@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <thread>
 
@@ -18,6 +19,8 @@ class GroundStationThread {
   GroundStationThread(const GroundStationThread&) = delete;
   GroundStationThread& operator=(const GroundStationThread&) = delete;
 
+  /// Sends so many packets a second besides; 0: none.
+  void flood(double packets_hz) { flood_hz_ = packets_hz; }
   std::uint16_t port() const { return port_; }
 
  private:
@@ -27,6 +30,7 @@ class GroundStationThread {
   FileDescriptor stop_;
   std::uint16_t port_ = 0;
   std::uint8_t vehicle_system_;
+  std::atomic<double> flood_hz_{0};
   std::thread thread_;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/hil_identity.hpp"
 
+#include <span>
+
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_gps.hpp"
@@ -31,14 +33,6 @@ bool is_hil(std::uint32_t message_id) {
 std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {
   if (!is_hil(packet.message_id)) return std::nullopt;
   return leading_u64(packet.payload);
-}
-
-std::optional<std::uint64_t> hil_time_usec(std::uint32_t message_id,
-                                           std::span<const std::uint8_t> packet_bytes) {
-  if (!is_hil(message_id)) return std::nullopt;
-  const bool v1 = packet_bytes[0] == mav::kStartV1;
-  const std::size_t header = v1 ? mav::kHeaderBytesV1 : mav::kHeaderBytesV2;
-  return leading_u64(packet_bytes.subspan(header, packet_bytes[1]));
 }
 
 }  // namespace cas::hils

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "mavlink_gen/runtime/packet.hpp"
 
@@ -12,8 +11,5 @@ namespace cas::hils {
 /// The stamp that, with the message id, is a HIL packet's identity in every ledger; nothing for
 /// other packets.
 std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet);
-/// Likewise for a packet by its bytes as they go over the wire.
-std::optional<std::uint64_t> hil_time_usec(std::uint32_t message_id,
-                                           std::span<const std::uint8_t> packet_bytes);
 
 }  // namespace cas::hils

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
+#include "hils/compare_command.hpp"
 #include "hils/html_report.hpp"
 #include "hils/judgement.hpp"
 #include "hils/measurement.hpp"
@@ -32,6 +34,8 @@ struct RunFlags {
   std::string scenario;
   std::string architecture;
   std::optional<std::uint64_t> seed;
+  std::string fcu_device;
+  unsigned fcu_baud = 921600;
   std::string out;
   bool on_virtual_clock = false;
 };
@@ -64,6 +68,12 @@ int run(const RunFlags& flags) {
   request.architecture = flags.architecture.empty() ? request.scenario.architecture
                                                     : parse_architecture(flags.architecture);
   request.seed = flags.seed.value_or(request.scenario.seed);
+  request.fcu_device = flags.fcu_device;
+  request.fcu_baud = flags.fcu_baud;
+  if (!flags.fcu_device.empty() &&
+      (flags.on_virtual_clock || request.architecture == Architecture::kDirect)) {
+    throw base::ConfigError("a real controller cannot be flown on the virtual clock");
+  }
   request.out = std::filesystem::absolute(flags.out);
   std::filesystem::create_directories(request.out);
 
@@ -76,9 +86,9 @@ int run(const RunFlags& flags) {
 }
 
 /// Runs a command and turns what it throws into a sentence and an exit code.
-int guarded(const RunFlags& flags) {
+int guarded(const std::function<int()>& command) {
   try {
-    return run(flags);
+    return command();
   } catch (const RunStopped& stopped) {
     fmt::print(stderr, "hils: {}\n", stopped.what());
     return stopped.interrupted() ? kExitInterrupted : kExitInvalid;
@@ -89,6 +99,26 @@ int guarded(const RunFlags& flags) {
     fmt::print(stderr, "hils: {}\n", error.what());
     return kExitInvalid;
   }
+}
+
+CLI::App* add_compare(CLI::App& app, CompareFlags& flags) {
+  CLI::App* command = app.add_subcommand(
+      "compare", "fly one scenario in several architectures, as [HILS] Sect. 4 does");
+  command->add_option("SCENARIO", flags.scenario, "scenario file")->required();
+  command->add_option("--architectures", flags.architectures, "direct,sitl,ts,loop,tcas")
+      ->delimiter(',');
+  command->add_option("--baud", flags.bauds, "of the line where there is one: 460800,921600")
+      ->delimiter(',')
+      ->check(CLI::IsMember({115200, 460800, 921600}));
+  command->add_option("--seeds", flags.seeds, "how many runs of each (5)");
+  command->add_option("--first-seed", flags.first_seed, "the others follow it (1)");
+  command->add_option("--warm-up", flags.warm_up_s, "seconds of hover before the measurement (10)");
+  command->add_option("--hold", flags.hold_s, "seconds measured (60)");
+  command->add_flag("--virtual", flags.on_virtual_clock,
+                    "compute time instead of waiting for it: the same to the byte each time");
+  command->add_flag("--keep", flags.keep, "keep truth.csv and flight.tlog of each run");
+  command->add_option("--out", flags.out, "folder for the results")->required();
+  return command;
 }
 
 }  // namespace
@@ -107,7 +137,12 @@ int main(int argc, char** argv) {
   command->add_flag("--virtual", flags.on_virtual_clock,
                     "compute time instead of waiting for it: exact and fast");
   command->add_option("--out", flags.out, "folder for the results")->required();
+  command->add_option("--fcu", flags.fcu_device,
+                      "serial port of a real controller, instead of the emulator");
+  command->add_option("--fcu-baud", flags.fcu_baud, "of that port (921600)");
   command->add_option("--seed", flags.seed, "instead of the scenario's");
+  CompareFlags compare_flags;
+  const CLI::App* compare_command = add_compare(app, compare_flags);
   base::cli::add_manual(app, "hils", std::string(kVersion));
   try {
     app.parse(argc, argv);
@@ -118,5 +153,6 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "hils: {}\n", error.what());
     return kExitUsage;
   }
-  return guarded(flags);
+  if (compare_command->parsed()) return guarded([&] { return compare(compare_flags); });
+  return guarded([&] { return run(flags); });
 }

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <thread>
 
+#include "base/clock.hpp"
 #include "hils/html_page.hpp"
 #include "hils/paper_figures.hpp"
 #include "hils/version.hpp"
@@ -100,11 +101,62 @@ void add_delays(HtmlPage& page, const Measurement& figures) {
   for (const auto& [name, delay] :
        {std::pair{"sensor out to control back", &figures.sensor_to_control},
         std::pair{"sensor to the controller", &figures.sensor_uplink},
-        std::pair{"control to the simulator", &figures.controls_downlink}}) {
+        std::pair{"control to the simulator", &figures.controls_downlink},
+        std::pair{"age of the sample at use, since it was made", &figures.age_by_stamp},
+        std::pair{"age of the sample at use, since it arrived", &figures.age_by_arrival}}) {
     rows.push_back({name, fmt::format("{}", delay->count), fixed(delay->p50, 0),
                     fixed(delay->p99, 0), fixed(delay->max, 0)});
   }
   page.table("Delays", rows);
+}
+
+void add_hops(HtmlPage& page, const Measurement& figures) {
+  Rows rows{{"Hop", "in", "out", "median us", "90 %", "99 %", "longest", "jitter"}};
+  for (const PathAccount& path : figures.paths) {
+    for (const HopFigures& hop : path.hops) {
+      rows.push_back({path.message + ": " + hop.name, fmt::format("{}", hop.in),
+                      fmt::format("{}", hop.out), fixed(hop.delay.p50, 0), fixed(hop.delay.p90, 0),
+                      fixed(hop.delay.p99, 0), fixed(hop.delay.max, 0), fixed(hop.jitter_us, 0)});
+    }
+  }
+  page.table("Each packet from hop to hop", rows);
+  Rows losses{{"Lost", "packets"}};
+  for (const PathAccount& path : figures.paths) {
+    for (const auto& [cause, count] : path.losses) {
+      losses.push_back({path.message + " " + cause, fmt::format("{}", count)});
+    }
+  }
+  if (losses.size() > 1) page.table("Losses by cause", losses);
+  if (figures.from_device) {
+    page.paragraph(
+        fmt::format("The controller keeps no ledger: packets are followed from the simulator to "
+                    "casd's port and "
+                    "back. Beyond it only gaps in its sequence numbers tell of losses: {} packets.",
+                    figures.lost_by_sequence));
+  }
+}
+
+void add_faults(HtmlPage& page, const Measurement& figures) {
+  if (figures.faults.empty()) return;
+  Rows rows{{"Fault", "begin s", "end s"}};
+  for (const auto& fault : figures.faults) {
+    rows.push_back({fault.name, fixed(base::to_seconds(fault.begin), 2),
+                    fault.end ? fixed(base::to_seconds(*fault.end), 2) : "-"});
+  }
+  page.table("Faults", rows);
+}
+
+void add_responses(HtmlPage& page, const Measurement& figures) {
+  if (figures.responses.empty()) return;
+  Rows rows{{"Step", "size m", "rise s", "overshoot %", "settling s", "integrated error m s"}};
+  for (const StepResponse& response : figures.responses) {
+    rows.push_back({response.name, fixed(response.size, 2),
+                    response.rise_s ? fixed(*response.rise_s, 2) : "-",
+                    fixed(response.overshoot_pct, 1),
+                    response.settling_s ? fixed(*response.settling_s, 2) : "-",
+                    fixed(response.integrated_error, 3)});
+  }
+  page.table("Responses to steps of the reference", rows);
 }
 
 void add_machine(HtmlPage& page, const Measurement& figures) {
@@ -137,8 +189,11 @@ std::string html_report(const Measurement& figures, const Verdict& verdict,
   page.heading("Communication");
   add_rates(page, figures);
   add_delays(page, figures);
+  add_hops(page, figures);
   page.heading("Flight");
   add_rms(page, figures);
+  add_responses(page, figures);
+  add_faults(page, figures);
   for (const auto& [name, plot] : plots) page.figure(to_svg(plot));
   page.heading("Configuration");
   add_machine(page, figures);

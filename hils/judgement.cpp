@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -49,6 +50,12 @@ Sentences reasons_against(const Measurement& figures) {
   for (const auto& [name, rate] : named_rates(figures.rates)) {
     check_account(name, *rate, reasons);
   }
+  for (const PathAccount& path : figures.paths) {
+    if (!path.closes()) {
+      reasons.push_back(
+          fmt::format("the account of {} does not close: {}", path.message, path.open));
+    }
+  }
   return reasons;
 }
 
@@ -61,6 +68,12 @@ void check_rate(std::string_view name, const RateFigures& rate, const Limits& li
   if (limits.lost && rate.lost > *limits.lost) {
     failures.push_back(fmt::format("{} of {} {} were lost; the limit is {}", rate.lost, rate.sent,
                                    name, *limits.lost));
+  }
+  const double delivered =
+      100.0 * static_cast<double>(rate.received) / static_cast<double>(rate.sent);
+  if (limits.delivered_pct && !(delivered >= *limits.delivered_pct)) {
+    failures.push_back(fmt::format("{:.3f} % of {} arrived; the limit is {:g} %", delivered, name,
+                                   *limits.delivered_pct));
   }
   if (limits.rate_error_pct && std::abs(rate.error_pct) > *limits.rate_error_pct) {
     failures.push_back(
@@ -86,6 +99,29 @@ void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
   }
 }
 
+void check_most(std::string_view what, const StepResponse& response, std::optional<double> value,
+                std::optional<double> limit, Sentences& failures) {
+  if (!limit || (value && *value <= *limit)) return;
+  failures.push_back(value
+                         ? fmt::format("{} of step '{}' is {:.3f}; the limit is {:g}", what,
+                                       response.name, *value, *limit)
+                         : fmt::format("step '{}' ends before there is a {}", response.name, what));
+}
+
+void check_responses(const std::vector<StepResponse>& responses,
+                     const std::map<std::string, ResponseLimits>& limits, Sentences& failures) {
+  for (const auto& [name, limit] : limits) {
+    const auto found = std::ranges::find(responses, name, &StepResponse::name);
+    if (found == responses.end()) {
+      failures.push_back(fmt::format("step '{}' was not flown", name));
+      continue;
+    }
+    check_most("rise time", *found, found->rise_s, limit.rise_s, failures);
+    check_most("overshoot", *found, found->overshoot_pct, limit.overshoot_pct, failures);
+    check_most("settling time", *found, found->settling_s, limit.settling_s, failures);
+  }
+}
+
 Sentences missed_limits(const Measurement& figures, const Limits& limits) {
   Sentences failures;
   if (!figures.flight_failure.empty()) {
@@ -100,6 +136,7 @@ Sentences missed_limits(const Measurement& figures, const Limits& limits) {
                     "{:g} us",
                     figures.sensor_to_control.p99, *limits.latency_p99_us));
   }
+  check_responses(figures.responses, limits.responses, failures);
   if (figures.over_hold) {
     check_rms("true position", figures.rms, limits.rms, failures);
     check_rms("estimate", figures.rms_estimate, limits.rms_estimate, failures);

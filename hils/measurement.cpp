@@ -5,6 +5,8 @@
 
 #include "base/clock.hpp"
 #include "base/vehicle.hpp"
+#include "hils/averaging_meter.hpp"
+#include "hils/flight_reference.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_gps.hpp"
@@ -32,20 +34,15 @@ StreamWindow window_of(const Stage& hold) {
 }
 
 /// The reference in the axes of truth.csv: the plan's places count from where the vehicle stood.
-Pose reference_in_truth(const Stage& hold, std::span<const PoseSample> truth) {
-  Pose start;
-  if (!truth.empty()) start = truth.front().pose;
-  return {.x_m = start.x_m + hold.reference_m.x(),
-          .y_m = start.y_m + hold.reference_m.y(),
-          .z_m = start.z_m + hold.reference_m.z(),
-          .yaw_rad = hold.reference_yaw_rad};
-}
-
-Pose reference_in_estimate(const Stage& hold) {
-  return {.x_m = hold.reference_m.x(),
-          .y_m = hold.reference_m.y(),
-          .z_m = hold.reference_m.z(),
-          .yaw_rad = hold.reference_yaw_rad};
+ReferenceAt reference_in_truth(const Stage& stage, std::span<const PoseSample> truth) {
+  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
+  return [&stage, start](std::int64_t time_us) {
+    Pose pose = reference_at(stage, time_us);
+    pose.x_m += start.x_m;
+    pose.y_m += start.y_m;
+    pose.z_m += start.z_m;
+    return pose;
+  };
 }
 
 std::int64_t microseconds(base::SimTime t) {
@@ -61,10 +58,26 @@ void measure_hold(const RunRecord& record, std::uint8_t system, Measurement& fig
   const std::vector<PoseSample> estimate =
       read_estimate(record.flight_tlog, system, record.log_clock);
   const auto in_hold = between(estimate, begin, end);
-  if (!in_hold.empty()) figures.rms_estimate = rms_about(in_hold, reference_in_estimate(hold));
+  if (!in_hold.empty())
+    figures.rms_estimate =
+        rms_about(in_hold, [&hold](std::int64_t time_us) { return reference_at(hold, time_us); });
+}
+
+/// The meter starts with the stream and is read at the end of the window.
+double meter_hz(const std::vector<base::LedgerEntry>& ledger, std::uint32_t message_id,
+                StreamWindow window) {
+  std::vector<std::int64_t> arrivals;
+  for (const base::LedgerEntry& entry : ledger) {
+    if (entry.direction == base::LedgerEntry::Direction::kReceived &&
+        entry.message_id == message_id && entry.time_usec <= window.end_usec) {
+      arrivals.push_back(entry.at_ns);
+    }
+  }
+  return arrivals.empty() ? 0 : averaging_meter_hz(arrivals, arrivals.back());
 }
 
 void measure_stream(const Scenario& scenario, const RunRecord& record, Measurement& figures) {
+  using enum base::LedgerEntry::Direction;
   const std::uint32_t controls_id = controls_message_id(record);
   const auto& [simulator, controller] = std::tie(record.simulator, record.controller);
   const StreamWindow window = figures.window;
@@ -77,6 +90,20 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
       summarise(echo_delays_ns(simulator, HilSensor::kId, controls_id, window));
   figures.sensor_uplink = summarise(hop_delays_ns(simulator, controller, HilSensor::kId, window));
   figures.controls_downlink = summarise(hop_delays_ns(controller, simulator, controls_id, window));
+  figures.age_by_stamp = summarise(
+      delays_ns({simulator, kSent, HilSensor::kId}, {controller, kSent, controls_id}, window));
+  figures.age_by_arrival = summarise(
+      delays_ns({controller, kReceived, HilSensor::kId}, {controller, kSent, controls_id}, window));
+  figures.meter = {.sensor_hz = meter_hz(controller, HilSensor::kId, window),
+                   .gps_hz = meter_hz(controller, HilGps::kId, window),
+                   .controls_hz = meter_hz(simulator, controls_id, window)};
+  const RelayLedgers* relay = record.relay ? &*record.relay : nullptr;
+  for (const PacketPath& path :
+       {PacketPath{"HIL_SENSOR", HilSensor::kId, true}, PacketPath{"HIL_GPS", HilGps::kId, true},
+        PacketPath{"controls", controls_id, false}}) {
+    figures.paths.push_back(
+        account_path(path, simulator, controller, record.from_device ? nullptr : relay, window));
+  }
   figures.pace = pace(simulator, HilSensor::kId, window);
 }
 
@@ -101,7 +128,11 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.wall_s = record.wall_s;
   figures.cpu_s = record.cpu_s;
   figures.cpu_pressure = record.cpu_pressure;
+  figures.from_device = record.from_device;
+  figures.lost_by_sequence = record.lost_by_sequence;
   figures.stages = record.stages;
+  figures.faults = record.faults;
+  figures.responses = step_responses(record.stages, read_truth(record.truth_csv));
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);
   measure_stream(scenario, record, figures);

@@ -102,9 +102,16 @@ DelayFigures summarise(std::vector<std::int64_t> delays_ns) {
   };
   figures.count = delays_ns.size();
   figures.p50 = at(0.50);
+  figures.p90 = at(0.90);
   figures.p99 = at(0.99);
   figures.max = microseconds(delays_ns.back());
   return figures;
+}
+
+std::vector<std::int64_t> delays_ns(const LedgerView& from, const LedgerView& to,
+                                    StreamWindow window) {
+  return delays(moments(from.ledger, from.direction, from.message_id),
+                moments(to.ledger, to.direction, to.message_id), window);
 }
 
 std::vector<std::int64_t> echo_delays_ns(std::span<const base::LedgerEntry> ledger,

@@ -44,10 +44,21 @@ RateFigures account(std::span<const base::LedgerEntry> sender,
 struct DelayFigures {
   std::uint64_t count = 0;
   double p50 = 0;
+  double p90 = 0;
   double p99 = 0;
   double max = 0;
 };
 DelayFigures summarise(std::vector<std::int64_t> delays_ns);
+
+/// One message in one direction at one end.
+struct LedgerView {
+  std::span<const base::LedgerEntry> ledger;
+  base::LedgerEntry::Direction direction;
+  std::uint32_t message_id;
+};
+/// Delays between equal stamps of two views, ns, in the order of the stamps; both on one clock.
+std::vector<std::int64_t> delays_ns(const LedgerView& from, const LedgerView& to,
+                                    StreamWindow window);
 
 /// Delays from sending `sensor_id` to receiving the `controls_id` that echoes its stamp, by one
 /// program's ledger, ns, in the order of the stamps.

@@ -194,10 +194,11 @@ class Canvas {
       const double x = px(to_axis(mark.x));
       if (!(x >= kLeft && x <= kWidth - kRight)) continue;
       out_ += fmt::format(
-          "<path d=\"M{0:.1f} {1:g}V{2:g}\" stroke=\"#c92a2a\" "
-          "stroke-dasharray=\"2 3\"/><text x=\"{3:.1f}\" y=\"{4:g}\" "
-          "fill=\"#c92a2a\" font-size=\"10\">{5}</text>\n",
-          x, kTop, kHeight - kBottom, x + 3, kTop + 10, escape_xml(mark.text));
+          "<path d=\"M{0:.1f} {1:g}V{2:g}\" stroke=\"{6}\" "
+          "stroke-dasharray=\"{7}\"/><text x=\"{3:.1f}\" y=\"{4:g}\" "
+          "fill=\"{6}\" font-size=\"10\">{5}</text>\n",
+          x, kTop, kHeight - kBottom, x + 3, kTop + (mark.fault ? 22 : 10), escape_xml(mark.text),
+          mark.fault ? "#c92a2a" : "#868e96", mark.fault ? "none" : "2 3");
     }
   }
 

@@ -19,6 +19,7 @@ struct Series {
 struct Mark {
   double x = 0;
   std::string text{};
+  bool fault = false;  ///< drawn so that it stands out
 };
 
 /// What is drawn; axes fit the data.

@@ -92,6 +92,40 @@ std::string delay_table(const Measurement& figures) {
   text += delay_row("HIL_SENSOR out -> control back", figures.sensor_to_control);
   text += delay_row("HIL_SENSOR to the controller", figures.sensor_uplink);
   text += delay_row("control to the simulator", figures.controls_downlink);
+  text += delay_row("age of the sample at use (made)", figures.age_by_stamp);
+  text += delay_row("age of the sample at use (arrived)", figures.age_by_arrival);
+  return text;
+}
+
+std::string loss_lines(const Measurement& figures) {
+  std::string text;
+  for (const PathAccount& path : figures.paths) {
+    for (const auto& [cause, count] : path.losses) {
+      text += fmt::format("{} {} lost {}\n", count, path.message, cause);
+    }
+  }
+  if (figures.from_device) {
+    text += fmt::format(
+        "The controller keeps no ledger: packets are followed from the simulator to casd's port "
+        "and "
+        "back.\nBeyond it only gaps in its sequence numbers tell of losses: {} packets.\n",
+        figures.lost_by_sequence);
+  }
+  return text.empty() ? text : "\n" + text;
+}
+
+std::string response_table(const Measurement& figures) {
+  if (figures.responses.empty()) return {};
+  std::string text = fmt::format("\n{:<16} {:>8} {:>8} {:>12} {:>12} {:>16}\n", "Step", "size m",
+                                 "rise s", "overshoot %", "settling s", "int. error m s");
+  for (const StepResponse& response : figures.responses) {
+    const auto seconds = [](const std::optional<double>& value) {
+      return value ? fmt::format("{:.2f}", *value) : std::string("-");
+    };
+    text += fmt::format("{:<16} {:>8.2f} {:>8} {:>12.1f} {:>12} {:>16.3f}\n", response.name,
+                        response.size, seconds(response.rise_s), response.overshoot_pct,
+                        seconds(response.settling_s), response.integrated_error);
+  }
   return text;
 }
 
@@ -99,7 +133,7 @@ std::string delay_table(const Measurement& figures) {
 
 std::string text_report(const Measurement& figures, const Verdict& verdict) {
   return verdict_text(figures, verdict) + rate_table(figures) + rms_table(figures) +
-         delay_table(figures);
+         delay_table(figures) + loss_lines(figures) + response_table(figures);
 }
 
 void write_text(const std::filesystem::path& file, const std::string& text) {

@@ -8,6 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/vehicle.hpp"
+#include "hils/run_curves.hpp"
 #include "hils/trajectory.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -26,36 +27,11 @@ constexpr int kBucketsPerDecade = 20;
 
 double seconds(std::uint64_t usec) { return static_cast<double>(usec) * 1e-6; }
 
-/// Packets of a message in each second of their own stamps.
-std::map<std::int64_t, int> per_second(const std::vector<base::LedgerEntry>& ledger,
-                                       Direction direction, std::uint32_t message_id) {
-  std::map<std::int64_t, int> counts;
-  for (const base::LedgerEntry& entry : ledger) {
-    if (entry.direction == direction && entry.message_id == message_id) {
-      ++counts[static_cast<std::int64_t>(entry.time_usec / 1'000'000)];
-    }
-  }
-  return counts;
-}
-
-/// Stamps (k, k + 1] s would be exact; the share of the nominal count per second, without the last
-/// second, which is not whole.
-Series rate_series(const std::string& name, const std::vector<base::LedgerEntry>& ledger,
-                   std::uint32_t message_id, double nominal_hz) {
-  Series series{.name = name, .steps = true};
-  auto counts = per_second(ledger, Direction::kReceived, message_id);
-  if (!counts.empty()) counts.erase(std::prev(counts.end()));
-  for (const auto& [second, count] : counts) {
-    series.points.emplace_back(static_cast<double>(second), 100.0 * count / nominal_hz);
-  }
-  return series;
-}
-
 Series loss_series(const std::string& name, const std::vector<base::LedgerEntry>& sender,
                    const std::vector<base::LedgerEntry>& receiver, std::uint32_t message_id) {
   Series series{.name = name, .steps = true};
-  const auto sent = per_second(sender, Direction::kSent, message_id);
-  const auto received = per_second(receiver, Direction::kReceived, message_id);
+  const auto sent = packets_per_second(sender, Direction::kSent, message_id);
+  const auto received = packets_per_second(receiver, Direction::kReceived, message_id);
   for (const auto& [second, count] : sent) {
     const auto arrived = received.find(second);
     const int lost = count - (arrived == received.end() ? 0 : arrived->second);
@@ -83,31 +59,13 @@ Series delay_series(const std::string& name, const std::vector<std::int64_t>& de
   return series;
 }
 
-Series pose_series(const std::string& name, const std::vector<PoseSample>& samples,
-                   double Pose::*member, double offset, double scale = 1) {
-  Series series{.name = name};
-  for (const PoseSample& sample : samples) {
-    series.points.emplace_back(static_cast<double>(sample.time_us) * 1e-6,
-                               scale * (sample.pose.*member - offset));
-  }
-  return series;
-}
-
-/// The reference of each step, as a staircase.
-Series reference_series(const std::vector<Stage>& stages, int axis) {
-  Series series{.name = "reference", .dashed = true, .steps = true};
-  for (const Stage& stage : stages) {
-    series.points.emplace_back(base::to_seconds(stage.begin), stage.reference_m[axis]);
-    series.points.emplace_back(base::to_seconds(stage.end), stage.reference_m[axis]);
-  }
-  return series;
-}
-
 std::vector<Mark> stage_marks(const std::vector<Stage>& stages) {
   std::vector<Mark> marks;
   for (const Stage& stage : stages) {
-    marks.push_back(
-        {.x = base::to_seconds(stage.begin), .text = std::string(to_string(stage.step.kind))});
+    if (stage.step.kind == StepKind::kEndTrajectory) continue;
+    marks.push_back({.x = base::to_seconds(stage.begin),
+                     .text = std::string(phase_of(stage.step)),
+                     .fault = false});
   }
   return marks;
 }
@@ -137,21 +95,27 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record, const M
                      loss_series("controls", record.controller, record.simulator, controls)},
           .from_zero = true});
   const StreamWindow window = figures.window;
-  plots.emplace_back(
-      "delays",
-      Plot{.title = "Delays in the measured stretch",
-           .x_label = "us",
-           .y_label = "% of the packets",
-           .series =
-               {delay_series(
-                    "sensor to controller",
-                    hop_delays_ns(record.simulator, record.controller, HilSensor::kId, window)),
-                delay_series("control to simulator",
-                             hop_delays_ns(record.controller, record.simulator, controls, window)),
-                delay_series("loop: sensor out to control back",
-                             echo_delays_ns(record.simulator, HilSensor::kId, controls, window))},
-           .log_x = true,
-           .from_zero = true});
+  const RelayLedgers* relay = record.relay ? &*record.relay : nullptr;
+  const auto add_hops = [&](const char* name, const char* title, const PacketPath& path,
+                            const std::string& whole, std::vector<std::int64_t> whole_delays) {
+    Plot plot{.title = title,
+              .x_label = "us",
+              .y_label = "% of the packets",
+              .log_x = true,
+              .from_zero = true};
+    for (const auto& [hop, delays] :
+         hop_delays(path, record.simulator, record.controller, relay, window)) {
+      plot.series.push_back(delay_series(hop, delays));
+    }
+    plot.series.push_back(delay_series(whole, whole_delays));
+    plots.emplace_back(name, std::move(plot));
+  };
+  add_hops("delays_up", "Delays of HIL_SENSOR by hop, measured stretch",
+           {"HIL_SENSOR", HilSensor::kId, true}, "end to end",
+           hop_delays_ns(record.simulator, record.controller, HilSensor::kId, window));
+  add_hops("delays_down", "Delays of the controls by hop, measured stretch",
+           {"controls", controls, false}, "sensor out to control back",
+           echo_delays_ns(record.simulator, HilSensor::kId, controls, window));
 }
 
 void add_motion_plots(const RunRecord& record, std::uint8_t system, NamedPlots& plots) {
@@ -163,18 +127,17 @@ void add_motion_plots(const RunRecord& record, std::uint8_t system, NamedPlots& 
     const char* name;
     const char* title;
     double Pose::*member;
-    int reference;
   };
   for (const Axis& axis :
-       {Axis{"position_x", "North", &Pose::x_m, 0}, Axis{"position_y", "East", &Pose::y_m, 1},
-        Axis{"position_z", "Height", &Pose::z_m, 2}}) {
+       {Axis{"position_x", "North", &Pose::x_m}, Axis{"position_y", "East", &Pose::y_m},
+        Axis{"position_z", "Height", &Pose::z_m}}) {
     plots.emplace_back(axis.name,
                        Plot{.title = axis.title,
                             .x_label = "simulated time, s",
                             .y_label = "m from the start",
                             .series = {pose_series("truth", truth, axis.member, start.*axis.member),
                                        pose_series("estimate", estimate, axis.member, 0),
-                                       reference_series(record.stages, axis.reference)}});
+                                       reference_series(record.stages, axis.member)}});
   }
   plots.emplace_back(
       "attitude",
@@ -203,7 +166,11 @@ NamedPlots run_plots(const Scenario& scenario, const RunRecord& record,
   NamedPlots plots;
   add_motion_plots(record, base::Vehicle::load(scenario.vehicle).system_id, plots);
   add_stream_plots(scenario, record, figures, plots);
-  const std::vector<Mark> marks = stage_marks(record.stages);
+  std::vector<Mark> marks = stage_marks(record.stages);
+  for (const auto& fault : record.faults) {
+    marks.push_back({.x = base::to_seconds(fault.begin), .text = fault.name, .fault = true});
+    if (fault.end) marks.push_back({.x = base::to_seconds(*fault.end), .text = {}, .fault = true});
+  }
   for (auto& [name, plot] : plots) {
     if (plot.log_x) continue;
     plot.marks = marks;

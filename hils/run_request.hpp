@@ -13,6 +13,9 @@ struct RunRequest {
   Scenario scenario;
   Architecture architecture = Architecture::kTcas;
   std::uint64_t seed = 1;
+  std::string line_preset{};  ///< instead of the scenario's; empty: the scenario's
+  std::string fcu_device{};   ///< a real controller's serial port; empty: the emulator
+  unsigned fcu_baud = 921600;
   std::filesystem::path out;  ///< folder of the results; what the programs were given is in out/run
 };
 

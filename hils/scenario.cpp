@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/scenario.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace cas::hils {
@@ -39,8 +40,34 @@ std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::st
   return axes;
 }
 
-Limits parse_limits(const base::ConfigNode& node) {
+std::optional<double> optional_limit(const base::ConfigNode& node, std::string_view key,
+                                     double most) {
+  if (!node.has(key)) return std::nullopt;
+  return node.require_in(key, 0, most);
+}
+
+/// Each key is the name of a `trajectory: {shape: step}` of the flight.
+std::map<std::string, ResponseLimits> parse_responses(const base::ConfigNode& limits,
+                                                      const std::vector<FlightStep>& steps) {
+  std::map<std::string, ResponseLimits> responses;
+  const std::optional<base::ConfigNode> node = limits.find("responses");
+  if (!node) return responses;
+  for (const auto& [name, body] : node->entries()) {
+    const bool known = std::ranges::any_of(steps, [&name = name](const FlightStep& step) {
+      return step.trajectory.shape == fcu::PatternShape::kSteps && phase_of(step) == name;
+    });
+    if (!known) body.fail("the flight has no 'trajectory: {shape: step}' of that name");
+    responses[name] = {.rise_s = optional_limit(body, "rise_s", 1e6),
+                       .overshoot_pct = optional_limit(body, "overshoot_pct", 1e6),
+                       .settling_s = optional_limit(body, "settling_s", 1e6)};
+  }
+  return responses;
+}
+
+Limits parse_limits(const base::ConfigNode& node, const std::vector<FlightStep>& steps) {
   Limits limits;
+  limits.delivered_pct = optional_limit(node, "delivered_pct", 100);
+  limits.responses = parse_responses(node, steps);
   if (node.has("lost")) limits.lost = node.require<std::uint64_t>("lost");
   if (node.has("rate_error_pct")) limits.rate_error_pct = node.require_in("rate_error_pct", 0, 100);
   if (node.has("latency_p99_us")) limits.latency_p99_us = node.require_in("latency_p99_us", 0, 1e9);
@@ -121,7 +148,10 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   if (root.has("wake_up")) scenario.wake_up = parse_wake_up(root.at("wake_up"));
   scenario.ground_station = root.get("ground_station", false);
   scenario.steps = parse_flight(root.at("steps"));
-  if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"));
+  if (root.has("faults")) {
+    scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line);
+  }
+  if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"), scenario.steps);
   root.reject_unused();
   check_files(root, scenario);
   return scenario;

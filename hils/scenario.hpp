@@ -14,6 +14,7 @@
 #include "base/clock.hpp"
 #include "base/config.hpp"
 #include "base/geodesy.hpp"
+#include "hils/bench_fault.hpp"
 #include "hils/flight_step.hpp"
 #include "hils/wake_up.hpp"
 
@@ -35,13 +36,22 @@ std::string_view to_string(Architecture architecture);
 /// @throws base::ConfigError for another word
 Architecture parse_architecture(std::string_view word);
 
+/// Most that the response to one step of a flight may show.
+struct ResponseLimits {
+  std::optional<double> rise_s;
+  std::optional<double> overshoot_pct;
+  std::optional<double> settling_s;
+};
+
 /// Most that a run may miss by; what a scenario leaves out is not judged.
 struct Limits {
   std::optional<std::uint64_t> lost;           ///< packets of each HIL message in the window
   std::optional<double> rate_error_pct;        ///< received rate against nominal, either way
+  std::optional<double> delivered_pct;         ///< least share of each HIL message that arrives
   std::optional<double> latency_p99_us;        ///< sensor to control
   std::map<std::string, double> rms;           ///< x_m, y_m, z_m, yaw_rad: truth against reference
   std::map<std::string, double> rms_estimate;  ///< the same axes: estimate against reference
+  std::map<std::string, ResponseLimits> responses;  ///< by the name of the step
 };
 
 /// Nominal rates of the HIL stream, Hz.
@@ -71,6 +81,7 @@ struct Scenario {
   WakeUpFigures wake_up;        ///< threads of casd on the virtual clock
   bool ground_station = false;  ///< one that listens and loads the parameter list now and then
   std::vector<FlightStep> steps;
+  ScenarioFaults faults;
   Limits limits;
 
   /// Reads and checks a scenario file. @throws base::ConfigError with file, line and key path

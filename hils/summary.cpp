@@ -21,12 +21,45 @@ Json rate_json(const RateFigures& rate) {
 
 Json delay_json(const DelayFigures& delay) {
   if (delay.count == 0) return nullptr;
-  return {{"p50", delay.p50}, {"p99", delay.p99}, {"max", delay.max}};
+  return {{"p50", delay.p50}, {"p90", delay.p90}, {"p99", delay.p99}, {"max", delay.max}};
 }
 
 Json rms_json(const std::optional<RmsFigures>& rms) {
   if (!rms) return nullptr;
   return {{"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
+}
+
+template <class Number>
+Json optional_json(const std::optional<Number>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json path_json(const PathAccount& path) {
+  Json hops = Json::array();
+  for (const HopFigures& hop : path.hops) {
+    hops.push_back({{"hop", hop.name},
+                    {"in", hop.in},
+                    {"out", hop.out},
+                    {"latency_us", delay_json(hop.delay)},
+                    {"jitter_us", hop.jitter_us}});
+  }
+  return {{"message", path.message}, {"sent", path.sent},     {"received", path.received},
+          {"closes", path.closes()}, {"losses", path.losses}, {"hops", std::move(hops)}};
+}
+
+Json fault_json(const BenchFaultScript::Span& fault) {
+  return {{"name", fault.name},
+          {"begin_s", base::to_seconds(fault.begin)},
+          {"end_s", fault.end ? Json(base::to_seconds(*fault.end)) : Json(nullptr)}};
+}
+
+Json response_json(const StepResponse& response) {
+  return {{"step", response.name},
+          {"size_m", response.size},
+          {"rise_s", optional_json(response.rise_s)},
+          {"overshoot_pct", response.overshoot_pct},
+          {"settling_s", optional_json(response.settling_s)},
+          {"integrated_error_m_s", response.integrated_error}};
 }
 
 Json stages_json(const std::vector<Stage>& stages) {
@@ -64,6 +97,21 @@ std::string summary_json(const Measurement& figures, const Verdict& verdict) {
   summary["latency_us"] = {{"sensor_to_control", delay_json(figures.sensor_to_control)},
                            {"sensor_uplink", delay_json(figures.sensor_uplink)},
                            {"controls_downlink", delay_json(figures.controls_downlink)}};
+  summary["age_at_use_us"] = {{"by_stamp", delay_json(figures.age_by_stamp)},
+                              {"by_arrival", delay_json(figures.age_by_arrival)}};
+  summary["meter_hz"] = {{"HIL_SENSOR", figures.meter.sensor_hz},
+                         {"HIL_GPS", figures.meter.gps_hz},
+                         {"HIL_CONTROLS", figures.meter.controls_hz}};
+  summary["from_device"] = figures.from_device;
+  if (figures.from_device) summary["lost_by_sequence"] = figures.lost_by_sequence;
+  summary["paths"] = Json::array();
+  for (const PathAccount& path : figures.paths) summary["paths"].push_back(path_json(path));
+  summary["faults"] = Json::array();
+  for (const auto& fault : figures.faults) summary["faults"].push_back(fault_json(fault));
+  summary["responses"] = Json::array();
+  for (const auto& response : figures.responses) {
+    summary["responses"].push_back(response_json(response));
+  }
   summary["rms"] = rms_json(figures.rms);
   summary["rms_estimate"] = rms_json(figures.rms_estimate);
   summary["cpu_s"] = Json::object();

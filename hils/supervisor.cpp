@@ -107,6 +107,13 @@ bool Supervisor::stop(ChildProcess& child, base::Duration patience) {
   return child.poll_exit()->code == 0;
 }
 
+void Supervisor::kill(ChildProcess& child) {
+  std::unique_lock lock(mutex_);
+  expected_to_end_.insert(&child);
+  child.kill();
+  changed_.wait(lock, [&] { return child.poll_exit().has_value(); });
+}
+
 std::vector<std::pair<std::string, double>> Supervisor::cpu_s() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::pair<std::string, double>> times;

@@ -52,6 +52,9 @@ class Supervisor {
   /// from now on. @return false when it had to be killed or ended with an error
   bool stop(ChildProcess& child, base::Duration patience);
 
+  /// Ends one program at once, as a crash would. Its end is expected.
+  void kill(ChildProcess& child);
+
   /// Processor time by program, for those that have ended.
   std::vector<std::pair<std::string, double>> cpu_s() const;
 

@@ -107,9 +107,10 @@ std::span<const PoseSample> between(std::span<const PoseSample> samples, std::in
   return {first, last};
 }
 
-RmsFigures rms_about(std::span<const PoseSample> samples, const Pose& reference) {
+RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& reference_at) {
   RmsFigures sums;
   for (const PoseSample& sample : samples) {
+    const Pose reference = reference_at(sample.time_us);
     const double dx = sample.pose.x_m - reference.x_m;
     const double dy = sample.pose.y_m - reference.y_m;
     const double dz = sample.pose.z_m - reference.z_m;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -50,7 +51,9 @@ std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::ui
 std::span<const PoseSample> between(std::span<const PoseSample> samples, std::int64_t begin_us,
                                     std::int64_t end_us);
 
-/// Deviations of the samples from one reference.
-RmsFigures rms_about(std::span<const PoseSample> samples, const Pose& reference);
+/// Where the vehicle shall be at a moment, microseconds.
+using ReferenceAt = std::function<Pose(std::int64_t time_us)>;
+/// Deviations of the samples from a reference, which may move.
+RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& reference_at);
 
 }  // namespace cas::hils

@@ -34,6 +34,8 @@ class VirtualController {
 
   const fcu::FlightController& controller() const { return controller_; }
   const fcu::EmulatorLine& line() const { return line_; }
+  /// For faults.
+  fcu::EmulatorLine& line() { return line_; }
   const std::vector<base::LedgerEntry>& ledger() const { return ledger_.entries(); }
 
  private:

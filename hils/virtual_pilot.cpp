@@ -17,8 +17,12 @@ base::SimTime to_sim_time(base::RunTime t) { return base::SimTime(t.time_since_e
 }  // namespace
 
 VirtualPilot::VirtualPilot(casd::VehicleCommander& commander, std::uint8_t system,
-                           casd::GainMap gains, std::vector<FlightStep> steps)
-    : commander_(commander), system_(system), gains_(std::move(gains)), plan_(std::move(steps)) {}
+                           casd::GainMap gains, std::vector<FlightStep> steps, Truth truth)
+    : commander_(commander),
+      system_(system),
+      gains_(std::move(gains)),
+      plan_(std::move(steps)),
+      truth_(std::move(truth)) {}
 
 void VirtualPilot::run(base::RunTime now) {
   now_ = now;
@@ -30,6 +34,7 @@ void VirtualPilot::run(base::RunTime now) {
 
 VehicleReport VirtualPilot::look() const {
   VehicleReport report;
+  report.truth = truth_();
   const casd::VehicleState* state = commander_.find(system_);
   if (state == nullptr) return report;
   report.heard = true;
@@ -42,12 +47,16 @@ VehicleReport VirtualPilot::look() const {
     report.p_N = {message.x, message.y, message.z};
     report.v_N = {message.vx, message.vy, message.vz};
   }
-  if (const auto& attitude = state->attitude()) report.yaw_rad = attitude->message.yaw;
+  if (const auto& attitude = state->attitude()) {
+    report.roll_rad = attitude->message.roll;
+    report.pitch_rad = attitude->message.pitch;
+    report.yaw_rad = attitude->message.yaw;
+  }
   return report;
 }
 
 void VirtualPilot::give(const FlightStep& step, base::RunTime now) {
-  // The commander reports on its own ticks and packets, always at the time of the last run().
+  // The commander reports on its own ticks and packets.
   casd::Done done = [this](const casd::Outcome& outcome) {
     plan_.on_outcome(to_sim_time(now_), outcome.ok() ? "" : outcome.message);
   };
@@ -69,9 +78,27 @@ void VirtualPilot::give(const FlightStep& step, base::RunTime now) {
       return commander_.land(system_, now, std::move(done));
     case StepKind::kDisarm:
       return commander_.disarm(system_, false, now, std::move(done));
+    case StepKind::kSetParam:
+    case StepKind::kTrajectory:
+    case StepKind::kEndTrajectory:
+      return set_params(step, 0, now, std::move(done));
     case StepKind::kHold:
+    case StepKind::kWaitUntil:
       return done({});
   }
+}
+
+/// One after the other; the first refusal ends it.
+void VirtualPilot::set_params(const FlightStep& step, std::size_t index, base::RunTime now,
+                              casd::Done done) {
+  const auto& [name, value] = step.params[index];
+  const bool last = index + 1 == step.params.size();
+  commander_.set_param(
+      system_, name, value, now,
+      [this, step, index, last, done = std::move(done)](const casd::Outcome& outcome) {
+        if (last || !outcome.ok()) return done(outcome);
+        set_params(step, index + 1, now_, done);
+      });
 }
 
 void VirtualPilot::set_gain(const FlightStep& step, base::RunTime now, casd::Done done) {

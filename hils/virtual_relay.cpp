@@ -5,7 +5,6 @@
 #include <chrono>
 
 #include "base/error.hpp"
-#include "hils/hil_identity.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::hils {
@@ -16,6 +15,11 @@ constexpr base::Duration kTickPeriod = std::chrono::milliseconds(50);
 constexpr base::Duration kSecond = std::chrono::seconds(1);
 /// As casd: silence after which the rest of a packet is given up (threads: blocking).
 constexpr base::Duration kBlockingPatience = std::chrono::milliseconds(20);
+
+/// What a terminal's input holds before bytes are lost, and a UDP socket of casd's that was granted
+/// the usual rmem_max.
+constexpr std::size_t kTtyBytes = 16'384;
+constexpr std::size_t kSocketBytes = 212'992;
 
 casd::LinePacer pacer_for(const casd::LinkConfig& link, casd::ThreadModel threads) {
   const base::Duration slack =
@@ -39,9 +43,9 @@ casd::CommanderOptions commander_options(const casd::Topology& topology) {
 
 VirtualRelay::Port::Port(const casd::LinkConfig& config)
     : is_line(config.type == casd::LinkType::kSerial),
+      inbox_bytes(is_line ? kTtyBytes : kSocketBytes),
       queue(config.queue),
-      parser(mav::public_table()),
-      ledger(1 << 16) {}
+      parser(mav::public_table()) {}
 
 VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
     : blocking_(topology.threads == casd::ThreadModel::kBlocking),
@@ -60,7 +64,7 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
     port.pacer = pacer_for(link, topology.threads);
     port.queue =
         casd::TxQueue(link.queue, [this, i](const casd::PacketInfo& info, casd::DropCause cause) {
-          note_drop(ports_[i], info, cause);
+          ports_[i].ledger.dropped(info, cause, now_);
         });
   }
 }
@@ -78,6 +82,7 @@ void VirtualRelay::connect(casd::LinkId link, Write write) {
 void VirtualRelay::receive(casd::LinkId from, std::span<const std::uint8_t> bytes,
                            base::RunTime now) {
   now_ = now;
+  if (!running_) return;
   if (!blocking_) {
     if (wake_up_.is_instant()) return take(from, bytes, now);
     std::deque<Arrival>& thread = thread_of(from);
@@ -88,12 +93,19 @@ void VirtualRelay::receive(casd::LinkId from, std::span<const std::uint8_t> byte
   const bool asleep = now >= busy_until_ && (!anything_to_do() || give_up_at_);
   if (asleep) busy_until_ = now + wake_up_.draw();
   Port& port = ports_[from];
-  port.inbox.insert(port.inbox.end(), bytes.begin(), bytes.end());
+  const std::size_t room = port.inbox_bytes - std::min(port.inbox_bytes, port.inbox.size());
+  if (!port.is_line && room < bytes.size()) return;  // a datagram is lost as a whole
+  const auto taken = bytes.first(std::min(bytes.size(), room));
+  port.inbox.insert(port.inbox.end(), taken.begin(), taken.end());
   serve(now);
 }
 
 void VirtualRelay::run(base::RunTime now) {
   now_ = now;
+  if (!running_) {
+    next_tick_ = next_second_ = now + kTickPeriod;
+    return;
+  }
   if (now >= next_tick_) {
     commander_.tick(now);
     next_tick_ = now + kTickPeriod;
@@ -109,6 +121,7 @@ void VirtualRelay::run(base::RunTime now) {
 
 base::RunTime VirtualRelay::next_event() const {
   base::RunTime next = std::min(next_tick_, next_second_);
+  if (!running_) return next;
   if (blocking_) {
     if (!anything_to_do()) return next;
     return std::min(next, give_up_at_ && busy_until_ <= now_ ? *give_up_at_ : busy_until_);
@@ -120,6 +133,21 @@ base::RunTime VirtualRelay::next_event() const {
     if (port.carry_on_at) next = std::min(next, *port.carry_on_at);
   }
   return next;
+}
+
+void VirtualRelay::kill() {
+  running_ = false;
+  for (Port& port : ports_) {
+    port.queue.clear(casd::DropCause::kDown);
+    port.pacer.reset();
+    port.tail.clear();
+    port.inbox.clear();
+    port.parser.reset();
+    port.carry_on_at.reset();
+  }
+  for (std::deque<Arrival>& thread : threads_) thread.clear();
+  give_up_at_.reset();
+  busy_until_ = {};
 }
 
 void VirtualRelay::handle_arrivals(base::RunTime now) {
@@ -145,9 +173,6 @@ void VirtualRelay::carry_on(base::RunTime now) {
 
 void VirtualRelay::take(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now) {
   ports_[from].parser.feed(bytes, [&](const mav::PacketView& packet) {
-    if (const auto stamp = hil_time_usec(packet)) {
-      ports_[from].ledger.received(packet.message_id, *stamp, now);
-    }
     if (on_packet_) on_packet_(from, packet, now);
     route(from, packet, now);
   });
@@ -155,6 +180,7 @@ void VirtualRelay::take(casd::LinkId from, std::span<const std::uint8_t> bytes, 
 
 void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
   const casd::Route route = router_.on_packet(from, packet, now);
+  if (from != casd::kLocalLink) ports_[from].ledger.received(route.info);
   if (route.verdict != casd::Route::Verdict::kForward) return;
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     if ((route.to & casd::bit(static_cast<casd::LinkId>(i))) == 0) continue;
@@ -167,14 +193,6 @@ void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base:
 void VirtualRelay::send_own(std::span<const std::uint8_t> bytes) {
   own_parser_.feed(
       bytes, [this](const mav::PacketView& packet) { route(casd::kLocalLink, packet, now_); });
-}
-
-void VirtualRelay::note_drop(Port& port, const casd::PacketInfo& info, casd::DropCause cause) {
-  port.drops.push_back({.packet = {.direction = base::LedgerEntry::Direction::kSent,
-                                   .message_id = info.message_id,
-                                   .time_usec = 0,
-                                   .at_ns = info.received.time_since_epoch().count()},
-                        .cause = cause});
 }
 
 void VirtualRelay::pump(Port& port, base::RunTime now) {
@@ -190,9 +208,7 @@ bool VirtualRelay::write_packet(Port& port, base::RunTime now) {
   const std::optional<casd::QueuedPacket> packet = port.queue.pop(now, port.pacer);
   if (!packet) return false;
   port.pacer.sent(packet->bytes.size(), now);
-  if (const auto stamp = hil_time_usec(packet->info.message_id, packet->bytes)) {
-    port.ledger.sent(packet->info.message_id, *stamp, now);
-  }
+  port.ledger.sent(packet->info, now);
   port.tail.assign(packet->bytes.begin(), packet->bytes.end());
   write_tail(port, now);
   return true;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "base/ledger.hpp"
 #include "casd/line_pacer.hpp"
+#include "casd/link_ledger.hpp"
 #include "casd/router.hpp"
 #include "casd/topology.hpp"
 #include "casd/tx_queue.hpp"
@@ -57,30 +57,28 @@ class VirtualRelay {
   /// The next moment at which `run` has something to do.
   base::RunTime next_event() const;
 
+  /// Killed: what waits in it is lost, what comes to it goes nowhere. What the commander knows of
+  /// the vehicle outlives that.
+  void kill();
+  /// Started again.
+  void restart() { running_ = true; }
+
   casd::VehicleCommander& commander() { return commander_; }
-  /// HIL packets as they passed a link: received from it, sent over it.
-  const std::vector<base::LedgerEntry>& ledger(casd::LinkId link) const {
-    return ports_[link].ledger.entries();
-  }
-  /// HIL packets dropped towards a link, by cause; `at_ns` is when they had come in.
-  struct Drop {
-    base::LedgerEntry packet;
-    casd::DropCause cause;
-  };
-  const std::vector<Drop>& drops(casd::LinkId link) const { return ports_[link].drops; }
+  /// HIL packets as they passed a link.
+  const casd::LinkLedger& ledger(casd::LinkId link) const { return ports_[link].ledger; }
 
  private:
   struct Port {
     explicit Port(const casd::LinkConfig& config);
     bool is_line = false;  ///< a stream with a rate, not datagrams
+    std::size_t inbox_bytes;
     casd::TxQueue queue;
     casd::LinePacer pacer;
     Write write;
     std::vector<std::uint8_t> tail;  ///< of a packet that the link has taken in part
     mav::PacketParser parser;
     std::deque<std::uint8_t> inbox;  ///< threads: blocking: what the kernel holds
-    base::PacketLedger ledger;
-    std::vector<Drop> drops;
+    casd::LinkLedger ledger;
     std::optional<base::RunTime> carry_on_at;  ///< the thread waits for the pacer until then
   };
   enum class Phase { kTakeDatagrams, kReadLines, kWriteLines };
@@ -88,7 +86,6 @@ class VirtualRelay {
   void take(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now);
   void route(casd::LinkId from, const mav::PacketView& packet, base::RunTime now);
   void send_own(std::span<const std::uint8_t> bytes);
-  void note_drop(Port& port, const casd::PacketInfo& info, casd::DropCause cause);
   void pump(Port& port, base::RunTime now);
   void carry_on(base::RunTime now);
   void handle_arrivals(base::RunTime now);
@@ -103,6 +100,7 @@ class VirtualRelay {
 
   const bool blocking_;
   const bool single_;
+  bool running_ = true;
   WakeUp wake_up_;
   casd::LinkSlots slots_;
   casd::Router router_;

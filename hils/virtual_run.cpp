@@ -13,6 +13,7 @@
 #include "base/random.hpp"
 #include "casd/topology.hpp"
 #include "hils/composition.hpp"
+#include "hils/fault_history.hpp"
 #include "hils/ground_station.hpp"
 #include "hils/progress.hpp"
 #include "hils/report.hpp"
@@ -69,7 +70,7 @@ class VirtualBench {
  public:
   VirtualBench(const RunRequest& request, const RunPlaces& places)
       : vehicle_(base::Vehicle::load(request.scenario.vehicle)),
-        stats_file_(places.run / "hilsim_stats.json"),
+        stats_file_(places.simulator_stats()),
         log_(places.flight_tlog()),
         topology_(casd::Topology::load(places.casd_config())),
         relay_(topology_,
@@ -82,7 +83,9 @@ class VirtualBench {
                    {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, kVehicleName,
                    [this](auto bytes, auto now) { relay_.receive(to_simulator_, bytes, now); }),
         pilot_(relay_.commander(), vehicle_.system_id, casd::GainMap::load(topology_.gains),
-               request.scenario.steps) {
+               request.scenario.steps, [this] { return simulator_.motion(); }),
+        line_(controller_.line().config()),
+        faults_(request.scenario.faults.bench) {
     relay_.connect(to_simulator_, [this](auto bytes, auto now) {
       simulator_.write(bytes, now);
       return bytes.size();
@@ -114,9 +117,12 @@ class VirtualBench {
     const FlightPlan& plan = pilot_.plan();
     record.simulator = simulator_.ledger();
     record.controller = controller_.ledger();
+    record.relay = RelayLedgers{.simulator = relay_.ledger(to_simulator_),
+                                .controller = relay_.ledger(to_controller_)};
     record.stages = plan.stages();
     record.hold = plan.measured();
     record.log_clock.add(kLogEpochUs, 0);
+    record.faults = faults_.history();
     record.flight_failure = plan.failure();
     record.simulated_s = base::to_seconds(simulator_.time());
   }
@@ -138,13 +144,31 @@ class VirtualBench {
     if (now >= simulator_.next_event()) simulator_.step(now);
     relay_.run(now);
     controller_.run(now);
+    pilot_.set_now(now);
     if (now >= pilot_.next_event()) {
       pilot_.run(now);
       simulator_.set_flight_phase(pilot_.plan().phase());
+      play_faults(now);
     }
     if (ground_station_ && now >= next_ground_tick_) {
       ground_station_->tick(now);
       next_ground_tick_ = now + GroundStation::kTickPeriod;
+    }
+  }
+
+  void play_faults(base::RunTime now) {
+    const base::SimTime time(now.time_since_epoch());
+    for (const auto& [fault, begins] :
+         faults_.update(time, pilot_.vehicle(), pilot_.plan().phase())) {
+      if (const auto* line = std::get_if<LineFault>(&fault->kind)) {
+        controller_.line().configure(begins ? line->line : line_);
+      } else if (std::holds_alternative<UnplugFault>(fault->kind)) {
+        begins ? controller_.line().hang_up() : controller_.line().restore();
+      } else if (std::holds_alternative<RestartFault>(fault->kind)) {
+        begins ? relay_.kill() : relay_.restart();
+      } else if (const auto* flood = std::get_if<FloodFault>(&fault->kind)) {
+        if (ground_station_) ground_station_->flood(begins ? flood->packets_hz : 0);
+      }
     }
   }
 
@@ -173,6 +197,8 @@ class VirtualBench {
   VirtualController controller_;
   VirtualSimulator simulator_;
   VirtualPilot pilot_;
+  fcu::LineConfig line_;  ///< as it is without faults
+  BenchFaultScript faults_;
   std::optional<GroundStation> ground_station_;
   Progress progress_;
   base::RunTime now_{};
@@ -196,6 +222,9 @@ RunRecord run_on_virtual_clock(const RunRequest& request) {
   bench.fly();
   RunRecord record;
   bench.fill(record);
+  for (auto& fault : vehicle_faults(places.simulator_stats())) {
+    record.faults.push_back(std::move(fault));
+  }
   record.truth_csv = places.truth_csv();
   record.flight_tlog = places.flight_tlog();
   record.virtual_clock = true;

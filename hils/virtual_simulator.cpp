@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/frames.hpp"
 #include "hils/hil_identity.hpp"
 #include "mavlink/common/table.hpp"
 
@@ -13,6 +14,7 @@ namespace cas::hils {
 namespace {
 
 constexpr std::size_t kLedgerEntries = 1 << 17;  ///< about two minutes of flight
+constexpr sim::VehicleId kVehicle{0};
 
 }  // namespace
 
@@ -27,6 +29,7 @@ VirtualSimulator::VirtualSimulator(sim::SimConfig config, sim::SimOptions option
       received_(mavlink::common::table()),
       ledger_(kLedgerEntries) {
   runner_.start();
+  start_W_ = runner_.world().state(kVehicle).p_WB;
 }
 
 void VirtualSimulator::write(std::span<const std::uint8_t> bytes, base::RunTime now) {
@@ -70,6 +73,14 @@ std::string VirtualSimulator::stats_json() const {
                    {"steps", runner_.steps()},
                    {"plugins", std::move(plugins)}};
   return stats.dump(2) + "\n";
+}
+
+Motion VirtualSimulator::motion() const {
+  const sim::BodyState& state = runner_.world().state(kVehicle);
+  const Eigen::Vector3d p_W = state.p_WB - start_W_;
+  return {.p_m = {p_W.y(), p_W.x(), p_W.z()},
+          .v_m_s = {state.v_WB.y(), state.v_WB.x(), state.v_WB.z()},
+          .rpy_rad = base::euler_rpy(base::q_ND_from_q_WB(state.q_WB))};
 }
 
 void VirtualSimulator::on_wire_out(const sim::WirePacket& packet) {

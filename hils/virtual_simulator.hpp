@@ -9,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "base/ledger.hpp"
+#include "hils/flight_facts.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/core/sim_runner.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
@@ -33,16 +34,21 @@ class VirtualSimulator {
   void write(std::span<const std::uint8_t> bytes, base::RunTime now);
   /// Computes the step that ends now.
   void step(base::RunTime now);
+  /// What the vehicle is about, for the simulator's plugins.
+  void set_flight_phase(std::string_view name);
   /// When the next step ends.
   base::RunTime next_event() const;
-  /// What the flight is about, for the plugins. Names are words of the program: they are kept.
+  /// What the flight is about, for the plugins.
   void set_flight_phase(std::string_view name);
   /// Writes the files of the run.
   void finish() { runner_.finish(); }
 
   /// Figures of its plugins, as `plugins` in what `hilsim --stats` writes.
   std::string stats_json() const;
+
   base::SimTime time() const { return runner_.time(); }
+  /// True motion of the vehicle, counted from where it stood.
+  Motion motion() const;
   const std::vector<base::LedgerEntry>& ledger() const { return ledger_.entries(); }
 
  private:
@@ -60,7 +66,8 @@ class VirtualSimulator {
   mav::PacketParser received_;
   base::PacketLedger ledger_;
   std::deque<Arrival> arrived_;
-  std::string_view phase_;
+  Eigen::Vector3d start_W_ = Eigen::Vector3d::Zero();
+  std::string phase_;
   base::RunTime now_{};
 };
 

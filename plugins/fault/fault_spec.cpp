@@ -146,6 +146,8 @@ void check_shares(const ConfigNode& node, const FaultKind& kind) {
   }
 }
 
+}  // namespace
+
 FaultSpec parse_fault(const ConfigNode& node, std::size_t number) {
   FaultSpec fault;
   fault.name = node.get<std::string>("name", "fault " + std::to_string(number));
@@ -163,8 +165,6 @@ FaultSpec parse_fault(const ConfigNode& node, std::size_t number) {
   check_shares(node, fault.kind);
   return fault;
 }
-
-}  // namespace
 
 std::vector<FaultSpec> parse_faults(const ConfigNode& node) {
   std::vector<FaultSpec> faults;

@@ -103,6 +103,53 @@ TEST(FlightPlan, FailsWhenTheVehicleDisarmsInTheAir) {
   EXPECT_EQ(plan.failure(), "the vehicle disarmed itself during hold");
 }
 
+FlightStep wait_until(const std::string& text) {
+  const auto steps = base::ConfigNode::parse("{condition: '" + text + "'}", "step");
+  FlightStep step{.kind = StepKind::kWaitUntil, .timeout = seconds(10)};
+  step.until = parse_condition(steps, "condition");
+  return step;
+}
+
+TEST(FlightPlan, WaitsUntilTheConditionHolds) {
+  FlightPlan plan({wait_until("altitude > 2 and armed")});
+  EXPECT_FALSE(plan.update(at(seconds(0)), on_ground()));
+  EXPECT_FALSE(plan.done());
+  plan.update(at(seconds(1)), hovering());
+  EXPECT_TRUE(plan.done());
+}
+
+TEST(FlightPlan, FailsWhenTheConditionIsNeverMet) {
+  FlightPlan plan({wait_until("altitude > 50")});
+  plan.update(at(seconds(0)), hovering());
+  plan.update(at(milliseconds(10'100)), hovering());
+  EXPECT_EQ(plan.failure(), "wait_until was not done within 10 s");
+}
+
+TEST(FlightPlan, CountsATrajectoryFromTheVehiclesAnswer) {
+  FlightStep step{.kind = StepKind::kTrajectory, .duration = seconds(20)};
+  step.params = {{"CAS_TRJ_SHAPE", 2}};
+  FlightPlan plan({step});
+  ASSERT_EQ(plan.update(at(seconds(0)), hovering())->params.size(), 1U);
+  plan.on_outcome(at(seconds(2)), "");
+  plan.update(at(seconds(21)), hovering());
+  EXPECT_FALSE(plan.done());
+  plan.update(at(seconds(22)), hovering());
+  ASSERT_TRUE(plan.done());
+  EXPECT_EQ(plan.stages()[0].accepted, at(seconds(2)));
+}
+
+TEST(FlightPlan, NamesThePhaseByTheStepsNameOrWord) {
+  FlightPlan plan({{.kind = StepKind::kHold, .duration = seconds(1)},
+                   {.kind = StepKind::kHold, .name = "gusty", .duration = seconds(1)}});
+  EXPECT_EQ(plan.phase(), "");
+  plan.update(at(seconds(0)), hovering());
+  EXPECT_EQ(plan.phase(), "hold");
+  plan.update(at(seconds(1)), hovering());
+  EXPECT_EQ(plan.phase(), "gusty");
+  plan.update(at(seconds(2)), hovering());
+  EXPECT_EQ(plan.phase(), "done");
+}
+
 TEST(FlightPlan, SkipsDisarmWhenTheVehicleHasDisarmedItself) {
   FlightPlan plan({{.kind = StepKind::kDisarm}});
   EXPECT_FALSE(plan.update(at(seconds(0)), on_ground()));

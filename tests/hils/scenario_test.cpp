@@ -103,6 +103,25 @@ INSTANTIATE_TEST_SUITE_P(
                     "architecture: serial\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: "
                     "{duration_s: 1, measure: true}}, land]\n",
                     "there is no architecture 'serial'"},
+        BadScenario{"UnknownShape",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {trajectory: {shape: square, size_m: "
+                    "1, duration_s: 9, measure: true}}, land]\n",
+                    "a circle, a figure_eight or a step"},
+        BadScenario{"TrajectoryOnTheGround",
+                    "steps: [arm, {trajectory: {shape: step, size_m: 1, duration_s: 9}}]\n",
+                    "trajectory needs a takeoff step"},
+        BadScenario{"WaitForNothing", "steps: [arm, {wait_until: {timeout_s: 3}}]\n",
+                    "wait_until needs a condition"},
+        BadScenario{"UnknownFact", "steps: [arm, {wait_until: {condition: depth > 3}}]\n",
+                    "'depth' is no number"},
+        BadScenario{"UnknownKeyOfAStep",
+                    "steps: [arm, {takeoff: {altitude_m: 2, speed: 3}}, {hold: {duration_s: 1, "
+                    "measure: true}}, land]\n",
+                    "speed"},
+        BadScenario{"ResponseOfNoStep",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
+                    "true}}, land]\nlimits: {responses: {after: {rise_s: 1}}}\n",
+                    "no 'trajectory: {shape: step}' of that name"},
         BadScenario{"NegativeLimit",
                     "limits: {rate_error_pct: -1}\nsteps: [arm, {takeoff: {altitude_m: 2}}, "
                     "{hold: {duration_s: 1, measure: true}}, land]\n",

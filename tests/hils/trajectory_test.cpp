@@ -94,14 +94,15 @@ TEST(ClockMap, InterpolatesBetweenReadingsAndRunsAlikeBeyondThem) {
 
 TEST(Rms, IsTheRootOfTheMeanSquareAboutTheReference) {
   const std::vector<PoseSample> samples{{0, {.x_m = 3, .z_m = 2.5}}, {1, {.x_m = -4, .z_m = 2.5}}};
-  const RmsFigures rms = rms_about(samples, {.z_m = 2.5});
+  const RmsFigures rms = rms_about(samples, [](std::int64_t) { return Pose{.z_m = 2.5}; });
   EXPECT_DOUBLE_EQ(rms.x_m, std::sqrt(12.5));
   EXPECT_DOUBLE_EQ(rms.z_m, 0);
 }
 
 TEST(Rms, TakesTheShortWayRoundForYaw) {
   const std::vector<PoseSample> samples{{0, {.yaw_rad = M_PI - 0.1}}};
-  EXPECT_NEAR(rms_about(samples, {.yaw_rad = -M_PI + 0.1}).yaw_rad, 0.2, 1e-12);
+  const auto reference = [](std::int64_t) { return Pose{.yaw_rad = -M_PI + 0.1}; };
+  EXPECT_NEAR(rms_about(samples, reference).yaw_rad, 0.2, 1e-12);
 }
 
 TEST(Between, TakesTheBeginAndLeavesTheEnd) {

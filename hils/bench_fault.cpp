@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/bench_fault.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "plugins/fault/fault_spec.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using base::ConfigNode;
+
+constexpr double kLongestRun_s = 1e6;
+constexpr double kLongestUnplug_s = 3600;
+constexpr std::array<std::string_view, 4> kBenchKeys{"line", "unplug", "restart", "flood_hz"};
+
+void expect_word(const ConfigNode& node, std::string_view word) {
+  if (node.as<std::string>() != word) node.fail("takes only " + std::string(word));
+}
+
+BenchFaultKind parse_kind(const ConfigNode& node, std::string_view key, const ConfigNode& line) {
+  const ConfigNode value = node.at(key);
+  if (key == "line") return LineFault{fcu::LineConfig::parse(value.merged_over(line))};
+  if (key == "flood_hz") return FloodFault{node.require_in(key, 1, 100'000)};
+  if (key == "unplug") {
+    expect_word(value, "fcu");
+    return UnplugFault{};
+  }
+  expect_word(value, "casd");
+  return RestartFault{};
+}
+
+BenchFault parse_bench_fault(const ConfigNode& node, std::string_view key, const ConfigNode& line) {
+  BenchFault fault;
+  fault.kind = parse_kind(node, key, line);
+  fault.name = node.get<std::string>("name", std::string(key));
+  fault.when = parse_condition(node, "when");
+  if (node.has("at_s")) {
+    fault.at = base::SimTime(base::from_seconds(node.require_in("at_s", 0, kLongestRun_s)));
+  }
+  if (fault.at.has_value() == fault.when.has_value()) node.fail("needs at_s or when, not both");
+  const double longest =
+      std::holds_alternative<UnplugFault>(fault.kind) ? kLongestUnplug_s : kLongestRun_s;
+  fault.lasting = base::from_seconds(node.require_in("for_s", 0.001, longest));
+  for (const std::string_view other : kBenchKeys) {
+    if (other != key && node.has(other)) {
+      node.at(other).fail("is a second effect; give each its own entry");
+    }
+  }
+  return fault;
+}
+
+std::optional<std::string_view> bench_key(const ConfigNode& node) {
+  for (const std::string_view key : kBenchKeys) {
+    if (node.has(key)) return key;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+ScenarioFaults parse_scenario_faults(const ConfigNode& faults, const ConfigNode& line) {
+  if (!faults.is_list()) faults.fail("faults is a list");
+  ScenarioFaults result;
+  for (const ConfigNode& node : faults.items()) {
+    if (!node.is_map()) node.fail("a fault is a map, such as '{at_s: 20, for_s: 5, drop: gps}'");
+    if (const auto key = bench_key(node)) {
+      result.bench.push_back(parse_bench_fault(node, *key, line));
+    } else {
+      sim::parse_fault(node,
+                       result.vehicle.size() + 1);  // the plugin's own reading, for its errors
+      result.vehicle.push_back(node);
+    }
+  }
+  return result;
+}
+
+BenchFaultScript::BenchFaultScript(std::vector<BenchFault> faults) {
+  for (BenchFault& fault : faults) {
+    entries_.push_back({.fault = std::move(fault), .span = std::nullopt, .over = false});
+  }
+}
+
+std::vector<BenchFaultScript::Event> BenchFaultScript::update(base::SimTime now,
+                                                              const VehicleReport& vehicle,
+                                                              std::string_view phase) {
+  std::vector<Event> events;
+  for (Entry& entry : entries_) {
+    if (!entry.span && is_due(entry.fault, now, vehicle, phase)) {
+      entry.span = history_.size();
+      history_.push_back({.name = entry.fault.name, .begin = now, .end = std::nullopt});
+      events.push_back({.fault = &entry.fault, .begins = true});
+    } else if (entry.span && !entry.over &&
+               now - history_[*entry.span].begin >= entry.fault.lasting) {
+      entry.over = true;
+      history_[*entry.span].end = now;
+      events.push_back({.fault = &entry.fault, .begins = false});
+    }
+  }
+  return events;
+}
+
+bool BenchFaultScript::is_due(const BenchFault& fault, base::SimTime now,
+                              const VehicleReport& vehicle, std::string_view phase) {
+  if (fault.at) return now >= *fault.at;
+  if (fault.when->on_truth && !vehicle.truth) return false;
+  const Motion motion = fault.when->on_truth ? *vehicle.truth : vehicle.estimate();
+  return fault.when->expression.evaluate(facts_of(now, motion, vehicle.armed, phase));
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/bench_programs.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "base/install_paths.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
+constexpr base::Duration kStopPatience = std::chrono::seconds(10);
+
+std::filesystem::path program_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
+
+}  // namespace
+
+void BenchPrograms::start() {
+  if (emulate_) start_emulator();
+  start_casd();
+  std::vector<std::string> arguments{"--control", places_.simulator_control(), "--output",
+                                     places_.out};
+  for (const std::filesystem::path& folder : base::plugin_dirs()) {
+    arguments.insert(arguments.end(), {"--plugin-dir", folder});
+  }
+  hilsim_ =
+      &supervisor_.start(options("hilsim", places_.simulator_config(), arguments), kReadyTimeout);
+}
+
+void BenchPrograms::start_emulator() {
+  fcu_ =
+      &supervisor_.start(options("fcu_emulator", places_.fcu_config(),
+                                 {"--link", places_.fcu_link(), "--ledger",
+                                  places_.controller_ledger(), "--control", places_.fcu_control()}),
+                         kReadyTimeout);
+}
+
+void BenchPrograms::stop() {
+  for (ChildProcess* child : {hilsim_, casd_, fcu_}) {
+    if (child == nullptr) continue;
+    if (!supervisor_.stop(*child, kStopPatience)) {
+      throw RunStopped(
+          child->name() + " did not end in good order; its last lines:" + child->log_tail(), false);
+    }
+  }
+  join_logs();
+}
+
+void BenchPrograms::kill_casd() {
+  if (casd_ != nullptr) supervisor_.kill(*casd_);
+  casd_ = nullptr;
+  earlier_logs_.push_back(places_.run / fmt::format("flight_{}.tlog", earlier_logs_.size() + 1));
+  std::filesystem::rename(places_.flight_tlog(), earlier_logs_.back());
+}
+
+/// A new casd starts a new log: they become one again.
+void BenchPrograms::join_logs() {
+  if (earlier_logs_.empty()) return;
+  const std::filesystem::path last = places_.run / "flight_last.tlog";
+  std::filesystem::rename(places_.flight_tlog(), last);
+  earlier_logs_.push_back(last);
+  std::ofstream whole(places_.flight_tlog(), std::ios::binary);
+  for (const std::filesystem::path& part : earlier_logs_) {
+    whole << std::ifstream(part, std::ios::binary).rdbuf();
+  }
+}
+
+void BenchPrograms::start_casd() {
+  if (casd_ != nullptr) return;
+  casd_ = &supervisor_.start(
+      options("casd", places_.casd_config(), {"--ledger", places_.casd_ledger()}), kReadyTimeout);
+}
+
+ChildProcess::Options BenchPrograms::options(const std::string& program,
+                                             const std::filesystem::path& config,
+                                             const std::vector<std::string>& further) const {
+  ChildProcess::Options options;
+  options.name = program;
+  options.arguments = {(program_folder() / program).string(), config.string(), "--stats",
+                       (places_.run / (program + "_stats.json")).string()};
+  options.arguments.insert(options.arguments.end(), further.begin(), further.end());
+  options.log_file = places_.run / (program + ".log");
+  options.notify_socket = places_.sockets / (program + ".notify");
+  return options;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hils/composition.hpp"
+#include "hils/supervisor.hpp"
+
+namespace cas::hils {
+
+/// The three programs of a run in real time.
+class BenchPrograms {
+ public:
+  /// @param emulate  whether the controller is fcu_emulator
+  BenchPrograms(Supervisor& supervisor, const RunPlaces& places, bool emulate)
+      : supervisor_(supervisor), places_(places), emulate_(emulate) {}
+
+  /// The controller first (it makes the PTY), then casd, then the simulator, which starts the
+  /// stream. @throws RunStopped, base::ConfigError
+  void start();
+  /// The simulator first, so that what it sent still arrives. @throws RunStopped on bad ends
+  void stop();
+
+  /// A fault: casd is gone at once.
+  void kill_casd();
+  void start_casd();
+
+ private:
+  void start_emulator();
+  void join_logs();
+  ChildProcess::Options options(const std::string& program, const std::filesystem::path& config,
+                                const std::vector<std::string>& further) const;
+
+  Supervisor& supervisor_;
+  const RunPlaces& places_;
+  bool emulate_;
+  ChildProcess* fcu_ = nullptr;
+  ChildProcess* casd_ = nullptr;
+  ChildProcess* hilsim_ = nullptr;
+  std::vector<std::filesystem::path> earlier_logs_;  ///< flight logs of casds that were killed
+};
+
+}  // namespace cas::hils

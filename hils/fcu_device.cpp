@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/fcu_device.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <variant>
+
+#include "base/rpc/client.hpp"
+#include "hils/fcu_check.hpp"
+#include "hils/fcu_probe.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using nlohmann::json;
+
+std::uint64_t sequence_gaps(const std::filesystem::path& casd_stats) {
+  std::ifstream in(casd_stats);
+  const json stats = json::parse(in, nullptr, false);
+  if (!stats.is_object()) return 0;
+  for (const json& link : stats.value("links", json::array())) {
+    if (link.value("name", "") == "fcu") {
+      return link.value("rx", json::object()).value("lost", std::uint64_t{0});
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void refuse_emulator_faults(const RunRequest& request) {
+  if (request.fcu_device.empty()) return;
+  for (const BenchFault& fault : request.scenario.faults.bench) {
+    if (std::holds_alternative<LineFault>(fault.kind) ||
+        std::holds_alternative<UnplugFault>(fault.kind)) {
+      throw base::ConfigError("fault '" + fault.name +
+                              "' needs the emulated line: a real port cannot play it");
+    }
+  }
+}
+
+void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
+  base::rpc::Client casd("unix:" + places.command_port().string());
+  const FcuFacts facts = probe_fcu(casd, supervisor, request.fcu_device);
+  const std::vector<FcuFinding> findings = check_fcu(facts, request.scenario.rates);
+  fmt::print(stderr, "{}\n{}", request.fcu_device, findings_text(findings));
+  if (!may_fly(findings)) {
+    throw RunStopped("the controller is not ready; the steps are in docs/pixhawk.md", false);
+  }
+}
+
+void stand_in_for_controller(const RunPlaces& places, RunRecord& record) {
+  using Direction = base::LedgerEntry::Direction;
+  record.from_device = true;
+  record.lost_by_sequence = sequence_gaps(places.casd_stats());
+  if (!record.relay) return;
+  for (const casd::LinkLedgerEntry& entry : record.relay->controller.sent()) {
+    record.controller.push_back(
+        {Direction::kReceived, entry.message_id, entry.time_usec, entry.at_ns});
+  }
+  for (const casd::LinkLedgerEntry& entry : record.relay->controller.received()) {
+    record.controller.push_back({Direction::kSent, entry.message_id, entry.time_usec, entry.at_ns});
+  }
+}
+
+}  // namespace cas::hils

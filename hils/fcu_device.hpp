@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "hils/composition.hpp"
+#include "hils/measurement.hpp"
+#include "hils/run_request.hpp"
+#include "hils/supervisor.hpp"
+
+namespace cas::hils {
+
+/// Faults of the emulated line cannot be played on a real port. @throws base::ConfigError
+void refuse_emulator_faults(const RunRequest& request);
+
+/// Looks at a real controller before the flight and tells what is to be set.
+/// @throws RunStopped when it must not be flown
+void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request);
+
+/// Fills in what a real controller does not tell: it keeps no ledger, so casd's port stands for its
+/// end, and gaps between sequence numbers for what is lost beyond.
+void stand_in_for_controller(const RunPlaces& places, RunRecord& record);
+
+}  // namespace cas::hils

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string_view>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+#include "plugins/fault/expression.hpp"
+
+namespace cas::hils {
+
+/// Motion of the vehicle as someone knows it. Places count from where it stood: north, east, up.
+struct Motion {
+  Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d v_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rpy_rad = Eigen::Vector3d::Zero();  ///< N to D: roll, pitch, yaw
+};
+
+/// What the conditions of a scenario ask about, in their units.
+sim::Facts facts_of(base::SimTime now, const Motion& motion, bool armed, std::string_view phase);
+
+/// A condition of a scenario: on what the vehicle says of itself, or on what it truly does.
+struct Condition {
+  sim::Expression expression;
+  bool on_truth = false;
+};
+
+/// Reads `key` ("altitude > 2 and phase == hold") and `of: estimate | truth` of a map.
+/// @return nothing when the key is not there. @throws base::ConfigError
+std::optional<Condition> parse_condition(const base::ConfigNode& node, std::string_view key);
+
+}  // namespace cas::hils

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/realtime_pilot.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace cas::hils {
+
+namespace {
+
+using base::rpc::Json;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr base::Duration kPollPeriod = milliseconds(50);
+/// The stream goes on for this long after the flight, so that the pipe is drained.
+constexpr base::Duration kDrain = seconds(1);
+
+std::int64_t log_clock_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+Eigen::Vector3d vector_of(const Json& list) {
+  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
+
+/// A vehicle of sim.status: W has x east and y north.
+Motion to_motion(const Json& vehicle) {
+  const Eigen::Vector3d p_W = vector_of(vehicle.at("p_W"));
+  const Eigen::Vector3d v_W = vector_of(vehicle.at("v_W"));
+  return {.p_m = {p_W.y(), p_W.x(), p_W.z()},
+          .v_m_s = {v_W.y(), v_W.x(), v_W.z()},
+          .rpy_rad = vector_of(vehicle.at("rpy_ND_rad"))};
+}
+
+VehicleReport to_report(const Json& state) {
+  VehicleReport report;
+  report.heard = true;
+  report.armed = state.value("armed", false);
+  const std::string landed = state.value("landed", "");
+  report.in_air = landed == "in_air";
+  report.on_ground = landed == "on_ground";
+  if (const auto p = state.find("position_N"); p != state.end() && p->is_object()) {
+    report.has_position = true;
+    report.p_N = {p->value("x_m", 0.0), p->value("y_m", 0.0), p->value("z_m", 0.0)};
+    report.v_N = {p->value("vx_m_s", 0.0), p->value("vy_m_s", 0.0), p->value("vz_m_s", 0.0)};
+  }
+  if (const auto a = state.find("attitude"); a != state.end() && a->is_object()) {
+    report.roll_rad = a->value("roll_rad", 0.0);
+    report.pitch_rad = a->value("pitch_rad", 0.0);
+    report.yaw_rad = a->value("yaw_rad", 0.0);
+  }
+  return report;
+}
+
+using Call = std::pair<std::string, Json>;
+
+/// casd's methods and parameters for a step.
+std::vector<Call> to_calls(const FlightStep& step) {
+  switch (step.kind) {
+    case StepKind::kArm:
+      return {{"vehicle.arm", Json::object()}};
+    case StepKind::kTakeoff:
+      return {{"vehicle.takeoff", {{"altitude_m", step.altitude_m}}}};
+    case StepKind::kGoto:
+      return {{"vehicle.goto",
+               {{"north_m", step.place_m.x()},
+                {"east_m", step.place_m.y()},
+                {"down_m", -step.place_m.z()},
+                {"yaw_deg", step.yaw_rad * 180.0 / M_PI}}}};
+    case StepKind::kSetGain: {
+      Json params{{"loop", step.loop}};
+      if (step.p) params["p"] = *step.p;
+      if (step.i) params["i"] = *step.i;
+      if (step.d) params["d"] = *step.d;
+      return {{"gain.set", params}};
+    }
+    case StepKind::kSetParam:
+    case StepKind::kTrajectory:
+    case StepKind::kEndTrajectory: {
+      std::vector<Call> calls;
+      for (const auto& [name, value] : step.params) {
+        calls.emplace_back("param.set", Json{{"name", name}, {"value", value}});
+      }
+      return calls;
+    }
+    case StepKind::kLand:
+      return {{"vehicle.land", Json::object()}};
+    case StepKind::kDisarm:
+      return {{"vehicle.disarm", Json::object()}};
+    case StepKind::kHold:
+    case StepKind::kWaitUntil:
+      break;
+  }
+  return {};
+}
+
+Json to_json(const fcu::LineConfig& line) {
+  const auto us = [](base::Duration d) { return 1e6 * base::to_seconds(d); };
+  return {{"preset", line.preset},
+          {"baud", line.baud},
+          {"clock_drift_ppm", line.clock_drift_ppm},
+          {"extra_delay_us", us(line.extra_delay)},
+          {"jitter_us", us(line.jitter)},
+          {"batch_us", us(line.batch)},
+          {"stall_every_us", us(line.stall_every)},
+          {"stall_length_us", us(line.stall_length)},
+          {"bit_error_rate", line.bit_error_rate},
+          {"burst_begin", line.burst_begin},
+          {"burst_end", line.burst_end},
+          {"burst_loss", line.burst_loss},
+          {"packet_loss", line.packet_loss},
+          {"send_buffer_bytes", line.send_buffer_bytes},
+          {"receive_fifo_bytes", line.receive_fifo_bytes},
+          {"receive_trigger_bytes", line.receive_trigger_bytes}};
+}
+
+std::string address(const std::filesystem::path& socket) { return "unix:" + socket.string(); }
+
+}  // namespace
+
+RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
+                             const RunPlaces& places, const RunRequest& request,
+                             GroundStationThread* ground_station)
+    : supervisor_(supervisor),
+      programs_(programs),
+      places_(places),
+      ground_station_(ground_station),
+      simulator_(address(places.simulator_control())),
+      casd_(address(places.command_port())),
+      line_(line_of(request)),
+      plan_(request.scenario.steps),
+      faults_(request.scenario.faults.bench) {}
+
+void RealtimePilot::fly(RunRecord& record) {
+  while (true) {
+    const base::SimTime now = simulated_time();
+    record.log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
+    const VehicleReport vehicle = look();
+    const std::optional<FlightStep> command = plan_.update(now, vehicle);
+    tell_phase();
+    play_faults(now, vehicle);
+    watch_machine();
+    if (plan_.done() || !plan_.failure().empty()) break;
+    progress_.show(now, plan_, vehicle, real_time_factor_);
+    if (command) {
+      const std::string refusal = give(*command);
+      plan_.on_outcome(simulated_time(), refusal);
+    } else {
+      supervisor_.wait(kPollPeriod);
+    }
+  }
+  supervisor_.wait(kDrain);
+  record.simulated_s = base::to_seconds(simulated_time());
+  record.flight_failure = plan_.failure();
+  record.stages = plan_.stages();
+  record.hold = plan_.measured();
+  record.faults = faults_.history();
+  record.cpu_pressure = pressure_.share();
+}
+
+base::SimTime RealtimePilot::simulated_time() {
+  const Json status = simulator_.call("sim.status", Json::object());
+  real_time_factor_ = status.value("real_time_factor", 0.0);
+  truth_ = to_motion(status.at("vehicles").at(0));
+  if (!start_m_) start_m_ = truth_->p_m;
+  truth_->p_m -= *start_m_;
+  return base::SimTime(base::from_seconds(status.at("time_s").get<double>()));
+}
+
+/// The simulator's fault scripts ask for it.
+void RealtimePilot::tell_phase() {
+  if (plan_.phase() == phase_) return;
+  phase_ = plan_.phase();
+  simulator_.call("sim.phase", {{"name", phase_}});
+}
+
+VehicleReport RealtimePilot::look() {
+  VehicleReport report;
+  if (casd_) {
+    try {
+      report = to_report(casd_->call("vehicle.state", Json::object()));
+    } catch (const base::rpc::CallError& error) {
+      if (error.code() != base::rpc::kNoSuchVehicle) throw;  // else: not heard yet
+    }
+  }
+  report.truth = truth_;
+  return report;
+}
+
+/// @return why the vehicle refused, or nothing
+std::string RealtimePilot::give(const FlightStep& step) {
+  if (!casd_) return "casd is away";
+  try {
+    for (const auto& [method, params] : to_calls(step)) casd_->call(method, params);
+    return {};
+  } catch (const base::rpc::CallError& error) {
+    return error.what();
+  }
+}
+
+void RealtimePilot::play_faults(base::SimTime now, const VehicleReport& vehicle) {
+  for (const auto& [fault, begins] : faults_.update(now, vehicle, plan_.phase())) {
+    play(*fault, begins);
+  }
+}
+
+void RealtimePilot::play(const BenchFault& fault, bool begins) {
+  if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
+    configure_line(begins ? line->line : line_);
+  } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
+    if (!begins) return;  // the emulator plugs itself in again
+    base::rpc::Client fcu(address(places_.fcu_control()));
+    fcu.call("line.hangup", {{"ms", 1e3 * base::to_seconds(fault.lasting)}});
+  } else if (std::holds_alternative<RestartFault>(fault.kind)) {
+    casd_.reset();
+    if (begins) return programs_.kill_casd();
+    programs_.start_casd();
+    casd_.emplace(address(places_.command_port()));
+  } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
+    if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
+  }
+}
+
+void RealtimePilot::configure_line(const fcu::LineConfig& line) {
+  base::rpc::Client fcu(address(places_.fcu_control()));
+  fcu.call("line.set", to_json(line));
+}
+
+/// Looks at the machine's load during the measured step.
+void RealtimePilot::watch_machine() {
+  const FlightStep* step = plan_.current();
+  const bool measuring = step != nullptr && step->measure;
+  if (measuring && !measuring_) pressure_.start();
+  if (!measuring && measuring_) pressure_.stop();
+  measuring_ = measuring;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The experiment of [HILS] Sect. 4 on the virtual clock, in small.
+#include "hils/comparison.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+#include "hils/comparison_report.hpp"
+#include "hils/comparison_table.hpp"
+
+namespace cas::hils {
+namespace {
+
+ComparisonPlan small_plan(std::vector<Architecture> architectures) {
+  return {.scenario = Scenario::load(CAS_SOURCE_DIR "/config/scenarios/hover.yaml"),
+          .variants = make_variants(architectures, {460800}),
+          .seeds = {1},
+          .warm_up_s = 1,
+          .hold_s = 3,
+          .virtual_clock = true};
+}
+
+std::vector<VariantResult> compare_in(const std::string& name, const ComparisonPlan& plan) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) /
+                                       ("comparison_" + name + std::to_string(::getpid()));
+  std::vector<VariantResult> results = run_comparison(plan, folder, false);
+  std::filesystem::remove_all(folder);
+  return results;
+}
+
+TEST(Comparison, GivesTheLineOnlyToArchitecturesThatHaveOne) {
+  const auto variants = make_variants(
+      {Architecture::kDirect, Architecture::kSitl, Architecture::kTcas}, {460800, 921600});
+  ASSERT_EQ(variants.size(), 4U);
+  EXPECT_EQ(variants[0].name(), "DIRECT");
+  EXPECT_EQ(variants[1].name(), "SITL");
+  EXPECT_EQ(variants[2].name(), "TCAS 460800");
+  EXPECT_EQ(variants[3].name(), "TCAS 921600");
+}
+
+TEST(Comparison, IsTheSameToTheByteOnTheVirtualClock) {
+  const ComparisonPlan plan = small_plan({Architecture::kTs, Architecture::kTcas});
+  const auto first = compare_in("first", plan);
+  const auto second = compare_in("second", plan);
+  EXPECT_EQ(comparison_json(plan, first), comparison_json(plan, second));
+  EXPECT_EQ(comparison_html(plan, first), comparison_html(plan, second));
+}
+
+TEST(Comparison, AccountsForEveryPacketOfEveryArchitecture) {
+  const ComparisonPlan plan = small_plan({kArchitectures.begin(), kArchitectures.end()});
+  for (const VariantResult& result : compare_in("all", plan)) {
+    ASSERT_EQ(result.runs.size(), 1U);
+    EXPECT_TRUE(result.verdicts[0].valid)
+        << result.variant.name() << ": " << validity_words(result);
+    std::uint64_t lost = 0;
+    for (const auto& [cause, count] : losses_of(result)) lost += count;
+    const StreamFigures& rates = result.runs[0].rates;
+    EXPECT_EQ(lost, rates.sensor.lost + rates.gps.lost + rates.controls.lost)
+        << result.variant.name();
+  }
+}
+
+TEST(Comparison, RefusesAScenarioWithoutAHoldToWarmUp) {
+  ComparisonPlan plan = small_plan({Architecture::kTcas});
+  std::erase_if(plan.scenario.steps, [](const FlightStep& step) {
+    return step.kind == StepKind::kHold && !step.measure;
+  });
+  EXPECT_THROW(comparison_scenario(plan.scenario, plan), base::ConfigError);
+}
+
+}  // namespace
+}  // namespace cas::hils

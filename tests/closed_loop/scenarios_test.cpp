@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every shipped scenario flown on the virtual clock.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "hils/judgement.hpp"
+#include "hils/measurement.hpp"
+#include "hils/report.hpp"
+#include "hils/scenario.hpp"
+#include "hils/virtual_run.hpp"
+
+namespace cas::hils {
+namespace {
+
+struct Flown {
+  Measurement figures;
+  Verdict verdict;
+  std::string text;
+};
+
+Flown fly(const std::string& name) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("scenario_" + name + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  const RunRequest request{
+      .scenario = Scenario::load(CAS_SOURCE_DIR "/config/scenarios/" + name + ".yaml"),
+      .architecture = Architecture::kTcas,
+      .seed = 1,
+      .out = folder};
+  const RunRecord record = run_on_virtual_clock(request);
+  Flown flown{.figures = measure(request, record), .verdict = {}, .text = {}};
+  flown.verdict = judge(flown.figures, request.scenario.limits);
+  flown.text = text_report(flown.figures, flown.verdict);
+  std::filesystem::remove_all(folder);
+  return flown;
+}
+
+bool has_fault(const Measurement& figures, const std::string& name, double length_s) {
+  return std::ranges::any_of(figures.faults, [&](const auto& fault) {
+    return fault.name == name && fault.end &&
+           std::abs(base::to_seconds(*fault.end - fault.begin) - length_s) < 0.06;
+  });
+}
+
+std::uint64_t lost(const Measurement& figures, const std::string& cause) {
+  std::uint64_t sum = 0;
+  for (const PathAccount& path : figures.paths) {
+    const auto found = path.losses.find(cause);
+    if (found != path.losses.end()) sum += found->second;
+  }
+  return sum;
+}
+
+TEST(Scenario, StepsGoesFromPlaceToPlace) {
+  const Flown flown = fly("steps");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+}
+
+TEST(Scenario, FigureEightFollowsItsMovingReference) {
+  const Flown flown = fly("figure_eight");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+}
+
+TEST(Scenario, WindHoldsThePlaceThroughAGust) {
+  const Flown flown = fly("wind");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+}
+
+TEST(Scenario, LineLossNamesTheLineForEachLostPacket) {
+  const Flown flown = fly("line_loss");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+  EXPECT_TRUE(has_fault(flown.figures, "line loses packets", 10)) << flown.text;
+  const StreamFigures& rates = flown.figures.rates;
+  const std::uint64_t all = rates.sensor.lost + rates.gps.lost + rates.controls.lost;
+  EXPECT_GT(all, 100U);
+  EXPECT_EQ(lost(flown.figures, "on the serial line"), all);
+}
+
+TEST(Scenario, UnplugComesBackAfterTheDeviceAndAfterCasd) {
+  const Flown flown = fly("unplug");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+  EXPECT_TRUE(has_fault(flown.figures, "plug pulled", 0.3));
+  EXPECT_TRUE(has_fault(flown.figures, "casd killed", 0.3));
+}
+
+TEST(Scenario, GpsLossIsFlownThrough) {
+  const Flown flown = fly("gps_loss");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+  // One and a half seconds at 5 Hz are missing, and no packet was lost for it.
+  EXPECT_NEAR(static_cast<double>(flown.figures.rates.gps.sent), 143, 1) << flown.text;
+  EXPECT_EQ(flown.figures.rates.gps.lost, 0U);
+}
+
+TEST(Scenario, RotorWeakIsHeld) {
+  const Flown flown = fly("rotor_weak");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+}
+
+TEST(Scenario, GainTuningShowsWhatTheGainChanged) {
+  const Flown flown = fly("gain_tuning");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+  ASSERT_EQ(flown.figures.responses.size(), 2U);
+  const StepResponse& before = flown.figures.responses[0];
+  const StepResponse& after = flown.figures.responses[1];
+  ASSERT_TRUE(before.rise_s && after.rise_s) << flown.text;
+  EXPECT_LT(*after.rise_s, *before.rise_s) << flown.text;
+}
+
+}  // namespace
+}  // namespace cas::hils
