@@ -36,9 +36,8 @@ int run(const Flags& flags) {
     return base::kExitOk;
   }
   if (topology.lock_memory) base::lock_memory();
-  casd::App app(
-      {.topology_file = file, .ledger_file = flags.ledger, .stats_file = flags.stats},
-      std::move(topology));
+  casd::App app({.topology_file = file, .ledger_file = flags.ledger, .stats_file = flags.stats},
+                std::move(topology));
   try {
     app.listen();
   } catch (const base::ConfigError& error) {

@@ -11,7 +11,7 @@ namespace {
 
 using Findings = std::vector<FcuFinding>;
 
-constexpr double kLeastControlsHz = 50;    ///< less than this is no control loop
+constexpr double kLeastControlsHz = 50;     ///< less than this is no control loop
 constexpr double kLeastSensorShare = 0.95;  ///< of the nominal rate, over the port
 
 void good(Findings& all, std::string what) { all.push_back({.what = std::move(what)}); }
@@ -93,7 +93,10 @@ std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal) {
 std::string findings_text(const std::vector<FcuFinding>& findings) {
   std::string text;
   for (const FcuFinding& finding : findings) {
-    text += fmt::format("  {} {}\n", finding.good ? "ok  " : finding.fatal ? "STOP" : "note",
+    text += fmt::format("  {} {}\n",
+                        finding.good    ? "ok  "
+                        : finding.fatal ? "STOP"
+                                        : "note",
                         finding.what);
     if (!finding.remedy.empty()) text += "       " + finding.remedy + "\n";
   }

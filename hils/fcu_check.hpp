@@ -11,17 +11,17 @@ namespace cas::hils {
 
 /// What can be seen of a flight controller on a serial port before it is flown.
 struct FcuFacts {
-  std::string device;
+  std::string device{};
   bool link_up = false;
-  std::string link_words;  ///< where it is, or why it is not up
-  bool heard = false;      ///< its HEARTBEAT has come
-  bool hil = false;        ///< and says that it flies a simulation
+  std::string link_words{};  ///< where it is, or why it is not up
+  bool heard = false;        ///< its HEARTBEAT has come
+  bool hil = false;          ///< and says that it flies a simulation
   bool armed = false;
-  std::string autopilot;           ///< "px4", "ardupilot", "generic"
-  std::optional<double> sys_hitl;  ///< PX4's parameter
-  double sensor_hz = 0;            ///< HIL_SENSOR written to the port
-  double controls_hz = 0;          ///< controls that come from it
-  double crc_errors = 0;           ///< damaged packets from it
+  std::string autopilot{};           ///< "px4", "ardupilot", "generic"
+  std::optional<double> sys_hitl{};  ///< PX4's parameter
+  double sensor_hz = 0;              ///< HIL_SENSOR written to the port
+  double controls_hz = 0;            ///< controls that come from it
+  double crc_errors = 0;             ///< damaged packets from it
 };
 
 /// One thing that was looked at.

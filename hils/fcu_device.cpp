@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <variant>
@@ -10,6 +12,9 @@
 #include "base/rpc/client.hpp"
 #include "hils/fcu_check.hpp"
 #include "hils/fcu_probe.hpp"
+#include "mavlink/common/hil_actuator_controls.hpp"
+#include "mavlink/common/hil_controls.hpp"
+#include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::hils {
 
@@ -27,6 +32,23 @@ std::uint64_t sequence_gaps(const std::filesystem::path& casd_stats) {
     }
   }
   return 0;
+}
+
+bool is_control(const base::LedgerEntry& entry) {
+  return entry.message_id == mavlink::common::HilControls::kId ||
+         entry.message_id == mavlink::common::HilActuatorControls::kId;
+}
+
+/// Stamp of the newest HIL_SENSOR that had been sent by then.
+std::int64_t sensor_stamp_at(const std::vector<base::LedgerEntry>& simulator, std::int64_t at_ns) {
+  std::int64_t stamp = 0;
+  for (const base::LedgerEntry& entry : simulator) {
+    if (entry.at_ns > at_ns) break;
+    if (entry.message_id == mavlink::common::HilSensor::kId) {
+      stamp = static_cast<std::int64_t>(entry.time_usec);
+    }
+  }
+  return stamp;
 }
 
 }  // namespace
@@ -63,6 +85,22 @@ void stand_in_for_controller(const RunPlaces& places, RunRecord& record) {
   }
   for (const casd::LinkLedgerEntry& entry : record.relay->controller.received()) {
     record.controller.push_back({Direction::kSent, entry.message_id, entry.time_usec, entry.at_ns});
+  }
+  align_control_stamps(record);
+}
+
+void align_control_stamps(RunRecord& record) {
+  constexpr std::int64_t kEcho_us = 1'000'000;  // nearer than this a stamp is taken for an echo
+  const auto first = std::ranges::find_if(record.controller, is_control);
+  if (first == record.controller.end()) return;
+  const std::int64_t offset =
+      sensor_stamp_at(record.simulator, first->at_ns) - static_cast<std::int64_t>(first->time_usec);
+  if (std::abs(offset) < kEcho_us) return;
+  record.foreign_stamps = true;
+  for (auto* ledger : {&record.controller, &record.simulator}) {
+    for (base::LedgerEntry& entry : *ledger) {
+      if (is_control(entry)) entry.time_usec += static_cast<std::uint64_t>(offset);
+    }
   }
 }
 

@@ -19,4 +19,8 @@ void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequ
 /// end, and gaps between sequence numbers for what is lost beyond.
 void stand_in_for_controller(const RunPlaces& places, RunRecord& record);
 
+/// A stock autopilot stamps its controls by its own clock. Moves these stamps to simulated time, by
+/// one constant offset, at both ends alike; does nothing when they echo the sensors'.
+void align_control_stamps(RunRecord& record);
+
 }  // namespace cas::hils

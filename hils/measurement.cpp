@@ -76,8 +76,21 @@ double meter_hz(const std::vector<base::LedgerEntry>& ledger, std::uint32_t mess
   return arrivals.empty() ? 0 : averaging_meter_hz(arrivals, arrivals.back());
 }
 
-void measure_stream(const Scenario& scenario, const RunRecord& record, Measurement& figures) {
+/// What can be told because controls bear the stamp of the sample they were made from.
+void measure_echoes(const std::vector<base::LedgerEntry>& simulator,
+                    const std::vector<base::LedgerEntry>& controller, std::uint32_t controls_id,
+                    Measurement& figures) {
   using enum base::LedgerEntry::Direction;
+  const StreamWindow window = figures.window;
+  figures.sensor_to_control =
+      summarise(echo_delays_ns(simulator, HilSensor::kId, controls_id, window));
+  figures.age_by_stamp = summarise(
+      delays_ns({simulator, kSent, HilSensor::kId}, {controller, kSent, controls_id}, window));
+  figures.age_by_arrival = summarise(
+      delays_ns({controller, kReceived, HilSensor::kId}, {controller, kSent, controls_id}, window));
+}
+
+void measure_stream(const Scenario& scenario, const RunRecord& record, Measurement& figures) {
   const std::uint32_t controls_id = controls_message_id(record);
   const auto& [simulator, controller] = std::tie(record.simulator, record.controller);
   const StreamWindow window = figures.window;
@@ -86,14 +99,9 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
   figures.rates.gps = account(simulator, controller, HilGps::kId, window, scenario.rates.gps_hz);
   figures.rates.controls =
       account(controller, simulator, controls_id, window, scenario.rates.controls_hz);
-  figures.sensor_to_control =
-      summarise(echo_delays_ns(simulator, HilSensor::kId, controls_id, window));
+  if (!record.foreign_stamps) measure_echoes(simulator, controller, controls_id, figures);
   figures.sensor_uplink = summarise(hop_delays_ns(simulator, controller, HilSensor::kId, window));
   figures.controls_downlink = summarise(hop_delays_ns(controller, simulator, controls_id, window));
-  figures.age_by_stamp = summarise(
-      delays_ns({simulator, kSent, HilSensor::kId}, {controller, kSent, controls_id}, window));
-  figures.age_by_arrival = summarise(
-      delays_ns({controller, kReceived, HilSensor::kId}, {controller, kSent, controls_id}, window));
   figures.meter = {.sensor_hz = meter_hz(controller, HilSensor::kId, window),
                    .gps_hz = meter_hz(controller, HilGps::kId, window),
                    .controls_hz = meter_hz(simulator, controls_id, window)};

@@ -26,6 +26,7 @@ struct RunRecord {
   std::optional<RelayLedgers> relay;          ///< at casd's two links, where it kept them
   bool from_device = false;  ///< the controller's end is casd's port: a real one keeps no ledger
   std::uint64_t lost_by_sequence = 0;  ///< then: gaps in the sequence from the controller
+  bool foreign_stamps = false;  ///< controls are stamped by another clock: nothing is an echo
   std::filesystem::path truth_csv;
   std::filesystem::path flight_tlog;
   std::vector<Stage> stages;

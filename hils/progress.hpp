@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <string>
+
 #include "base/clock.hpp"
 #include "hils/flight_plan.hpp"
 
@@ -17,9 +19,11 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows the step under way and how the vehicle does.
+  /// Whether anybody looks: else nothing needs to be found out for it.
+  bool shows() const { return terminal_; }
+  /// Shows the step under way, how the vehicle does, and how the stream does in words.
   void show(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
-            double real_time_factor);
+            double real_time_factor, const std::string& stream = {});
   /// Takes the line away.
   void clear();
 

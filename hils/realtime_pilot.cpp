@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/realtime_pilot.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -15,6 +17,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr base::Duration kPollPeriod = milliseconds(50);
+constexpr base::Duration kStreamLook = seconds(1);
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = seconds(1);
 
@@ -119,6 +122,25 @@ Json to_json(const fcu::LineConfig& line) {
           {"receive_trigger_bytes", line.receive_trigger_bytes}};
 }
 
+/// "up 500 + 5, down 400 Hz, 0 dropped".
+std::string stream_words(const Json& status, const Json& messages) {
+  double sensor = 0, gps = 0, controls = 0, dropped = 0;
+  for (const Json& message : messages) {
+    if (!message.is_object() || message.value("direction", "") != "tx") continue;
+    const std::string name = message.value("name", "");
+    const double hz = message.value("hz", 0.0);
+    if (name == "HIL_SENSOR") sensor += hz;
+    if (name == "HIL_GPS") gps += hz;
+    if (name == "HIL_CONTROLS" || name == "HIL_ACTUATOR_CONTROLS") controls += hz;
+  }
+  for (const Json& link : status.value("links", Json::array())) {
+    const Json tx = link.value("tx", Json::object());
+    for (const Json& count : tx.value("dropped", Json::object())) dropped += count.get<double>();
+  }
+  return fmt::format("up {:.0f} + {:.0f}, down {:.0f} Hz, {:.0f} dropped", sensor, gps, controls,
+                     dropped);
+}
+
 std::string address(const std::filesystem::path& socket) { return "unix:" + socket.string(); }
 
 }  // namespace
@@ -146,7 +168,8 @@ void RealtimePilot::fly(RunRecord& record) {
     play_faults(now, vehicle);
     watch_machine();
     if (plan_.done() || !plan_.failure().empty()) break;
-    progress_.show(now, plan_, vehicle, real_time_factor_);
+    watch_stream();
+    progress_.show(now, plan_, vehicle, real_time_factor_, stream_);
     if (command) {
       const std::string refusal = give(*command);
       plan_.on_outcome(simulated_time(), refusal);
@@ -229,6 +252,15 @@ void RealtimePilot::play(const BenchFault& fault, bool begins) {
 void RealtimePilot::configure_line(const fcu::LineConfig& line) {
   base::rpc::Client fcu(address(places_.fcu_control()));
   fcu.call("line.set", to_json(line));
+}
+
+/// Once a second, and only when somebody looks.
+void RealtimePilot::watch_stream() {
+  const base::RunTime now = base::steady_now();
+  if (!progress_.shows() || !casd_ || now < next_stream_look_) return;
+  next_stream_look_ = now + kStreamLook;
+  stream_ = stream_words(casd_->call("casd.status", Json::object()),
+                         casd_->call("message.list", Json::object()));
 }
 
 /// Looks at the machine's load during the measured step.

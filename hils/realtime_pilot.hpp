@@ -38,6 +38,7 @@ class RealtimePilot {
   void play(const BenchFault& fault, bool begins);
   void configure_line(const fcu::LineConfig& line);
   void watch_machine();
+  void watch_stream();
 
   Supervisor& supervisor_;
   BenchPrograms& programs_;
@@ -51,6 +52,8 @@ class RealtimePilot {
   Progress progress_;
   CpuPressure pressure_;
   std::string phase_;
+  std::string stream_;  ///< rates and drops in words, for the terminal
+  base::RunTime next_stream_look_{};
   bool measuring_ = false;
   double real_time_factor_ = 0;
   std::optional<Motion> truth_;

@@ -50,6 +50,8 @@ Series delay_series(const std::string& name, const std::vector<std::int64_t>& de
   }
   if (buckets.empty()) return series;
   const int last = buckets.rbegin()->first + 1;
+  series.points.emplace_back(
+      std::pow(10.0, static_cast<double>(buckets.begin()->first) / kBucketsPerDecade), 0);
   for (int bucket = buckets.begin()->first; bucket <= last; ++bucket) {
     const auto found = buckets.find(bucket);
     const double count = found == buckets.end() ? 0 : static_cast<double>(found->second);
@@ -114,7 +116,7 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record, const M
            {"HIL_SENSOR", HilSensor::kId, true}, "end to end",
            hop_delays_ns(record.simulator, record.controller, HilSensor::kId, window));
   add_hops("delays_down", "Delays of the controls by hop, measured stretch",
-           {"controls", controls, false}, "sensor out to control back",
+           {"controls", controls, false}, "loop",
            echo_delays_ns(record.simulator, HilSensor::kId, controls, window));
 }
 

@@ -34,8 +34,6 @@ class VirtualSimulator {
   void write(std::span<const std::uint8_t> bytes, base::RunTime now);
   /// Computes the step that ends now.
   void step(base::RunTime now);
-  /// What the vehicle is about, for the simulator's plugins.
-  void set_flight_phase(std::string_view name);
   /// When the next step ends.
   base::RunTime next_event() const;
   /// What the flight is about, for the plugins.

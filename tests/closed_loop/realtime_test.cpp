@@ -8,6 +8,7 @@
 
 #include "tests/support/child_process.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace cas::hils {
 namespace {
@@ -41,6 +42,32 @@ TEST(RealTime, TheFlightTellsTheSimulatorItsPhase) {
   EXPECT_EQ(events[0].at("fault"), "gone");
   EXPECT_NEAR(events[1].at("time_s").get<double>() - events[0].at("time_s").get<double>(), 0.5,
               1e-3);
+}
+
+/// The emulator's terminal in the place of a board's port, started as somebody else's program.
+TEST(RealTime, FliesAControllerThatIsThereAlready) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path scenario = folder.write("short.yaml", kScenario);
+  const std::filesystem::path out = folder / "out";
+  const std::filesystem::path port = folder / "board";
+  ChildProcess board({CAS_BINARY_DIR "/bin/fcu_emulator",
+                      CAS_SOURCE_DIR "/config/fcu/iris_paper.yaml", "--link", port.string()});
+  ASSERT_TRUE(test::wait_until([&] { return std::filesystem::exists(port); }));
+  ChildProcess hils({CAS_BINARY_DIR "/bin/hils", "run", scenario.string(), "--fcu", port.string(),
+                     "--out", out.string()});
+  EXPECT_EQ(hils.wait_exit(std::chrono::seconds(120)), 0) << hils.output();
+  const auto summary = nlohmann::json::parse(std::ifstream(out / "summary.json"));
+  EXPECT_TRUE(summary.at("from_device"));
+  EXPECT_EQ(summary.at("rates").at("HIL_SENSOR").at("lost"), 0);
+}
+
+TEST(RealTime, RefusesAPortWithNobodyBehindIt) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path scenario = folder.write("short.yaml", kScenario);
+  ChildProcess hils({CAS_BINARY_DIR "/bin/hils", "run", scenario.string(), "--fcu",
+                     (folder / "nothing").string(), "--out", (folder / "out").string()});
+  EXPECT_EQ(hils.wait_exit(std::chrono::seconds(60)), 3) << hils.output();
+  EXPECT_NE(hils.output().find("cannot be opened"), std::string::npos) << hils.output();
 }
 
 }  // namespace

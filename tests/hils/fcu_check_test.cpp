@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/fcu_check.hpp"
+
+#include <gtest/gtest.h>
+
+namespace cas::hils {
+namespace {
+
+FcuFacts ready() {
+  return {.device = "/dev/ttyACM0",
+          .link_up = true,
+          .link_words = "/dev/ttyACM0 921600",
+          .heard = true,
+          .hil = true,
+          .armed = false,
+          .autopilot = "px4",
+          .sys_hitl = 1,
+          .sensor_hz = 500,
+          .controls_hz = 400,
+          .crc_errors = 0};
+}
+
+TEST(FcuCheck, LetsAReadyControllerFly) {
+  const auto findings = check_fcu(ready(), {});
+  EXPECT_TRUE(may_fly(findings)) << findings_text(findings);
+  for (const FcuFinding& finding : findings) EXPECT_TRUE(finding.good) << finding.what;
+}
+
+struct Fault {
+  const char* name;
+  void (*spoil)(FcuFacts&);
+  bool fatal;
+  const char* words;
+};
+
+class FcuCheckFault : public testing::TestWithParam<Fault> {};
+
+TEST_P(FcuCheckFault, IsNamedWithARemedy) {
+  FcuFacts facts = ready();
+  GetParam().spoil(facts);
+  const auto findings = check_fcu(facts, {});
+  EXPECT_EQ(may_fly(findings), !GetParam().fatal);
+  const std::string text = findings_text(findings);
+  EXPECT_NE(text.find(GetParam().words), std::string::npos) << text;
+  for (const FcuFinding& finding : findings) EXPECT_EQ(finding.good, finding.remedy.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, FcuCheckFault,
+    testing::Values(
+        Fault{"NoDevice", [](FcuFacts& f) { f.link_up = false; }, true, "cannot be opened"},
+        Fault{"Silent", [](FcuFacts& f) { f.heard = false; }, true, "no HEARTBEAT"},
+        Fault{"NotInHil", [](FcuFacts& f) { f.hil = false; }, true, "propellers"},
+        Fault{"HitlOff", [](FcuFacts& f) { f.sys_hitl = 0; }, true, "SYS_HITL is 0"},
+        Fault{"Armed", [](FcuFacts& f) { f.armed = true; }, true, "armed already"},
+        Fault{"NoControls", [](FcuFacts& f) { f.controls_hz = 0; }, true, "SYS_AUTOSTART"},
+        Fault{"StockRate", [](FcuFacts& f) { f.controls_hz = 200; }, false, "200 for PX4"},
+        Fault{"NarrowLine", [](FcuFacts& f) { f.sensor_hz = 310; }, false, "310 of 500"},
+        Fault{"Damaged", [](FcuFacts& f) { f.crc_errors = 7; }, false, "7 packets came damaged"},
+        Fault{"ArduPilot", [](FcuFacts& f) { f.autopilot = "ardupilot"; }, true, "ArduPilot"}),
+    [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace cas::hils
