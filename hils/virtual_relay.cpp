@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "base/error.hpp"
+#include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::hils {
@@ -62,6 +63,7 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
     const std::size_t i = ports_.size();
     Port& port = ports_.emplace_back(link);
     port.pacer = pacer_for(link, topology.threads);
+    if (!blocking_) port.pacer.set_sensor_gap(link.sensor_gap);
     port.queue =
         casd::TxQueue(link.queue, [this, i](const casd::PacketInfo& info, casd::DropCause cause) {
           ports_[i].ledger.dropped(info, cause, now_);
@@ -208,6 +210,7 @@ bool VirtualRelay::write_packet(Port& port, base::RunTime now) {
   const std::optional<casd::QueuedPacket> packet = port.queue.pop(now, port.pacer);
   if (!packet) return false;
   port.pacer.sent(packet->bytes.size(), now);
+  if (packet->info.message_id == mavlink::common::HilSensor::kId) port.pacer.sent_sensor(now);
   port.ledger.sent(packet->info, now);
   port.tail.assign(packet->bytes.begin(), packet->bytes.end());
   write_tail(port, now);

@@ -63,6 +63,15 @@ TEST(Comparison, AccountsForEveryPacketOfEveryArchitecture) {
   }
 }
 
+TEST(Comparison, TellsTheBlockingThreadByItsDelays) {
+  const ComparisonPlan plan = small_plan({Architecture::kTs, Architecture::kTcas});
+  const auto results = compare_in("delays", plan);
+  const Measurement& ts = results.at(0).runs.at(0);
+  const Measurement& tcas = results.at(1).runs.at(0);
+  EXPECT_GT(ts.sensor_to_control.p50, 1.2 * tcas.sensor_to_control.p50);
+  EXPECT_LE(ts.rates.sensor.received, tcas.rates.sensor.received);
+}
+
 TEST(Comparison, RefusesAScenarioWithoutAHoldToWarmUp) {
   ComparisonPlan plan = small_plan({Architecture::kTcas});
   std::erase_if(plan.scenario.steps, [](const FlightStep& step) {
