@@ -30,6 +30,11 @@ class LockstepPeer {
   /// Blocks until every control that is due for sensors sent up to `time` has arrived.
   /// @return false on timeout or when interrupted: the runner then steps on and counts it
   virtual bool wait_for_controls(base::SimTime time, base::Duration timeout) = 0;
+  /// Whether there is somebody to wait for. While there is not (a flight controller that boots on
+  /// the simulator's clock, or has gone), the simulation goes by the wall clock.
+  virtual bool in_step() const { return true; }
+  /// The wait has lasted too long and the simulation steps on: what was due is due no more.
+  virtual void give_up() {}
 };
 
 /// What a plugin is given in `configure`; valid during that call only, apart from what it returns

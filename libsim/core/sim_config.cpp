@@ -79,6 +79,9 @@ PaceConfig parse_pace(const ConfigNode& root) {
   if (node->has("max_lag_ms")) {
     pace.max_lag = base::from_seconds(1e-3 * node->require_in("max_lag_ms", 1, 60'000));
   }
+  if (node->has("largest_burst_ms")) {
+    pace.largest_burst = base::from_seconds(1e-3 * node->require_in("largest_burst_ms", 0, 1000));
+  }
   if (node->has("lockstep_timeout_ms")) {
     pace.lockstep_timeout =
         base::from_seconds(1e-3 * node->require_in("lockstep_timeout_ms", 1, 60'000));

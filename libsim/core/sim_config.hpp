@@ -31,10 +31,13 @@ enum class Integrator {
 
 struct PaceConfig {
   PaceMode mode = PaceMode::kRealtime;
-  bool speed_given = false;     ///< else an SDF world's real-time factor holds
-  double speed = 1.0;           ///< simulated seconds per second of wall clock, realtime only
+  bool speed_given = false;  ///< else an SDF world's real-time factor holds
+  /// Simulated seconds per second of wall clock. lockstep goes by it only when it is given.
+  double speed = 1.0;
   double catch_up_rate = 1.25;  ///< fastest pace, as a multiple of `speed`, after a late step
   base::Duration max_lag = std::chrono::milliseconds(250);  ///< lag beyond this is given up
+  /// Wall clock that a late wake-up may make up for at once, in a burst.
+  base::Duration largest_burst = std::chrono::milliseconds(10);
   base::Duration lockstep_timeout = std::chrono::seconds(1);
   base::ThreadOptions thread{};  ///< of the simulation thread
   bool lock_memory = false;

@@ -25,6 +25,7 @@ void SimLoop::run(std::optional<base::SimTime> until) {
   while (!stopping_.load(std::memory_order_relaxed)) {
     if (has_orders_.load(std::memory_order_acquire)) take_orders();
     if (until && runner_.time() >= *until) break;
+    pacer_.set_peers_in_step(runner_.peers_in_step(), now_, runner_.time());
     if (paused_ && steps_left_ == 0) {
       wait_for_order();
     } else if (steps_left_ > 0 || wait_until(pacer_.start_of(runner_.time()))) {

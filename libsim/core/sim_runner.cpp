@@ -69,6 +69,7 @@ struct SimRunner::Impl {
   void wait_for_peers() {
     if (config.pace.mode != PaceMode::kLockstep) return;
     for (LockstepPeer* peer : plugins.peers()) {
+      if (!peer->in_step()) continue;
       bool arrived = false;
       for (base::Duration waited{};
            !arrived && waited < config.pace.lockstep_timeout && !interrupted();
@@ -76,7 +77,9 @@ struct SimRunner::Impl {
         arrived = peer->wait_for_controls(
             time, std::min(kWaitSlice, config.pace.lockstep_timeout - waited));
       }
-      if (!arrived) ++lockstep_timeouts;
+      if (arrived) continue;
+      ++lockstep_timeouts;
+      peer->give_up();
     }
   }
 
@@ -154,6 +157,11 @@ std::uint64_t SimRunner::steps() const { return impl_->steps; }
 const World& SimRunner::world() const { return impl_->world; }
 const SimConfig& SimRunner::config() const { return impl_->config; }
 std::uint64_t SimRunner::lockstep_timeouts() const { return impl_->lockstep_timeouts; }
+bool SimRunner::peers_in_step() const {
+  const auto& peers = impl_->plugins.peers();
+  return std::all_of(peers.begin(), peers.end(),
+                     [](const LockstepPeer* peer) { return peer->in_step(); });
+}
 void SimRunner::set_interrupt(const std::atomic<bool>* flag) { impl_->interrupt = flag; }
 
 void SimRunner::set_flight_phase(std::string_view name) {

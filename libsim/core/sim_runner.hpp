@@ -57,6 +57,8 @@ class CAS_SIM_EXPORT SimRunner {
   std::vector<std::string> vehicle_names() const;  ///< index = VehicleId
   /// Steps that went on without the controls they waited for (lockstep).
   std::uint64_t lockstep_timeouts() const;
+  /// Whether everybody who is to be waited for in lockstep is there.
+  bool peers_in_step() const;
   std::vector<PluginFigures> plugin_figures() const;
 
   /// Tells the plugins of all vehicles which part of the flight it is ("takeoff", "hold"): topic

@@ -46,16 +46,38 @@ HilInterface::HilInterface(const HilInterfaceParams& params, PacketPort& port,
       }),
       encode_(params.self),
       heartbeat_(params.heartbeat_hz),
+      peers_(port.peers()),
       parser_(mv::table()),
+      in_step_(!params.joins_by_answering),
       control_due_(params.control_rate_hz) {}
 
 void HilInterface::flush(base::SimTime now) {
+  look_for_new_peer();
   send_heartbeat(now);
   // Slow sensors first, so that the answer to HIL_SENSOR knows them.
   if (range_) send(to_distance_sensor(*range_));
   range_.reset();
   if (gps_) send_gps();
   if (imu_) send_sensor();
+}
+
+/// A controller that connects, or comes back, knows nothing yet and is greeted; one that has gone
+/// is not waited for.
+void HilInterface::look_for_new_peer() {
+  const bool is_new = peers_ != port_.peers();
+  peers_ = port_.peers();
+  if (is_new) {
+    parser_.reset();
+    announced_ = false;
+    stamps_.clear();
+  }
+  if (params_.joins_by_answering && (is_new || !port_.connected())) in_step_ = false;
+}
+
+/// From now on the controller answers each HIL_SENSOR; those before are not asked for.
+void HilInterface::join() {
+  in_step_ = true;
+  due_usec_ = answered_usec_ = 0;
 }
 
 template <class Message>
@@ -72,6 +94,7 @@ void HilInterface::send_heartbeat(base::SimTime now) {
 }
 
 void HilInterface::send_gps() {
+  gps_->time += params_.wire_epoch;
   const mv::HilGps packet = to_hil_gps(*gps_);
   gps_.reset();
   const base::RunTime at = port_.now();
@@ -81,6 +104,7 @@ void HilInterface::send_gps() {
 void HilInterface::send_sensor() {
   // Only what is new is flagged; the rest repeats its last value.
   sensor_.fields_updated = {};
+  imu_->time += params_.wire_epoch;
   fill(sensor_, *imu_);
   if (magnetometer_) fill(sensor_, *magnetometer_);
   if (barometer_) fill(sensor_, *barometer_);
@@ -89,13 +113,19 @@ void HilInterface::send_sensor() {
   if (sent && ledger_) ledger_->sent(mv::HilSensor::kId, sensor_.time_usec, at);
 
   sent_usec_ = sensor_.time_usec;
-  if (control_due_.due(base::from_time_usec(sent_usec_))) due_usec_ = sent_usec_;
+  if (sent) stamps_.add(sent_usec_);
+  const bool is_due =
+      params_.joins_by_answering ? sent : control_due_.due(base::from_time_usec(sent_usec_));
+  if (is_due) due_usec_ = sent_usec_;
   imu_.reset();
   magnetometer_.reset();
   barometer_.reset();
 }
 
-void HilInterface::receive() { port_.poll(on_bytes_); }
+void HilInterface::receive() {
+  port_.poll(on_bytes_);
+  look_for_new_peer();
+}
 
 void HilInterface::on_packet(const mav::PacketView& packet, base::RunTime at) {
   received_.add(packet.message_id);
@@ -113,7 +143,9 @@ void HilInterface::on_controls(const Controls& controls, const MotorCommand& com
   if (ledger_) ledger_->received(Controls::kId, controls.time_usec, at);
   if (command_) ++overwritten_commands_;
   command_ = command;
+  command_->sensor_time -= params_.wire_epoch;
   // An echo of what was never sent is another clock, or a run before reset().
+  if (!in_step_ && stamps_.contains(controls.time_usec)) join();
   if (controls.time_usec <= sent_usec_) {
     answered_usec_ = std::max(answered_usec_, controls.time_usec);
   }
@@ -140,7 +172,8 @@ std::string HilInterface::stats_json() const {
          entry("lost_by_sequence", sequences_.lost()) + entry("unknown_ids", parser.unknown_ids) +
          entry("skipped_bytes", parser.skipped_bytes) +
          entry("overwritten_commands", overwritten_commands_) +
-         entry("actuator_timeouts", actuator_timeouts_) + ",\"port\":" + port_.stats_json() + "}";
+         entry("actuator_timeouts", actuator_timeouts_) +
+         ",\"in_step\":" + (in_step_ ? "true" : "false") + ",\"port\":" + port_.stats_json() + "}";
 }
 
 }  // namespace cas::sim

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -27,6 +29,25 @@ struct HilInterfaceParams {
   double heartbeat_hz = 1;
   double control_rate_hz = 400;       ///< lockstep: a control is due when floor(t * rate) advances
   base::Duration actuator_timeout{};  ///< silence after which the rotors stop
+  /// PX4's simulator API: a controller is waited for from its first answer on, and then answers
+  /// each HIL_SENSOR. Else it is waited for from the start, by `control_rate_hz`.
+  bool joins_by_answering = false;
+  /// Added to simulated time on the wire.
+  base::Duration wire_epoch{};
+};
+
+/// The stamps that were sent last: whether a controller answers them, or tells a clock of its own.
+class RecentStamps {
+ public:
+  void add(std::uint64_t stamp) { stamps_[next_++ % stamps_.size()] = stamp; }
+  bool contains(std::uint64_t stamp) const {
+    return stamp != 0 && std::find(stamps_.begin(), stamps_.end(), stamp) != stamps_.end();
+  }
+  void clear() { stamps_.fill(0); }
+
+ private:
+  std::array<std::uint64_t, 512> stamps_{};  // two seconds at 250 Hz
+  std::size_t next_ = 0;
 };
 
 /// Counts packets by message id; allocates only when an id is new.
@@ -69,6 +90,12 @@ class HilInterface {
 
   /// Whether the controls that are due for the sensors sent so far have arrived (lockstep).
   bool answered() const { return answered_usec_ >= due_usec_; }
+  /// Waits no longer for what was sent so far.
+  void give_up() { due_usec_ = answered_usec_; }
+  /// Whether a controller is there that answers; without one nothing is to be waited for.
+  bool in_step() const { return in_step_; }
+  /// End of what was sent, on the wire's clock.
+  base::Duration wire_end() const { return std::chrono::microseconds(sent_usec_); }
 
   const MessageCounts& sent() const { return sent_; }
   const MessageCounts& received() const { return received_; }
@@ -78,6 +105,8 @@ class HilInterface {
  private:
   template <class Message>
   bool send(const Message& message);
+  void look_for_new_peer();
+  void join();
   void send_heartbeat(base::SimTime now);
   void send_gps();
   void send_sensor();
@@ -94,6 +123,7 @@ class HilInterface {
   mav::Encoder encode_;
   base::RateGate heartbeat_;
   bool announced_ = false;
+  std::uint64_t peers_;  // of the port, that were greeted
   std::optional<ImuSample> imu_;
   std::optional<GpsSample> gps_;
   std::optional<MagnetometerSample> magnetometer_;
@@ -110,6 +140,8 @@ class HilInterface {
   std::uint64_t actuator_timeouts_ = 0;
 
   // Lockstep.
+  bool in_step_;
+  RecentStamps stamps_;
   base::RateGate control_due_;
   std::uint64_t sent_usec_ = 0;      // newest HIL_SENSOR
   std::uint64_t due_usec_ = 0;       // newest HIL_SENSOR that is to be answered

@@ -1,20 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "base/ledger.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"
 #include "plugins/mavlink_interface/hil_interface.hpp"
+#include "plugins/mavlink_interface/tcp_server_port.hpp"
 #include "plugins/mavlink_interface/udp_port.hpp"
 
 namespace cas::sim {
 namespace {
 
 constexpr int kDefaultComponent = 200;
+constexpr const char* kTcpServer = "tcp_server";  // PX4's simulator API
+constexpr int kSimulatorApiPort = 4560;           // of PX4's instance 0
+constexpr int kMostInstances = 250;
 
 std::uint8_t parse_id(const base::ConfigNode& node, const char* key, int fallback) {
   return static_cast<std::uint8_t>(node.get_in(key, fallback, 1, 255));
@@ -29,7 +36,26 @@ HilInterfaceParams parse_params(const base::ConfigNode& node, const base::Vehicl
   params.heartbeat_hz = node.get_in("heartbeat_hz", 1, 0, kMostHertz);
   params.control_rate_hz = node.get_in("control_rate_hz", 400, 0, kMostHertz);
   params.actuator_timeout = base::from_seconds(node.get_in("actuator_timeout_s", 0.5, 0.01, 60));
+  params.joins_by_answering = node.require<std::string>("transport") == kTcpServer;
+  constexpr double kYear2100 = 4102444800;  // s since 1970
+  params.wire_epoch =
+      std::chrono::seconds(std::llround(node.get_in("start_unix_s", 0, 0, kYear2100)));
   return params;
+}
+
+std::unique_ptr<PacketPort> open_tcp_server(const base::ConfigNode& node) {
+  const int instance = static_cast<int>(node.get_in("instance", 0, 0, kMostInstances));
+  const auto local = node.find("local");
+  if (local && node.has("instance")) local->fail("stands for the port; so does instance");
+  try {
+    return std::make_unique<TcpServerPort>(
+        local ? SocketAddress::parse(*local)
+              : SocketAddress::loopback(static_cast<std::uint16_t>(kSimulatorApiPort + instance)));
+  } catch (const std::system_error& error) {
+    (local ? *local : node)
+        .fail("TCP port " + std::to_string(kSimulatorApiPort + instance) + ": " +
+              error.code().message());
+  }
 }
 
 std::unique_ptr<PacketPort> open_port(PluginContext& context, const base::ConfigNode& node) {
@@ -37,7 +63,8 @@ std::unique_ptr<PacketPort> open_port(PluginContext& context, const base::Config
   const auto word = transport.as<std::string>();
   if (word == "udp") return std::make_unique<UdpPort>(node.at("local"), node.find("remote"));
   if (word == "bus") return std::make_unique<BusPort>(context);
-  transport.fail("must be udp or bus");
+  if (word == kTcpServer) return open_tcp_server(node);
+  transport.fail("must be udp, tcp_server or bus");
 }
 
 /// Sends the sensors of one vehicle as MAVLink and takes its actuator commands ([HILS] Fig. 6).
@@ -69,7 +96,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   bool wait_for_controls(base::SimTime, base::Duration timeout) override {
     const base::RunTime deadline = base::steady_now() + timeout;
     interface_->receive();
-    while (!interface_->answered()) {
+    while (interface_->in_step() && !interface_->answered()) {
       const base::Duration left = deadline - base::steady_now();
       if (left <= base::Duration::zero() || !port_->wait(left)) return false;
       interface_->receive();
@@ -77,7 +104,16 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     return true;
   }
 
-  void reset() override { begin(); }
+  void give_up() override { interface_->give_up(); }
+  bool in_step() const override { return interface_->in_step(); }
+
+  void reset() override {
+    // A controller that stays connected has seen the time that was: for it the clock goes on.
+    if (params_.joins_by_answering) {
+      params_.wire_epoch = std::max(params_.wire_epoch, interface_->wire_end());
+    }
+    begin();
+  }
 
   void finish() override {
     if (!ledger_) return;

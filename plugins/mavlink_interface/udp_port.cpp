@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/mavlink_interface/udp_port.hpp"
 
-#include <netdb.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,55 +30,6 @@ void set_option(int socket, int name, int value) {
 }
 
 }  // namespace
-
-SocketAddress SocketAddress::parse(const base::ConfigNode& node) {
-  const auto text = node.as<std::string>();
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos || colon == 0) node.fail("must be an address and port, HOST:PORT");
-  std::string host = text.substr(0, colon);
-  if (host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_DGRAM;
-  hints.ai_flags = AI_NUMERICSERV;
-  addrinfo* found = nullptr;
-  const int error = getaddrinfo(host.c_str(), text.substr(colon + 1).c_str(), &hints, &found);
-  if (error != 0) node.fail(std::string("is no address: ") + gai_strerror(error));
-  SocketAddress address;
-  std::memcpy(&address.storage_, found->ai_addr, found->ai_addrlen);
-  address.size_ = found->ai_addrlen;
-  freeaddrinfo(found);
-  return address;
-}
-
-std::string SocketAddress::text() const {
-  std::array<char, NI_MAXHOST> host{};
-  std::array<char, NI_MAXSERV> port{};
-  if (getnameinfo(data(), size_, host.data(), host.size(), port.data(), port.size(),
-                  NI_NUMERICHOST | NI_NUMERICSERV) != 0) {
-    return "?";
-  }
-  std::string text;
-  const bool bracketed = family() == AF_INET6;
-  if (bracketed) text += '[';
-  text += host.data();
-  if (bracketed) text += ']';
-  text += ':';
-  text += port.data();
-  return text;
-}
-
-bool operator==(const SocketAddress& a, const SocketAddress& b) {
-  if (a.family() != b.family()) return false;
-  if (a.family() == AF_INET) {
-    const auto& left = reinterpret_cast<const sockaddr_in&>(a.storage_);
-    const auto& right = reinterpret_cast<const sockaddr_in&>(b.storage_);
-    return left.sin_port == right.sin_port && left.sin_addr.s_addr == right.sin_addr.s_addr;
-  }
-  const auto& left = reinterpret_cast<const sockaddr_in6&>(a.storage_);
-  const auto& right = reinterpret_cast<const sockaddr_in6&>(b.storage_);
-  return left.sin6_port == right.sin6_port &&
-         std::memcmp(&left.sin6_addr, &right.sin6_addr, sizeof left.sin6_addr) == 0;
-}
 
 /// Room for the datagrams of one system call, with their sources and stamps.
 struct UdpPort::Batch {
@@ -192,21 +141,9 @@ bool UdpPort::is_from_peer(const SocketAddress& source) {
   return source == *peer_;
 }
 
-bool UdpPort::wait(base::Duration timeout) {
-  pollfd waiting{socket_, POLLIN, 0};
-  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(timeout);
-  const timespec limit{static_cast<time_t>(whole.count()),
-                       static_cast<long>((timeout - whole).count())};
-  return ppoll(&waiting, 1, &limit, nullptr) > 0;
-}
+bool UdpPort::wait(base::Duration timeout) { return wait_readable(socket_, -1, timeout); }
 
-std::string UdpPort::endpoint() const {
-  SocketAddress bound;
-  socklen_t size = bound.size();
-  if (getsockname(socket_, bound.data(), &size) != 0) return "udp ?";
-  bound.set_size(size);
-  return "udp " + bound.text();
-}
+std::string UdpPort::endpoint() const { return "udp " + bound_address(socket_); }
 
 std::string UdpPort::stats_json() const {
   const auto entry = [](const char* key, std::uint64_t value) {

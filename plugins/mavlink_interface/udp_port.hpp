@@ -1,37 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <netinet/in.h>
-#include <sys/socket.h>
-
 #include <array>
 #include <memory>
 #include <optional>
 
 #include "base/config.hpp"
+#include "plugins/common/socket_address.hpp"
 #include "plugins/mavlink_interface/packet_port.hpp"
 
 namespace cas::sim {
-
-/// An IPv4 or IPv6 address with port.
-class SocketAddress {
- public:
-  SocketAddress() = default;
-  /// "127.0.0.1:14560", "[::1]:14560" or "host:14560". @throws base::ConfigError through `node`
-  static SocketAddress parse(const base::ConfigNode& node);
-
-  std::string text() const;
-  int family() const { return storage_.ss_family; }
-  const sockaddr* data() const { return reinterpret_cast<const sockaddr*>(&storage_); }
-  sockaddr* data() { return reinterpret_cast<sockaddr*>(&storage_); }
-  socklen_t size() const { return size_; }
-  void set_size(socklen_t size) { size_ = size; }
-  friend bool operator==(const SocketAddress& a, const SocketAddress& b);
-
- private:
-  sockaddr_storage storage_{};
-  socklen_t size_ = sizeof(sockaddr_storage);
-};
 
 /// Packets over UDP, one per datagram out, any number per datagram in.
 ///

@@ -106,6 +106,32 @@ TEST(Pacer, LockstepAndFreeRunDoNotWait) {
   }
 }
 
+TEST(Pacer, LockstepGoesByTheClockWhileAPeerDoesNotAnswerYet) {
+  Pacer pacer({.mode = PaceMode::kLockstep}, kStep);
+  pacer.set_peers_in_step(false, kEpoch, at(0s));
+  EXPECT_EQ(pacer.start_of(at(100ms)), kEpoch + 100ms);
+  pacer.set_peers_in_step(true, kEpoch + 100ms, at(100ms));
+  EXPECT_LT(pacer.start_of(at(1000s)), kEpoch) << "at once from its first answer on";
+  pacer.set_peers_in_step(false, kEpoch + 105ms, at(10s));
+  EXPECT_EQ(pacer.start_of(at(10s)), kEpoch + 105ms) << "from here on, and nothing to catch up";
+}
+
+TEST(Pacer, LockstepKeepsToASpeedThatIsGiven) {
+  Pacer pacer({.mode = PaceMode::kLockstep, .speed_given = true, .speed = 2.0}, kStep);
+  pacer.restart(kEpoch, at(0s));
+  EXPECT_EQ(pacer.start_of(at(100ms)), kEpoch + 50ms);
+}
+
+TEST(Pacer, TheBurstAfterALateWakeUpCanBeMadeSmaller) {
+  Pacer pacer({.catch_up_rate = 1.0 / 0.9, .largest_burst = 1ms}, kStep);
+  pacer.restart(kEpoch, at(0s));
+  run(pacer, kEpoch, 0, 100);
+  base::RunTime now = kEpoch + 108ms;  // 8 ms late
+  pacer.on_start(now, at(100ms));
+  const base::RunTime later = run(pacer, now, 101, 4);
+  EXPECT_GE(later - now, 2500us) << "four steps and no burst";
+}
+
 TEST(Pacer, NoErrorAddsUpOverADay) {
   Pacer pacer({.speed = 3.0}, 333us);
   pacer.restart(kEpoch, at(0s));

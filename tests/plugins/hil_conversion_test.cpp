@@ -33,6 +33,7 @@ TEST(HilSensor, CarriesSpecificForceAndRatesInForwardRightDown) {
   EXPECT_FLOAT_EQ(packet.ygyro, -0.2F);
   EXPECT_FLOAT_EQ(packet.zgyro, -0.3F);
   EXPECT_EQ(bits(packet), 0x003FU);
+  EXPECT_EQ(packet.id, 0) << "the instance that drives the clock of PX4 1.16";
 }
 
 TEST(HilSensor, CarriesTheFieldInGaussForwardRightDown) {
@@ -86,6 +87,7 @@ TEST(HilGps, CarriesDegE7MillimetresAndCentimetresPerSecond) {
   EXPECT_EQ(static_cast<int>(packet.fix_type), 3);
   EXPECT_EQ(packet.satellites_visible, 10);
   EXPECT_EQ(packet.yaw, 0);  // not available
+  EXPECT_EQ(packet.id, 0);   // the first receiver
 }
 
 TEST(HilGps, RoundsRatherThanCuts) {

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include "base/log.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/plugin.hpp"
+#include "plugins/ardupilot_json/frame_clock.hpp"
+#include "plugins/ardupilot_json/json_link.hpp"
+#include "plugins/ardupilot_json/json_state.hpp"
+#include "plugins/ardupilot_json/servo_packet.hpp"
+
+namespace cas::sim {
+namespace {
+
+constexpr std::uint16_t kPort = 9002;  // of ArduPilot's model "json:127.0.0.1", instance 0
+
+std::unique_ptr<JsonLink> open_link(const base::ConfigNode& node) {
+  const auto local = node.find("local");
+  const SocketAddress address =
+      local ? SocketAddress::parse(*local) : SocketAddress::loopback(kPort);
+  try {
+    return std::make_unique<JsonLink>(address);
+  } catch (const std::system_error& error) {
+    (local ? *local : node).fail("UDP " + address.text() + ": " + error.code().message());
+  }
+}
+
+/// Flies a vehicle with ArduPilot's SITL: pulse widths in, the true motion out, one answer for each
+/// of the firmware's frames. ArduPilot makes its own sensors and their noise from the motion.
+///
+///   wait_for_controls <-- servo packet        pre_step: motor_command
+///   post_step: the frame has ended --> one line of text
+class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
+ public:
+  void configure(PluginContext& context, const base::ConfigNode& node) override {
+    step_ = context.step();
+    vehicle_ = context.vehicle_id();
+    link_ = open_link(node);
+    frames_ = FrameClock(step_);
+    range_ = context.bus().subscribe<RangeSample>(
+        context.topic("rangefinder"),
+        [this](const RangeSample& sample) {
+          newest_range_m_ = sample.valid ? std::optional(sample.distance_m) : std::nullopt;
+        },
+        Need::kOptional);
+    command_ = context.bus().advertise<MotorCommand>(context.topic("motor_command"));
+    context.set_lockstep_peer(*this);
+  }
+
+  bool wait_for_controls(base::SimTime time, base::Duration timeout) override {
+    now_ = time;
+    const base::RunTime deadline = base::steady_now() + timeout;
+    receive();
+    while (!frames_.pending()) {
+      const base::Duration left = deadline - base::steady_now();
+      if (left <= base::Duration::zero() || !link_->wait(left)) return false;
+      receive();
+    }
+    return true;
+  }
+  /// A firmware that has not spoken yet is not waited for.
+  bool in_step() const override { return heard_; }
+
+  void pre_step(const StepInfo& step, World&) override {
+    now_ = step.time;
+    receive();
+    if (packet_) command_.publish(to_motor_command(*packet_));
+    packet_.reset();
+  }
+
+  void post_step(const StepInfo& step, const World& world) override {
+    receive();  // what repeats the frame under way gets one answer, not two
+    if (!frames_.due(step.time)) return;
+    JsonState state =
+        to_json_state(step.time + epoch_, world.state(vehicle_), world.environment(vehicle_));
+    state.range_m = newest_range_m_;
+    answer_ = to_text(state);
+    newest_ = step.time;
+    frames_.answered();
+    send();
+  }
+
+  void reset() override {
+    // For a firmware that goes on, time does not turn back.
+    epoch_ += newest_.time_since_epoch();
+    newest_ = {};
+    frames_ = FrameClock(step_);
+    heard_ = false;
+    packet_.reset();
+  }
+
+  std::string stats_json() const override {
+    const FrameClock::Counts& counts = frames_.counts();
+    const auto entry = [](const char* key, std::uint64_t value) {
+      return std::string(",\"") + key + "\":" + std::to_string(value);
+    };
+    return "{\"endpoint\":\"" + link_->endpoint() + "\",\"peer\":\"" + link_->peer() + "\"" +
+           entry("frames", counts.frames) + entry("repeated", counts.repeated) +
+           entry("skipped", counts.skipped) + entry("restarts", counts.restarts) +
+           entry("bad_packets", bad_packets_) + entry("send_errors", send_errors_) + "}";
+  }
+
+ private:
+  void receive() {
+    while (const auto bytes = link_->receive()) {
+      if (const auto packet = parse_servo_packet(*bytes)) {
+        on_packet(*packet);
+      } else {
+        ++bad_packets_;
+      }
+    }
+  }
+
+  void on_packet(const ServoPacket& packet) {
+    const FrameClock::Kind kind = frames_.on_packet(packet, now_);
+    if (kind == FrameClock::Kind::kRepeated) return send();
+    if (kind == FrameClock::Kind::kPending) return;
+    packet_ = packet;
+    if (!heard_) base::log::info(link_->endpoint() + ": ArduPilot speaks from " + link_->peer());
+    if (kind == FrameClock::Kind::kRestart) {
+      base::log::info(link_->endpoint() + ": ArduPilot has started anew, from " + link_->peer());
+    }
+    heard_ = true;
+  }
+
+  void send() {
+    if (!link_->send(answer_)) ++send_errors_;
+  }
+
+  std::unique_ptr<JsonLink> link_;
+  VehicleId vehicle_{};
+  base::Duration step_{};
+  FrameClock frames_{base::Duration(1)};
+  bool heard_ = false;
+  base::SimTime now_{};
+  base::Duration epoch_{};  // what earlier runs of the same firmware lasted
+  base::SimTime newest_{};
+  std::optional<ServoPacket> packet_;
+  std::string answer_;  // the last, to be repeated
+  std::optional<double> newest_range_m_;
+  std::uint64_t bad_packets_ = 0;
+  std::uint64_t send_errors_ = 0;
+  Publisher<MotorCommand> command_;
+  Subscription range_;
+};
+
+}  // namespace
+}  // namespace cas::sim
+
+CAS_PLUGIN(cas::sim::ArdupilotJsonPlugin, "ardupilot_json")

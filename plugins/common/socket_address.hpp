@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cstdint>
+#include <string>
+
+#include "base/clock.hpp"
+#include "base/config.hpp"
+
+namespace cas::sim {
+
+/// An IPv4 or IPv6 address with port.
+class SocketAddress {
+ public:
+  SocketAddress() = default;
+  /// "127.0.0.1:14560", "[::1]:14560" or "host:14560". @throws base::ConfigError through `node`
+  static SocketAddress parse(const base::ConfigNode& node);
+  /// A port of this machine's IPv4 loopback.
+  static SocketAddress loopback(std::uint16_t port);
+
+  std::string text() const;
+  int family() const { return storage_.ss_family; }
+  const sockaddr* data() const { return reinterpret_cast<const sockaddr*>(&storage_); }
+  sockaddr* data() { return reinterpret_cast<sockaddr*>(&storage_); }
+  socklen_t size() const { return size_; }
+  void set_size(socklen_t size) { size_ = size; }
+  friend bool operator==(const SocketAddress& a, const SocketAddress& b);
+
+ private:
+  sockaddr_storage storage_{};
+  socklen_t size_ = sizeof(sockaddr_storage);
+};
+
+/// The address a socket is bound to, as text; "?" when it cannot be told.
+std::string bound_address(int socket);
+
+/// Waits until one of the sockets is readable. Sockets below 0 are left out.
+/// @return false after `timeout` or on a signal
+bool wait_readable(int socket, int other_socket, base::Duration timeout);
+
+}  // namespace cas::sim

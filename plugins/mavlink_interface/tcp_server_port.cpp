@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/mavlink_interface/tcp_server_port.hpp"
+
+#include <netinet/tcp.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "base/log.hpp"
+
+namespace cas::sim {
+namespace {
+
+constexpr int kBacklog = 4;
+
+void enable(int socket, int level, int name) {
+  const int on = 1;
+  setsockopt(socket, level, name, &on, sizeof on);  // each of them is an improvement only
+}
+
+bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
+
+}  // namespace
+
+TcpServerPort::TcpServerPort(const SocketAddress& local) {
+  const auto fail = [this] {
+    const int error = errno;
+    if (listener_ >= 0) close(listener_);
+    throw std::system_error(error, std::generic_category());
+  };
+  listener_ = socket(local.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (listener_ < 0) fail();
+  enable(listener_, SOL_SOCKET, SO_REUSEADDR);
+  if (bind(listener_, local.data(), local.size()) != 0) fail();
+  if (listen(listener_, kBacklog) != 0) fail();
+}
+
+TcpServerPort::~TcpServerPort() {
+  if (client_ >= 0) close(client_);
+  close(listener_);
+}
+
+void TcpServerPort::accept_client() {
+  SocketAddress source;
+  socklen_t size = source.size();
+  client_ = accept4(listener_, source.data(), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  if (client_ < 0) return;
+  source.set_size(size);
+  enable(client_, IPPROTO_TCP, TCP_NODELAY);
+  ++connections_;
+  base::log::info(endpoint() + ": a flight controller has connected from " + source.text());
+}
+
+void TcpServerPort::drop_client(const char* why) {
+  close(client_);
+  client_ = -1;
+  tail_.clear();
+  base::log::info(endpoint() + ": the flight controller is gone (" + why +
+                  "); waiting for the next");
+}
+
+bool TcpServerPort::flush_tail() {
+  if (tail_.empty()) return true;
+  const ssize_t sent = ::send(client_, tail_.data(), tail_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (sent > 0) tail_.erase(tail_.begin(), tail_.begin() + sent);
+  return tail_.empty();
+}
+
+bool TcpServerPort::send(std::span<const std::uint8_t> packet) {
+  if (client_ < 0) {
+    ++without_peer_;
+    return false;
+  }
+  if (!flush_tail()) {
+    ++queue_full_;
+    return false;
+  }
+  const ssize_t sent = ::send(client_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (sent < 0) {
+    if (would_block(errno)) {
+      ++queue_full_;
+    } else {
+      drop_client(std::strerror(errno));
+    }
+    return false;
+  }
+  const auto rest = packet.subspan(static_cast<std::size_t>(sent));
+  tail_.assign(rest.begin(), rest.end());
+  ++sent_packets_;
+  return true;
+}
+
+void TcpServerPort::poll(const OnBytes& on_bytes) {
+  if (client_ < 0) accept_client();
+  while (client_ >= 0) {
+    const ssize_t size = recv(client_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+    if (size < 0 && would_block(errno)) return;
+    if (size < 0) return drop_client(std::strerror(errno));
+    if (size == 0) return drop_client("connection closed");
+    on_bytes({buffer_.data(), static_cast<std::size_t>(size)}, base::steady_now());
+    if (static_cast<std::size_t>(size) < buffer_.size()) return;
+  }
+}
+
+bool TcpServerPort::wait(base::Duration timeout) {
+  return wait_readable(client_ >= 0 ? client_ : listener_, -1, timeout);
+}
+
+std::string TcpServerPort::endpoint() const { return "tcp " + bound_address(listener_); }
+
+std::string TcpServerPort::stats_json() const {
+  return "{\"connections\":" + std::to_string(connections_) +
+         ",\"connected\":" + (connected() ? "true" : "false") +
+         ",\"sent_packets\":" + std::to_string(sent_packets_) +
+         ",\"queue_full\":" + std::to_string(queue_full_) +
+         ",\"without_peer\":" + std::to_string(without_peer_) + "}";
+}
+
+}  // namespace cas::sim

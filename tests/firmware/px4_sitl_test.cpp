@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// PX4's simulator API over a real TCP connection, with a scripted PX4 at the other end.
+#include <gtest/gtest.h>
+
+#include "tests/firmware/px4_sitl_peer.hpp"
+#include "tests/firmware/running_simulation.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+namespace {
+
+constexpr const char* kFreePort = "local: '127.0.0.1:0'";
+
+struct ReleaseCase {
+  const char* name;
+  Px4Release release;
+};
+
+class Px4Sitl : public testing::TestWithParam<ReleaseCase> {};
+
+TEST_P(Px4Sitl, TakesOffHoversAndLandsInLockstep) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  Px4SitlPeer peer(simulation.port(), {.release = GetParam().release});
+  double highest_m = 0;
+  ASSERT_TRUE(peer.run_until([&] { return peer.pilot().ended(); })) << peer.pilot().story();
+  EXPECT_EQ(peer.pilot().stage(), Pilot::Stage::kDone) << peer.pilot().story();
+  EXPECT_NEAR(peer.pilot().hover_altitude_m(), 5, 0.5);
+  highest_m = peer.pilot().hover_altitude_m();
+  EXPECT_GT(highest_m, 4);
+  EXPECT_TRUE(peer.px4().complaints().empty()) << peer.px4().complaints().front();
+
+  // One answer for each sample after the boot, and none missed.
+  EXPECT_EQ(peer.px4().answers(), peer.px4().samples() - 40);
+  const SimTruth truth = simulation.look();
+  EXPECT_EQ(truth.figures.lockstep_timeouts, 0U);
+  EXPECT_LT(truth.p_W.z(), 0.3) << "on the ground again";
+  EXPECT_LT(truth.p_W.head<2>().norm(), 1.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Releases, Px4Sitl,
+                         testing::Values(ReleaseCase{"V1_12", Px4Release::k1_12},
+                                         ReleaseCase{"V1_16", Px4Release::k1_16}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(Px4SitlBoot, IsFedAtTheWallClocksPaceUntilItAnswers) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  constexpr std::uint64_t kSamples = 96;
+  Px4SitlPeer peer(simulation.port(), {.boot_samples = 1000});
+  const base::RunTime start = base::steady_now();
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().samples() >= kSamples; }));
+  // 96 samples at 250 Hz last 0.384 s; a busy machine only makes it longer.
+  EXPECT_GE(base::steady_now() - start, std::chrono::milliseconds(250));
+  EXPECT_EQ(peer.px4().answers(), 0U);
+}
+
+TEST(Px4SitlBoot, AControllerThatComesBackIsServedAgain) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  std::uint64_t last_stamp = 0;
+  for (int boots = 1; boots <= 3; ++boots) {
+    Px4SitlPeer peer(simulation.port(), {.boot_samples = 20});
+    ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 50; })) << boots;
+    const std::uint64_t stamp = peer.px4().newest_sample().time_usec;
+    EXPECT_GT(stamp, last_stamp) << "the clock goes on";
+    last_stamp = stamp;
+    peer.disconnect();
+  }
+  EXPECT_NE(simulation.look().stats.find("\"connections\":3"), std::string::npos);
+}
+
+TEST(Px4SitlBoot, GoesOnByTheWallClockWhenNobodyIsConnected) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  {
+    Px4SitlPeer peer(simulation.port(), {.boot_samples = 20});
+    ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 10; }));
+  }
+  const std::uint64_t steps = simulation.look().figures.steps;
+  EXPECT_TRUE(wait_until([&] { return simulation.look().figures.steps > steps + 50; }));
+  EXPECT_EQ(simulation.look().figures.lockstep_timeouts, 0U);
+}
+
+TEST(Px4SitlLockstep, HoldsTheClockForASecondAndThenStepsOn) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  Px4SitlPeer peer(simulation.port(), {.boot_samples = 20});
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 50; }));
+  peer.set_deaf(true);
+  const base::RunTime start = base::steady_now();
+  const std::uint64_t samples = peer.px4().samples();
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().samples() >= samples + 2; }));
+  EXPECT_GE(base::steady_now() - start, std::chrono::milliseconds(900));
+  // It answers again: nothing is left behind, the flight goes on one for one.
+  peer.set_deaf(false);
+  const std::uint64_t answers = peer.px4().answers();
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > answers + 100; }));
+  EXPECT_LE(simulation.look().figures.lockstep_timeouts, 2U);
+}
+
+TEST(Px4SitlLockstep, StandsStillWhilePausedAndGoesOn) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  Px4SitlPeer peer(simulation.port(), {.boot_samples = 20});
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 50; }));
+  simulation.loop().post([&] { simulation.loop().pause(); });
+  const std::uint64_t paused_at = [&] {
+    // The peer must answer what is under way before the loop can take the order.
+    auto look = std::async(std::launch::async, [&] { return simulation.look().figures; });
+    peer.run_until(
+        [&] { return look.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+    const auto figures = look.get();
+    EXPECT_TRUE(figures.paused);
+    return figures.steps;
+  }();
+  EXPECT_EQ(simulation.look().figures.steps, paused_at);
+  simulation.loop().post([&] { simulation.loop().resume(); });
+  const std::uint64_t answers = peer.px4().answers();
+  EXPECT_TRUE(peer.run_until([&] { return peer.px4().answers() > answers + 50; }));
+}
+
+TEST(Px4SitlLockstep, KeepsToTheSpeedThatIsOrdered) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort, 2.0);
+  Px4SitlPeer peer(simulation.port(), {.boot_samples = 20});
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 10; }));
+  const base::RunTime start = base::steady_now();
+  const base::RunTime sim_start = peer.px4().clock();
+  ASSERT_TRUE(
+      peer.run_until([&] { return peer.px4().clock() - sim_start > std::chrono::seconds(1); }));
+  // One simulated second at twice the speed; what a busy machine delayed is caught up gently.
+  EXPECT_GE(base::steady_now() - start, std::chrono::milliseconds(350));
+}
+
+TEST(Px4SitlLockstep, AResetDoesNotTurnTheControllersClockBack) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  Px4SitlPeer peer(simulation.port(), {.boot_samples = 20});
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 50; }));
+  simulation.loop().post([&] { simulation.loop().reset(); });
+  const std::uint64_t answers = peer.px4().answers();
+  EXPECT_TRUE(peer.run_until([&] { return peer.px4().answers() > answers + 200; }));
+  EXPECT_TRUE(peer.px4().complaints().empty()) << peer.px4().complaints().front();
+}
+
+}  // namespace
+}  // namespace cas::test

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/firmware/scripted_ardupilot.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+
+#include "base/atmosphere.hpp"
+#include "base/magnetic_field.hpp"
+#include "base/vehicle.hpp"
+
+namespace cas::test {
+
+namespace mv = mavlink::common;
+
+namespace {
+
+constexpr std::uint32_t kStabilize = 0;
+constexpr std::uint32_t kGuided = 4;
+constexpr std::uint32_t kLand = 9;
+constexpr std::uint16_t kStoppedPwm = 1000;
+constexpr std::uint16_t kArmedPwm = 1100;
+constexpr std::uint32_t kFramesPerSample = 3;
+constexpr base::Geodetic kHome{47.397742, 8.545594, 488.0};
+constexpr double kYear = 2026.5;
+
+fcu::FcuConfig controller_config(const ScriptedArdupilot::Options& options) {
+  fcu::FcuConfig config;
+  config.vehicle = base::Vehicle::load(std::filesystem::path(CAS_SOURCE_DIR) / "config/vehicles" /
+                                       (options.vehicle + ".yaml"));
+  config.sensors = config.vehicle.sensors;
+  config.actuators = fcu::ActuatorMessage::kHilActuatorControls;
+  return config;
+}
+
+/// Finds "key": behind `from` and reads `count` numbers in brackets, or one without.
+bool read_numbers(std::string_view text, std::string_view key, std::span<double> values,
+                  std::string& complaint) {
+  const std::string quoted = "\"" + std::string(key) + "\":";
+  const std::size_t found = text.find(quoted);
+  if (found == std::string_view::npos) {
+    complaint = "Failed to find key " + std::string(key);
+    return false;
+  }
+  std::string rest(text.substr(found + quoted.size()));
+  const char* at = rest.c_str();
+  if (values.size() > 1 && *at++ != '[') {
+    complaint = "Failed to parse Vector3f for " + std::string(key);
+    return false;
+  }
+  for (double& value : values) {
+    char* end = nullptr;
+    value = std::strtod(at, &end);
+    if (end == at) {
+      complaint = "Failed to parse " + std::string(key);
+      return false;
+    }
+    at = end + 1;
+  }
+  return true;
+}
+
+void put16(std::vector<std::uint8_t>& bytes, std::uint16_t value) {
+  bytes.push_back(static_cast<std::uint8_t>(value & 0xFF));
+  bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+}
+
+}  // namespace
+
+std::optional<ParsedJson> parse_as_ardupilot(std::string_view text, std::string& complaint) {
+  if (text.size() < 2 || text.front() != '\n' || text.back() != '\n') {
+    complaint = "no newline before or after";
+    return std::nullopt;
+  }
+  ParsedJson json;
+  const std::size_t imu = text.find("\"imu\":");
+  if (imu == std::string_view::npos) {
+    complaint = "Failed to find section imu";
+    return std::nullopt;
+  }
+  const bool whole = read_numbers(text, "timestamp", std::span(&json.timestamp, 1), complaint) &&
+                     read_numbers(text.substr(imu), "gyro", json.gyro, complaint) &&
+                     read_numbers(text.substr(imu), "accel_body", json.accel, complaint) &&
+                     read_numbers(text, "position", json.position, complaint) &&
+                     read_numbers(text, "velocity", json.velocity, complaint) &&
+                     read_numbers(text, "quaternion", json.quaternion, complaint);
+  return whole ? std::optional(json) : std::nullopt;
+}
+
+ScriptedArdupilot::ScriptedArdupilot(const Options& options, Channel::Send to_ground)
+    : options_(options),
+      ground_(std::move(to_ground)),
+      controller_(controller_config(options),
+                  [this](std::span<const std::uint8_t> packet) { on_controller_packet(packet); }),
+      projection_(kHome) {}
+
+std::uint16_t ScriptedArdupilot::pwm_us(int motor) const {
+  if (!armed_) return kStoppedPwm;
+  const double pwm = 1000.0 + 1000.0 * motors_[static_cast<std::size_t>(motor)];
+  return static_cast<std::uint16_t>(std::lround(std::max<double>(pwm, kArmedPwm)));
+}
+
+std::vector<std::uint8_t> ScriptedArdupilot::servo_packet() const {
+  constexpr std::uint16_t kMagic16 = 18458;
+  constexpr std::uint16_t kMagic32 = 29569;
+  std::vector<std::uint8_t> bytes;
+  put16(bytes, options_.channels == 32 ? kMagic32 : kMagic16);
+  put16(bytes, options_.frame_rate_hz);
+  put16(bytes, static_cast<std::uint16_t>(frame_count_ & 0xFFFF));
+  put16(bytes, static_cast<std::uint16_t>(frame_count_ >> 16));
+  for (int i = 0; i < options_.channels; ++i) put16(bytes, i < 4 ? pwm_us(i) : kStoppedPwm);
+  return bytes;
+}
+
+bool ScriptedArdupilot::on_text(std::string_view text) {
+  const auto json = parse_as_ardupilot(text, complaint_);
+  if (!json) return false;
+  if (!newest_) first_timestamp_ = json->timestamp;
+  newest_ = json;
+  time_ = base::from_seconds(json->timestamp - first_timestamp_);
+  for (int i = 0; i < 4; ++i) pwm_sum_ += pwm_us(i);
+  pwm_samples_ += 4;
+  if (frame_count_ % kFramesPerSample == 0) feed_controller();
+  ++frame_count_;
+  return true;
+}
+
+/// SITL makes its own sensors out of the motion, with noise.
+void ScriptedArdupilot::feed_controller() {
+  constexpr std::uint32_t kSlowSensors = 12;  // frames: 100 Hz
+  constexpr std::uint32_t kGps = 240;         // 5 Hz
+  const ParsedJson& j = *newest_;
+  const Eigen::Quaterniond q_ND(j.quaternion[0], j.quaternion[1], j.quaternion[2], j.quaternion[3]);
+  const base::Geodetic place =
+      projection_.to_geodetic({j.position[0], j.position[1], j.position[2]});
+  const auto noisy = [this](double value, double stddev) {
+    return static_cast<float>(value + stddev * noise_());
+  };
+  if (frame_count_ % kGps == 0) {
+    mv::HilGps gps;
+    gps.time_usec = static_cast<std::uint64_t>(time_.count() / 1000);
+    gps.fix_type = static_cast<decltype(gps.fix_type)>(3);
+    gps.lat = static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7));
+    gps.lon = static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7));
+    gps.alt = static_cast<std::int32_t>(std::lround(place.alt_m * 1e3));
+    gps.eph = gps.epv = 100;
+    gps.vn = static_cast<std::int16_t>(std::lround(j.velocity[0] * 100));
+    gps.ve = static_cast<std::int16_t>(std::lround(j.velocity[1] * 100));
+    gps.vd = static_cast<std::int16_t>(std::lround(j.velocity[2] * 100));
+    gps.satellites_visible = 10;
+    controller_.on_bytes(into_controller_(gps), clock());
+  }
+  mv::HilSensor sensor;
+  sensor.time_usec = static_cast<std::uint64_t>(time_.count() / 1000) + 1;
+  sensor.xacc = noisy(j.accel[0], 0.03);
+  sensor.yacc = noisy(j.accel[1], 0.03);
+  sensor.zacc = noisy(j.accel[2], 0.03);
+  sensor.xgyro = noisy(j.gyro[0], 0.002);
+  sensor.ygyro = noisy(j.gyro[1], 0.002);
+  sensor.zgyro = noisy(j.gyro[2], 0.002);
+  std::uint32_t flags = 0x003F;
+  if (frame_count_ % kSlowSensors == 0) {
+    const Eigen::Vector3d field_D = q_ND.conjugate() * base::magnetic_field_N(place, kYear);
+    sensor.xmag = noisy(field_D.x(), 0.002);
+    sensor.ymag = noisy(field_D.y(), 0.002);
+    sensor.zmag = noisy(field_D.z(), 0.002);
+    sensor.abs_pressure = noisy(base::isa::pressure_pa(place.alt_m) / 100, 0.01);
+    sensor.temperature = 12;
+    flags |= 0x1BC0;
+  }
+  sensor.fields_updated = static_cast<decltype(sensor.fields_updated)>(flags);
+  controller_.on_bytes(into_controller_(sensor), clock());
+}
+
+void ScriptedArdupilot::on_controller_packet(std::span<const std::uint8_t> bytes) {
+  const mav::PacketView packet = mav::view_packet(bytes);
+  if (const auto controls = mav::decode<mv::HilActuatorControls>(packet)) {
+    armed_ = (static_cast<int>(controls->mode) & 128) != 0;
+    std::copy_n(controls->controls.begin(), motors_.size(), motors_.begin());
+    return;
+  }
+  if (auto heartbeat = mav::decode<mv::Heartbeat>(packet)) {
+    heartbeat->autopilot = mv::MavAutopilot::kArdupilotmega;
+    heartbeat->type = mv::MavType::kQuadrotor;
+    constexpr int kCustom = 1;
+    constexpr int kArmed = 128;
+    heartbeat->base_mode = static_cast<mv::MavModeFlag>(kCustom | 80 | (armed_ ? kArmed : 0));
+    heartbeat->custom_mode = mode_;
+    return ground_.send(*heartbeat);
+  }
+  // PX4's own words and acknowledgements are not ArduPilot's.
+  if (packet.message_id == mv::CommandAck::kId || packet.message_id == mv::HomePosition::kId) {
+    if (const auto ack = mav::decode<mv::CommandAck>(packet)) {
+      const bool armed = ack->command == mv::MavCmd::kComponentArmDisarm &&
+                         ack->result == mv::MavResult::kAccepted;
+      if (armed) armed_ = arming_;
+      if (ack->command == mv::MavCmd::kNavLand || ack->command == mv::MavCmd::kDoSetMode) return;
+    }
+  }
+  ground_.forward(bytes);
+}
+
+void ScriptedArdupilot::on_ground_bytes(std::span<const std::uint8_t> bytes) {
+  from_ground_.feed(bytes, [&](const mav::PacketView& packet) {
+    const auto command = mav::decode<mv::CommandLong>(packet);
+    if (command && on_command(*command, packet.source)) return;
+    controller_.on_packet(packet, clock());
+  });
+}
+
+void ScriptedArdupilot::acknowledge(const mv::CommandLong& command, mav::Source to,
+                                    mv::MavResult result) {
+  mv::CommandAck ack;
+  ack.command = command.command;
+  ack.result = result;
+  ack.target_system = to.system;
+  ack.target_component = to.component;
+  ground_.send(ack);
+}
+
+void ScriptedArdupilot::pass_on(mv::CommandLong command) {
+  command.target_system = command.target_component = 1;
+  controller_.on_bytes(as_ground_(command), clock());
+}
+
+/// The commands that ArduCopter takes its own way. @return false for those that pass as they are
+bool ScriptedArdupilot::on_command(const mv::CommandLong& command, mav::Source from) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  if (command.command == mv::MavCmd::kComponentArmDisarm) arming_ = command.param1 == 1;
+  if (command.command == mv::MavCmd::kDoSetMode) {
+    const auto mode = static_cast<std::uint32_t>(command.param2);
+    const bool known = mode == kStabilize || mode == kGuided || mode == kLand;
+    acknowledge(command, from, known ? mv::MavResult::kAccepted : mv::MavResult::kFailed);
+    if (known) mode_ = mode;
+    return true;
+  }
+  if (command.command == mv::MavCmd::kNavLand) {
+    acknowledge(command, from, mv::MavResult::kAccepted);
+    mode_ = kLand;
+    mv::CommandLong land;
+    land.command = mv::MavCmd::kNavLand;
+    land.param4 = land.param5 = land.param6 = land.param7 = kNan;
+    pass_on(land);
+    return true;
+  }
+  if (command.command == mv::MavCmd::kNavTakeoff) {
+    // Metres above home, in GUIDED, armed: anything else is refused.
+    if (mode_ != kGuided || !armed_) {
+      acknowledge(command, from, mv::MavResult::kFailed);
+      return true;
+    }
+    mv::CommandLong takeoff = command;
+    takeoff.param4 = takeoff.param5 = takeoff.param6 = kNan;
+    takeoff.param7 = static_cast<float>(kHome.alt_m - newest_->position[2] + command.param7);
+    pass_on(takeoff);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace cas::test

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/geodesy.hpp"
+#include "base/random.hpp"
+#include "fcu/flight_controller.hpp"
+#include "mavlink/common/all.hpp"
+#include "tests/firmware/scripted_px4.hpp"
+
+namespace cas::test {
+
+/// What ArduPilot's parser takes out of a simulator's line.
+struct ParsedJson {
+  double timestamp = 0;
+  std::array<double, 3> gyro{};
+  std::array<double, 3> accel{};
+  std::array<double, 3> position{};
+  std::array<double, 3> velocity{};
+  std::array<double, 4> quaternion{};
+};
+
+/// Reads as picky as ArduPilot: keys by substring, '[' directly behind the colon, a newline at
+/// either end. @return what it complains of, or the values
+std::optional<ParsedJson> parse_as_ardupilot(std::string_view text, std::string& complaint);
+
+/// What flies in place of ArduCopter in the tests: its frames, its parser, its modes and commands;
+/// our own controller does the flying. No I/O and no clock.
+class ScriptedArdupilot {
+ public:
+  struct Options {
+    int channels = 16;  ///< 32: SERVO_32_ENABLE
+    std::uint16_t frame_rate_hz = 1200;
+    std::string vehicle = "iris_px4";
+  };
+
+  ScriptedArdupilot(const Options& options, Channel::Send to_ground);
+
+  /// The packet of the current frame: the same again until an answer has arrived.
+  std::vector<std::uint8_t> servo_packet() const;
+  /// An answer: the next frame begins. @return false when it cannot be read
+  bool on_text(std::string_view text);
+  void on_ground_bytes(std::span<const std::uint8_t> bytes);
+
+  /// Time since the first answer.
+  base::RunTime clock() const { return base::RunTime(time_); }
+  std::uint32_t frame_count() const { return frame_count_; }
+  void skip_frames(std::uint32_t count) { frame_count_ += count; }
+  const std::string& complaint() const { return complaint_; }
+  const std::optional<ParsedJson>& newest() const { return newest_; }
+  /// Mean pulse width of the motors while it hovered.
+  double mean_pwm_us() const { return pwm_samples_ > 0 ? pwm_sum_ / pwm_samples_ : 0; }
+  void clear_mean() { pwm_sum_ = pwm_samples_ = 0; }
+
+ private:
+  void feed_controller();
+  void on_controller_packet(std::span<const std::uint8_t> bytes);
+  bool on_command(const mavlink::common::CommandLong& command, mav::Source from);
+  void acknowledge(const mavlink::common::CommandLong& command, mav::Source to,
+                   mavlink::common::MavResult result);
+  void pass_on(mavlink::common::CommandLong command);
+  std::uint16_t pwm_us(int motor) const;
+
+  Options options_;
+  Channel ground_;
+  fcu::FlightController controller_;
+  base::LocalProjection projection_;
+  mav::PacketParser from_ground_{mavlink::common::table()};
+  mav::Encoder into_controller_{{1, 200}};
+  mav::Encoder as_ground_{{254, 190}};
+  std::uint32_t frame_count_ = 0;
+  base::Duration time_{};
+  double first_timestamp_ = 0;
+  std::optional<ParsedJson> newest_;
+  std::array<float, 4> motors_{};
+  bool armed_ = false;
+  bool arming_ = false;     // what the last arm or disarm command asked for
+  std::uint32_t mode_ = 0;  // STABILIZE
+  std::string complaint_;
+  base::NormalRandom noise_{1};
+  double pwm_sum_ = 0;
+  double pwm_samples_ = 0;
+};
+
+}  // namespace cas::test

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The scripted peers as programs, for hils and for trying things by hand.
+//
+//   scripted_firmware px4-sitl PORT LOCAL REMOTE   simulator's TCP port; UDP ports of the ground
+//   link scripted_firmware px4-hitl TTY scripted_firmware ardupilot PORT REMOTE        simulator's
+//   UDP port; ground station's UDP port
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "tests/firmware/scripted_ardupilot.hpp"
+#include "tests/firmware/scripted_px4.hpp"
+
+namespace cas::test {
+namespace {
+
+sockaddr_in loopback(int port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  return address;
+}
+
+/// A UDP socket that sends to one port of this machine.
+int open_udp(int local, int remote) {
+  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
+  const sockaddr_in here = loopback(local);
+  const sockaddr_in there = loopback(remote);
+  if (::bind(fd, reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0) std::perror("bind");
+  ::connect(fd, reinterpret_cast<const sockaddr*>(&there), sizeof there);
+  return fd;
+}
+
+int connect_tcp(int port) {
+  const sockaddr_in there = loopback(port);
+  for (;;) {
+    const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+    if (::connect(fd, reinterpret_cast<const sockaddr*>(&there), sizeof there) == 0) {
+      const int on = 1;
+      setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      return fd;
+    }
+    ::close(fd);
+    ::poll(nullptr, 0, 100);
+  }
+}
+
+Channel::Send to(int fd) {
+  return [fd](std::span<const std::uint8_t> bytes) {
+    [[maybe_unused]] const auto gone = ::write(fd, bytes.data(), bytes.size());
+  };
+}
+
+using Buffer = std::array<std::uint8_t, 4096>;
+
+std::span<const std::uint8_t> read_from(int fd, Buffer& buffer) {
+  const ssize_t size = ::read(fd, buffer.data(), buffer.size());
+  return std::span(buffer).first(size > 0 ? static_cast<std::size_t>(size) : 0);
+}
+
+int px4_sitl(int port, int local, int remote) {
+  const int ground = open_udp(local, remote);
+  const int simulator = connect_tcp(port);
+  ScriptedPx4 px4({}, to(simulator), to(ground));
+  px4.on_connected();
+  Buffer buffer;
+  for (;;) {
+    std::array<pollfd, 2> ends{pollfd{simulator, POLLIN, 0}, pollfd{ground, POLLIN, 0}};
+    ::poll(ends.data(), ends.size(), 1000);
+    if (ends[0].revents != 0) {
+      const auto bytes = read_from(simulator, buffer);
+      if (bytes.empty()) return 0;
+      px4.on_simulator_bytes(bytes, px4.clock());
+    }
+    if (ends[1].revents != 0) px4.on_ground_bytes(read_from(ground, buffer), px4.clock());
+  }
+}
+
+int px4_hitl(const char* tty) {
+  const int line = ::open(tty, O_RDWR | O_NOCTTY | O_NONBLOCK);
+  if (line < 0) return std::perror(tty), 1;
+  termios settings{};
+  ::tcgetattr(line, &settings);
+  ::cfmakeraw(&settings);
+  ::tcsetattr(line, TCSANOW, &settings);
+  ScriptedPx4 px4({.mode = Px4Mode::kHitl}, to(line), to(line));
+  const base::RunTime boot = base::steady_now();
+  Buffer buffer;
+  for (;;) {
+    pollfd end{line, POLLIN, 0};
+    ::poll(&end, 1, 1);
+    const base::RunTime now(base::steady_now() - boot);
+    if (end.revents != 0) px4.on_ground_bytes(read_from(line, buffer), now);
+    px4.tick(now);
+  }
+}
+
+int ardupilot(int port, int remote) {
+  const int ground = open_udp(0, remote);
+  const int simulator = open_udp(0, port);
+  ScriptedArdupilot firmware({}, to(ground));
+  Buffer buffer;
+  for (;;) {
+    to(simulator)(firmware.servo_packet());
+    pollfd end{simulator, POLLIN, 0};
+    if (::poll(&end, 1, 1000) > 0) {
+      const auto bytes = read_from(simulator, buffer);
+      firmware.on_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    }
+    for (auto bytes = read_from(ground, buffer); !bytes.empty();
+         bytes = read_from(ground, buffer)) {
+      firmware.on_ground_bytes(bytes);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cas::test
+
+int main(int argc, char** argv) {
+  using namespace cas::test;
+  const std::string kind = argc > 1 ? argv[1] : "";
+  const auto number = [&](int i) { return std::atoi(argv[i]); };
+  if (kind == "px4-sitl" && argc == 5) return px4_sitl(number(2), number(3), number(4));
+  if (kind == "px4-hitl" && argc == 3) return px4_hitl(argv[2]);
+  if (kind == "ardupilot" && argc == 4) return ardupilot(number(2), number(3));
+  std::fprintf(stderr, "scripted_firmware px4-sitl|px4-hitl|ardupilot ...\n");
+  return 2;
+}

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/firmware/scripted_px4.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <filesystem>
+
+#include "base/vehicle.hpp"
+#include "mavlink_gen/runtime/crc.hpp"
+
+namespace cas::test {
+
+namespace mv = mavlink::common;
+
+namespace {
+
+// Groups of fields_updated: one counts only with all its bits.
+constexpr std::uint32_t kAccelAndGyro = 0x003F;
+constexpr std::uint32_t kMag = 0x01C0;
+constexpr std::uint32_t kBaro = 0x1A00;
+constexpr std::uint32_t kLockstepBuild = 1;
+constexpr int kArmed = 128;
+constexpr base::Duration kActuatorPeriod = std::chrono::milliseconds(5);  // 200 Hz at most
+constexpr base::Duration kStreamPatience = std::chrono::seconds(1);
+
+fcu::FcuConfig controller_config(const ScriptedPx4::Options& options) {
+  fcu::FcuConfig config;
+  config.vehicle = base::Vehicle::load(std::filesystem::path(CAS_SOURCE_DIR) / "config/vehicles" /
+                                       (options.vehicle + ".yaml"));
+  config.sensors = config.vehicle.sensors;
+  config.actuators = fcu::ActuatorMessage::kHilActuatorControls;
+  config.control_rate_hz = 250;
+  if (options.mode == Px4Mode::kHitl) config.stamp = fcu::StampMode::kArrival;
+  return config;
+}
+
+template <class Flags>
+bool has_all(Flags flags, std::uint32_t group) {
+  return (static_cast<std::uint32_t>(flags) & group) == group;
+}
+
+}  // namespace
+
+void Channel::forward(std::span<const std::uint8_t> packet) {
+  std::vector<std::uint8_t> bytes(packet.begin(), packet.end());
+  const mav::PacketView view = mav::view_packet(packet);
+  const bool is_v1 = view.version == 1;
+  bytes[is_v1 ? 2 : 4] = sequence_++;
+  const std::size_t covered =
+      (is_v1 ? mav::kHeaderBytesV1 : mav::kHeaderBytesV2) + view.payload.size();
+  mav::Crc16 crc;
+  crc.update(std::span<const std::uint8_t>(bytes).subspan(1, covered - 1));
+  crc.update(mv::table().find(view.message_id)->crc_extra);
+  bytes[covered] = static_cast<std::uint8_t>(crc.value() & 0xFF);
+  bytes[covered + 1] = static_cast<std::uint8_t>(crc.value() >> 8);
+  send_(bytes);
+}
+
+ScriptedPx4::ScriptedPx4(const Options& options, Channel::Send to_simulator,
+                         Channel::Send to_ground)
+    : options_(options),
+      simulator_(std::move(to_simulator)),
+      ground_(std::move(to_ground)),
+      controller_(controller_config(options),
+                  [this](std::span<const std::uint8_t> packet) { on_controller_packet(packet); }) {}
+
+void ScriptedPx4::on_connected() {
+  mv::CommandLong interval;
+  interval.command = mv::MavCmd::kSetMessageInterval;
+  interval.param1 = 115;  // HIL_STATE_QUATERNION
+  interval.param2 = 5000;
+  simulator_.send(interval);
+  mv::Heartbeat heartbeat;
+  heartbeat.autopilot = mv::MavAutopilot::kPx4;
+  heartbeat.mavlink_version = 3;
+  simulator_.send(heartbeat);
+}
+
+void ScriptedPx4::on_simulator_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
+  from_simulator_.feed(bytes,
+                       [&](const mav::PacketView& packet) { on_sensor_packet(packet, now); });
+}
+
+void ScriptedPx4::on_sensor_packet(const mav::PacketView& packet, base::RunTime now) {
+  if (const auto sample = mav::decode<mv::HilSensor>(packet)) return on_sample(*sample, now);
+  if (const auto fix = mav::decode<mv::HilGps>(packet)) on_fix(*fix, now);
+}
+
+void ScriptedPx4::on_sample(const mv::HilSensor& sample, base::RunTime now) {
+  const bool is_sitl = options_.mode == Px4Mode::kSitl;
+  // 1.16 has an instance per id; only the first one moves the clock.
+  if (options_.release == Px4Release::k1_16 && sample.id != 0) return;
+  if (is_sitl) {
+    const base::RunTime stamp{std::chrono::microseconds(sample.time_usec)};
+    if (samples_ > 0 && stamp <= clock_) return complain("clock went back");
+    clock_ = stamp;
+  } else {
+    clock_ = now;  // the stamp is ignored
+  }
+  ++samples_;
+  last_sample_at_ = clock_;
+  stream_lost_ = false;
+  sensor_ = sample;
+  if (has_all(sample.fields_updated, kMag)) {
+    constexpr int kMost = 1000;
+    look_for_repeats(mag_, std::array{sample.xmag, sample.ymag, sample.zmag}, kMost,
+                     options_.release == Px4Release::k1_16 ? "MAG #0 failed: STALE!" : "");
+  }
+  if (has_all(sample.fields_updated, kBaro)) {
+    constexpr int kMost = 100;
+    look_for_repeats(baro_, std::array{sample.abs_pressure}, kMost,
+                     options_.release == Px4Release::k1_16 ? "BARO #1 failed: STALE!"
+                                                           : "BARO #0 failed: STALE!");
+  }
+  if (!has_all(sample.fields_updated, kAccelAndGyro)) return;
+  controller_.on_bytes(sensors_in_(sample), clock_);
+  if (is_sitl) answer_sample();
+}
+
+void ScriptedPx4::on_fix(const mv::HilGps& fix, base::RunTime) {
+  ++fixes_;
+  gps_ = fix;
+  controller_.on_bytes(sensors_in_(fix), clock_);
+}
+
+void ScriptedPx4::look_for_repeats(Staleness& sensor, std::span<const float> values, int most,
+                                   const char* complaint) {
+  std::uint64_t digest = 0;
+  for (const float value : values) digest = digest * 1000003 + std::bit_cast<std::uint32_t>(value);
+  sensor.repeats = sensor.seen && digest == sensor.digest ? sensor.repeats + 1 : 0;
+  sensor.digest = digest;
+  sensor.seen = true;
+  if (sensor.repeats == most && *complaint != 0) complain(complaint);
+}
+
+/// One HIL_ACTUATOR_CONTROLS a sample, once the outputs are up. Above the design rate of 250 Hz not
+/// every sample triggers the rate loop, so some are never answered.
+void ScriptedPx4::answer_sample() {
+  constexpr base::Duration kRateLoop = std::chrono::microseconds(3900);
+  if (samples_ <= static_cast<std::uint64_t>(options_.boot_samples)) return;
+  if (answers_ > 0 && clock_ - last_answer_ < kRateLoop) return;
+  last_answer_ = clock_;
+  ++answers_;
+  simulator_.send(outputs(clock_));
+}
+
+mv::HilActuatorControls ScriptedPx4::outputs(base::RunTime now) const {
+  mv::HilActuatorControls outputs;
+  const bool is_sitl = options_.mode == Px4Mode::kSitl;
+  constexpr int kSitlMode = 1;   // custom
+  constexpr int kHitlMode = 53;  // custom, auto, stabilize, HIL
+  outputs.time_usec =
+      static_cast<std::uint64_t>(now.time_since_epoch() / std::chrono::microseconds(1));
+  outputs.mode =
+      static_cast<mv::MavModeFlag>((is_sitl ? kSitlMode : kHitlMode) | (armed_ ? kArmed : 0));
+  if (is_sitl) outputs.flags = static_cast<decltype(outputs.flags)>(kLockstepBuild);
+  if (armed_) {
+    std::copy(motors_.begin(), motors_.end(), outputs.controls.begin());
+  } else if (!is_sitl && options_.release == Px4Release::k1_12) {
+    outputs.controls.fill(-1.2F);
+    std::fill_n(outputs.controls.begin(), motors_.size(), -0.1F);
+  }
+  return outputs;
+}
+
+void ScriptedPx4::tick(base::RunTime now) {
+  if (options_.mode != Px4Mode::kHitl) return;
+  clock_ = now;
+  controller_.tick(now);
+  if (samples_ > 0 && !stream_lost_ && now - last_sample_at_ > kStreamPatience) {
+    stream_lost_ = true;
+    complain("BARO #0 failed: TIMEOUT!");
+  }
+  if (now - last_answer_ < kActuatorPeriod) return;
+  last_answer_ = std::max(last_answer_ + kActuatorPeriod, now - kActuatorPeriod);
+  ++answers_;
+  ground_.send(outputs(now));
+}
+
+/// What our controller sends, as PX4 would: outputs go to the simulator in PX4's form; in SITL the
+/// HEARTBEAT does not say HIL.
+void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
+  const mav::PacketView packet = mav::view_packet(bytes);
+  if (const auto controls = mav::decode<mv::HilActuatorControls>(packet)) {
+    armed_ = (static_cast<int>(controls->mode) & kArmed) != 0;
+    std::copy_n(controls->controls.begin(), motors_.size(), motors_.begin());
+    return;
+  }
+  if (auto heartbeat = mav::decode<mv::Heartbeat>(packet);
+      heartbeat && options_.mode == Px4Mode::kSitl) {
+    heartbeat->base_mode = static_cast<mv::MavModeFlag>(
+        static_cast<int>(heartbeat->base_mode) & ~static_cast<int>(mv::MavModeFlag::kHilEnabled));
+    return ground_.send(*heartbeat);
+  }
+  ground_.forward(bytes);
+}
+
+void ScriptedPx4::on_ground_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
+  from_ground_.feed(bytes, [&](const mav::PacketView& packet) {
+    if (options_.mode == Px4Mode::kHitl && packet.source == mav::Source{1, 200}) {
+      return on_sensor_packet(packet, now);
+    }
+    if (!refuse_to_arm(packet)) controller_.on_packet(packet, clock_);
+  });
+}
+
+/// Why PX4's preflight checks would not let it arm; empty when they would.
+std::string ScriptedPx4::preflight_failure() const {
+  constexpr double kCentimetres = 100;
+  constexpr int kSatellites = 6;
+  constexpr double kEph_m = 3;
+  constexpr double kEpv_m = 5;
+  if (!mag_.seen) return "Preflight Fail: Found 0 compass (required: 1)";
+  if (!baro_.seen) return "Preflight Fail: barometer 0 missing";
+  if (!gps_ || static_cast<int>(gps_->fix_type) < 3) return "Preflight Fail: No valid GPS";
+  if (gps_->satellites_visible < kSatellites) return "Preflight Fail: not enough GPS Satellites";
+  if (gps_->eph / kCentimetres > kEph_m) {
+    return "Preflight Fail: GPS Horizontal Pos Error too high";
+  }
+  if (gps_->epv / kCentimetres > kEpv_m) return "Preflight Fail: GPS Vertical Pos Error too high";
+  return {};
+}
+
+bool ScriptedPx4::refuse_to_arm(const mav::PacketView& packet) {
+  const auto command = mav::decode<mv::CommandLong>(packet);
+  if (!command || command->command != mv::MavCmd::kComponentArmDisarm || command->param1 == 0) {
+    return false;
+  }
+  const std::string why = preflight_failure();
+  if (why.empty()) return false;
+  mv::CommandAck ack;
+  ack.command = command->command;
+  ack.result = mv::MavResult::kTemporarilyRejected;
+  ack.target_system = packet.source.system;
+  ack.target_component = packet.source.component;
+  ground_.send(ack);
+  complain(why);
+  complain("Arming denied! Check the preflight failures");
+  return true;
+}
+
+void ScriptedPx4::complain(const std::string& text) {
+  if (std::find(complaints_.begin(), complaints_.end(), text) == complaints_.end()) {
+    complaints_.push_back(text);
+  }
+  mv::Statustext message;
+  message.severity = mv::MavSeverity::kCritical;
+  std::copy_n(text.begin(), std::min(text.size(), message.text.size()), message.text.begin());
+  ground_.send(message);
+}
+
+}  // namespace cas::test

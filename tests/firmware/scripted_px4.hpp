@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "fcu/flight_controller.hpp"
+#include "mavlink/common/all.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+
+namespace cas::test {
+
+/// The two generations of PX4 whose behaviour on the wire is scripted.
+enum class Px4Release { k1_12, k1_16 };
+
+/// How PX4 is tied to its simulator: the simulator API over TCP with the simulator's clock, or a
+/// serial line in HITL mode with a clock of its own.
+enum class Px4Mode { kSitl, kHitl };
+
+/// Packets as one channel of PX4 sends them: each with the next sequence number.
+class Channel {
+ public:
+  using Send = std::function<void(std::span<const std::uint8_t>)>;
+  explicit Channel(Send send) : send_(std::move(send)) {}
+
+  template <class Message>
+  void send(const Message& message) {
+    std::array<std::uint8_t, mav::kMaxPacketBytes> bytes;
+    const std::size_t size = mav::encode(message, kSelf, sequence_++, bytes);
+    send_(std::span(bytes).first(size));
+  }
+  /// A packet that somebody else has numbered.
+  void forward(std::span<const std::uint8_t> packet);
+
+ private:
+  static constexpr mav::Source kSelf{1, 1};
+  Send send_;
+  std::uint8_t sequence_ = 0;
+};
+
+/// What flies in place of PX4 in the tests: its connection, its order of messages, its pickiness
+/// and its answers, as observed of stock PX4; our own controller does the flying. No I/O and no
+/// clock: bytes and time come in, bytes go out.
+class ScriptedPx4 {
+ public:
+  struct Options {
+    Px4Release release = Px4Release::k1_16;
+    Px4Mode mode = Px4Mode::kSitl;
+    /// SITL: HIL_SENSORs until the first answer (17 to 96 were seen).
+    int boot_samples = 40;
+    std::string vehicle = "iris_px4";
+  };
+
+  /// @param to_simulator  bytes of the simulator's connection
+  /// @param to_ground  bytes of the ground station's link; in HITL both are one line
+  ScriptedPx4(const Options& options, Channel::Send to_simulator, Channel::Send to_ground);
+
+  /// SITL: what PX4 says right after its connect() has succeeded.
+  void on_connected();
+  void on_simulator_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
+  void on_ground_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
+  /// HITL: streams on PX4's own clock.
+  void tick(base::RunTime now);
+
+  /// PX4's clock: in SITL the stamp of the newest HIL_SENSOR.
+  base::RunTime clock() const { return clock_; }
+  std::uint64_t samples() const { return samples_; }
+  std::uint64_t answers() const { return answers_; }
+  std::uint64_t fixes() const { return fixes_; }
+  /// What stock PX4 would complain of, in its words.
+  const std::vector<std::string>& complaints() const { return complaints_; }
+  const fcu::FlightController& controller() const { return controller_; }
+  const mavlink::common::HilSensor& newest_sample() const { return sensor_; }
+  const std::optional<mavlink::common::HilGps>& newest_fix() const { return gps_; }
+
+ private:
+  /// Counts bit-identical values of one sensor, as PX4's data validator does.
+  struct Staleness {
+    std::uint64_t digest = 0;
+    int repeats = 0;
+    bool seen = false;
+  };
+
+  void on_sensor_packet(const mav::PacketView& packet, base::RunTime now);
+  void on_sample(const mavlink::common::HilSensor& sample, base::RunTime now);
+  void on_fix(const mavlink::common::HilGps& fix, base::RunTime now);
+  void answer_sample();
+  void on_controller_packet(std::span<const std::uint8_t> bytes);
+  bool refuse_to_arm(const mav::PacketView& packet);
+  std::string preflight_failure() const;
+  void look_for_repeats(Staleness& sensor, std::span<const float> values, int most,
+                        const char* complaint);
+  void complain(const std::string& text);
+  mavlink::common::HilActuatorControls outputs(base::RunTime now) const;
+
+  Options options_;
+  Channel simulator_;
+  Channel ground_;
+  fcu::FlightController controller_;
+  mav::PacketParser from_simulator_{mavlink::common::table()};
+  mav::PacketParser from_ground_{mavlink::common::table()};
+  mav::Encoder sensors_in_{{1, 200}};
+
+  base::RunTime clock_{};
+  std::uint64_t samples_ = 0;
+  std::uint64_t answers_ = 0;
+  std::uint64_t fixes_ = 0;
+  base::RunTime last_answer_{};
+  base::RunTime last_sample_at_{};
+  bool stream_lost_ = false;
+  mavlink::common::HilSensor sensor_;
+  std::optional<mavlink::common::HilGps> gps_;
+  Staleness mag_;
+  Staleness baro_;
+  std::array<float, 4> motors_{};
+  bool armed_ = false;
+  std::vector<std::string> complaints_;
+};
+
+}  // namespace cas::test

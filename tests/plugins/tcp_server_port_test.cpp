@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/mavlink_interface/tcp_server_port.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <system_error>
+#include <vector>
+
+#include "mavlink/common/all.hpp"
+#include "plugins/mavlink_interface/hil_interface.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::sim {
+namespace {
+
+namespace mv = mavlink::common;
+constexpr std::array<std::uint8_t, 3> kThree{1, 2, 3};
+
+/// A TCP connection to the port, blocking.
+class Client {
+ public:
+  explicit Client(const TcpServerPort& port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    const std::string endpoint = port.endpoint();
+    const auto number =
+        static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
+    const SocketAddress to = SocketAddress::loopback(number);
+    EXPECT_EQ(::connect(socket_, to.data(), to.size()), 0);
+  }
+  ~Client() { close(socket_); }
+  void send(std::span<const std::uint8_t> bytes) {
+    EXPECT_EQ(::send(socket_, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+  }
+  std::vector<std::uint8_t> receive(std::size_t size) {
+    std::vector<std::uint8_t> bytes(size);
+    EXPECT_EQ(::recv(socket_, bytes.data(), size, MSG_WAITALL), static_cast<ssize_t>(size));
+    return bytes;
+  }
+
+ private:
+  int socket_;
+};
+
+std::size_t poll_bytes(TcpServerPort& port) {
+  std::size_t total = 0;
+  port.poll([&](std::span<const std::uint8_t> bytes, base::RunTime) { total += bytes.size(); });
+  return total;
+}
+
+TEST(TcpServerPort, ServesOneClientAfterTheOther) {
+  TcpServerPort port(SocketAddress::loopback(0));
+  EXPECT_FALSE(port.connected());
+  EXPECT_FALSE(port.send(kThree));
+  for (std::uint64_t visit = 1; visit <= 3; ++visit) {
+    {
+      Client client(port);
+      ASSERT_TRUE(test::wait_until([&] {
+        poll_bytes(port);
+        return port.connected();
+      }));
+      EXPECT_EQ(port.peers(), visit);
+      EXPECT_TRUE(port.send(kThree));
+      EXPECT_EQ(client.receive(3), (std::vector<std::uint8_t>{1, 2, 3}));
+      client.send(kThree);
+      EXPECT_TRUE(port.wait(test::kPatience));
+      EXPECT_EQ(poll_bytes(port), 3U);
+    }
+    ASSERT_TRUE(test::wait_until([&] {
+      poll_bytes(port);
+      return !port.connected();
+    }));
+  }
+}
+
+TEST(TcpServerPort, DropsWholePacketsWhenTheClientDoesNotRead) {
+  TcpServerPort port(SocketAddress::loopback(0));
+  Client client(port);
+  ASSERT_TRUE(test::wait_until([&] {
+    poll_bytes(port);
+    return port.connected();
+  }));
+  std::array<std::uint8_t, 280> packet;
+  std::size_t taken = 0;
+  packet.fill(0);
+  while (port.send(packet)) packet.fill(static_cast<std::uint8_t>(++taken));
+  // What was taken arrives without a gap, also the packet that went in two parts.
+  for (std::size_t i = 0; i < taken; ++i) {
+    const auto bytes = client.receive(packet.size() - (i + 1 == taken ? 279 : 0));
+    ASSERT_EQ(bytes.front(), static_cast<std::uint8_t>(i));
+    ASSERT_EQ(bytes.back(), static_cast<std::uint8_t>(i));
+  }
+  EXPECT_NE(port.stats_json().find("\"queue_full\":1"), std::string::npos) << port.stats_json();
+}
+
+TEST(TcpServerPort, RefusesAnAddressThatIsTaken) {
+  TcpServerPort port(SocketAddress::loopback(0));
+  const std::string endpoint = port.endpoint();
+  const auto number =
+      static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
+  EXPECT_THROW(TcpServerPort(SocketAddress::loopback(number)), std::system_error);
+}
+
+/// A port whose connection the test makes and breaks.
+class SwitchedPort final : public PacketPort {
+ public:
+  bool send(std::span<const std::uint8_t>) override { return is_connected; }
+  void poll(const OnBytes& on_bytes) override {
+    for (const auto& bytes : in) on_bytes(bytes, {});
+    in.clear();
+  }
+  bool wait(base::Duration) override { return !in.empty(); }
+  base::RunTime now() const override { return {}; }
+  std::uint64_t peers() const override { return count; }
+  bool connected() const override { return is_connected; }
+  std::string endpoint() const override { return "test"; }
+  void connect() {
+    ++count;
+    is_connected = true;
+  }
+  void answer(std::uint64_t time_usec) {
+    mv::HilActuatorControls controls;
+    controls.time_usec = time_usec;
+    const auto bytes = encoder(controls);
+    in.emplace_back(bytes.begin(), bytes.end());
+  }
+
+  std::uint64_t count = 0;
+  bool is_connected = false;
+  mav::Encoder encoder{{1, 1}};
+  std::vector<std::vector<std::uint8_t>> in;
+};
+
+class JoinsByAnswering : public testing::Test {
+ protected:
+  void sample(int ms) {
+    ImuSample imu;
+    imu.time = base::SimTime(std::chrono::milliseconds(ms));
+    interface_.on_imu(imu);
+    interface_.flush(imu.time);
+  }
+  void answer(std::uint64_t time_usec) {
+    port_.answer(time_usec);
+    interface_.receive();
+  }
+
+  SwitchedPort port_;
+  HilInterface interface_{
+      {.scales = {}, .actuator_timeout = std::chrono::milliseconds(500), .joins_by_answering = true},
+      port_,
+      nullptr};
+};
+
+TEST_F(JoinsByAnswering, IsWaitedForFromItsFirstAnswerOn) {
+  port_.connect();
+  sample(4);
+  sample(8);
+  EXPECT_FALSE(interface_.in_step());
+  answer(4000);
+  EXPECT_TRUE(interface_.in_step());
+  EXPECT_TRUE(interface_.answered()) << "what came before is not asked for";
+  sample(12);
+  EXPECT_FALSE(interface_.answered());
+  answer(12000);
+  EXPECT_TRUE(interface_.answered());
+}
+
+TEST_F(JoinsByAnswering, AClockOfItsOwnIsNoAnswer) {
+  port_.connect();
+  sample(4);
+  answer(3999);
+  EXPECT_FALSE(interface_.in_step()) << "a build without lockstep flies in real time";
+}
+
+TEST_F(JoinsByAnswering, OneThatHasGoneIsNotWaitedForAndANewOneJoinsAnew) {
+  port_.connect();
+  sample(4);
+  answer(4000);
+  sample(8);
+  port_.is_connected = false;
+  interface_.receive();
+  EXPECT_FALSE(interface_.in_step());
+  port_.connect();
+  sample(12);
+  EXPECT_FALSE(interface_.in_step());
+  EXPECT_EQ(interface_.sent().of(mv::Heartbeat::kId), 2U) << "each is greeted";
+  answer(12000);
+  EXPECT_TRUE(interface_.in_step());
+}
+
+TEST_F(JoinsByAnswering, AnAnswerToWhatTheLastOneWasSentIsNone) {
+  port_.connect();
+  sample(4);
+  port_.is_connected = false;
+  port_.connect();
+  interface_.receive();
+  answer(4000);
+  EXPECT_FALSE(interface_.in_step());
+}
+
+}  // namespace
+}  // namespace cas::sim
