@@ -53,8 +53,10 @@ YAML::Node sensors(const Scenario& scenario) {
     node = copy(scenario.sensors);
   }
   if (node["preset"]) {
-    const auto file = scenario.sensors.resolve(node["preset"].as<std::string>());
-    if (std::filesystem::is_regular_file(file)) node["preset"] = full_path(file);
+    const auto set = node["preset"].as<std::string>();
+    const auto file = scenario.sensors.resolve(set);
+    const bool is_name = std::filesystem::path(set).extension().empty();
+    if (!is_name && std::filesystem::is_regular_file(file)) node["preset"] = full_path(file);
   }
   node["imu"]["rate_hz"] = scenario.rates.sensor_hz;
   node["gps"]["rate_hz"] = scenario.rates.gps_hz;
