@@ -31,7 +31,8 @@ SECTIONS = {
 }
 
 # Whose words a section names besides.
-FURTHER = {("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/*.cpp", "casd/*.cpp"]}
+FURTHER = {("config", "Simulation"): ["plugins/mavlink_interface/*.cpp"],
+           ("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/*.cpp", "casd/*.cpp"]}
 
 # Functions that take a key, by the beginning of their names.
 READERS = r"(?:at|find|has|get|require|optional|parse|positive|non_negative|microseconds|ms|kib|handed_on|place|offer)"
