@@ -32,6 +32,7 @@ class VirtualController {
   void run(base::RunTime now);
   base::RunTime next_event(base::RunTime now) const;
 
+  fcu::FlightController& controller() { return controller_; }
   const fcu::FlightController& controller() const { return controller_; }
   const fcu::EmulatorLine& line() const { return line_; }
   /// For faults.

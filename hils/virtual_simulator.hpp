@@ -43,7 +43,7 @@ class VirtualSimulator {
 
   /// Figures of its plugins, as `plugins` in what `hilsim --stats` writes.
   std::string stats_json() const;
-
+  const sim::World& world() const { return runner_.world(); }
   base::SimTime time() const { return runner_.time(); }
   /// True motion of the vehicle, counted from where it stood.
   Motion motion() const;
