@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace cas::base {
 namespace {
@@ -67,6 +68,16 @@ Duration Histogram::quantile(double q) const {
     if (seen >= rank) return std::min(Duration(middle(static_cast<int>(i))), max_);
   }
   return max_;
+}
+
+std::vector<Histogram::Bin> Histogram::octaves() const {
+  std::vector<Bin> bins;
+  for (int octave = 0; octave < kOctaves; ++octave) {
+    const auto first = buckets_.begin() + octave * kBucketsPerOctave;
+    const std::uint64_t count = std::accumulate(first, first + kBucketsPerOctave, std::uint64_t{0});
+    if (count > 0) bins.push_back({Duration(std::int64_t{1} << (octave + 1)), count});
+  }
+  return bins;
 }
 
 }  // namespace cas::base

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "base/clock.hpp"
 #include "base/export.hpp"
@@ -22,6 +23,15 @@ class CAS_BASE_EXPORT Histogram {
   Duration mean() const;
   /// Value below which the fraction `q` (0..1) of the entries lies; 0 without entries.
   Duration quantile(double q) const;
+
+  /// Entries below `upper` and not below that of the bin before.
+  struct Bin {
+    Duration upper;
+    std::uint64_t count = 0;
+  };
+  /// The whole distribution, one bin per octave (upper ends are powers of two in ns), without empty
+  /// bins.
+  std::vector<Bin> octaves() const;
 
  private:
   static constexpr int kBuckets = 41 * 32;

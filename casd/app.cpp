@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/app.hpp"
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <future>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -36,6 +40,8 @@ constexpr auto kSettlePoll = milliseconds(5);
 /// READY does not wait longer for links that cannot open (a name server that does not answer).
 constexpr auto kSettlePatience = seconds(2);
 constexpr auto kSummaryPeriod = seconds(5);
+/// Longest that the stream is held for a turn of casd's own station (lockstep).
+constexpr auto kTurnPatience = seconds(1);
 
 GainMap load_gains(const Topology& topology) {
   return topology.gains.empty() ? GainMap::shipped() : GainMap::load(topology.gains);
@@ -46,6 +52,8 @@ CommanderOptions commander_options(const Topology& topology) {
   options.self = topology.self;
   options.heartbeat_hz = topology.commanding.heartbeat_hz;
   options.allow_not_hil = topology.commanding.allow_not_hil;
+  // While the simulation stands no time passes in which a text could come.
+  if (topology.pace == Pace::kLockstep) options.command_timing.text_grace = {};
   return options;
 }
 
@@ -61,11 +69,39 @@ struct App::Impl {
                     links.local().send(packet, base::steady_now());
                   }),
         commands(server, commander, load_gains(links.topology()),
-                 {.now = base::steady_now,
+                 {.now = [this] { return station_now(); },
                   .link_name = [this](LinkId id) { return link_name(id); },
                   .audit = [](const std::string& line) { base::log::info("audit: " + line); }}),
         figures(server, make_figures_source(links, commands)) {
+    if (lockstep()) {
+      links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
+      links.tlog().set_epoch(TlogWriter::kStreamEpoch);
+    }
     add_app_methods(server, {.reload = [this] { return reload(); }, .tlog = links.tlog()});
+  }
+
+  bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
+
+  /// The clock of casd's own station.
+  base::RunTime station_now() const {
+    return lockstep() ? links.stream_time().now() : base::steady_now();
+  }
+
+  void take_turn(base::RunTime now) {
+    links.local().dispatch(commander, now);
+    commander.tick(now);
+  }
+
+  /// Lockstep, on a link's thread: the stream waits while the station has its turn on this one. Not
+  /// for ever: a reload waits for link threads, and at the end nobody takes turns.
+  void hold_for_turn(base::RunTime now) {
+    if (ending.load()) return;
+    const auto over = std::make_shared<std::promise<void>>();
+    asio::post(io, [this, now, over] {
+      take_turn(now);
+      over->set_value();
+    });
+    over->get_future().wait_for(kTurnPatience);
   }
 
   std::string link_name(LinkId id) const {
@@ -95,12 +131,13 @@ struct App::Impl {
     station_events.assign(links.local().descriptor());
     do_wait_signal();
     do_wait_station();
-    do_tick();
+    if (!lockstep()) do_tick();  // else the stream gives the turns
     do_second();
     settle_deadline = base::steady_now() + kSettlePatience;
     do_settle();
     io.run();
     base::notify("STOPPING=1");
+    ending.store(true);
     station_events.release();
     links.stop();
     if (!options.ledger_file.empty()) {
@@ -160,7 +197,7 @@ struct App::Impl {
     station_events.async_wait(asio::posix::stream_descriptor::wait_read,
                               [this](boost::system::error_code error) {
                                 if (error) return;
-                                links.local().dispatch(commander, base::steady_now());
+                                links.local().dispatch(commander, station_now());
                                 do_wait_station();
                               });
   }
@@ -240,6 +277,7 @@ struct App::Impl {
   std::string metrics_endpoint;  ///< empty: none
   base::RunTime settle_deadline{};
   base::RunTime next_summary{};
+  std::atomic<bool> ending{false};  ///< nobody takes turns any more
 };
 
 App::App(AppOptions options, Topology topology)

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
+#include "base/program.hpp"
 #include "base/thread.hpp"
 #include "casd/app.hpp"
 #include "casd/topology_text.hpp"
@@ -22,12 +23,14 @@ struct Flags {
   std::string stats;
   std::string log_level = "info";
   bool check = false;
+  bool lockstep = false;
 };
 
 int run(const Flags& flags) {
   base::log::init("casd", base::log::parse_level(flags.log_level));
   const std::filesystem::path file = base::find_config(flags.topology);
   casd::Topology topology = casd::Topology::load(file);
+  if (flags.lockstep) topology.set_lockstep();
   if (flags.check) {
     std::printf("%s: %zu links, %zu routes\n", flags.topology.c_str(), topology.links.size(),
                 topology.routes.size());
@@ -58,6 +61,8 @@ int main(int argc, char** argv) {
   cli.add_flag("--check", flags.check, "read the topology, say what is wrong, and end");
   cli.add_option("--ledger", flags.ledger,
                  "write each HIL packet at each link to this file at the end");
+  cli.add_flag("--lockstep", flags.lockstep,
+               "run every protocol timer on the stream's time, as 'pace: lockstep' does");
   cli.add_option("--stats", flags.stats, "write figures to this file at the end");
   cli.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
   base::cli::add_manual(cli, "casd", CAS_VERSION);
@@ -66,13 +71,5 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return cli.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
   }
-  try {
-    return run(flags);
-  } catch (const base::ConfigError& error) {
-    std::fprintf(stderr, "casd: %s\n", error.what());
-    return base::kExitConfig;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "casd: internal error: %s\n", error.what());
-    return base::kExitInternal;
-  }
+  return base::run_program("casd", [&] { return run(flags); });
 }

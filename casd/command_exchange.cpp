@@ -156,6 +156,7 @@ void CommandExchange::on_ack(const CommandAck& ack, base::RunTime now) {
   }
   request->refused = ack.result;
   request->deadline = now + timing_.text_grace;
+  if (timing_.text_grace == base::Duration::zero()) on_deadline(request, now);
 }
 
 void CommandExchange::on_status_text(std::string_view text) {

@@ -43,7 +43,8 @@ struct CommandTiming {
   base::Duration ack_timeout = std::chrono::milliseconds(700);
   int tries = 5;
   base::Duration in_progress_timeout = std::chrono::seconds(10);
-  /// A refusal waits this long for the status text that says why.
+  /// A refusal waits this long for the status text that says why; 0: it does not wait for a tick
+  /// either.
   base::Duration text_grace = std::chrono::milliseconds(250);
 };
 

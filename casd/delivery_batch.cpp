@@ -25,10 +25,15 @@ void DeliveryBatch::add(const PacketInfo& info, std::span<const std::uint8_t> by
 }
 
 void DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
-  for (LinkMask left = touched_; left != 0; left &= left - 1) {
-    const auto link = static_cast<std::size_t>(std::countr_zero(left));
+  const auto hand_over = [&](std::size_t link) {
     if (ports[link]) ports[link]->deliver(by_link_[link], now);
     by_link_[link].clear();
+  };
+  // casd's own station first: in lockstep it has heard all that came before an answer when the
+  // simulator goes on.
+  if ((touched_ & bit(kLocalLink)) != 0) hand_over(kLocalLink);
+  for (LinkMask left = touched_ & ~bit(kLocalLink); left != 0; left &= left - 1) {
+    hand_over(static_cast<std::size_t>(std::countr_zero(left)));
   }
   touched_ = 0;
   infos_.clear();

@@ -30,6 +30,8 @@ void Ingress::take_datagram(Parser& parser, std::span<const std::uint8_t> bytes,
 
 void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std::uint8_t peer) {
   if (batch_.full()) deliver(now);
+  StreamTime& stream = switchboard_.stream_time();
+  stream.on_packet(packet, [&] { deliver(now); });
   monitor_->rx.packets.add();
   monitor_->rx.messages.add(packet.message_id, packet.source, now);
   if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
@@ -41,7 +43,9 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std:
   monitor_->rx.verdicts[static_cast<std::size_t>(route.verdict)].add();
   switchboard_.taps().on_packet(link_, packet, now);
   switchboard_.echo().on_packet(packet, now);
-  if (route.verdict != Route::Verdict::kDuplicate) switchboard_.tlog().record(packet.bytes, now);
+  if (route.verdict != Route::Verdict::kDuplicate && switchboard_.tlog().active()) {
+    switchboard_.tlog().record(packet.bytes, stream.enabled() ? stream.now() : now);
+  }
   if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
 }
 

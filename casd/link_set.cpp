@@ -38,8 +38,10 @@ void LinkSet::stop() {
 }
 
 void LinkSet::reload(Topology topology) {
-  if (topology.threads != topology_.threads || topology.self != topology_.self) {
-    throw base::ConfigError("threads, system_id and component_id only change with a restart");
+  if (topology_.pace == Pace::kLockstep) topology.set_lockstep();  // perhaps by a flag
+  if (topology.threads != topology_.threads || topology.pace != topology_.pace ||
+      topology.self != topology_.self) {
+    throw base::ConfigError("threads, pace, system_id and component_id only change with a restart");
   }
   keys_.read(topology);
   const auto unchanged = [&](const Running& running) {

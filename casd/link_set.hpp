@@ -41,6 +41,7 @@ class LinkSet {
   TlogWriter& tlog() { return switchboard_.tlog(); }
   MessageTaps& taps() { return switchboard_.taps(); }
   EchoLatency& echo() { return switchboard_.echo(); }
+  StreamTime& stream_time() { return switchboard_.stream_time(); }
   /// Has every link tried to open once?
   bool settled() const;
   /// Whether every link's thread still turns: ask once a second.

@@ -9,6 +9,7 @@
 #include "casd/echo_latency.hpp"
 #include "casd/message_taps.hpp"
 #include "casd/router.hpp"
+#include "casd/stream_time.hpp"
 #include "casd/tlog.hpp"
 
 namespace cas::casd {
@@ -22,6 +23,7 @@ class Switchboard {
   TlogWriter& tlog() { return tlog_; }
   MessageTaps& taps() { return taps_; }
   EchoLatency& echo() { return echo_; }
+  StreamTime& stream_time() { return stream_time_; }
 
   /// Puts other ports in force; links take them over at their next packet.
   void set_ports(std::shared_ptr<const PortTable> ports);
@@ -33,6 +35,7 @@ class Switchboard {
   TlogWriter tlog_;
   MessageTaps taps_;
   EchoLatency echo_;
+  StreamTime stream_time_;
   std::atomic<std::uint64_t> generation_{1};
   std::mutex mutex_;
   std::shared_ptr<const PortTable> ports_;

@@ -26,7 +26,8 @@ void TlogWriter::start(const std::filesystem::path& file, const TlogRotation& ro
   const std::scoped_lock lock(mutex_);
   const auto unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::system_clock::now().time_since_epoch());
-  unix_minus_run_ns_ = (unix_ns - base::steady_now().time_since_epoch()).count();
+  unix_minus_run_ns_ =
+      epoch_ ? epoch_->count() : (unix_ns - base::steady_now().time_since_epoch()).count();
   path_ = file;
   stopping_ = false;
   thread_ = std::thread([this] { run(); });

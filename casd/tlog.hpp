@@ -2,10 +2,12 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <thread>
 #include <vector>
@@ -22,6 +24,9 @@ namespace cas::casd {
 /// packets are left out of the log and counted.
 class TlogWriter {
  public:
+  /// Stamp of stream time zero in a log made in lockstep: 2026-01-01T00:00:00Z.
+  static constexpr std::chrono::seconds kStreamEpoch{1'767'225'600};
+
   TlogWriter() = default;
   ~TlogWriter();
   TlogWriter(const TlogWriter&) = delete;
@@ -29,6 +34,9 @@ class TlogWriter {
 
   /// Starts a new file. @throws base::ConfigError when it cannot be created
   void start(const std::filesystem::path& file, const TlogRotation& rotation = {});
+  /// The time of day at run time zero of the logs to come, where run time is no clock of this
+  /// machine (lockstep); else the logs have the time of day as it is.
+  void set_epoch(std::chrono::nanoseconds since_1970) { epoch_ = since_1970; }
   /// Writes what is left and closes.
   void stop();
   bool active() const { return active_.load(std::memory_order_relaxed); }
@@ -55,6 +63,7 @@ class TlogWriter {
   std::condition_variable more_;
   std::vector<std::uint8_t> waiting_;
   bool stopping_ = false;
+  std::optional<std::chrono::nanoseconds> epoch_;
   std::int64_t unix_minus_run_ns_ = 0;  ///< wall clock at run time zero
   std::filesystem::path path_;
   TlogFiles files_;  ///< of the thread, once it runs

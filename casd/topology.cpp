@@ -20,6 +20,13 @@ ThreadModel parse_threads(const base::ConfigNode& node) {
   node.fail("'" + word + "' is none of per_link, single, blocking");
 }
 
+Pace parse_pace(const base::ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  if (word == "realtime") return Pace::kRealtime;
+  if (word == "lockstep") return Pace::kLockstep;
+  node.fail("'" + word + "' is none of realtime, lockstep");
+}
+
 std::uint8_t parse_id(const base::ConfigNode& root, std::string_view key, std::uint8_t fallback) {
   return static_cast<std::uint8_t>(root.get_in(key, fallback, 1, 255));
 }
@@ -148,8 +155,20 @@ Topology Topology::parse(const base::ConfigNode& root) {
   if (const auto gains = root.find("gains")) {
     topology.gains = root.resolve(gains->as<std::string>());
   }
+  if (const auto pace = root.find("pace"); pace && parse_pace(*pace) == Pace::kLockstep) {
+    topology.set_lockstep();
+  }
   root.reject_unused();
   return topology;
+}
+
+void Topology::set_lockstep() {
+  constexpr base::Duration kNever = std::chrono::hours(24);
+  pace = Pace::kLockstep;
+  for (LinkConfig& link : links) {
+    link.pace = false;
+    link.queue.hil_max_age = link.queue.gps_max_age = link.queue.telemetry_max_age = kNever;
+  }
 }
 
 }  // namespace cas::casd

@@ -88,6 +88,12 @@ enum class ThreadModel : std::uint8_t {
 };
 std::string_view to_string(ThreadModel model);
 
+/// Whose time casd's own station runs on: heartbeats, retries, ages.
+enum class Pace : std::uint8_t {
+  kRealtime,  ///< the steady clock
+  kLockstep,  ///< the HIL_SENSOR stream that passes
+};
+
 struct CommandPortConfig {
   std::string address = "127.0.0.1";
   std::uint16_t port = 5790;
@@ -117,6 +123,7 @@ struct TlogConfig {
 struct Topology {
   mav::Source self{254, 190};
   ThreadModel threads = ThreadModel::kPerLink;
+  Pace pace = Pace::kRealtime;
   base::ThreadOptions scheduling;  ///< of all link threads, unless a link has its own
   bool lock_memory = false;
   base::Duration route_lifetime = Router::kRouteLifetime;
@@ -132,6 +139,10 @@ struct Topology {
   /// @throws ConfigError "FILE:LINE: key: sentence"
   static Topology load(const std::filesystem::path& file);
   static Topology parse(const base::ConfigNode& root);
+
+  /// Puts `pace` to lockstep. Its lines are not paced and nothing in a queue grows old: simulated
+  /// time stands still meanwhile.
+  void set_lockstep();
 };
 
 /// Which slot each link has, by name.

@@ -15,11 +15,14 @@
 #include "base/clock.hpp"
 #include "base/ledger.hpp"
 #include "base/log.hpp"
+#include "base/stream_clock.hpp"
 #include "fcu/emulator_control.hpp"
 #include "fcu/emulator_line.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/param_file.hpp"
 #include "fcu/pty.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
 
 namespace cas::fcu {
 
@@ -63,6 +66,8 @@ struct Emulator::Impl final : EmulatorView {
   void wait_readable();
   void wait_writable();
   void read_master();
+  void take(std::span<const std::uint8_t> bytes, RunTime now);
+  RunTime stream_time(const mav::PacketView& packet);
   void pump();
   void write_master();
   void arm_timer();
@@ -80,6 +85,7 @@ struct Emulator::Impl final : EmulatorView {
   asio::steady_timer replug_timer;
   asio::signal_set signals;
   std::unique_ptr<EmulatorControl> control;
+  base::StreamClock stream;  // lockstep: the controller's clock
   base::PacketLedger ledger{0};
   base::Histogram update;
   std::vector<std::uint8_t> outgoing;  // arrived at this end of the line, not yet taken by the PTY
@@ -152,21 +158,34 @@ void Emulator::Impl::read_master() {
   if (n > 0) line.receive(std::span(buffer).first(static_cast<std::size_t>(n)), now);
 }
 
+void Emulator::Impl::take(std::span<const std::uint8_t> bytes, RunTime now) {
+  if (config.pace == Pace::kRealtime) return fcu->on_bytes(bytes, now);
+  fcu->on_bytes(bytes, [this](const mav::PacketView& packet) { return stream_time(packet); });
+}
+
+/// Lockstep: time goes on with the sensors, so the controller does the same in each run however the
+/// bytes were cut on their way. It makes its own ticks, one with each sensor message.
+RunTime Emulator::Impl::stream_time(const mav::PacketView& packet) {
+  using mavlink::common::HilSensor;
+  if (const auto sensor = mav::decode<HilSensor>(packet)) stream.on_sensor(sensor->time_usec);
+  return stream.now();
+}
+
 void Emulator::Impl::pump() {
   const RunTime now = base::steady_now();
   std::array<std::uint8_t, 4096> buffer;
   while (const std::size_t n = line.up(buffer, now)) {
     const RunTime begin = base::steady_now();
-    fcu->on_bytes(std::span(buffer).first(n), begin);
+    take(std::span(buffer).first(n), begin);
     update.add(base::steady_now() - begin);
   }
   if (now >= next_tick) {
-    fcu->tick(now);
+    if (config.pace == Pace::kRealtime) fcu->tick(now);
     next_tick = now + kTick;
     if (fcu->params_revision() != saved_revision && !save_at) save_at = now + kSaveDelay;
     if (save_at && now >= *save_at) save_params();
-    if (fcu->take_reboot_request()) reboot();
   }
+  if (fcu->take_reboot_request()) reboot();
   const RunTime sent_by = base::steady_now();
   while (const std::size_t n = line.down(buffer, sent_by)) {
     outgoing.insert(outgoing.end(), buffer.begin(),

@@ -8,6 +8,13 @@ namespace {
 
 constexpr int kSchema = 1;
 
+Pace parse_pace(const base::ConfigNode& node) {
+  const auto word = node.get<std::string>("pace", "realtime");
+  if (word == "realtime") return Pace::kRealtime;
+  if (word == "lockstep") return Pace::kLockstep;
+  node.at("pace").fail("must be realtime or lockstep");
+}
+
 StampMode parse_stamp(const base::ConfigNode& node) {
   const auto word = node.get<std::string>("stamp", "message");
   if (word == "message") return StampMode::kMessage;
@@ -51,6 +58,7 @@ FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
   config.system_id = parse_id(node, "system_id", config.vehicle.system_id);
   config.component_id = parse_id(node, "component_id", 1);
   if (const auto line = node.find("line")) config.line = LineConfig::parse(*line);
+  config.pace = parse_pace(node);
   config.stamp = parse_stamp(node);
   config.actuators = parse_actuators(node);
   config.control_rate_hz = node.get_in("control_rate_hz", 400, 10, 1000);

@@ -19,6 +19,12 @@ namespace cas::fcu {
 /// does in HITL).
 enum class StampMode { kMessage, kArrival };
 
+/// Whose time runs timers, telemetry and failsafes of fcu_emulator.
+enum class Pace {
+  kRealtime,  ///< the steady clock
+  kLockstep,  ///< the stream of HIL_SENSOR
+};
+
 /// The message that carries the answer.
 enum class ActuatorMessage { kHilControls, kHilActuatorControls };
 
@@ -30,6 +36,7 @@ struct FcuConfig {
   std::uint8_t system_id = 1;
   std::uint8_t component_id = 1;
   LineConfig line;
+  Pace pace = Pace::kRealtime;
   StampMode stamp = StampMode::kMessage;
   ActuatorMessage actuators = ActuatorMessage::kHilControls;
   double control_rate_hz = 400;

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
-#include <cstdio>
-#include <exception>
 
 #include "base/cli/manual.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
 #include "base/notify.hpp"
+#include "base/program.hpp"
 #include "fcu/emulator.hpp"
 #include "fcu/pty.hpp"
 
@@ -19,6 +18,7 @@ struct Flags {
   std::filesystem::path config;
   fcu::EmulatorOptions options;
   std::string log_level = "info";
+  bool lockstep = false;
 };
 
 void add_flags(CLI::App& app, Flags& flags) {
@@ -29,13 +29,16 @@ void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("--control", flags.options.control, "Unix socket for control (JSON-RPC)");
   app.add_option("--params", flags.options.params,
                  "Parameter file: read at start, kept up to date");
+  app.add_flag("--lockstep", flags.lockstep,
+               "Run every timer on the stream's time, as 'pace: lockstep' does");
   app.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
   app.set_version_flag("--version", "fcu_emulator " CAS_VERSION);
   base::cli::add_manual(app, "fcu_emulator", CAS_VERSION);
 }
 
 int run(Flags& flags) {
-  const fcu::FcuConfig config = fcu::FcuConfig::load(base::find_config(flags.config));
+  fcu::FcuConfig config = fcu::FcuConfig::load(base::find_config(flags.config));
+  if (flags.lockstep) config.pace = fcu::Pace::kLockstep;
   if (flags.options.link.empty()) flags.options.link = fcu::default_link("fcu0");
   fcu::Emulator emulator(config, flags.options);
   base::log::info("running on " + emulator.endpoints());
@@ -57,14 +60,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
   }
-  try {
+  return base::run_program("fcu_emulator", [&] {
     base::log::init("fcu_emulator", base::log::parse_level(flags.log_level));
     return run(flags);
-  } catch (const base::ConfigError& error) {
-    std::fprintf(stderr, "fcu_emulator: %s\n", error.what());
-    return base::kExitConfig;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "fcu_emulator: internal error: %s\n", error.what());
-    return base::kExitInternal;
-  }
+  });
 }

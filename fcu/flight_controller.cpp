@@ -213,6 +213,11 @@ void FlightController::on_bytes(std::span<const std::uint8_t> bytes, RunTime now
   impl_->parser.feed(bytes, [&](const mav::PacketView& packet) { on_packet(packet, now); });
 }
 
+void FlightController::on_bytes(std::span<const std::uint8_t> bytes, const PacketClock& now_of) {
+  impl_->parser.feed(bytes,
+                     [&](const mav::PacketView& packet) { on_packet(packet, now_of(packet)); });
+}
+
 void FlightController::on_packet(const mav::PacketView& packet, RunTime now) {
   impl_->begin(now);
   impl_->on_packet(packet, now);

@@ -77,6 +77,9 @@ class FlightController {
 
   /// Bytes off the line; finds the packets in them and calls on_packet for each.
   void on_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
+  /// Likewise, each packet at the time that `now_of` has for it: in lockstep the stream's.
+  using PacketClock = std::function<base::RunTime(const mav::PacketView&)>;
+  void on_bytes(std::span<const std::uint8_t> bytes, const PacketClock& now_of);
   /// One intact packet.
   void on_packet(const mav::PacketView& packet, base::RunTime now);
   /// Runs everything that time alone makes due. Each HIL_SENSOR does it too; call it at least every

@@ -48,8 +48,8 @@ LAYERS = {
     "base/cli": {"std", "CLI11"},
     "base/rpc": SYSTEM | {"base", "Asio", "nlohmann"},
     "libsim/api": SYSTEM | {"base", "Eigen"},
-    "libsim/core": SYSTEM | RPC | {"libsim/api", "libsim/core/ode", "urdfdom", "sdformat", "Eigen",
-                                   "Asio"},
+    "libsim/core": SYSTEM | RPC | {"libsim/api", "libsim/core/ode", "urdfdom", "sdformat", "expat",
+                                   "Eigen", "Asio"},
     # the one folder that knows ODE
     "libsim/core/ode": SYSTEM | {"base", "libsim/api", "libsim/core", "ODE", "Eigen"},
     "plugins": SYSTEM | {"libsim/api", "base", "plugins/common", "Eigen"},

@@ -35,6 +35,9 @@ class LockstepPeer {
   virtual bool in_step() const { return true; }
   /// The wait has lasted too long and the simulation steps on: what was due is due no more.
   virtual void give_up() {}
+  /// Whether the newest of what was sent has been answered: nothing is on its way. A pause in
+  /// lockstep is taken at such a moment.
+  virtual bool settled() const { return true; }
 };
 
 /// What a plugin is given in `configure`; valid during that call only, apart from what it returns

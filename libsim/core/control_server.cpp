@@ -6,10 +6,12 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
+#include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "base/log.hpp"
 #include "base/rpc/server.hpp"
 #include "base/thread.hpp"
 #include "libsim/core/sim_report.hpp"
@@ -23,6 +25,17 @@ using base::rpc::Json;
 using base::rpc::Reply;
 
 constexpr double kLongestTime = 1e9;  // s
+
+/// Asks for a line with the state of the run. Not a constant: the C library keeps some for itself.
+int status_signal() { return SIGRTMIN; }
+
+std::string status_line(const LoopFigures& f) {
+  char line[120];
+  std::snprintf(line, sizeof(line), "%.3f s, %s, %.2f x real time, %llu late steps",
+                base::to_seconds(f.time), f.paused ? "paused" : "running", f.real_time_factor,
+                static_cast<unsigned long long>(f.late_steps));
+  return line;
+}
 
 /// A named parameter, or nothing when it is missing or of another kind.
 std::optional<double> number_of(const Json& params, const char* key) {
@@ -115,8 +128,11 @@ struct ControlServer::Impl {
         });
       case SIGHUP:
         return loop.post([this] { loop.reset(); });
-      default:
+      case SIGINT:
+      case SIGTERM:
         return loop.stop();
+      default:  // status_signal()
+        return loop.post([this] { base::log::info(status_line(loop.figures())); });
     }
   }
 
@@ -130,7 +146,9 @@ struct ControlServer::Impl {
 
 ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem::path>& unix_path)
     : impl_(std::make_unique<Impl>(loop)) {
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGHUP}) impl_->signals.add(signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGHUP, status_signal()}) {
+    impl_->signals.add(signal);
+  }
   impl_->wait_for_signal();
   impl_->add_methods();
   if (unix_path) impl_->server.listen_unix(*unix_path);

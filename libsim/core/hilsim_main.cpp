@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
 #include "base/notify.hpp"
+#include "base/program.hpp"
 #include "base/thread.hpp"
 #include "libsim/core/control_server.hpp"
 #include "libsim/core/sim_config.hpp"
@@ -35,6 +35,7 @@ struct Flags {
   std::vector<std::filesystem::path> plugin_dirs;
   std::string log_level = "info";
   std::optional<double> duration_s;
+  bool lockstep = false;
   bool paused = false;
 };
 
@@ -49,6 +50,8 @@ void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
   app.add_option("--duration", flags.duration_s, "End after this much simulated time, s")
       ->check(CLI::PositiveNumber);
+  app.add_flag("--lockstep", flags.lockstep,
+               "Wait for the controls that are due before each step, as 'pace: lockstep' does");
   app.add_flag("--paused", flags.paused, "Start paused at time zero");
   app.set_version_flag("--version", "hilsim " CAS_VERSION);
   base::cli::add_manual(app, "hilsim", CAS_VERSION);
@@ -70,6 +73,7 @@ void order_ledgers(sim::SimConfig& config, const std::filesystem::path& file) {
 
 int run(const Flags& flags) {
   sim::SimConfig config = sim::SimConfig::load(base::find_config(flags.config));
+  if (flags.lockstep) config.pace.mode = sim::PaceMode::kLockstep;
   if (flags.ledger) order_ledgers(config, *flags.ledger);
   std::error_code error;
   std::filesystem::create_directories(flags.output, error);
@@ -115,14 +119,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
   }
-  try {
+  return base::run_program("hilsim", [&] {
     base::log::init("hilsim", base::log::parse_level(flags.log_level));
     return run(flags);
-  } catch (const base::ConfigError& error) {
-    std::fprintf(stderr, "hilsim: %s\n", error.what());
-    return base::kExitConfig;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "hilsim: internal error: %s\n", error.what());
-    return base::kExitInternal;
-  }
+  });
 }

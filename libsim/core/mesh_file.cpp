@@ -12,6 +12,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "libsim/core/collada.hpp"
 
 namespace cas::sim {
 
@@ -124,8 +125,10 @@ TriangleMesh load_mesh(const std::filesystem::path& file, const Eigen::Vector3d&
     mesh = is_binary_stl(bytes) ? parse_binary_stl(bytes) : parse_text_stl(file, bytes);
   } else if (kind == ".obj") {
     mesh = parse_obj(file, bytes);
+  } else if (kind == ".dae") {
+    mesh = parse_collada(bytes, file.string());
   } else {
-    fail(file, "mesh format is not supported; convert it to STL or OBJ");
+    fail(file, "mesh format is not supported; convert it to STL, OBJ or COLLADA");
   }
   if (mesh.triangles.empty()) fail(file, "mesh has no triangle");
   for (Eigen::Vector3d& v : mesh.vertices) v = v.cwiseProduct(scale);

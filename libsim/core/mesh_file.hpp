@@ -9,8 +9,9 @@
 
 namespace cas::sim {
 
-/// Reads an STL (binary or text) or Wavefront OBJ file; `scale` is applied per axis. Materials,
-/// normals and colours are left out. @throws base::ConfigError for any other or a damaged file
+/// Reads an STL (binary or text), Wavefront OBJ or COLLADA (.dae) file; `scale` is applied per
+/// axis. Materials, normals and colours are left out. @throws base::ConfigError for any other or a
+/// damaged file
 CAS_SIM_EXPORT TriangleMesh load_mesh(const std::filesystem::path& file,
                                       const Eigen::Vector3d& scale = Eigen::Vector3d::Ones());
 

@@ -99,6 +99,7 @@ class Translator {
     shape.name = model.Name() + "/" + collision.Name();
     shape.pose = X_WL * pose_of(collision);
     shape.surface = surface_of(collision);
+    if (bounces(collision)) warn("<restitution_coefficient> is left out: nothing bounces");
     if (take_geometry(*collision.Geom(), shape)) model_.statics.push_back(std::move(shape));
   }
 
@@ -129,6 +130,9 @@ class Translator {
   }
 
   bool take_mesh(const sdf::Mesh& mesh, Shape& shape) {
+    if (!mesh.Submesh().empty()) {
+      warn_of("collision", shape.name, "names a <submesh>; the whole mesh collides here");
+    }
     const fs::path folder =
         mesh.FilePath().empty() ? file_.parent_path() : fs::path(mesh.FilePath()).parent_path();
     const auto found = find_model_file(mesh.Uri(), folder, model_path_);
@@ -146,6 +150,15 @@ class Translator {
     }
   }
 
+  static bool bounces(const sdf::Collision& collision) {
+    sdf::ElementPtr element = collision.Element();
+    for (const char* name : {"surface", "bounce"}) {
+      if (element) element = element->HasElement(name) ? element->GetElement(name) : nullptr;
+    }
+    return element && element->HasElement("restitution_coefficient") &&
+           element->Get<double>("restitution_coefficient") > 0;
+  }
+
   static Surface surface_of(const sdf::Collision& collision) {
     Surface surface;
     sdf::ElementPtr element = collision.Element();
@@ -158,7 +171,7 @@ class Translator {
 
   void note_unsupported(const sdf::World& world) {
     if (world.ActorCount() > 0) warn("<actor> is left out");
-    for (const char* name : {"plugin", "road", "state", "population"}) {
+    for (const char* name : {"plugin", "road", "state", "population", "joint"}) {
       if (world.Element()->HasElement(name)) {
         warn(std::string("<").append(name).append("> is left out"));
       }

@@ -9,6 +9,9 @@ namespace {
 
 using SteadyPoint = std::chrono::time_point<std::chrono::steady_clock, base::Duration>;
 
+/// Most that a pause in lockstep waits for a sensor message that is answered.
+constexpr base::Duration kLongestSettling = std::chrono::milliseconds(200);
+
 /// RunTime is CLOCK_MONOTONIC, which is what steady_clock reads.
 SteadyPoint to_steady(base::RunTime t) { return SteadyPoint(t.time_since_epoch()); }
 
@@ -38,17 +41,20 @@ void SimLoop::run(std::optional<base::SimTime> until) {
 /// One step and what its end may mean.
 void SimLoop::make_step() {
   if (steps_left_ == 0) pacer_.on_start(now_, runner_.time());
-  runner_.step();
-  const base::RunTime end = base::steady_now();
-  step_times_.add(end - now_);
-  now_ = end;
-
+  step_once();
   if (steps_left_ > 0 && --steps_left_ == 0) reach(done_);
   if (pause_at_ && runner_.time() >= *pause_at_) {
     pause_at_.reset();
     pause();
     reach(done_);
   }
+}
+
+void SimLoop::step_once() {
+  runner_.step();
+  const base::RunTime end = base::steady_now();
+  step_times_.add(end - now_);
+  now_ = end;
 }
 
 void SimLoop::reach(std::function<void()>& done) {
@@ -100,8 +106,16 @@ void SimLoop::stop() {
 
 void SimLoop::pause() {
   if (paused_) return;
+  settle();
   stop_clock();
   paused_ = true;
+}
+
+/// Lockstep: steps on until the newest sensors have been answered, so that nothing is on its way
+/// while the simulation stands and a command given then always falls between the same two packets.
+void SimLoop::settle() {
+  const base::SimTime latest = runner_.time() + kLongestSettling;
+  while (!runner_.settled() && runner_.time() < latest && !stopping_) step_once();
 }
 
 void SimLoop::resume() {

@@ -46,11 +46,14 @@ class CAS_SIM_EXPORT SimLoop {
   void stop();
 
   // Orders: on the loop's thread only, inside post().
+
+  /// In lockstep after a few more steps, when nothing is on its way to or from the controllers.
   void pause();
   void resume();
   /// Pauses, then makes `count` steps at once; `done` is called after the last.
   void step(std::uint64_t count, std::function<void()> done);
-  /// Runs at the ordered pace and pauses at the first step that ends at or after `time`.
+  /// Runs at the ordered pace and pauses at the first step that ends at or after `time` (lockstep:
+  /// see pause()).
   void run_until(base::SimTime time, std::function<void()> done);
   void reset();
   void set_flight_phase(std::string_view name) { runner_.set_flight_phase(name); }
@@ -65,6 +68,8 @@ class CAS_SIM_EXPORT SimLoop {
   void wait_for_order();
   bool wait_until(base::RunTime moment);
   void make_step();
+  void step_once();
+  void settle();
   void reach(std::function<void()>& done);
   void start_clock();
   void stop_clock();

@@ -16,12 +16,16 @@ using Json = nlohmann::json;
 
 constexpr int kStatsSchema = 1;
 
-Json quantiles_us(const base::Histogram& histogram) {
+/// Quantiles and the distribution: [upper end, entries below it and not below the bin before].
+Json histogram_us(const base::Histogram& histogram) {
   const auto us = [](base::Duration d) { return 1e6 * base::to_seconds(d); };
+  Json bins = Json::array();
+  for (const auto& [upper, count] : histogram.octaves()) bins.push_back({us(upper), count});
   return {{"p50", us(histogram.quantile(0.5))},
           {"p99", us(histogram.quantile(0.99))},
           {"max", us(histogram.max())},
-          {"count", histogram.count()}};
+          {"count", histogram.count()},
+          {"histogram", std::move(bins)}};
 }
 
 const char* to_string(PaceMode mode) {
@@ -90,8 +94,8 @@ Json stats_report(const SimLoop& loop) {
           {"late_steps", f.late_steps},
           {"lockstep_timeouts", f.lockstep_timeouts},
           {"given_up_s", f.given_up_s},
-          {"step_us", quantiles_us(loop.step_times())},
-          {"lateness_us", quantiles_us(loop.lateness())},
+          {"step_us", histogram_us(loop.step_times())},
+          {"lateness_us", histogram_us(loop.lateness())},
           {"plugins", plugin_figures(loop.runner())}};
 }
 

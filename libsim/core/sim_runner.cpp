@@ -2,6 +2,7 @@
 #include "libsim/core/sim_runner.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/error.hpp"
@@ -66,8 +67,10 @@ struct SimRunner::Impl {
   bool interrupted() const { return interrupt != nullptr && interrupt->load(); }
 
   /// Lockstep: holds the step until every control due for the sensors sent so far is there.
-  void wait_for_peers() {
-    if (config.pace.mode != PaceMode::kLockstep) return;
+  /// @return false when one did not come
+  bool wait_for_peers() {
+    if (config.pace.mode != PaceMode::kLockstep) return true;
+    bool all = true;
     for (LockstepPeer* peer : plugins.peers()) {
       if (!peer->in_step()) continue;
       bool arrived = false;
@@ -80,7 +83,9 @@ struct SimRunner::Impl {
       if (arrived) continue;
       ++lockstep_timeouts;
       peer->give_up();
+      all = false;
     }
+    return all;
   }
 
   SimConfig config;
@@ -149,6 +154,14 @@ void SimRunner::reset() {
 void SimRunner::finish() {
   if (std::exchange(impl_->finished, true)) return;
   impl_->plugins.finish();
+}
+
+bool SimRunner::settled() {
+  if (!impl_->wait_for_peers()) return true;
+  const auto& peers = impl_->plugins.peers();
+  return impl_->config.pace.mode != PaceMode::kLockstep ||
+         std::all_of(peers.begin(), peers.end(),
+                     [](const LockstepPeer* peer) { return !peer->in_step() || peer->settled(); });
 }
 
 base::SimTime SimRunner::time() const { return impl_->time; }

@@ -55,6 +55,10 @@ class CAS_SIM_EXPORT SimRunner {
   const World& world() const;
   const SimConfig& config() const;
   std::vector<std::string> vehicle_names() const;  ///< index = VehicleId
+  /// Lockstep: waits for the controls that are due, then tells whether nothing is on its way
+  /// between simulator and controllers. True at any time in the other modes, and when the wait was
+  /// in vain.
+  bool settled();
   /// Steps that went on without the controls they waited for (lockstep).
   std::uint64_t lockstep_timeouts() const;
   /// Whether everybody who is to be waited for in lockstep is there.

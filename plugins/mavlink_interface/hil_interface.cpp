@@ -84,6 +84,8 @@ template <class Message>
 bool HilInterface::send(const Message& message) {
   if (!port_.send(encode_(message))) return false;
   sent_.add(Message::kId);
+  on_its_way_ = true;
+  sensor_sent_last_ = Message::kId == mv::HilSensor::kId;
   return true;
 }
 
@@ -148,6 +150,7 @@ void HilInterface::on_controls(const Controls& controls, const MotorCommand& com
   if (!in_step_ && stamps_.contains(controls.time_usec)) join();
   if (controls.time_usec <= sent_usec_) {
     answered_usec_ = std::max(answered_usec_, controls.time_usec);
+    if (sensor_sent_last_ && answered_usec_ == sent_usec_) on_its_way_ = false;
   }
 }
 

@@ -96,6 +96,8 @@ class HilInterface {
   bool in_step() const { return in_step_; }
   /// End of what was sent, on the wire's clock.
   base::Duration wire_end() const { return std::chrono::microseconds(sent_usec_); }
+  /// Whether the last packet sent was a HIL_SENSOR and its answer is here: nothing is on its way.
+  bool settled() const { return !on_its_way_; }
 
   const MessageCounts& sent() const { return sent_; }
   const MessageCounts& received() const { return received_; }
@@ -146,6 +148,8 @@ class HilInterface {
   std::uint64_t sent_usec_ = 0;      // newest HIL_SENSOR
   std::uint64_t due_usec_ = 0;       // newest HIL_SENSOR that is to be answered
   std::uint64_t answered_usec_ = 0;  // newest echo
+  bool on_its_way_ = false;          // something was sent since the last answered HIL_SENSOR
+  bool sensor_sent_last_ = false;
 
   MessageCounts sent_;
   MessageCounts received_;

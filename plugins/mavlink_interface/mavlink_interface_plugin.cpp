@@ -114,6 +114,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     }
     begin();
   }
+  bool settled() const override { return interface_->settled(); }
 
   void finish() override {
     if (!ledger_) return;

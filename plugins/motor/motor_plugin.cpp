@@ -6,14 +6,15 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/motor/battery_model.hpp"
+#include "plugins/motor/body_drag.hpp"
 #include "plugins/motor/motor_mixer.hpp"
 #include "plugins/motor/rotor_model.hpp"
 
 namespace cas::sim {
 namespace {
 
-/// Drives the rotors from topic `motor_command`; publishes their speeds on `rotor_speeds`.
-/// Topic `propulsion_health` takes away what is broken.
+/// The vehicle's forces of propulsion and air: drives the rotors from topic `motor_command`;
+/// publishes their speeds on `rotor_speeds`. Topic `propulsion_health` takes away what is broken.
 class MotorPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode&) override {
@@ -23,6 +24,10 @@ class MotorPlugin final : public Plugin {
     if (vehicle.battery) full_battery_.emplace(*vehicle.battery, vehicle.rotor.torque_coefficient);
     battery_ = full_battery_;
     context.add_force_model(*rotors_);
+    if (vehicle.body_drag_linear_n_s_m > 0) {
+      drag_.emplace(vehicle.body_drag_linear_n_s_m);
+      context.add_force_model(*drag_);
+    }
     speeds_ = context.bus().advertise<RotorSpeeds>(context.topic("rotor_speeds"));
     command_ = context.bus().subscribe<MotorCommand>(context.topic("motor_command"),
                                                      [this](const MotorCommand& command) {
@@ -70,6 +75,7 @@ class MotorPlugin final : public Plugin {
 
   MotorMixer mixer_;
   std::unique_ptr<RotorModel> rotors_;
+  std::optional<BodyDrag> drag_;
   std::optional<BatteryModel> full_battery_;
   std::optional<BatteryModel> battery_;
   PropulsionHealth health_;

@@ -32,6 +32,19 @@ TEST(Histogram, CountMeanAndMaximumAreExact) {
   EXPECT_EQ(histogram.quantile(1.0), 6us);
 }
 
+TEST(Histogram, OctavesHoldEveryEntryOnce) {
+  Histogram histogram;
+  for (const Duration value : {0ns, 1ns, 1000ns, 1023ns, 1024ns, 1024ns}) histogram.add(value);
+  const auto bins = histogram.octaves();
+  ASSERT_EQ(bins.size(), 3U);
+  EXPECT_EQ(bins[0].upper, 2ns);
+  EXPECT_EQ(bins[0].count, 2U);
+  EXPECT_EQ(bins[1].upper, 1024ns);
+  EXPECT_EQ(bins[1].count, 2U);
+  EXPECT_EQ(bins[2].upper, 2048ns);
+  EXPECT_EQ(bins[2].count, 2U);
+}
+
 TEST(Histogram, EachSizeOfValueIsKeptWithinTheBucketError) {
   for (std::int64_t ns = 1; ns < 1'100'000'000'000; ns = ns * 17 / 16 + 1) {
     Histogram histogram;

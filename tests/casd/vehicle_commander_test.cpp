@@ -131,6 +131,31 @@ TEST_F(VehicleCommanderTest, ReportsARefusalWithItsStatusText) {
       << outcome.message;
 }
 
+TEST(VehicleCommanderInLockstep, AnswersARefusalWhileTimeStands) {
+  FakeVehicle vehicle;
+  mav::PacketParser parser(mavlink::common::table());
+  constexpr RunTime kNow{1s};
+  VehicleCommander commander(
+      {.ask_on_sight = false, .command_timing = {.text_grace = {}}},
+      [&](std::span<const std::uint8_t> bytes) {
+        parser.feed(bytes, [&](const mav::PacketView& packet) { vehicle.handle(packet, kNow); });
+      });
+  const auto hear = [&] {
+    while (const auto packet = vehicle.take(kNow)) {
+      commander.on_packet(kLink, mav::view_packet(packet->view()), kNow);
+    }
+  };
+  vehicle.say_heartbeat(kNow);
+  hear();
+  vehicle.script.delay = {};
+  vehicle.script.result = MavResult::kTemporarilyRejected;
+  std::optional<Outcome> outcome;
+  commander.arm(1, {}, kNow, [&](const Outcome& o) { outcome = o; });
+  hear();
+  ASSERT_TRUE(outcome.has_value()) << "without a tick";
+  EXPECT_EQ(outcome->verdict, Verdict::kRefused);
+}
+
 TEST_F(VehicleCommanderTest, RepeatsWithARisingConfirmationUntilHeard) {
   meet();
   vehicle_.script.deaf_for = 2;

@@ -110,7 +110,12 @@ TEST_F(Hilsim, RealTimeRunEndsAtTheTerminationSignal) {
   EXPECT_EQ(hilsim.wait_exit(), 0) << hilsim.output();
   const Json stats = read_stats();
   EXPECT_GT(stats["steps"], 100);
-  EXPECT_EQ(stats["lateness_us"]["count"], stats["steps"]);
+  for (const char* name : {"step_us", "lateness_us"}) {
+    std::uint64_t entries = 0;
+    for (const Json& bin : stats[name]["histogram"]) entries += bin[1].get<std::uint64_t>();
+    EXPECT_EQ(entries, stats["steps"]) << name;
+    EXPECT_EQ(stats[name]["count"], stats["steps"]) << name;
+  }
   EXPECT_LT(stats["real_time_factor"], 1.02);
 }
 
@@ -127,6 +132,9 @@ TEST_F(Hilsim, SignalsPauseStepAndReset) {
   EXPECT_TRUE(wait_until([&] { return client.call("sim.status", nullptr)["paused"].get<bool>(); }));
   hilsim.signal(SIGHUP);
   EXPECT_TRUE(wait_until([&] { return steps() == 0; }));
+  hilsim.signal(SIGRTMIN);
+  EXPECT_TRUE(
+      wait_until([&] { return hilsim.output().find("0.000 s, paused") != std::string::npos; }));
   hilsim.signal(SIGINT);
   EXPECT_EQ(hilsim.wait_exit(), 0);
 }

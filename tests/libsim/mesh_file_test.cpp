@@ -36,11 +36,61 @@ TEST_F(MeshFile, ReadsObjFacesOfAnyLength) {
   EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
 }
 
+/// A unit square in the file's x-y plane as `faces`, in a scene that moves it by 10 units along x.
+std::string collada(const std::string& asset, const std::string& faces) {
+  return "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema'>"
+         "<asset>" +
+         asset +
+         "</asset><library_geometries><geometry id='g'><mesh>"
+         "<source id='p'><float_array id='a' count='12'>0 0 0  1 0 0  1 1 0\n 0 1 0</float_array>"
+         "<technique_common><accessor source='#a' count='4' "
+         "stride='3'/></technique_common></source>"
+         "<vertices id='v'><input semantic='POSITION' source='#p'/></vertices>" +
+         faces +
+         "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='s'>"
+         "<node><translate>10 0 0</translate><node><matrix>1 0 0 0 0 1 0 0 0 0 1 2 0 0 0 1</matrix>"
+         "<instance_geometry url='#g'/></node></node></visual_scene></library_visual_scenes>"
+         "<scene><instance_visual_scene url='#s'/></scene></COLLADA>";
+}
+
+const std::string kTriangles =
+    "<triangles count='2'><input semantic='VERTEX' source='#v' offset='0'/>"
+    "<input semantic='NORMAL' source='#n' offset='1'/><p>0 0 1 0 2 0 0 0 2 0 3 0</p></triangles>";
+
+TEST_F(MeshFile, ReadsColladaScenesWithTheirNodes) {
+  const TriangleMesh mesh =
+      load_mesh(folder_.write("a.dae", collada("<up_axis>Z_UP</up_axis>", kTriangles)));
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+  EXPECT_LT((mesh.vertices[2] - Eigen::Vector3d(11, 1, 2)).norm(), 1e-12);
+}
+
+TEST_F(MeshFile, AppliesColladaUnitAndUpAxis) {
+  const TriangleMesh mesh = load_mesh(
+      folder_.write("a.dae", collada("<unit meter='0.1'/><up_axis>Y_UP</up_axis>", kTriangles)));
+  EXPECT_LT((mesh.vertices[2] - Eigen::Vector3d(1.1, -0.2, 0.1)).norm(), 1e-12) << "its y is up";
+}
+
+TEST_F(MeshFile, ReadsColladaPolylists) {
+  const TriangleMesh mesh = load_mesh(folder_.write(
+      "a.dae", collada("<up_axis>Z_UP</up_axis>",
+                       "<polylist count='1'><input semantic='VERTEX' source='#v' offset='0'/>"
+                       "<vcount>4</vcount><p>0 1 2 3</p></polylist>")));
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+}
+
 TEST_F(MeshFile, RefusesDamageAndOtherFormats) {
   const auto refuse = [&](const std::string& name, const std::string& text) {
     return test::refusal([&] { load_mesh(folder_.write(name, text)); });
   };
-  EXPECT_THAT(refuse("a.dae", "<COLLADA/>"), HasSubstr("a.dae: mesh format is not supported"));
+  EXPECT_THAT(refuse("a.fbx", "FBX"), HasSubstr("a.fbx: mesh format is not supported"));
+  EXPECT_THAT(refuse("a.dae", "<COLLADA/>"), HasSubstr("a.dae: mesh has no triangle"));
+  EXPECT_THAT(refuse("b.dae", "<COLLADA>\n<scene"), HasSubstr("b.dae:2: "));
+  EXPECT_THAT(refuse("c.dae", "<svg/>"), HasSubstr("c.dae: is no COLLADA file"));
+  EXPECT_THAT(
+      refuse("d.dae", "<COLLADA><scene><instance_visual_scene url='#x'/></scene></COLLADA>"),
+      HasSubstr("d.dae: names 'x'"));
   EXPECT_THAT(refuse("a.stl", "solid a\nendsolid\n"), HasSubstr("mesh has no triangle"));
   EXPECT_THAT(refuse("b.stl", "solid\nvertex 1 2\n"), HasSubstr("neither binary nor text STL"));
   EXPECT_THAT(refuse("a.obj", "v 0 0 0\nf 1 2 3\n"), HasSubstr("face names no vertex: 2"));

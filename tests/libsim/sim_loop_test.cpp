@@ -16,12 +16,12 @@ using namespace std::chrono_literals;
 /// A loop on a thread of its own, and orders that wait for their end.
 class LoopTest : public testing::Test {
  protected:
-  void start(PaceMode mode, double speed = 1.0) {
-    SimConfig config = test::config(test::vehicle("iris0", "{z_m: 100}"));
+  void start(PaceMode mode, double speed = 1.0, const std::string& plugins = "[]") {
+    SimConfig config = test::config(test::vehicle("iris0", "{z_m: 100}", plugins));
     config.pace.mode = mode;
     config.pace.speed = speed;
     const PaceConfig pace = config.pace;
-    runner_ = std::make_unique<SimRunner>(std::move(config));
+    runner_ = std::make_unique<SimRunner>(std::move(config), test::fake_plugins());
     runner_->start();
     loop_ = std::make_unique<SimLoop>(*runner_, pace);
     loop_->post([this] { loop_->pause(); });
@@ -65,6 +65,23 @@ TEST_F(LoopTest, RunsUntilATimeAndPauses) {
   EXPECT_TRUE(f.paused);
   const LoopFigures past = carry([this](auto done) { loop_->run_until(base::SimTime(1s), done); });
   EXPECT_EQ(past.time, f.time) << "a time that has passed is reached at once";
+}
+
+TEST_F(LoopTest, PausesInLockstepWhenNothingIsOnItsWay) {
+  start(PaceMode::kLockstep, 1.0, "[{plugin: fake_peer, answers: 100000, settles_every: 7}]");
+  const LoopFigures f =
+      carry([this](auto done) { loop_->run_until(base::SimTime(30ms), std::move(done)); });
+  EXPECT_EQ(f.steps, 35u);
+  EXPECT_TRUE(f.paused);
+}
+
+TEST_F(LoopTest, PausesInLockstepWithAPeerThatNeverAnswers) {
+  start(PaceMode::kLockstep, 1.0,
+        "[{plugin: fake_peer, answers: 100000, settles_every: 1000000007}]");
+  const LoopFigures f =
+      carry([this](auto done) { loop_->run_until(base::SimTime(30ms), std::move(done)); });
+  EXPECT_EQ(f.time.time_since_epoch(), 230ms);
+  EXPECT_TRUE(f.paused);
 }
 
 TEST_F(LoopTest, ResetGoesBackToZero) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "libsim/core/mesh_file.hpp"
 #include "libsim/core/sim_runner.hpp"
 #include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
@@ -61,10 +62,11 @@ TEST(SdfWorld, ClassicFileLoadsAndEachOmissionIsNamedOnce) {
   EXPECT_FALSE(model.home);
   EXPECT_TRUE(find(model, "crate/box"));
 
-  EXPECT_EQ(model.warnings.size(), 7u);
+  EXPECT_EQ(model.warnings.size(), 9u);
   EXPECT_THAT(model.warnings, Each(HasSubstr("classic.world: ")));
   for (const char* sentence : {"asphalt_plane", "'crate' is not static", "<sensor>", "'pipe/egg'",
-                               "'pipe/dae'", "<actor> is left out", "<plugin> is left out"}) {
+                               "'pipe/dae'", "'pipe/shed' names a <submesh>", "nothing bounces",
+                               "<actor> is left out", "<plugin> is left out"}) {
     EXPECT_THAT(model.warnings, Contains(HasSubstr(sentence)));
   }
 }
@@ -76,6 +78,16 @@ TEST(SdfWorld, PosesChainThroughModelLinkAndCollision) {
   // Model at (0 5 1), link at (0 0 1) rolled by 90 degrees, collision 0.5 along the link's z.
   EXPECT_LT((tube->pose.translation() - Eigen::Vector3d(0, 4.5, 2)).norm(), 1e-4);
   EXPECT_EQ(tube->surface.friction, 0.3);
+}
+
+TEST(SdfWorld, ColladaMeshesCollide) {
+  const WorldModel model = load_sdf_world(kData / "classic.world", {kWorlds / "models"});
+  const Shape* const shed = find(model, "pipe/shed");
+  ASSERT_TRUE(shed);
+  const TriangleMesh& mesh = *std::get<Mesh>(shed->geometry).triangles;
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  Eigen::Vector3d centre;
+  EXPECT_LT((bounding_box(mesh, centre).size_m - Eigen::Vector3d(2, 3, 1)).norm(), 1e-9);
 }
 
 TEST(SdfWorld, RefusesWhatIsNoWorld) {

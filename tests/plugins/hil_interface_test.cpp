@@ -146,6 +146,29 @@ TEST(HilInterface, WaitsForTheAnswersThatAreDue) {
   EXPECT_EQ(due, (std::vector<int>{4, 6, 8, 10, 14, 16, 18, 20}));
 }
 
+TEST(HilInterface, IsSettledWhenTheLastPacketSentHasBeenAnswered) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  EXPECT_TRUE(interface.settled()) << "nothing was sent";
+  interface.on_imu(imu_at(4));
+  interface.flush(at_ms(4));
+  EXPECT_FALSE(interface.settled());
+  port.put(controls_for(4));
+  interface.receive();
+  EXPECT_TRUE(interface.settled());
+  interface.on_gps(fix_at(5));
+  interface.flush(at_ms(5));
+  EXPECT_FALSE(interface.settled()) << "a fix is not answered";
+  interface.on_imu(imu_at(6));
+  interface.flush(at_ms(6));
+  port.put(controls_for(4));
+  interface.receive();
+  EXPECT_FALSE(interface.settled()) << "an old answer";
+  port.put(controls_for(6));
+  interface.receive();
+  EXPECT_TRUE(interface.settled());
+}
+
 TEST(HilInterface, AnAnswerToWhatWasNeverSentIsNone) {
   RecordingPort port;
   HilInterface interface(interface_params(), port, nullptr);

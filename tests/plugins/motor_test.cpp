@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "plugins/motor/battery_model.hpp"
+#include "plugins/motor/body_drag.hpp"
 #include "plugins/motor/motor_mixer.hpp"
 #include "plugins/motor/rotor_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
@@ -235,6 +236,19 @@ TEST(RotorModel, GroundEffectIsCheesemanAndBennetts) {
   ground.height_above_ground_m = 0.08;  // hubs at z = R
   EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(500), {}, ground).wrench.force_B.z(),
               4 * 1e-5 * 500 * 500 * 16.0 / 15.0, kExact);
+}
+
+TEST(BodyDrag, IsProportionalToTheSpeedThroughTheAir) {
+  const BodyDrag drag(0.3);
+  BodyState body;
+  body.v_WB = {4, 1, -2};
+  body.q_WB = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
+  Environment environment;
+  environment.wind_W = {1, 1, 0};
+  Wrench wrench;
+  drag.evaluate(body, environment, {}, {}, wrench);
+  EXPECT_LT((body.q_WB * wrench.force_B - Vector3d(-0.9, 0, 0.6)).norm(), kExact);
+  EXPECT_EQ(wrench.torque_B, Vector3d::Zero());
 }
 
 TEST(MotorPlugin, DrivesItsForceModelFromTheBus) {

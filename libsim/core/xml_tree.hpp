@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cas::sim {
+
+/// One element of an XML file, without namespaces and comments.
+struct XmlElement {
+  std::string name;
+  std::map<std::string, std::string, std::less<>> attributes;
+  std::string text;  ///< all character data directly inside
+  std::vector<XmlElement> children;
+
+  /// The attribute's value; empty when there is none.
+  std::string_view attribute(std::string_view key) const;
+  /// The first child of that name, or nothing.
+  const XmlElement* child(std::string_view child_name) const;
+};
+
+/// Reads a whole XML text. @throws base::ConfigError "FILE:LINE: what is wrong"
+XmlElement parse_xml(std::string_view text, const std::string& file);
+
+}  // namespace cas::sim

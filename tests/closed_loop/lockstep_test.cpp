@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The three programs in lockstep over UDP and a pseudo-terminal: the same seed, the same bytes.
+#include <gtest/gtest.h>
+
+#include "tests/closed_loop/lockstep_bench.hpp"
+
+namespace cas::test {
+namespace {
+
+constexpr int kSimulator = 256 * 1 + 200;
+constexpr int kController = 256 * 1 + 1;
+constexpr int kCasd = 256 * 254 + 190;
+
+constexpr int kRequestMessage = 512;
+constexpr int kAutopilotVersion = 148;
+
+/// A take-off; what it left behind.
+struct Flight {
+  std::string truth;
+  std::map<int, std::string> streams;
+  base::rpc::Json status;
+};
+
+Flight take_off(std::uint64_t seed) {
+  LockstepBench bench(seed);
+  bench.run_until(0.01);
+  EXPECT_TRUE(bench.wait_heard()) << bench.outputs();
+  // What casd asks a vehicle that it has just heard is answered before this is.
+  bench.command("vehicle.command", {{"command", kRequestMessage}, {"params", {kAutopilotVersion}}});
+  bench.run_until(4);
+  bench.command("vehicle.arm", base::rpc::Json::object());
+  bench.run_until(4.5);
+  bench.command("vehicle.takeoff", {{"altitude_m", 2}});
+  Flight run;
+  run.status = bench.run_until(8);
+  EXPECT_TRUE(bench.stop()) << bench.outputs();
+  run.truth = bench.truth();
+  run.streams = bench.streams();
+  return run;
+}
+
+double height(const Flight& run) { return run.status["vehicles"][0]["p_W"][2].get<double>(); }
+
+TEST(Lockstep, SameSeedGivesTheSameBytesThroughRealProcesses) {
+  const Flight first = take_off(1);
+  const Flight again = take_off(1);
+  EXPECT_GT(height(first), 0.5) << "it flies";
+  EXPECT_EQ(first.status["lockstep_timeouts"], 0);
+  EXPECT_TRUE(first.truth == again.truth);
+  for (const int source : {kSimulator, kController, kCasd}) {
+    ASSERT_TRUE(first.streams.contains(source)) << source;
+    EXPECT_TRUE(first.streams.at(source) == again.streams.at(source)) << source;
+  }
+}
+
+TEST(Lockstep, AnotherSeedIsAnotherFlight) {
+  const Flight first = take_off(1);
+  const Flight other = take_off(2);
+  EXPECT_FALSE(first.truth == other.truth);
+}
+
+}  // namespace
+}  // namespace cas::test
