@@ -21,11 +21,12 @@ std::filesystem::path program_folder() {
 
 }  // namespace
 
-void BenchPrograms::start() {
+void BenchPrograms::start(bool paused) {
   if (emulate_) start_emulator();
   start_casd();
   std::vector<std::string> arguments{"--control", places_.simulator_control(), "--output",
                                      places_.out};
+  if (paused) arguments.push_back("--paused");
   for (const std::filesystem::path& folder : base::plugin_dirs()) {
     arguments.insert(arguments.end(), {"--plugin-dir", folder});
   }

@@ -18,7 +18,8 @@ class BenchPrograms {
 
   /// The controller first (it makes the PTY), then casd, then the simulator, which starts the
   /// stream. @throws RunStopped, base::ConfigError
-  void start();
+  /// @param paused  the simulator waits at time zero
+  void start(bool paused = false);
   /// The simulator first, so that what it sent still arrives. @throws RunStopped on bad ends
   void stop();
 

@@ -17,7 +17,8 @@ namespace {
 constexpr double kGravity = 9.80665;  ///< standard gravity, m/s^2
 constexpr double kNorthYawDeg = 90;   ///< W counts yaw from east, counter-clockwise
 constexpr double kTruthHz = 100;
-constexpr int kSimulatorComponent = 200;  ///< the simulator beside autopilot 1 of its system
+constexpr int kLockstepTimeoutMs = 10'000;  ///< a controller that died, not a machine that is busy
+constexpr int kSimulatorComponent = 200;    ///< the simulator beside autopilot 1 of its system
 
 /// The block as a node of its own; an empty map where there is none.
 YAML::Node copy(const base::ConfigNode& node) {
@@ -63,9 +64,15 @@ YAML::Node sensors(const Scenario& scenario) {
   return node;
 }
 
-YAML::Node interface_plugin(Transport transport, const RunPlaces& places) {
+const char* pace_word(const RunRequest& request) {
+  return request.lockstep ? "lockstep" : "realtime";
+}
+
+YAML::Node interface_plugin(const Scenario& scenario, Transport transport,
+                            const RunPlaces& places) {
   YAML::Node node;
   node["plugin"] = "mavlink_interface";
+  node["control_rate_hz"] = scenario.rates.controls_hz;
   if (transport == Transport::kBus) {
     node["transport"] = "bus";
   } else {
@@ -95,7 +102,7 @@ YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport, const 
   }
   for (const base::ConfigNode& further : scenario.plugins) plugins.push_back(copy(further));
   if (!scenario.faults.vehicle.empty()) plugins.push_back(fault_plugin(scenario));
-  plugins.push_back(interface_plugin(transport, places));
+  plugins.push_back(interface_plugin(scenario, transport, places));
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
   recorder["file"] = full_path(places.truth_csv());
@@ -136,6 +143,7 @@ YAML::Node line_node(const RunRequest& request) {
 /// The rate that casd is told: none for USB, which has no bit rate that a sender could keep to.
 int serial_baud(const RunRequest& request) {
   if (!request.fcu_device.empty()) return static_cast<int>(request.fcu_baud);
+  if (request.lockstep) return 0;
   const fcu::LineConfig line = line_of(request);
   return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
 }
@@ -208,7 +216,8 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   root["home"]["alt_m"] = scenario.home.alt_m;
   root["decimal_year"] = scenario.decimal_year;
   root["step_us"] = scenario.step_us;
-  root["pace"] = transport == Transport::kBus ? "free_run" : "realtime";
+  root["pace"] = transport == Transport::kBus ? "free_run" : pace_word(request);
+  if (request.lockstep) root["pacing"]["lockstep_timeout_ms"] = kLockstepTimeoutMs;
   root["seed"] = request.seed;
   root["integrator"] = scenario.integrator;
   YAML::Node vehicle;
@@ -233,7 +242,9 @@ std::string fcu_config(const RunRequest& request) {
   root["decimal_year"] = scenario.decimal_year;
   root["control_rate_hz"] = scenario.rates.controls_hz;
   root["seed"] = request.seed;
-  root["line"] = line_node(request);
+  root["pace"] = pace_word(request);
+  // In lockstep a line could only cost wall clock.
+  if (!request.lockstep) root["line"] = line_node(request);
   return to_text(root);
 }
 
@@ -242,6 +253,7 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["schema"] = 1;
   root["system_id"] = 254;
   root["component_id"] = 190;
+  root["pace"] = pace_word(request);
   root["threads"] = std::string(threads(request.architecture));
   root["command_port"]["address"] = "127.0.0.1";
   root["command_port"]["port"] = 0;

@@ -16,6 +16,7 @@
 #include "hils/compare_command.hpp"
 #include "hils/html_report.hpp"
 #include "hils/judgement.hpp"
+#include "hils/lockstep_run.hpp"
 #include "hils/measurement.hpp"
 #include "hils/realtime_run.hpp"
 #include "hils/report.hpp"
@@ -38,12 +39,14 @@ struct RunFlags {
   unsigned fcu_baud = 921600;
   std::string out;
   bool on_virtual_clock = false;
+  bool lockstep = false;
 };
 
 RunRecord fly(const RunRequest& request, bool on_virtual_clock) {
   if (on_virtual_clock || request.architecture == Architecture::kDirect) {
     return run_on_virtual_clock(request);
   }
+  if (request.lockstep) return run_in_lockstep(request);
   return run_in_real_time(request);
 }
 
@@ -67,6 +70,8 @@ int run(const RunFlags& flags) {
   request.scenario = Scenario::load(base::find_config(flags.scenario));
   request.architecture = flags.architecture.empty() ? request.scenario.architecture
                                                     : parse_architecture(flags.architecture);
+  request.lockstep =
+      flags.lockstep && !flags.on_virtual_clock && request.architecture != Architecture::kDirect;
   request.seed = flags.seed.value_or(request.scenario.seed);
   request.fcu_device = flags.fcu_device;
   request.fcu_baud = flags.fcu_baud;
@@ -136,6 +141,8 @@ int main(int argc, char** argv) {
   command->add_option("--architecture", flags.architecture, "direct, sitl, ts, loop or tcas");
   command->add_flag("--virtual", flags.on_virtual_clock,
                     "compute time instead of waiting for it: exact and fast");
+  command->add_flag("--lockstep", flags.lockstep,
+                    "the real processes on the stream's time: repeatable to the byte, and fast");
   command->add_option("--out", flags.out, "folder for the results")->required();
   command->add_option("--fcu", flags.fcu_device,
                       "serial port of a real controller, instead of the emulator");

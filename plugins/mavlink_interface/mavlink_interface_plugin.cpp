@@ -94,6 +94,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   }
 
   bool wait_for_controls(base::SimTime, base::Duration timeout) override {
+    if (interface_->answered()) return true;
     const base::RunTime deadline = base::steady_now() + timeout;
     interface_->receive();
     while (interface_->in_step() && !interface_->answered()) {
