@@ -52,8 +52,12 @@ CommanderOptions commander_options(const Topology& topology) {
   options.self = topology.self;
   options.heartbeat_hz = topology.commanding.heartbeat_hz;
   options.allow_not_hil = topology.commanding.allow_not_hil;
-  // While the simulation stands no time passes in which a text could come.
-  if (topology.pace == Pace::kLockstep) options.command_timing.text_grace = {};
+  if (topology.pace == Pace::kLockstep) {
+    // A question upon the first HEARTBEAT would fall where it happens to fall.
+    options.ask_on_sight = false;
+    // While the simulation stands no time passes in which a text could come.
+    options.command_timing.text_grace = {};
+  }
   return options;
 }
 

@@ -33,7 +33,7 @@ constexpr base::Duration kLookPeriod = milliseconds(50);
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = seconds(1);
 constexpr int kRequestMessage = 512;  ///< MAV_CMD_REQUEST_MESSAGE
-constexpr int kAutopilotVersion = 148;
+constexpr int kHomePosition = 242;
 
 /// What fcu.status says.
 VehicleReport to_report(const Json& status) {
@@ -110,11 +110,10 @@ class LockstepPilot {
     truth_->p_m -= *start_m_;
   }
 
-  /// Lets the vehicle say its first words; what casd asks upon them is answered before this ends.
+  /// Lets the vehicle say its first words.
   void meet() {
     advance(base::SimTime(kLookPeriod));
     while (!heard()) supervisor_.wait(milliseconds(2));
-    settle();
   }
 
   VehicleReport look() {
@@ -133,15 +132,20 @@ class LockstepPilot {
     }
   }
 
-  /// A question whose answer comes after all that vehicle and casd have said to each other.
-  void settle() {
-    casd_.call("vehicle.command", {{"command", kRequestMessage}, {"params", {kAutopilotVersion}}});
+  /// Asks for the home position, which commands build on. The answer comes after all that the
+  /// vehicle has said: casd knows it by then.
+  void ask_home() {
+    try {
+      casd_.call("vehicle.command", {{"command", kRequestMessage}, {"params", {kHomePosition}}});
+    } catch (const base::rpc::CallError&) {
+      return;  // it has none yet
+    }
   }
 
   /// @return why the vehicle refused, or nothing
   std::string give(const FlightStep& step) {
+    ask_home();
     try {
-      settle();
       for (const auto& [method, params] : to_calls(step)) casd_.call(method, params);
       return {};
     } catch (const base::rpc::CallError& error) {
