@@ -30,14 +30,14 @@ void Ingress::take_datagram(Parser& parser, std::span<const std::uint8_t> bytes,
 
 void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std::uint8_t peer) {
   if (batch_.full()) deliver(now);
-  StreamTime& stream = switchboard_.stream_time();
-  stream.on_packet(packet, [&] { deliver(now); });
   monitor_->rx.packets.add();
   monitor_->rx.messages.add(packet.message_id, packet.source, now);
   if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
     monitor_->rx.lost.add(lost);
   }
   if (!accept_.accepts(packet)) return monitor_->rx.not_accepted.add();
+  StreamTime& stream = switchboard_.stream_time();
+  stream.on_packet(packet, [&] { deliver(now); });
   const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   if (monitor_->ledger) monitor_->ledger->received(route.info);
   monitor_->rx.verdicts[static_cast<std::size_t>(route.verdict)].add();
