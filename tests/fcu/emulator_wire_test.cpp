@@ -3,19 +3,24 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <nlohmann/json.hpp>
 
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/available_modes.hpp"
 #include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/hil_actuator_controls.hpp"
+#include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/home_position.hpp"
 #include "mavlink/common/message_interval.hpp"
+#include "mavlink/common/param_set.hpp"
 #include "mavlink/common/ping.hpp"
 #include "mavlink/common/protocol_version.hpp"
 #include "mavlink/common/sys_status.hpp"
 #include "mavlink/common/system_time.hpp"
 #include "mavlink/common/timesync.hpp"
+#include "mavlink_gen/runtime/message.hpp"
 #include "tests/fcu/support/emulator_bench.hpp"
 
 namespace cas::fcu {
@@ -198,6 +203,47 @@ TEST_F(Wire, WhatIsForOthersIsLeftAlone) {
   m.target_component = 0;
   bench_.send(m);
   EXPECT_FALSE(bench_.until_ping<CommandAck>().empty());
+}
+
+/// Answers to one second of sensors, in chunks that no buffer between the programs is too small
+/// for.
+template <class Answer>
+std::vector<Answer> answers_of_a_second(EmulatorBench& bench) {
+  std::vector<Answer> all;
+  for (int chunk = 0; chunk < 10; ++chunk) {
+    bench.stand_still(0.1);
+    for (const Answer& answer : bench.until_ping<Answer>()) all.push_back(answer);
+  }
+  return all;
+}
+
+TEST_F(Wire, AnswersComeAt400HzOfTheSensorsClockWithItsStamps) {
+  bench_.stand_still(0.1);
+  bench_.until_ping<HilControls>();
+  const auto answers = answers_of_a_second<HilControls>(bench_);
+  ASSERT_NEAR(static_cast<double>(answers.size()), 400, 1);
+  for (std::size_t i = 1; i < answers.size(); ++i) {
+    const std::uint64_t gap_us = answers[i].time_usec - answers[i - 1].time_usec;
+    EXPECT_TRUE(gap_us == 2000 || gap_us == 4000) << gap_us;  // a sample's stamp, 2 ms apart
+    EXPECT_EQ(answers[i].throttle, 0);
+    EXPECT_EQ(static_cast<int>(answers[i].mode), 32);  // HIL, disarmed
+  }
+}
+
+TEST_F(Wire, AnswersAreMotorOutputsByParameter) {
+  ParamSet by_motor;
+  by_motor.target_system = 1;
+  by_motor.target_component = 1;
+  mav::set_text(by_motor.param_id, "CAS_HIL_ACT");
+  by_motor.param_value = std::bit_cast<float>(std::int32_t{1});
+  by_motor.param_type = MavParamType::kInt32;
+  bench_.send(by_motor);
+  bench_.until_ping<HilControls>();
+  const auto answers = answers_of_a_second<HilActuatorControls>(bench_);
+  ASSERT_NEAR(static_cast<double>(answers.size()), 400, 1);
+  for (const float output : answers.back().controls) EXPECT_EQ(output, 0);
+  EXPECT_EQ(static_cast<int>(answers.back().mode), 32);
+  EXPECT_EQ(answers.back().time_usec % 2000, 0U);
 }
 
 TEST_F(Wire, GarbageIsSurvivedAndCounted) {
