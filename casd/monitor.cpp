@@ -64,6 +64,11 @@ std::shared_ptr<LinkMonitor> Monitor::add_link(LinkId id, const std::string& nam
   return link;
 }
 
+void Monitor::keep_ledgers() {
+  keeps_ledgers_ = true;
+  for (const auto& [id, link] : links_) link->ledger = std::make_unique<LinkLedger>();
+}
+
 std::map<std::string, const LinkLedger*> Monitor::ledgers() const {
   std::map<std::string, const LinkLedger*> ledgers;
   for (const auto& [id, link] : links_) {

@@ -125,8 +125,8 @@ class Monitor {
  public:
   std::shared_ptr<LinkMonitor> add_link(LinkId id, const std::string& name, LinkType type);
   void remove_link(LinkId id);
-  /// Links that are added from now on remember each HIL packet.
-  void keep_ledgers() { keeps_ledgers_ = true; }
+  /// The links remember each HIL packet, those that are added later too; before they start.
+  void keep_ledgers();
   /// The ledgers of the links there are; to be read when these have stopped.
   std::map<std::string, const LinkLedger*> ledgers() const;
 

@@ -22,12 +22,13 @@ namespace cas::hils {
 
 namespace {
 
-/// Nothing where casd was killed: what it had noted by then is gone.
+/// Nothing where casd noted nothing, or was killed: what it had noted by then is gone.
 std::optional<RelayLedgers> read_relay_ledgers(const RunPlaces& places, const Scenario& scenario) {
   for (const BenchFault& fault : scenario.faults.bench) {
     if (std::holds_alternative<RestartFault>(fault.kind)) return std::nullopt;
   }
   auto ledgers = casd::read_link_ledgers(places.casd_ledger());
+  if (!ledgers.contains("sim") || !ledgers.contains("fcu")) return std::nullopt;
   return RelayLedgers{.simulator = std::move(ledgers["sim"]),
                       .controller = std::move(ledgers["fcu"])};
 }
