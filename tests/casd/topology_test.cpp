@@ -87,6 +87,30 @@ links:
   EXPECT_EQ(plan->group[2], -1);
 }
 
+TEST(Topology, ReadsWhatGuardsALink) {
+  const Topology topology = parse(R"(schema: 1
+metrics: {}
+dialect: lab.xml
+log: {tlog: f.tlog, rotate_mib: 2, rotate_minutes: 1, keep: 5}
+links:
+  - {name: a, type: udp, local: "[::1]:1", accept: {messages: [HEARTBEAT, 4242], systems: 1}}
+  - {name: b, type: udp, local: "[::1]:2", signing: {key_file: k, link_id: 9, sign: false}}
+  - {name: c, type: tlog, file: old.tlog, speed: 2}
+)");
+  EXPECT_EQ(topology.links[0].accept.messages, (std::vector<std::uint32_t>{0, 4242}));
+  EXPECT_EQ(topology.links[0].accept.systems, (std::vector<std::uint8_t>{1}));
+  ASSERT_TRUE(topology.links[1].signing);
+  EXPECT_EQ(topology.links[1].signing->link_id, 9);
+  EXPECT_FALSE(topology.links[1].signing->sign);
+  EXPECT_EQ(topology.links[2].speed, 2);
+  EXPECT_EQ(topology.log.rotation.max_bytes, 2U * 1024 * 1024);
+  EXPECT_EQ(topology.log.rotation.max_age, std::chrono::minutes(1));
+  ASSERT_TRUE(topology.metrics);
+  EXPECT_EQ(topology.metrics->port, 9790);
+  // All to all, but nothing into a log.
+  EXPECT_EQ(topology.routes.size(), 4U);
+}
+
 struct BadCase {
   const char* name;
   std::string yaml;
@@ -125,6 +149,29 @@ INSTANTIATE_TEST_SUITE_P(
                 "schema: 1\nlinks:\n  - {name: a, type: udp, local: 'h:1'}\n"
                 "  - {name: a, type: udp, local: 'h:2'}\n",
                 "another link"},
+        BadCase{"AcceptOfAnotherWord", link("name: a, type: udp, local: 'h:1', accept: all"),
+                "all"},
+        BadCase{"AcceptThatNamesNothing", link("name: a, type: udp, local: 'h:1', accept: {}"),
+                "neither messages nor systems"},
+        BadCase{"SigningWithoutKey",
+                link("name: a, type: udp, local: 'h:1', signing: {link_id: 1}"), "key_file"},
+        BadCase{"SigningThatDoesNothing",
+                link("name: a, type: udp, local: 'h:1', "
+                     "signing: {key_file: k, verify: false, sign: false}"),
+                "neither verifies nor signs"},
+        BadCase{"MisspeltKeyOfSigning",
+                link("name: a, type: udp, local: 'h:1', signing: {key_file: k, lnk_id: 1}"),
+                "lnk_id"},
+        BadCase{"UnsignedAllowedButNothingVerified",
+                link("name: a, type: udp, local: 'h:1', "
+                     "signing: {key_file: k, verify: false, allow_unsigned: [RADIO_STATUS]}"),
+                "without verify"},
+        BadCase{"LogWithoutFile", link("name: a, type: tlog"), "file"},
+        BadCase{"LogThatStandsStill", link("name: a, type: tlog, file: f, speed: 0"), "speed"},
+        BadCase{
+            "RouteIntoALog",
+            kLinks + "  - {name: log, type: tlog, file: f}\nroutes:\n  - {from: sim, to: log}\n",
+            "nothing can be sent to 'log'"},
         BadCase{"UnknownLinkInRoute", route("from: sim, to: fuc"), "t.yaml:7"},
         BadCase{"UnknownMessage", route("from: sim, to: fcu, allow: [HIL_SENSR]"), "HIL_SENSR"},
         BadCase{"MessageIdTooGreat", route("from: sim, to: fcu, allow: [16777216]"), "24 bits"},

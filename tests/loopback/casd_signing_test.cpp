@@ -170,7 +170,9 @@ links:
     bench.sim.send(bench.from_sim(mavlink::common::CommandLong{}));
     ASSERT_TRUE(wait_until([&] { return bench.status("sim").rx.packets == i + i / 50; }));
   }
-  EXPECT_GT(bench.status("fcu").tx.queued, 0U);
+  const auto waiting = bench.status("fcu").tx;
+  EXPECT_GT(waiting.queued, 0U);
+  EXPECT_GE(waiting.queue_high_water, waiting.queued);
   ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == kPackets; }));
   for (const PacketStream::Packet& packet : bench.at_fcu.packets()) {
     ASSERT_EQ(peer.verify(packet.view()), SignatureVerdict::kAccepted);

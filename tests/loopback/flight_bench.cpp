@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/loopback/flight_bench.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "tests/support/udp_peer.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+namespace {
+
+using nlohmann::json;
+
+const std::string kPrograms = CAS_BINARY_DIR "/bin/";
+const std::string kConfig = CAS_SOURCE_DIR "/config/";
+
+std::string replaced(std::string text, const std::string& word, const std::string& by) {
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + by.size())) {
+    text.replace(at, word.size(), by);
+  }
+  return text;
+}
+
+const char* const kWorld = R"(schema: 1
+world: {gravity_m_s2: 9.80665, ground: true}
+home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
+decimal_year: 2026.5
+step_us: 1000
+pace: realtime
+seed: 1
+vehicles:
+  - name: iris0
+    vehicle: $CONFIG/vehicles/iris_paper.yaml
+    plugins:
+      - {plugin: motor}
+      - {plugin: imu}
+      - {plugin: gps}
+      - {plugin: magnetometer}
+      - {plugin: barometer}
+      - {plugin: mavlink_interface, transport: udp, local: "127.0.0.1:$SIM", remote: "127.0.0.1:$CASD"}
+)";
+
+const char* const kTopology = R"(schema: 1
+command_port: {port: 0}
+gains: $CONFIG/gains.yaml
+links:
+  - {name: sim, type: udp, local: "127.0.0.1:$CASD", remote: "127.0.0.1:$SIM"}
+  - {name: fcu, type: serial, device: $DIR/fcu0, baud: 921600}
+  - {name: gcs, type: udp_server, local: "127.0.0.1:0"}
+routes:
+  - {from: sim, to: fcu, allow: [HEARTBEAT, HIL_SENSOR, HIL_GPS]}
+  - {from: fcu, to: sim, allow: [HEARTBEAT, HIL_CONTROLS]}
+  - {from: gcs, to: fcu}
+  - {from: fcu, to: gcs, block: [HIL_CONTROLS]}
+)";
+
+}  // namespace
+
+FlightBench::FlightBench(const std::string& more) {
+  const auto filled = [&, sim = std::to_string(free_udp_port()),
+                       casd = std::to_string(free_udp_port())](std::string text) {
+    text = replaced(replaced(std::move(text), "$SIM", sim), "$CASD", casd);
+    return replaced(replaced(std::move(text), "$CONFIG/", kConfig), "$DIR", folder.path().string());
+  };
+  topology_ = folder.write("casd.yaml", filled(kTopology + more));
+  folder.write("world.yaml", filled(kWorld));
+}
+
+void FlightBench::start_vehicle() {
+  fcu_ = std::make_unique<ChildProcess>(
+      std::vector<std::string>{kPrograms + "fcu_emulator", kConfig + "fcu/iris_paper.yaml",
+                               "--link", (folder / "fcu0").string()});
+  if (!fcu_->wait_ready()) throw std::runtime_error(fcu_->output());
+  hilsim_ = std::make_unique<ChildProcess>(
+      std::vector<std::string>{kPrograms + "hilsim", (folder / "world.yaml").string()});
+  if (!hilsim_->wait_ready()) throw std::runtime_error(hilsim_->output());
+}
+
+void FlightBench::start_casd() {
+  client_.reset();
+  casd_ = std::make_unique<ChildProcess>(
+      std::vector<std::string>{kPrograms + "casd", topology_.string()});
+  const auto status = casd_->wait_ready();
+  if (!status) throw std::runtime_error(casd_->output());
+  status_ = *status;
+  const std::size_t at = status_.find("command_port ") + 13;
+  client_.emplace(status_.substr(at, status_.find(' ', at) - at));
+}
+
+json FlightBench::call(const std::string& method, const json& params) {
+  return client_->call(method, params);
+}
+
+bool FlightBench::command(const std::string& method, const json& params) {
+  return wait_until(
+      [&] {
+        try {
+          call(method, params);
+          return true;
+        } catch (const base::rpc::CallError&) {
+          return false;
+        }
+      },
+      std::chrono::seconds(60));
+}
+
+bool FlightBench::fly_to(double altitude_m) {
+  if (!command("vehicle.arm") || !command("vehicle.takeoff", {{"altitude_m", altitude_m}})) {
+    return false;
+  }
+  return wait_until([&] { return std::abs(state().value("altitude_m", 0.0) - altitude_m) < 0.3; },
+                    std::chrono::seconds(60));
+}
+
+bool FlightBench::land() {
+  return command("vehicle.land") &&
+         wait_until([&] { return state().value("landed", "") == "on_ground"; },
+                    std::chrono::seconds(60));
+}
+
+}  // namespace cas::test

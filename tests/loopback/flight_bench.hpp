@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "base/rpc/client.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::test {
+
+/// hilsim, casd and fcu_emulator as programs of their own, in real time, as on a bench. The sockets
+/// have fixed ports, so that casd can be ended and started again under way.
+class FlightBench {
+ public:
+  /// @param more  further keys of casd's topology; $DIR stands for a temporary folder
+  explicit FlightBench(const std::string& more = "");
+
+  /// Starts casd, also again.
+  void start_casd();
+  void start_vehicle();
+  ChildProcess& casd() { return *casd_; }
+  const std::string& casd_status() const { return status_; }
+
+  nlohmann::json call(const std::string& method,
+                      const nlohmann::json& params = nlohmann::json::object());
+  nlohmann::json state() { return call("vehicle.state"); }
+  /// Repeats a command until the vehicle takes it: its estimate settles after the start.
+  bool command(const std::string& method, const nlohmann::json& params = nlohmann::json::object());
+  /// Takes off and waits until it hangs at that height.
+  bool fly_to(double altitude_m);
+  bool land();
+
+  TemporaryFolder folder;
+
+ private:
+  std::filesystem::path topology_;
+  std::unique_ptr<ChildProcess> casd_;
+  std::unique_ptr<ChildProcess> fcu_;
+  std::unique_ptr<ChildProcess> hilsim_;
+  std::optional<base::rpc::Client> client_;
+  std::string status_;
+};
+
+}  // namespace cas::test
