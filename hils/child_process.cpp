@@ -10,6 +10,7 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -47,14 +48,17 @@ FileDescriptor open_notify_socket(const std::filesystem::path& path) {
   return fd;
 }
 
-/// The environment of this process with NOTIFY_SOCKET set.
-std::vector<std::string> environment_with(const std::string& notify_socket) {
-  constexpr std::string_view kVariable = "NOTIFY_SOCKET=";
-  std::vector<std::string> variables;
+/// The environment of this process with NOTIFY_SOCKET and the variables `own` set.
+std::vector<std::string> environment_with(const std::string& notify_socket,
+                                          std::vector<std::string> own) {
+  own.push_back("NOTIFY_SOCKET=" + notify_socket);
+  std::vector<std::string> variables = own;
   for (char** entry = environ; *entry != nullptr; ++entry) {
-    if (!std::string_view(*entry).starts_with(kVariable)) variables.emplace_back(*entry);
+    const std::string_view theirs(*entry);
+    const std::string_view name = theirs.substr(0, theirs.find('=') + 1);
+    const auto same = [name](const std::string& mine) { return mine.starts_with(name); };
+    if (std::none_of(own.begin(), own.end(), same)) variables.emplace_back(theirs);
   }
-  variables.push_back(std::string(kVariable) + notify_socket);
   return variables;
 }
 
@@ -66,7 +70,8 @@ std::vector<char*> pointers(std::vector<std::string>& strings) {
 }
 
 /// The child's side between fork and exec: calls that are safe there only.
-[[noreturn]] void become(char* const* argv, char* const* envp, int log_fd, pid_t parent) {
+[[noreturn]] void become(char* const* argv, char* const* envp, const char* cwd, int log_fd,
+                         pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(kExecFailed);  // the parent died before prctl
@@ -77,6 +82,7 @@ std::vector<char*> pointers(std::vector<std::string>& strings) {
   ::dup2(null_fd, STDIN_FILENO);
   ::dup2(log_fd, STDOUT_FILENO);
   ::dup2(log_fd, STDERR_FILENO);
+  if (*cwd != 0 && ::chdir(cwd) != 0) ::_exit(kExecFailed);
   ::execve(argv[0], argv, envp);
   constexpr std::string_view kMessage = "cannot execute the program\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
@@ -106,7 +112,9 @@ ExitReport to_report(int status, const rusage& usage) {
 
 ChildProcess::ChildProcess(Options options)
     : options_(std::move(options)), notify_(open_notify_socket(options_.notify_socket)) {
-  std::vector<std::string> environment = environment_with(options_.notify_socket.string());
+  std::vector<std::string> environment =
+      environment_with(options_.notify_socket.string(), options_.environment);
+  ready_ = !options_.says_ready;
   const std::vector<char*> argv = pointers(options_.arguments);
   const std::vector<char*> envp = pointers(environment);
   const FileDescriptor log(
@@ -115,7 +123,9 @@ ChildProcess::ChildProcess(Options options)
   const pid_t parent = ::getpid();
   pid_ = ::fork();
   if (pid_ < 0) fail("cannot start " + options_.name);
-  if (pid_ == 0) become(argv.data(), envp.data(), log.get(), parent);
+  if (pid_ == 0) {
+    become(argv.data(), envp.data(), options_.cwd.c_str(), log.get(), parent);
+  }
   ::setpgid(pid_, pid_);
   pidfd_ = FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
   if (!pidfd_) {

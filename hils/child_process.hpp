@@ -32,6 +32,9 @@ class ChildProcess {
     std::vector<std::string> arguments;  ///< argv, the program's path first
     std::filesystem::path log_file;      ///< standard output and error
     std::filesystem::path notify_socket;
+    bool says_ready = true;                  ///< else it is taken to be ready at once
+    std::filesystem::path cwd{};             ///< empty: this process's
+    std::vector<std::string> environment{};  ///< "NAME=VALUE", over this process's
   };
 
   /// Starts the program. @throws base::ConfigError when it cannot be started

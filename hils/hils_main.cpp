@@ -14,6 +14,7 @@
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
 #include "hils/compare_command.hpp"
+#include "hils/firmware_run.hpp"
 #include "hils/html_report.hpp"
 #include "hils/judgement.hpp"
 #include "hils/lockstep_run.hpp"
@@ -66,8 +67,12 @@ void write_results(const RunRequest& request, const RunRecord& record, const Mea
 }
 
 int run(const RunFlags& flags) {
+  const std::filesystem::path file = base::find_config(flags.scenario);
+  if (FirmwareScenario::is(file)) {
+    return fly_firmware(FirmwareScenario::load(file), std::filesystem::absolute(flags.out));
+  }
   RunRequest request;
-  request.scenario = Scenario::load(base::find_config(flags.scenario));
+  request.scenario = Scenario::load(file);
   request.architecture = flags.architecture.empty() ? request.scenario.architecture
                                                     : parse_architecture(flags.architecture);
   request.lockstep =

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "hils/firmware_scenario.hpp"
 
 namespace cas::hils {
 namespace {
@@ -141,7 +142,9 @@ std::vector<std::filesystem::path> shipped() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
        std::filesystem::directory_iterator(CAS_SOURCE_DIR "/config/scenarios")) {
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+    const bool is_scenario =
+        entry.path().extension() == ".yaml" && !FirmwareScenario::is(entry.path());
+    if (is_scenario) files.push_back(entry.path());
   }
   return files;
 }

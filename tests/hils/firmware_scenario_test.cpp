@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware_scenario.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "hils/firmware_run.hpp"
+
+namespace cas::hils {
+namespace {
+
+const std::filesystem::path kScenarios = CAS_SOURCE_DIR "/config/scenarios";
+
+TEST(FirmwareScenario, TheShippedOnesAreRead) {
+  for (const char* name : {"px4_sitl", "px4_hitl", "ardupilot"}) {
+    const auto file = kScenarios / (std::string(name) + ".yaml");
+    ASSERT_TRUE(FirmwareScenario::is(file)) << name;
+    const FirmwareScenario scenario = FirmwareScenario::load(file);
+    EXPECT_EQ(scenario.name, name);
+    EXPECT_FALSE(scenario.firmware.command.empty());
+    EXPECT_EQ(scenario.not_hil, !scenario.firmware.on_serial_line)
+        << "only firmware without a wire is armed without the HIL flag";
+  }
+  EXPECT_FALSE(FirmwareScenario::is(kScenarios / "hover.yaml"));
+}
+
+TEST(FirmwareScenario, TakesTheFirmwaresPlaceFromTheEnvironment) {
+  EXPECT_EQ(with_variables("a ${X}/b ${Y}", {{"X", "/opt"}, {"Y", "1"}}), "a /opt/b 1");
+  EXPECT_EQ(with_variables("plain ${", {}), "plain ${");
+  EXPECT_EQ(with_variables("${CAS_NO_SUCH_VARIABLE:-iris}!", {}), "iris!");
+  EXPECT_EQ(with_variables("${X:-iris}", {{"X", "none_iris"}}), "none_iris");
+  try {
+    with_variables("${CAS_NO_SUCH_VARIABLE}/bin/px4", {});
+    FAIL() << "a variable that is not set";
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("CAS_NO_SUCH_VARIABLE"), std::string::npos);
+  }
+}
+
+TEST(FirmwareScenario, SaysWhatWasMissed) {
+  FirmwareScenario scenario;
+  scenario.height_error_m = 0.5;
+  scenario.drift_m = 1.0;
+  FirmwareFigures figures;
+  EXPECT_EQ(misses(scenario, figures).size(), 2U) << "nothing was measured";
+  figures.looks = 10;
+  figures.height_error_m = 0.4;
+  figures.drift_m = 0.9;
+  EXPECT_TRUE(misses(scenario, figures).empty());
+  figures.drift_m = 1.1;
+  figures.flight_failure = "arm: refused";
+  EXPECT_EQ(misses(scenario, figures), (std::vector<std::string>{
+                                           "arm: refused", "drift 1.10 m, limit 1.00 m"}));
+}
+
+}  // namespace
+}  // namespace cas::hils
