@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/fcu_probe.hpp"
 
+#include <cctype>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -36,6 +37,9 @@ void read_vehicle(base::rpc::Client& casd, FcuFacts& facts) {
     facts.hil = state.value("hil", false);
     facts.armed = state.value("armed", false);
     facts.autopilot = state.value("autopilot", "");
+    for (char& c : facts.autopilot) {
+      c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
   } catch (const base::rpc::CallError& error) {
     if (error.code() != base::rpc::kNoSuchVehicle) throw;
   }
