@@ -9,12 +9,12 @@
 
 #include "base/config.hpp"
 #include "base/frames.hpp"
-#include "base/random.hpp"
 #include "base/vehicle.hpp"
 #include "fcu/estimation_bound.hpp"
 #include "fcu/sensor_figures.hpp"
 #include "hils/direct_flight.hpp"
 #include "hils/flight_batch.hpp"
+#include "hils/flight_hover.hpp"
 
 namespace cas::hils {
 
@@ -22,18 +22,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHeight_m = 2.5;
-constexpr double kLightTurbulence_m_s = 15 * 0.514444;  // W20 of MIL-F-8785C, 15 knots
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
-const Vector3d kPlace_N(0, 0, -kHeight_m);
-
-/// Takes off, goes to the place of the hover, nose to the north, and waits.
-bool begin_hover(DirectFlight& flight, double settle_s) {
-  if (!flight.take_off(kHeight_m)) return false;
-  flight.go_to(0, 0, kHeight_m, 0);
-  flight.run(settle_s);
-  return true;
-}
 
 // ------------------------------------------------------------------------------ hover
 
@@ -49,7 +38,7 @@ struct HoverSums {
     const double yaw = base::euler_rpy(status.q_ND).z();
     for (int axis = 0; axis < 3; ++axis) {
       const auto i = static_cast<std::size_t>(axis);
-      truth[i] += std::pow(truth_now.p_N[axis] - kPlace_N[axis], 2);
+      truth[i] += std::pow(truth_now.p_N[axis] - kHoverPlace_N[axis], 2);
       estimate[i] += std::pow(status.p_N[axis] - truth_now.p_N[axis], 2);
     }
     truth[3] += std::pow(base::wrap_angle(truth_now.yaw_rad), 2);
@@ -92,37 +81,6 @@ fcu::EstimationBound best_possible(const std::string& sensors) {
 
 std::optional<double> times(double factor, double value) {
   return factor > 0 ? std::optional(factor * value) : std::nullopt;
-}
-
-// ------------------------------------------------------------------------------ many flights
-
-struct Survival {
-  bool up = false;
-  double worst_m = 0;
-};
-
-/// Hovers for a minute; far away or on the ground is a crash.
-Survival survive(DirectFlight& flight, double settle_s) {
-  constexpr double kFlight_s = 60;
-  Survival out;
-  if (!begin_hover(flight, settle_s)) return out;
-  flight.run(kFlight_s - settle_s,
-             [&] { out.worst_m = std::max(out.worst_m, (flight.truth().p_N - kPlace_N).norm()); });
-  constexpr double kFarthest_m = 2;
-  out.up = flight.status().armed && flight.status().landed == fcu::LandedState::kInAir &&
-           out.worst_m < kFarthest_m;
-  return out;
-}
-
-double crashes(const std::vector<Survival>& flights) {
-  return static_cast<double>(
-      std::count_if(flights.begin(), flights.end(), [](const Survival& s) { return !s.up; }));
-}
-
-double worst(const std::vector<Survival>& flights) {
-  double out = 0;
-  for (const Survival& s : flights) out = std::max(out, s.worst_m);
-  return out;
 }
 
 }  // namespace
@@ -252,7 +210,7 @@ std::vector<FlightFigure> wind_figures(const FlightBatch& batch) {
     if (!begin_hover(flight, 10)) return out;
     out.square = 0;
     flight.run(50, [&] {
-      const double off = (flight.truth().p_N - kPlace_N).squaredNorm();
+      const double off = (flight.truth().p_N - kHoverPlace_N).squaredNorm();
       out.square += off;
       out.samples += 1;
       out.worst = std::max(out.worst, std::sqrt(off));
@@ -268,44 +226,6 @@ std::vector<FlightFigure> wind_figures(const FlightBatch& batch) {
   return {{"8 m/s wind, light turbulence, rtk: truth against reference",
            std::sqrt(all.square / all.samples), 0.5, "m",
            fmt::format("worst {:.2f} m", all.worst)}};
-}
-
-std::vector<FlightFigure> poor_line_figures(const FlightBatch& batch) {
-  struct Line {
-    const char* name;
-    double packet_loss;
-    int delay_ms;
-  };
-  std::vector<FlightFigure> out;
-  for (const Line& line :
-       {Line{"1 packet in 10 lost each way", 0.1, 0}, Line{"10 ms more delay each way", 0, 10}}) {
-    const auto flights = fly_batch<Survival>(batch, [&](std::uint64_t seed) {
-      DirectFlightOptions options{.seed = seed};
-      options.line.packet_loss = line.packet_loss;
-      options.line.extra_delay = std::chrono::milliseconds(line.delay_ms);
-      DirectFlight flight(options);
-      return survive(flight, 10);
-    });
-    out.push_back({fmt::format("{}: flights that did not stay up, of {}", line.name, batch.flights),
-                   crashes(flights), 0.0, "",
-                   fmt::format("farthest off {:.2f} m", worst(flights))});
-  }
-  return out;
-}
-
-std::vector<FlightFigure> crash_figures(const FlightBatch& batch) {
-  const auto flights = fly_batch<Survival>(batch, [](std::uint64_t seed) {
-    base::NormalRandom random(base::derive_seed(seed, "vary"));
-    DirectFlightOptions options{.seed = seed};
-    options.mass_factor = 0.8 + 0.4 * random.uniform();
-    options.wind_m_s = 6 * random.uniform();
-    options.turbulence_w20_m_s = kLightTurbulence_m_s * random.uniform();
-    options.yaw_rad = 2 * M_PI * random.uniform();
-    DirectFlight flight(options);
-    return survive(flight, 10);
-  });
-  return {{fmt::format("60 s, mass +-20 %, wind to 6 m/s: crashed, of {}", batch.flights),
-           crashes(flights), 0.0, "", fmt::format("farthest off {:.2f} m", worst(flights))}};
 }
 
 }  // namespace cas::hils
