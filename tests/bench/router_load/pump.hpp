@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace router_load {
+
+/// The trivial reference router: one thread, poll(2), one datagram or read per turn, no framing at
+/// all.
+[[noreturn]] void pump_main(const std::string& slave, int port);
+
+}  // namespace router_load
