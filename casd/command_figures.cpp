@@ -15,8 +15,6 @@ using base::rpc::Reply;
 using nlohmann::json;
 
 /// Where received packets ended, by Route::Verdict.
-constexpr const char* kVerdictWords[] = {"forwarded", "duplicate", "no_rule", "no_target",
-                                         "rate_limited"};
 
 double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
 
@@ -35,7 +33,7 @@ json signatures_json(const LinkStatus& link) {
 json rx_json(const LinkStatus& link) {
   json verdicts = json::object();
   for (std::size_t i = 0; i < link.rx.verdicts.size(); ++i) {
-    verdicts[kVerdictWords[i]] = link.rx.verdicts[i];
+    verdicts[std::string(to_string(static_cast<Route::Verdict>(i)))] = link.rx.verdicts[i];
   }
   return json{{"packets", link.rx.packets},           {"bytes", link.rx.bytes},
               {"crc_errors", link.rx.crc_errors},     {"lost", link.rx.lost},
@@ -245,15 +243,18 @@ json CommandFigures::routes() const {
   return all;
 }
 
-/// Everything that did not go on: by link and cause, then by message where that is known.
+/// Everything that did not go on, by link and cause: `dropped` by message too, `unreadable` what
+/// never became a message.
 json CommandFigures::drops() const {
-  json not_forwarded = json::array();
+  json unreadable = json::array();
   for (const LinkStatus& link : source_.monitor->links()) {
-    for (std::size_t i = 1; i < link.rx.verdicts.size(); ++i) {
-      if (link.rx.verdicts[i] == 0) continue;
-      not_forwarded.push_back(
-          {{"link", link.name}, {"cause", kVerdictWords[i]}, {"count", link.rx.verdicts[i]}});
-    }
+    const auto add = [&](const char* cause, std::uint64_t count) {
+      if (count == 0) return;
+      unreadable.push_back({{"link", link.name}, {"cause", cause}, {"count", count}});
+    };
+    add("crc", link.rx.crc_errors);
+    add("kernel", link.rx.kernel_drops);
+    add("foreign", link.rx.foreign);
   }
   json dropped = json::array();
   for (const MessageStatus& message : source_.monitor->messages(source_.now())) {
@@ -263,7 +264,7 @@ json CommandFigures::drops() const {
     entry["cause"] = message.direction.substr(5);
     dropped.push_back(std::move(entry));
   }
-  return json{{"not_forwarded", not_forwarded}, {"dropped", dropped}};
+  return json{{"unreadable", unreadable}, {"dropped", dropped}};
 }
 
 void CommandFigures::publish() {
@@ -272,6 +273,7 @@ void CommandFigures::publish() {
   std::uint64_t dropped = 0;
   for (const LinkStatus& link : source_.monitor->links()) {
     for (const std::uint64_t count : link.tx.dropped) dropped += count;
+    dropped += link.rx.crc_errors + link.rx.kernel_drops;
   }
   if (std::exchange(last_dropped_, dropped) != dropped) server_.publish("drops", drops());
 }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace cas::casd {
 namespace {
@@ -15,6 +16,9 @@ namespace {
 constexpr std::size_t kMaxRun = 64;    // segments of one block (UDP_MAX_SEGMENTS of old kernels)
 constexpr std::size_t kWorthARun = 2;  // fewer packets go out singly
 constexpr std::size_t kMaxBatch = 64;
+
+// The answer to an earlier packet: nobody listened then. This one was not even tried.
+bool concerns_earlier_packet(int error) { return error == ECONNREFUSED; }
 
 // The peer's trouble, not the socket's: nobody listens there, or it cannot be reached now. The
 // packet is lost as UDP packets are, the next one is tried as ever.
@@ -51,6 +55,7 @@ iovec part_of(const PacketRef& packet) {
 DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> packets,
                                             const sockaddr* to, socklen_t to_size) {
   Result result;
+  bool refused = false;
   while (result.packets < packets.size()) {
     const auto left = packets.subspan(result.packets);
     const std::size_t run = run_length(left);
@@ -61,7 +66,7 @@ DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> p
         segmentation_ = false;
         continue;
       }
-      if (error == 0 || concerns_peer_only(error)) {
+      if (error == 0) {
         result.packets += run;
         continue;
       }
@@ -78,12 +83,14 @@ DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> p
         continue;
       }
       error = errno;
-      if (concerns_peer_only(error)) {
-        ++result.packets;
-        continue;
-      }
     }
     if (error == EINTR) continue;
+    if (concerns_earlier_packet(error) && !std::exchange(refused, true)) continue;
+    if (concerns_peer_only(error)) {
+      result.packets += run >= kWorthARun ? run : 1;
+      refused = false;
+      continue;
+    }
     result.error = error == EWOULDBLOCK || error == ENOBUFS ? EAGAIN : error;
     return result;
   }

@@ -71,6 +71,7 @@ class Ingress {
     if (!signing_) return on_packet(packet);
     if (const auto admitted = signing_->admit(packet)) on_packet(*admitted);
   }
+  void count_refusals(const Route& route);
   void count_parser(const Parser& parser, const Parser::Stats& before);
 
   LinkId link_;

@@ -52,6 +52,10 @@ class LinePacer {
   }
   /// The line was given a sensor packet.
   void sent_sensor(base::RunTime now) { held_until_ = now + sensor_gap_; }
+  /// The driver still holds so many bytes: the line is busy at least until they are through.
+  void holds(std::size_t bytes, base::RunTime now) {
+    if (bytes_per_s_ > 0) busy_until_ = std::max(busy_until_, now + time_for(bytes));
+  }
   /// Time the line takes for so many bytes.
   base::Duration time_for(std::size_t bytes) const {
     return bytes_per_s_ > 0 ? base::from_seconds(static_cast<double>(bytes) / bytes_per_s_)

@@ -10,13 +10,10 @@
 namespace cas::casd {
 namespace {
 
-// Bytes a second that the link may be given: its line's rate, its cap, or what is less. 0: no
-// limit.
+// Bytes a second that the line of the link carries; 0: no limit.
 double line_bytes_s(const LinkConfig& config) {
   const bool paced = config.type == LinkType::kSerial && config.pace;
-  const double line = paced ? LinePacer::kLineShare * config.baud / 10.0 : 0;
-  if (line > 0 && config.max_bytes_s > 0) return std::min(line, config.max_bytes_s);
-  return std::max(line, config.max_bytes_s);
+  return paced ? LinePacer::kLineShare * config.baud / 10.0 : 0;
 }
 
 }  // namespace
@@ -52,9 +49,12 @@ void LinkCore::on_second(base::RunTime now) {
 }
 
 TxPortOptions LinkCore::port_options() const {
-  return {.queue = context_.config.queue,
-          .line_bytes_s = line_bytes_s(context_.config),
-          .sensor_gap = context_.config.sensor_gap,
+  const LinkConfig& config = context_.config;
+  return {.queue = config.queue,
+          .line_bytes_s = line_bytes_s(config),
+          .cap_bytes_s = config.max_bytes_s,
+          .sensor_gap = config.sensor_gap,
+          .flow_control = config.flow_control,
           .signing = context_.signing,
           .blocking = context_.blocking};
 }

@@ -44,16 +44,18 @@ void LinkLoop::remove(const Link* link) {
 }
 
 void LinkLoop::run_on_loop(const std::function<void()>& task) {
-  std::promise<void> done;
+  // Shared: the loop's thread is not through with it when we already go on.
+  const auto done = std::make_shared<std::promise<void>>();
+  std::future<void> finished = done->get_future();
   {
     const std::scoped_lock lock(tasks_mutex_);
-    tasks_.emplace_back([&] {
+    tasks_.emplace_back([&task, done] {
       task();
-      done.set_value();
+      done->set_value();
     });
   }
   signal_.raise();
-  done.get_future().wait();
+  finished.wait();
 }
 
 void LinkLoop::wake() {
@@ -95,7 +97,8 @@ void LinkLoop::wait(base::RunTime now) {
   if (::ppoll(entries.data(), entries.size(), forever ? nullptr : &timeout, nullptr) < 0) {
     for (pollfd& entry : entries) entry.revents = 0;
   }
-  signal_.lower();
+  // Only what was seen: a signal that is being raised just now is for the next turn.
+  if ((entries.front().revents & POLLIN) != 0) signal_.lower();
 }
 
 void LinkLoop::run_tasks() {

@@ -8,14 +8,19 @@
 namespace cas::casd {
 namespace {
 
-// Directions of a message: received, sent, then one for each cause of a drop.
+// Directions of a message: received, sent, then one for each cause of a drop, then one for each
+// reason not to forward.
 constexpr int kRx = 0;
 constexpr int kTx = 1;
 constexpr int kFirstDrop = 2;
+constexpr int kFirstVerdict = kFirstDrop + kDropCauses;
 
 std::string direction_name(int direction) {
   if (direction == kRx) return "rx";
   if (direction == kTx) return "tx";
+  if (direction >= kFirstVerdict) {
+    return "drop." + std::string(to_string(static_cast<Route::Verdict>(direction - kFirstVerdict)));
+  }
   return "drop." + std::string(to_string(static_cast<DropCause>(direction - kFirstDrop)));
 }
 
@@ -25,6 +30,9 @@ void for_each_direction(const LinkMonitor& link, Visit&& visit) {
   visit(kTx, link.tx.messages);
   for (int i = 0; i < kDropCauses; ++i) {
     visit(kFirstDrop + i, link.tx.dropped_messages[static_cast<std::size_t>(i)]);
+  }
+  for (int i = 0; i < kVerdicts; ++i) {
+    visit(kFirstVerdict + i, link.rx.refused[static_cast<std::size_t>(i)]);
   }
 }
 
@@ -55,6 +63,35 @@ void LinkMonitor::set_endpoint(std::string text) {
 std::string LinkMonitor::endpoint() const {
   const std::scoped_lock lock(mutex_);
   return endpoint_;
+}
+
+void LinkMonitor::count_refused(Route::Verdict why, const PacketInfo& info, unsigned times) {
+  MessageCounters& counters = rx.refused[static_cast<std::size_t>(why)];
+  for (unsigned i = 0; i < times; ++i) counters.add(info.message_id, info.source, info.received);
+}
+
+void LinkMonitor::count_sent(std::span<const PacketRef> packets, base::RunTime now,
+                             base::RunTime done) {
+  std::size_t bytes = 0;
+  const std::scoped_lock lock(tx.mutex);
+  for (const PacketRef& packet : packets) {
+    bytes += packet.bytes.size();
+    tx.messages.add(packet.info->message_id, packet.info->source, now);
+    const base::Duration time = done - packet.info->received;
+    tx.forwarding.add(time);
+    tx.routes.add(packet.info->from, time);
+    if (ledger) ledger->sent(*packet.info, done);
+  }
+  tx.packets.add(packets.size());
+  tx.bytes.add(bytes);
+}
+
+void LinkMonitor::count_dropped(const PacketInfo& info, DropCause cause) {
+  const auto index = static_cast<std::size_t>(cause);
+  const std::scoped_lock lock(tx.mutex);
+  tx.dropped[index].add();
+  tx.dropped_messages[index].add(info.message_id, info.source, info.received);
+  if (ledger) ledger->dropped(info, cause, base::steady_now());
 }
 
 std::shared_ptr<LinkMonitor> Monitor::add_link(LinkId id, const std::string& name, LinkType type) {
@@ -144,10 +181,9 @@ std::vector<LinkStatus> Monitor::links() const {
     status.tx.queue_high_water = tx.queue_high_water.get();
     status.tx.queued = tx.queued.get();
     status.tx.write_calls = tx.write_calls.get();
-    status.tx.peer_drops = tx.peer_drops.get();
     for (std::size_t i = 0; i < tx.dropped.size(); ++i) status.tx.dropped[i] = tx.dropped[i].get();
     {
-      const std::scoped_lock lock(tx.forwarding_mutex);
+      const std::scoped_lock lock(tx.mutex);
       status.tx.forwarding_p50 = tx.forwarding.quantile(0.50);
       status.tx.forwarding_p99 = tx.forwarding.quantile(0.99);
       status.tx.forwarding_max = tx.forwarding.max();

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "casd/link_id.hpp"
 #include "casd/link_ledger.hpp"
 #include "casd/message_counters.hpp"
+#include "casd/packet_port.hpp"
 #include "casd/route_latency.hpp"
 #include "casd/router.hpp"
 #include "casd/topology.hpp"
@@ -39,8 +41,8 @@ class Counter {
   std::atomic<std::uint64_t> value_{0};
 };
 
-/// What one link counts. `rx` fields are written by the link's thread, `tx` fields under the lock
-/// of its TxPort; everybody may read.
+/// What one link counts. `rx` fields are written by the link's thread, `tx` fields under
+/// `tx.mutex`, which is held for the counting only; everybody may read.
 struct LinkMonitor {
   LinkMonitor(std::string link_name, LinkType link_type)
       : name(std::move(link_name)), type(link_type) {}
@@ -56,22 +58,29 @@ struct LinkMonitor {
 
   struct {
     Counter packets, bytes, crc_errors, lost, unknown, skipped_bytes, kernel_drops, foreign;
-    Counter not_accepted;               ///< left out by the link's `accept`
-    Counter setup_signing;              ///< refused: a key never goes on
-    std::array<Counter, 7> signatures;  ///< by mav::SignatureVerdict, on links with `signing`
-    std::array<Counter, 5> verdicts;    ///< by Route::Verdict: where received packets ended
+    Counter not_accepted;                     ///< left out by the link's `accept`
+    Counter setup_signing;                    ///< refused: a key never goes on
+    std::array<Counter, 7> signatures;        ///< by mav::SignatureVerdict, on links with `signing`
+    std::array<Counter, kVerdicts> verdicts;  ///< by Route::Verdict: where received packets ended
+    std::array<MessageCounters, kVerdicts> refused;  ///< what was not forwarded, by Route::Verdict
     MessageCounters messages;
   } rx;
   struct {
     Counter packets, bytes, queue_high_water, queued, write_calls;
-    Counter peer_drops;  ///< lost for one peer of a server
     std::array<Counter, kDropCauses> dropped;
     std::array<MessageCounters, kDropCauses> dropped_messages;
     MessageCounters messages;
     base::Histogram forwarding;  ///< read to written; read it through Monitor
-    RouteLatency routes;         ///< the same by receiving link, under the same lock
-    mutable std::mutex forwarding_mutex;
+    RouteLatency routes;         ///< the same by receiving link
+    mutable std::mutex mutex;
   } tx;
+
+  /// A received packet was not forwarded, or not to all that its route names.
+  void count_refused(Route::Verdict why, const PacketInfo& info, unsigned times = 1);
+  /// Packets are written. @param done  when the write had returned
+  void count_sent(std::span<const PacketRef> packets, base::RunTime now, base::RunTime done);
+  /// A packet was not sent.
+  void count_dropped(const PacketInfo& info, DropCause cause);
 
   /// Words for state and errors ("127.0.0.1:14561", "/dev/ttyACM0", "No such file"), rarely set.
   void set_endpoint(std::string text);
@@ -94,13 +103,12 @@ struct LinkStatus {
   struct {
     std::uint64_t packets = 0, bytes = 0, crc_errors = 0, lost = 0, unknown = 0, skipped_bytes = 0,
                   kernel_drops = 0, foreign = 0;
-    std::array<std::uint64_t, 5> verdicts{};  ///< by Route::Verdict
+    std::array<std::uint64_t, kVerdicts> verdicts{};  ///< by Route::Verdict
     std::uint64_t not_accepted = 0, setup_signing = 0;
     std::array<std::uint64_t, 7> signatures{};  ///< by mav::SignatureVerdict
   } rx;
   struct {
-    std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0,
-                  peer_drops = 0;
+    std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0;
     std::array<std::uint64_t, kDropCauses> dropped{};  ///< by DropCause
     base::Duration forwarding_p50{}, forwarding_p99{}, forwarding_max{};
     std::vector<RouteLatency::Figures> routes;
@@ -110,7 +118,7 @@ struct LinkStatus {
 /// One message of one sender on one link, as `message.list` reports it.
 struct MessageStatus {
   std::string link;
-  std::string direction;  ///< "rx", "tx", "drop.age", "drop.full", "drop.down", "drop.stalled"
+  std::string direction;  ///< "rx", "tx", "drop." and a DropCause or a Route::Verdict
   std::uint32_t id = 0;
   std::string name;  ///< empty when no public dialect has it
   mav::Source source;

@@ -5,6 +5,22 @@
 
 namespace cas::casd {
 
+std::string_view to_string(Route::Verdict verdict) {
+  switch (verdict) {
+    case Route::Verdict::kForward:
+      return "forwarded";
+    case Route::Verdict::kDuplicate:
+      return "duplicate";
+    case Route::Verdict::kNoRule:
+      return "no_rule";
+    case Route::Verdict::kNoTarget:
+      return "no_target";
+    case Route::Verdict::kRateLimited:
+      return "rate_limited";
+  }
+  return "?";
+}
+
 Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table,
                base::Duration route_lifetime)
     : table_(table), routes_(route_lifetime), plan_(std::move(plan)) {
@@ -46,8 +62,10 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
 
   // Thinned-out streams.
   if (!rules.limits().empty()) {
+    const LinkMask wanted = route.to;
     route.to =
-        links_[from].limiter.admit(rules.limits(), packet.message_id, packet.source, route.to, now);
+        links_[from].limiter.admit(rules.limits(), packet.message_id, packet.source, wanted, now);
+    route.thinned = wanted & ~route.to;
     if (route.to == 0) route.verdict = kRateLimited;
   }
   return route;
@@ -80,7 +98,7 @@ bool Router::is_duplicate(LinkId from, const RoutingPlan& plan, const mav::Packe
                           base::RunTime now) {
   const int group = plan.group[from];
   return group >= 0 &&
-         duplicates_[static_cast<std::size_t>(group)]->is_duplicate(from, packet.bytes, now);
+         duplicates_[static_cast<std::size_t>(group)]->is_duplicate(from, packet, now);
 }
 
 }  // namespace cas::casd

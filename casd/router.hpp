@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 #include "base/clock.hpp"
 #include "casd/duplicate_filter.hpp"
@@ -42,9 +43,13 @@ struct Route {
     kRateLimited  ///< its turn has not come
   };
   LinkMask to = 0;
+  LinkMask thinned = 0;  ///< links that would have got it, had its turn come
   Verdict verdict = Verdict::kForward;
   PacketInfo info;
 };
+inline constexpr int kVerdicts = 5;
+/// "forwarded", "duplicate", ...
+std::string_view to_string(Route::Verdict verdict);
 
 /// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It
 /// moves no bytes and reads no clock.

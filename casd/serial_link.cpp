@@ -66,7 +66,10 @@ void SerialLink::open(base::RunTime now) {
   path_watch_.disarm();
   fd_ = line.get();
   parser_.reset();
-  port_->attach(std::make_unique<StreamWriter>(std::move(line), StreamWriter::Kind::kTerminal));
+  const bool pty = is_pseudo_terminal(fd_);
+  const auto kind = pty ? StreamWriter::Kind::kPseudoTerminal : StreamWriter::Kind::kSerial;
+  port_->attach(std::make_unique<StreamWriter>(std::move(line), kind),
+                !pty || config.pace_pty || core_.blocking());
   core_.went_up(config.device + (config.baud > 0 ? " " + std::to_string(config.baud) : ""));
 }
 

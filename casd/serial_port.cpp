@@ -7,6 +7,8 @@
 #include <linux/serial.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <cerrno>
 #include <system_error>
@@ -59,9 +61,18 @@ Descriptor open_serial(const std::string& device, const SerialOptions& options,
   return line;
 }
 
-int unsent_bytes(int fd) {
+std::size_t unsent_bytes(int fd) {
   int bytes = 0;
-  return ::ioctl(fd, TIOCOUTQ, &bytes) == 0 ? bytes : 0;
+  return ::ioctl(fd, TIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+}
+
+bool is_pseudo_terminal(int fd) {
+  constexpr unsigned kFirstMajor = 136;  // UNIX98_PTY_SLAVE_MAJOR and the seven after it
+  constexpr unsigned kMajors = 8;
+  struct stat status {};
+  if (::fstat(fd, &status) != 0 || !S_ISCHR(status.st_mode)) return false;
+  const unsigned number = major(status.st_rdev);
+  return number >= kFirstMajor && number < kFirstMajor + kMajors;
 }
 
 }  // namespace cas::casd

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "casd/descriptor.hpp"
@@ -16,7 +17,9 @@ struct SerialOptions {
 /// where the driver knows the word. @return nothing, with the reason in `error`
 Descriptor open_serial(const std::string& device, const SerialOptions& options, std::string& error);
 
-/// Bytes that the driver has not yet put on the line; 0 where it cannot tell (PTY).
-int unsent_bytes(int fd);
+/// Bytes that the driver has not yet put on the line; 0 where it cannot tell.
+std::size_t unsent_bytes(int fd);
+/// A pseudo-terminal has no line, and its count of unsent bytes no meaning.
+bool is_pseudo_terminal(int fd);
 
 }  // namespace cas::casd

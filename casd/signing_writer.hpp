@@ -21,6 +21,7 @@ class SigningWriter final : public PacketWriter {
   /// The caller's rest has no signature; what is written is the rest of the signed packet.
   std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) override;
   int descriptor() const override { return writer_->descriptor(); }
+  std::size_t unsent() const override { return writer_->unsent(); }
   std::size_t added_bytes() const override { return mav::kSignatureBytes; }
 
  private:

@@ -7,6 +7,8 @@
 #include <array>
 #include <cerrno>
 
+#include "casd/serial_port.hpp"
+
 namespace cas::casd {
 namespace {
 
@@ -74,6 +76,10 @@ WriteResult StreamWriter::write(std::span<const PacketRef> packets) {
 std::ptrdiff_t StreamWriter::write_rest(std::span<const std::uint8_t> bytes) {
   iovec part{const_cast<std::uint8_t*>(bytes.data()), bytes.size()};
   return write_vector(&part, 1);
+}
+
+std::size_t StreamWriter::unsent() const {
+  return kind_ == Kind::kSerial ? unsent_bytes(descriptor_.get()) : 0;
 }
 
 // @return bytes gone, 0 when there is no room, -1 when the descriptor is of no more use

@@ -34,6 +34,9 @@ void prepare_tcp(int fd) {
   // What lies in the kernel's buffer can be neither dropped nor overtaken: keep it small.
   const int buffer_bytes = 64 * 1024;
   ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &buffer_bytes, sizeof buffer_bytes);
+  // Room is announced only once nearly all of it is on its way.
+  const int unsent_bytes = 16 * 1024;
+  ::setsockopt(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent_bytes, sizeof unsent_bytes);
 }
 
 TcpLink::TcpLink(LinkContext context)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tcp_server_link.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <chrono>
@@ -21,19 +22,32 @@ constexpr auto kStallPatience = std::chrono::seconds(5);
 }  // namespace
 
 void TcpFanOut::deliver(std::span<const PacketRef> packets, base::RunTime now) {
-  const std::scoped_lock lock(mutex_);
-  for (LinkMask left = present_; left != 0; left &= left - 1) {
-    const auto client = static_cast<std::size_t>(std::countr_zero(left));
-    // Runs of packets that this client is to have.
-    std::size_t begin = 0;
-    for (std::size_t i = 0; i <= packets.size(); ++i) {
-      if (i < packets.size() &&
-          (wanted_by(*packets[i].info) & bit(static_cast<LinkId>(client))) != 0) {
-        continue;
-      }
-      if (i > begin) clients_[client]->deliver(packets.subspan(begin, i - begin), now);
-      begin = i + 1;
+  constexpr std::size_t kChunk = 256;
+  const std::shared_lock lock(mutex_);
+  if (present_ == 0) return;
+  while (!packets.empty()) {
+    const auto chunk = packets.first(std::min(packets.size(), kChunk));
+    std::array<LinkMask, kChunk> wanted;
+    LinkMask clients = 0;
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+      clients |= wanted[i] = wanted_by(*chunk[i].info);
     }
+    for (LinkMask left = clients; left != 0; left &= left - 1) {
+      deliver_to(static_cast<std::size_t>(std::countr_zero(left)), chunk, wanted, now);
+    }
+    packets = packets.subspan(chunk.size());
+  }
+}
+
+// In runs of packets that this client is to have.
+void TcpFanOut::deliver_to(std::size_t client, std::span<const PacketRef> packets,
+                           std::span<const LinkMask> wanted, base::RunTime now) {
+  const LinkMask own = bit(static_cast<LinkId>(client));
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i <= packets.size(); ++i) {
+    if (i < packets.size() && (wanted[i] & own) != 0) continue;
+    if (i > begin) clients_[client]->deliver(packets.subspan(begin, i - begin), now);
+    begin = i + 1;
   }
 }
 
@@ -41,11 +55,6 @@ void TcpFanOut::set_client(std::uint8_t client, std::shared_ptr<TxPort> port) {
   const std::scoped_lock lock(mutex_);
   clients_[client] = std::move(port);
   present_ |= bit(client);
-}
-
-void TcpFanOut::carry_on(std::uint8_t client, base::RunTime now) {
-  const std::scoped_lock lock(mutex_);
-  clients_[client]->carry_on(now);
 }
 
 void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
@@ -68,7 +77,7 @@ TcpServerLink::TcpServerLink(LinkContext context)
       buffer_(kReadBytes) {}
 
 TcpServerLink::~TcpServerLink() {
-  for (const auto& client : clients_) fan_out_->remove_client(client->slot, DropCause::kDown);
+  for (const auto& client : clients_) fan_out_->remove_client(client->slot, DropCause::kClosed);
 }
 
 void TcpServerLink::watch(PollSet& set, base::RunTime) {
@@ -154,7 +163,7 @@ std::string TcpServerLink::serve_client(Client& client, short events, base::RunT
     if (std::string trouble = read(client, now); !trouble.empty()) return trouble;
   }
   if (client.port->broken()) return "connection lost";
-  if ((events & POLLOUT) != 0 || client.port->due() <= now) fan_out_->carry_on(client.slot, now);
+  if ((events & POLLOUT) != 0 || client.port->due() <= now) client.port->carry_on(now);
   const auto stuck = client.port->stuck_since();
   if (stuck && now - *stuck > kStallPatience) return kStopped;
   return {};
@@ -178,7 +187,7 @@ std::string TcpServerLink::read(Client& client, base::RunTime now) {
 void TcpServerLink::remove(std::size_t index, const std::string& reason) {
   const Client& client = *clients_[index];
   const bool stalled = reason == kStopped;
-  fan_out_->remove_client(client.slot, stalled ? DropCause::kStalled : DropCause::kDown);
+  fan_out_->remove_client(client.slot, stalled ? DropCause::kStalled : DropCause::kClosed);
   slots_ &= ~bit(client.slot);
   base::log::info("link " + core_.config().name + ": " + client.name + " " + reason);
   clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));

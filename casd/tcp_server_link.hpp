@@ -3,7 +3,8 @@
 
 #include <array>
 #include <memory>
-#include <mutex>
+#include <shared_mutex>
+#include <span>
 #include <vector>
 
 #include "casd/descriptor.hpp"
@@ -14,9 +15,9 @@
 
 namespace cas::casd {
 
-/// Hands each packet to the clients that are to have it. Each client has a queue of its own, so
-/// that one that stops reading costs the others nothing. All writing to clients happens under one
-/// lock, which makes the one writer of the link's counters.
+/// Hands each packet to the clients that are to have it. Each client has a TxPort of its own, with
+/// its own locks and queue, so that one that stops reading costs the others nothing. The lock here
+/// is shared by all who write and only keeps the table of clients from changing meanwhile.
 class TcpFanOut final : public PacketPort {
  public:
   TcpFanOut(LinkId own, base::Duration route_lifetime) : own_(own), routes_(route_lifetime) {}
@@ -26,15 +27,16 @@ class TcpFanOut final : public PacketPort {
   // The link's thread:
   void set_client(std::uint8_t client, std::shared_ptr<TxPort> port);
   void remove_client(std::uint8_t client, DropCause cause);
-  void carry_on(std::uint8_t client, base::RunTime now);
   RouteTable& routes() { return routes_; }
 
  private:
   LinkMask wanted_by(const PacketInfo& info) const;
+  void deliver_to(std::size_t client, std::span<const PacketRef> packets,
+                  std::span<const LinkMask> wanted, base::RunTime now);
 
   LinkId own_;
   RouteTable routes_;
-  std::mutex mutex_;
+  std::shared_mutex mutex_;
   std::array<std::shared_ptr<TxPort>, kMaxLinks> clients_;
   LinkMask present_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "casd/line_budget.hpp"
 #include "casd/topology_parts.hpp"
 
 namespace cas::casd {
@@ -109,6 +110,18 @@ std::vector<RouteConfig> parse_routes(const base::ConfigNode& root,
   return routes;
 }
 
+// A pseudo-terminal has no rate of its own. It is held to its baud rate where that makes a
+// difference to how old data gets: where the routes may send half of it or more.
+void pace_tight_lines(Topology& topology) {
+  constexpr double kTight = 0.5;
+  for (const LineBudget& budget : line_budgets(topology)) {
+    if (budget.load_bytes_s() < kTight * budget.capacity_bytes_s) continue;
+    for (LinkConfig& link : topology.links) {
+      if (link.name == budget.link && link.pace) link.pace_pty = true;
+    }
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(ThreadModel model) {
@@ -148,6 +161,7 @@ Topology Topology::parse(const base::ConfigNode& root) {
   if (const auto node = root.find("commanding")) topology.commanding = parse_commanding(*node);
   topology.links = parse_links(root);
   topology.routes = parse_routes(root, topology.links);
+  pace_tight_lines(topology);
   if (const auto log = root.find("log")) topology.log = parse_log(*log);
   if (const auto dialect = root.find("dialect")) {
     topology.dialect = root.resolve(dialect->as<std::string>());

@@ -55,6 +55,7 @@ struct LinkConfig {
   bool flow_control = false;    ///< RTS/CTS
   bool pace = true;             ///< hold writes to 98 % of the baud rate
   base::Duration sensor_gap{};  ///< least time between two HIL_SENSOR; 0: none
+  bool pace_pty = false;        ///< also on a pseudo-terminal: said so, or its routes may fill it
 
   // tlog
   std::filesystem::path file;

@@ -66,6 +66,7 @@ void parse_serial(const base::ConfigNode& node, LinkConfig& link) {
   link.baud = static_cast<unsigned>(node.get_in("baud", 0, 0, 12'000'000));
   link.flow_control = node.get<bool>("flow_control", false);
   link.pace = node.get<bool>("pace", link.baud > 0);
+  link.pace_pty = link.pace && node.has("pace");
   if (link.pace && link.baud == 0) node.at("pace").fail("a line without baud has no pace");
   constexpr double kLongestGap_ms = 20;
   link.sensor_gap = base::from_seconds(1e-3 * node.get_in("sensor_gap_ms", 0, 0, kLongestGap_ms));

@@ -72,13 +72,6 @@ std::string route_line(const RouteConfig& route) {
          (text.empty() ? ": everything" : ": " + text.substr(2)) + "\n";
 }
 
-std::string budget_line(const LineBudget& budget) {
-  char numbers[96];
-  std::snprintf(numbers, sizeof numbers, "%.1f of %.1f kB/s, ", budget.load_bytes_s() / 1e3,
-                budget.capacity_bytes_s / 1e3);
-  return "  " + budget.link + ": " + numbers + (budget.fits() ? "carries it" : "TOO SLOW") + "\n";
-}
-
 }  // namespace
 
 std::string topology_text(const Topology& topology) {
@@ -92,9 +85,7 @@ std::string topology_text(const Topology& topology) {
   for (const RouteConfig& route : topology.routes) text += route_line(route);
   const std::vector<LineBudget> budgets = line_budgets(topology);
   if (!budgets.empty()) text += "expected load of the lines\n";
-  for (const LineBudget& budget : budgets) text += budget_line(budget);
-  for (const std::string& warning : line_budget_warnings(topology)) text += warning + "\n";
-  return text;
+  return text + describe(budgets);
 }
 
 void check_named_files(const Topology& topology) {

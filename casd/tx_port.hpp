@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "casd/line_check.hpp"
 #include "casd/line_pacer.hpp"
 #include "casd/link.hpp"
 #include "casd/monitor.hpp"
@@ -20,10 +21,12 @@ namespace cas::casd {
 class LinkSigning;
 
 struct TxPortOptions {
-  TxQueueOptions queue;
-  double line_bytes_s = 0;               ///< rate that writes are held to; 0: none
-  base::Duration sensor_gap{};           ///< least time between two HIL_SENSOR; 0: none
-  std::shared_ptr<LinkSigning> signing;  ///< may be empty
+  TxQueueOptions queue = {};
+  double line_bytes_s = 0;                    ///< rate of the line that writes are held to; 0: none
+  double cap_bytes_s = 0;                     ///< cap that the topology sets; 0: none
+  base::Duration sensor_gap{};                ///< least time between two HIL_SENSOR; 0: none
+  bool flow_control = false;                  ///< the other side may hold the line
+  std::shared_ptr<LinkSigning> signing = {};  ///< may be empty
   bool blocking = false;  ///< write one packet a turn and wait for the line (threads: blocking)
 };
 
@@ -50,9 +53,10 @@ class TxPort final : public PacketPort {
   // The link's thread only:
 
   /// A fresh descriptor is open. Nothing of before is sent over it.
-  void attach(std::unique_ptr<PacketWriter> writer);
+  /// @param has_rate  whether the line behind it has the rate of the options
+  void attach(std::unique_ptr<PacketWriter> writer, bool has_rate = true);
   /// The descriptor is gone; what waits is dropped.
-  void detach(DropCause cause = DropCause::kDown);
+  void detach(DropCause cause = DropCause::kClosed);
   /// Writes what waits, as far as descriptor and pacer allow.
   void carry_on(base::RunTime now);
   /// The descriptor took no more: wait for POLLOUT, then carry_on().
@@ -76,10 +80,13 @@ class TxPort final : public PacketPort {
   void drain(base::RunTime now);
   bool write_tail(base::RunTime now);
   bool take_batch(base::RunTime now);
+  void drop_late_batch(base::RunTime now);
   void drop_all(DropCause cause);
+  void pace(bool has_rate);
   void account(std::span<const PacketRef> written, base::RunTime now);
   void count_drop(const PacketInfo& info, DropCause cause);
   bool anything_queued();
+  bool line_ready(base::RunTime now);
   bool held_by_pacer(base::RunTime now) const;
   void wait_for_room(base::RunTime now);
   void wait_for_line();
@@ -92,6 +99,8 @@ class TxPort final : public PacketPort {
   std::mutex writer_mutex_;
   std::unique_ptr<PacketWriter> writer_;
   LinePacer pacer_;
+  std::atomic<bool> capped_{false};  ///< the pacer holds to the topology's cap, not to the line
+  LineCheck line_check_;
   std::vector<std::uint8_t> tail_;  ///< rest of a packet that was begun
   std::vector<std::uint8_t> batch_bytes_;
   std::vector<PacketInfo> batch_infos_;

@@ -24,10 +24,12 @@ std::string_view to_string(DropCause cause) {
   switch (cause) {
     case DropCause::kAge:
       return "age";
-    case DropCause::kFull:
-      return "full";
-    case DropCause::kDown:
-      return "down";
+    case DropCause::kBandwidth:
+      return "bandwidth";
+    case DropCause::kQueueFull:
+      return "queue_full";
+    case DropCause::kClosed:
+      return "closed";
     case DropCause::kStalled:
       return "stalled";
   }
@@ -45,10 +47,10 @@ bool TxQueue::push(const PacketInfo& info, std::span<const std::uint8_t> bytes) 
   const bool was_idle = ring(traffic).empty();
   while (!ring(traffic).push(info, bytes)) {
     if (traffic == kCommand || ring(traffic).empty()) {
-      if (on_drop_) on_drop_(info, DropCause::kFull);
+      if (on_drop_) on_drop_(info, DropCause::kQueueFull);
       return false;
     }
-    drop_front(traffic, DropCause::kFull);
+    drop_front(traffic, DropCause::kQueueFull);
   }
   // Who comes back from idling starts level with the others instead of cashing in its absence.
   double& own_time = virtual_time_[index(traffic)];
@@ -91,21 +93,23 @@ std::size_t TxQueue::bytes() const {
 
 void TxQueue::drop_late(base::RunTime now, const LinePacer& line) {
   for (const TrafficClass traffic : {kHil, kGps, kTelemetry}) {
-    while (!ring(traffic).empty() && too_late(traffic, ring(traffic).front(), now, line)) {
+    while (!ring(traffic).empty()) {
+      const QueuedPacket oldest = ring(traffic).front();
+      if (!too_late(oldest.info, oldest.bytes.size(), now, line)) break;
       drop_front(traffic, DropCause::kAge);
     }
   }
 }
 
-bool TxQueue::too_late(TrafficClass traffic, const QueuedPacket& packet, base::RunTime now,
+bool TxQueue::too_late(const PacketInfo& info, std::size_t size, base::RunTime now,
                        const LinePacer& line) const {
-  const base::Duration limit = traffic == kHil   ? options_.hil_max_age
-                               : traffic == kGps ? options_.gps_max_age
-                                                 : options_.telemetry_max_age;
+  if (info.traffic == kCommand) return false;
+  const base::Duration limit = info.traffic == kHil   ? options_.hil_max_age
+                               : info.traffic == kGps ? options_.gps_max_age
+                                                      : options_.telemetry_max_age;
   // A line so slow that one packet takes most of the limit still gets the newest one.
-  const base::Duration allowed =
-      std::max(limit - limit / kGuardDivisor, 2 * line.time_for(packet.bytes.size()));
-  return line.arrival(packet.bytes.size(), now) - packet.info.received > allowed;
+  const base::Duration allowed = std::max(limit - limit / kGuardDivisor, 2 * line.time_for(size));
+  return line.arrival(size, now) - info.received > allowed;
 }
 
 std::optional<TrafficClass> TxQueue::next_class() const {

@@ -19,12 +19,13 @@ namespace cas::casd {
 
 /// Why a packet did not go out.
 enum class DropCause : std::uint8_t {
-  kAge,      ///< would have arrived too late to be worth anything
-  kFull,     ///< its class had no room left
-  kDown,     ///< the link was away, or came back and what waited was stale
-  kStalled,  ///< the peer stopped reading
+  kAge,        ///< would have arrived too late to be worth anything
+  kBandwidth,  ///< likewise, because of the cap that the topology sets
+  kQueueFull,  ///< its class, or the socket, had no room left
+  kClosed,     ///< the link was away, or came back and what waited was stale
+  kStalled,    ///< the peer stopped reading and was closed
 };
-inline constexpr int kDropCauses = 4;
+inline constexpr int kDropCauses = 5;
 std::string_view to_string(DropCause cause);
 
 struct TxQueueOptions {
@@ -63,6 +64,10 @@ class TxQueue {
   /// Drops everything: the link went away.
   void clear(DropCause cause);
 
+  /// Would a packet that is handed to `line` now arrive too late?
+  bool too_late(const PacketInfo& info, std::size_t size, base::RunTime now,
+                const LinePacer& line) const;
+
   bool empty() const { return count() == 0; }
   std::size_t count() const;
   std::size_t bytes() const;
@@ -70,8 +75,6 @@ class TxQueue {
 
  private:
   void drop_late(base::RunTime now, const LinePacer& line);
-  bool too_late(TrafficClass traffic, const QueuedPacket& packet, base::RunTime now,
-                const LinePacer& line) const;
   std::optional<TrafficClass> next_class() const;
   void drop_front(TrafficClass traffic, DropCause cause);
   PacketRing& ring(TrafficClass traffic) { return rings_[static_cast<std::size_t>(traffic)]; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/udp_link.hpp"
 
+#include <net/if.h>
 #include <netinet/in.h>
 #include <unistd.h>
 
@@ -34,22 +35,41 @@ class UdpWriter final : public PacketWriter {
   DatagramSender sender_;
 };
 
-bool join_group(int fd, const SocketAddress& group) {
+// Everybody's address, or that of a subnet: the kernel knows which addresses are one, and connects
+// to them only with SO_BROADCAST.
+bool is_broadcast(const SocketAddress& remote) {
+  if (remote.is_ipv4_broadcast()) return true;
+  const Descriptor probe(::socket(remote.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  return probe && ::connect(probe.get(), remote.get(), remote.size) != 0 && errno == EACCES;
+}
+
+// Hears the group and speaks to it on this device; with an empty name on the one that the routes
+// lead to.
+bool join_group(int fd, const SocketAddress& group, const std::string& interface) {
+  const unsigned device = interface.empty() ? 0 : ::if_nametoindex(interface.c_str());
   if (group.family() == AF_INET) {
     ip_mreqn request{};
     request.imr_multiaddr = reinterpret_cast<const sockaddr_in&>(group.storage).sin_addr;
-    return ::setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) == 0;
+    request.imr_ifindex = static_cast<int>(device);
+    const int only_joined = 0;
+    ::setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &only_joined, sizeof only_joined);
+    return ::setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) == 0 &&
+           (device == 0 ||
+            ::setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request) == 0);
   }
   ipv6_mreq request{};
   const auto& v6 = reinterpret_cast<const sockaddr_in6&>(group.storage);
   request.ipv6mr_multiaddr = v6.sin6_addr;
-  request.ipv6mr_interface = v6.sin6_scope_id;
-  return ::setsockopt(fd, IPPROTO_IPV6, IPV6_JOIN_GROUP, &request, sizeof request) == 0;
+  request.ipv6mr_interface = device != 0 ? device : v6.sin6_scope_id;
+  const unsigned through = request.ipv6mr_interface;
+  return ::setsockopt(fd, IPPROTO_IPV6, IPV6_JOIN_GROUP, &request, sizeof request) == 0 &&
+         (through == 0 ||
+          ::setsockopt(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, &through, sizeof through) == 0);
 }
 
 // The address that our packets to `remote` bear, with the port of `fd`.
-SocketAddress source_towards(const SocketAddress& remote, int fd) {
-  const Descriptor probe(::socket(remote.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
+SocketAddress source_towards(const SocketAddress& remote, int fd, const std::string& interface) {
+  const Descriptor probe(open_udp_socket(remote.family(), interface));
   const int on = 1;
   ::setsockopt(probe.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
   if (!probe || ::connect(probe.get(), remote.get(), remote.size) != 0) return {};
@@ -131,21 +151,18 @@ bool UdpLink::look_up(base::RunTime now) {
 }
 
 bool UdpLink::prepare(int fd, const SocketAddress& remote) {
-  to_many_ = remote.is_multicast() || remote.is_ipv4_broadcast();
+  to_many_ = remote.is_multicast() || is_broadcast(remote);
   const int on = 1;
-  ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
   if (to_many_) ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (!core_.config().local.empty()) {
     const SocketAddress& local = local_.address();
     if (::bind(fd, local.get(), local.size) != 0) return false;
   }
-  if (!to_many_) {
-    if (::connect(fd, remote.get(), remote.size) == 0) return true;
-    if (errno != EACCES) return false;
-    to_many_ = true;  // a subnet's broadcast address
-  }
-  if (remote.is_multicast() && !join_group(fd, remote)) return false;
-  own_ = source_towards(remote, fd);
+  if (!to_many_) return ::connect(fd, remote.get(), remote.size) == 0;
+  ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
+  const std::string& interface = core_.config().interface;
+  if (remote.is_multicast() && !join_group(fd, remote, interface)) return false;
+  own_ = source_towards(remote, fd, interface);
   return true;
 }
 

@@ -41,7 +41,8 @@ void UdpServerWriter::send_to_each(const PacketRef& packet, LinkMask peers) {
   for (unsigned done = 0; done < count;) {
     const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
                                 MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (sent <= 0) monitor_->tx.peer_drops.add();  // this peer's loss; on with the next
+    // This peer's loss; on with the next.
+    if (sent <= 0) monitor_->count_dropped(*packet.info, DropCause::kQueueFull);
     done += sent > 0 ? static_cast<unsigned>(sent) : 1;
   }
 }
@@ -62,7 +63,10 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
     }
     const auto result = sender_.send(descriptor_.get(), of_peer_, peers_->table.address(peer),
                                      peers_->table.address_size(peer));
-    if (result.error != 0) monitor_->tx.peer_drops.add(of_peer_.size() - result.packets);
+    if (result.error == 0) continue;
+    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) {
+      monitor_->count_dropped(*of_peer_[i].info, DropCause::kQueueFull);
+    }
   }
 }
 

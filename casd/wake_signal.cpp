@@ -20,7 +20,6 @@ void WakeSignal::raise() {
 }
 
 void WakeSignal::lower() {
-  if (!raised_.load(std::memory_order_acquire)) return;
   std::uint64_t count = 0;
   [[maybe_unused]] const auto taken = ::read(event_.get(), &count, sizeof count);
   raised_.exchange(false, std::memory_order_acq_rel);

@@ -46,9 +46,11 @@ std::string drop_words(casd::DropCause cause) {
   switch (cause) {
     case casd::DropCause::kAge:
       return "too old in casd's queue";
-    case casd::DropCause::kFull:
+    case casd::DropCause::kBandwidth:
+      return "too old in casd's queue, under the link's max_bytes_s";
+    case casd::DropCause::kQueueFull:
       return "casd's queue was full";
-    case casd::DropCause::kDown:
+    case casd::DropCause::kClosed:
       return "the link was down";
     case casd::DropCause::kStalled:
       return "the peer stopped reading";

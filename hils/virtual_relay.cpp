@@ -140,7 +140,7 @@ base::RunTime VirtualRelay::next_event() const {
 void VirtualRelay::kill() {
   running_ = false;
   for (Port& port : ports_) {
-    port.queue.clear(casd::DropCause::kDown);
+    port.queue.clear(casd::DropCause::kClosed);
     port.pacer.reset();
     port.tail.clear();
     port.inbox.clear();

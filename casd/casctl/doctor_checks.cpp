@@ -105,7 +105,7 @@ void check_baud(const DoctorFacts& facts, Findings& all) {
     const std::string name = "line " + link.value("name", "?");
     const double load = growth(facts, link, "tx", "bytes") / facts.seconds;
     const double used = load / capacity;
-    const bool late = drop_growth(facts, link, "age") + drop_growth(facts, link, "full") > 0;
+    const bool late = drop_growth(facts, link, "age") + drop_growth(facts, link, "queue_full") > 0;
     const std::string text =
         name + " carries " + fixed(load / 1000, 1) + " of " + fixed(capacity / 1000, 1) + " kB/s";
     if (used > kFullLine || late) {

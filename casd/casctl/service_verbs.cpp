@@ -58,13 +58,17 @@ int show_routes(Session& session) {
 /// What a cause of a drop means, and what to do.
 std::string cause_text(const std::string& cause) {
   if (cause == "age") return "would have arrived too late: the line is too slow for what is sent";
-  if (cause == "full") return "no room in its queue: the line is too slow or stands still";
-  if (cause == "down") return "the link was away";
-  if (cause == "stalled") return "the peer stopped reading";
+  if (cause == "bandwidth") return "would have arrived too late under the link's max_bytes_s";
+  if (cause == "queue_full") return "no room in its queue: the line is too slow or stands still";
+  if (cause == "closed") return "the link was away";
+  if (cause == "stalled") return "the peer stopped reading and was closed";
   if (cause == "no_rule") return "no route lets it go anywhere (see casctl routes)";
   if (cause == "no_target") return "addressed to a system that was never heard";
   if (cause == "duplicate") return "came over another path of its group already";
   if (cause == "rate_limited") return "thinned out by a route's rates";
+  if (cause == "crc") return "a packet with a wrong checksum: the line disturbs it";
+  if (cause == "kernel") return "the socket's buffer was full: casd came too late";
+  if (cause == "foreign") return "no room for one more peer, or not the peer";
   return "";
 }
 
@@ -80,10 +84,9 @@ int show_drops(Session& session) {
     table.add({entry.value("link", "?"), entry.value("name", "?"), entry.at("count").dump(), cause,
                cause_text(cause)});
   }
-  for (const json& entry : drops.at("not_forwarded")) {
+  for (const json& entry : drops.at("unreadable")) {
     const std::string cause = entry.value("cause", "?");
-    table.add({entry.value("link", "?"), "(received)", entry.at("count").dump(), cause,
-               cause_text(cause)});
+    table.add({entry.value("link", "?"), "-", entry.at("count").dump(), cause, cause_text(cause)});
   }
   if (table.empty()) {
     std::cout << "nothing was dropped\n";

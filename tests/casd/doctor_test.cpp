@@ -14,7 +14,7 @@ json link(const std::string& name, const std::string& type) {
           {"state", "up"},
           {"endpoint", type == "serial" ? "/dev/pixhawk 921600" : "127.0.0.1:14561"},
           {"rx", {{"lost", 0}, {"crc_errors", 0}, {"kernel_drops", 0}}},
-          {"tx", {{"bytes", 0}, {"dropped", {{"age", 0}, {"full", 0}}}}}};
+          {"tx", {{"bytes", 0}, {"dropped", {{"age", 0}, {"queue_full", 0}}}}}};
 }
 
 json message(const std::string& on, const std::string& direction, const std::string& name,

@@ -119,6 +119,25 @@ TEST(Router, OldCopyIsNoDuplicate) {
   EXPECT_EQ(router.on_packet(1, view(heartbeat), at(std::chrono::seconds(1))).verdict, kForward);
 }
 
+TEST(Router, TellsWhichLinksARateRuleTookAway) {
+  auto plan = all_to_all(2);
+  ForwardRule thinned;
+  thinned.from = 0;
+  thinned.to = 2;
+  thinned.rates = {{.message_id = 0, .every = 2}};
+  ForwardRule whole;
+  whole.from = 0;
+  whole.to = 1;
+  plan->rules = ForwardRules(std::vector{thinned, whole});
+  Router router(plan, mav::public_table());
+  const auto heartbeat = packet(Heartbeat{}, {1, 1});
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).thinned, 0U);
+  const Route second = router.on_packet(0, view(heartbeat), at({}));
+  EXPECT_EQ(second.thinned, bit(2));
+  EXPECT_EQ(second.to, bit(1));
+  EXPECT_EQ(second.verdict, kForward);
+}
+
 /// The rules of the routing guide and of our topology, written as slowly and plainly as they read.
 struct PlainRouter {
   std::vector<ForwardRule> rules;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "casd/line_budget.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "tests/casd/packets.hpp"
@@ -193,7 +195,36 @@ TEST(LineBudget, SaysWhichRatesWouldFit) {
   // 500 x 77 + 5 x 51 + 21 bytes a second; 98 % of 115200 baud are 11.3 kB/s.
   EXPECT_NE(sentences[0].find("11.3 kB/s"), std::string::npos) << sentences[0];
   EXPECT_NE(sentences[0].find("38.8 kB/s"), std::string::npos) << sentences[0];
-  EXPECT_NE(sentences[0].find("HIL_SENSOR at 143 Hz"), std::string::npos) << sentences[0];
+  EXPECT_NE(sentences[0].find("HIL_SENSOR fits up to 143 Hz"), std::string::npos) << sentences[0];
+}
+
+TEST(LineBudget, TakesRoutesWithoutAnAllowListToCarryTheStreams) {
+  std::string yaml = kLinks;
+  yaml.replace(yaml.find("921600"), 6, "115200");
+  const auto budgets = line_budgets(parse(yaml));  // every link talks to every other one
+  const auto fcu = std::find_if(budgets.begin(), budgets.end(),
+                                [](const LineBudget& budget) { return budget.link == "fcu"; });
+  ASSERT_NE(fcu, budgets.end());
+  EXPECT_FALSE(fcu->fits());
+  EXPECT_EQ(fcu->fitting_baud(), 460'800U);
+  const std::string words = describe(budgets);
+  EXPECT_NE(words.find("HIL_SENSOR"), std::string::npos) << words;
+  EXPECT_NE(words.find("TOO MUCH"), std::string::npos) << words;
+}
+
+TEST(LineBudget, PacesAPseudoTerminalOnlyWhereTheRateIsTight) {
+  const auto paced = [](const std::string& baud, const std::string& more = "") {
+    std::string yaml = kLinks;
+    yaml.replace(yaml.find("921600"), 6, baud + more);
+    for (const LinkConfig& link : parse(yaml).links) {
+      if (link.name == "fcu") return link.pace_pty;
+    }
+    return false;
+  };
+  EXPECT_FALSE(paced("921600"));
+  EXPECT_TRUE(paced("921600", ", pace: true"));
+  EXPECT_TRUE(paced("115200"));
+  EXPECT_FALSE(paced("115200", ", pace: false"));
 }
 
 TEST(LineBudget, IsSilentWhenTheLineSuffices) {

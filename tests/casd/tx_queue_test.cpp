@@ -104,7 +104,7 @@ TEST(TxQueue, SaturatedLineStaysFreshAndStarvesNobodyButTelemetry) {
   EXPECT_EQ(sent[kCommand], 100);
   EXPECT_LE(oldest[kGps], milliseconds(40));
   EXPECT_LE(oldest[kCommand], milliseconds(40));
-  EXPECT_EQ((drops.count[{kCommand, DropCause::kFull}]), 0);
+  EXPECT_EQ((drops.count[{kCommand, DropCause::kQueueFull}]), 0);
   // 11.29 kB/s, less 4.5 of commands and 0.26 of GPS, are 1370 HIL packets in ten seconds.
   EXPECT_GT(sent[kHil], 1300);
 }
@@ -128,7 +128,7 @@ TEST(TxQueue, FullCommandClassRefusesTheNewOne) {
   while (queue.push(info(kCommand, at({})), bytes(45))) ++taken;
   EXPECT_GT(taken, 5);
   EXPECT_EQ(queue.count(), static_cast<std::size_t>(taken));
-  EXPECT_EQ((drops.count[{kCommand, DropCause::kFull}]), 1);
+  EXPECT_EQ((drops.count[{kCommand, DropCause::kQueueFull}]), 1);
 }
 
 TEST(TxQueue, FullTelemetryClassDropsTheOldest) {
@@ -138,7 +138,7 @@ TEST(TxQueue, FullTelemetryClassDropsTheOldest) {
   std::uint8_t last = 0;
   while (const auto next = queue.pop(at({}), {})) last = next->bytes.front();
   EXPECT_EQ(last, 99);
-  EXPECT_GT((drops.count[{kTelemetry, DropCause::kFull}]), 80);
+  EXPECT_GT((drops.count[{kTelemetry, DropCause::kQueueFull}]), 80);
 }
 
 TEST(TxQueue, TelemetryWaitsForEverythingElse) {
@@ -173,10 +173,10 @@ TEST(TxQueue, ClearCountsEveryPacket) {
   TxQueue queue({}, drops.counter());
   queue.push(info(kHil, at({})), bytes(40));
   queue.push(info(kCommand, at({})), bytes(40));
-  queue.clear(DropCause::kDown);
+  queue.clear(DropCause::kClosed);
   EXPECT_TRUE(queue.empty());
-  EXPECT_EQ((drops.count[{kHil, DropCause::kDown}]), 1);
-  EXPECT_EQ((drops.count[{kCommand, DropCause::kDown}]), 1);
+  EXPECT_EQ((drops.count[{kHil, DropCause::kClosed}]), 1);
+  EXPECT_EQ((drops.count[{kCommand, DropCause::kClosed}]), 1);
 }
 
 }  // namespace

@@ -92,48 +92,5 @@ TEST_P(CasdForwarding, WritesTheFlightLog) {
 INSTANTIATE_TEST_SUITE_P(Threads, CasdForwarding, testing::Values("per_link", "single", "blocking"),
                          [](const auto& test) { return std::string(test.param); });
 
-TEST(CasdLine, IsPacedToItsRateAndDropsOnlyWhatIsTooOld) {
-  CasdBench bench;
-  bench.start(R"(schema: 1
-links:
-  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
-  - {name: fcu, type: serial, device: "$FCU", baud: 115200}
-)");
-  // 100 packets at once: 7.7 kB are 0.67 s of this line, far beyond the age limit of 25 ms.
-  constexpr std::uint64_t kPackets = 100;
-  for (std::uint64_t i = 1; i <= kPackets; ++i) bench.sim.send(bench.from_sim(hil_sensor(i)));
-  bench.sim.send(bench.from_sim(mavlink::common::CommandLong{}));
-  ASSERT_TRUE(bench.collect_until([&] {
-    return bench.at_fcu.count(mavlink::common::CommandLong::kId) == 1 &&
-           bench.status("fcu").tx.queued == 0;
-  }));
-  const auto status = bench.status("fcu");
-  const auto aged = status.tx.dropped[static_cast<std::size_t>(casd::DropCause::kAge)];
-  EXPECT_GT(aged, 0U);
-  EXPECT_EQ(bench.at_fcu.count(kHilSensor) + aged, kPackets);
-  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
-}
-
-TEST(CasdLine, FinishesEveryPacketItBegan) {
-  CasdBench bench;
-  bench.start(R"(schema: 1
-links:
-  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
-  - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}
-)");
-  // The controller does not read: the line fills up in the middle of a packet.
-  constexpr std::uint64_t kPackets = 3000;
-  for (std::uint64_t i = 1; i <= kPackets; ++i) {
-    bench.sim.send(bench.from_sim(hil_sensor(i)));
-    if (i % 50 == 0) {
-      ASSERT_TRUE(wait_until([&] { return bench.status("sim").rx.packets == i; }));
-    }
-  }
-  EXPECT_GT(bench.status("fcu").tx.queued, 0U);
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == kPackets; }));
-  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor), one_to(kPackets));
-  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
-}
-
 }  // namespace
 }  // namespace cas::test

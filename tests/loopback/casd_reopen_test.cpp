@@ -34,7 +34,8 @@ TEST(CasdReopen, SerialLineComesBackWithoutAnythingStale) {
   }));
   EXPECT_EQ(numbers(bench.at_fcu, kHilSensor).back(), 51U);
   EXPECT_EQ(bench.status("fcu").reconnects, 1U);
-  EXPECT_EQ(bench.status("fcu").tx.dropped[static_cast<std::size_t>(casd::DropCause::kDown)], 49U);
+  EXPECT_EQ(bench.status("fcu").tx.dropped[static_cast<std::size_t>(casd::DropCause::kClosed)],
+            49U);
 }
 
 TEST(CasdReopen, SerialLineSurvivesBeingPulledUnderLoadManyTimes) {

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Garbage and half packets on every kind of link: what is whole goes on, nothing else does, and the
+// link stays up.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+
+#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/tcp_peer.hpp"
+
+namespace cas::test {
+namespace {
+
+constexpr std::uint64_t kPackets = 200;
+
+/// Sends whole packets with random bytes and packets cut short between them, and looks at what
+/// arrives at the simulator.
+void expect_only_whole_packets(CasdBench& bench, bool stream,
+                               const std::function<void(std::span<const std::uint8_t>)>& send) {
+  std::mt19937 random(11);
+  mav::Encoder sender({7, 1});
+  for (std::uint64_t i = 1; i <= kPackets; ++i) {
+    const auto whole = sender(hil_controls(i));
+    std::vector<std::uint8_t> bytes(whole.begin(), whole.end());
+    std::vector<std::uint8_t> rubbish(random() % 40);
+    for (std::uint8_t& byte : rubbish) byte = static_cast<std::uint8_t>(random());
+    const std::size_t cut = 1 + random() % (bytes.size() - 1);
+    if (random() % 2 == 0)
+      rubbish.insert(rubbish.end(), bytes.begin(),
+                     bytes.begin() + static_cast<std::ptrdiff_t>(cut));
+    if (!rubbish.empty()) send(rubbish);
+    send(bytes);
+  }
+  // A stream may end in a false start: what follows decides about it.
+  const std::vector<std::uint8_t> silence(600, 0);
+  if (stream) send(silence);
+  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == kPackets; }));
+  EXPECT_EQ(numbers(bench.at_sim, kHilControls).back(), kPackets);
+  EXPECT_EQ(bench.at_sim.garbage(), 0U);
+  EXPECT_EQ(bench.at_sim.packets().size(), kPackets);
+}
+
+std::string with(const std::string& link) {
+  return "schema: 1\nlinks:\n  - {name: sim, type: udp, local: \"127.0.0.1:0\", remote: \"$SIM\"}\n"
+         "  - {name: in, unknown_messages: drop, " +
+         link +
+         "}\n"
+         "routes:\n  - {from: in, to: sim}\n";
+}
+
+TEST(CasdGarbage, OnASerialLine) {
+  CasdBench bench;
+  bench.start(with("type: serial, device: \"$FCU\""));
+  expect_only_whole_packets(bench, true, [&](auto bytes) { bench.fcu.write(bytes); });
+}
+
+TEST(CasdGarbage, OnAUdpLink) {
+  CasdBench bench;
+  UdpPeer peer;
+  bench.start(with("type: udp, local: \"127.0.0.1:0\", remote: \"" + peer.endpoint() + "\""));
+  peer.set_remote(bench.port("in"));
+  expect_only_whole_packets(bench, false, [&](auto bytes) { peer.send(bytes); });
+}
+
+TEST(CasdGarbage, OnAUdpServer) {
+  CasdBench bench;
+  UdpPeer peer;
+  UdpPeer stranger;
+  bench.start(with("type: udp_server, local: \"127.0.0.1:0\""));
+  peer.set_remote(bench.port("in"));
+  stranger.set_remote(bench.port("in"));
+  expect_only_whole_packets(bench, false, [&](auto bytes) {
+    stranger.send(std::vector<std::uint8_t>{0xFD, 1, 2});
+    peer.send(bytes);
+  });
+  EXPECT_EQ(bench.status("in").peers, 1U);  // who never sent a whole packet is none
+}
+
+TEST(CasdGarbage, OnATcpServer) {
+  CasdBench bench;
+  bench.start(with("type: tcp_server, local: \"127.0.0.1:0\""));
+  TcpPeer client(bench.port("in"));
+  ASSERT_TRUE(client.connected());
+  expect_only_whole_packets(bench, true, [&](auto bytes) { client.send(bytes); });
+}
+
+TEST(CasdGarbage, OnATcpLink) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  socklen_t size = sizeof address;
+  ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  CasdBench bench;
+  bench.start(
+      with("type: tcp, remote: \"127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "\""));
+  TcpPeer server(::accept(listener, nullptr, nullptr), true);
+  expect_only_whole_packets(bench, true, [&](auto bytes) { server.send(bytes); });
+  ::close(listener);
+}
+
+}  // namespace
+}  // namespace cas::test
