@@ -255,6 +255,7 @@ json CommandFigures::drops() const {
     add("crc", link.rx.crc_errors);
     add("kernel", link.rx.kernel_drops);
     add("foreign", link.rx.foreign);
+    add("not_accepted", link.rx.not_accepted);
   }
   json dropped = json::array();
   for (const MessageStatus& message : source_.monitor->messages(source_.now())) {

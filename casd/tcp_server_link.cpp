@@ -80,9 +80,9 @@ TcpServerLink::~TcpServerLink() {
   for (const auto& client : clients_) fan_out_->remove_client(client->slot, DropCause::kClosed);
 }
 
-void TcpServerLink::watch(PollSet& set, base::RunTime) {
+void TcpServerLink::watch(PollSet& set, base::RunTime now) {
   if (!listener_) return set.wake_by(core_.backoff().next());
-  poll_entry_ = set.add(listener_.get(), POLLIN);
+  poll_entry_ = set.add(now < accept_again_ ? -1 : listener_.get(), POLLIN);
   for (const auto& client : clients_) {
     const bool wants_room = client->port->wants_room();
     client->poll_entry =
@@ -102,7 +102,7 @@ void TcpServerLink::serve(const PollSet& set, base::RunTime now) {
         serve_client(*clients_[i], set.revents(clients_[i]->poll_entry), now);
     if (!trouble.empty()) remove(i, trouble);
   }
-  if ((set.revents(poll_entry_) & POLLIN) != 0) accept();
+  if ((set.revents(poll_entry_) & POLLIN) != 0) accept(now);
   if (!core_.second_due(now)) return;
   core_.on_second(now);
   for (const auto& client : clients_) fan_out_->routes().expire(client->slot, now);
@@ -130,12 +130,16 @@ void TcpServerLink::listen(base::RunTime now) {
   core_.went_up(to_text(local_address(listener_.get())));
 }
 
-void TcpServerLink::accept() {
+void TcpServerLink::accept(base::RunTime now) {
   SocketAddress from;
   from.size = sizeof from.storage;
   Descriptor socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from.storage),
                               &from.size, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!socket) return;
+  if (!socket) {
+    // Out of descriptors or memory: who waits at the door must not keep us busy.
+    if (errno != EAGAIN && errno != ECONNABORTED) accept_again_ = now + std::chrono::seconds(1);
+    return;
+  }
   const std::string name = to_text(from);
   if (static_cast<int>(clients_.size()) >= core_.config().max_peers) {
     core_.monitor().rx.foreign.add();

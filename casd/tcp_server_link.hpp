@@ -62,7 +62,7 @@ class TcpServerLink final : public Link {
   };
 
   void listen(base::RunTime now);
-  void accept();
+  void accept(base::RunTime now);
   /// @return why the client is to be closed, empty: it stays
   std::string serve_client(Client& client, short events, base::RunTime now);
   std::string read(Client& client, base::RunTime now);
@@ -74,6 +74,7 @@ class TcpServerLink final : public Link {
   bool looking_up_ = false;
   Descriptor listener_;
   std::size_t poll_entry_ = 0;
+  base::RunTime accept_again_{};
   std::vector<std::unique_ptr<Client>> clients_;
   LinkMask slots_ = 0;
   std::vector<std::uint8_t> buffer_;

@@ -68,6 +68,7 @@ std::string cause_text(const std::string& cause) {
   if (cause == "rate_limited") return "thinned out by a route's rates";
   if (cause == "crc") return "a packet with a wrong checksum: the line disturbs it";
   if (cause == "kernel") return "the socket's buffer was full: casd came too late";
+  if (cause == "not_accepted") return "the link takes in no such packets (accept)";
   if (cause == "foreign") return "no room for one more peer, or not the peer";
   return "";
 }

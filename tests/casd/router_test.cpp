@@ -142,12 +142,21 @@ TEST(Router, TellsWhichLinksARateRuleTookAway) {
 struct PlainRouter {
   std::vector<ForwardRule> rules;
   std::map<LinkId, std::set<mav::Source>> heard;
+  std::map<LinkId, int> group;                                 ///< links that are in one
+  std::set<std::pair<int, std::vector<std::uint8_t>>> passed;  ///< what came into a group
 
-  LinkMask on_packet(LinkId from, std::uint32_t id, mav::Source source, mav::Source target) {
+  LinkMask on_packet(LinkId from, std::uint32_t id, mav::Source source, mav::Source target,
+                     std::span<const std::uint8_t> bytes) {
     heard[from].insert(source);
+    if (group.contains(from) &&
+        !passed.insert({group[from], {bytes.begin(), bytes.end()}}).second) {
+      return 0;
+    }
     LinkMask to = 0;
     for (const ForwardRule& rule : rules) {
       if (rule.from != from || rule.to == from) continue;
+      if (group.contains(from) && group.contains(rule.to) && group[from] == group[rule.to])
+        continue;
       if (allows(rule, id, source) && wants(rule.to, target)) to |= bit(rule.to);
     }
     return to;
@@ -214,19 +223,41 @@ TEST(Router, AgreesWithThePlainRulesOnRandomTopologies) {
       }
     }
     plan->rules = ForwardRules(plain.rules);
+    for (LinkId link = 0; link < links; ++link) {
+      if (any.below(2) == 0)
+        plain.group[link] = plan->group[link] = static_cast<std::int8_t>(any.below(2));
+    }
+    for (const auto& [link, group] : plain.group) {
+      for (const auto& [other, its_group] : plain.group) {
+        if (group == its_group) plan->never_back[link] |= bit(other);
+      }
+    }
     Router router(plan, mav::public_table());
-    for (int i = 0; i < 500; ++i) {
+    for (unsigned i = 0; i < 500; ++i) {
       const auto from = static_cast<LinkId>(any.below(links));
       const mav::Source source{any.small_id(), any.small_id()};
       const bool addressed = any.below(2) == 0;
       const mav::Source target{static_cast<std::uint8_t>(any.below(5)),
                                static_cast<std::uint8_t>(any.below(5))};
-      const auto sent = addressed ? packet(command_to(target.system, target.component), source)
-                                  : packet(Heartbeat{}, source);
-      const LinkMask expected =
-          plain.on_packet(from, addressed ? 76 : 0, source, addressed ? target : mav::Source{});
-      ASSERT_EQ(router.on_packet(from, view(sent), at(milliseconds(i))).to, expected)
-          << "seed " << seed << " packet " << i;
+      auto command = command_to(target.system, target.component);
+      command.param1 = static_cast<float>(i);  // no two packets are the same
+      Heartbeat heartbeat;
+      heartbeat.custom_mode = i;
+      const auto sequence = static_cast<std::uint8_t>(i);
+      const auto sent =
+          addressed ? packet(command, source, sequence) : packet(heartbeat, source, sequence);
+      const auto arrives = [&](LinkId link) {
+        const LinkMask expected = plain.on_packet(link, addressed ? 76 : 0, source,
+                                                  addressed ? target : mav::Source{}, sent.view());
+        EXPECT_EQ(router.on_packet(link, view(sent), at(milliseconds(i))).to, expected)
+            << "seed " << seed << " packet " << i;
+      };
+      arrives(from);
+      // Over the other paths of its group as well, or not.
+      for (const auto& [twin, group] : plain.group) {
+        const bool redundant = plain.group.contains(from) && group == plain.group[from];
+        if (redundant && twin != from && any.below(2) == 0) arrives(twin);
+      }
     }
   }
 }
