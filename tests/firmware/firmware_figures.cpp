@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prints the figures of docs/results/firmware.md. firmware_figures [SECONDS]
+// Prints lockstep round trips a second and how even HIL_SENSOR arrives. firmware_figures [SECONDS]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
