@@ -26,6 +26,9 @@ constexpr std::array kUnits = std::to_array<UnitFacts>({
     {"hJ", "j", "100", "1"},           {"cdegC", "degc", "1", "100"},   {"c%", "percent", "1", "100"},
     {"d%", "percent", "1", "10"},      {"mgauss", "gauss", "1", "1000"}, {"hPa", "pa", "100", "1"},
     {"kPa", "pa", "1000", "1"},        {"mbar", "pa", "100", "1"},
+    {"cs", "s", "1", "100"},           {"ds", "s", "1", "10"},          {"ms", "s", "1", "1000"},
+    {"us", "s", "1", "1e6"},           {"ns", "s", "1", "1e9"},         {"m/s*5", "m_s", "1", "5"},
+    {"deg/2", "deg", "2", "1"},        {"MHz", "hz", "1e6", "1"},       {"cm^3", "m3", "1", "1e6"},
     // standard gravity, by definition 9.80665 m/s^2
     {"mG", "m_s2", "9.80665", "1000"},
 });

@@ -69,6 +69,17 @@ TEST(TestDialects, EnumsHaveTheWidthOfTheirValues) {
   EXPECT_EQ(value_of<every::WideFlags>("WIDE_FLAGS_ALL"), every::WideFlags::kAll);
 }
 
+TEST(TestDialects, UnitsOfTheWireBecomePlainOnes) {
+  every::AllTypes message{.u8 = 90, .i8 = -3, .u64 = 1'500'000};
+  EXPECT_DOUBLE_EQ(message.u8_deg(), 180.0);  // deg/2: half degrees of a full circle in a byte
+  EXPECT_DOUBLE_EQ(message.i8_m_s(), -0.6);   // m/s*5: fifths
+  EXPECT_DOUBLE_EQ(message.u64_s(), 1.5);
+  message.set_i8_m_s(1.0);
+  message.set_u64_s(0.25);
+  EXPECT_EQ(message.i8, 5);
+  EXPECT_EQ(message.u64, 250'000U);
+}
+
 TEST(TestDialects, CollidingNamesGetAnUnderscore) {
   nasty::Namespace message;
   message.class_ = nasty::Class::kNamespace | nasty::Class::kClass;
