@@ -21,8 +21,9 @@ struct FirmwarePlaces {
   std::filesystem::path firmware_tty() const { return sockets / "firmware_tty"; }
 };
 
-/// Writes the scenario's world and topology as the programs are given them: with a recorder, control
-/// sockets in the run's folder and casd's serial link at the firmware's line. @throws base::ConfigError
+/// Writes the scenario's world and topology as the programs are given them: with a recorder,
+/// control sockets in the run's folder and casd's serial link at the firmware's line. @throws
+/// base::ConfigError
 void write_firmware_configs(const FirmwareScenario& scenario, const FirmwarePlaces& places);
 
 }  // namespace cas::hils

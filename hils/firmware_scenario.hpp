@@ -19,7 +19,8 @@ struct Firmware {
   std::vector<std::string> command;  ///< argv, the program first
   std::string cwd;                   ///< where it runs; empty: a folder in the results
   std::map<std::string, std::string> environment;
-  bool on_serial_line = false;  ///< ${CAS_FCU_TTY} is the end of a pseudo-terminal, casd has the other
+  bool on_serial_line =
+      false;  ///< ${CAS_FCU_TTY} is the end of a pseudo-terminal, casd has the other
 };
 
 /// A flight of stock firmware: a shipped world and topology, as one would start them by hand, the
@@ -41,7 +42,8 @@ struct FirmwareScenario {
   static FirmwareScenario load(const std::filesystem::path& file);
 };
 
-/// Puts the environment's variables in for ${NAME} and ${NAME:-fallback}. `more` goes before the environment.
+/// Puts the environment's variables in for ${NAME} and ${NAME:-fallback}. `more` goes before the
+/// environment.
 /// @throws base::ConfigError that names the missing variable
 std::string with_variables(const std::string& text, const std::map<std::string, std::string>& more);
 

@@ -49,8 +49,8 @@ TEST(FirmwareScenario, SaysWhatWasMissed) {
   EXPECT_TRUE(misses(scenario, figures).empty());
   figures.drift_m = 1.1;
   figures.flight_failure = "arm: refused";
-  EXPECT_EQ(misses(scenario, figures), (std::vector<std::string>{
-                                           "arm: refused", "drift 1.10 m, limit 1.00 m"}));
+  EXPECT_EQ(misses(scenario, figures),
+            (std::vector<std::string>{"arm: refused", "drift 1.10 m, limit 1.00 m"}));
 }
 
 }  // namespace

@@ -145,10 +145,11 @@ class JoinsByAnswering : public testing::Test {
   }
 
   SwitchedPort port_;
-  HilInterface interface_{
-      {.scales = {}, .actuator_timeout = std::chrono::milliseconds(500), .joins_by_answering = true},
-      port_,
-      nullptr};
+  HilInterface interface_{{.scales = {},
+                           .actuator_timeout = std::chrono::milliseconds(500),
+                           .joins_by_answering = true},
+                          port_,
+                          nullptr};
 };
 
 TEST_F(JoinsByAnswering, IsWaitedForFromItsFirstAnswerOn) {
