@@ -15,7 +15,12 @@ function(cas_add_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE cas_options ${ARG_LIBRARIES} GTest::gtest_main)
-  target_compile_options(${name} PRIVATE -O1)  # tests are compiled more often than they run
+  # Tests are compiled more often than they run; AddressSanitizer makes optimising them slower still.
+  if(CAS_SANITIZE STREQUAL "address")
+    target_compile_options(${name} PRIVATE -O0)
+  else()
+    target_compile_options(${name} PRIVATE -O1)
+  endif()
   target_compile_definitions(${name} PRIVATE CAS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              CAS_BINARY_DIR="${PROJECT_BINARY_DIR}")
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
