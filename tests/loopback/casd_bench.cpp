@@ -7,8 +7,8 @@ namespace cas::test {
 
 const char* const kHilTopology = R"(schema: 1
 links:
-  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
-  - {name: fcu, type: serial, device: "$FCU", baud: 921600}
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM", queue: {hil_max_age_ms: 60000}}
+  - {name: fcu, type: serial, device: "$FCU", baud: 921600, queue: {hil_max_age_ms: 60000}}
 routes:
   - {from: sim, to: fcu, allow: [HEARTBEAT, HIL_SENSOR, HIL_GPS]}
   - {from: fcu, to: sim, allow: [HEARTBEAT, HIL_CONTROLS]}

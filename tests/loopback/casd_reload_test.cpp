@@ -9,15 +9,8 @@
 namespace cas::test {
 namespace {
 
-/// kHilTopology for a loaded machine: what waits while the test stands still is not dropped by age.
-std::string patient() {
-  std::string yaml = kHilTopology;
-  const std::string baud = "baud: 921600";
-  return yaml.insert(yaml.find(baud) + baud.size(), ", queue: {hil_max_age_ms: 20000}");
-}
-
 std::string with_gcs(const std::string& extra) {
-  std::string yaml = patient();
+  std::string yaml = kHilTopology;
   yaml.insert(yaml.find("routes:"),
               "  - {name: gcs, type: udp_server, local: \"127.0.0.1:0\"" + extra + "}\n");
   return yaml + "  - {from: fcu, to: gcs}\n";
@@ -25,7 +18,7 @@ std::string with_gcs(const std::string& extra) {
 
 TEST(CasdReload, LosesNothingOfUnchangedLinksUnderLoad) {
   CasdBench bench;
-  bench.start(patient());
+  bench.start(kHilTopology);
   constexpr std::uint64_t kPackets = 2000;
   std::atomic<std::uint64_t> received{0};
   std::thread simulator([&] {
@@ -40,7 +33,7 @@ TEST(CasdReload, LosesNothingOfUnchangedLinksUnderLoad) {
     bench.fcu.read(bench.at_fcu);
     received = bench.at_fcu.count(kHilSensor);
     if (received > static_cast<std::uint64_t>(reloads + 1) * 50) {
-      const std::string yaml = ++reloads % 2 == 0 ? patient() : with_gcs("");
+      const std::string yaml = ++reloads % 2 == 0 ? kHilTopology : with_gcs("");
       bench.links().reload(bench.parse(yaml));
     }
     return received == kPackets;
