@@ -42,6 +42,14 @@ int look_up(const HostPort& parts, int flags, SocketAddress& address) {
   return 0;
 }
 
+// A machine without /etc/hosts and name server knows no `localhost`: RFC 6761 section 6.3 does.
+int look_up_name(HostPort parts, SocketAddress& address) {
+  const int error = look_up(parts, AI_ADDRCONFIG, address);
+  if (error == 0 || parts.host != "localhost") return error;
+  parts.host = "127.0.0.1";
+  return look_up(parts, AI_NUMERICHOST, address);
+}
+
 const sockaddr_in& as_ipv4(const SocketAddress& address) {
   return reinterpret_cast<const sockaddr_in&>(address.storage);
 }
@@ -92,7 +100,7 @@ AddressLookup::AddressLookup(const std::string& endpoint) : shared_(std::make_sh
     return;
   }
   std::thread([parts, shared = shared_] {
-    const int error = look_up(parts, AI_ADDRCONFIG, shared->address);
+    const int error = look_up_name(parts, shared->address);
     if (error != 0) shared->error = parts.host + ": " + ::gai_strerror(error);
     shared->state.store(error == 0 ? State::kFound : State::kFailed, std::memory_order_release);
   }).detach();

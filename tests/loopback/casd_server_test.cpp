@@ -2,6 +2,7 @@
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -158,6 +159,8 @@ TEST(CasdTcp, ConnectsAgainWhenTheServerComesBack) {
   EXPECT_NE(bench.status("net").state, casd::LinkState::kUp);  // nobody listens yet
   ::listen(listener, 4);
   for (std::uint64_t round = 1; round <= 2; ++round) {
+    pollfd waiting{listener, POLLIN, 0};
+    ASSERT_EQ(::poll(&waiting, 1, 20000), 1);
     TcpPeer server(::accept(listener, nullptr, nullptr), true);
     PacketStream heard;
     ASSERT_TRUE(bench.collect_until([&] {
