@@ -5,6 +5,19 @@
 # under ThreadSanitizer.
 add_custom_target(tsan_tests)
 
+# Headers that the sanitizer builds parse once for all tests; once for each program would cost more than it saves.
+if(CAS_SANITIZE)
+  file(WRITE ${CMAKE_BINARY_DIR}/test_headers_main.cpp "int main() {}\n")
+  foreach(target cas_test_headers cas_test_headers_optimised)
+    add_executable(${target} EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/test_headers_main.cpp)
+    target_link_libraries(${target} PRIVATE cas_options GTest::gtest Eigen3::Eigen)
+    target_compile_options(${target} PRIVATE -O1)
+    cas_precompile(${target} gtest/gtest.h Eigen/Dense nlohmann/json.hpp
+                   algorithm cmath filesystem functional map optional string vector)
+  endforeach()
+  cas_sanitize_unoptimised(cas_test_headers)
+endif()
+
 function(cas_add_test name)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
   if(NOT ARG_LABEL)
@@ -15,12 +28,14 @@ function(cas_add_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE cas_options ${ARG_LIBRARIES} GTest::gtest_main)
-  # Tests are compiled more often than they run, and AddressSanitizer makes optimising slower still: only
-  # those that compute much themselves are worth it there.
-  if(CAS_SANITIZE STREQUAL "address" AND NOT name MATCHES "^(libsim|plugins|fcu|closed_loop)")
-    target_compile_options(${name} PRIVATE -O0)
-  else()
-    target_compile_options(${name} PRIVATE -O1)
+  # Tests are compiled more often than they run: only those that compute much themselves are worth optimising
+  # under a sanitizer.
+  target_compile_options(${name} PRIVATE -O1)
+  if(CAS_SANITIZE AND name MATCHES "^(libsim|plugins|fcu|closed_loop)")
+    target_precompile_headers(${name} REUSE_FROM cas_test_headers_optimised)
+  elseif(CAS_SANITIZE)
+    cas_sanitize_unoptimised(${name})
+    target_precompile_headers(${name} REUSE_FROM cas_test_headers)
   endif()
   target_compile_definitions(${name} PRIVATE CAS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              CAS_BINARY_DIR="${PROJECT_BINARY_DIR}")
