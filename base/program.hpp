@@ -3,15 +3,19 @@
 
 #include <cstdio>
 #include <exception>
+#include <string_view>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 
 namespace cas::base {
 
-/// Runs a program's body and turns what it throws into one line on standard error and an exit code.
+/// Starts the log at `log_level` (a word of log::parse_level), runs a program's body and turns what
+/// either throws into one line on standard error and an exit code.
 template <class Body>
-int run_program(const char* name, Body&& body) {
+int run_program(const char* name, std::string_view log_level, Body&& body) {
   try {
+    log::init(name, log::parse_level(log_level));
     return body();
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "%s: %s\n", name, error.what());

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "base/cli/manual.hpp"
+#include "base/cli/parse.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
-#include "base/log.hpp"
 #include "base/program.hpp"
 #include "base/thread.hpp"
 #include "casd/app.hpp"
@@ -27,7 +27,6 @@ struct Flags {
 };
 
 int run(const Flags& flags) {
-  base::log::init("casd", base::log::parse_level(flags.log_level));
   const std::filesystem::path file = base::find_config(flags.topology);
   casd::Topology topology = casd::Topology::load(file);
   if (flags.lockstep) topology.set_lockstep();
@@ -66,10 +65,6 @@ int main(int argc, char** argv) {
   cli.add_option("--stats", flags.stats, "write figures to this file at the end");
   cli.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
   base::cli::add_manual(cli, "casd", CAS_VERSION);
-  try {
-    cli.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return cli.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
-  }
-  return base::run_program("casd", [&] { return run(flags); });
+  if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;
+  return base::run_program("casd", flags.log_level, [&] { return run(flags); });
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <string>
 
+#include "base/cli/parse.hpp"
 #include "base/config.hpp"
 #include "base/error.hpp"
+#include "base/program.hpp"
 #include "base/vehicle.hpp"
 #include "fcu/estimation_bound.hpp"
 
@@ -44,13 +45,6 @@ int main(int argc, char** argv) {
   app.add_option("preset", preset, "Set in config/sensors, or a file of that form");
   app.add_flag("--flight-only", flight_only, "Leave out the endless flight, which takes longer");
   app.set_version_flag("--version", "estimation_bound " CAS_VERSION);
-  try {
-    app.parse(argc, argv);
-    return run(preset, !flight_only);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
-  } catch (const base::ConfigError& error) {
-    std::fprintf(stderr, "estimation_bound: %s\n", error.what());
-    return base::kExitConfig;
-  }
+  if (const auto ended = base::cli::parse(app, argc, argv, base::kExitConfig)) return *ended;
+  return base::run_program("estimation_bound", "info", [&] { return run(preset, !flight_only); });
 }

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/cli/manual.hpp"
+#include "base/cli/parse.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
@@ -55,13 +56,6 @@ int main(int argc, char** argv) {
   CLI::App app("Emulates a flight controller on a pseudo-terminal.", "fcu_emulator");
   Flags flags;
   add_flags(app, flags);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
-  }
-  return base::run_program("fcu_emulator", [&] {
-    base::log::init("fcu_emulator", base::log::parse_level(flags.log_level));
-    return run(flags);
-  });
+  if (const auto ended = base::cli::parse(app, argc, argv, base::kExitConfig)) return *ended;
+  return base::run_program("fcu_emulator", flags.log_level, [&] { return run(flags); });
 }

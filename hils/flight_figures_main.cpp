@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/cli/parse.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "hils/flight_figures.hpp"
@@ -76,12 +77,10 @@ int main(int argc, char** argv) {
   app.add_option("--flights", batch.flights, "Flights of each")->check(CLI::Range(1, 1'000'000));
   app.add_option("--first-seed", batch.first_seed, "Seed of the first flight; then each the next");
   app.add_option("--jobs", batch.jobs, "Flights at a time")->check(CLI::Range(1, 256));
+  if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
   try {
-    app.parse(argc, argv);
     base::log::init("flight_figures", base::log::parse_level("error"));
     return run(wanted, batch);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitPassed : kExitUsage;
   } catch (const base::ConfigError& error) {
     fmt::print(stderr, "flight_figures: {}\n", error.what());
     return kExitUsage;

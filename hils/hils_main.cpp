@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/cli/manual.hpp"
+#include "base/cli/parse.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
@@ -156,15 +157,9 @@ int main(int argc, char** argv) {
   CompareFlags compare_flags;
   const CLI::App* compare_command = add_compare(app, compare_flags);
   base::cli::add_manual(app, "hils", std::string(kVersion));
-  try {
-    app.parse(argc, argv);
+  if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
+  return guarded([&] {
     base::log::init("hils", base::log::parse_level(log_level));
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitPassed : kExitUsage;
-  } catch (const base::ConfigError& error) {
-    fmt::print(stderr, "hils: {}\n", error.what());
-    return kExitUsage;
-  }
-  if (compare_command->parsed()) return guarded([&] { return compare(compare_flags); });
-  return guarded([&] { return run(flags); });
+    return compare_command->parsed() ? compare(compare_flags) : run(flags);
+  });
 }

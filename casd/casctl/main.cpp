@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/cli/manual.hpp"
+#include "base/cli/parse.hpp"
 #include "base/rpc/message.hpp"
 #include "casd/casctl/verbs.hpp"
 
@@ -118,13 +119,6 @@ int main(int argc, char** argv) {
   add_monitor_verb(line);
   add_doctor_verb(line);
   cas::base::cli::add_manual(line.app, "casctl", CAS_VERSION);
-  try {
-    line.app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    return line.app.exit(success);
-  } catch (const CLI::ParseError& error) {
-    line.app.exit(error);
-    return kUsage;
-  }
+  if (const auto ended = cas::base::cli::parse(line.app, argc, argv, kUsage)) return *ended;
   return run_verb(line);
 }

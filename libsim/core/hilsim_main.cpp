@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/cli/manual.hpp"
+#include "base/cli/parse.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
@@ -114,13 +115,6 @@ int main(int argc, char** argv) {
   CLI::App app("Simulates vehicles and their sensors for hardware-in-the-loop flight.", "hilsim");
   Flags flags;
   add_flags(app, flags);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? base::kExitOk : base::kExitConfig;
-  }
-  return base::run_program("hilsim", [&] {
-    base::log::init("hilsim", base::log::parse_level(flags.log_level));
-    return run(flags);
-  });
+  if (const auto ended = base::cli::parse(app, argc, argv, base::kExitConfig)) return *ended;
+  return base::run_program("hilsim", flags.log_level, [&] { return run(flags); });
 }

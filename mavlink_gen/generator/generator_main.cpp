@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/cli/manual.hpp"
+#include "base/cli/parse.hpp"
 #include "mavlink_gen/generator/cpp_writer.hpp"
 #include "mavlink_gen/generator/diff.hpp"
 #include "mavlink_gen/generator/docs.hpp"
@@ -149,11 +150,7 @@ int run(int argc, char** argv) {
   }
 
   cas::base::cli::add_manual(app, "mavlink_gen", CAS_VERSION);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUsage;
-  }
+  if (const auto ended = cas::base::cli::parse(app, argc, argv, kUsage)) return *ended;
   if (*generate_command) return generate(options);
   if (*check_command) return check(options);
   if (*diff_command) return diff(before, after);
