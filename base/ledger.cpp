@@ -4,6 +4,7 @@
 #include <cinttypes>
 #include <cstdio>
 #include <memory>
+#include <system_error>
 
 #include "base/error.hpp"
 
@@ -44,9 +45,13 @@ void PacketLedger::write(const std::filesystem::path& file) const {
                    entry.direction == LedgerEntry::Direction::kSent ? 's' : 'r', entry.message_id,
                    entry.time_usec, entry.at_ns);
     }
-    if (std::fflush(out.get()) != 0) throw ConfigError(partial.string() + ": the disk is full");
+    if (std::fflush(out.get()) != 0 || std::ferror(out.get()) != 0) {
+      throw ConfigError(partial.string() + ": the disk is full");
+    }
   }
-  std::filesystem::rename(partial, file);
+  std::error_code error;
+  std::filesystem::rename(partial, file, error);
+  if (error) throw ConfigError(file.string() + ": " + error.message());
 }
 
 std::vector<LedgerEntry> PacketLedger::read(const std::filesystem::path& file) {
@@ -61,7 +66,8 @@ std::vector<LedgerEntry> PacketLedger::read(const std::filesystem::path& file) {
     LedgerEntry entry;
     char direction = 0;
     if (std::sscanf(line, "%c,%" SCNu32 ",%" SCNu64 ",%" SCNd64, &direction, &entry.message_id,
-                    &entry.time_usec, &entry.at_ns) != 4) {
+                    &entry.time_usec, &entry.at_ns) != 4 ||
+        (direction != 's' && direction != 'r')) {
       throw ConfigError(file.string() + ":" + std::to_string(number) + ": is no ledger line");
     }
     entry.direction =
