@@ -14,8 +14,6 @@ namespace {
 using base::rpc::Reply;
 using nlohmann::json;
 
-/// Where received packets ended, by Route::Verdict.
-
 double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
 
 /// What became of packets on a link with `signing`, by mav::SignatureVerdict.

@@ -25,7 +25,7 @@ LinkCore::LinkCore(LinkContext context)
 
 void LinkCore::went_up(const std::string& endpoint) {
   if (was_up_) context_.monitor->reconnects.add();
-  up_ = was_up_ = true;
+  was_up_ = true;
   last_reason_.clear();
   backoff_.reset();
   context_.monitor->set_endpoint(endpoint);
@@ -34,7 +34,6 @@ void LinkCore::went_up(const std::string& endpoint) {
 }
 
 void LinkCore::went_down(const std::string& reason, base::RunTime now) {
-  up_ = false;
   backoff_.failed(now);
   context_.monitor->state.store(LinkState::kDown, std::memory_order_relaxed);
   if (reason == last_reason_) return;

@@ -38,7 +38,6 @@ class LinkCore {
   Ingress& ingress() { return ingress_; }
   Backoff& backoff() { return backoff_; }
 
-  bool is_up() const { return up_; }
   /// @param endpoint  where it is now, for status and log
   void went_up(const std::string& endpoint);
   /// Arms the back-off; logs when the reason is new.
@@ -56,7 +55,6 @@ class LinkCore {
   LinkContext context_;
   Ingress ingress_;
   Backoff backoff_;
-  bool up_ = false;
   bool was_up_ = false;
   std::string last_reason_;
   base::RunTime next_second_{};

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 #include <string_view>
+#include <system_error>
 
 #include "base/error.hpp"
 
@@ -60,7 +61,9 @@ void write_link_ledgers(const std::filesystem::path& file,
     }
     if (!out.flush()) throw base::ConfigError(partial.string() + ": cannot be written");
   }
-  std::filesystem::rename(partial, file);
+  std::error_code error;
+  std::filesystem::rename(partial, file, error);
+  if (error) throw base::ConfigError(file.string() + ": " + error.message());
 }
 
 std::map<std::string, LinkLedger> read_link_ledgers(const std::filesystem::path& file) {

@@ -4,13 +4,11 @@
 #include <cstdio>
 #include <string_view>
 
+#include "casd/router.hpp"
 #include "casd/tx_queue.hpp"
 
 namespace cas::casd {
 namespace {
-
-constexpr std::string_view kVerdictWords[] = {"forwarded", "duplicate", "no_rule", "no_target",
-                                              "rate_limited"};
 
 /// A label's value: names may hold anything.
 std::string label_value(std::string_view value) {
@@ -96,8 +94,8 @@ void add_drops(std::string& out, const MetricsSource& source) {
   Metric received(out, "casd_link_rx_verdicts_total", "counter", "Where received packets ended.");
   for (const LinkStatus& link : source.links) {
     for (std::size_t i = 0; i < link.rx.verdicts.size(); ++i) {
-      received.add(link_label(link) + ",verdict=" + label_value(kVerdictWords[i]),
-                   link.rx.verdicts[i]);
+      const std::string_view verdict = to_string(static_cast<Route::Verdict>(i));
+      received.add(link_label(link) + ",verdict=" + label_value(verdict), link.rx.verdicts[i]);
     }
   }
   Metric dropped(out, "casd_link_tx_dropped_total", "counter", "Packets dropped before sending.");
