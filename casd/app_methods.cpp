@@ -110,7 +110,8 @@ void write_stats(const std::filesystem::path& file, const CommandFigures& figure
   std::filesystem::path beside = file;
   beside += ".new";
   std::ofstream out(beside);
-  out << figures.status().dump(2) << "\n";
+  // Texts of vehicles may hold any bytes; they must not keep the figures from being written.
+  out << figures.status().dump(2, ' ', false, json::error_handler_t::replace) << "\n";
   out.close();
   std::error_code error;
   if (out) std::filesystem::rename(beside, file, error);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog_reader.hpp"
 
+#include <system_error>
+
 #include "casd/tlog_record.hpp"
 
 namespace cas::casd {
@@ -11,11 +13,13 @@ constexpr std::size_t kChunkBytes = 64 * 1024;
 }  // namespace
 
 bool TlogReader::open(const std::filesystem::path& file) {
-  file_ = std::ifstream(file, std::ios::binary);
   buffer_.clear();
   at_ = 0;
   skipped_ = 0;
-  return file_.is_open() && std::filesystem::is_regular_file(file);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return false;  // a FIFO would block the link
+  file_ = std::ifstream(file, std::ios::binary);
+  return file_.is_open();
 }
 
 std::optional<TlogReader::Record> TlogReader::next() {
