@@ -251,6 +251,7 @@ TEST_P(SpinningCommand, GoesThroughTheInterlock) {
 INSTANTIATE_TEST_SUITE_P(Raw, SpinningCommand,
                          testing::Values(SpinningCase{"ArmCommand", MavCmd::kComponentArmDisarm, 1},
                                          SpinningCase{"ModeWithArmedFlag", MavCmd::kDoSetMode, 129},
+                                         SpinningCase{"ModeBeyondFlags", MavCmd::kDoSetMode, 512},
                                          SpinningCase{"MotorTest", MavCmd::kDoMotorTest, 1},
                                          SpinningCase{"ActuatorTest", MavCmd::kActuatorTest, 0.5F}),
                          [](const auto& test) { return test.param.name; });
