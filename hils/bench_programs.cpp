@@ -68,7 +68,11 @@ void BenchPrograms::join_logs() {
   earlier_logs_.push_back(last);
   std::ofstream whole(places_.flight_tlog(), std::ios::binary);
   for (const std::filesystem::path& part : earlier_logs_) {
+    if (std::filesystem::is_empty(part)) continue;  // to insert nothing counts as a failure
     whole << std::ifstream(part, std::ios::binary).rdbuf();
+  }
+  if (!whole.flush()) {
+    throw RunStopped(places_.flight_tlog().string() + " cannot be written", false);
   }
 }
 
