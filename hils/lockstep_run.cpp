@@ -11,6 +11,7 @@
 #include "base/rpc/client.hpp"
 #include "casd/tlog.hpp"
 #include "hils/bench_programs.hpp"
+#include "hils/casd_calls.hpp"
 #include "hils/composition.hpp"
 #include "hils/fault_history.hpp"
 #include "hils/flight_calls.hpp"
@@ -113,23 +114,17 @@ class LockstepPilot {
   /// Lets the vehicle say its first words.
   void meet() {
     advance(base::SimTime(kLookPeriod));
-    while (!heard()) supervisor_.wait(milliseconds(2));
+    const base::RunTime deadline = base::steady_now() + kCallPatience;
+    while (!vehicle_report(casd_).heard) {
+      if (base::steady_now() > deadline) throw RunStopped("casd never heard the controller", false);
+      supervisor_.wait(milliseconds(2));
+    }
   }
 
   VehicleReport look() {
     VehicleReport report = to_report(controller_.call("fcu.status", Json::object()));
     report.truth = truth_;
     return report;
-  }
-
-  bool heard() {
-    try {
-      casd_.call("vehicle.state", Json::object());
-      return true;
-    } catch (const base::rpc::CallError& error) {
-      if (error.code() != base::rpc::kNoSuchVehicle) throw;
-      return false;
-    }
   }
 
   /// Asks for the home position, which commands build on. The answer comes after all that the
@@ -145,12 +140,7 @@ class LockstepPilot {
   /// @return why the vehicle refused, or nothing
   std::string give(const FlightStep& step) {
     ask_home();
-    try {
-      for (const auto& [method, params] : to_calls(step)) casd_.call(method, params);
-      return {};
-    } catch (const base::rpc::CallError& error) {
-      return error.what();
-    }
+    return hils::give(casd_, step, false);
   }
 
   /// The simulator's fault scripts ask for it.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "hils/casd_calls.hpp"
 #include "hils/flight_calls.hpp"
 
 namespace cas::hils {
@@ -27,26 +28,6 @@ std::int64_t log_clock_us() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-VehicleReport to_report(const Json& state) {
-  VehicleReport report;
-  report.heard = true;
-  report.armed = state.value("armed", false);
-  const std::string landed = state.value("landed", "");
-  report.in_air = landed == "in_air";
-  report.on_ground = landed == "on_ground";
-  if (const auto p = state.find("position_N"); p != state.end() && p->is_object()) {
-    report.has_position = true;
-    report.p_N = {p->value("x_m", 0.0), p->value("y_m", 0.0), p->value("z_m", 0.0)};
-    report.v_N = {p->value("vx_m_s", 0.0), p->value("vy_m_s", 0.0), p->value("vz_m_s", 0.0)};
-  }
-  if (const auto a = state.find("attitude"); a != state.end() && a->is_object()) {
-    report.roll_rad = a->value("roll_rad", 0.0);
-    report.pitch_rad = a->value("pitch_rad", 0.0);
-    report.yaw_rad = a->value("yaw_rad", 0.0);
-  }
-  return report;
 }
 
 Json to_json(const fcu::LineConfig& line) {
@@ -151,13 +132,7 @@ void RealtimePilot::tell_phase() {
 
 VehicleReport RealtimePilot::look() {
   VehicleReport report;
-  if (casd_) {
-    try {
-      report = to_report(casd_->call("vehicle.state", Json::object()));
-    } catch (const base::rpc::CallError& error) {
-      if (error.code() != base::rpc::kNoSuchVehicle) throw;  // else: not heard yet
-    }
-  }
+  if (casd_) report = vehicle_report(*casd_);
   report.truth = truth_;
   return report;
 }
@@ -165,12 +140,7 @@ VehicleReport RealtimePilot::look() {
 /// @return why the vehicle refused, or nothing
 std::string RealtimePilot::give(const FlightStep& step) {
   if (!casd_) return "casd is away";
-  try {
-    for (const auto& [method, params] : to_calls(step)) casd_->call(method, params);
-    return {};
-  } catch (const base::rpc::CallError& error) {
-    return error.what();
-  }
+  return hils::give(*casd_, step, false);
 }
 
 void RealtimePilot::play_faults(base::SimTime now, const VehicleReport& vehicle) {
