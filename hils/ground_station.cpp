@@ -61,10 +61,7 @@ void GroundStation::on_packet(const mav::PacketView& packet) {
 }
 
 void GroundStation::tick(base::RunTime now) {
-  const double since_s = std::min(base::to_seconds(now - last_tick_), 0.1);
-  last_tick_ = now;
-  const auto extra = static_cast<int>(flood_hz_ * since_s);
-  for (int i = 0; i < extra; ++i) send_(encode_(centred_sticks(vehicle_system_)));
+  send_flood(std::exchange(last_tick_, now), now);
   if (now >= next_heartbeat_) {
     send_(encode_(heartbeat()));
     next_heartbeat_ = now + kHeartbeatPeriod;
@@ -79,6 +76,16 @@ void GroundStation::tick(base::RunTime now) {
   request.target_component = 1;
   send_(encode_(request));
   next_list_ = now + list_period_;
+}
+
+/// On a grid, so that short ticks lose nothing; after a stall no more than a moment's worth.
+void GroundStation::send_flood(base::RunTime last, base::RunTime now) {
+  constexpr base::Duration kMostAtOnce = std::chrono::milliseconds(100);
+  const base::RunTime begin = std::max(last, now - kMostAtOnce);
+  const std::int64_t end = flood_.index_at(now.time_since_epoch());
+  for (std::int64_t i = flood_.index_at(begin.time_since_epoch()); i < end; ++i) {
+    send_(encode_(centred_sticks(vehicle_system_)));
+  }
 }
 
 }  // namespace cas::hils

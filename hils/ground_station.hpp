@@ -9,6 +9,7 @@
 #include <span>
 
 #include "base/clock.hpp"
+#include "base/rate_gate.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 
@@ -31,7 +32,7 @@ class GroundStation {
   void tick(base::RunTime now);
 
   /// Sends so many packets a second besides; 0: none.
-  void flood(double packets_hz) { flood_hz_ = packets_hz; }
+  void flood(double packets_hz) { flood_ = base::RateGate(packets_hz); }
 
   static constexpr base::Duration kTickPeriod = std::chrono::milliseconds(20);
 
@@ -40,6 +41,7 @@ class GroundStation {
 
  private:
   void on_packet(const mav::PacketView& packet);
+  void send_flood(base::RunTime last, base::RunTime now);
 
   std::uint8_t vehicle_system_;
   base::Duration list_period_;
@@ -48,7 +50,7 @@ class GroundStation {
   mav::PacketParser parser_;
   std::uint64_t received_ = 0;
   bool vehicle_heard_ = false;
-  double flood_hz_ = 0;
+  base::RateGate flood_;
   base::RunTime last_tick_{};
   std::set<std::uint16_t> parameters_;
   base::RunTime next_heartbeat_{};
