@@ -101,11 +101,12 @@ void Estimator::predict(const ImuInput& imu) {
 
 // ------------------------------------------------------------------------------ fusion
 
-void Estimator::fuse_scalar(const Vector& h, double innovation, double variance) {
+double Estimator::fuse_scalar(const Vector& h, double innovation, double variance) {
   Vector ph;
   const double s = covariance_.innovation_variance(h, variance, ph);
   const double remaining = innovation - h.dot(errors_);
   errors_ += covariance_.update(ph, s) * remaining;
+  return remaining * remaining / s;
 }
 
 bool Estimator::passes(const Vector& h, double innovation, double variance, double gate,
@@ -197,12 +198,7 @@ void Estimator::on_magnetometer(base::SimTime time, const Vector3d& field_D) {
   mag_.nis = 0;
   mag_.dimension = 3;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vector& h = rows[static_cast<std::size_t>(axis)];
-    Vector ph;
-    const double s = covariance_.innovation_variance(h, variance, ph);
-    const double remaining = innovation[axis] - h.dot(errors_);
-    errors_ += covariance_.update(ph, s) * remaining;
-    mag_.nis += remaining * remaining / s;
+    mag_.nis += fuse_scalar(rows[static_cast<std::size_t>(axis)], innovation[axis], variance);
   }
   apply_errors();
   ++mag_.fused;
@@ -231,10 +227,7 @@ void Estimator::on_barometer(base::SimTime time, double pressure_pa) {
     return;
   }
   if (!good) covariance_.reset_block(ErrorCovariance::kBaroOffset, 1, innovation * innovation);
-  Vector ph;
-  const double s = covariance_.innovation_variance(h, variance, ph);
-  errors_ += covariance_.update(ph, s) * innovation;
-  baro_.nis = innovation * innovation / s;
+  baro_.nis = fuse_scalar(h, innovation, variance);
   baro_.dimension = 1;
   apply_errors();
   ++baro_.fused;

@@ -117,7 +117,8 @@ class Estimator {
   void set_field_from_model(const base::Geodetic& place);
   void predict(const ImuInput& imu);
   void fuse_rest(base::SimTime time);
-  void fuse_scalar(const Vector& h, double innovation, double variance);
+  /// @return the normalised innovation squared, after what was fused since apply_errors()
+  double fuse_scalar(const Vector& h, double innovation, double variance);
   bool passes(const Vector& h, double innovation, double variance, double gate,
               FusionHealth& health);
   void apply_errors();

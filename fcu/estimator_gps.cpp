@@ -104,12 +104,7 @@ void Estimator::fuse_gps_velocity(const GpsInput& fix) {
   gps_velocity_.nis = 0;
   gps_velocity_.dimension = 3;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vector h = velocity_row(axis, change.age_s);
-    Vector ph;
-    const double s = covariance_.innovation_variance(h, variance, ph);
-    const double remaining = innovation[axis] - h.dot(errors_);
-    errors_ += covariance_.update(ph, s) * remaining;
-    gps_velocity_.nis += remaining * remaining / s;
+    gps_velocity_.nis += fuse_scalar(velocity_row(axis, change.age_s), innovation[axis], variance);
   }
   apply_errors();
   ++gps_velocity_.fused;
@@ -141,12 +136,8 @@ void Estimator::fuse_gps_position(const GpsInput& fix, const Vector3d& measured_
   gps_position_.nis = 0;
   gps_position_.dimension = 3;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vector h = position_row(axis, change.age_s);
-    Vector ph;
-    const double s = covariance_.innovation_variance(h, variance[axis], ph);
-    const double remaining = innovation[axis] - h.dot(errors_);
-    errors_ += covariance_.update(ph, s) * remaining;
-    gps_position_.nis += remaining * remaining / s;
+    gps_position_.nis +=
+        fuse_scalar(position_row(axis, change.age_s), innovation[axis], variance[axis]);
   }
   apply_errors();
   ++gps_position_.fused;
