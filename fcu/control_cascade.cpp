@@ -69,7 +69,7 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint,
       position_.update(setpoint, estimate.p_N, estimate.v_N, estimate.a_N, cut_N_, dt);
   const double a_z = altitude_.update(setpoint, estimate.p_N.z(), estimate.v_N.z(),
                                       estimate.a_N.z(), altitude_saturation_, dt);
-  acceleration_setpoint_ = Vector3d(a_xy.x(), a_xy.y(), a_z);
+  const Vector3d acceleration(a_xy.x(), a_xy.y(), a_z);
 
   if (std::isfinite(setpoint.yaw_rad)) {
     yaw_hold_rad_ = setpoint.yaw_rad;
@@ -81,7 +81,7 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint,
   const double mass = params_.hover_thrust * u1_max_ / kGravity_m_s2;
   const double thrust_max = std::min(params_.thrust_max * u1_max_, mixer_.max_thrust_n());
   const ThrustSetpoint thrust =
-      thrust_for_acceleration(acceleration_setpoint_, mass, kGravity_m_s2, yaw_hold_rad_,
+      thrust_for_acceleration(acceleration, mass, kGravity_m_s2, yaw_hold_rad_,
                               {params_.thrust_min * u1_max_, thrust_max, params_.tilt_limit_rad});
   attitude_setpoint_ = thrust.attitude;
   attitude_setpoint_.yaw_rate_rad_s =

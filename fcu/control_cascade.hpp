@@ -38,7 +38,6 @@ class ControlCascade {
   const MixerResult& output() const { return output_; }
   const AttitudeSetpoint& attitude_setpoint() const { return attitude_setpoint_; }
   const Eigen::Vector3d& rate_setpoint() const { return rate_setpoint_; }
-  const Eigen::Vector3d& acceleration_setpoint() const { return acceleration_setpoint_; }
   const Mixer& mixer() const { return mixer_; }
   /// Thrust that carries the vehicle, N, as the gains' hover thrust says.
   double hover_thrust_n() const { return params_.hover_thrust * u1_max_; }
@@ -60,7 +59,6 @@ class ControlCascade {
   MixerResult output_;
   AttitudeSetpoint attitude_setpoint_;
   Eigen::Vector3d rate_setpoint_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration_setpoint_ = Eigen::Vector3d::Zero();
   Eigen::Vector2d cut_N_ = Eigen::Vector2d::Zero();
   Saturation altitude_saturation_;
   double yaw_hold_rad_ = 0;

@@ -257,12 +257,6 @@ FlightControllerStats FlightController::stats() const {
   return stats;
 }
 
-bool FlightController::get_param(std::string_view name, double& value) const {
-  const auto index = impl_->core.params.index_of(name);
-  if (index) value = impl_->core.params.at(*index).value;
-  return index.has_value();
-}
-
 bool FlightController::set_param(std::string_view name, double value) {
   const bool good = impl_->core.params.set(name, value) == ParamSetResult::kOk;
   impl_->core.apply_params();

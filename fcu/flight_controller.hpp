@@ -93,8 +93,6 @@ class FlightController {
   /// Copies the counts (not for every step).
   FlightControllerStats stats() const;
 
-  /// A parameter's value. @return false when there is none of that name
-  bool get_param(std::string_view name, double& value) const;
   /// Sets a parameter as PARAM_SET would. @return false when unknown or out of range
   bool set_param(std::string_view name, double value);
   /// All parameters that differ from what the configuration begins with, as "NAME VALUE" lines.

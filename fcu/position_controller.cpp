@@ -33,13 +33,13 @@ Eigen::Vector2d PositionController::update(const TrajectorySetpoint& setpoint,
   for (int axis = 0; axis < 2; ++axis) {
     if (std::isfinite(setpoint.p_N[axis])) wanted[axis] += p_ * (setpoint.p_N[axis] - p_N[axis]);
   }
-  velocity_setpoint_ = limited(wanted, velocity_limit_);
+  const Eigen::Vector2d velocity_setpoint = limited(wanted, velocity_limit_);
 
   // Velocity. An axis with neither position nor velocity gets its acceleration only.
   Eigen::Vector2d acceleration = zero_where_unset(setpoint.a_N);
   for (int axis = 0; axis < 2; ++axis) {
     if (!std::isfinite(setpoint.p_N[axis]) && !std::isfinite(setpoint.v_N[axis])) continue;
-    const double error = velocity_setpoint_[axis] - v_N[axis];
+    const double error = velocity_setpoint[axis] - v_N[axis];
     const bool winding = error * saturated_N[axis] > 0;
     const double rate = a_N[axis] - (std::isfinite(setpoint.a_N[axis]) ? setpoint.a_N[axis] : 0.0);
     acceleration[axis] += velocity_[axis].update(error, rate, dt, {winding, winding});

@@ -25,15 +25,11 @@ class PositionController {
                          const Eigen::Vector3d& v_N, const Eigen::Vector3d& a_N,
                          const Eigen::Vector2d& saturated_N, double dt);
 
-  /// Velocity asked for at the last update, m/s.
-  const Eigen::Vector2d& velocity_setpoint() const { return velocity_setpoint_; }
-
  private:
   double p_ = 1;
   double velocity_limit_ = 1;
   double acceleration_limit_ = 1;
   Pid velocity_[2];
-  Eigen::Vector2d velocity_setpoint_ = Eigen::Vector2d::Zero();
 };
 
 }  // namespace cas::fcu

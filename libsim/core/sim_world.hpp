@@ -36,7 +36,6 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   /// Before start(). The lowest point of the vehicle stands `pose.z_m` above z = 0.
   VehicleId add_vehicle(const VehicleModel& model, const StartPose& pose);
   void add_force_model(VehicleId vehicle, ForceModel& model);
-  std::size_t vehicle_count() const { return vehicles_.size(); }
   /// Lets vehicles that start on a surface settle on it, then sets time zero.
   void start();
   /// The state that start() left.
