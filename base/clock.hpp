@@ -51,8 +51,10 @@ constexpr Duration from_seconds(double seconds) {
 constexpr std::uint64_t to_time_usec(SimTime t) {
   return static_cast<std::uint64_t>(t.time_since_epoch().count() / 1000);
 }
+/// Stamps beyond this (126 years) are damage: as nanoseconds they would soon overflow.
+inline constexpr std::uint64_t kLatestTimeUsec = 4'000'000'000'000'000;
 constexpr SimTime from_time_usec(std::uint64_t usec) {
-  return SimTime(Duration(static_cast<Duration::rep>(usec) * 1000));
+  return SimTime(Duration(static_cast<Duration::rep>(usec * 1000)));  // unsigned: no overflow
 }
 
 }  // namespace cas::base

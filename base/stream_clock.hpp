@@ -14,6 +14,7 @@ class StreamClock {
  public:
   /// A HIL_SENSOR with this stamp has come.
   void on_sensor(std::uint64_t time_usec) {
+    if (time_usec > kLatestTimeUsec) return;
     if (time_usec < last_usec_) {
       // Several vehicles' messages of one step may overtake each other; a jump back is a new run.
       if (last_usec_ - time_usec < kRestartUsec) return;

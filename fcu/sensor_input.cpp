@@ -37,6 +37,10 @@ void SensorInput::note_age(std::uint64_t time_usec, RunTime now) {
 }
 
 bool SensorInput::accept_time(std::uint64_t time_usec, FcuCore& core) {
+  if (time_usec > base::kLatestTimeUsec) {
+    ++stale_;
+    return false;
+  }
   if (started_ && time_usec <= last_usec_) {
     if (last_usec_ - time_usec < kRestart_us) {
       ++stale_;

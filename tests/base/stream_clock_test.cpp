@@ -30,5 +30,13 @@ TEST(StreamClock, GoesOnWhenTheSimulationStartsAnew) {
   EXPECT_EQ(clock.now(), RunTime(milliseconds(5'002)));
 }
 
+TEST(StreamClock, LeavesOutAStampThatIsDamage) {
+  StreamClock clock;
+  clock.on_sensor(4'000);
+  clock.on_sensor(std::uint64_t{1} << 63U);
+  clock.on_sensor(6'000);
+  EXPECT_EQ(clock.now(), RunTime(milliseconds(6)));
+}
+
 }  // namespace
 }  // namespace cas::base
