@@ -170,11 +170,11 @@ ControlSetpoint MissionTask::update(const TaskContext& context) {
     case MavCmd::kNavWaypoint:
     case MavCmd::kNavLoiterTime:
       if (reached(context)) waited_s_ += context.dt;
-      if (waited_s_ > 0 && waited_s_ >= item.param[0]) next(context);
+      if (waited_s_ > 0 && !(waited_s_ < item.param[0])) next(context);  // NaN: no wait
       break;
     case MavCmd::kNavDelay:
       waited_s_ += context.dt;
-      if (waited_s_ >= item.param[0]) next(context);
+      if (!(waited_s_ < item.param[0])) next(context);
       break;
     case MavCmd::kNavTakeoff:
       if (reached(context)) next(context);

@@ -103,11 +103,13 @@ void on_attitude_target(const SetAttitudeTarget& m, FcuCore& core, RunTime now) 
   AttitudeSetpoint setpoint;
   setpoint.q_ND = Eigen::Quaterniond(static_cast<double>(m.q[0]), static_cast<double>(m.q[1]),
                                      static_cast<double>(m.q[2]), static_cast<double>(m.q[3]));
-  if (!(setpoint.q_ND.norm() > 0.5)) return;
+  // One number that is none would stay in the integrators for good.
+  if (!(setpoint.q_ND.norm() > 0.5) || !setpoint.q_ND.coeffs().allFinite()) return;
+  if (!std::isfinite(m.thrust)) return;
   setpoint.q_ND.normalize();
   const double thrust = std::clamp(static_cast<double>(m.thrust), 0.0, 1.0);
   setpoint.thrust_n = thrust * core.config.vehicle.scales.u1_max_n;
-  if (!has(m.type_mask, A::kBodyYawRateIgnore)) {
+  if (!has(m.type_mask, A::kBodyYawRateIgnore) && std::isfinite(m.body_yaw_rate)) {
     setpoint.yaw_rate_rad_s = static_cast<double>(m.body_yaw_rate);
   }
   core.commander.offboard().on_attitude(setpoint, now);

@@ -2,6 +2,7 @@
 #include "fcu/telemetry.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fcu/fcu_core.hpp"
 #include "fcu/telemetry_messages.hpp"
@@ -12,6 +13,7 @@ namespace {
 /// First update: streams start spread over their intervals instead of all at once.
 constexpr base::Duration kSpread = std::chrono::microseconds(1700);
 constexpr base::Duration kShortestInterval = std::chrono::milliseconds(2);
+constexpr double kLongestInterval_us = 1e9;
 
 }  // namespace
 
@@ -65,13 +67,14 @@ Telemetry::Sent Telemetry::send_now(std::uint32_t id, FcuCore& core, base::RunTi
 
 bool Telemetry::set_interval(std::uint32_t id, double interval_us) {
   Stream* stream = find(id);
-  if (stream == nullptr) return false;
+  if (stream == nullptr || !std::isfinite(interval_us)) return false;
   if (interval_us < 0) {
     stream->interval = base::Duration{};
   } else if (interval_us == 0) {
     stream->interval = stream->usual;
   } else {
-    stream->interval = std::max(base::from_seconds(interval_us * 1e-6), kShortestInterval);
+    const double wanted_us = std::min(interval_us, kLongestInterval_us);
+    stream->interval = std::max(base::from_seconds(wanted_us * 1e-6), kShortestInterval);
   }
   next_due_ = {};
   return true;

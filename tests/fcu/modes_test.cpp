@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "base/frames.hpp"
 #include "mavlink/common/manual_control.hpp"
@@ -103,6 +104,26 @@ TEST_F(Modes, OffboardFollowsAttitude) {
   ASSERT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 6, 0}), MavResult::kAccepted);
   stream(target, 1);
   EXPECT_NEAR(base::euler_rpy(loop_.truth().q_ND).x(), 0.1, 0.03);
+}
+
+TEST_F(Modes, OffboardLeavesOutWhatIsNoNumber) {
+  hover();
+  SetAttitudeTarget target;
+  target.target_system = 1;
+  target.thrust = 0.54F;
+  target.q = {std::numeric_limits<float>::infinity(), 0, 0, 0};
+  loop_.send(target);
+  EXPECT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 6, 0}), MavResult::kTemporarilyRejected);
+  target.q = {1, 0, 0, 0};
+  target.thrust = std::numeric_limits<float>::quiet_NaN();
+  loop_.send(target);
+  EXPECT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 6, 0}), MavResult::kTemporarilyRejected);
+  target.thrust = 0.54F;
+  target.body_yaw_rate = std::numeric_limits<float>::quiet_NaN();
+  loop_.send(target);
+  ASSERT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 6, 0}), MavResult::kAccepted);
+  stream(target, 1);
+  EXPECT_LT(base::euler_rpy(loop_.truth().q_ND).head<2>().norm(), 0.1);
 }
 
 TEST_F(Modes, PositionModeFliesBySticksAndHoldsWhenTheyAreCentred) {
