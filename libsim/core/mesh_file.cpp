@@ -131,7 +131,10 @@ TriangleMesh load_mesh(const std::filesystem::path& file, const Eigen::Vector3d&
     fail(file, "mesh format is not supported; convert it to STL, OBJ or COLLADA");
   }
   if (mesh.triangles.empty()) fail(file, "mesh has no triangle");
-  for (Eigen::Vector3d& v : mesh.vertices) v = v.cwiseProduct(scale);
+  for (Eigen::Vector3d& v : mesh.vertices) {
+    v = v.cwiseProduct(scale);
+    if (!v.allFinite()) fail(file, "mesh has a vertex that is not finite");
+  }
   return mesh;
 }
 

@@ -140,14 +140,19 @@ class Assembler {
     switch (collision.geometry->type) {
       case urdf::Geometry::BOX: {
         const auto& dim = static_cast<const urdf::Box&>(*collision.geometry).dim;
+        check_size(link, {dim.x, dim.y, dim.z});
         shape.geometry = Box{{dim.x, dim.y, dim.z}};
         break;
       }
-      case urdf::Geometry::SPHERE:
-        shape.geometry = Sphere{static_cast<const urdf::Sphere&>(*collision.geometry).radius};
+      case urdf::Geometry::SPHERE: {
+        const double radius = static_cast<const urdf::Sphere&>(*collision.geometry).radius;
+        check_size(link, Eigen::Vector3d::Constant(radius));
+        shape.geometry = Sphere{radius};
         break;
+      }
       case urdf::Geometry::CYLINDER: {
         const auto& cylinder = static_cast<const urdf::Cylinder&>(*collision.geometry);
+        check_size(link, {cylinder.radius, cylinder.radius, cylinder.length});
         shape.geometry = Cylinder{cylinder.radius, cylinder.length};
         break;
       }
@@ -156,6 +161,12 @@ class Assembler {
         break;
     }
     model_.shapes.push_back(std::move(shape));
+  }
+
+  /// The contact solver knows no body without extent.
+  void check_size(const urdf::Link& link, const Eigen::Vector3d& size_m) const {
+    if (size_m.allFinite() && (size_m.array() > 0).all()) return;
+    fail(file_, "link '" + link.name + "': a <collision> geometry has a size that is not above 0");
   }
 
   void take_mesh_as_box(const urdf::Link& link, const urdf::Mesh& mesh, Shape& shape) {

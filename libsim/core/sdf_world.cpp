@@ -16,6 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// As `step_us` of a configuration; with a step of zero time would stand still.
+constexpr double kShortestStep_s = 1e-4;
+constexpr double kLongestStep_s = 0.01;
+
 Eigen::Vector3d to_eigen(const ignition::math::Vector3d& v) { return {v.X(), v.Y(), v.Z()}; }
 
 Eigen::Isometry3d to_eigen(const ignition::math::Pose3d& pose) {
@@ -62,7 +66,12 @@ class Translator {
     const sdf::Physics* const physics = world.PhysicsDefault();
     // Without <physics> libsdformat makes one up.
     if (physics == nullptr || !world.Element()->HasElement("physics")) return;
-    model_.step = base::from_seconds(physics->MaxStepSize());
+    const double step_s = physics->MaxStepSize();
+    if (step_s >= kShortestStep_s && step_s <= kLongestStep_s) {
+      model_.step = base::from_seconds(step_s);
+    } else {
+      warn("<max_step_size> must lie in [0.0001, 0.01] s; left out");
+    }
     if (physics->RealTimeFactor() > 0) model_.real_time_factor = physics->RealTimeFactor();
   }
 

@@ -98,7 +98,6 @@ StartPose parse_pose(const ConfigNode& node) {
           .yaw_deg = node.get("yaw_deg", 0.0)};
 }
 
-/// A plugin's own keys, behind them what the sensor set says of it.
 /// A block in `sensors` for a plugin that the vehicle does not have is a mistake.
 void check_blocks(const ConfigNode& sensors, const std::vector<PluginConfig>& plugins) {
   if (!sensors.is_map()) return;
@@ -109,6 +108,7 @@ void check_blocks(const ConfigNode& sensors, const std::vector<PluginConfig>& pl
   }
 }
 
+/// A plugin's own keys, behind them what the sensor set says of it.
 PluginConfig parse_plugin(const ConfigNode& node, const ConfigNode& sensors) {
   PluginConfig plugin;
   plugin.plugin = node.require<std::string>("plugin");

@@ -156,6 +156,10 @@ TEST_F(ModelLoader, RefusesWhatCannotFly) {
                                       "<collision><geometry><mesh filename='package://a/b.stl'/>"
                                       "</geometry></collision>")),
               HasSubstr("link 'base': mesh 'package://a/b.stl' is nowhere to be found"));
+  EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
+                                      "<collision><geometry><box size='1 0 1'/></geometry>"
+                                      "</collision>")),
+              HasSubstr("link 'base': a <collision> geometry has a size that is not above 0"));
   const std::string flat = "ixx='1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'";
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", flat) + kCollision)),
               HasSubstr("not that of a body"));

@@ -102,6 +102,18 @@ TEST(SdfWorld, RefusesWhatIsNoWorld) {
               HasSubstr("/nowhere.sdf: world cannot be read"));
 }
 
+TEST(SdfWorld, LeavesOutAStepOfZero) {
+  const base::TemporaryFolder folder;
+  const WorldModel world = load_sdf_world(
+      folder.write("w.sdf",
+                   "<sdf version='1.6'><world name='w'><physics name='p' type='ode'>"
+                   "<max_step_size>0</max_step_size><real_time_factor>1</real_time_factor>"
+                   "<real_time_update_rate>1000</real_time_update_rate></physics></world></sdf>"),
+      {});
+  EXPECT_FALSE(world.step.has_value());
+  EXPECT_THAT(world.warnings, Contains(HasSubstr("<max_step_size> must lie in")));
+}
+
 TEST(SdfWorld, RunsWithItsOwnHomeStepAndFactor) {
   const std::string world = "world: " + (kWorlds / "village.sdf").string() + "\n";
   SimRunner runner(SimConfig::parse(base::ConfigNode::parse(
