@@ -5,6 +5,8 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <array>
+#include <string>
 #include <thread>
 
 namespace cas::base {
@@ -55,7 +57,14 @@ TEST(ConfigureThisThread, BindsTheThreadToACpuItMayUse) {
 }
 
 TEST(ConfigureThisThread, MissingRightsAreNoError) {
-  std::thread([] { configure_this_thread("fifo", {1, {CPU_SETSIZE - 1}}); }).join();
+  std::string name;
+  std::thread([&name] {
+    configure_this_thread("fifo", {1, {CPU_SETSIZE - 1}});
+    std::array<char, 16> text{};
+    ::pthread_getname_np(::pthread_self(), text.data(), text.size());
+    name = text.data();
+  }).join();
+  EXPECT_EQ(name, "fifo") << "the rest of the options is applied";
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "tests/libsim/support/sim_files.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace cas::sim {
 namespace {
@@ -97,7 +98,7 @@ TEST_F(LoopTest, ResetGoesBackToZero) {
 TEST_F(LoopTest, PauseDoesNotCountAsLateness) {
   start(PaceMode::kRealtime, 10.0);
   loop_->post([this] { loop_->resume(); });
-  while (look().steps < 20) std::this_thread::yield();
+  ASSERT_TRUE(cas::test::wait_until([this] { return look().steps >= 20; }));
   loop_->post([this] { loop_->pause(); });
   const LoopFigures paused = look();
   EXPECT_TRUE(paused.paused);

@@ -172,6 +172,7 @@ TEST_F(DispatcherTest, ALateAnswerIsDelivered) {
 TEST_F(DispatcherTest, AnAnswerToAPeerThatIsGoneIsDropped) {
   handle(R"({"jsonrpc":"2.0","id":1,"method":"keep"})");
   handle(R"([{"jsonrpc":"2.0","id":1,"method":"keep"},{"jsonrpc":"2.0","method":"keep"}])");
+  ASSERT_EQ(kept_.size(), 3U);
   peer_.reset();
   for (const Reply& reply : kept_) reply.result(true);
 }
