@@ -21,7 +21,7 @@ MoverLimits mover_limits(const FlightParams& params) {
   return limits;
 }
 
-// ------------------------------------------------------------------------------ hold
+// Hold.
 
 void HoldTask::activate(const TaskContext& context) {
   // Where the vehicle would come to rest, so that it brakes instead of flying back.
@@ -82,7 +82,7 @@ ControlSetpoint HoldTask::update(const TaskContext& context) {
   return out;
 }
 
-// ------------------------------------------------------------------------------ take-off
+// Take-off.
 
 void TakeoffTask::activate(const TaskContext& context) {
   mover_.reset(context.estimate.p_N, Vector3d::Zero(), context.yaw_rad);
@@ -124,7 +124,7 @@ bool TakeoffTask::done(const TaskContext& context) const {
   return mover_.arrived() && std::abs(context.estimate.p_N.z() - mover_.target().z()) < 0.3;
 }
 
-// ------------------------------------------------------------------------------ land
+// Land.
 
 void LandTask::activate(const TaskContext& context) {
   mover_.reset(context.estimate.p_N, context.estimate.v_N, context.yaw_rad);
@@ -153,7 +153,7 @@ ControlSetpoint LandTask::update(const TaskContext& context) {
   return out;
 }
 
-// ------------------------------------------------------------------------------ return
+// Return.
 
 void ReturnTask::activate(const TaskContext& context) {
   mover_.reset(context.estimate.p_N, context.estimate.v_N, context.yaw_rad);

@@ -35,7 +35,7 @@ FlightTask& Commander::task(FlightMode mode) {
   return hold_;
 }
 
-// ------------------------------------------------------------------------------ requests
+// Requests.
 
 Result Commander::arm(const ArmingInput& checks, const TaskContext& context, bool force) {
   if (armed_) return Result::kAccepted;
@@ -137,7 +137,7 @@ void Commander::terminate(const std::string& reason) {
   if (armed_) set_disarmed("");
 }
 
-// ------------------------------------------------------------------------------ flight
+// Flight.
 
 void Commander::enter(FlightMode mode, const TaskContext& context) {
   mode_ = mode;

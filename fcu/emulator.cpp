@@ -97,7 +97,7 @@ struct Emulator::Impl final : EmulatorView {
   bool writing = false;
 };
 
-// ------------------------------------------------------------------------------ set-up
+// Set-up.
 
 void Emulator::Impl::make_controller() {
   fcu = std::make_unique<FlightController>(config, [this](std::span<const std::uint8_t> packet) {
@@ -134,7 +134,7 @@ std::string Emulator::Impl::endpoints() const {
   return "pty " + pty.slave_name() + " link " + pty.link().string();
 }
 
-// ------------------------------------------------------------------------------ the loop
+// The loop.
 
 void Emulator::Impl::wait_readable() {
   if (reading || !master.is_open()) return;

@@ -50,7 +50,7 @@ void Estimator::set_field_from_model(const base::Geodetic& place) {
   field_known_ = true;
 }
 
-// ------------------------------------------------------------------------------ prediction
+// Prediction.
 
 void Estimator::on_imu(const ImuInput& imu) {
   if (!imu.gyro_D.allFinite() || !imu.accel_D.allFinite()) return;
@@ -99,7 +99,7 @@ void Estimator::predict(const ImuInput& imu) {
   covariance_.add_baro_walk(walk(params_.baro_offset_walk_m));
 }
 
-// ------------------------------------------------------------------------------ fusion
+// Fusion.
 
 double Estimator::fuse_scalar(const Vector& h, double innovation, double variance) {
   Vector ph;
@@ -234,7 +234,7 @@ void Estimator::on_barometer(base::SimTime time, double pressure_pa) {
   baro_.last_fused = time;
 }
 
-// ------------------------------------------------------------------------------ validity
+// Validity.
 
 bool Estimator::velocity_valid() const {
   if (!aligned_ || !projection_) return false;

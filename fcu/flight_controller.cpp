@@ -47,7 +47,7 @@ struct FlightController::Impl {
   bool sensors_lost = false;
 };
 
-// ------------------------------------------------------------------------------ the loop
+// The loop.
 
 /// One sensor message on its way to the rotors:
 ///
@@ -109,7 +109,7 @@ ControlSetpoint FlightController::Impl::next_setpoint(double dt, RunTime now) {
   return core.commander.update(core.context(now, dt), failsafe, thrust_ratio);
 }
 
-// ------------------------------------------------------------------------------ around the loop
+// Around the loop.
 
 namespace {
 
@@ -201,7 +201,7 @@ void FlightController::Impl::update_status() {
   }
 }
 
-// ------------------------------------------------------------------------------ interface
+// Interface.
 
 FlightController::FlightController(const FcuConfig& config, Sink send)
     : impl_(std::make_unique<Impl>(config, std::move(send))) {}

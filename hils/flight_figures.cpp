@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 
-// ------------------------------------------------------------------------------ hover
+// Hover.
 
 /// Sums of squares of one flight.
 struct HoverSums {

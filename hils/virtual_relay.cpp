@@ -171,7 +171,7 @@ void VirtualRelay::carry_on(base::RunTime now) {
   }
 }
 
-// ------------------------------------------------------------------------------ packets
+// Packets.
 
 void VirtualRelay::take(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now) {
   ports_[from].parser.feed(bytes, [&](const mav::PacketView& packet) {
@@ -225,7 +225,7 @@ bool VirtualRelay::write_tail(Port& port, base::RunTime now) {
   return port.tail.empty();
 }
 
-// ------------------------------------------------------------------------------ threads: blocking
+// Threads: blocking.
 
 /// The one thread's loop, as far as it gets by `now`.
 void VirtualRelay::serve(base::RunTime now) {

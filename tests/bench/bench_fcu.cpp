@@ -28,7 +28,7 @@ base::Vehicle iris() {
   return base::Vehicle::load(CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml");
 }
 
-// ------------------------------------------------------------------------------ the estimator
+// The estimator.
 
 /// An aligned estimator at rest, moved on by its IMU.
 class RestingEstimator {
@@ -79,7 +79,7 @@ BENCHMARK(estimator_predict_and_fuse<&RestingEstimator::barometer>)
 BENCHMARK(estimator_predict_and_fuse<&RestingEstimator::gps>)
     ->Name("estimator_predict_and_fuse_gps");
 
-// ------------------------------------------------------------------------------ the controllers
+// The controllers.
 
 EstimatorState hovering() {
   EstimatorState state;
@@ -120,7 +120,7 @@ void mixer(benchmark::State& state) {
 }
 BENCHMARK(mixer);
 
-// ------------------------------------------------------------------------------ all of it
+// All of it.
 
 struct Recording {
   FcuConfig config;

@@ -66,7 +66,7 @@ TEST(AttitudeController, KeepsWithinTheRateLimits) {
   EXPECT_TRUE((w.cwiseAbs().array() <= params.rate_limit_rad_s.array() + 1e-12).all());
 }
 
-// ---------------------------------------------------------------- thrust and direction
+// Thrust and direction.
 
 constexpr double kMass = 1.55;
 constexpr double kGravity = 9.80665;

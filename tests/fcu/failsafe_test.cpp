@@ -116,7 +116,7 @@ TEST_F(FailsafeFlight, TiltedTooFarTheRotorsStop) {
   EXPECT_EQ(loop_.command(MavCmd::kComponentArmDisarm, {1}), MavResult::kTemporarilyRejected);
 }
 
-// ---------------------------------------------------------------- arming checks
+// Arming checks.
 
 struct MissingSensor {
   const char* name;

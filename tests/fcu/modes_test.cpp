@@ -177,7 +177,7 @@ TEST_F(Modes, TerminationStopsTheRotorsForGood) {
   EXPECT_FALSE(loop_.arm());
 }
 
-// ---------------------------------------------------------------- missions
+// Missions.
 
 MissionItemInt item(std::uint16_t seq, MavCmd command, double north, double east, float up,
                     const base::Geodetic& home) {

@@ -70,7 +70,7 @@ TEST(Mover, StaysWithTheEstimateWhenThatIsMoved) {
   EXPECT_TRUE(mover.update(kDt).p_N.isApprox(Vector3d(1.5, 1.5, -3), 1e-9));
 }
 
-// ---------------------------------------------------------------- patterns
+// Patterns.
 
 class PatternOf : public testing::TestWithParam<PatternShape> {};
 

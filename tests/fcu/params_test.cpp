@@ -91,7 +91,7 @@ TEST(Params, ReachTheGainsTheyName) {
   EXPECT_NEAR(p.z_velocity.i, 1.5, 1e-6);
 }
 
-// ---------------------------------------------------------------- the file
+// The file.
 
 class ParamFileTest : public testing::Test {
  protected:
