@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 
 #include "mavlink/common/enums.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -16,5 +18,11 @@ struct Command {
   mav::Source from;
   int version = 2;
 };
+
+/// A parameter that carries a whole number: 0 for what is none, else the nearest in 0..`highest`.
+inline std::uint32_t whole_number(double param, std::uint32_t highest) {
+  if (!(param > 0)) return 0;
+  return static_cast<std::uint32_t>(std::min(param, static_cast<double>(highest)));
+}
 
 }  // namespace cas::fcu

@@ -28,6 +28,7 @@ using mavlink::common::SetMode;
 
 namespace {
 
+constexpr std::uint32_t kHighestMessageId = 0xFFFFFF;
 constexpr double kRepetition_s = 5;  ///< a later one with the same words is a new wish
 
 bool same(double a, double b) {
@@ -125,7 +126,7 @@ MavResult CommandHandler::execute(const Command& command, FcuCore& core, RunTime
 }
 
 MavResult CommandHandler::request_message(const Command& command, FcuCore& core, RunTime now) {
-  const auto id = static_cast<std::uint32_t>(std::max(0.0, command.param[0]));
+  const std::uint32_t id = whole_number(command.param[0], kHighestMessageId);
   switch (telemetry_.send_now(id, core, now, command.version)) {
     case Telemetry::Sent::kSent:
       return MavResult::kAccepted;
@@ -138,7 +139,7 @@ MavResult CommandHandler::request_message(const Command& command, FcuCore& core,
 }
 
 MavResult CommandHandler::information_command(const Command& command, FcuCore& core, RunTime now) {
-  const auto id = static_cast<std::uint32_t>(std::max(0.0, command.param[0]));
+  const std::uint32_t id = whole_number(command.param[0], kHighestMessageId);
   switch (command.id) {
     case MavCmd::kRequestMessage:
       return request_message(command, core, now);

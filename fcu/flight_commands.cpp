@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/flight_commands.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -18,6 +17,8 @@ using mavlink::common::MavResult;
 namespace {
 
 constexpr double kForceMagic = 21196;  // MAV_CMD_COMPONENT_ARM_DISARM param2
+constexpr std::uint32_t kMostFlags = 0xFFFF;
+constexpr std::uint32_t kNoItem = 0xFFFF;  ///< no mission is that long
 
 TaskContext context_of(const FcuCore& core, RunTime now) { return core.context(now, 0); }
 
@@ -81,7 +82,7 @@ MavResult take_off(const Command& command, FcuCore& core, RunTime now) {
 }
 
 MavResult reposition(const Command& command, FcuCore& core, RunTime now) {
-  const bool change_mode = (static_cast<int>(command.param[1]) & 1) != 0;
+  const bool change_mode = (whole_number(command.param[1], kMostFlags) & 1) != 0;
   return core.commander.reposition(place_of(command, core), command.param[3], command.param[0],
                                    change_mode || core.commander.mode() == FlightMode::kHold,
                                    context_of(core, now));
@@ -149,9 +150,10 @@ MavResult flight_command(const Command& command, FcuCore& core, RunTime now) {
     case MavCmd::kNavLoiterUnlim:
       return set_flight_mode(FlightMode::kHold, core, now);
     case MavCmd::kDoSetMode:
-      return set_flight_mode(flight_mode_from_px4(static_cast<std::uint8_t>(command.param[1]),
-                                                  static_cast<std::uint8_t>(command.param[2])),
-                             core, now);
+      return set_flight_mode(
+          flight_mode_from_px4(static_cast<std::uint8_t>(whole_number(command.param[1], 255)),
+                               static_cast<std::uint8_t>(whole_number(command.param[2], 255))),
+          core, now);
     case MavCmd::kDoReposition:
       return reposition(command, core, now);
     case MavCmd::kDoOrbit:
@@ -164,12 +166,12 @@ MavResult flight_command(const Command& command, FcuCore& core, RunTime now) {
       return set_flight_mode(command.param[0] == 0 ? FlightMode::kHold : FlightMode::kMission, core,
                              now);
     case MavCmd::kMissionStart: {
-      const auto first = static_cast<std::size_t>(std::max(0.0, command.param[0]));
+      const std::size_t first = whole_number(command.param[0], kNoItem);
       if (!core.commander.mission().set_current(first)) return MavResult::kDenied;
       return set_flight_mode(FlightMode::kMission, core, now);
     }
     case MavCmd::kDoFlighttermination:
-      if (command.param[0] < 0.5) return MavResult::kDenied;
+      if (!(command.param[0] >= 0.5)) return MavResult::kDenied;  // NaN too
       core.commander.terminate("Flight terminated by command");
       return MavResult::kAccepted;
     case MavCmd::kPreflightRebootShutdown:

@@ -172,6 +172,8 @@ TEST_F(Modes, ReturnComesHomeAndLands) {
 
 TEST_F(Modes, TerminationStopsTheRotorsForGood) {
   hover();
+  EXPECT_EQ(loop_.command(MavCmd::kDoFlighttermination, {NAN}), MavResult::kDenied);
+  EXPECT_TRUE(loop_.fcu().status().armed) << "no number is no order";
   EXPECT_EQ(loop_.command(MavCmd::kDoFlighttermination, {1}), MavResult::kAccepted);
   EXPECT_FALSE(loop_.fcu().status().armed);
   EXPECT_FALSE(loop_.arm());
