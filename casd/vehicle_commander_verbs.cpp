@@ -16,6 +16,8 @@ using mavlink::common::MavModeFlag;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 /// MAV_CMD_DO_REPOSITION param2: go there now, in the mode that takes such targets.
 constexpr float kChangeMode = 1;
+/// Farther from home than any vehicle here flies: a number beyond it is a slip.
+constexpr double kFarthest_m = 100'000;
 
 /// DO_SET_MODE with the armed and HIL flags as they are.
 VehicleCommand mode_command(const VehicleState& state, std::uint32_t mode) {
@@ -48,8 +50,8 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
   now_ = now;
   Vehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
-  if (!(altitude_m > 0)) {
-    done(failure(Verdict::kInvalid, "a takeoff altitude is above 0 m"));
+  if (!(altitude_m > 0 && altitude_m <= kFarthest_m)) {
+    done(failure(Verdict::kInvalid, "a takeoff altitude is above 0 m and at most 100 km"));
     return;
   }
   if (vehicle->state.autopilot() == Autopilot::kArduPilot) {
@@ -135,17 +137,21 @@ void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::Ru
                                         "position estimate"));
     return;
   }
+  const Eigen::Vector3d from_home_m{target.north_m - home->x_m, target.east_m - home->y_m,
+                                    target.down_m - home->z_m};
+  if (!(from_home_m.norm() <= kFarthest_m)) {
+    done(failure(Verdict::kInvalid, "a place to go to lies within 100 km of home"));
+    return;
+  }
   const base::LocalProjection projection({home->lat_deg, home->lon_deg, home->alt_m});
-  const base::Geodetic place = projection.to_geodetic(
-      {target.north_m - home->x_m, target.east_m - home->y_m, target.down_m - home->z_m});
+  const base::Geodetic place = projection.to_geodetic(from_home_m);
   VehicleCommand command{.id = MavCmd::kDoReposition};
   const double yaw_rad = target.yaw_deg.value_or(0) * std::numbers::pi / 180;
   command.params = {-1, kChangeMode, 0, target.yaw_deg ? static_cast<float>(yaw_rad) : kNan,
                     0,  0,           0};
-  command.place =
-      VehicleCommand::Place{static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7)),
-                            static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7)),
-                            static_cast<float>(home->alt_m - (target.down_m - home->z_m))};
+  command.place = VehicleCommand::Place{static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7)),
+                                        static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7)),
+                                        static_cast<float>(home->alt_m - from_home_m.z())};
   start(system, command, now, std::move(done));
 }
 

@@ -326,6 +326,21 @@ TEST_F(VehicleCommanderTest, GoesToALocalPlaceByLatitudeAndLongitude) {
   EXPECT_EQ(command.param2, 1.0F);
 }
 
+TEST_F(VehicleCommanderTest, RefusesPlacesNoVehicleReaches) {
+  meet();
+  HomePosition home;
+  home.latitude = 473977420;
+  home.longitude = 85455940;
+  vehicle_.say(home, now_);
+  run_for(50ms);
+  commander_.go_to(1, {.north_m = 1e300, .yaw_deg = {}}, now_, done());
+  EXPECT_EQ(finish().verdict, Verdict::kInvalid);
+  commander_.takeoff(1, 1e300, now_, done());
+  EXPECT_EQ(finish().verdict, Verdict::kInvalid);
+  EXPECT_TRUE(vehicle_.commands.empty());
+  EXPECT_TRUE(vehicle_.int_commands.empty());
+}
+
 TEST_F(VehicleCommanderTest, SaysWhyItCannotGoWithoutHome) {
   meet();
   commander_.go_to(1, {}, now_, done());
