@@ -130,7 +130,9 @@ Sentences missed_limits(const Measurement& figures, const Limits& limits) {
   for (const auto& [name, rate] : named_rates(figures.rates)) {
     check_rate(name, *rate, limits, failures);
   }
-  if (limits.latency_p99_us && !(figures.sensor_to_control.p99 <= *limits.latency_p99_us)) {
+  if (limits.latency_p99_us && figures.sensor_to_control.count == 0) {
+    failures.push_back("the loop's delay has a limit, but no packet to measure it by");
+  } else if (limits.latency_p99_us && !(figures.sensor_to_control.p99 <= *limits.latency_p99_us)) {
     failures.push_back(
         fmt::format("the loop takes {:.0f} us in 99 % of the cases; the limit is "
                     "{:g} us",

@@ -82,6 +82,19 @@ INSTANTIATE_TEST_SUITE_P(
                  "the flight was not completed: arm was not done within 10 s"}),
     [](const auto& test) { return test.param.name; });
 
+TEST(Judgement, AnUnmeasuredDelayMeetsNoLimit) {
+  Limits limits = hover_limits();
+  limits.latency_p99_us = 5000;
+  Measurement figures = good();
+  EXPECT_EQ(judge(figures, limits).exit_code(), kExitPassed);
+  figures.sensor_to_control = {};
+  const Verdict verdict = judge(figures, limits);
+  EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
+  ASSERT_EQ(verdict.failures.size(), 1U);
+  EXPECT_EQ(verdict.failures.front(),
+            "the loop's delay has a limit, but no packet to measure it by");
+}
+
 TEST(Judgement, GivesNoVerdictOnABusyMachine) {
   Measurement figures = good();
   figures.pace.real_time_factor = 0.95;
