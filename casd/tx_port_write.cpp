@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The part of TxPort that writes: whoever is here holds writer_mutex_.
 #include "casd/tx_port.hpp"
+#include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::casd {
 namespace {
@@ -9,7 +10,6 @@ namespace {
 // PTY or a socket takes in one go.
 constexpr std::size_t kBatchBytes = 4096;
 constexpr std::size_t kBatchPackets = 64;
-constexpr std::uint32_t kHilSensorId = 107;
 
 std::int64_t ns(base::RunTime time) { return time.time_since_epoch().count(); }
 
@@ -133,7 +133,7 @@ void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
   std::size_t bytes = 0;
   for (const PacketRef& packet : written) {
     bytes += packet.bytes.size() + writer_->added_bytes();
-    if (packet.info->message_id == kHilSensorId) pacer_.sent_sensor(now);
+    if (packet.info->message_id == mavlink::common::HilSensor::kId) pacer_.sent_sensor(now);
   }
   pacer_.sent(bytes, now);
   line_check_.wrote(now);

@@ -137,21 +137,22 @@ void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::Ru
                                         "position estimate"));
     return;
   }
-  const Eigen::Vector3d from_home_m{target.north_m - home->x_m, target.east_m - home->y_m,
-                                    target.down_m - home->z_m};
-  if (!(from_home_m.norm() <= kFarthest_m)) {
+  const double north_m = target.north_m - home->x_m;
+  const double east_m = target.east_m - home->y_m;
+  const double down_m = target.down_m - home->z_m;
+  if (!(std::hypot(north_m, east_m, down_m) <= kFarthest_m)) {
     done(failure(Verdict::kInvalid, "a place to go to lies within 100 km of home"));
     return;
   }
   const base::LocalProjection projection({home->lat_deg, home->lon_deg, home->alt_m});
-  const base::Geodetic place = projection.to_geodetic(from_home_m);
+  const base::Geodetic place = projection.to_geodetic({north_m, east_m, down_m});
   VehicleCommand command{.id = MavCmd::kDoReposition};
   const double yaw_rad = target.yaw_deg.value_or(0) * std::numbers::pi / 180;
   command.params = {-1, kChangeMode, 0, target.yaw_deg ? static_cast<float>(yaw_rad) : kNan,
                     0,  0,           0};
   command.place = VehicleCommand::Place{static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7)),
                                         static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7)),
-                                        static_cast<float>(home->alt_m - from_home_m.z())};
+                                        static_cast<float>(home->alt_m - down_m)};
   start(system, command, now, std::move(done));
 }
 
