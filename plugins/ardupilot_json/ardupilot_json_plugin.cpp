@@ -16,6 +16,7 @@ namespace cas::sim {
 namespace {
 
 constexpr std::uint16_t kPort = 9002;  // of ArduPilot's model "json:127.0.0.1", instance 0
+constexpr int kMostPackets = 1024;     // at once: a sender that never pauses is not waited for
 
 std::unique_ptr<JsonLink> open_link(const base::ConfigNode& node) {
   const auto local = node.find("local");
@@ -105,7 +106,9 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
 
  private:
   void receive() {
-    while (const auto bytes = link_->receive()) {
+    for (int i = 0; i < kMostPackets; ++i) {
+      const auto bytes = link_->receive();
+      if (!bytes) return;
       if (const auto packet = parse_servo_packet(*bytes)) {
         on_packet(*packet);
       } else {

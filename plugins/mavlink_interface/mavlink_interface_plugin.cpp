@@ -47,14 +47,13 @@ std::unique_ptr<PacketPort> open_tcp_server(const base::ConfigNode& node) {
   const int instance = static_cast<int>(node.get_in("instance", 0, 0, kMostInstances));
   const auto local = node.find("local");
   if (local && node.has("instance")) local->fail("stands for the port; so does instance");
+  const SocketAddress address =
+      local ? SocketAddress::parse(*local)
+            : SocketAddress::loopback(static_cast<std::uint16_t>(kSimulatorApiPort + instance));
   try {
-    return std::make_unique<TcpServerPort>(
-        local ? SocketAddress::parse(*local)
-              : SocketAddress::loopback(static_cast<std::uint16_t>(kSimulatorApiPort + instance)));
+    return std::make_unique<TcpServerPort>(address);
   } catch (const std::system_error& error) {
-    (local ? *local : node)
-        .fail("TCP port " + std::to_string(kSimulatorApiPort + instance) + ": " +
-              error.code().message());
+    (local ? *local : node).fail("TCP " + address.text() + ": " + error.code().message());
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "base/log.hpp"
+
 namespace cas::sim {
 namespace {
 
@@ -84,7 +86,11 @@ WindModel::WindModel(const WindParams& params, std::uint64_t seed)
 void WindModel::start(const GustCommand& gust) {
   const auto free = std::find_if(gusts_.begin(), gusts_.end(),
                                  [](const GustModel& other) { return other.over(); });
-  if (free != gusts_.end()) *free = GustModel(gust);
+  if (free == gusts_.end()) {
+    base::log::warn("a gust is left out: " + std::to_string(gusts_.size()) + " blow already");
+    return;
+  }
+  *free = GustModel(gust);
 }
 
 Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height_m,
