@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -15,6 +18,20 @@ using nlohmann::json;
 template <class M>
 double age_s(const Heard<M>& heard, base::RunTime now) {
   return base::to_seconds(now - heard.at);
+}
+
+bool all_finite(std::initializer_list<float> values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](float value) { return std::isfinite(value); });
+}
+
+/// A vehicle that does not know its attitude or place says NaN, which no client can count with.
+bool is_known(const mavlink::common::Attitude& a) {
+  return all_finite({a.roll, a.pitch, a.yaw, a.rollspeed, a.pitchspeed, a.yawspeed});
+}
+
+bool is_known(const mavlink::common::LocalPositionNed& p) {
+  return all_finite({p.x, p.y, p.z, p.vx, p.vy, p.vz});
 }
 
 json attitude_json(const Heard<mavlink::common::Attitude>& heard, base::RunTime now) {
@@ -92,8 +109,10 @@ json CommandServer::summary(const VehicleState& vehicle) const {
 json CommandServer::state(const VehicleState& vehicle) const {
   const base::RunTime now = hooks_.now();
   json state = summary(vehicle);
-  if (vehicle.attitude()) state["attitude"] = attitude_json(*vehicle.attitude(), now);
-  if (vehicle.local_position()) {
+  if (vehicle.attitude() && is_known(vehicle.attitude()->message)) {
+    state["attitude"] = attitude_json(*vehicle.attitude(), now);
+  }
+  if (vehicle.local_position() && is_known(vehicle.local_position()->message)) {
     state["position_N"] = position_json(*vehicle.local_position(), now);
   }
   if (vehicle.global_position()) state["global"] = global_json(*vehicle.global_position(), now);

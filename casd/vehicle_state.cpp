@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/vehicle_state.hpp"
 
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/geodesy.hpp"
@@ -139,11 +141,12 @@ std::optional<HomeAmsl> VehicleState::home() const {
 }
 
 std::optional<double> VehicleState::altitude_m() const {
-  if (local_position_ && home_) {
-    return double{home_->message.z} - double{local_position_->message.z};
-  }
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const double z_m = local_position_ ? double{local_position_->message.z} : kUnknown;
+  const double home_z_m = home_ ? double{home_->message.z} : kUnknown;
+  if (std::isfinite(home_z_m - z_m)) return home_z_m - z_m;
   if (global_position_) return global_position_->message.relative_alt * 1e-3;
-  if (local_position_) return -double{local_position_->message.z};
+  if (std::isfinite(z_m)) return -z_m;
   return std::nullopt;
 }
 

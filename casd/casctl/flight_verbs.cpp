@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <thread>
@@ -202,7 +203,7 @@ void add_message_interval(CommandLine& line) {
         json params{{"message", wish->message}};
         if (!wish->message.empty() &&
             wish->message.find_first_not_of("0123456789") == std::string::npos) {
-          params["message"] = std::stoul(wish->message);
+          params["message"] = std::strtoull(wish->message.c_str(), nullptr, 10);
         }
         if (wish->hz) params["hz"] = *wish->hz;
         return fly(session, "vehicle.message_interval", params,

@@ -207,7 +207,7 @@ std::string MonitorModel::sparkline(const std::deque<double>& history) const {
   std::string text;
   for (std::size_t i = first; i < history.size(); ++i) {
     const double span = *high - *low;
-    const double part = span > 0 ? (history[i] - *low) / span : 0;
+    const double part = span > 0 && std::isfinite(span) ? (history[i] - *low) / span : 0;
     const auto step = static_cast<std::size_t>(std::lround(part * 7));
     text += unicode_ ? kBlocks[step] : kAscii[step];
   }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/client.hpp"
@@ -215,6 +216,19 @@ TEST_F(CommandServerTest, TellsTheVehiclesState) {
   EXPECT_EQ(state.at("position_N").at("x_m"), 1.5);
   EXPECT_EQ(state.at("altitude_m"), 2.5);
   EXPECT_EQ(state.at("statustexts").at(0).at("text"), "hello");
+}
+
+TEST_F(CommandServerTest, LeavesOutWhatTheVehicleDoesNotKnow) {
+  auto& vehicle = bench_.vehicle();
+  mavlink::common::LocalPositionNed local;
+  local.z = std::numeric_limits<float>::quiet_NaN();
+  vehicle.say_heartbeat(base::steady_now());
+  vehicle.say(local, base::steady_now());
+  vehicle.say_text("hello", base::steady_now());
+  const json state = call("vehicle.state");
+  EXPECT_EQ(state.at("statustexts").size(), 1U);
+  EXPECT_FALSE(state.contains("position_N"));
+  EXPECT_FALSE(state.contains("altitude_m"));
 }
 
 TEST_F(CommandServerTest, PublishesStatusTextsToSubscribers) {
