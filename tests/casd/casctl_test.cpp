@@ -186,8 +186,10 @@ TEST_F(CasctlTest, GivesTheTokenOfAFile) {
 
 TEST_F(CasctlTest, EveryVerbHasAnExample) {
   const std::string help = casctl("--help").out;
-  for (const char* verb : {"status", "links", "arm", "disarm", "takeoff", "land", "hold", "rtl",
-                           "goto", "mode", "message-interval", "setgain", "gains"}) {
+  for (const char* verb :
+       {"status",  "links",  "arm",    "disarm",           "takeoff", "land",  "hold",   "rtl",
+        "goto",    "mode",   "manual", "message-interval", "setgain", "gains", "routes", "drops",
+        "latency", "budget", "reload", "reboot",           "monitor", "doctor"}) {
     EXPECT_NE(help.find(verb), std::string::npos) << verb;
     EXPECT_NE(casctl(std::string(verb) + " --help").out.find("Example: casctl"), std::string::npos)
         << verb;
