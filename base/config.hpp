@@ -25,52 +25,58 @@ class CAS_BASE_EXPORT ConfigNode {
  public:
   /// Reads a file. @throws ConfigError when it cannot be read, parsed, or repeats a key
   static ConfigNode load(const std::filesystem::path& file);
-  /// Parses a text; `name` stands for the file in errors.
+  /// Parses a text; `name` stands for the file in errors. @throws ConfigError as load()
   static ConfigNode parse(std::string_view text, const std::string& name = "<text>");
   /// An empty map, so that optional blocks read like present ones.
   static ConfigNode empty(const std::string& name = "<none>");
 
   bool is_map() const;
   bool is_list() const;
+  /// A single value: text, number or bool.
   bool is_scalar() const;
+  /// A key without a value, or `null`.
   bool is_null() const;
 
   /// The child under `key`. @throws ConfigError when it is missing
   ConfigNode at(std::string_view key) const;
   /// The child under `key`, or nothing. Counts as a use of the key.
   std::optional<ConfigNode> find(std::string_view key) const;
+  /// Whether the key is there. Counts as a use of it.
   bool has(std::string_view key) const { return find(key).has_value(); }
 
   /// The value of a mandatory key. T: bool, int, unsigned, std::int64_t, std::uint64_t, double,
   /// std::string, std::vector<double>, std::vector<std::string>, Eigen::Vector3d, Eigen::Vector4d.
+  /// @throws ConfigError when it is missing or of another kind
   template <class T>
   T require(std::string_view key) const {
     return at(key).as<T>();
   }
-  /// The value of an optional key.
+  /// The value of an optional key. @throws ConfigError when it is of another kind
   template <class T>
   T get(std::string_view key, T fallback) const {
     const std::optional<ConfigNode> child = find(key);
     return child ? child->as<T>() : fallback;
   }
-  /// A number that must lie in [low, high].
+  /// A number that must lie in [low, high]. @throws ConfigError when it does not, or is missing
   double require_in(std::string_view key, double low, double high) const;
+  /// Likewise, of an optional key.
   double get_in(std::string_view key, double fallback, double low, double high) const;
 
   /// This node's own value. @throws ConfigError when it is of another kind
   template <class T>
   T as() const;
 
-  /// The elements of a list.
+  /// The elements of a list. @throws ConfigError when it is none
   std::vector<ConfigNode> items() const;
   /// The entries of a map in file order. Counts as a use of each key.
+  /// @throws ConfigError when it is none
   std::vector<std::pair<std::string, ConfigNode>> entries() const;
 
   /// This map with the keys of `defaults` that it lacks; a key of both is this map's. Errors name
   /// the file that the value stands in.
   ConfigNode merged_over(const ConfigNode& defaults) const;
 
-  /// Throws for the first key below this node that nobody asked for.
+  /// @throws ConfigError for the first key below this node that nobody asked for
   void reject_unused() const;
   /// For a block that another program or plugin reads: reject_unused() of the nodes above passes
   /// it by; its own reader's reject_unused() still checks it.

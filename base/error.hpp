@@ -18,10 +18,10 @@ class CAS_BASE_EXPORT ConfigError : public std::runtime_error {
 
 /// Exit codes of the daemons (sysexits.h where one fits).
 enum ExitCode : int {
-  kExitOk = 0,
-  kExitInternal = 70,
-  kExitCommandPort = 71,
-  kExitConfig = 78,
+  kExitOk = 0,            ///< stopped in good order
+  kExitInternal = 70,     ///< EX_SOFTWARE: internal error
+  kExitCommandPort = 71,  ///< EX_OSERR: the command port cannot be bound
+  kExitConfig = 78,       ///< EX_CONFIG: flags or configuration
 };
 
 /// Prints file, line and the failed condition, then aborts. Used through CAS_CHECK.

@@ -32,7 +32,8 @@ inline Eigen::Quaterniond q_WB_from_q_ND(const Eigen::Quaterniond& q_ND) {
   return (q_WN * q_ND * q_DB).normalized();
 }
 
-/// Roll, pitch, yaw (rad) of an attitude q_ND, rotation order yaw-pitch-roll (Z-Y-X).
+/// Roll, pitch, yaw (rad) of a unit quaternion q_ND, rotation order yaw-pitch-roll (Z-Y'-X'').
+/// Pitch is in [-pi/2, pi/2], the others in [-pi, pi]; at pitch +-pi/2 roll and yaw are not unique.
 inline Eigen::Vector3d euler_rpy(const Eigen::Quaterniond& q) {
   const double roll =
       std::atan2(2 * (q.w() * q.x() + q.y() * q.z()), 1 - 2 * (q.x() * q.x() + q.y() * q.y()));
@@ -42,14 +43,14 @@ inline Eigen::Vector3d euler_rpy(const Eigen::Quaterniond& q) {
   return {roll, std::asin(s), yaw};
 }
 
-/// Quaternion of roll, pitch, yaw (rad), rotation order Z-Y-X.
+/// q_ND of roll, pitch, yaw (rad), rotation order Z-Y'-X''. Inverse of euler_rpy().
 inline Eigen::Quaterniond quaternion_rpy(double roll, double pitch, double yaw) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
                             Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
                             Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()));
 }
 
-/// Angle folded into (-pi, pi].
+/// Angle (rad) folded into [-pi, pi].
 inline double wrap_angle(double angle) { return std::remainder(angle, 2 * M_PI); }
 
 }  // namespace cas::base

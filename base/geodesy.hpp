@@ -14,6 +14,7 @@ struct Geodetic {
   double alt_m = 0;
 };
 
+/// Shape of the Earth that a LocalProjection uses.
 enum class EarthModel { kSphere, kWgs84 };
 
 /// Maps local north-east-down positions (m) about a home to latitude and longitude, and back.
@@ -25,8 +26,11 @@ class CAS_BASE_EXPORT LocalProjection {
   LocalProjection() = default;
   LocalProjection(const Geodetic& home, EarthModel model = EarthModel::kSphere);
 
+  /// @param p_N  from home, north-east-down, m
   Geodetic to_geodetic(const Eigen::Vector3d& p_N) const;
+  /// @return from home, north-east-down, m
   Eigen::Vector3d to_local(const Geodetic& place) const;
+  /// Origin of N.
   const Geodetic& home() const { return home_; }
 
  private:

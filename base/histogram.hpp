@@ -19,7 +19,9 @@ class CAS_BASE_EXPORT Histogram {
   void clear();
 
   std::uint64_t count() const { return count_; }
+  /// The largest entry, exact; 0 without entries.
   Duration max() const { return max_; }
+  /// The mean of the entries, exact; 0 without entries.
   Duration mean() const;
   /// Value below which the fraction `q` (0..1) of the entries lies; 0 without entries.
   Duration quantile(double q) const;

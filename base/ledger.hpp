@@ -25,13 +25,17 @@ class CAS_BASE_EXPORT PacketLedger {
  public:
   /// @param expected  entries to reserve room for
   explicit PacketLedger(std::size_t expected = 1 << 20);
+  /// Notes a packet that left this program at `at`.
   void sent(std::uint32_t message_id, std::uint64_t time_usec, RunTime at);
+  /// Notes a packet that came to this program at `at`.
   void received(std::uint32_t message_id, std::uint64_t time_usec, RunTime at);
+  /// In the order in which they were noted.
   const std::vector<LedgerEntry>& entries() const { return entries_; }
 
-  /// CSV with header "direction,message_id,time_usec,at_ns", written beside and renamed. @throws
-  /// ConfigError
+  /// CSV with header "direction,message_id,time_usec,at_ns", written beside and renamed.
+  /// @throws ConfigError when it cannot be written
   void write(const std::filesystem::path& file) const;
+  /// What write() wrote. @throws ConfigError when it cannot be read
   static std::vector<LedgerEntry> read(const std::filesystem::path& file);
 
  private:

@@ -10,6 +10,7 @@
 /// degraded, `error` for lost function; never per packet or step.
 namespace cas::base::log {
 
+/// The least level that is written; kOff writes nothing.
 enum class Level { kDebug, kInfo, kWarn, kError, kOff };
 
 /// Sets the program's name and level; lines go to standard error (journald priorities under
@@ -18,6 +19,7 @@ CAS_BASE_EXPORT void init(const std::string& program, Level level = Level::kInfo
 /// "debug", "info", "warn", "error", "off". @throws ConfigError for another word
 CAS_BASE_EXPORT Level parse_level(std::string_view word);
 
+/// Each writes one line, from any thread.
 CAS_BASE_EXPORT void debug(std::string_view line);
 CAS_BASE_EXPORT void info(std::string_view line);
 CAS_BASE_EXPORT void warn(std::string_view line);

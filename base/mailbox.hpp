@@ -9,9 +9,11 @@
 namespace cas::base {
 
 /// Hands the newest value from one thread to another; older values are overwritten and counted.
+/// Safe from any thread; a call holds a lock for one copy or move of T.
 template <class T>
 class Mailbox {
  public:
+  /// Stores the value in place of one that has not been taken.
   void put(const T& value) {
     const std::scoped_lock lock(mutex_);
     if (value_) ++overwritten_;
@@ -24,6 +26,7 @@ class Mailbox {
     value_.reset();
     return taken;
   }
+  /// Values that nobody took.
   std::uint64_t overwritten() const {
     const std::scoped_lock lock(mutex_);
     return overwritten_;

@@ -12,6 +12,7 @@ namespace cas::base {
 
 /// Starts the log at `log_level` (a word of log::parse_level), runs a program's body and turns what
 /// either throws into one line on standard error and an exit code.
+/// @return what `body` returns, kExitConfig or kExitInternal
 template <class Body>
 int run_program(const char* name, std::string_view log_level, Body&& body) {
   try {

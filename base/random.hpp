@@ -13,13 +13,15 @@ namespace cas::base {
 CAS_BASE_EXPORT std::uint64_t derive_seed(std::uint64_t parent, std::string_view name);
 
 /// Normal deviates, mean 0, variance 1, the same on every platform: xoshiro256++ with the polar
-/// method of Marsaglia.
+/// method of Marsaglia. Not for use from several threads.
 class CAS_BASE_EXPORT NormalRandom {
  public:
   explicit NormalRandom(std::uint64_t seed = 1);
+  /// The next normal deviate.
   double operator()();
   /// Uniform in [0, 1).
   double uniform();
+  /// 64 uniform bits.
   std::uint64_t bits();
 
  private:

@@ -21,6 +21,7 @@ class RateGate {
 
   /// True once per period; a gap of several periods counts as one.
   bool due(SimTime t) { return due(t.time_since_epoch()); }
+  /// Likewise, for a time that counts from the start of the run.
   bool due(Duration since_start) {
     const std::int64_t index = index_at(since_start);
     if (index <= last_) return false;
@@ -34,7 +35,9 @@ class RateGate {
                                      1'000'000'000'000);
   }
 
+  /// The rate after rounding to 1 mHz.
   double rate_hz() const { return static_cast<double>(rate_mhz_) / 1000.0; }
+  /// Back to time zero.
   void reset() { last_ = 0; }
 
  private:

@@ -23,6 +23,7 @@ class StreamClock {
     last_usec_ = time_usec;
   }
 
+  /// The newest stamp, with the length of the runs before this one.
   RunTime now() const { return RunTime(std::chrono::microseconds(before_usec_ + last_usec_)); }
 
  private:

@@ -16,6 +16,7 @@ struct ThreadOptions {
   std::vector<int> cpus;             ///< affinity; empty: any
 };
 
+/// Reads {fifo_priority, cpus}. @throws ConfigError
 CAS_BASE_EXPORT ThreadOptions parse_thread_options(const ConfigNode& node);
 /// Names the calling thread (15 characters) and applies the options to it.
 CAS_BASE_EXPORT void configure_this_thread(const std::string& name, const ThreadOptions& options);

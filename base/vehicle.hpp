@@ -13,6 +13,7 @@
 
 namespace cas::base {
 
+/// Rotors of every vehicle: quadrotors only.
 inline constexpr int kRotors = 4;
 
 /// One rotor of the airframe, numbered 1..4 in the file, 0..3 here.
@@ -24,16 +25,16 @@ struct RotorGeometry {
 /// Coefficients common to the rotors. Zero switches an effect off; nothing has a default in the
 /// file.
 struct RotorParams {
-  double thrust_coefficient = 0;    ///< k_f, N s^2, [HILS] Eq. (1)
-  double torque_coefficient = 0;    ///< k_m, N m s^2, [HILS] Eq. (2)
-  double omega_max_rad_s = 0;       ///< speed limit
-  double omega_idle_rad_s = 0;      ///< slowest speed while armed
-  double time_constant_up_s = 0;    ///< first-order lag, speeding up
-  double time_constant_down_s = 0;  ///< first-order lag, slowing down
-  double inertia_kg_m2 = 0;         ///< J_r, rotor and motor bell about the spin axis
-  double radius_m = 0;
-  double drag_coefficient = 0;            ///< in-plane drag, N s^2/m per rad/s of |omega| (lambda)
-  double rolling_moment_coefficient = 0;  ///< N m s^2/m per rad/s
+  double thrust_coefficient = 0;          ///< k_f, N s^2, [HILS] Eq. (1)
+  double torque_coefficient = 0;          ///< k_m, N m s^2, [HILS] Eq. (2)
+  double omega_max_rad_s = 0;             ///< speed limit
+  double omega_idle_rad_s = 0;            ///< slowest speed while armed
+  double time_constant_up_s = 0;          ///< first-order lag, speeding up
+  double time_constant_down_s = 0;        ///< first-order lag, slowing down
+  double inertia_kg_m2 = 0;               ///< J_r, rotor and motor bell about the spin axis
+  double radius_m = 0;                    ///< of the rotor disc
+  double drag_coefficient = 0;            ///< in-plane drag, N per rad/s and m/s
+  double rolling_moment_coefficient = 0;  ///< N m per rad/s and m/s
   double zero_thrust_speed_m_s = 0;       ///< axial airspeed at which thrust has faded to zero
   double reference_density_kg_m3 = 0;     ///< air in which k_f and k_m hold; 0: in any air
   double ground_effect = 0;               ///< share of Cheeseman and Bennett's thrust gain, 0..1
@@ -49,9 +50,9 @@ struct ControlScales {
 
 /// A battery whose voltage sags under load and falls with its charge; rotor speeds fall with it.
 struct BatteryParams {
-  double full_v = 0;   ///< at rest, charged
-  double empty_v = 0;  ///< at rest, discharged
-  double capacity_ah = 0;
+  double full_v = 0;          ///< at rest, charged
+  double empty_v = 0;         ///< at rest, discharged
+  double capacity_ah = 0;     ///< charge from full to empty
   double resistance_ohm = 0;  ///< inner resistance and leads
   double efficiency = 0;      ///< shaft power over electrical power
 };
@@ -66,15 +67,16 @@ struct CAS_BASE_EXPORT Vehicle {
   std::array<RotorGeometry, kRotors> rotors;
   RotorParams rotor;
   ControlScales scales;
-  double body_drag_linear_n_s_m = 0;     ///< fuselage drag per m/s
-  std::optional<BatteryParams> battery;  ///< nothing: the voltage never changes
-  std::uint8_t system_id = 1;
+  double body_drag_linear_n_s_m = 0;         ///< fuselage drag, N per m/s of airspeed
+  std::optional<BatteryParams> battery;      ///< nothing: the voltage never changes
+  std::uint8_t system_id = 1;                ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_presets()
 
+  /// Reads a vehicle file. @throws ConfigError when a key is missing, unknown or out of range
   static Vehicle load(const std::filesystem::path& file);
 
-  /// (U1, U2, U3, U4) = M * omega^2 in the axes of D, built from geometry and spins: [HILS] Eq.
-  /// (3).
+  /// M of (U1, U2, U3, U4) = M * omega^2 (rad^2/s^2; N, N m) in the axes of D, from rotor positions
+  /// and spins: [HILS] Eq. (3).
   Eigen::Matrix4d mixing_matrix() const;
 };
 

@@ -3,13 +3,13 @@
 
 #include <array>
 
-/// Coefficients of the World Magnetic Model 2025-2030, released November 2024 by NOAA's National
-/// Centers for Environmental Information and the British Geological Survey; public domain.
+/// Coefficients of the World Magnetic Model 2025-2030 [WMM2025], released November 2024 by NOAA's
+/// National Centers for Environmental Information and the British Geological Survey; public domain.
 namespace cas::base::wmm2025 {
 
-inline constexpr double kEpochYear = 2025.0;
-inline constexpr double kLastYear = 2030.0;
-inline constexpr int kDegree = 12;
+inline constexpr double kEpochYear = 2025.0;  ///< of the coefficients
+inline constexpr double kLastYear = 2030.0;   ///< end of validity
+inline constexpr int kDegree = 12;            ///< largest degree and order
 
 /// Schmidt semi-normalised Gauss coefficients of one degree and order.
 struct Term {
@@ -19,6 +19,7 @@ struct Term {
 };
 
 // clang-format off
+/// Ordered by degree, then order.
 inline constexpr std::array<Term, 90> kTerms{{
     { 1,  0,  -29351.8,      0.0,   12.0,    0.0},
     { 1,  1,   -1410.8,   4545.4,    9.7,  -21.5},

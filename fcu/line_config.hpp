@@ -12,12 +12,12 @@ namespace cas::fcu {
 
 /// What a serial line does to the bytes of one direction. Everything that is zero is switched off.
 struct LineConfig {
-  std::string preset = "ideal";       ///< ideal | usb | baud_921600 | baud_460800 | baud_115200
-  double baud = 0;                    ///< byte clock, 10 bits a byte; 0 = no byte clock
-  double clock_drift_ppm = 0;         ///< sender's clock against its nominal rate; positive is slow
-  base::Duration extra_delay{};       ///< added to every byte
-  base::Duration jitter{};            ///< uniform 0..jitter added per write, order is kept
-  base::Duration batch{};             ///< bytes arrive in frames of this length (USB: 1 ms)
+  std::string preset = "ideal";  ///< ideal | usb | baud_921600 | baud_460800 | baud_115200
+  double baud = 0;               ///< byte clock, 10 bits a byte; 0 = no byte clock
+  double clock_drift_ppm = 0;    ///< sender's clock against its nominal rate; positive is slow
+  base::Duration extra_delay{};  ///< added to every byte
+  base::Duration jitter{};       ///< uniform 0..jitter added per write, order is kept
+  base::Duration batch{};  ///< bytes arrive in batches, one each time this has passed (USB: 1 ms)
   base::Duration stall_every{};       ///< mean time between stalls (exponential)
   base::Duration stall_length{};      ///< how long nothing moves in a stall
   double bit_error_rate = 0;          ///< probability that one bit is flipped

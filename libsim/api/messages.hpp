@@ -23,10 +23,10 @@ struct MotorCommand {
     kControlInputs,  ///< values = U1 (N), U2, U3, U4 (N m) in the axes of D, [HILS] Eq. (3)
     kMotorOutputs,   ///< values = outputs of rotors 1..4, 0..1
   };
-  base::SimTime
-      sensor_time;  ///< time of the HIL_SENSOR it was computed from, as far as the sender says
+  /// Time of the HIL_SENSOR it was computed from, as far as the sender says.
+  base::SimTime sensor_time;
   Kind kind = Kind::kControlInputs;
-  bool armed = false;
+  bool armed = false;  ///< disarmed, the rotors stop whatever `values` says
   Eigen::Vector4d values = Eigen::Vector4d::Zero();
 };
 
@@ -38,29 +38,31 @@ struct RotorSpeeds {
   Eigen::Vector4d omega_rad_s = Eigen::Vector4d::Zero();
 };
 
-/// Specific force and angular rate at the sensor, in B.
+/// Specific force and angular rate at the sensor, in B. Level and at rest: (0, 0, +g).
 struct ImuSample {
   static constexpr std::string_view kTypeName = "cas.ImuSample";
   static constexpr unsigned kTypeVersion = 1;
   base::SimTime time;
   Eigen::Vector3d specific_force_B = Eigen::Vector3d::Zero();  ///< m/s^2
   Eigen::Vector3d angular_rate_B = Eigen::Vector3d::Zero();    ///< rad/s
-  Eigen::Quaterniond q_WB =
-      Eigen::Quaterniond::Identity();  ///< the orientation that [HILS] Sect. 3.1 names
+  /// True attitude: the orientation that [HILS] Sect. 3.1 names. Not sent in HIL_SENSOR.
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
 };
 
+/// A fix of the receiver.
 struct GpsSample {
   static constexpr std::string_view kTypeName = "cas.GpsSample";
   static constexpr unsigned kTypeVersion = 1;
-  base::SimTime time;         ///< of measurement, before the receiver's delay
-  std::uint8_t fix_type = 3;  ///< GPS_FIX_TYPE
-  std::uint8_t satellites = 10;
-  base::Geodetic position;
+  base::SimTime time;            ///< of measurement, before the receiver's delay
+  std::uint8_t fix_type = 3;     ///< GPS_FIX_TYPE
+  std::uint8_t satellites = 10;  ///< used in the fix
+  base::Geodetic position;       ///< degrees, m above mean sea level
   Eigen::Vector3d velocity_N = Eigen::Vector3d::Zero();  ///< north, east, down, m/s
-  double eph_m = 0;                                      ///< horizontal 1-sigma
-  double epv_m = 0;                                      ///< vertical 1-sigma
+  double eph_m = 0;                                      ///< horizontal accuracy claimed, 1 sigma
+  double epv_m = 0;                                      ///< vertical accuracy claimed, 1 sigma
 };
 
+/// Magnetic field at the sensor, in B, gauss.
 struct MagnetometerSample {
   static constexpr std::string_view kTypeName = "cas.MagnetometerSample";
   static constexpr unsigned kTypeVersion = 1;
@@ -68,6 +70,7 @@ struct MagnetometerSample {
   Eigen::Vector3d field_B_gauss = Eigen::Vector3d::Zero();
 };
 
+/// Static pressure and temperature at the sensor.
 struct BarometerSample {
   static constexpr std::string_view kTypeName = "cas.BarometerSample";
   static constexpr unsigned kTypeVersion = 1;
@@ -76,6 +79,7 @@ struct BarometerSample {
   double temperature_degc = 0;
 };
 
+/// Distance along the beam of a rangefinder, and the limits of its range.
 struct RangeSample {
   static constexpr std::string_view kTypeName = "cas.RangeSample";
   static constexpr unsigned kTypeVersion = 2;
@@ -92,7 +96,7 @@ struct GustCommand {
   static constexpr unsigned kTypeVersion = 1;
   Eigen::Vector3d amplitude_N_m_s = Eigen::Vector3d::Zero();  ///< air velocity at its height
   double length_m = 0;                                        ///< of air in which it rises
-  double hold_s = 0;
+  double hold_s = 0;                                          ///< time at the amplitude
 };
 
 /// What rotors and battery still give; all ones when nothing is wrong.

@@ -18,9 +18,9 @@ namespace cas::sim {
 
 /// One step of the simulation.
 struct StepInfo {
-  base::SimTime time;  ///< pre_step: start of the step; post_step: its end
-  base::Duration dt{};
-  std::uint64_t index = 0;
+  base::SimTime time;       ///< pre_step: start of the step; post_step: its end
+  base::Duration dt{};      ///< length, the same in every step
+  std::uint64_t index = 0;  ///< from 0 at time zero
 };
 
 /// Lets a plugin hold the clock in lockstep: the runner waits for it before each step.
@@ -45,34 +45,45 @@ class LockstepPeer {
 class PluginContext {
  public:
   virtual ~PluginContext() = default;
+  /// Topics are wired here, and only in `configure`.
   virtual TopicBus& bus() = 0;
   /// Full name of a vehicle's topic: "imu" -> "iris0/imu".
   virtual std::string topic(const std::string& name) const = 0;
+  /// The vehicle that the plugin belongs to, as World knows it.
   virtual VehicleId vehicle_id() const = 0;
+  /// Its vehicle file.
   virtual const base::Vehicle& vehicle() const = 0;
+  /// Its name in the simulation: "iris0".
   virtual std::string vehicle_name() const = 0;
   /// Derived from the world's seed, the vehicle's name and the plugin's name.
   virtual std::uint64_t seed() const = 0;
+  /// Length of a step.
   virtual base::Duration step() const = 0;
+  /// Maps N about home to the Earth.
   virtual const base::LocalProjection& projection() const = 0;
+  /// Decimal year of the simulated day, for the magnetic field.
   virtual double decimal_year() const = 0;
   /// Folder for the files of this run.
   virtual std::filesystem::path output_dir() const = 0;
   /// Adds a force to the vehicle for the life of the plugin, which owns the model.
   virtual void add_force_model(ForceModel& model) = 0;
+  /// Makes the runner wait for this peer in lockstep. The plugin owns it.
   virtual void set_lockstep_peer(LockstepPeer& peer) = 0;
 };
 
 /// A part of the simulation that lives in a shared library.
 ///
-/// create -> configure -> bus frozen -> (pre_step -> physics -> post_step)* -> destroy. All on one
-/// thread.
+/// create -> configure -> bus frozen -> (pre_step -> physics -> post_step)* -> finish -> destroy.
+/// All on one thread.
 class Plugin {
  public:
   virtual ~Plugin() = default;
-  /// Reads parameters (throw through `params.fail()`), wires topics, registers forces.
+  /// Reads parameters, wires topics, registers forces. @throws base::ConfigError, best by
+  /// `params.fail()`
   virtual void configure(PluginContext& context, const base::ConfigNode& params) = 0;
+  /// Before the physics: sets wind and extra forces, takes commands. Must not block or allocate.
   virtual void pre_step(const StepInfo&, World&) {}
+  /// After the physics: reads the new state, publishes. Must not block or allocate.
   virtual void post_step(const StepInfo&, const World&) {}
   /// Back to time zero with the same seed.
   virtual void reset() = 0;
@@ -84,11 +95,11 @@ class Plugin {
 
 /// What the entry point of a plugin library returns. Plain data, so that any build can read it.
 struct PluginDescriptor {
-  std::size_t struct_size;
-  const char* name;
-  const char* abi_tag;
-  Plugin* (*create)();
-  void (*destroy)(Plugin*);
+  std::size_t struct_size;   ///< sizeof(PluginDescriptor) in the plugin's build
+  const char* name;          ///< as in CAS_PLUGIN, and lib<name>.so
+  const char* abi_tag;       ///< CAS_ABI_TAG of the plugin's build
+  Plugin* (*create)();       ///< a new plugin, owned by the caller
+  void (*destroy)(Plugin*);  ///< ends what create() made
 };
 
 /// Compiler, C++ ABI, Eigen alignment, sanitizer and CAS version that must agree between host and

@@ -33,7 +33,7 @@ struct Topic {
 
 }  // namespace detail
 
-/// Whether a subscriber can do without the topic's publisher.
+/// Whether a subscriber can do without the topic's publisher: unpublished() names those it cannot.
 enum class Need { kRequired, kOptional };
 
 /// Publishes on one topic: a direct call of each subscriber, on the simulation thread.
@@ -43,10 +43,12 @@ class Publisher {
   Publisher() = default;
   explicit Publisher(std::shared_ptr<detail::Topic> topic) : topic_(std::move(topic)) {}
 
+  /// Calls every subscriber with `value`, in the order in which they subscribed, before it returns.
   void publish(const T& value) const {
     if (topic_->interceptor) return topic_->interceptor(&value);
     topic_->deliver(&value);
   }
+  /// Whether anybody listens: what nobody hears need not be computed.
   bool has_subscribers() const { return topic_ && !topic_->subscribers.empty(); }
 
  private:
@@ -69,6 +71,7 @@ class Interceptor {
     if (topic_) topic_->interceptor = nullptr;
   }
 
+  /// Calls the subscribers, as publish() does without an interceptor.
   void deliver(const T& value) const { topic_->deliver(&value); }
 
  private:
@@ -102,6 +105,7 @@ class Subscription {
 /// thread.
 class TopicBus {
  public:
+  /// The right to publish on a topic.
   /// @throws base::ConfigError when the topic has a publisher, another type, or the bus is frozen
   template <class T>
   [[nodiscard]] Publisher<T> advertise(const std::string& name) {
@@ -111,7 +115,8 @@ class TopicBus {
     return Publisher<T>(std::move(topic));
   }
 
-  /// `on_message(const T&)` runs inside publish(). @throws base::ConfigError as advertise()
+  /// `on_message(const T&)` runs inside publish().
+  /// @throws base::ConfigError when the topic has another type or the bus is frozen
   template <class T>
   [[nodiscard]] Subscription subscribe(const std::string& name,
                                        std::function<void(const T&)> on_message,
@@ -126,7 +131,7 @@ class TopicBus {
   }
 
   /// `on_publish(const T&)` runs inside publish() in place of the subscribers.
-  /// @throws base::ConfigError when the topic has an interceptor, and as advertise()
+  /// @throws base::ConfigError when the topic has an interceptor, and as subscribe()
   template <class T>
   [[nodiscard]] Interceptor<T> intercept(const std::string& name,
                                          std::function<void(const T&)> on_publish) {
@@ -138,9 +143,10 @@ class TopicBus {
     return Interceptor<T>(std::move(topic));
   }
 
+  /// Ends the wiring: from now on advertise(), subscribe() and intercept() throw.
   void freeze() { frozen_ = true; }
 
-  /// Topics that somebody needs and nobody publishes: worth a warning.
+  /// Topics that somebody needs and nobody publishes: worth a line in the log.
   std::vector<std::string> unpublished() const {
     std::vector<std::string> names;
     for (const auto& [name, topic] : topics_) {

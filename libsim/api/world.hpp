@@ -16,14 +16,14 @@ enum class VehicleId : std::uint32_t {};
 
 /// Motion of a vehicle's centre of gravity.
 struct BodyState {
-  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();  ///< position in W, m
-  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();  ///< velocity in W, m/s
-  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();  ///< angular velocity in B, rad/s
-  Eigen::Vector3d a_WB =
-      Eigen::Vector3d::Zero();  ///< mean acceleration over the last step in W, m/s^2
-  Eigen::Vector3d alpha_WB_B =
-      Eigen::Vector3d::Zero();  ///< mean angular acceleration over the last step, rad/s^2
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();            ///< position in W, m
+  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();            ///< velocity in W, m/s
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();  ///< turns vectors from B into W
+  Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();          ///< angular velocity in B, rad/s
+  /// Mean acceleration over the last step in W, m/s^2; gravity included.
+  Eigen::Vector3d a_WB = Eigen::Vector3d::Zero();
+  /// Mean angular acceleration over the last step in B, rad/s^2.
+  Eigen::Vector3d alpha_WB_B = Eigen::Vector3d::Zero();
 };
 
 /// Force and moment about the centre of gravity, in B: N, N m.
@@ -36,14 +36,16 @@ struct Wrench {
 struct Environment {
   Eigen::Vector3d gravity_W{0, 0, 0};                ///< m/s^2
   Eigen::Vector3d wind_W = Eigen::Vector3d::Zero();  ///< air velocity, m/s
-  double air_density_kg_m3 = 0;
-  double height_above_ground_m = 0;  ///< of the centre of gravity over the surface below
+  double air_density_kg_m3 = 0;  ///< standard atmosphere at the vehicle's altitude
+  /// Of the centre of gravity over the surface below; infinite where there is none.
+  double height_above_ground_m = 0;
 };
 
 /// A force with internal states (rotor speeds, say) that the world integrates together with the
 /// body: it is asked for its derivatives at every stage of the integrator, so it must be pure.
 class ForceModel {
  public:
+  /// Most internal states of one model.
   static constexpr int kMaxStates = 8;
   virtual ~ForceModel() = default;
 
@@ -51,7 +53,7 @@ class ForceModel {
   virtual int state_count() const = 0;
   /// Writes the initial states (at time zero and at reset).
   virtual void initial_states(std::span<double> x) const = 0;
-  /// Adds to `wrench` and writes x_dot for the states x.
+  /// Adds to `wrench` and writes x_dot (per second) for the states x.
   virtual void evaluate(const BodyState& body, const Environment& environment,
                         std::span<const double> x, std::span<double> x_dot,
                         Wrench& wrench) const = 0;
@@ -64,26 +66,32 @@ class World {
  public:
   virtual ~World() = default;
 
+  /// True motion after the last step.
   virtual const BodyState& state(VehicleId vehicle) const = 0;
   /// Internal states of a registered force model, after the last step.
   virtual std::span<const double> states_of(const ForceModel& model) const = 0;
+  /// Air, gravity and ground at the vehicle.
   virtual const Environment& environment(VehicleId vehicle) const = 0;
+  /// Mass, rotors and any scale_mass() included.
   virtual double mass_kg(VehicleId vehicle) const = 0;
+  /// Whether it touches the world or another vehicle.
   virtual bool in_contact(VehicleId vehicle) const = 0;
   /// Maps W (east, north, up about the world's origin) to the Earth: projection().to_geodetic(p_N).
   virtual const base::LocalProjection& projection() const = 0;
   /// Decimal year of the simulated day, for the magnetic field.
   virtual double decimal_year() const = 0;
-  /// Distance along a ray to the first surface that is not the vehicle's own, within `range_m`.
+  /// Distance (m) along a ray to the first surface that is not the vehicle's own; nullopt when
+  /// there is none within `range_m`. `direction_W` may have any length but 0.
   virtual std::optional<double> ray_distance(VehicleId vehicle, const Eigen::Vector3d& origin_W,
                                              const Eigen::Vector3d& direction_W,
                                              double range_m) const = 0;
 
-  /// Wind at the vehicle for the coming step.
+  /// Velocity of the air at the vehicle, m/s, from the coming step on.
   virtual void set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) = 0;
   /// Extra force and moment for the coming step only; calls add up.
   virtual void add_wrench(VehicleId vehicle, const Wrench& wrench) = 0;
   /// Sets mass and inertia to a multiple of those at the start; the centre of gravity stays.
+  /// @throws base::ConfigError when `factor` is not above 0
   virtual void scale_mass(VehicleId vehicle, double factor) = 0;
 };
 

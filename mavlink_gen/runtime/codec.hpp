@@ -82,7 +82,8 @@ std::size_t encode_v1(const Message& message, Source source, std::uint8_t sequen
                                  Message::kCrcExtra);
 }
 
-/// A sender: knows who it is and counts its packets.
+/// A sender of MAVLink 2: knows who it is and counts its packets. One per link; not for several
+/// threads.
 class Encoder {
  public:
   explicit Encoder(Source source) : source_(source) {}
@@ -94,6 +95,7 @@ class Encoder {
     return {buffer_.data(), size};
   }
 
+  /// As which the packets are sent.
   Source source() const { return source_; }
 
  private:

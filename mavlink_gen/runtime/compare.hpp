@@ -18,6 +18,7 @@ constexpr bool same_value(const T& a, const T& b) {
   return a == b;
 }
 
+/// Likewise, element by element.
 template <class T, std::size_t n>
 constexpr bool same_value(const std::array<T, n>& a, const std::array<T, n>& b) {
   for (std::size_t i = 0; i < n; ++i) {

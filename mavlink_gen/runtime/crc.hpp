@@ -37,12 +37,13 @@ inline constexpr CrcTables kCrcTables = make_crc_tables();
 
 }  // namespace detail
 
-/// MAVLink's checksum, CRC-16/MCRF4XX: reflected 0x1021, start 0xFFFF, no final xor. Eight bytes a
-/// step.
+/// MAVLink's checksum ([MAVLink], Packet Serialization), CRC-16/MCRF4XX: polynomial 0x1021
+/// reflected, start 0xFFFF, no final xor. Takes eight bytes at once where it can.
 class Crc16 {
  public:
   constexpr Crc16() = default;
 
+  /// Takes further bytes in.
   Crc16& update(std::span<const std::uint8_t> bytes) {
     const auto& t = detail::kCrcTables;
     unsigned crc = value_;
@@ -70,14 +71,15 @@ class Crc16 {
     return *this;
   }
 
+  /// The checksum of all bytes so far; on the wire low byte first.
   constexpr std::uint16_t value() const { return value_; }
 
  private:
   std::uint16_t value_{0xFFFF};
 };
 
-/// The CRC_EXTRA byte that would make `received` the right checksum after `payload_crc`, and
-/// whether there is one: of 256 arbitrary pairs about 255 have none.
+/// Whether some CRC_EXTRA would make `received` the right checksum after `payload_crc`: of 256
+/// arbitrary pairs about 255 have none.
 constexpr bool has_fitting_crc_extra(std::uint16_t payload_crc, std::uint16_t received) {
   // update() xors the table entry into the shifted checksum; the entry must exist.
   const auto wanted = static_cast<std::uint16_t>(received ^ (payload_crc >> 8U));

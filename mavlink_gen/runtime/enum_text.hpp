@@ -10,7 +10,7 @@
 /// Names of enum entries; the generated enum_text.hpp has the tables.
 namespace cas::mav {
 
-/// A parameter of a command.
+/// A parameter of a command, as the XML describes it; empty where it says nothing.
 struct ParamInfo {
   std::uint8_t index{};  ///< 1..7
   std::string_view label;
@@ -18,12 +18,14 @@ struct ParamInfo {
   std::string_view enum_name;
 };
 
+/// One entry of an enum.
 struct EnumEntry {
-  std::uint64_t value{};  ///< two's complement
-  std::string_view name;  ///< as in the XML
-  std::span<const ParamInfo> params;
+  std::uint64_t value{};              ///< two's complement
+  std::string_view name;              ///< as in the XML
+  std::span<const ParamInfo> params;  ///< of an entry of MAV_CMD
 };
 
+/// An enum with its entries, merged over all files of the dialect.
 struct EnumInfo {
   std::string_view name;  ///< as in the XML
   bool bitmask{};
@@ -57,7 +59,7 @@ constexpr std::string_view name_of(E value) {
   return {};
 }
 
-/// The value that an entry of E's XML enum has.
+/// The value of the entry `name` of E's XML enum; nullopt when there is none.
 template <class E>
 constexpr std::optional<E> value_of(std::string_view name) {
   for (const auto& entry : enum_info(E{}).entries) {

@@ -14,6 +14,7 @@
 /// What a generated message header needs: metadata of fields, and little-endian loads and stores.
 namespace cas::mav {
 
+/// Type of a field, or of an array's elements, on the wire.
 enum class FieldType : std::uint8_t {
   kChar,
   kUint8,
@@ -84,6 +85,7 @@ inline void get(const std::uint8_t* in, T& value) {
   value = static_cast<T>(detail::to_little_endian(wire));
 }
 
+/// Loads an array element by element; elements that need no conversion go at once.
 template <class Wire, class T, std::size_t n>
 inline void get(const std::uint8_t* in, std::array<T, n>& values) {
   if constexpr (sizeof(T) == sizeof(Wire) &&
@@ -147,11 +149,13 @@ class PayloadView {
 
 // --- quantities ----------------------------------------------------------------------------------
 
+/// Whether the value is NaN; false for integers.
 template <class T>
 constexpr bool is_nan(T value) {
   return !(value == value);
 }
 
+/// Whether every element is NaN.
 template <class T, std::size_t n>
 constexpr bool all_nan(const std::array<T, n>& values) {
   for (const auto value : values) {
@@ -160,6 +164,7 @@ constexpr bool all_nan(const std::array<T, n>& values) {
   return true;
 }
 
+/// Whether every element is `wanted`.
 template <class T, std::size_t n>
 constexpr bool all_equal(const std::array<T, n>& values, T wanted) {
   for (const auto& value : values) {
@@ -168,7 +173,7 @@ constexpr bool all_equal(const std::array<T, n>& values, T wanted) {
   return true;
 }
 
-/// A raw field as a quantity in a plain unit.
+/// A raw field as a quantity in a plain unit: raw * factor / divisor.
 template <class T>
 constexpr double to_quantity(T raw, double factor, double divisor) {
   return static_cast<double>(raw) * factor / divisor;

@@ -15,9 +15,9 @@ namespace cas::mav {
 /// What a receiver needs to know of a message to check it, and a router to address it.
 struct MessageInfo {
   std::uint32_t id{};
-  std::uint8_t crc_extra{};
-  std::uint8_t min_length{};  ///< without extensions
-  std::uint8_t max_length{};
+  std::uint8_t crc_extra{};   ///< last byte that the checksum takes in: tells layouts apart
+  std::uint8_t min_length{};  ///< bytes of payload without extensions
+  std::uint8_t max_length{};  ///< bytes of payload with extensions
   std::int16_t target_system_offset{-1};     ///< in the untruncated payload, -1: no such field
   std::int16_t target_component_offset{-1};  ///< likewise
   std::string_view name;
@@ -70,6 +70,7 @@ class MessageTable {
                          std::span<const std::uint16_t> by_name)
       : messages_(messages), by_id_(by_id), by_name_(by_name) {}
 
+  /// nullptr when the table does not hold the id.
   constexpr const MessageInfo* find(std::uint32_t id) const {
     if (by_id_.empty()) return nullptr;
     const auto mask = by_id_.size() - 1;
@@ -80,6 +81,7 @@ class MessageTable {
     }
   }
 
+  /// By its name as in the XML; nullptr when the table does not hold it.
   constexpr const MessageInfo* find(std::string_view name) const {
     if (by_name_.empty()) return nullptr;
     const auto mask = by_name_.size() - 1;
@@ -110,6 +112,7 @@ class StaticMessageTable {
     detail::fill_slots(messages_, by_id_, by_name_);
   }
 
+  /// Borrows from this object, which must outlive the view.
   constexpr MessageTable view() const { return {messages_, by_id_, by_name_}; }
 
  private:
@@ -118,7 +121,7 @@ class StaticMessageTable {
   std::array<std::uint16_t, detail::slot_count(n)> by_name_{};
 };
 
-/// Whom a packet is for; 0 means everyone.
+/// Whom a packet is for, by its target fields; 0 means everyone.
 inline Source target_of(const PacketView& packet, const MessageInfo& info) {
   const auto byte_at = [&](std::int16_t offset) -> std::uint8_t {
     const auto index = static_cast<std::size_t>(offset);

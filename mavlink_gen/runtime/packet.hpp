@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-/// The wire unit of MAVLink.
+/// The wire unit of MAVLink. Source: [MAVLink], Packet Serialization.
 ///
 ///   v1  FE len seq sys comp id payload[len] crc[2]
 ///   v2  FD len incompat compat seq sys comp id[3] payload[len] crc[2] (signature[13])
@@ -27,7 +27,7 @@ static_assert(kMaxPacketBytes == 280);
 /// The one incompatibility flag that is defined: a signature follows the checksum.
 inline constexpr std::uint8_t kIncompatSigned = 0x01;
 
-/// Who sent a packet.
+/// Who sent a packet, or whom one is for.
 struct Source {
   std::uint8_t system{};
   std::uint8_t component{};
@@ -43,12 +43,12 @@ struct PacketBuffer {
   std::span<const std::uint8_t> view() const { return {bytes.data(), size}; }
 };
 
-/// Borrowed view of one framed packet.
+/// Borrowed view of one whole packet.
 struct PacketView {
   std::uint8_t version{};  ///< 1 or 2
   std::uint8_t incompat_flags{};
   std::uint8_t compat_flags{};
-  std::uint8_t sequence{};
+  std::uint8_t sequence{};  ///< counts up for each sender on each link, modulo 256
   Source source{};
   std::uint32_t message_id{};
   std::span<const std::uint8_t> payload{};  ///< as on the wire: possibly truncated

@@ -35,6 +35,7 @@ enum class UnknownPolicy : std::uint8_t {
 /// for flush().
 class PacketParser {
  public:
+  /// Counters since construction; reset() keeps them.
   struct Stats {
     std::uint64_t packets{};        ///< intact, known
     std::uint64_t crc_errors{};     ///< candidates of a known id with a wrong checksum
@@ -79,6 +80,7 @@ class PacketParser {
     flush(on_packet, [](const PacketView&) {});
   }
 
+  /// Likewise, with on_unknown(const PacketView&) for ids that the table does not hold.
   template <class OnPacket, class OnUnknown>
   void flush(OnPacket&& on_packet, OnUnknown&& on_unknown) {
     while (held_size_ > 0) {
@@ -92,6 +94,7 @@ class PacketParser {
     }
   }
 
+  /// What has been found so far.
   const Stats& stats() const { return stats_; }
   /// True while the bytes so far end inside what may be a packet.
   bool inside_packet() const { return held_size_ > 0; }
@@ -209,11 +212,11 @@ class PacketParser {
 
   // --- candidates that wait for more bytes -------------------------------------------------------
   //
-  //   held_:  [w . . w . . . | c . . . . . ]      w  candidate of an unknown id (waiting_),
-  //   complete
-  //            ^0             ^scan_       ^size     later; the bytes behind it are searched
-  //            already
-  //                                               c  candidate that the search waits for
+  //   held_:  [w . . w . . . | c . . . . . ]
+  //            ^0             ^scan_       ^held_size_
+  //
+  //   w  candidate of an unknown id (waiting_), complete later; behind it is searched already
+  //   c  candidate that the search waits for
 
   std::span<const std::uint8_t> held() const { return {held_.data(), held_size_}; }
 

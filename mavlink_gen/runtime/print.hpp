@@ -172,7 +172,7 @@ void write_json(const Message& message, Sink&& sink) {
   sink(std::string_view("}"));
 }
 
-/// `ATTITUDE time_boot_ms=5 ms roll=0.1 rad ...`
+/// `ATTITUDE time_boot_ms=5 ms roll=0.1 rad ...`: enums by name, units as in the XML.
 template <class Message, class Sink>
 void write_text(const Message& message, Sink&& sink) {
   sink(Message::kName);
@@ -202,7 +202,9 @@ class BufferSink {
     complete_ = complete_ && taken == piece.size();
   }
 
+  /// What fitted so far.
   std::string_view text() const { return {buffer_.data(), size_}; }
+  /// Whether everything fitted.
   bool complete() const { return complete_; }
 
  private:

@@ -16,6 +16,7 @@ namespace cas::mav {
 /// judged.
 class SequenceTracker {
  public:
+  /// Sources that are followed; losses of further ones are not counted.
   static constexpr std::size_t kMaxSources = 64;
 
   /// @return packets lost just before this one
@@ -31,7 +32,9 @@ class SequenceTracker {
     return gap;
   }
 
+  /// Packets lost so far, of all sources.
   std::uint64_t lost() const { return lost_; }
+  /// Packets received so far, of all sources.
   std::uint64_t received() const { return received_; }
 
  private:

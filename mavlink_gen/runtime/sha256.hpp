@@ -16,7 +16,7 @@
 #define CAS_SHA_INSTRUCTIONS 0
 #endif
 
-/// SHA-256 (FIPS 180-4), portable and with the CPU's own instructions.
+/// SHA-256 [FIPS 180-4], portable and with the CPU's own instructions.
 namespace cas::mav {
 
 inline constexpr std::size_t kSha256Bytes = 32;

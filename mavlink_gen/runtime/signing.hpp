@@ -14,14 +14,17 @@
 
 namespace cas::mav {
 
+/// The secret that all nodes of a network share.
 using SigningKey = std::array<std::uint8_t, 32>;
 
-/// Time of signatures: units of 10 us since the start of 2015 (UTC), 48 bit on the wire.
+/// Time of signatures: units of 10 us since the start of 2015 (UTC), 48 bit on the wire. Source:
+/// [MAVLink], Message Signing.
 using SigningTime = std::uint64_t;
 
 inline constexpr SigningTime kSigningUnitsPerSecond = 100'000;
 inline constexpr SigningTime kMaxSigningTime = (SigningTime{1} << 48U) - 1;
 
+/// The signing time of a wall clock; 0 before 2015.
 /// @param unix_us  microseconds since the start of 1970 (UTC)
 constexpr SigningTime signing_time(std::uint64_t unix_us) {
   constexpr std::uint64_t kStartOf2015 = 1'420'070'400'000'000;  // us, Unix time
@@ -34,6 +37,7 @@ inline SigningKey signing_key(std::string_view pass_phrase) {
   return Sha256().update({bytes, pass_phrase.size()}).finish();
 }
 
+/// What verify() decides about a packet.
 enum class SignatureVerdict : std::uint8_t {
   kAccepted,
   kUnsignedAllowed,  ///< no signature, but the caller lets this packet pass
@@ -44,6 +48,7 @@ enum class SignatureVerdict : std::uint8_t {
   kTableFull,        ///< refused: first packet of a stream, and no room for another stream
 };
 
+/// Whether the packet may be used.
 constexpr bool accepted(SignatureVerdict verdict) {
   return verdict == SignatureVerdict::kAccepted || verdict == SignatureVerdict::kUnsignedAllowed;
 }
@@ -81,7 +86,9 @@ class Signing {
     if (clock > time_ && clock <= kMaxSigningTime) time_ = clock;
   }
 
+  /// Of the newest signature made or accepted, or of the clock.
   SigningTime time() const { return time_; }
+  /// Senders heard with a right signature so far.
   std::size_t stream_count() const { return size_; }
 
   /// Packs and signs a message; each packet gets a later timestamp than the one before.
@@ -110,6 +117,7 @@ class Signing {
     return verify(packet, [](const PacketView&) { return false; });
   }
 
+  /// Likewise, with exceptions.
   /// @param allow_unsigned  bool(const PacketView&): says which packets pass without a signature,
   ///                        e.g. RADIO_STATUS of a modem
   template <class AllowUnsigned>

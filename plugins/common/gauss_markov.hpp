@@ -8,7 +8,7 @@
 
 namespace cas::sim {
 
-/// A slowly wandering error, per axis: x' = -x / tau + walk * n with white noise n of density 1.
+/// A slow drift, per axis: x' = -x / tau + walk * n with white noise n of density 1.
 template <int N>
 struct GaussMarkovParams {
   using Vector = Eigen::Matrix<double, N, 1>;
@@ -25,8 +25,8 @@ struct GaussMarkovParams {
 
 /// Steps a Gauss-Markov process by its exact solution, so that its statistics at any time do not
 /// depend on the step:
-///   x <- e^(-dt/tau) x + walk sqrt(tau/2 (1 - e^(-2 dt/tau))) n,   tau = 0: x <- x + walk sqrt(dt)
-///   n
+///   x <- e^(-dt/tau) x + walk sqrt(tau/2 (1 - e^(-2 dt/tau))) n
+///   x <- x + walk sqrt(dt) n                                        where tau = 0
 template <int N>
 class GaussMarkov {
  public:
