@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace cas::hils {
 
@@ -42,6 +43,44 @@ void check_mode(const FcuFacts& facts, Findings& all) {
   if (facts.armed) fatal(all, "it is armed already", "casctl disarm");
 }
 
+struct RotorPlace {
+  bool forward;
+  bool left;
+  int spin;
+};
+
+// Rotors 1..4 of PX4's airframes "quad x".
+constexpr std::array<RotorPlace, base::kRotors> kQuadX{{
+    {true, false, 1},    // front right, counter-clockwise
+    {false, true, 1},    // rear left, counter-clockwise
+    {true, true, -1},    // front left, clockwise
+    {false, false, -1},  // rear right, clockwise
+}};
+
+bool is_quad_x(const base::Vehicle& vehicle) {
+  for (std::size_t i = 0; i < kQuadX.size(); ++i) {
+    const base::RotorGeometry& rotor = vehicle.rotors[i];
+    const bool forward = rotor.position_B_m.x() > 0;
+    const bool left = rotor.position_B_m.y() > 0;
+    if (forward != kQuadX[i].forward || left != kQuadX[i].left) return false;
+    if (rotor.spin != kQuadX[i].spin) return false;
+  }
+  return true;
+}
+
+void check_rotors(const FcuFacts& facts, const base::Vehicle& vehicle, Findings& all) {
+  // Controls for axes are mixed by the simulator, in whatever order the vehicle has.
+  if (facts.autopilot != "px4" || !facts.by_rotor) return;
+  if (is_quad_x(vehicle)) {
+    good(all, fmt::format("the rotors of {} are numbered and spin as PX4's", vehicle.name));
+  } else {
+    fatal(all,
+          fmt::format("the rotors of {} are not numbered or do not spin as PX4's: it would flip",
+                      vehicle.name),
+          "fly config/scenarios/pixhawk.yaml, or give the scenario the vehicle iris_px4 (step 4)");
+  }
+}
+
 void check_rates(const FcuFacts& facts, const Rates& nominal, Findings& all) {
   if (facts.sensor_hz < kLeastSensorShare * nominal.sensor_hz) {
     warn(all,
@@ -71,7 +110,8 @@ void check_rates(const FcuFacts& facts, const Rates& nominal, Findings& all) {
 
 }  // namespace
 
-std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal) {
+std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal,
+                                  const base::Vehicle& vehicle) {
   Findings all;
   if (!facts.link_up) {
     fatal(all, facts.device + " cannot be opened: " + facts.link_words,
@@ -86,6 +126,7 @@ std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal) {
   }
   good(all, "a vehicle with autopilot " + facts.autopilot + " is there");
   check_mode(facts, all);
+  check_rotors(facts, vehicle, all);
   check_rates(facts, nominal, all);
   return all;
 }

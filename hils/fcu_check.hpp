@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/vehicle.hpp"
 #include "hils/scenario.hpp"
 
 namespace cas::hils {
@@ -22,6 +23,7 @@ struct FcuFacts {
   double sensor_hz = 0;              ///< HIL_SENSOR written to the port
   double controls_hz = 0;            ///< controls that come from it
   double crc_errors = 0;             ///< damaged packets from it
+  bool by_rotor = true;              ///< controls are for rotors (HIL_ACTUATOR_CONTROLS), not axes
 };
 
 /// One thing that was looked at.
@@ -32,8 +34,9 @@ struct FcuFinding {
   std::string remedy{};  ///< what to do
 };
 
-/// Judges a controller before the flight. Pure.
-std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal);
+/// Judges a controller before the flight of `vehicle`. Pure.
+std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal,
+                                  const base::Vehicle& vehicle);
 
 /// For the terminal, one line each; the remedies are steps of docs/pixhawk.md.
 std::string findings_text(const std::vector<FcuFinding>& findings);

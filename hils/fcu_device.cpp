@@ -67,7 +67,8 @@ void refuse_emulator_faults(const RunRequest& request) {
 void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
   base::rpc::Client casd("unix:" + places.command_port().string());
   const FcuFacts facts = probe_fcu(casd, supervisor, request.fcu_device);
-  const std::vector<FcuFinding> findings = check_fcu(facts, request.scenario.rates);
+  const base::Vehicle vehicle = base::Vehicle::load(request.scenario.vehicle);
+  const std::vector<FcuFinding> findings = check_fcu(facts, request.scenario.rates, vehicle);
   fmt::print(stderr, "{}\n{}", request.fcu_device, findings_text(findings));
   if (!may_fly(findings)) {
     throw RunStopped("the controller is not ready; the steps are in docs/pixhawk.md", false);

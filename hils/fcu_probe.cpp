@@ -62,6 +62,7 @@ void read_rates(base::rpc::Client& casd, FcuFacts& facts) {
     if (way == "tx" && name == "HIL_SENSOR") facts.sensor_hz += message.value("hz", 0.0);
     if (way == "rx" && (name == "HIL_CONTROLS" || name == "HIL_ACTUATOR_CONTROLS")) {
       facts.controls_hz += message.value("hz", 0.0);
+      facts.by_rotor = name == "HIL_ACTUATOR_CONTROLS";
     }
   }
 }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace cas::hils {
 namespace {
 
@@ -17,11 +19,16 @@ FcuFacts ready() {
           .sys_hitl = 1,
           .sensor_hz = 500,
           .controls_hz = 400,
-          .crc_errors = 0};
+          .crc_errors = 0,
+          .by_rotor = true};
+}
+
+base::Vehicle vehicle(const std::string& name) {
+  return base::Vehicle::load(CAS_SOURCE_DIR "/config/vehicles/" + name + ".yaml");
 }
 
 TEST(FcuCheck, LetsAReadyControllerFly) {
-  const auto findings = check_fcu(ready(), {});
+  const auto findings = check_fcu(ready(), {}, vehicle("iris_px4"));
   EXPECT_TRUE(may_fly(findings)) << findings_text(findings);
   for (const FcuFinding& finding : findings) EXPECT_TRUE(finding.good) << finding.what;
 }
@@ -38,7 +45,7 @@ class FcuCheckFault : public testing::TestWithParam<Fault> {};
 TEST_P(FcuCheckFault, IsNamedWithARemedy) {
   FcuFacts facts = ready();
   GetParam().spoil(facts);
-  const auto findings = check_fcu(facts, {});
+  const auto findings = check_fcu(facts, {}, vehicle("iris_px4"));
   EXPECT_EQ(may_fly(findings), !GetParam().fatal);
   const std::string text = findings_text(findings);
   EXPECT_NE(text.find(GetParam().words), std::string::npos) << text;
@@ -58,6 +65,36 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"NarrowLine", [](FcuFacts& f) { f.sensor_hz = 310; }, false, "310 of 500"},
         Fault{"Damaged", [](FcuFacts& f) { f.crc_errors = 7; }, false, "7 packets came damaged"},
         Fault{"ArduPilot", [](FcuFacts& f) { f.autopilot = "ardupilot"; }, true, "ArduPilot"}),
+    [](const auto& test) { return test.param.name; });
+
+struct RotorCase {
+  const char* name;
+  const char* vehicle;
+  const char* autopilot;
+  bool by_rotor;
+  bool may_fly;
+};
+
+class FcuCheckRotors : public testing::TestWithParam<RotorCase> {};
+
+TEST_P(FcuCheckRotors, AreThoseOfTheFirmware) {
+  FcuFacts facts = ready();
+  facts.autopilot = GetParam().autopilot;
+  facts.by_rotor = GetParam().by_rotor;
+  const auto findings = check_fcu(facts, {}, vehicle(GetParam().vehicle));
+  const std::string text = findings_text(findings);
+  EXPECT_EQ(may_fly(findings), GetParam().may_fly) << text;
+  EXPECT_EQ(text.find("it would flip") == std::string::npos, GetParam().may_fly) << text;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, FcuCheckRotors,
+    testing::Values(RotorCase{"Iris", "iris_px4", "px4", true, true},
+                    RotorCase{"X500", "x500", "px4", true, true},
+                    RotorCase{"QuadX", "quad_x", "px4", true, true},
+                    RotorCase{"ThePapersOrder", "iris_paper", "px4", true, false},
+                    RotorCase{"ThePapersOrderByAxes", "iris_paper", "px4", false, true},
+                    RotorCase{"ThePapersOrderElsewhere", "iris_paper", "generic", true, true}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace
