@@ -66,6 +66,11 @@ TEST(Scenario, FigureEightFollowsItsMovingReference) {
   EXPECT_TRUE(flown.verdict.passed) << flown.text;
 }
 
+TEST(Scenario, PixhawkIsFlownByTheEmulatorToo) {
+  const Flown flown = fly("pixhawk");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+}
+
 TEST(Scenario, WindHoldsThePlaceThroughAGust) {
   const Flown flown = fly("wind");
   EXPECT_TRUE(flown.verdict.passed) << flown.text;
