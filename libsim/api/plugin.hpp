@@ -115,7 +115,14 @@ struct PluginDescriptor {
 #define CAS_ABI_SANITIZER "address"
 #elif defined(__SANITIZE_THREAD__)
 #define CAS_ABI_SANITIZER "thread"
-#else
+#elif defined(__has_feature)  // Clang has no such macros
+#if __has_feature(address_sanitizer)
+#define CAS_ABI_SANITIZER "address"
+#elif __has_feature(thread_sanitizer)
+#define CAS_ABI_SANITIZER "thread"
+#endif
+#endif
+#ifndef CAS_ABI_SANITIZER
 #define CAS_ABI_SANITIZER "none"
 #endif
 #define CAS_ABI_VERSION "0.1"
