@@ -26,8 +26,9 @@ foreach(pair common:cas-common casd:casd sim:cas-sim dev:cas-dev)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${package})
   set(CPACK_DEBIAN_${upper}_FILE_NAME DEB-DEFAULT)
 endforeach()
-file(GLOB pages ${PROJECT_SOURCE_DIR}/docs/*.md)
-install(FILES ${PROJECT_SOURCE_DIR}/README.md ${pages} DESTINATION /usr/share/doc/cas-common COMPONENT common)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION /usr/share/doc/cas-common COMPONENT common)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION /usr/share/doc/cas-common COMPONENT common
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png")
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_SET_DESTDIR ON)
