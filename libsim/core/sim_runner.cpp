@@ -119,7 +119,7 @@ void SimRunner::start() {
   impl_->plugins.configure(impl_->config.vehicles, around);
   impl_->bus.freeze();
   for (const std::string& topic : impl_->bus.unpublished()) {
-    base::log::debug("topic '" + topic + "' has subscribers and no publisher");
+    base::log::warn("topic '" + topic + "' has subscribers and no publisher");
   }
   impl_->world.start();
 }
