@@ -11,6 +11,7 @@ namespace cas::base {
 /// that it names in `preset`, or else from `behind`. The same form stands under `sensors` in
 /// vehicle files, simulations, controller files and scenarios.
 /// @throws ConfigError when there is no such set
-CAS_BASE_EXPORT ConfigNode sensor_set(const ConfigNode& node, const ConfigNode& behind);
+CAS_BASE_EXPORT ConfigNode sensor_set(const ConfigNode& node,
+                                      const ConfigNode& behind = ConfigNode::empty());
 
 }  // namespace cas::base

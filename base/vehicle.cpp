@@ -99,8 +99,6 @@ void check_schema(const ConfigNode& node) {
 
 }  // namespace
 
-ConfigNode sensor_presets(const ConfigNode& node) { return sensor_set(node, ConfigNode::empty()); }
-
 Vehicle Vehicle::load(const std::filesystem::path& file) {
   const ConfigNode node = ConfigNode::load(file);
   check_schema(node);
@@ -116,7 +114,7 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   if (const auto battery = node.find("battery")) vehicle.battery = parse_battery(*battery);
   vehicle.system_id = parse_system_id(node.at("system_id"));
   if (const auto sensors = node.find("sensors")) {
-    vehicle.sensors = sensor_presets(*sensors);
+    vehicle.sensors = sensor_set(*sensors);
   }
   node.reject_unused();
   return vehicle;

@@ -70,7 +70,7 @@ struct CAS_BASE_EXPORT Vehicle {
   double body_drag_linear_n_s_m = 0;         ///< fuselage drag, N per m/s of airspeed
   std::optional<BatteryParams> battery;      ///< nothing: the voltage never changes
   std::uint8_t system_id = 1;                ///< MAVLink system
-  ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_presets()
+  ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
 
   /// Reads a vehicle file. @throws ConfigError when a key is missing, unknown or out of range
   static Vehicle load(const std::filesystem::path& file);
@@ -79,10 +79,5 @@ struct CAS_BASE_EXPORT Vehicle {
   /// and spins: [HILS] Eq. (3).
   Eigen::Matrix4d mixing_matrix() const;
 };
-
-/// Parameters of the sensor plugins, a map by plugin name. `node` is that map, or the name of a
-/// shipped set ("rtk": sensors/rtk.yaml), or a file of that form.
-/// @throws ConfigError when there is no such set
-CAS_BASE_EXPORT ConfigNode sensor_presets(const ConfigNode& node);
 
 }  // namespace cas::base

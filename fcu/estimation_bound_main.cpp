@@ -7,7 +7,7 @@
 #include "base/config.hpp"
 #include "base/error.hpp"
 #include "base/program.hpp"
-#include "base/vehicle.hpp"
+#include "base/sensor_set.hpp"
 #include "fcu/estimation_bound.hpp"
 
 namespace {
@@ -24,7 +24,7 @@ void print_row(const char* name, const fcu::EstimationBound& b) {
 int run(const std::string& preset, bool endless) {
   const base::ConfigNode word =
       base::ConfigNode::parse("sensors: " + preset, "command line").at("sensors");
-  const fcu::SensorFigures figures = fcu::sensor_figures(base::sensor_presets(word));
+  const fcu::SensorFigures figures = fcu::sensor_figures(base::sensor_set(word));
   std::printf("Best possible errors of a hovering vehicle, sensor set %s (1 sigma)\n\n",
               preset.c_str());
   std::printf("%-28s %26s   %26s   %26s\n", "", "position m (x y z)", "velocity m/s (x y z)",

@@ -27,9 +27,7 @@ struct SensorFigures {
   double baro_offset_walk_m = 0;
 };
 
-/// @param sensors  a map by plugin name as base::sensor_presets() returns it; what it lacks keeps
-/// the
-///                 default
+/// @param sensors  a map by plugin name, see base::sensor_set(); what it lacks keeps the default
 SensorFigures sensor_figures(const base::ConfigNode& sensors);
 
 }  // namespace cas::fcu

@@ -13,6 +13,7 @@
 #include "base/frames.hpp"
 #include "base/geodesy.hpp"
 #include "base/install_paths.hpp"
+#include "base/sensor_set.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
@@ -29,7 +30,7 @@ constexpr const char* kVehicle = "iris0";
 constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
 
 base::ConfigNode sensor_set(const std::string& name) {
-  return base::sensor_presets(base::ConfigNode::parse("sensors: " + name, "flight").at("sensors"));
+  return base::sensor_set(base::ConfigNode::parse("sensors: " + name, "flight").at("sensors"));
 }
 
 fcu::FcuConfig controller_config(const DirectFlightOptions& options) {

@@ -9,6 +9,7 @@
 
 #include "base/config.hpp"
 #include "base/frames.hpp"
+#include "base/sensor_set.hpp"
 #include "base/vehicle.hpp"
 #include "fcu/estimation_bound.hpp"
 #include "fcu/sensor_figures.hpp"
@@ -76,7 +77,7 @@ HoverSums pooled_hover(const std::string& sensors, const FlightBatch& batch) {
 
 fcu::EstimationBound best_possible(const std::string& sensors) {
   const auto node = base::ConfigNode::parse("sensors: " + sensors, "flight").at("sensors");
-  return fcu::flight_bound(fcu::sensor_figures(base::sensor_presets(node)));
+  return fcu::flight_bound(fcu::sensor_figures(base::sensor_set(node)));
 }
 
 std::optional<double> times(double factor, double value) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/sensor_set.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/common/gauss_markov.hpp"
 #include "plugins/gps/gps_model.hpp"
@@ -201,8 +202,7 @@ class Preset : public testing::TestWithParam<const char*> {};
 
 TEST_P(Preset, IsReadByEverySensor) {
   const std::string file = std::string(CAS_SOURCE_DIR) + "/config/sensors/" + GetParam() + ".yaml";
-  const base::ConfigNode preset =
-      base::sensor_presets(base::ConfigNode::parse("a: " + file).at("a"));
+  const base::ConfigNode preset = base::sensor_set(base::ConfigNode::parse("a: " + file).at("a"));
   constexpr double kStep = 1e-3;
   EXPECT_GT(parse_imu_params(preset.at("imu"), kStep).rate_hz, 0);
   EXPECT_GT(parse_gps_params(preset.at("gps"), kStep).rate_hz, 0);
