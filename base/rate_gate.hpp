@@ -9,9 +9,8 @@ namespace cas::base {
 
 __extension__ using Int128 = __int128;  // products of nanoseconds and rates
 
-/// Says when something with a rate is due, exactly in count on any grid of steps: due whenever
-/// floor(t x rate) advances. 400 Hz on a 500 Hz grid fires after 4, 2, 2, 2 ms; nothing is added
-/// up.
+/// Says when something with a rate is due, exactly in count on any grid of steps: whenever
+/// floor(t x rate) advances. 400 Hz on a 500 Hz grid fires after 4, 2, 2, 2 ms; no sum is kept.
 class RateGate {
  public:
   RateGate() = default;

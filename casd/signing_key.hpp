@@ -8,8 +8,7 @@
 namespace cas::casd {
 
 /// Reads a key of MAVLink 2 signing from the first line of a file: 64 hexadecimal digits are the
-/// key itself, anything else of 16 characters or more is a pass phrase, as ground stations take
-/// one.
+/// key itself, anything else of 16 characters or more is a pass phrase as in ground stations.
 /// @throws base::ConfigError when it cannot be read, is too short, or others than its owner may
 /// read or write it
 mav::SigningKey read_signing_key(const std::filesystem::path& file);

@@ -10,8 +10,7 @@
 
 namespace cas::mav::xml {
 
-/// The table of a dialect that is read at run time, for receivers and routers. Owns all it refers
-/// to.
+/// The table of a dialect that is read at run time, for receivers and routers. Owns what it names.
 class DialectTable final {
  public:
   explicit DialectTable(const Dialect& dialect);

@@ -5,8 +5,7 @@
 
 namespace router_load {
 
-/// The trivial reference router: one thread, poll(2), one datagram or read per turn, no framing at
-/// all.
+/// The trivial reference router: one thread, poll(2), one datagram or read per turn, no framing.
 [[noreturn]] void pump_main(const std::string& slave, int port);
 
 }  // namespace router_load
