@@ -85,7 +85,7 @@ Result Commander::set_mode(FlightMode mode, const TaskContext& context, Initiato
     return refuse("no position estimate");
   }
   if (mode == FlightMode::kOffboard && !offboard_.alive(context.now, 0.5)) {
-    return refuse("no offboard set-points");
+    return refuse("no offboard setpoints");
   }
   if (mode == FlightMode::kMission && mission_.items().empty()) return refuse("no mission");
   if (is_manual(mode) && armed_ && !context.sticks) return refuse("no manual control");

@@ -15,7 +15,7 @@
 
 namespace cas::fcu {
 
-/// The tracking controller of [HILS] Fig. 8: set-point and estimate in, U1..U4 out.
+/// The tracking controller of [HILS] Fig. 8: setpoint and estimate in, U1..U4 out.
 ///
 ///   (Xr, Yr) -> position --+
 ///                          +-> thrust vector -> attitude -> rates -> mixer -> U1..U4

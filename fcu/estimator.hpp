@@ -95,7 +95,7 @@ class Estimator {
   const FusionHealth& gps_velocity() const { return gps_velocity_; }
   const FusionHealth& baro() const { return baro_; }
   const FusionHealth& mag() const { return mag_; }
-  /// Times the position was reset to the fixes after a long rejection; a set-point must follow.
+  /// Times the position was reset to the fixes after a long rejection; a setpoint must follow.
   std::uint64_t position_resets() const { return position_resets_; }
   Eigen::Vector3d last_position_reset_N() const { return last_position_reset_N_; }
 

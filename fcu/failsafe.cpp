@@ -36,7 +36,7 @@ Decision loss_action(int action, const std::string& what) {
 
 /// COM_OBL_RC_ACT.
 Decision offboard_action(int action, bool sticks) {
-  const std::string what = "Offboard set-points lost";
+  const std::string what = "Offboard setpoints lost";
   switch (action) {
     case 0:
       return change(sticks ? FlightMode::kPosition : FlightMode::kHold, what);

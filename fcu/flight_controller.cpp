@@ -51,7 +51,7 @@ struct FlightController::Impl {
 
 /// One sensor message on its way to the rotors:
 ///
-///   HIL_SENSOR --> estimate --> set-point --> position, altitude --> attitude --> rates --> mixer
+///   HIL_SENSOR --> estimate --> setpoint --> position, altitude --> attitude --> rates --> mixer
 ///    HIL_GPS --------^          (Xr, Yr, Zr, yaw_r)                                           |
 ///                                                     HIL_CONTROLS (u1, u2, u3, u4) <---------+
 void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {

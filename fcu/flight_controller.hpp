@@ -59,7 +59,7 @@ struct FlightControllerStats {
 ///
 ///   on_packet: HIL_SENSOR --> estimator --> (400 Hz on the sensor's clock) control -->
 ///   HIL_CONTROLS
-///              others     --> command, parameter, mission protocol, set-points
+///              others     --> command, parameter, mission protocol, setpoints
 ///   tick:      streams, heartbeat, time-outs, failsafes
 ///
 /// Flies on HIL_SENSOR and HIL_GPS alone. Not for use from several threads at once.

@@ -12,7 +12,7 @@ enum class FlightMode : std::uint8_t {
   kStabilized,  ///< pilot: tilt, yaw rate, thrust
   kAltitude,    ///< pilot: tilt, yaw rate, climb rate
   kPosition,    ///< pilot: velocity, yaw rate; holds when the sticks are centred
-  kOffboard,    ///< a companion streams set-points
+  kOffboard,    ///< a companion streams setpoints
   kTakeoff,
   kHold,
   kMission,

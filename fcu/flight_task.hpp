@@ -38,7 +38,7 @@ struct TaskContext {
   double dt = 0;  ///< s since the last control step
 };
 
-/// One way to fly: from the estimate to a set-point. Tasks neither arm nor change the mode.
+/// One way to fly: from the estimate to a setpoint. Tasks neither arm nor change the mode.
 class FlightTask {
  public:
   virtual ~FlightTask() = default;

@@ -18,7 +18,7 @@ namespace cas::fcu {
 struct FcuCore;
 
 /// Everything that ground stations, companions and pilots say and hear: commands, parameters,
-/// missions, set-points, sticks, telemetry. The HIL stream is not among it.
+/// missions, setpoints, sticks, telemetry. The HIL stream is not among it.
 class GroundProtocols {
  public:
   /// @param param_interval  between two values of a parameter list

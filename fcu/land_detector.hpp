@@ -16,7 +16,7 @@ class LandDetector {
     double thrust_ratio = 1;  ///< thrust over hover thrust
     double vertical_speed_m_s = 0;
     double horizontal_speed_m_s = 0;
-    bool descending = false;  ///< the set-point wants down (or nothing)
+    bool descending = false;  ///< the setpoint wants down (or nothing)
   };
 
   void reset() { *this = LandDetector{}; }

@@ -10,7 +10,7 @@ namespace cas::fcu {
 namespace {
 
 constexpr double kGravity_m_s2 = 9.80665;
-constexpr double kLongestLead_m = 2;  // set-point ahead of the estimate, when held back
+constexpr double kLongestLead_m = 2;  // setpoint ahead of the estimate, when held back
 
 double outside_deadzone(double stick, double zone) {
   if (std::abs(stick) <= zone) return 0;

@@ -18,7 +18,7 @@ struct MoverLimits {
   double yaw_rate_rad_s = 1;
 };
 
-/// Leads a set-point to a target with limited speed, acceleration and jerk: straight in the
+/// Leads a setpoint to a target with limited speed, acceleration and jerk: straight in the
 /// horizontal, independent in height, turning to a heading. Comes to rest at the target.
 class Mover {
  public:
@@ -38,7 +38,7 @@ class Mover {
   double target_yaw() const { return target_yaw_; }
   const Eigen::Vector3d& position() const { return p_N_; }
   double yaw() const { return yaw_; }
-  /// The set-point stands at the target.
+  /// The setpoint stands at the target.
   bool arrived() const;
 
  private:

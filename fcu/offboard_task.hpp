@@ -7,11 +7,11 @@
 
 namespace cas::fcu {
 
-/// Follows what a companion streams: trajectory set-points or attitudes. A stream that falls silent
-/// is a failsafe; the last set-point is held until then.
+/// Follows what a companion streams: trajectory setpoints or attitudes. A stream that falls silent
+/// is a failsafe; the last setpoint is held until then.
 class OffboardTask final : public FlightTask {
  public:
-  /// Takes a set-point; given again and again, before the mode can be entered and while it lasts.
+  /// Takes a setpoint; given again and again, before the mode can be entered and while it lasts.
   void on_trajectory(const TrajectorySetpoint& setpoint, base::RunTime now);
   void on_attitude(const AttitudeSetpoint& setpoint, base::RunTime now);
   bool alive(base::RunTime now, double timeout_s) const;

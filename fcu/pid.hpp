@@ -19,14 +19,14 @@ struct Saturation {
 };
 
 /// u = p e + integral(i e) - d dm/dt. The derivative is that of the measurement, so that a step of
-/// the set-point gives no kick. The integrator stops where the actuator has stopped, and takes up
+/// the setpoint gives no kick. The integrator stops where the actuator has stopped, and takes up
 /// what a change of the other gains would make the output jump by.
 class Pid {
  public:
   /// Gains for the next update().
   void set_gains(const PidGains& gains) { next_ = gains; }
 
-  /// @param error             set-point minus measurement
+  /// @param error             setpoint minus measurement
   /// @param measurement_rate  d(measurement)/dt
   double update(double error, double measurement_rate, double dt, Saturation saturation = {});
 

@@ -93,7 +93,7 @@ TEST_F(FailsafeFlight, LosingTheCompanionHolds) {
   loop_.send(target);
   ASSERT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 6, 0}), MavResult::kAccepted);
   EXPECT_TRUE(reaches(FlightMode::kHold, 3));
-  EXPECT_TRUE(loop_.said("Offboard set-points lost"));
+  EXPECT_TRUE(loop_.said("Offboard setpoints lost"));
 }
 
 TEST_F(FailsafeFlight, ACriticalBatteryReturnsAndAnEmptyOneLands) {

@@ -56,7 +56,7 @@ async function setTakeoffHeight(line) {
 }
 
 async function flyOffboard(line) {
-  assert.strictEqual((await line.command(176, [1, 6, 0])).result, 1, 'no offboard without set-points');
+  assert.strictEqual((await line.command(176, [1, 6, 0])).result, 1, 'no offboard without setpoints');
   let talking = true;
   const IGNORE_ALL_BUT_POSITION_AND_YAW = 0b100111111000;
   line.every(50, () => {
@@ -71,7 +71,7 @@ async function flyOffboard(line) {
   await line.next('HEARTBEAT', (m) => m.custom_mode === OFFBOARD);
   assert.strictEqual((await line.command(400, [1])).result, ACCEPTED, 'arming');
   talking = false; // the companion falls silent
-  await line.next('STATUSTEXT', (m) => m.text.startsWith('Offboard set-points lost'));
+  await line.next('STATUSTEXT', (m) => m.text.startsWith('Offboard setpoints lost'));
   await line.next('HEARTBEAT', (m) => m.custom_mode !== OFFBOARD);
 }
 
