@@ -64,7 +64,7 @@ def allan_deviation(samples, taus):
 
 
 def figures_of(preset, name, unit):
-    """Density (with what rounding adds), wander deviation and its time constant, by the preset file."""
+    """Density (with what rounding adds), drift deviation and its time constant, by the preset file."""
     text = (PROJECT / "config" / "sensors" / f"{preset}.yaml").read_text(encoding="utf-8")
 
     def number(key):
@@ -86,12 +86,12 @@ def figures_of(preset, name, unit):
 
 
 def expected_deviation(figures, tau):
-    """White noise and a Gauss-Markov wander (IEEE Std 952, Annex C)."""
+    """White noise and a Gauss-Markov drift (IEEE Std 952, Annex C)."""
     t = tau / figures["tau"]
     # 2 t - 3 + 4 e^-t - e^-2t, by series where it cancels
     shape = numpy.where(t < 1e-3, 2.0 / 3.0 * t ** 3, 2 * t - 3 + 4 * numpy.exp(-t) - numpy.exp(-2 * t))
-    wander = figures["drift"] ** 2 / t ** 2 * shape
-    return numpy.sqrt(figures["density"] ** 2 / tau + wander)
+    drift = figures["drift"] ** 2 / t ** 2 * shape
+    return numpy.sqrt(figures["density"] ** 2 / tau + drift)
 
 
 def main():

@@ -12,8 +12,8 @@ namespace {
 constexpr double kStandardQnh = 1013.25;  // hPa, ISO 2533
 constexpr double kZeroCelsius = 273.15;   // K
 
-GaussMarkovParams<1> parse_drift(const base::ConfigNode& node) {
-  const GaussMarkovParams<3> axes = parse_wander(node, {"", "pa", 1.0});
+GaussMarkovParams<1> parse_pressure_drift(const base::ConfigNode& node) {
+  const GaussMarkovParams<3> axes = parse_drift(node, {"", "pa", 1.0});
   return {axes.walk.head<1>(), axes.time_constant_s};
 }
 
@@ -23,7 +23,7 @@ BarometerParams parse_barometer_params(const base::ConfigNode& node, double step
   BarometerParams params;
   params.rate_hz = parse_rate(node, step_s);
   params.stddev_pa = parse_white_noise(node, {"", "pa", 1.0}, params.rate_hz).x();
-  params.drift = parse_drift(node);
+  params.drift = parse_pressure_drift(node);
   params.qnh_hpa = node.get_in("qnh_hpa", kStandardQnh, 850.0, 1100.0);
   params.temperature_offset_degc = node.get_in("temperature_offset_degc", 0.0, -80.0, 80.0);
   params.self_heating_degc = node.get_in("self_heating_degc", 0.0, -50.0, 100.0);

@@ -49,12 +49,12 @@ Eigen::Vector3d parse_white_noise(const base::ConfigNode& node, const Quantity& 
   return value * quantity.to_si * (stddev ? 1.0 : std::sqrt(rate_hz));
 }
 
-GaussMarkovParams<3> parse_wander(const base::ConfigNode& node, const Quantity& quantity) {
+GaussMarkovParams<3> parse_drift(const base::ConfigNode& node, const Quantity& quantity) {
   const std::string walk_key = quantity.name + "bias_walk_" + quantity.unit + "_per_sqrt_s";
   const std::string drift_key = quantity.name + "drift_stddev_" + quantity.unit;
   const auto walk = node.find(walk_key);
   const auto drift = node.find(drift_key);
-  if (walk && drift) drift->fail("is given beside " + walk_key + "; the wander has one figure");
+  if (walk && drift) drift->fail("is given beside " + walk_key + "; drift has one figure");
   if (walk) {
     const double tau = time_constant(node, quantity.name + "bias_time_constant_s", true);
     return {non_negative_axes(*walk) * quantity.to_si, tau};

@@ -29,10 +29,10 @@ Eigen::Vector3d get_axes(const base::ConfigNode& node, const std::string& key);
 Eigen::Vector3d parse_white_noise(const base::ConfigNode& node, const Quantity& quantity,
                                   double rate_hz);
 
-/// Bias walk in SI: `<name>bias_walk_<unit>_per_sqrt_s` with `<name>bias_time_constant_s` (0: pure
+/// Slow drift in SI: `<name>bias_walk_<unit>_per_sqrt_s` with `<name>bias_time_constant_s` (0: pure
 /// random walk), or `<name>drift_stddev_<unit>` with `<name>drift_time_constant_s`. Zero when
 /// neither is there.
-GaussMarkovParams<3> parse_wander(const base::ConfigNode& node, const Quantity& quantity);
+GaussMarkovParams<3> parse_drift(const base::ConfigNode& node, const Quantity& quantity);
 
 /// `rate_hz`, above zero and at most the simulation's own rate.
 double parse_rate(const base::ConfigNode& node, double step_s);

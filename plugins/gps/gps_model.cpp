@@ -49,7 +49,7 @@ GpsParams parse_gps_params(const base::ConfigNode& node, double step_s) {
   params.rate_hz = parse_rate(node, step_s);
   params.delay = base::from_seconds(node.get_in("delay_s", 0.0, 0.0, kMostDelay));
   params.position_stddev_m = parse_white_noise(node, {"position_", "m", 1.0}, params.rate_hz);
-  params.position_drift = parse_wander(node, {"position_", "m", 1.0});
+  params.position_drift = parse_drift(node, {"position_", "m", 1.0});
   params.velocity_stddev_m_s = parse_white_noise(node, {"velocity_", "m_s", 1.0}, params.rate_hz);
   params.antenna_B_m = get_axes(node, "antenna_B_m");
   params.eph_m = node.require_in("eph_m", 0.0, kMostMetres);

@@ -40,7 +40,7 @@ struct GpsParams {
 /// Reads the block `gps`: keys are described in docs/plugins.md.
 GpsParams parse_gps_params(const base::ConfigNode& node, double step_s);
 
-/// A satellite receiver: place by [HILS] Eq. (5) (or WGS-84) with white and slowly wandering
+/// A satellite receiver: place by [HILS] Eq. (5) (or WGS-84) with white and slowly drifting
 /// errors, velocity with white errors. Multipath, satellite geometry and leap seconds are not
 /// modelled; the claimed accuracies are the configured ones.
 class GpsModel {

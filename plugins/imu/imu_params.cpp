@@ -38,7 +38,7 @@ TriadParams parse_triad(const base::ConfigNode& node, const Quantity& quantity, 
   triad.stddev = parse_white_noise(node, quantity, rate_hz);
   triad.bias = get_axes(node, name + "bias_" + quantity.unit) * si;
   triad.turn_on_bias_stddev = get_axes(node, name + "turn_on_bias_stddev_" + quantity.unit) * si;
-  triad.bias_walk = parse_wander(node, quantity);
+  triad.bias_walk = parse_drift(node, quantity);
   triad.sensitivity = parse_sensitivity(node, name);
   triad.range = get_positive_or_off(node, name + "range_" + quantity.unit) * si;
   triad.lsb = get_positive_or_off(node, name + "lsb_" + quantity.unit) * si;

@@ -14,7 +14,7 @@ struct TriadParams {
   Eigen::Vector3d stddev = Eigen::Vector3d::Zero();  ///< white noise, deviation of one sample
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();    ///< constant, the same in every run
   Eigen::Vector3d turn_on_bias_stddev = Eigen::Vector3d::Zero();  ///< drawn once per run
-  GaussMarkovParams<3> bias_walk;                                 ///< in-run wander of the bias
+  GaussMarkovParams<3> bias_walk;                                 ///< in-run drift of the bias
   Eigen::Matrix3d sensitivity = Eigen::Matrix3d::Identity();      ///< scale errors and misalignment
   double range = 0;                                               ///< clips at +-range
   double lsb = 0;                                                 ///< rounds to multiples

@@ -23,7 +23,7 @@ MagnetometerParams parse_magnetometer_params(const base::ConfigNode& node, doubl
   MagnetometerParams params;
   params.rate_hz = parse_rate(node, step_s);
   params.stddev_gauss = parse_white_noise(node, {"", "gauss", 1.0}, params.rate_hz);
-  params.bias_walk = parse_wander(node, {"", "gauss", 1.0});
+  params.bias_walk = parse_drift(node, {"", "gauss", 1.0});
   params.hard_iron_gauss = get_axes(node, "hard_iron_gauss");
   if (const auto matrix = node.find("soft_iron")) params.soft_iron = parse_soft_iron(*matrix);
   params.lsb_gauss = node.get_in("lsb_gauss", 0.0, 0.0, 1.0);
