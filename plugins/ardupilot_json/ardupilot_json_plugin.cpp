@@ -7,9 +7,9 @@
 #include "base/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
-#include "plugins/ardupilot_json/frame_clock.hpp"
 #include "plugins/ardupilot_json/json_link.hpp"
 #include "plugins/ardupilot_json/json_state.hpp"
+#include "plugins/ardupilot_json/servo_clock.hpp"
 #include "plugins/ardupilot_json/servo_packet.hpp"
 
 namespace cas::sim {
@@ -30,17 +30,17 @@ std::unique_ptr<JsonLink> open_link(const base::ConfigNode& node) {
 }
 
 /// Flies a vehicle with ArduPilot's SITL: pulse widths in, the true motion out, one answer for each
-/// of the firmware's frames. ArduPilot makes its own sensors and their noise from the motion.
+/// of the firmware's packets. ArduPilot makes its own sensors and their noise from the motion.
 ///
 ///   wait_for_controls <-- servo packet        pre_step: motor_command
-///   post_step: the frame has ended --> one line of text
+///   post_step: its period has ended --> one line of text
 class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
  public:
   void configure(PluginContext& context, const base::ConfigNode& node) override {
     step_ = context.step();
     vehicle_ = context.vehicle_id();
     link_ = open_link(node);
-    frames_ = FrameClock(step_);
+    clock_ = ServoClock(step_);
     range_ = context.bus().subscribe<RangeSample>(
         context.topic("rangefinder"),
         [this](const RangeSample& sample) {
@@ -55,7 +55,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
     now_ = time;
     const base::RunTime deadline = base::steady_now() + timeout;
     receive();
-    while (!frames_.pending()) {
+    while (!clock_.pending()) {
       const base::Duration left = deadline - base::steady_now();
       if (left <= base::Duration::zero() || !link_->wait(left)) return false;
       receive();
@@ -73,14 +73,14 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   }
 
   void post_step(const StepInfo& step, const World& world) override {
-    receive();  // what repeats the frame under way gets one answer, not two
-    if (!frames_.due(step.time)) return;
+    receive();  // what repeats the packet under way gets one answer, not two
+    if (!clock_.due(step.time)) return;
     JsonState state =
         to_json_state(step.time + epoch_, world.state(vehicle_), world.environment(vehicle_));
     state.range_m = newest_range_m_;
     answer_ = to_text(state);
     newest_ = step.time;
-    frames_.answered();
+    clock_.answered();
     send();
   }
 
@@ -88,18 +88,18 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
     // For a firmware that goes on, time does not turn back.
     epoch_ += newest_.time_since_epoch();
     newest_ = {};
-    frames_ = FrameClock(step_);
+    clock_ = ServoClock(step_);
     heard_ = false;
     packet_.reset();
   }
 
   std::string stats_json() const override {
-    const FrameClock::Counts& counts = frames_.counts();
+    const ServoClock::Counts& counts = clock_.counts();
     const auto entry = [](const char* key, std::uint64_t value) {
       return std::string(",\"") + key + "\":" + std::to_string(value);
     };
     return "{\"endpoint\":\"" + link_->endpoint() + "\",\"peer\":\"" + link_->peer() + "\"" +
-           entry("frames", counts.frames) + entry("repeated", counts.repeated) +
+           entry("packets", counts.packets) + entry("repeated", counts.repeated) +
            entry("skipped", counts.skipped) + entry("restarts", counts.restarts) +
            entry("bad_packets", bad_packets_) + entry("send_errors", send_errors_) + "}";
   }
@@ -118,12 +118,12 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   }
 
   void on_packet(const ServoPacket& packet) {
-    const FrameClock::Kind kind = frames_.on_packet(packet, now_);
-    if (kind == FrameClock::Kind::kRepeated) return send();
-    if (kind == FrameClock::Kind::kPending) return;
+    const ServoClock::Kind kind = clock_.on_packet(packet, now_);
+    if (kind == ServoClock::Kind::kRepeated) return send();
+    if (kind == ServoClock::Kind::kPending) return;
     packet_ = packet;
     if (!heard_) base::log::info(link_->endpoint() + ": ArduPilot speaks from " + link_->peer());
-    if (kind == FrameClock::Kind::kRestart) {
+    if (kind == ServoClock::Kind::kRestart) {
       base::log::info(link_->endpoint() + ": ArduPilot has started anew, from " + link_->peer());
     }
     heard_ = true;
@@ -136,7 +136,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   std::unique_ptr<JsonLink> link_;
   VehicleId vehicle_{};
   base::Duration step_{};
-  FrameClock frames_{base::Duration(1)};
+  ServoClock clock_{base::Duration(1)};
   bool heard_ = false;
   base::SimTime now_{};
   base::Duration epoch_{};  // what earlier runs of the same firmware lasted

@@ -10,11 +10,11 @@
 
 namespace cas::sim {
 
-/// What ArduPilot's SITL sends to a JSON simulator for each of its frames.
+/// What ArduPilot's SITL sends to a JSON simulator to be answered with the motion.
 struct ServoPacket {
   static constexpr std::size_t kMostChannels = 32;
 
-  std::uint16_t frame_rate_hz = 0;  ///< that it asks for
+  std::uint16_t frame_rate_hz = 0;  ///< packets per second that it asks for
   std::uint32_t frame_count = 0;    ///< from 0 at its start; repeated when no answer came
   std::array<std::uint16_t, kMostChannels> pwm_us{};
 };

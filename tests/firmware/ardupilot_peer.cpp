@@ -22,7 +22,7 @@ ArdupilotPeer::ArdupilotPeer(std::uint16_t port, const ScriptedArdupilot::Option
 
 ArdupilotPeer::~ArdupilotPeer() { ::close(socket_); }
 
-void ArdupilotPeer::send_frame() {
+void ArdupilotPeer::send_packet() {
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -42,8 +42,8 @@ std::string ArdupilotPeer::receive(base::Duration patience) {
 }
 
 void ArdupilotPeer::pump() {
-  // SITL waits about a second, then sends the same frame again.
-  send_frame();
+  // SITL waits about a second, then sends the same packet again.
+  send_packet();
   const std::string text = receive(std::chrono::seconds(1));
   if (text.empty()) {
     ++repeats_;

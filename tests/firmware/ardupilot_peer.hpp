@@ -18,7 +18,7 @@ class ArdupilotPeer {
   ArdupilotPeer(const ArdupilotPeer&) = delete;
   ArdupilotPeer& operator=(const ArdupilotPeer&) = delete;
 
-  /// Sends a frame and waits for its answer, over and over, until the condition holds.
+  /// Sends a packet and waits for its answer, over and over, until the condition holds.
   /// @return false at the deadline
   template <class Condition>
   bool run_until(Condition&& condition, base::Duration patience = std::chrono::seconds(60)) {
@@ -30,7 +30,7 @@ class ArdupilotPeer {
     return true;
   }
 
-  void send_frame();
+  void send_packet();
   /// The next answer within `patience`; empty when none comes.
   std::string receive(base::Duration patience);
 

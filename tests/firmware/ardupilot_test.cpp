@@ -35,16 +35,16 @@ TEST(Ardupilot, TakesOffHoversAndLandsInLockstep) {
   EXPECT_EQ(peer.repeats(), 0U);
 
   const SimTruth truth = simulation.look();
-  EXPECT_EQ(figure(truth.stats, "frames"), peer.ardupilot().frame_count());
+  EXPECT_EQ(figure(truth.stats, "packets"), peer.ardupilot().frame_count());
   EXPECT_EQ(figure(truth.stats, "skipped"), 0U);
   EXPECT_LT(truth.p_W.z(), 0.3) << "on the ground again";
 }
 
 class ArdupilotLink : public testing::Test {
  protected:
-  /// Sends the current frame and takes its answer in.
+  /// Sends the current packet and takes its answer in.
   std::string exchange(ArdupilotPeer& peer) {
-    peer.send_frame();
+    peer.send_packet();
     std::string text = peer.receive(kSoon);
     EXPECT_TRUE(peer.ardupilot().on_text(text)) << peer.ardupilot().complaint();
     return text;
@@ -53,7 +53,7 @@ class ArdupilotLink : public testing::Test {
   RunningSimulation simulation_{"ardupilot.yaml", "ardupilot_json", kFreePort};
 };
 
-TEST_F(ArdupilotLink, EachFrameIsOneTwelveHundredthOfASecond) {
+TEST_F(ArdupilotLink, EachPacketIsOneTwelveHundredthOfASecond) {
   ArdupilotPeer peer(simulation_.port());
   exchange(peer);
   const double first = peer.ardupilot().newest()->timestamp;
@@ -67,20 +67,20 @@ TEST_F(ArdupilotLink, ThirtyTwoChannelsAreAnsweredToo) {
   EXPECT_EQ(figure(simulation_.look().stats, "bad_packets"), 0U);
 }
 
-TEST_F(ArdupilotLink, AFrameThatIsRepeatedGetsTheSameAnswerWithoutAStep) {
+TEST_F(ArdupilotLink, APacketThatIsRepeatedGetsTheSameAnswerWithoutAStep) {
   ArdupilotPeer peer(simulation_.port());
   exchange(peer);
-  peer.send_frame();
+  peer.send_packet();
   const std::string answer = peer.receive(kSoon);
-  peer.send_frame();  // the answer was lost on its way
+  peer.send_packet();  // the answer was lost on its way
   EXPECT_EQ(peer.receive(kSoon), answer);
   EXPECT_EQ(figure(simulation_.look().stats, "repeated"), 1U);
 }
 
-TEST_F(ArdupilotLink, SkippedFramesAreCounted) {
+TEST_F(ArdupilotLink, SkippedPacketsAreCounted) {
   ArdupilotPeer peer(simulation_.port());
   exchange(peer);
-  peer.ardupilot().skip_frames(3);
+  peer.ardupilot().skip_packets(3);
   exchange(peer);
   EXPECT_EQ(figure(simulation_.look().stats, "skipped"), 3U);
 }
@@ -94,7 +94,7 @@ TEST_F(ArdupilotLink, AFirmwareThatStartsAnewIsAnsweredAtItsNewPort) {
   for (int i = 0; i < 20; ++i) exchange(second);
   const std::string stats = simulation_.look().stats;
   EXPECT_EQ(figure(stats, "restarts"), 1U);
-  EXPECT_EQ(figure(stats, "frames"), 40U);
+  EXPECT_EQ(figure(stats, "packets"), 40U);
 }
 
 TEST_F(ArdupilotLink, AResetOfTheWorldDoesNotTurnTimeBack) {

@@ -40,7 +40,7 @@ void lockstep_over_json(double seconds) {
   const std::uint32_t first = peer.ardupilot().frame_count();
   peer.run_until([&] { return seconds_since(start) > seconds; });
   const double hz = (peer.ardupilot().frame_count() - first) / seconds_since(start);
-  std::printf("ArduPilot SITL, UDP lockstep: %.0f frames/s, %.1f x real time\n", hz, hz / 1200);
+  std::printf("ArduPilot SITL, UDP lockstep: %.0f packets/s, %.1f x real time\n", hz, hz / 1200);
 }
 
 /// How even HIL_SENSOR arrives at the end of the serial line.

@@ -23,7 +23,7 @@ constexpr std::uint32_t kGuided = 4;
 constexpr std::uint32_t kLand = 9;
 constexpr std::uint16_t kStoppedPwm = 1000;
 constexpr std::uint16_t kArmedPwm = 1100;
-constexpr std::uint32_t kFramesPerSample = 3;
+constexpr std::uint32_t kPacketsPerSample = 3;
 constexpr base::Geodetic kHome{47.397742, 8.545594, 488.0};
 constexpr double kYear = 2026.5;
 
@@ -123,14 +123,14 @@ bool ScriptedArdupilot::on_text(std::string_view text) {
   time_ = base::from_seconds(json->timestamp - first_timestamp_);
   for (int i = 0; i < 4; ++i) pwm_sum_ += pwm_us(i);
   pwm_samples_ += 4;
-  if (frame_count_ % kFramesPerSample == 0) feed_controller();
+  if (frame_count_ % kPacketsPerSample == 0) feed_controller();
   ++frame_count_;
   return true;
 }
 
 /// SITL makes its own sensors out of the motion, with noise.
 void ScriptedArdupilot::feed_controller() {
-  constexpr std::uint32_t kSlowSensors = 12;  // frames: 100 Hz
+  constexpr std::uint32_t kSlowSensors = 12;  // packets: 100 Hz
   constexpr std::uint32_t kGps = 240;         // 5 Hz
   const ParsedJson& j = *newest_;
   const Eigen::Quaterniond q_ND(j.quaternion[0], j.quaternion[1], j.quaternion[2], j.quaternion[3]);

@@ -29,7 +29,7 @@ struct ParsedJson {
 /// either end. @return what it complains of, or the values
 std::optional<ParsedJson> parse_as_ardupilot(std::string_view text, std::string& complaint);
 
-/// What flies in place of ArduCopter in the tests: its frames, its parser, its modes and commands;
+/// What flies in place of ArduCopter in the tests: its packets, its parser, its modes and commands;
 /// our own controller does the flying. No I/O and no clock.
 class ScriptedArdupilot {
  public:
@@ -41,16 +41,16 @@ class ScriptedArdupilot {
 
   ScriptedArdupilot(const Options& options, Channel::Send to_ground);
 
-  /// The packet of the current frame: the same again until an answer has arrived.
+  /// The current packet: the same again until an answer has arrived.
   std::vector<std::uint8_t> servo_packet() const;
-  /// An answer: the next frame begins. @return false when it cannot be read
+  /// An answer: the next packet is due. @return false when it cannot be read
   bool on_text(std::string_view text);
   void on_ground_bytes(std::span<const std::uint8_t> bytes);
 
   /// Time since the first answer.
   base::RunTime clock() const { return base::RunTime(time_); }
   std::uint32_t frame_count() const { return frame_count_; }
-  void skip_frames(std::uint32_t count) { frame_count_ += count; }
+  void skip_packets(std::uint32_t count) { frame_count_ += count; }
   const std::string& complaint() const { return complaint_; }
   const std::optional<ParsedJson>& newest() const { return newest_; }
   /// Mean pulse width of the motors while it hovered.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/frames.hpp"
-#include "plugins/ardupilot_json/frame_clock.hpp"
 #include "plugins/ardupilot_json/json_state.hpp"
+#include "plugins/ardupilot_json/servo_clock.hpp"
 #include "plugins/ardupilot_json/servo_packet.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 
@@ -117,32 +117,32 @@ TEST(JsonState, NeverWritesWhatIsNoNumber) {
   EXPECT_EQ(text.find("inf"), std::string::npos);
 }
 
-ServoPacket frame(std::uint32_t count, std::uint16_t rate = 1200) {
+ServoPacket numbered(std::uint32_t count, std::uint16_t rate = 1200) {
   ServoPacket packet;
   packet.frame_rate_hz = rate;
   packet.frame_count = count;
   return packet;
 }
 
-TEST(FrameClock, OneStepAFrameWhenTheStepFits) {
+TEST(ServoClock, OneStepAPacketWhenTheStepFits) {
   const base::Duration step = std::chrono::nanoseconds(833'333);
-  FrameClock clock(step);
+  ServoClock clock(step);
   base::SimTime now{};
   for (std::uint32_t i = 0; i < 1200; ++i) {
-    EXPECT_EQ(clock.on_packet(frame(i), now), FrameClock::Kind::kNew);
+    EXPECT_EQ(clock.on_packet(numbered(i), now), ServoClock::Kind::kNew);
     now += step;
     ASSERT_TRUE(clock.due(now)) << i;
     clock.answered();
   }
-  EXPECT_EQ(clock.counts().frames, 1200U);
+  EXPECT_EQ(clock.counts().packets, 1200U);
 }
 
-TEST(FrameClock, FramesThatAreNoMultipleOfTheStepAreRightOnAverage) {
+TEST(ServoClock, PeriodsThatAreNoMultipleOfTheStepAreRightOnAverage) {
   const base::Duration step = std::chrono::milliseconds(1);
-  FrameClock clock(step);
+  ServoClock clock(step);
   base::SimTime now{};
   for (std::uint32_t i = 0; i < 400; ++i) {
-    clock.on_packet(frame(i, 400), now);
+    clock.on_packet(numbered(i, 400), now);
     do now += step;
     while (!clock.due(now));
     clock.answered();
@@ -150,24 +150,24 @@ TEST(FrameClock, FramesThatAreNoMultipleOfTheStepAreRightOnAverage) {
   EXPECT_NEAR(base::to_seconds(now), 1.0, 0.002);
 }
 
-TEST(FrameClock, NoFrameLastsATenthOfASecond) {
-  FrameClock clock(std::chrono::milliseconds(1));
-  clock.on_packet(frame(0, 1), {});
+TEST(ServoClock, NoPeriodLastsATenthOfASecond) {
+  ServoClock clock(std::chrono::milliseconds(1));
+  clock.on_packet(numbered(0, 1), {});
   EXPECT_TRUE(clock.due(base::SimTime(std::chrono::milliseconds(99))));
   clock.answered();
-  clock.on_packet(frame(1, 0), base::SimTime(std::chrono::milliseconds(99)));
+  clock.on_packet(numbered(1, 0), base::SimTime(std::chrono::milliseconds(99)));
   EXPECT_TRUE(clock.due(base::SimTime(std::chrono::milliseconds(199))));
 }
 
-TEST(FrameClock, TellsRepeatsSkipsAndRestartsApart) {
-  FrameClock clock(std::chrono::milliseconds(1));
-  EXPECT_EQ(clock.on_packet(frame(7), {}), FrameClock::Kind::kNew);
-  EXPECT_EQ(clock.on_packet(frame(7), {}), FrameClock::Kind::kPending);
+TEST(ServoClock, TellsRepeatsSkipsAndRestartsApart) {
+  ServoClock clock(std::chrono::milliseconds(1));
+  EXPECT_EQ(clock.on_packet(numbered(7), {}), ServoClock::Kind::kNew);
+  EXPECT_EQ(clock.on_packet(numbered(7), {}), ServoClock::Kind::kPending);
   clock.answered();
-  EXPECT_EQ(clock.on_packet(frame(7), {}), FrameClock::Kind::kRepeated);
-  EXPECT_EQ(clock.on_packet(frame(10), {}), FrameClock::Kind::kNew);
+  EXPECT_EQ(clock.on_packet(numbered(7), {}), ServoClock::Kind::kRepeated);
+  EXPECT_EQ(clock.on_packet(numbered(10), {}), ServoClock::Kind::kNew);
   clock.answered();
-  EXPECT_EQ(clock.on_packet(frame(0), {}), FrameClock::Kind::kRestart);
+  EXPECT_EQ(clock.on_packet(numbered(0), {}), ServoClock::Kind::kRestart);
   EXPECT_EQ(clock.counts().skipped, 2U);
   EXPECT_EQ(clock.counts().repeated, 2U);
   EXPECT_EQ(clock.counts().restarts, 1U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/ardupilot_json/frame_clock.hpp"
+#include "plugins/ardupilot_json/servo_clock.hpp"
 
 #include <algorithm>
 
@@ -7,29 +7,29 @@ namespace cas::sim {
 namespace {
 
 /// A timestamp that jumps by 0.1 s or more makes SITL skip its own time advance.
-constexpr base::Duration kLongestFrame = std::chrono::milliseconds(99);
-/// Slowest frame rate that fits.
+constexpr base::Duration kLongestPeriod = std::chrono::milliseconds(99);
+/// Slowest rate that fits.
 constexpr std::uint16_t kSlowest_hz = 11;
 
 }  // namespace
 
-void FrameClock::begin_frame(const ServoPacket& packet, base::SimTime now) {
+void ServoClock::begin_period(const ServoPacket& packet, base::SimTime now) {
   const auto rate = std::max(packet.frame_rate_hz, kSlowest_hz);
-  const base::Duration frame =
+  const base::Duration period =
       std::min(base::Duration(std::chrono::seconds(1)) / static_cast<base::Duration::rep>(rate),
-               kLongestFrame);
-  // On a grid, so that a frame which is no multiple of the step is right on average.
-  const bool is_on_grid = started_ && now - frame_end_ <= step_ && frame_end_ - now <= step_;
-  frame_end_ = (is_on_grid ? frame_end_ : now) + frame;
+               kLongestPeriod);
+  // On a grid, so that a period which is no multiple of the step is right on average.
+  const bool is_on_grid = started_ && now - period_end_ <= step_ && period_end_ - now <= step_;
+  period_end_ = (is_on_grid ? period_end_ : now) + period;
   started_ = true;
   pending_ = true;
   frame_count_ = packet.frame_count;
-  ++counts_.frames;
+  ++counts_.packets;
 }
 
-FrameClock::Kind FrameClock::on_packet(const ServoPacket& packet, base::SimTime now) {
+ServoClock::Kind ServoClock::on_packet(const ServoPacket& packet, base::SimTime now) {
   if (!started_) {
-    begin_frame(packet, now);
+    begin_period(packet, now);
     return Kind::kNew;
   }
   if (packet.frame_count == frame_count_) {
@@ -42,7 +42,7 @@ FrameClock::Kind FrameClock::on_packet(const ServoPacket& packet, base::SimTime 
   } else {
     counts_.skipped += packet.frame_count - frame_count_ - 1;
   }
-  begin_frame(packet, now);
+  begin_period(packet, now);
   return is_restart ? Kind::kRestart : Kind::kNew;
 }
 

@@ -8,46 +8,46 @@
 
 namespace cas::sim {
 
-/// Keeps count of ArduPilot's frames: which packet asks for a step, which only repeats itself, and
+/// Keeps count of ArduPilot's servo packets: which asks for a step, which only repeats itself, and
 /// when the answer is due. Pure.
 ///
 ///   packet --> on_packet(): kNew --> steps of the world --> due() --> answered()
-class FrameClock {
+class ServoClock {
  public:
   enum class Kind {
-    kNew,       ///< asks for the next frame
+    kNew,       ///< asks for the next period
     kRepeated,  ///< the last answer did not arrive: it is wanted again, without a step
     kPending,   ///< repeats what is under way
     kRestart,   ///< counts from the beginning: a firmware that started anew
   };
 
   struct Counts {
-    std::uint64_t frames = 0;
+    std::uint64_t packets = 0;  ///< without the repeated
     std::uint64_t repeated = 0;
-    std::uint64_t skipped = 0;  ///< frames that never arrived
+    std::uint64_t skipped = 0;  ///< packets that never arrived
     std::uint64_t restarts = 0;
   };
 
   /// @param step  of the world
-  explicit FrameClock(base::Duration step) : step_(step) {}
+  explicit ServoClock(base::Duration step) : step_(step) {}
 
   /// @param now  simulated time
   Kind on_packet(const ServoPacket& packet, base::SimTime now);
   /// Whether a packet has been taken whose answer is not sent yet.
   bool pending() const { return pending_; }
   /// Whether the answer is to be sent at the end of a step.
-  bool due(base::SimTime now) const { return pending_ && now + step_ / 2 >= frame_end_; }
+  bool due(base::SimTime now) const { return pending_ && now + step_ / 2 >= period_end_; }
   void answered() { pending_ = false; }
   const Counts& counts() const { return counts_; }
 
  private:
-  void begin_frame(const ServoPacket& packet, base::SimTime now);
+  void begin_period(const ServoPacket& packet, base::SimTime now);
 
   base::Duration step_;
   bool started_ = false;
   bool pending_ = false;
   std::uint32_t frame_count_ = 0;
-  base::SimTime frame_end_{};
+  base::SimTime period_end_{};
   Counts counts_;
 };
 
