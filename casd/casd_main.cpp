@@ -54,16 +54,16 @@ int run(const Flags& flags) {
 
 int main(int argc, char** argv) {
   Flags flags;
-  CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.");
+  CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.", "casd");
   cli.set_version_flag("--version", std::string("casd ") + CAS_VERSION);
-  cli.add_option("topology", flags.topology, "links and routes (YAML)")->required();
-  cli.add_flag("--check", flags.check, "read the topology, say what is wrong, and end");
+  cli.add_option("topology", flags.topology, "Links and routes (YAML)")->required();
+  cli.add_flag("--check", flags.check, "Read the topology, say what is wrong, and end");
   cli.add_option("--ledger", flags.ledger,
-                 "write each HIL packet at each link to this file at the end");
+                 "Write each HIL packet at each link to this file at the end");
   cli.add_flag("--lockstep", flags.lockstep,
-               "run every protocol timer on the stream's time, as 'pace: lockstep' does");
-  cli.add_option("--stats", flags.stats, "write figures to this file at the end");
-  cli.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
+               "Run every protocol timer on the stream's time, as 'pace: lockstep' does");
+  cli.add_option("--stats", flags.stats, "Write figures to this file at the end");
+  cli.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
   base::cli::add_manual(cli, "casd", CAS_VERSION);
   if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;
   return base::run_program("casd", flags.log_level, [&] { return run(flags); });

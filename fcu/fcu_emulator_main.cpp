@@ -32,7 +32,7 @@ void add_flags(CLI::App& app, Flags& flags) {
                  "Parameter file: read at start, kept up to date");
   app.add_flag("--lockstep", flags.lockstep,
                "Run every timer on the stream's time, as 'pace: lockstep' does");
-  app.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
+  app.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
   app.set_version_flag("--version", "fcu_emulator " CAS_VERSION);
   base::cli::add_manual(app, "fcu_emulator", CAS_VERSION);
 }

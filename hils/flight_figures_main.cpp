@@ -72,7 +72,8 @@ int main(int argc, char** argv) {
   batch.jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::vector<std::string> names;
   for (const auto& entry : experiments()) names.push_back(entry.first);
-  app.add_option("experiment", wanted, "table1, rtk, steps, eight, wind, line, many; all but many")
+  app.add_option("experiment", wanted,
+                 "Any of table1, rtk, steps, eight, wind, line, many; all but many")
       ->check(CLI::IsMember(names));
   app.add_option("--flights", batch.flights, "Flights of each")->check(CLI::Range(1, 1'000'000));
   app.add_option("--first-seed", batch.first_seed, "Seed of the first flight; then each the next");

@@ -114,46 +114,49 @@ int guarded(const std::function<int()>& command) {
 
 CLI::App* add_compare(CLI::App& app, CompareFlags& flags) {
   CLI::App* command = app.add_subcommand(
-      "compare", "fly one scenario in several architectures, as [HILS] Sect. 4 does");
-  command->add_option("SCENARIO", flags.scenario, "scenario file")->required();
-  command->add_option("--architectures", flags.architectures, "direct,sitl,ts,loop,tcas")
+      "compare", "Fly one scenario in several architectures, as [HILS] Sect. 4 does");
+  command->add_option("SCENARIO", flags.scenario, "Scenario file")->required();
+  command->add_option("--architectures", flags.architectures, "Some of direct,sitl,ts,loop,tcas")
       ->delimiter(',');
-  command->add_option("--baud", flags.bauds, "of the line where there is one: 460800,921600")
+  command->add_option("--baud", flags.bauds, "Of the line where there is one: 460800,921600")
       ->delimiter(',')
       ->check(CLI::IsMember({115200, 460800, 921600}));
-  command->add_option("--seeds", flags.seeds, "how many runs of each (5)");
-  command->add_option("--first-seed", flags.first_seed, "the others follow it (1)");
-  command->add_option("--warm-up", flags.warm_up_s, "seconds of hover before the measurement (10)");
-  command->add_option("--hold", flags.hold_s, "seconds measured (60)");
+  command->add_option("--seeds", flags.seeds, "Runs of each (5)");
+  command->add_option("--first-seed", flags.first_seed,
+                      "Seed of the first run; the others follow it (1)");
+  command->add_option("--warm-up", flags.warm_up_s, "Seconds of hover before the measurement (10)");
+  command->add_option("--hold", flags.hold_s, "Seconds measured (60)");
   command->add_flag("--virtual", flags.on_virtual_clock,
-                    "compute time instead of waiting for it: the same to the byte each time");
-  command->add_flag("--keep", flags.keep, "keep truth.csv and flight.tlog of each run");
-  command->add_option("--out", flags.out, "folder for the results")->required();
+                    "Compute time instead of waiting for it: the same to the byte each time");
+  command->add_flag("--keep", flags.keep, "Keep truth.csv and flight.tlog of each run");
+  command->add_option("--out", flags.out, "Folder for the results")->required();
   return command;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Flies experiments with a controller in the loop, measures and judges them"};
+  CLI::App app("Flies experiments with a controller in the loop, measures and judges them", "hils");
   app.set_version_flag("--version", "hils " + std::string(kVersion));
   app.require_subcommand(1);
   std::string log_level = "warn";
-  app.add_option("--log-level", log_level, "debug, info, warn, error or off");
+  app.add_option("--log-level", log_level, "Level: debug, info, warn, error or off");
 
   RunFlags flags;
-  CLI::App* command = app.add_subcommand("run", "fly one scenario");
-  command->add_option("SCENARIO", flags.scenario, "scenario file")->required();
-  command->add_option("--architecture", flags.architecture, "direct, sitl, ts, loop or tcas");
+  CLI::App* command = app.add_subcommand("run", "Fly one scenario");
+  command->add_option("SCENARIO", flags.scenario, "Scenario file")->required();
+  command->add_option("--architecture", flags.architecture,
+                      "One of direct, sitl, ts, loop or tcas");
   command->add_flag("--virtual", flags.on_virtual_clock,
-                    "compute time instead of waiting for it: exact and fast");
-  command->add_flag("--lockstep", flags.lockstep,
-                    "the real processes on the stream's time: repeatable to the byte, and fast");
-  command->add_option("--out", flags.out, "folder for the results")->required();
+                    "Compute time instead of waiting for it: exact and fast");
+  command->add_flag(
+      "--lockstep", flags.lockstep,
+      "Run the real processes on the stream's time: repeatable to the byte, and fast");
+  command->add_option("--out", flags.out, "Folder for the results")->required();
   command->add_option("--fcu", flags.fcu_device,
-                      "serial port of a real controller, instead of the emulator");
-  command->add_option("--fcu-baud", flags.fcu_baud, "of that port (921600)");
-  command->add_option("--seed", flags.seed, "instead of the scenario's");
+                      "Serial port of a real controller, instead of the emulator");
+  command->add_option("--fcu-baud", flags.fcu_baud, "Baud rate of that port (921600)");
+  command->add_option("--seed", flags.seed, "Seed instead of the scenario's");
   CompareFlags compare_flags;
   const CLI::App* compare_command = add_compare(app, compare_flags);
   base::cli::add_manual(app, "hils", std::string(kVersion));

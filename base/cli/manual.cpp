@@ -18,7 +18,7 @@ void add_manual(CLI::App& app, const std::string& program, const std::string& ve
     if (form == "fish") std::cout << fish_completion(program, command);
     throw CLI::Success();
   };
-  app.add_option_function<std::string>("--manual", print, "print the manual in this form")
+  app.add_option_function<std::string>("--manual", print, "Print the manual in this form")
       ->check(CLI::IsMember({"man", "bash", "zsh", "fish"}))
       ->group("");  // not in the help: for the build
 }

@@ -58,7 +58,7 @@ void add_doctor_verb(CommandLine& line) {
   const auto seconds = std::make_shared<double>(2);
   line.add_verb("doctor", "Check the HIL set-up and say what is wrong, with the remedy",
                 "casctl doctor", [seconds](Session& session) { return examine(session, *seconds); })
-      ->add_option("--seconds", *seconds, "how long to watch")
+      ->add_option("--seconds", *seconds, "How long to watch")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
 }

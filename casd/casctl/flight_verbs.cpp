@@ -76,9 +76,9 @@ void add_arm(CommandLine& line) {
                       return tell(session, arm(session, params), "armed", "armed",
                                   [](const json& state) { return state.value("armed", false); });
                     });
-  verb->add_flag("--force", flags->force, "skip the vehicle's own checks");
+  verb->add_flag("--force", flags->force, "Skip the vehicle's own checks");
   verb->add_flag("--not-hil", flags->not_hil,
-                 "arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "
+                 "Arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "
                  "configuration must consent");
 }
 
@@ -89,7 +89,7 @@ void add_disarm(CommandLine& line) {
                   return fly(session, "vehicle.disarm", {{"force", *force}}, "disarmed", "disarmed",
                              [](const json& state) { return !state.value("armed", true); });
                 })
-      ->add_flag("--force", *force, "also in flight: the vehicle falls");
+      ->add_flag("--force", *force, "Also in flight: the vehicle falls");
 }
 
 void add_takeoff(CommandLine& line) {
@@ -101,7 +101,7 @@ void add_takeoff(CommandLine& line) {
                       "takes off to " + fixed(*altitude_m, 1) + " m", "airborne",
                       [altitude_m](const json& state) { return airborne_at(state, *altitude_m); });
                 })
-      ->add_option("ALT", *altitude_m, "metres above home")
+      ->add_option("ALT", *altitude_m, "Metres above home")
       ->check(CLI::Range(0.1, 10000.0))
       ->capture_default_str();
 }
@@ -113,8 +113,8 @@ void add_goto(CommandLine& line) {
   };
   const auto target = std::make_shared<Target>();
   CLI::App* verb = line.add_verb(
-      "goto", "Fly to a place in the local north-east-down frame", "casctl goto 5 0 -3 90 --wait",
-      [target](Session& session) {
+      "goto", "Fly to a position in the local north-east-down frame",
+      "casctl goto 5 0 -3 90 --wait", [target](Session& session) {
         json params{
             {"north_m", target->north_m}, {"east_m", target->east_m}, {"down_m", target->down_m}};
         if (target->yaw_deg) params["yaw_deg"] = *target->yaw_deg;
@@ -128,10 +128,11 @@ void add_goto(CommandLine& line) {
                                        p.value("z_m", 1e9) - target->down_m) < kNear_m;
                    });
       });
-  verb->add_option("NORTH", target->north_m, "m")->required();
-  verb->add_option("EAST", target->east_m, "m")->required();
-  verb->add_option("DOWN", target->down_m, "m; -3 is 3 m above the frame's origin")->required();
-  verb->add_option("YAW", target->yaw_deg, "degrees from north; left out: kept");
+  verb->add_option("NORTH", target->north_m, "Metres to the north")->required();
+  verb->add_option("EAST", target->east_m, "Metres to the east")->required();
+  verb->add_option("DOWN", target->down_m, "Metres down; -3 is 3 m above the frame's origin")
+      ->required();
+  verb->add_option("YAW", target->yaw_deg, "Degrees from north; left out: kept");
 }
 
 void add_mode(CommandLine& line) {
@@ -186,7 +187,7 @@ void add_manual(CommandLine& line) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   verb->add_option("--yaw", sticks->yaw, "-1 left to 1 right")->check(CLI::Range(-1.0, 1.0));
-  verb->add_option("--for", sticks->duration_s, "seconds")
+  verb->add_option("--for", sticks->duration_s, "Seconds to hold them")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
 }
@@ -211,7 +212,7 @@ void add_message_interval(CommandLine& line) {
                        (wish->hz ? " at " + fixed(*wish->hz, 1) + " Hz" : " at its default rate"),
                    "", nullptr);
       });
-  verb->add_option("MESSAGE", wish->message, "name or id")->required();
+  verb->add_option("MESSAGE", wish->message, "Name or id")->required();
   verb->add_option("HZ", wish->hz, "0 is off; left out: the vehicle's default");
 }
 

@@ -34,20 +34,20 @@ using nlohmann::json;
 void add_options(CommandLine& line) {
   CLI::App& app = line.app;
   Options& options = line.options;
-  app.description("casctl commands and watches vehicles through a running casd.");
+  app.description("Commands and watches vehicles through a running casd.");
   app.name("casctl");
   app.set_version_flag("--version", std::string("casctl ") + CAS_VERSION);
   app.require_subcommand(1);
-  app.add_option("--address", options.address, "casd's command port, HOST:PORT or unix:PATH")
+  app.add_option("--address", options.address, "Command port of casd, HOST:PORT or unix:PATH")
       ->envname("CASD_ADDRESS")
       ->capture_default_str();
-  app.add_option("--token-file", options.token_file, "file with the command port's token")
+  app.add_option("--token-file", options.token_file, "File with the command port's token")
       ->envname("CASD_TOKEN_FILE");
-  app.add_option("--vehicle", options.vehicle, "system id; needed when casd knows several")
+  app.add_option("--vehicle", options.vehicle, "System id; needed when casd knows several")
       ->check(CLI::Range(1, 255));
-  app.add_flag("--json", options.json, "print the answer as JSON");
-  app.add_flag("--wait", options.wait, "also wait until the state is reached (airborne, landed)");
-  app.add_option("--timeout", options.timeout_s, "seconds to wait for an answer or a state")
+  app.add_flag("--json", options.json, "Print the answer as JSON");
+  app.add_flag("--wait", options.wait, "Also wait until the state is reached (airborne, landed)");
+  app.add_option("--timeout", options.timeout_s, "Seconds to wait for an answer or a state")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();
   app.footer(

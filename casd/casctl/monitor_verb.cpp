@@ -18,8 +18,8 @@ void add_monitor_verb(CommandLine& line) {
         if (wish->once) return print_monitor(session);
         return run_monitor(session.options(), wish->interval_s);
       });
-  verb->add_flag("--once", wish->once, "print the messages as a plain table and end");
-  verb->add_option("--interval", wish->interval_s, "seconds between two looks")
+  verb->add_flag("--once", wish->once, "Print the messages as a plain table and end");
+  verb->add_option("--interval", wish->interval_s, "Seconds between two looks")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();
 }

@@ -46,11 +46,12 @@ void add_setgain(CommandLine& line) {
                       report(session.options(), result, gains_sentence(result));
                       return kDone;
                     });
-  verb->add_option("LOOP", wish->loop, "rollrate, roll, position, ...: `casctl gains` lists them")
+  verb->add_option("LOOP", wish->loop,
+                   "One of rollrate, roll, position, ...: `casctl gains` lists them")
       ->required();
-  CLI::Option* values = verb->add_option("P I D", wish->values, "the three gains")->expected(0, 3);
+  CLI::Option* values = verb->add_option("P I D", wish->values, "The three gains")->expected(0, 3);
   for (auto [flag, slot] : {std::pair{"--p", &wish->p}, {"--i", &wish->i}, {"--d", &wish->d}}) {
-    verb->add_option(flag, *slot, "this gain only")->excludes(values);
+    verb->add_option(flag, *slot, "This gain only")->excludes(values);
   }
   verb->parse_complete_callback([wish] {
     const bool named = wish->p || wish->i || wish->d;
@@ -88,7 +89,7 @@ void add_gains(CommandLine& line) {
                   table.print(std::cout);
                   return kDone;
                 })
-      ->add_option("LOOP", *loop, "left out: all");
+      ->add_option("LOOP", *loop, "Control loop; left out: all");
 }
 
 /// One line of a parameter file: NAME VALUE; '#' starts a comment.
@@ -173,13 +174,13 @@ void add_param(CommandLine& line) {
   line.add_verb(*param, "list", "List all, or those that begin with PREFIX",
                 "casctl param list MC_",
                 [wish](Session& session) { return list_params(session, wish->prefix); })
-      ->add_option("PREFIX", wish->prefix);
+      ->add_option("PREFIX", wish->prefix, "Beginning of the names; left out: all");
   line.add_verb(
           *param, "get", "Read one", "casctl param get MC_ROLL_P",
           [wish](Session& session) {
             return print_param(session, session.vehicle_call("param.get", {{"name", wish->name}}));
           })
-      ->add_option("NAME", wish->name)
+      ->add_option("NAME", wish->name, "Parameter, by the firmware's name")
       ->required();
   CLI::App* set = line.add_verb(
       *param, "set", "Write one; prints the value in force", "casctl param set MC_ROLL_P 6.5",
@@ -187,16 +188,16 @@ void add_param(CommandLine& line) {
         return print_param(session, session.vehicle_call("param.set", {{"name", wish->name},
                                                                        {"value", wish->value}}));
       });
-  set->add_option("NAME", wish->name)->required();
-  set->add_option("VALUE", wish->value)->required();
+  set->add_option("NAME", wish->name, "Parameter, by the firmware's name")->required();
+  set->add_option("VALUE", wish->value, "Value to write")->required();
   line.add_verb(*param, "save", "Save all to a file", "casctl param save iris.params",
                 [wish](Session& session) { return save_params(session, wish->file); })
-      ->add_option("FILE", wish->file)
+      ->add_option("FILE", wish->file, "File to write, on this machine")
       ->required();
   line.add_verb(*param, "load", "Write those of a file, in its order",
                 "casctl param load iris.params",
                 [wish](Session& session) { return load_params(session, wish->file); })
-      ->add_option("FILE", wish->file)
+      ->add_option("FILE", wish->file, "File to read, on this machine")
       ->required();
 }
 

@@ -202,14 +202,14 @@ void add_log(CommandLine& line) {
                              "recording into " + recording->file);
                       return kDone;
                     });
-  start->add_option("FILE", recording->file, "a new file that ends in .tlog")->required();
-  start->add_option("--rotate-mib", recording->rotate_mib, "go on in the next file at this size")
+  start->add_option("FILE", recording->file, "A new file that ends in .tlog")->required();
+  start->add_option("--rotate-mib", recording->rotate_mib, "Go on in the next file at this size")
       ->check(CLI::NonNegativeNumber);
   start
       ->add_option("--rotate-minutes", recording->rotate_minutes,
-                   "go on in the next file at this age")
+                   "Go on in the next file at this age")
       ->check(CLI::NonNegativeNumber);
-  start->add_option("--keep", recording->keep, "files of this recording that stay; 0: all")
+  start->add_option("--keep", recording->keep, "Files of this recording that stay; 0: all")
       ->check(CLI::NonNegativeNumber);
   line.add_verb(*log, "stop", "Stop recording", "casctl log stop", [](Session& session) {
     const json result = session.call("log.stop");

@@ -48,7 +48,7 @@ void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("--control", flags.control, "Unix socket for control (JSON-RPC)");
   app.add_option("--output", flags.output, "Folder for the files of the run");
   app.add_option("--plugin-dir", flags.plugin_dirs, "Folder searched for plugins first");
-  app.add_option("--log-level", flags.log_level, "debug, info, warn, error or off");
+  app.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
   app.add_option("--duration", flags.duration_s, "End after this much simulated time, s")
       ->check(CLI::PositiveNumber);
   app.add_flag("--lockstep", flags.lockstep,

@@ -117,7 +117,8 @@ int render(const Options& options, std::string (*write)(const xml::Dialect&)) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Turns MAVLink dialects (XML) into C++20 headers, and checks and compares them");
+  CLI::App app("Turns MAVLink dialects (XML) into C++20 headers, and checks and compares them",
+               "mavlink_gen");
   app.set_version_flag("--version", std::string("mavlink_gen " CAS_VERSION));
   app.footer(kExitCodes);
   app.require_subcommand(1);
