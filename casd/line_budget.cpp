@@ -124,8 +124,8 @@ std::string remedy(const LineBudget& budget) {
 }
 
 std::string warning(const LineBudget& budget) {
-  return format("link %s carries %.1f kB/s, its routes may send %.1f kB/s", budget.link.c_str(),
-                budget.capacity_bytes_s / 1e3, budget.load_bytes_s() / 1e3) +
+  return format("link %s carries %.1f kB/s, its routes may send %.1f kB/s at the assumed rates",
+                budget.link.c_str(), budget.capacity_bytes_s / 1e3, budget.load_bytes_s() / 1e3) +
          remedy(budget);
 }
 
@@ -186,11 +186,11 @@ std::string describe(const std::vector<LineBudget>& budgets) {
     text += format("  %s: carries %.1f kB/s%s\n", budget.link.c_str(),
                    budget.capacity_bytes_s / 1e3, rate.c_str());
     for (const LineLoad& load : budget.loads) {
-      text += format("    %-24s %6.0f Hz x %3.0f bytes = %6.1f kB/s\n",
+      text += format("    %-24s %6.0f Hz assumed x %3.0f bytes = %6.1f kB/s\n",
                      name_of(load.message_id).c_str(), load.hz, load.packet_bytes,
                      load.bytes_s() / 1e3);
     }
-    text += format("    %-24s %29.1f kB/s, %.0f %%: %s", "in all", budget.load_bytes_s() / 1e3,
+    text += format("    %-24s %38.1f kB/s, %.0f %%: %s", "in all", budget.load_bytes_s() / 1e3,
                    100 * budget.load_bytes_s() / budget.capacity_bytes_s,
                    budget.fits() ? "fits" : "TOO MUCH") +
             remedy(budget) + "\n";

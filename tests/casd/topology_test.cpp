@@ -209,6 +209,7 @@ TEST(LineBudget, TakesRoutesWithoutAnAllowListToCarryTheStreams) {
   EXPECT_EQ(fcu->fitting_baud(), 460'800U);
   const std::string words = describe(budgets);
   EXPECT_NE(words.find("HIL_SENSOR"), std::string::npos) << words;
+  EXPECT_NE(words.find("500 Hz assumed"), std::string::npos) << words;
   EXPECT_NE(words.find("TOO MUCH"), std::string::npos) << words;
 }
 
