@@ -90,6 +90,7 @@ struct Emulator::Impl final : EmulatorView {
   base::Histogram update;
   std::vector<std::uint8_t> outgoing;  // arrived at this end of the line, not yet taken by the PTY
   RunTime next_tick{};
+  std::optional<RunTime> armed_for;     // when the timer is set to go off
   std::vector<ParamFile::Entry> saved;  // values to start with
   std::uint64_t saved_revision = 0;
   std::optional<RunTime> save_at;
@@ -224,9 +225,12 @@ void Emulator::Impl::arm_timer() {
   const RunTime now = base::steady_now();
   RunTime next = next_tick;
   if (const auto arrival = line.next_event(now)) next = std::min(next, *arrival);
+  if (next == armed_for) return;  // setting it again costs two system calls with each packet
+  armed_for = next;
   timer.expires_at(asio::steady_timer::time_point(next.time_since_epoch()));
   timer.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
+    armed_for.reset();
     if (line.up_room(base::steady_now()) > 0) read_master();
     pump();
   });

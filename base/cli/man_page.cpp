@@ -111,7 +111,9 @@ void add_see_also(std::string& text, const std::string& program) {
     text += separator + std::string("\\fB") + escaped(other) + "\\fR(1)";
     separator = ",\n";
   }
-  text += "\n.PP\nWhat the configuration files may say stands in /usr/share/doc/cas-common/docs/config.md.\n";
+  text +=
+      "\n.PP\nWhat the configuration files may say stands in "
+      "/usr/share/doc/cas-common/docs/config.md.\n";
 }
 
 }  // namespace
