@@ -49,17 +49,14 @@ int fly(Session& session, const std::string& method, const json& params, const s
 
 /// With --wait asks again each second while the vehicle says "not yet": estimators take a while.
 json arm(Session& session, const json& params) {
-  const auto give_up =
-      std::chrono::steady_clock::now() + std::chrono::duration<double>(session.options().timeout_s);
   for (;;) {
     try {
       return session.vehicle_call("vehicle.arm", params);
     } catch (const base::rpc::CallError& error) {
-      const bool not_yet =
-          std::string(error.what()).find("temporarily rejected") != std::string::npos;
-      if (!session.options().wait || !not_yet || std::chrono::steady_clock::now() > give_up) throw;
+      const std::string why = error.what();
+      if (why.find("temporarily rejected") == std::string::npos || !session.may_wait()) throw;
+      session.wait_because(why, std::chrono::seconds(1));
     }
-    std::this_thread::sleep_for(std::chrono::seconds(1));
   }
 }
 
@@ -96,10 +93,15 @@ void add_takeoff(CommandLine& line) {
   const auto altitude_m = std::make_shared<double>(2.5);
   line.add_verb("takeoff", "Take off to a height above home", "casctl takeoff 2.5 --wait",
                 [altitude_m](Session& session) {
-                  return fly(
-                      session, "vehicle.takeoff", {{"altitude_m", *altitude_m}},
-                      "takes off to " + fixed(*altitude_m, 1) + " m", "airborne",
-                      [altitude_m](const json& state) { return airborne_at(state, *altitude_m); });
+                  const json state = session.vehicle_call("vehicle.state");
+                  // A heartbeat may lag behind the arming: so it is said, not refused.
+                  const bool armed = state.value("armed", false);
+                  return fly(session, "vehicle.takeoff", {{"altitude_m", *altitude_m}},
+                             "takes off to " + fixed(*altitude_m, 1) + " m" +
+                                 (armed ? "" : " when armed; it was last heard disarmed"),
+                             "airborne", [altitude_m](const json& now) {
+                               return airborne_at(now, *altitude_m);
+                             });
                 })
       ->add_option("ALT", *altitude_m, "Metres above home")
       ->check(CLI::Range(0.1, 10000.0))

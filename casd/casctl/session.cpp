@@ -22,11 +22,40 @@ std::string first_line(const std::string& file) {
   return line;
 }
 
+std::chrono::steady_clock::time_point deadline(const Options& options) {
+  return std::chrono::steady_clock::now() +
+         std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+             std::chrono::duration<double>(options.timeout_s));
+}
+
 }  // namespace
 
-Session::Session(const Options& options) : options_(options), client_(options.address) {
+Session::Session(const Options& options)
+    : options_(options), give_up_(deadline(options)), client_(connect()) {
   if (options.token_file.empty()) return;
   client_.call("authorise", json{{"token", first_line(options.token_file)}});
+}
+
+/// With --wait casd may be just starting.
+base::rpc::Client Session::connect() {
+  for (;;) {
+    try {
+      return base::rpc::Client(options_.address);
+    } catch (const base::rpc::ConnectionError&) {
+      if (!may_wait()) throw;
+    }
+    wait_because("casd does not answer at " + options_.address + " yet", kPollPeriod);
+  }
+}
+
+bool Session::may_wait() const {
+  return options_.wait && std::chrono::steady_clock::now() < give_up_;
+}
+
+void Session::wait_because(const std::string& reason, std::chrono::milliseconds period) {
+  if (!options_.json && reason != told_) std::cerr << "casctl: waiting: " << reason << '\n';
+  told_ = reason;
+  std::this_thread::sleep_for(period);
 }
 
 json Session::call(const std::string& method, json params) {
@@ -35,19 +64,27 @@ json Session::call(const std::string& method, json params) {
 
 json Session::vehicle_call(const std::string& method, json params) {
   if (options_.vehicle) params["vehicle"] = *options_.vehicle;
-  return call(method, std::move(params));
+  for (;;) {
+    try {
+      return call(method, params);
+    } catch (const base::rpc::CallError& error) {
+      if (error.code() != base::rpc::kNoSuchVehicle || !may_wait()) throw;
+      wait_because(error.what(), kPollPeriod);
+    }
+  }
 }
 
 json Session::wait_for(const std::string& what, const std::function<bool(const json&)>& reached) {
-  const auto give_up =
-      std::chrono::steady_clock::now() + std::chrono::duration<double>(options_.timeout_s);
+  const auto give_up = deadline(options_);
   for (;;) {
     json state = vehicle_call("vehicle.state");
     if (reached(state)) return state;
     if (std::chrono::steady_clock::now() > give_up) {
+      const bool disarmed = !state.value("armed", true);
       throw WaitTimeout("acknowledged, but the vehicle was not " + what + " within " +
-                        json(options_.timeout_s).dump() +
-                        " s; look at `casctl status`, or give a longer --timeout");
+                        json(options_.timeout_s).dump() + " s" +
+                        (disarmed ? "; it is disarmed: arm it with `casctl arm --wait`"
+                                  : "; look at `casctl status`, or give a longer --timeout"));
     }
     std::this_thread::sleep_for(kPollPeriod);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -35,7 +36,8 @@ class WaitTimeout : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One connection to casd, authorised where a token is given.
+/// One connection to casd, authorised where a token is given. With --wait it waits up to --timeout
+/// for casd to answer and for the vehicle's first HEARTBEAT.
 class Session {
  public:
   /// @throws base::rpc::ConnectionError, CallError; std::runtime_error for an unreadable token
@@ -50,10 +52,18 @@ class Session {
   /// Polls vehicle.state until `reached` holds. @throws WaitTimeout
   nlohmann::json wait_for(const std::string& what,
                           const std::function<bool(const nlohmann::json&)>& reached);
+  /// Whether --wait is given and its time is not over.
+  bool may_wait() const;
+  /// Says once why casctl waits, then does so for `period`.
+  void wait_because(const std::string& reason, std::chrono::milliseconds period);
   base::rpc::Client& client() { return client_; }
 
  private:
+  base::rpc::Client connect();
+
   Options options_;
+  std::chrono::steady_clock::time_point give_up_;
+  std::string told_;  // the reason for waiting that was said last
   base::rpc::Client client_;
 };
 

@@ -74,6 +74,7 @@ void print_status(const json& status) {
 
 void add_status_verbs(CommandLine& line) {
   line.add_verb("status", "Show links and vehicles", "casctl status --json", [](Session& session) {
+    if (session.options().vehicle) session.vehicle_call("vehicle.state");  // or it is refused
     const json status = session.call("casd.status");
     if (session.options().json) {
       report(session.options(), status, "");

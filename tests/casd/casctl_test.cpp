@@ -96,6 +96,33 @@ TEST_F(CasctlTest, EndsWithThreeWithoutADaemon) {
   EXPECT_NE(alone.out.find("Start it with"), std::string::npos) << alone.out;
 }
 
+TEST_F(CasctlTest, SaysThatItWaitsForTheDaemon) {
+  const Ended alone = casctl("--address 127.0.0.1:1 arm --wait --timeout 0.3");
+  EXPECT_EQ(alone.code, 3);
+  EXPECT_NE(alone.out.find("waiting: casd does not answer at 127.0.0.1:1 yet"), std::string::npos)
+      << alone.out;
+}
+
+TEST_F(CasctlTest, WaitsForTheFirstHeartbeat) {
+  const Ended unheard = run("--vehicle 7 land --wait --timeout 0.3");
+  EXPECT_EQ(unheard.code, 1);
+  EXPECT_NE(unheard.out.find("casctl: waiting: "), std::string::npos) << unheard.out;
+}
+
+TEST_F(CasctlTest, KnowsNoStatusOfAVehicleThatWasNotHeard) {
+  const Ended status = run("--vehicle 7 status");
+  EXPECT_EQ(status.code, 1);
+  EXPECT_NE(status.out.find("7"), std::string::npos) << status.out;
+}
+
+TEST_F(CasctlTest, SaysThatADisarmedVehicleMustBeArmedToTakeOff) {
+  bench_.vehicle().say_heartbeat(base::steady_now());
+  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  const Ended disarmed = run("takeoff 2.5");
+  EXPECT_EQ(disarmed.code, 0);
+  EXPECT_EQ(disarmed.out, "vehicle 1 takes off to 2.5 m when armed; it was last heard disarmed\n");
+}
+
 TEST_F(CasctlTest, EndsWithFourWhenTheVehicleIsSilent) {
   bench_.vehicle().script.answers = 0;
   EXPECT_EQ(run("arm").code, 4);
