@@ -49,6 +49,20 @@ void add_relative(const fs::path& from, const char* steps, std::vector<fs::path>
   if (!from.empty()) add_folder(from / steps, folders);
 }
 
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(file, error) && !fs::is_directory(file, error);
+}
+
+/// "../../vehicles/x.yaml" as it stands below a folder with configuration: "vehicles/x.yaml".
+fs::path without_steps_up(const fs::path& name) {
+  fs::path below;
+  for (const fs::path& part : name.lexically_normal()) {
+    if (part != "..") below /= part;
+  }
+  return below;
+}
+
 }  // namespace
 
 std::vector<fs::path> config_dirs() {
@@ -80,6 +94,20 @@ fs::path find_config(const fs::path& name) {
     }
   }
   throw ConfigError(name.string() + ": no such file" + searched);
+}
+
+fs::path find_config(const ConfigNode& node) {
+  const fs::path name = node.as<std::string>();
+  const fs::path beside = node.resolve(name.string());
+  if (is_there(beside)) return beside;
+  if (name.is_absolute()) node.fail("there is no file " + name.string());
+  std::string searched = fs::absolute(beside).parent_path().string();
+  for (const fs::path& folder : config_dirs()) {
+    fs::path shipped = folder / without_steps_up(name);
+    if (is_there(shipped)) return shipped;
+    searched += " or below " + folder.string();
+  }
+  node.fail("there is no file '" + name.string() + "'; looked in " + searched);
 }
 
 }  // namespace cas::base

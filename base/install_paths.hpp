@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/config.hpp"
 #include "base/export.hpp"
 
 /// Where the shipped files are, in the build tree and in an installation.
@@ -22,5 +23,11 @@ CAS_BASE_EXPORT std::vector<std::filesystem::path> plugin_dirs();
 /// else below one of config_dirs(), "vehicles/iris_paper.yaml". @throws ConfigError when it is
 /// nowhere
 CAS_BASE_EXPORT std::filesystem::path find_config(const std::filesystem::path& name);
+
+/// The file that the value of a key names: from the folder of the file that has the key, else below
+/// one of config_dirs(). Steps up at the beginning are left out there, so that a copy of a shipped
+/// file ("../vehicles/iris_paper.yaml") still finds what it names. @throws ConfigError
+/// "FILE:LINE: key: ..." with the folders searched when it is nowhere
+CAS_BASE_EXPORT std::filesystem::path find_config(const ConfigNode& node);
 
 }  // namespace cas::base

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/fcu_config.hpp"
 
+#include "base/install_paths.hpp"
 #include "base/sensor_set.hpp"
 
 namespace cas::fcu {
@@ -51,7 +52,7 @@ std::uint8_t parse_id(const base::ConfigNode& node, std::string_view key, int fa
 FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
   if (node.require<int>("schema") != kSchema) node.at("schema").fail("must be 1");
   FcuConfig config;
-  config.vehicle = base::Vehicle::load(node.resolve(node.require<std::string>("vehicle")));
+  config.vehicle = base::Vehicle::load(base::find_config(node.at("vehicle")));
   const auto sensors = node.find("sensors");
   config.sensors = config.vehicle.sensors;
   if (sensors) config.sensors = base::sensor_set(*sensors, config.sensors);

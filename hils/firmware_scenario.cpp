@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "base/error.hpp"
+#include "base/install_paths.hpp"
 
 namespace cas::hils {
 namespace {
@@ -27,12 +28,6 @@ Firmware parse_firmware(const base::ConfigNode& node) {
 std::optional<double> limit(const base::ConfigNode& limits, std::string_view key) {
   if (!limits.has(key)) return std::nullopt;
   return limits.require_in(key, 0, 1000);
-}
-
-std::filesystem::path existing_file(const base::ConfigNode& root, std::string_view key) {
-  std::filesystem::path file = root.resolve(root.require<std::string>(key));
-  if (!std::filesystem::exists(file)) root.at(key).fail("there is no file " + file.string());
-  return file;
 }
 
 }  // namespace
@@ -72,8 +67,8 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
   FirmwareScenario scenario;
   scenario.name = root.get<std::string>("name", file.stem().string());
   scenario.description = root.get<std::string>("description", "");
-  scenario.world = existing_file(root, "world");
-  scenario.topology = existing_file(root, "topology");
+  scenario.world = base::find_config(root.at("world"));
+  scenario.topology = base::find_config(root.at("topology"));
   scenario.firmware = parse_firmware(root.at("firmware"));
   scenario.not_hil = root.get("not_hil", false);
   scenario.steps = parse_flight(root.at("steps"));

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "base/install_paths.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -84,10 +86,7 @@ base::ConfigNode handed_on(const base::ConfigNode& root, std::string_view key) {
   return *node;
 }
 
-void check_files(const base::ConfigNode& root, const Scenario& scenario) {
-  if (!std::filesystem::exists(scenario.vehicle)) {
-    root.at("vehicle").fail("there is no file " + scenario.vehicle.string());
-  }
+void check_integrator(const base::ConfigNode& root, const Scenario& scenario) {
   if (scenario.integrator != "rk4" && scenario.integrator != "ode") {
     root.at("integrator").fail("the integrator is rk4 or ode");
   }
@@ -126,7 +125,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   scenario.file = file;
   scenario.name = root.get<std::string>("name", file.stem().string());
   scenario.description = root.get<std::string>("description", "");
-  scenario.vehicle = root.resolve(root.require<std::string>("vehicle"));
+  scenario.vehicle = base::find_config(root.at("vehicle"));
   scenario.home = parse_home(root.at("home"));
   scenario.decimal_year = root.get_in("decimal_year", scenario.decimal_year, 2000, 2100);
   scenario.seed = root.get<std::uint64_t>("seed", scenario.seed);
@@ -153,7 +152,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   }
   if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"), scenario.steps);
   root.reject_unused();
-  check_files(root, scenario);
+  check_integrator(root, scenario);
   return scenario;
 }
 

@@ -39,21 +39,13 @@ constexpr std::array<std::pair<std::string_view, Integrator>, 2> kIntegrators{
 constexpr double kShortestStepUs = 100;
 constexpr double kLongestStepUs = 10'000;
 
-/// Beside the file that names it, else among the shipped ones.
-std::filesystem::path find_file(const ConfigNode& node) {
-  const auto name = node.as<std::string>();
-  std::error_code error;
-  std::filesystem::path beside = node.resolve(name);
-  return std::filesystem::exists(beside, error) ? beside : base::find_config(name);
-}
-
 WorldConfig parse_world(const ConfigNode& node, const ConfigNode& root) {
   WorldConfig world;
   for (const auto& folder : root.get("model_path", std::vector<std::string>{})) {
     world.model_path.push_back(root.resolve(folder));
   }
   if (node.is_scalar()) {
-    world.sdf = find_file(node);
+    world.sdf = base::find_config(node);
     return world;
   }
   world.gravity_m_s2 = node.require_in("gravity_m_s2", 0.0, 100.0);
@@ -123,7 +115,7 @@ VehicleConfig parse_vehicle(const ConfigNode& node) {
   if (vehicle.name.empty() || vehicle.name.find('/') != std::string::npos) {
     node.at("name").fail("a vehicle's name is not empty and has no '/'");
   }
-  vehicle.vehicle = base::Vehicle::load(find_file(node.at("vehicle")));
+  vehicle.vehicle = base::Vehicle::load(base::find_config(node.at("vehicle")));
   if (const auto pose = node.find("pose")) vehicle.pose = parse_pose(*pose);
   ConfigNode presets = vehicle.vehicle.sensors;
   if (const auto sensors = node.find("sensors")) presets = base::sensor_set(*sensors, presets);

@@ -47,6 +47,47 @@ TEST(InstallPaths, AMissingFileSaysWhereItWasSearched) {
   EXPECT_THROW(find_config("/nowhere/x.yaml"), ConfigError);
 }
 
+ConfigNode vehicle_key(const fs::path& file) { return ConfigNode::load(file).at("vehicle"); }
+
+TEST(InstallPaths, AKeyNamesAFileBesideItsOwnBeforeAShippedOne) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("mine.yaml", "vehicle: vehicles/iris_paper.yaml\n");
+  const fs::path shipped = fs::path(CAS_SOURCE_DIR) / "config/vehicles/iris_paper.yaml";
+  EXPECT_TRUE(fs::equivalent(find_config(vehicle_key(file)), shipped));
+  const fs::path own = folder.write("vehicles/iris_paper.yaml", "");
+  EXPECT_EQ(find_config(vehicle_key(file)), own);
+}
+
+TEST(InstallPaths, ACopyOfAShippedFileFindsWhatItNames) {
+  const TemporaryFolder folder;
+  const fs::path copy = folder.write("a/mine.yaml", "vehicle: ../vehicles/iris_paper.yaml\n");
+  EXPECT_EQ(find_config(vehicle_key(copy)).filename(), "iris_paper.yaml");
+}
+
+TEST(InstallPaths, AKeyThatNamesNoFileSaysWhereItWasSearched) {
+  const TemporaryFolder folder;
+  const ScopedEnvironment variable("CAS_CONFIG_PATH", folder.path().c_str());
+  const fs::path file = folder.write("a/mine.yaml", "schema: 1\nvehicle: vehicles/none.yaml\n");
+  try {
+    find_config(vehicle_key(file));
+    FAIL();
+  } catch (const ConfigError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.rfind(file.string() + ":2: vehicle: there is no file 'vehicles/none.yaml'", 0),
+              0U)
+        << text;
+    EXPECT_NE(text.find((folder.path() / "a/vehicles").string()), std::string::npos) << text;
+    EXPECT_NE(text.find("below " + fs::canonical(folder.path()).string()), std::string::npos)
+        << text;
+  }
+}
+
+TEST(InstallPaths, AFolderIsNoFile) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("mine.yaml", "vehicle: vehicles\n");
+  EXPECT_THROW(find_config(vehicle_key(file)), ConfigError);
+}
+
 TEST(InstallPaths, PluginFoldersOfTheEnvironmentComeFirstAndOnce) {
   const TemporaryFolder folder;
   const std::string path = folder.path().string() + ":" + folder.path().string() + ":/nowhere";

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "hils/firmware_run.hpp"
+#include "tests/base/temporary_folder.hpp"
 
 namespace cas::hils {
 namespace {
@@ -22,6 +23,17 @@ TEST(FirmwareScenario, TheShippedOnesAreRead) {
         << "only firmware without a wire is armed without the HIL flag";
   }
   EXPECT_FALSE(FirmwareScenario::is(kScenarios / "hover.yaml"));
+}
+
+TEST(FirmwareScenario, FindsTheShippedWorldAndTopologyFromAFolderOfOnesOwn) {
+  const base::TemporaryFolder folder;
+  const auto copy = folder.path() / "mine.yaml";
+  std::filesystem::copy_file(kScenarios / "px4_sitl.yaml", copy);
+  const FirmwareScenario scenario = FirmwareScenario::load(copy);
+  EXPECT_TRUE(
+      std::filesystem::equivalent(scenario.world, CAS_SOURCE_DIR "/config/worlds/px4_sitl.yaml"));
+  EXPECT_TRUE(std::filesystem::equivalent(scenario.topology,
+                                          CAS_SOURCE_DIR "/config/topologies/px4_sitl.yaml"));
 }
 
 TEST(FirmwareScenario, TakesTheFirmwaresPlaceFromTheEnvironment) {

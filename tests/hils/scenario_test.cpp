@@ -66,6 +66,27 @@ TEST_F(ScenarioFile, TakesLimitsOnlyWhereTheyAreGiven) {
   EXPECT_EQ(scenario.limits.rms.size(), 1U);
 }
 
+constexpr const char* kHeadWithoutVehicle = R"(schema: 1
+home: {lat_deg: 47, lon_deg: 8, alt_m: 488}
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+)";
+
+TEST_F(ScenarioFile, FindsAShippedVehicleFromAFolderOfOnesOwn) {
+  for (const char* vehicle : {"vehicles/iris_paper.yaml", "../vehicles/iris_paper.yaml"}) {
+    const Scenario scenario = Scenario::load(
+        write(std::string(kHeadWithoutVehicle) + "vehicle: " + vehicle + "\n" + kFlight));
+    EXPECT_TRUE(std::filesystem::equivalent(scenario.vehicle,
+                                            CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml"));
+  }
+}
+
+TEST_F(ScenarioFile, SaysWhereAVehicleWasSearched) {
+  const std::string error =
+      error_of(std::string(kHeadWithoutVehicle) + "vehicle: vehicles/no_iris.yaml\n" + kFlight);
+  EXPECT_EQ(error.rfind(file_.string() + ":4: vehicle: there is no file", 0), 0U) << error;
+  EXPECT_NE(error.find("looked in"), std::string::npos) << error;
+}
+
 struct BadScenario {
   const char* name;
   const char* rest;      ///< after the head
