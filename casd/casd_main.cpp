@@ -31,10 +31,10 @@ int run(const Flags& flags) {
   casd::Topology topology = casd::Topology::load(file);
   if (flags.lockstep) topology.set_lockstep();
   if (flags.check) {
+    casd::check_named_files(topology);
     std::printf("%s: %zu links, %zu routes\n", flags.topology.c_str(), topology.links.size(),
                 topology.routes.size());
     std::fputs(casd::topology_text(topology).c_str(), stdout);
-    casd::check_named_files(topology);
     return base::kExitOk;
   }
   if (topology.lock_memory) base::lock_memory();

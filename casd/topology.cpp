@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/install_paths.hpp"
 #include "casd/line_budget.hpp"
 #include "casd/topology_parts.hpp"
 
@@ -163,12 +164,8 @@ Topology Topology::parse(const base::ConfigNode& root) {
   topology.routes = parse_routes(root, topology.links);
   pace_tight_lines(topology);
   if (const auto log = root.find("log")) topology.log = parse_log(*log);
-  if (const auto dialect = root.find("dialect")) {
-    topology.dialect = root.resolve(dialect->as<std::string>());
-  }
-  if (const auto gains = root.find("gains")) {
-    topology.gains = root.resolve(gains->as<std::string>());
-  }
+  if (const auto dialect = root.find("dialect")) topology.dialect = base::find_config(*dialect);
+  if (const auto gains = root.find("gains")) topology.gains = base::find_config(*gains);
   if (const auto pace = root.find("pace"); pace && parse_pace(*pace) == Pace::kLockstep) {
     topology.set_lockstep();
   }

@@ -8,6 +8,7 @@
 #include "casd/line_budget.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "tests/casd/packets.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::casd::test {
 namespace {
@@ -90,9 +91,11 @@ links:
 }
 
 TEST(Topology, ReadsWhatGuardsALink) {
-  const Topology topology = parse(R"(schema: 1
+  const cas::test::TemporaryFolder folder;
+  const auto dialect = folder.write("lab.xml", "");
+  const Topology topology = parse("dialect: " + dialect.string() + R"(
+schema: 1
 metrics: {}
-dialect: lab.xml
 log: {tlog: f.tlog, rotate_mib: 2, rotate_minutes: 1, keep: 5}
 links:
   - {name: a, type: udp, local: "[::1]:1", accept: {messages: [HEARTBEAT, 4242], systems: 1}}
@@ -105,12 +108,21 @@ links:
   EXPECT_EQ(topology.links[1].signing->link_id, 9);
   EXPECT_FALSE(topology.links[1].signing->sign);
   EXPECT_EQ(topology.links[2].speed, 2);
+  EXPECT_EQ(topology.dialect, dialect);
   EXPECT_EQ(topology.log.rotation.max_bytes, 2U * 1024 * 1024);
   EXPECT_EQ(topology.log.rotation.max_age, std::chrono::minutes(1));
   ASSERT_TRUE(topology.metrics);
   EXPECT_EQ(topology.metrics->port, 9790);
   // All to all, but nothing into a log.
   EXPECT_EQ(topology.routes.size(), 4U);
+}
+
+TEST(Topology, FindsTheShippedGainsFromAFolderOfOnesOwn) {
+  const cas::test::TemporaryFolder folder;
+  for (const char* gains : {"gains.yaml", "../gains.yaml"}) {
+    const auto file = folder.write("mine.yaml", kLinks + "gains: " + gains + "\n");
+    EXPECT_EQ(Topology::load(file).gains.filename(), "gains.yaml") << gains;
+  }
 }
 
 struct BadCase {
@@ -174,6 +186,8 @@ INSTANTIATE_TEST_SUITE_P(
             "RouteIntoALog",
             kLinks + "  - {name: log, type: tlog, file: f}\nroutes:\n  - {from: sim, to: log}\n",
             "nothing can be sent to 'log'"},
+        BadCase{"GainsThatAreNowhere", kLinks + "gains: no_gains.yaml\n",
+                "t.yaml:6: gains: there is no file 'no_gains.yaml'"},
         BadCase{"UnknownLinkInRoute", route("from: sim, to: fuc"), "t.yaml:7"},
         BadCase{"UnknownMessage", route("from: sim, to: fcu, allow: [HIL_SENSR]"), "HIL_SENSR"},
         BadCase{"MessageIdTooGreat", route("from: sim, to: fcu, allow: [16777216]"), "24 bits"},
