@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "base/config.hpp"
+#include "base/install_paths.hpp"
 #include "hils/report.hpp"
 
 namespace cas::hils {
@@ -18,15 +20,19 @@ std::string to_text(const YAML::Node& node) {
   return std::string(emitter.c_str()) + "\n";
 }
 
-/// A path of the shipped file, which is relative to that file's folder.
-std::string full_path(const YAML::Node& node, const std::filesystem::path& file) {
-  return std::filesystem::weakly_canonical(file.parent_path() / node.as<std::string>()).string();
+/// The whole path of the file that a key names: what is written from it lies elsewhere.
+std::string full_path(const base::ConfigNode& key) {
+  return std::filesystem::weakly_canonical(base::find_config(key)).string();
 }
 
 std::string world_text(const FirmwareScenario& scenario, const FirmwarePlaces& places) {
   YAML::Node world = YAML::LoadFile(scenario.world.string());
-  for (YAML::Node vehicle : world["vehicles"]) {
-    vehicle["vehicle"] = full_path(vehicle["vehicle"], scenario.world);
+  const auto source = base::ConfigNode::load(scenario.world);
+  const auto scene = source.at("world");
+  if (scene.is_scalar()) world["world"] = full_path(scene);
+  const auto vehicles = source.at("vehicles").items();
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    world["vehicles"][i]["vehicle"] = full_path(vehicles[i].at("vehicle"));
   }
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
@@ -41,7 +47,10 @@ std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces
   topology["command_port"]["port"] = 0;
   topology["command_port"]["unix"] = places.command_port().string();
   topology["log"]["tlog"] = (places.out / "flight.tlog").string();
-  if (topology["gains"]) topology["gains"] = full_path(topology["gains"], scenario.topology);
+  const auto source = base::ConfigNode::load(scenario.topology);
+  for (const char* key : {"gains", "dialect"}) {
+    if (const auto named = source.find(key)) topology[key] = full_path(*named);
+  }
   for (YAML::Node link : topology["links"]) {
     if (scenario.firmware.on_serial_line && link["type"].as<std::string>() == "serial") {
       link["device"] = places.casd_tty().string();

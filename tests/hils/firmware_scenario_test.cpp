@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "hils/firmware_configs.hpp"
 #include "hils/firmware_run.hpp"
 #include "tests/base/temporary_folder.hpp"
 
@@ -34,6 +35,28 @@ TEST(FirmwareScenario, FindsTheShippedWorldAndTopologyFromAFolderOfOnesOwn) {
       std::filesystem::equivalent(scenario.world, CAS_SOURCE_DIR "/config/worlds/px4_sitl.yaml"));
   EXPECT_TRUE(std::filesystem::equivalent(scenario.topology,
                                           CAS_SOURCE_DIR "/config/topologies/px4_sitl.yaml"));
+}
+
+TEST(FirmwareScenario, NamesShippedFilesByTheirWholePathInWhatItWrites) {
+  const base::TemporaryFolder folder;
+  for (const char* kind : {"worlds", "topologies"}) {
+    std::filesystem::create_directories(folder.path() / kind);
+    std::filesystem::copy_file(
+        std::filesystem::path(CAS_SOURCE_DIR "/config") / kind / "px4_sitl.yaml",
+        folder.path() / kind / "px4_sitl.yaml");
+  }
+  FirmwareScenario scenario;
+  scenario.world = folder.path() / "worlds/px4_sitl.yaml";
+  scenario.topology = folder.path() / "topologies/px4_sitl.yaml";
+  const FirmwarePlaces places{folder.path(), folder.path() / "run", folder.path()};
+  write_firmware_configs(scenario, places);
+  const auto world = base::ConfigNode::load(places.simulator_config());
+  const auto vehicle = world.at("vehicles").items().at(0).require<std::string>("vehicle");
+  EXPECT_TRUE(std::filesystem::path(vehicle).is_absolute()) << vehicle;
+  EXPECT_TRUE(std::filesystem::exists(vehicle)) << vehicle;
+  const auto gains = base::ConfigNode::load(places.casd_config()).require<std::string>("gains");
+  EXPECT_TRUE(std::filesystem::path(gains).is_absolute()) << gains;
+  EXPECT_TRUE(std::filesystem::exists(gains)) << gains;
 }
 
 TEST(FirmwareScenario, TakesTheFirmwaresPlaceFromTheEnvironment) {
