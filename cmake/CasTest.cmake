@@ -5,20 +5,18 @@
 # under ThreadSanitizer.
 add_custom_target(tsan_tests)
 
-# Headers that are parsed once for all tests; once for each program would cost more than it saves. The sanitizer
-# builds have them twice: for tests that are compiled with and without optimisation.
-function(cas_add_test_headers target)
-  add_executable(${target} EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/test_headers_main.cpp)
-  target_link_libraries(${target} PRIVATE cas_options GTest::gtest Eigen3::Eigen)
-  target_compile_options(${target} PRIVATE -O1)
-  target_precompile_headers(${target} PRIVATE <gtest/gtest.h> <Eigen/Dense> <nlohmann/json.hpp>
-                            <algorithm> <cmath> <filesystem> <functional> <map> <optional> <string> <vector>)
-endfunction()
-file(WRITE ${CMAKE_BINARY_DIR}/test_headers_main.cpp "int main() {}\n")
-cas_add_test_headers(cas_test_headers)
-cas_sanitize_unoptimised(cas_test_headers)
+# Headers that the sanitizer builds parse once for all tests, for tests that are compiled with and without
+# optimisation; once for each program would cost more than it saves.
 if(CAS_SANITIZE)
-  cas_add_test_headers(cas_test_headers_optimised)
+  file(WRITE ${CMAKE_BINARY_DIR}/test_headers_main.cpp "int main() {}\n")
+  foreach(target cas_test_headers cas_test_headers_optimised)
+    add_executable(${target} EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/test_headers_main.cpp)
+    target_link_libraries(${target} PRIVATE cas_options GTest::gtest Eigen3::Eigen)
+    target_compile_options(${target} PRIVATE -O1)
+    cas_precompile(${target} gtest/gtest.h Eigen/Dense nlohmann/json.hpp
+                   algorithm cmath filesystem functional map optional string vector)
+  endforeach()
+  cas_sanitize_unoptimised(cas_test_headers)
 endif()
 
 function(cas_add_test name)
@@ -36,7 +34,7 @@ function(cas_add_test name)
   target_compile_options(${name} PRIVATE -O1)
   if(CAS_SANITIZE AND name MATCHES "^(libsim|plugins|fcu|closed_loop)")
     target_precompile_headers(${name} REUSE_FROM cas_test_headers_optimised)
-  else()
+  elseif(CAS_SANITIZE)
     cas_sanitize_unoptimised(${name})
     target_precompile_headers(${name} REUSE_FROM cas_test_headers)
   endif()
