@@ -30,6 +30,12 @@ std::optional<double> limit(const base::ConfigNode& limits, std::string_view key
   return limits.require_in(key, 0, 1000);
 }
 
+/// The loops that casd will know with this topology.
+casd::GainMap gains_of(const std::filesystem::path& topology) {
+  const auto gains = base::ConfigNode::load(topology).find("gains");
+  return gains ? casd::GainMap::load(base::find_config(*gains)) : casd::GainMap::shipped();
+}
+
 }  // namespace
 
 std::string with_variables(const std::string& text,
@@ -71,7 +77,7 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
   scenario.topology = base::find_config(root.at("topology"));
   scenario.firmware = parse_firmware(root.at("firmware"));
   scenario.not_hil = root.get("not_hil", false);
-  scenario.steps = parse_flight(root.at("steps"));
+  scenario.steps = parse_flight(root.at("steps"), gains_of(scenario.topology));
   if (const auto limits = root.find("limits")) {
     scenario.height_error_m = limit(*limits, "height_error_m");
     scenario.drift_m = limit(*limits, "drift_m");

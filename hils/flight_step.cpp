@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/flight_step.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -65,6 +69,24 @@ void parse_gain(const base::ConfigNode& body, FlightStep& step) {
   if (!step.p && !step.i && !step.d) body.fail("a setgain step names at least one of p, i and d");
 }
 
+/// The scenario does not say which autopilot flies: what one of them has is taken.
+void check_gain(const base::ConfigNode& body, const FlightStep& step, const casd::GainMap& gains) {
+  if (gains.empty()) return;
+  std::optional<std::string> refusal;
+  std::vector<std::string> known;
+  for (const casd::Autopilot autopilot : {casd::Autopilot::kPx4, casd::Autopilot::kArduPilot}) {
+    for (const casd::GainLoop& loop : gains.loops(autopilot)) {
+      if (std::ranges::find(known, loop.name) == known.end()) known.push_back(loop.name);
+      if (loop.name != step.loop) continue;
+      refusal = casd::unsupported(loop, {.p = step.p, .i = step.i, .d = step.d});
+      if (!refusal) return;
+    }
+  }
+  if (refusal) body.fail(*refusal);
+  body.at("loop").fail(
+      fmt::format("there is no loop '{}'; loops are {}", step.loop, fmt::join(known, ", ")));
+}
+
 fcu::PatternShape parse_shape(const base::ConfigNode& node) {
   const auto word = node.as<std::string>();
   for (const auto& [shape, name] : kShapes) {
@@ -121,7 +143,7 @@ void parse_body(const base::ConfigNode& body, FlightStep& step) {
   step.timeout = base::from_seconds(timeout_s);
 }
 
-FlightStep parse_step(const base::ConfigNode& node) {
+FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains) {
   FlightStep step;
   if (node.is_scalar()) {
     step.kind = parse_kind(node, node.as<std::string>());
@@ -135,6 +157,7 @@ FlightStep parse_step(const base::ConfigNode& node) {
   const base::ConfigNode& body = entries.front().second;
   if (!body.is_map()) body.fail("the step takes a map");
   parse_body(body, step);
+  if (step.kind == StepKind::kSetGain) check_gain(body, step, gains);
   return step;
 }
 
@@ -153,12 +176,12 @@ std::string_view phase_of(const FlightStep& step) {
 
 bool is_command(StepKind kind) { return kind != StepKind::kHold && kind != StepKind::kWaitUntil; }
 
-std::vector<FlightStep> parse_flight(const base::ConfigNode& steps) {
+std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains) {
   if (!steps.is_list()) steps.fail("steps is a list");
   std::vector<FlightStep> flight;
   FlightRehearsal rehearsal;
   for (const base::ConfigNode& node : steps.items()) {
-    flight.push_back(parse_step(node));
+    flight.push_back(parse_step(node, gains));
     rehearsal.play(flight.back(), node);
     if (flight.back().kind != StepKind::kTrajectory) continue;
     FlightStep end;

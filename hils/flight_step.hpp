@@ -10,6 +10,7 @@
 
 #include "base/clock.hpp"
 #include "base/config.hpp"
+#include "casd/gain_map.hpp"
 #include "fcu/pattern.hpp"
 #include "hils/flight_facts.hpp"
 
@@ -68,7 +69,10 @@ bool is_command(StepKind kind);
 
 /// Reads the list `steps`: each entry is a word (`arm`) or a map with one key (`takeoff:
 /// {altitude_m: 2.5}`). Checks that the flight is possible: armed before takeoff, exactly one
-/// measured step, landed at the end. @throws base::ConfigError
-std::vector<FlightStep> parse_flight(const base::ConfigNode& steps);
+/// measured step, landed at the end, and that loops and gains of setgain are known.
+///
+/// @param gains  loops of casd's gain map; when it is empty, any loop is taken
+/// @throws base::ConfigError
+std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains);
 
 }  // namespace cas::hils

@@ -86,6 +86,19 @@ base::ConfigNode handed_on(const base::ConfigNode& root, std::string_view key) {
   return *node;
 }
 
+/// Plugin fault only asks for a gust; plugin wind blows it.
+void check_gusts(const Scenario& scenario) {
+  const bool has_wind = std::ranges::any_of(scenario.plugins, [](const base::ConfigNode& plugin) {
+    return plugin.get<std::string>("plugin", "") == "wind";
+  });
+  if (has_wind) return;
+  for (const base::ConfigNode& fault : scenario.faults.vehicle) {
+    if (const auto gust = fault.find("gust")) {
+      gust->fail("a gust needs 'plugin: wind' in the scenario's plugins");
+    }
+  }
+}
+
 void check_integrator(const base::ConfigNode& root, const Scenario& scenario) {
   if (scenario.integrator != "rk4" && scenario.integrator != "ode") {
     root.at("integrator").fail("the integrator is rk4 or ode");
@@ -146,9 +159,10 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   }
   if (root.has("wake_up")) scenario.wake_up = parse_wake_up(root.at("wake_up"));
   scenario.ground_station = root.get("ground_station", false);
-  scenario.steps = parse_flight(root.at("steps"));
+  scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped());
   if (root.has("faults")) {
     scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line);
+    check_gusts(scenario);
   }
   if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"), scenario.steps);
   root.reject_unused();

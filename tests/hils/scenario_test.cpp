@@ -132,6 +132,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{"TrajectoryOnTheGround",
                     "steps: [arm, {trajectory: {shape: step, size_m: 1, duration_s: 9}}]\n",
                     "trajectory needs a takeoff step"},
+        BadScenario{"UnknownLoop", "steps: [arm, {setgain: {loop: velocty, p: 1}}]\n",
+                    ":5: steps[1].setgain.loop: there is no loop 'velocty'; loops are rollrate, "},
+        BadScenario{"GainThatTheLoopLacks", "steps: [arm, {setgain: {loop: roll, i: 1}}]\n",
+                    "loop roll has no I gain"},
+        BadScenario{"GustWithoutWind",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
+                    "true}}, land]\nfaults: [{at_s: 1, gust: {amplitude_m_s: [3, 0, 0], length_m: "
+                    "20}}]\n",
+                    ":6: faults[0].gust: a gust needs 'plugin: wind'"},
         BadScenario{"WaitForNothing", "steps: [arm, {wait_until: {timeout_s: 3}}]\n",
                     "wait_until needs a condition"},
         BadScenario{"UnknownFact", "steps: [arm, {wait_until: {condition: depth > 3}}]\n",
