@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/cli/parse.hpp"
+#include "base/cli/whole_number.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "hils/flight_figures.hpp"
@@ -76,7 +77,8 @@ int main(int argc, char** argv) {
                  "Any of table1, rtk, steps, eight, wind, line, many; all but many")
       ->check(CLI::IsMember(names));
   app.add_option("--flights", batch.flights, "Flights of each")->check(CLI::Range(1, 1'000'000));
-  app.add_option("--first-seed", batch.first_seed, "Seed of the first flight; then each the next");
+  app.add_option("--first-seed", batch.first_seed, "Seed of the first flight; then each the next")
+      ->check(base::cli::whole_number);
   app.add_option("--jobs", batch.jobs, "Flights at a time")->check(CLI::Range(1, 256));
   if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
   try {

@@ -11,6 +11,7 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/cli/whole_number.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
@@ -121,9 +122,11 @@ CLI::App* add_compare(CLI::App& app, CompareFlags& flags) {
   command->add_option("--baud", flags.bauds, "Of the line where there is one: 460800,921600")
       ->delimiter(',')
       ->check(CLI::IsMember({115200, 460800, 921600}));
-  command->add_option("--seeds", flags.seeds, "Runs of each (5)");
-  command->add_option("--first-seed", flags.first_seed,
-                      "Seed of the first run; the others follow it (1)");
+  command->add_option("--seeds", flags.seeds, "Runs of each (5)")->check(base::cli::whole_number);
+  command
+      ->add_option("--first-seed", flags.first_seed,
+                   "Seed of the first run; the others follow it (1)")
+      ->check(base::cli::whole_number);
   command->add_option("--warm-up", flags.warm_up_s, "Seconds of hover before the measurement (10)");
   command->add_option("--hold", flags.hold_s, "Seconds measured (60)");
   command->add_flag("--virtual", flags.on_virtual_clock,
@@ -156,7 +159,8 @@ int main(int argc, char** argv) {
   command->add_option("--fcu", flags.fcu_device,
                       "Serial port of a real controller, instead of the emulator");
   command->add_option("--fcu-baud", flags.fcu_baud, "Baud rate of that port (921600)");
-  command->add_option("--seed", flags.seed, "Seed instead of the scenario's");
+  command->add_option("--seed", flags.seed, "Seed instead of the scenario's")
+      ->check(base::cli::whole_number);
   CompareFlags compare_flags;
   const CLI::App* compare_command = add_compare(app, compare_flags);
   base::cli::add_manual(app, "hils", std::string(kVersion));

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command line of hils, up to where a flight would begin.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/support/child_process.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::test {
+namespace {
+
+constexpr int kExitUsage = 2;
+
+/// What `hils run` says against these arguments.
+std::string refusal(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command{CAS_BINARY_DIR "/bin/hils", "run"};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  ChildProcess hils(command);
+  EXPECT_EQ(hils.wait_exit(), kExitUsage) << hils.output();
+  return hils.output();
+}
+
+TEST(HilsProgram, TakesTheLastOfTwoFoldersForTheResults) {
+  const TemporaryFolder folder;
+  const std::string text =
+      refusal({"no_such_scenario.yaml", "--out", folder / "first", "--out", folder / "second"});
+  EXPECT_NE(text.find("no_such_scenario.yaml"), std::string::npos) << text;
+  EXPECT_EQ(text.find("--out"), std::string::npos) << text;
+}
+
+TEST(HilsProgram, RefusesANegativeSeed) {
+  const TemporaryFolder folder;
+  const std::string text =
+      refusal({"no_such_scenario.yaml", "--out", folder / "out", "--seed", "-1"});
+  EXPECT_NE(text.find("'-1' is not a whole number"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace cas::test
