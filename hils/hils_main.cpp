@@ -132,7 +132,9 @@ CLI::App* add_compare(CLI::App& app, CompareFlags& flags) {
   command->add_flag("--virtual", flags.on_virtual_clock,
                     "Compute time instead of waiting for it: the same to the byte each time");
   command->add_flag("--keep", flags.keep, "Keep truth.csv and flight.tlog of each run");
-  command->add_option("--out", flags.out, "Folder for the results")->required();
+  command->add_option("--out", flags.out, "Folder for the results (the last, if several)")
+      ->required()
+      ->take_last();
   return command;
 }
 
@@ -155,7 +157,9 @@ int main(int argc, char** argv) {
   command->add_flag(
       "--lockstep", flags.lockstep,
       "Run the real processes on the stream's time: repeatable to the byte, and fast");
-  command->add_option("--out", flags.out, "Folder for the results")->required();
+  command->add_option("--out", flags.out, "Folder for the results (the last, if several)")
+      ->required()
+      ->take_last();
   command->add_option("--fcu", flags.fcu_device,
                       "Serial port of a real controller, instead of the emulator");
   command->add_option("--fcu-baud", flags.fcu_baud, "Baud rate of that port (921600)");
