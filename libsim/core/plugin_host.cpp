@@ -47,7 +47,12 @@ void PluginHost::load(VehicleId id, const VehicleConfig& vehicle) {
       return p.label.substr(0, p.label.find('#')) == name;
     });
     const std::string label = same == 0 ? name : name + "#" + std::to_string(same + 1);
-    plugins_.push_back({label, id, loader_.create(config.plugin)});
+    try {
+      plugins_.push_back({label, id, loader_.create(config.plugin)});
+    } catch (const base::ConfigError& error) {
+      if (const auto key = config.params.find("plugin")) key->fail(error.what());
+      throw;
+    }
   }
 }
 

@@ -71,5 +71,16 @@ TEST(PluginLoader, ConfigureFailuresNamePluginAndVehicle) {
               AllOf(HasSubstr("fake_refuses_params@iris0"), HasSubstr("rat: unknown key")));
 }
 
+TEST(PluginLoader, AnAbsentPluginIsRefusedWithTheLineThatNamesIt) {
+  const auto start = [] {
+    SimRunner runner(test::config(test::vehicle("iris0", "{}", "[{plugin: fake_absent}]")),
+                     test::fake_plugins());
+    runner.start();
+  };
+  EXPECT_THAT(test::refusal(start),
+              AllOf(HasSubstr("sim.yaml:"), HasSubstr("vehicles[0].plugins[0].plugin: "),
+                    HasSubstr("no libfake_absent.so in ")));
+}
+
 }  // namespace
 }  // namespace cas::sim
