@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "base/config_document.hpp"
 #include "base/error.hpp"
 
 namespace cas::base {
@@ -63,6 +64,27 @@ fs::path without_steps_up(const fs::path& name) {
   return below;
 }
 
+/// The shipped file whose name is nearest, "scenarios/hover.yaml" for hoover.yaml; empty when none
+/// is near.
+std::string near_shipped(const fs::path& name) {
+  std::vector<std::string> files;
+  std::vector<std::string> stems;
+  for (const fs::path& folder : config_dirs()) {
+    std::error_code error;
+    fs::recursive_directory_iterator entry(folder, error);
+    for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+      if (entry.depth() > 0) entry.disable_recursion_pending();
+      if (entry->path().extension() != name.extension()) continue;
+      files.push_back(entry->path().lexically_relative(folder).string());
+      stems.push_back(entry->path().stem().string());
+    }
+  }
+  const std::string near = nearest_word(name.stem().string(), stems);
+  if (near.empty()) return {};
+  const auto place = std::find(stems.begin(), stems.end(), near) - stems.begin();
+  return files[static_cast<std::size_t>(place)];
+}
+
 }  // namespace
 
 std::vector<fs::path> config_dirs() {
@@ -86,14 +108,15 @@ std::vector<fs::path> plugin_dirs() {
 fs::path find_config(const fs::path& name) {
   std::error_code error;
   if (fs::exists(name, error)) return name;
-  std::string searched;
-  if (name.is_relative()) {
-    for (const fs::path& folder : config_dirs()) {
-      if (fs::exists(folder / name, error)) return folder / name;
-      searched += " or in " + folder.string();
-    }
+  if (name.is_absolute()) throw ConfigError(name.string() + ": no such file");
+  std::string searched = "here";
+  for (const fs::path& folder : config_dirs()) {
+    if (fs::exists(folder / name, error)) return folder / name;
+    searched += " or in " + folder.string();
   }
-  throw ConfigError(name.string() + ": no such file" + searched);
+  const std::string near = near_shipped(name);
+  throw ConfigError(name.string() + ": no such file " + searched +
+                    (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
 fs::path find_config(const ConfigNode& node) {

@@ -2,6 +2,7 @@
 #include "base/sensor_set.hpp"
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "base/install_paths.hpp"
@@ -28,18 +29,34 @@ void check_blocks(const ConfigNode& presets) {
   }
 }
 
+/// Files of the shipped sets by their names. The best folder's file stands for a name.
+std::map<std::string, std::filesystem::path> shipped_sets() {
+  std::map<std::string, std::filesystem::path> sets;
+  for (const std::filesystem::path& folder : config_dirs()) {
+    std::error_code error;
+    std::filesystem::directory_iterator entry(folder / "sensors", error);
+    for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+      const std::filesystem::path& file = entry->path();
+      if (file.extension() == ".yaml") sets.emplace(file.stem().string(), file);
+    }
+  }
+  return sets;
+}
+
+std::filesystem::path shipped_set(const ConfigNode& node) {
+  const auto sets = shipped_sets();
+  const auto word = node.as<std::string>();
+  const auto found = sets.find(word);
+  if (found != sets.end()) return found->second;
+  std::string known;
+  for (const auto& [name, file] : sets) known += (known.empty() ? "" : ", ") + name;
+  node.fail("there is no sensor set '" + word + "'; sets are " + known);
+}
+
 /// The set that the word names, of the shipped ones or a file.
 ConfigNode load_sensor_set(const ConfigNode& node) {
-  const auto word = node.as<std::string>();
-  const auto beside = node.resolve(word);
-  std::error_code error;
-  std::filesystem::path file = beside;
-  if (std::filesystem::path(word).extension().empty()) {
-    file = find_config("sensors/" + word + ".yaml");
-  } else if (!std::filesystem::exists(beside, error)) {
-    file = find_config(word);
-  }
-  ConfigNode presets = ConfigNode::load(file);
+  const bool is_name = std::filesystem::path(node.as<std::string>()).extension().empty();
+  ConfigNode presets = ConfigNode::load(is_name ? shipped_set(node) : find_config(node));
   check_schema(presets);
   presets.require<std::string>("description");
   check_blocks(presets);

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "base/install_paths.hpp"
+#include "base/sensor_set.hpp"
 
 namespace cas::hils {
 
@@ -153,6 +154,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   scenario.line = handed_on(root, "line");
   scenario.controller = handed_on(root, "controller");
   scenario.sensors = handed_on(root, "sensors");
+  if (root.has("sensors")) base::sensor_set(scenario.sensors);  // for its errors, here
   if (root.has("plugins")) {
     scenario.plugins = root.at("plugins").items();
     root.at("plugins").mark_used();

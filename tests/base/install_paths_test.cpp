@@ -47,6 +47,20 @@ TEST(InstallPaths, AMissingFileSaysWhereItWasSearched) {
   EXPECT_THROW(find_config("/nowhere/x.yaml"), ConfigError);
 }
 
+TEST(InstallPaths, AMissingFileIsToldTheNearestShippedOne) {
+  const ScopedEnvironment no_path("CAS_CONFIG_PATH", nullptr);
+  for (const char* name : {"hoover.yaml", "hover.yaml", "scenario/hover.yaml"}) {
+    try {
+      find_config(name);
+      FAIL() << name;
+    } catch (const ConfigError& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("no such file here or in "), std::string::npos) << text;
+      EXPECT_NE(text.find("did you mean scenarios/hover.yaml?"), std::string::npos) << text;
+    }
+  }
+}
+
 ConfigNode vehicle_key(const fs::path& file) { return ConfigNode::load(file).at("vehicle"); }
 
 TEST(InstallPaths, AKeyNamesAFileBesideItsOwnBeforeAShippedOne) {

@@ -132,6 +132,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{"TrajectoryOnTheGround",
                     "steps: [arm, {trajectory: {shape: step, size_m: 1, duration_s: 9}}]\n",
                     "trajectory needs a takeoff step"},
+        BadScenario{
+            "UnknownSensorSet",
+            "sensors: rtkk\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, "
+            "measure: true}}, land]\n",
+            ":5: sensors: there is no sensor set 'rtkk'; sets are airsim_mpu6000, "},
         BadScenario{"UnknownLoop", "steps: [arm, {setgain: {loop: velocty, p: 1}}]\n",
                     ":5: steps[1].setgain.loop: there is no loop 'velocty'; loops are rollrate, "},
         BadScenario{"GainThatTheLoopLacks", "steps: [arm, {setgain: {loop: roll, i: 1}}]\n",
