@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <string>
+#include <string_view>
 
 #include "casd/topology_parts.hpp"
+#include "mavlink_gen/parser/diagnostics.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
@@ -10,6 +12,12 @@ namespace {
 
 std::vector<base::ConfigNode> one_or_many(const base::ConfigNode& node) {
   return node.is_list() ? node.items() : std::vector{node};
+}
+
+std::string listed(const std::vector<LinkConfig>& links) {
+  std::string names;
+  for (const LinkConfig& link : links) names += (names.empty() ? "" : ", ") + link.name;
+  return names;
 }
 
 std::vector<std::string> parse_link_names(const base::ConfigNode& node,
@@ -23,7 +31,7 @@ std::vector<std::string> parse_link_names(const base::ConfigNode& node,
     } else if (std::any_of(links.begin(), links.end(), known)) {
       names.push_back(name);
     } else {
-      entry.fail("there is no link '" + name + "'");
+      entry.fail("there is no link '" + name + "'; links are " + listed(links));
     }
   }
   return names;
@@ -34,6 +42,14 @@ bool is_number(const std::string& text) {
          text.find_first_not_of("0123456789") == std::string::npos;
 }
 
+[[noreturn]] void refuse_message(const base::ConfigNode& node, const std::string& text) {
+  std::vector<std::string_view> names;
+  for (const mav::MessageInfo& message : mav::public_table().all()) names.push_back(message.name);
+  const std::string near = mav::xml::suggestion(text, names);
+  node.fail("no public message has the name '" + text + "'" +
+            (near.empty() ? "; give its number if it is private" : near));
+}
+
 // A message by its name or its number; numbers may be of dialects that we do not know.
 std::uint32_t parse_message(const base::ConfigNode& node, const std::string& text) {
   if (is_number(text)) {
@@ -42,9 +58,7 @@ std::uint32_t parse_message(const base::ConfigNode& node, const std::string& tex
     return static_cast<std::uint32_t>(id);
   }
   const mav::MessageInfo* known = mav::public_table().find(text);
-  if (known == nullptr) {
-    node.fail("no public message has the name '" + text + "'; give its number if it is private");
-  }
+  if (known == nullptr) refuse_message(node, text);
   return known->id;
 }
 
