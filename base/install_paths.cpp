@@ -121,6 +121,7 @@ fs::path find_config(const fs::path& name) {
 
 fs::path find_config(const ConfigNode& node) {
   const fs::path name = node.as<std::string>();
+  if (name.empty()) node.fail("names no file");
   const fs::path beside = node.resolve(name.string());
   if (is_there(beside)) return beside;
   if (name.is_absolute()) node.fail("there is no file " + name.string());

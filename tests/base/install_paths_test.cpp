@@ -96,10 +96,11 @@ TEST(InstallPaths, AKeyThatNamesNoFileSaysWhereItWasSearched) {
   }
 }
 
-TEST(InstallPaths, AFolderIsNoFile) {
-  const TemporaryFolder folder;
-  const fs::path file = folder.write("mine.yaml", "vehicle: vehicles\n");
-  EXPECT_THROW(find_config(vehicle_key(file)), ConfigError);
+TEST(InstallPaths, NeitherAFolderNorNothingIsAFile) {
+  for (const char* name : {"vehicles", ".", "..", "''"}) {
+    const ConfigNode root = ConfigNode::parse(std::string("vehicle: ") + name, "mine.yaml");
+    EXPECT_THROW(find_config(root.at("vehicle")), ConfigError) << name;
+  }
 }
 
 TEST(InstallPaths, PluginFoldersOfTheEnvironmentComeFirstAndOnce) {
