@@ -55,7 +55,8 @@ TxPortOptions LinkCore::port_options() const {
           .sensor_gap = config.sensor_gap,
           .flow_control = config.flow_control,
           .signing = context_.signing,
-          .blocking = context_.blocking};
+          .blocking = context_.blocking,
+          .drain = context_.drain};
 }
 
 std::string error_text(int error) { return std::generic_category().message(error); }

@@ -22,6 +22,7 @@ struct LinkContext {
   std::shared_ptr<LinkSigning> signing;  ///< empty: none
   std::function<void()> wake;            ///< wakes the thread of the link's loop
   bool blocking = false;                 ///< threads: blocking
+  LineDrain drain = LineDrain();         ///< the same: how it waits for the line
 };
 
 /// What every kind of link does alike: state, back-off, the once-a-second chores.

@@ -39,9 +39,10 @@ void LinkSet::stop() {
 
 void LinkSet::reload(Topology topology) {
   if (topology_.pace == Pace::kLockstep) topology.set_lockstep();  // perhaps by a flag
-  if (topology.threads != topology_.threads || topology.pace != topology_.pace ||
-      topology.self != topology_.self) {
-    throw base::ConfigError("threads, pace, system_id and component_id only change with a restart");
+  if (topology.threads != topology_.threads || topology.drain_tick != topology_.drain_tick ||
+      topology.pace != topology_.pace || topology.self != topology_.self) {
+    throw base::ConfigError(
+        "threads, drain_tick_ms, pace, system_id and component_id only change with a restart");
   }
   keys_.read(topology);
   const auto unchanged = [&](const Running& running) {
@@ -97,7 +98,8 @@ void LinkSet::open(const LinkConfig& config) {
                          .monitor = monitor,
                          .signing = keys_.for_link(config, monitor),
                          .wake = [loop = running.loop.get()] { loop->wake(); },
-                         .blocking = topology_.threads == ThreadModel::kBlocking});
+                         .blocking = topology_.threads == ThreadModel::kBlocking,
+                         .drain = LineDrain(topology_.drain_tick)});
   running.link = link.get();
   running.port = link->port();
   running.loop->add(std::move(link));

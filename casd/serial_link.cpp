@@ -47,7 +47,7 @@ void SerialLink::serve(const PollSet& set, base::RunTime now) {
     return;
   }
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
-    core_.blocking() ? read_packet_blocking(now) : read(now);
+    core_.blocking() ? read_blocking(now) : read(now);
   }
   if (fd_ >= 0 && port_->broken()) close("writing failed", now);
   if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
@@ -84,21 +84,23 @@ void SerialLink::read(base::RunTime now) {
   close(count == 0 ? "hung up" : error_text(errno), now);
 }
 
-// One packet, byte by byte, waiting for the line in its middle: how programs with one thread read
-// (MAVLink's own C examples among them).
-void SerialLink::read_packet_blocking(base::RunTime now) {
+// What has come, byte by byte, and the rest of a packet that has begun, waiting for the line: how
+// programs with one thread read (MAVLink's own C examples among them).
+void SerialLink::read_blocking(base::RunTime now) {
+  bool waited = false;
   do {
     const ssize_t count = ::read(fd_, buffer_.data(), 1);
     if (count > 0) {
       core_.ingress().take(parser_, {buffer_.data(), 1}, now);
     } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
       pollfd more{fd_, POLLIN, 0};
-      if (::poll(&more, 1, kBlockingPatience_ms) <= 0) break;
+      waited = true;
+      if (!parser_.inside_packet() || ::poll(&more, 1, kBlockingPatience_ms) <= 0) break;
     } else {
       core_.ingress().deliver(now);
       return close(count == 0 ? "hung up" : error_text(errno), now);
     }
-  } while (parser_.inside_packet());
+  } while (!waited || parser_.inside_packet());
   core_.ingress().deliver(now);
 }
 

@@ -25,7 +25,7 @@ class SerialLink final : public Link {
  private:
   void open(base::RunTime now);
   void read(base::RunTime now);
-  void read_packet_blocking(base::RunTime now);
+  void read_blocking(base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
 
   LinkCore core_;

@@ -149,6 +149,8 @@ Topology Topology::parse(const base::ConfigNode& root) {
   topology.self = {parse_id(root, "system_id", topology.self.system),
                    parse_id(root, "component_id", topology.self.component)};
   if (const auto node = root.find("threads")) topology.threads = parse_threads(*node);
+  const double tick_ms = 1e3 * base::to_seconds(topology.drain_tick);
+  topology.drain_tick = base::from_seconds(1e-3 * root.get_in("drain_tick_ms", tick_ms, 0, 10));
   if (const auto node = root.find("scheduling")) {
     topology.scheduling = base::parse_thread_options(*node);
   }

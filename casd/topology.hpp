@@ -15,6 +15,7 @@
 #include "base/thread.hpp"
 #include "casd/accept_rule.hpp"
 #include "casd/forward_rule.hpp"
+#include "casd/line_drain.hpp"
 #include "casd/link_id.hpp"
 #include "casd/router.hpp"
 #include "casd/tlog_files.hpp"
@@ -124,6 +125,7 @@ struct TlogConfig {
 struct Topology {
   mav::Source self{254, 190};
   ThreadModel threads = ThreadModel::kPerLink;
+  base::Duration drain_tick = LineDrain::kDefaultTick;  ///< threads: blocking
   Pace pace = Pace::kRealtime;
   base::ThreadOptions scheduling;  ///< of all link threads, unless a link has its own
   bool lock_memory = false;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "casd/line_check.hpp"
+#include "casd/line_drain.hpp"
 #include "casd/line_pacer.hpp"
 #include "casd/link.hpp"
 #include "casd/monitor.hpp"
@@ -28,6 +29,7 @@ struct TxPortOptions {
   bool flow_control = false;                  ///< the other side may hold the line
   std::shared_ptr<LinkSigning> signing = {};  ///< may be empty
   bool blocking = false;  ///< write one packet a turn and wait for the line (threads: blocking)
+  LineDrain drain = LineDrain();  ///< how that wait ends
 };
 
 /// The sending side of a link: one descriptor that several threads write to.

@@ -36,7 +36,7 @@ void TxPort::deliver_blocking(std::span<const PacketRef> packets) {
   busy_since_ns_.store(0, std::memory_order_relaxed);
 }
 
-// One packet, then the time the line takes for it.
+// One packet, then the wait until the line is through with it.
 void TxPort::carry_on_blocking() {
   const std::scoped_lock lock(writer_mutex_);
   const base::RunTime start = base::steady_now();
@@ -46,7 +46,10 @@ void TxPort::carry_on_blocking() {
   for (; batch_at_ < batch_.size(); ++batch_at_) write_or_drop(batch_[batch_at_], start);
   busy_.store(false, std::memory_order_relaxed);
   busy_since_ns_.store(0, std::memory_order_relaxed);
-  if (pacer_.limited()) sleep_until(pacer_.arrival(0, start));
+  if (pacer_.limited()) {
+    const base::Duration fifo_time = pacer_.time_for(LineDrain::kFifoBytes);
+    sleep_until(options_.drain.done(start, pacer_.arrival(0, start), fifo_time));
+  }
   if (anything_queued()) due_ns_.store(1, std::memory_order_relaxed);
 }
 

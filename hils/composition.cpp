@@ -255,6 +255,7 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["component_id"] = 190;
   root["pace"] = pace_word(request);
   root["threads"] = std::string(threads(request.architecture));
+  root["drain_tick_ms"] = request.scenario.drain_tick_ms;
   root["command_port"]["address"] = "127.0.0.1";
   root["command_port"]["port"] = 0;
   root["command_port"]["unix"] = places.command_port().string();

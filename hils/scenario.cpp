@@ -160,6 +160,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
     root.at("plugins").mark_used();
   }
   if (root.has("wake_up")) scenario.wake_up = parse_wake_up(root.at("wake_up"));
+  scenario.drain_tick_ms = root.get_in("drain_tick_ms", scenario.drain_tick_ms, 0, 10);
   scenario.ground_station = root.get("ground_station", false);
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped());
   if (root.has("faults")) {

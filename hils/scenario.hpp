@@ -79,6 +79,7 @@ struct Scenario {
   base::ConfigNode sensors = base::ConfigNode::empty();     ///< a set, or keys that differ
   std::vector<base::ConfigNode> plugins;                    ///< further plugins of the vehicle
   WakeUpFigures wake_up;        ///< threads of casd on the virtual clock
+  double drain_tick_ms = 1;     ///< as casd's key, for architecture ts
   bool ground_station = false;  ///< one that listens and loads the parameter list now and then
   std::vector<FlightStep> steps;
   ScenarioFaults faults;

@@ -51,6 +51,7 @@ VirtualRelay::Port::Port(const casd::LinkConfig& config)
 VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
     : blocking_(topology.threads == casd::ThreadModel::kBlocking),
       single_(topology.threads == casd::ThreadModel::kSingle),
+      drain_(topology.drain_tick),
       wake_up_(wake_up),
       slots_(casd::slots_in_order(topology)),
       router_(casd::make_plan(topology, slots_), mav::public_table(), topology.route_lifetime),
@@ -262,22 +263,25 @@ void VirtualRelay::take_datagrams(base::RunTime now) {
   }
 }
 
-/// One packet of each line. @return false while the thread waits for the rest of one
+/// What has come on each line. @return false while the thread waits for the rest of a packet
 bool VirtualRelay::read_lines(base::RunTime now) {
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     Port& port = ports_[i];
     if (!port.is_line || (port.inbox.empty() && !give_up_at_)) continue;
     if (!port.inbox.empty()) give_up_at_.reset();
-    do {
+    while (!port.inbox.empty() || port.parser.inside_packet()) {
       if (port.inbox.empty()) {
         if (!give_up_at_) give_up_at_ = now + kBlockingPatience;
+        port.waited = true;
         if (now < *give_up_at_) return false;
         break;
       }
       const std::uint8_t byte = port.inbox.front();
       port.inbox.pop_front();
       take(static_cast<casd::LinkId>(i), {&byte, 1}, now);
-    } while (port.parser.inside_packet());
+      if (port.waited && !port.parser.inside_packet()) break;
+    }
+    port.waited = false;
     give_up_at_.reset();
   }
   return true;
@@ -286,9 +290,10 @@ bool VirtualRelay::read_lines(base::RunTime now) {
 void VirtualRelay::write_lines(base::RunTime now) {
   for (Port& port : ports_) {
     if (!write_tail(port, now) || !port.pacer.limited() || port.queue.empty()) continue;
-    if (write_packet(port, now)) {
-      busy_until_ = std::max(busy_until_, port.pacer.arrival(0, now) + wake_up_.draw());
-    }
+    if (!write_packet(port, now)) continue;
+    const base::Duration fifo_time = port.pacer.time_for(casd::LineDrain::kFifoBytes);
+    const base::RunTime drained = drain_.done(now, port.pacer.arrival(0, now), fifo_time);
+    busy_until_ = std::max(busy_until_, drained + wake_up_.draw());
   }
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "casd/line_drain.hpp"
 #include "casd/line_pacer.hpp"
 #include "casd/link_ledger.hpp"
 #include "casd/router.hpp"
@@ -29,9 +30,10 @@ namespace cas::hils {
 ///                              +--> own station (VehicleCommander)
 ///
 /// threads: per_link and single are the same here: neither waits for a line. With threads: blocking
-/// the one thread is modelled: in each turn it takes all waiting datagrams, reads one packet from
-/// each line (waiting in its middle for the rest) and writes one packet to each paced line (waiting
-/// until the line is through with it); what comes meanwhile stays in the kernel's buffers.
+/// the one thread is modelled: in each turn it takes all waiting datagrams, reads what has come on
+/// each line (waiting for the rest of a packet that has begun) and writes one packet to each paced
+/// line (waiting until the line is through with it); what comes meanwhile stays in the kernel's
+/// buffers.
 ///
 /// A thread that waited goes on a little after what it waited for: the machine's scheduler.
 class VirtualRelay {
@@ -78,6 +80,7 @@ class VirtualRelay {
     std::vector<std::uint8_t> tail;  ///< of a packet that the link has taken in part
     mav::PacketParser parser;
     std::deque<std::uint8_t> inbox;  ///< threads: blocking: what the kernel holds
+    bool waited = false;             ///< the same: for the rest of the packet that is being read
     casd::LinkLedger ledger;
     std::optional<base::RunTime> carry_on_at;  ///< the thread waits for the pacer until then
   };
@@ -100,6 +103,7 @@ class VirtualRelay {
 
   const bool blocking_;
   const bool single_;
+  const casd::LineDrain drain_;
   bool running_ = true;
   WakeUp wake_up_;
   casd::LinkSlots slots_;
