@@ -62,6 +62,9 @@ class FirmwareBench {
 
   Supervisor& supervisor() { return supervisor_; }
 
+  /// Bytes that the serial line lost because a program did not read them.
+  std::uint64_t lost_bytes() const { return cable_ ? cable_->lost_bytes() : 0; }
+
  private:
   ChildProcess::Options options(const std::string& name, std::vector<std::string> arguments) const {
     ChildProcess::Options options;
@@ -236,6 +239,9 @@ int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& 
   fmt::print("  {:.1f} s simulated at {:.2f} x real time; height error {:.2f} m, drift {:.2f} m\n",
              figures.simulated_s, figures.real_time_factor, figures.height_error_m,
              figures.drift_m);
+  if (const std::uint64_t lost = bench.lost_bytes(); lost > 0) {
+    fmt::print("  the serial line lost {} bytes that were not read in time\n", lost);
+  }
   fmt::print("Results: {}\n", out.string());
   return missed.empty() ? kExitPassed : kExitLimitsMissed;
 }

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -12,12 +13,7 @@ namespace {
 
 constexpr int kLookForTheEnd_ms = 100;
 
-void pass(int from, int to) {
-  std::array<char, 4096> bytes;
-  const ssize_t size = ::read(from, bytes.data(), bytes.size());
-  if (size <= 0) return;
-  [[maybe_unused]] const auto taken = ::write(to, bytes.data(), static_cast<std::size_t>(size));
-}
+short events(bool writes) { return static_cast<short>(writes ? POLLIN | POLLOUT : POLLIN); }
 
 }  // namespace
 
@@ -30,13 +26,34 @@ PtyRelay::~PtyRelay() {
 }
 
 void PtyRelay::carry() {
+  Wire there(first_.master(), second_.master());
+  Wire back(second_.master(), first_.master());
   while (!stopping_) {
-    std::array<pollfd, 2> ends{pollfd{first_.master(), POLLIN, 0},
-                               pollfd{second_.master(), POLLIN, 0}};
+    std::array<pollfd, 2> ends{pollfd{first_.master(), events(back.waiting()), 0},
+                               pollfd{second_.master(), events(there.waiting()), 0}};
     if (::poll(ends.data(), ends.size(), kLookForTheEnd_ms) <= 0) continue;
-    if ((ends[0].revents & POLLIN) != 0) pass(ends[0].fd, ends[1].fd);
-    if ((ends[1].revents & POLLIN) != 0) pass(ends[1].fd, ends[0].fd);
+    if ((ends[0].revents & POLLOUT) != 0) back.give();
+    if ((ends[1].revents & POLLOUT) != 0) there.give();
+    if ((ends[0].revents & POLLIN) != 0) lost_ += there.take();
+    if ((ends[1].revents & POLLIN) != 0) lost_ += back.take();
   }
+}
+
+std::size_t PtyRelay::Wire::take() {
+  std::array<char, 4096> chunk;
+  const ssize_t size = ::read(from_, chunk.data(), chunk.size());
+  if (size <= 0) return 0;
+  const auto read = static_cast<std::size_t>(size);
+  const std::size_t kept = std::min(read, kMaxWaiting - bytes_.size());
+  const bool was_waiting = waiting();
+  bytes_.insert(bytes_.end(), chunk.begin(), chunk.begin() + kept);
+  if (!was_waiting) give();
+  return read - kept;
+}
+
+void PtyRelay::Wire::give() {
+  const ssize_t size = ::write(to_, bytes_.data(), bytes_.size());
+  if (size > 0) bytes_.erase(bytes_.begin(), bytes_.begin() + size);
 }
 
 }  // namespace cas::hils
