@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -147,6 +148,8 @@ class ExpressionParser {
       const char* const end = token_.data() + token_.size();
       const auto result = std::from_chars(token_.data(), end, operand.number);
       if (token_.empty() || result.ec != std::errc() || result.ptr != end) fail(unknown_operand());
+      if (!std::isfinite(operand.number))
+        fail("'" + std::string(token_) + "' is not a finite number");
     }
     advance();
     return operand;

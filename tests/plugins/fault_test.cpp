@@ -58,6 +58,23 @@ TEST(Expression, RefusesWhatItDoesNotUnderstand) {
   }
 }
 
+TEST(Expression, RefusesNumbersThatAreNotFinite) {
+  for (const char* text : {"altitude > nan", "altitude < inf", "-inf < climb", "nan",
+                           "time > 1e999", "infinity > time", "yaw == nan(1)"}) {
+    try {
+      Expression::parse(text);
+      ADD_FAILURE() << text;
+    } catch (const std::invalid_argument& refusal) {
+      EXPECT_NE(std::string(refusal.what()).find("'"), std::string::npos) << refusal.what();
+    }
+  }
+  try {
+    Expression::parse("altitude > nan");
+  } catch (const std::invalid_argument& refusal) {
+    EXPECT_STREQ(refusal.what(), "in 'altitude > nan': 'nan' is not a finite number");
+  }
+}
+
 TEST(FaultSpec, RefusesHalfAndDoubleEntries) {
   for (const char* yaml :
        {"faults: [{at_s: 1}]", "faults: [{freeze: imu}]",
