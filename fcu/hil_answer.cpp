@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/hil_answer.hpp"
 
-#include <algorithm>
-
 #include "fcu/fcu_core.hpp"
+#include "fcu/wire_units.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 
@@ -24,7 +23,7 @@ std::uint8_t answer_mode(bool armed) {
 }
 
 float scaled(double value, double full, double low) {
-  return static_cast<float>(std::clamp(full > 0 ? value / full : 0.0, low, 1.0));
+  return output(full > 0 ? value / full : 0.0, low, 1.0);
 }
 
 void send_controls(const Eigen::Vector4d& u, std::uint64_t time_usec, FcuCore& core) {
@@ -46,7 +45,7 @@ void send_motor_outputs(const Eigen::Vector4d& omega_sq, std::uint64_t time_usec
   if (armed) {
     const Eigen::Vector4d motors = core.cascade.mixer().motor_outputs(omega_sq);
     for (std::size_t i = 0; i < 4; ++i) {
-      answer.controls[i] = static_cast<float>(motors[static_cast<int>(i)]);
+      answer.controls[i] = output(motors[static_cast<int>(i)], 0, 1);
     }
   }
   answer.mode = static_cast<MavModeFlag>(answer_mode(armed));

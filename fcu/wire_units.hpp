@@ -4,29 +4,46 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace cas::fcu {
 
-// Values in the units that MAVLink fields have.
+// Values in the units that MAVLink fields have. A field of whole numbers cannot say that something
+// is not a number: that counts as 0.
 
+/// For fields that may hold NaN.
 inline float to_float(double value) { return static_cast<float>(value); }
 
+/// The nearest whole number that the field can hold; 0 for NaN.
+template <class Integer>
+Integer to_whole(double value) {
+  constexpr double kLow = std::numeric_limits<Integer>::min();
+  constexpr double kHigh = std::numeric_limits<Integer>::max();
+  return std::isnan(value) ? Integer{0}
+                           : static_cast<Integer>(std::clamp(std::round(value), kLow, kHigh));
+}
+
+/// Hundredths (m/s to cm/s, A to cA, deg C to cdegC), rounded towards zero, within -32767..32767.
 inline std::int16_t centi(double value) {
-  return static_cast<std::int16_t>(std::clamp(100 * value, -32767.0, 32767.0));
+  return std::isnan(value) ? std::int16_t{0}
+                           : static_cast<std::int16_t>(std::clamp(100 * value, -32767.0, 32767.0));
 }
 
-inline std::int32_t milli(double value) {
-  return static_cast<std::int32_t>(std::lround(1000 * value));
-}
+/// Thousandths (m to mm).
+inline std::int32_t milli(double value) { return to_whole<std::int32_t>(1000 * value); }
 
-inline std::int32_t deg_e7(double degrees) {
-  return static_cast<std::int32_t>(std::llround(1e7 * degrees));
-}
+/// 1e-7 degrees.
+inline std::int32_t deg_e7(double degrees) { return to_whole<std::int32_t>(1e7 * degrees); }
 
-/// Hundredths of a degree from north, 0 to 35999.
+/// Hundredths of a degree from north, 0 to 35999; 0 for what is no angle.
 inline std::uint16_t heading_cdeg(double yaw_rad) {
   const double degrees = std::fmod(yaw_rad * 180 / M_PI + 360, 360);
-  return static_cast<std::uint16_t>(std::lround(degrees * 100) % 36000);
+  return static_cast<std::uint16_t>(to_whole<std::uint16_t>(degrees * 100) % 36000);
+}
+
+/// A control or motor output within low..high; 0, no drive, for NaN.
+inline float output(double value, double low, double high) {
+  return std::isnan(value) ? 0.0F : static_cast<float>(std::clamp(value, low, high));
 }
 
 }  // namespace cas::fcu

@@ -16,21 +16,24 @@ namespace mv = mavlink::common;
 
 constexpr unsigned kModeArmed = 128;          // MAV_MODE_FLAG_SAFETY_ARMED
 constexpr std::uint16_t kUnknown16 = 0xFFFF;  // "unknown" of HIL_GPS
+constexpr std::uint8_t kNoFix = 1;            // GPS_FIX_TYPE_NO_FIX
 constexpr std::uint8_t kFix2d = 2;            // GPS_FIX_TYPE_2D_FIX
 constexpr double kPascalPerHectopascal = 100.0;
 
 float to_float(double value) { return static_cast<float>(value); }
 
-/// Rounds and keeps within the wire type.
+/// Rounds and keeps within the wire type; 0 for what is not a number.
 template <class Integer>
 Integer to_wire(double value) {
+  if (std::isnan(value)) return 0;
   constexpr double kLow = std::numeric_limits<Integer>::min();
   constexpr double kHigh = std::numeric_limits<Integer>::max();
   return static_cast<Integer>(std::clamp(std::round(value), kLow, kHigh));
 }
 
-/// As to_wire, but never the value that stands for unknown.
+/// As to_wire, but the value that stands for unknown is for what is not a number, and only for it.
 std::uint16_t to_known16(double value) {
+  if (std::isnan(value)) return kUnknown16;
   return std::min<std::uint16_t>(to_wire<std::uint16_t>(value), kUnknown16 - 1);
 }
 
@@ -45,6 +48,12 @@ std::uint16_t course(const Eigen::Vector3d& velocity_N) {
   const double degrees = std::atan2(velocity_N.y(), velocity_N.x()) * 180.0 / M_PI;
   const long centidegrees = std::lround(degrees * 100.0);
   return static_cast<std::uint16_t>((centidegrees + 36000) % 36000);
+}
+
+/// A receiver with such a solution has none.
+bool is_solution(const GpsSample& sample) {
+  return sample.velocity_N.allFinite() && std::isfinite(sample.position.lat_deg) &&
+         std::isfinite(sample.position.lon_deg) && std::isfinite(sample.position.alt_m);
 }
 
 double within(float value, double low, double high) {
@@ -89,12 +98,14 @@ void fill(mv::HilSensor& packet, const BarometerSample& sample) {
 mv::HilGps to_hil_gps(const GpsSample& sample) {
   mv::HilGps packet;
   packet.time_usec = base::to_time_usec(sample.time);
-  packet.fix_type = static_cast<decltype(packet.fix_type)>(sample.fix_type);
+  const bool has_fix = sample.fix_type >= kFix2d && is_solution(sample);
+  packet.fix_type = static_cast<decltype(packet.fix_type)>(
+      has_fix ? sample.fix_type : std::min(sample.fix_type, kNoFix));
   packet.satellites_visible = sample.satellites;
   packet.eph = to_known16(sample.eph_m * 100.0);
   packet.epv = to_known16(sample.epv_m * 100.0);
   packet.vel = packet.cog = kUnknown16;
-  if (sample.fix_type < kFix2d) return packet;
+  if (!has_fix) return packet;
   packet.lat = to_wire<std::int32_t>(sample.position.lat_deg * 1e7);
   packet.lon = to_wire<std::int32_t>(sample.position.lon_deg * 1e7);
   packet.alt = to_wire<std::int32_t>(sample.position.alt_m * 1e3);
@@ -118,7 +129,8 @@ mv::DistanceSensor to_distance_sensor(const RangeSample& sample) {
   packet.type = mv::MavDistanceSensor::kLaser;
   packet.orientation = mv::MavSensorOrientation::kRotationPitch270;
   packet.covariance = kUnknownCovariance;
-  packet.signal_quality = sample.valid ? kFullSignal : kInvalidSignal;
+  packet.signal_quality =
+      sample.valid && !std::isnan(sample.distance_m) ? kFullSignal : kInvalidSignal;
   return packet;
 }
 

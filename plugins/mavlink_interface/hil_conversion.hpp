@@ -15,6 +15,9 @@
 /// Between the units and frames of the simulation and those of the wire.
 namespace cas::sim {
 
+// Fields of floats carry NaN as it is, and flight controllers leave such a reading out. A field of
+// whole numbers has the value for unknown, or 0 where there is none.
+
 /// Groups of HIL_SENSOR.fields_updated. A flight controller takes a group only with all its bits.
 inline constexpr std::uint32_t kUpdatedAccel = 0x0007;
 inline constexpr std::uint32_t kUpdatedGyro = 0x0038;
@@ -29,10 +32,11 @@ void fill(mavlink::common::HilSensor& packet, const MagnetometerSample& sample);
 void fill(mavlink::common::HilSensor& packet, const BarometerSample& sample);
 
 /// Degrees * 1e7, mm, cm/s, cm (eph, epv: what PX4 reads, [HILS] has no such fields), centidegrees.
-/// Without a fix, place and velocity are zero and speed and course unknown (65535).
+/// Without a fix, place and velocity are zero and speed and course unknown (65535). A place or
+/// velocity that is not finite is no fix.
 mavlink::common::HilGps to_hil_gps(const GpsSample& sample);
 
-/// Centimetres; a reading without a surface says so by its quality.
+/// Centimetres; a reading without a surface, or one that is not a number, says so by its quality.
 mavlink::common::DistanceSensor to_distance_sensor(const RangeSample& sample);
 
 /// The simulator's own HEARTBEAT: a generic system without autopilot.

@@ -14,6 +14,9 @@ namespace {
 namespace mv = mavlink::common;
 using Eigen::Vector3d;
 
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 std::uint32_t bits(const mv::HilSensor& packet) {
   return static_cast<std::uint32_t>(packet.fields_updated);
 }
@@ -126,6 +129,52 @@ TEST(HilGps, SaysUnknownWithoutAFix) {
   EXPECT_EQ(packet.vel, 65535);
   EXPECT_EQ(packet.cog, 65535);
   EXPECT_EQ(packet.eph, 9900);
+}
+
+struct NoSolution {
+  const char* name;
+  void (*spoil)(GpsSample&);
+};
+
+class HilGpsWithout : public testing::TestWithParam<NoSolution> {};
+
+TEST_P(HilGpsWithout, ASolutionHasNoFix) {
+  GpsSample sample;
+  sample.fix_type = 3;
+  sample.satellites = 12;
+  sample.position = {47.4, 8.5, 488};
+  GetParam().spoil(sample);
+  const mv::HilGps packet = to_hil_gps(sample);
+  EXPECT_EQ(static_cast<int>(packet.fix_type), 1);
+  EXPECT_EQ(packet.lat, 0);
+  EXPECT_EQ(packet.alt, 0);
+  EXPECT_EQ(packet.vn, 0);
+  EXPECT_EQ(packet.vel, 65535);
+  EXPECT_EQ(packet.cog, 65535);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, HilGpsWithout,
+    testing::Values(NoSolution{"Latitude", [](GpsSample& s) { s.position.lat_deg = kNan; }},
+                    NoSolution{"Altitude", [](GpsSample& s) { s.position.alt_m = kInfinity; }},
+                    NoSolution{"Velocity", [](GpsSample& s) { s.velocity_N.y() = kNan; }}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(HilGps, AccuracyThatIsNotANumberIsUnknown) {
+  GpsSample sample;
+  sample.eph_m = sample.epv_m = kNan;
+  const mv::HilGps packet = to_hil_gps(sample);
+  EXPECT_EQ(packet.eph, 65535);
+  EXPECT_EQ(packet.epv, 65535);
+}
+
+TEST(DistanceSensor, AReadingThatIsNotANumberIsInvalid) {
+  RangeSample sample;
+  sample.valid = true;
+  sample.distance_m = kNan;
+  const mv::DistanceSensor packet = to_distance_sensor(sample);
+  EXPECT_EQ(packet.signal_quality, 1);
+  EXPECT_EQ(packet.current_distance, 65535);
 }
 
 TEST(DistanceSensor, CarriesCentimetresDownwards) {
