@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/error.hpp"
 #include "base/ledger.hpp"
 #include "base/log.hpp"
 #include "base/stream_clock.hpp"
@@ -34,6 +35,7 @@ namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(5);
 constexpr Duration kSaveDelay = std::chrono::milliseconds(300);
+constexpr Duration kReplugPause = std::chrono::milliseconds(200);
 
 }  // namespace
 
@@ -71,6 +73,8 @@ struct Emulator::Impl final : EmulatorView {
   void pump();
   void write_master();
   void arm_timer();
+  void plug_in_after(Duration pause);
+  void plug_in();
   void reboot();
   void finish();
 
@@ -96,6 +100,7 @@ struct Emulator::Impl final : EmulatorView {
   std::optional<RunTime> save_at;
   bool reading = false;
   bool writing = false;
+  bool plug_in_failed = false;  // the reason is in the log
 };
 
 // Set-up.
@@ -244,14 +249,29 @@ void Emulator::Impl::hang_up(Duration length) {
   line.hang_up();
   outgoing.clear();
   base::log::info("line hung up");
-  replug_timer.expires_after(length);
+  plug_in_failed = false;
+  plug_in_after(length);
+}
+
+void Emulator::Impl::plug_in_after(Duration pause) {
+  replug_timer.expires_after(pause);
   replug_timer.async_wait([this](const boost::system::error_code& error) {
-    if (error) return;
-    pty.open();
-    line.restore();
-    attach();
-    base::log::info("line is back: " + endpoints());
+    if (!error) plug_in();
   });
+}
+
+void Emulator::Impl::plug_in() {
+  try {
+    pty.open();
+  } catch (const base::ConfigError& error) {
+    if (!plug_in_failed)
+      base::log::error("line stays down until this is mended: " + std::string(error.what()));
+    plug_in_failed = true;
+    return plug_in_after(kReplugPause);
+  }
+  line.restore();
+  attach();
+  base::log::info("line is back: " + endpoints());
 }
 
 void Emulator::Impl::reboot() {

@@ -37,15 +37,10 @@ Pty::Pty(std::filesystem::path link) : link_(std::filesystem::absolute(std::move
   std::error_code error;
   std::filesystem::create_directories(link_.parent_path(), error);
   if (error) throw base::ConfigError(link_.parent_path().string() + ": " + error.message());
-  const auto status = std::filesystem::symlink_status(link_, error);
-  if (std::filesystem::exists(status) && !std::filesystem::is_symlink(status)) {
-    throw base::ConfigError(link_.string() + " exists and is no symlink");
-  }
   lock();
   try {
     open();
   } catch (...) {
-    close_pair();
     ::close(lock_);
     throw;
   }
@@ -70,8 +65,13 @@ void Pty::lock() {
 
 void Pty::open() {
   if (master_ >= 0) return;
-  open_pair();
-  place_link();
+  try {
+    open_pair();
+    place_link();
+  } catch (...) {
+    close_pair();
+    throw;
+  }
 }
 
 void Pty::open_pair() {
@@ -87,6 +87,11 @@ void Pty::open_pair() {
 }
 
 void Pty::place_link() const {
+  std::error_code error;
+  const auto status = std::filesystem::symlink_status(link_, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_symlink(status)) {
+    throw base::ConfigError(link_.string() + " exists and is no symlink");
+  }
   const std::string fresh = link_.string() + "." + std::to_string(::getpid());
   ::unlink(fresh.c_str());
   if (::symlink(slave_name_.c_str(), fresh.c_str()) != 0) fail("cannot create " + fresh);

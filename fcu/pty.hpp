@@ -28,7 +28,8 @@ class Pty {
 
   /// Unplugs: the peer reads EIO or end of file, the symlink is gone.
   void hang_up();
-  /// Plugs in again: a fresh pair under the same symlink. @throws base::ConfigError
+  /// Plugs in again: a fresh pair under the same symlink. Stays hung up when it throws.
+  /// @throws base::ConfigError
   void open();
 
  private:

@@ -2,6 +2,7 @@
 // The serial line of a running fcu_emulator, changed through its control socket.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/message.hpp"
@@ -93,6 +94,27 @@ TEST_F(Line, HangsUpAndComesBack) {
   ASSERT_TRUE(bench_.reopen());
   EXPECT_TRUE(bench_.next<Heartbeat>());
   EXPECT_LT(round_trip(), 19);
+}
+
+TEST_F(Line, ComesBackWhenItsPlaceIsFreeAgain) {
+  bench_.call("line.hangup", {{"ms", 60'000}});
+  ASSERT_TRUE(cas::test::wait_until([&] { return !std::filesystem::is_symlink(bench_.link()); }));
+  std::filesystem::create_directory(bench_.link());
+  bench_.call("line.hangup", {{"ms", 0}});
+  const auto complaints = [&] {
+    const std::string output = bench_.process().output();
+    int count = 0;
+    for (std::size_t at = 0; (at = output.find("stays down", at)) != std::string::npos; ++at) {
+      ++count;
+    }
+    return count;
+  };
+  EXPECT_TRUE(cas::test::wait_until([&] { return complaints() > 0; }));
+  EXPECT_FALSE(bench_.call("fcu.status")["armed"].get<bool>());  // the program lives
+  std::filesystem::remove(bench_.link());
+  ASSERT_TRUE(bench_.reopen());
+  EXPECT_TRUE(bench_.next<Heartbeat>());
+  EXPECT_EQ(complaints(), 1) << bench_.process().output();
 }
 
 }  // namespace

@@ -110,6 +110,10 @@ class EmulatorBench {
   bool hung_up() const { return hung_up_; }
   cas::test::ChildProcess& process() { return *process_; }
   void restart();
+  /// The symlink that the terminal is offered under.
+  const std::filesystem::path& link() const { return link_; }
+  std::filesystem::path config_file() const { return folder_ / "fcu.yaml"; }
+  std::filesystem::path control_socket() const { return folder_ / "control"; }
   std::filesystem::path params_file() const { return folder_ / "params"; }
   const base::Geodetic& home() const { return home_; }
 
