@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/echo_latency.hpp"
 
+#include "casd/hil_stamp.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -8,13 +9,9 @@
 namespace cas::casd {
 namespace {
 
-/// time_usec is the first field of these messages; the sender's system keeps vehicles apart.
+/// The sender's system keeps vehicles apart.
 std::uint64_t key_of(const mav::PacketView& packet) {
-  std::uint64_t time_usec = 0;
-  for (std::size_t i = 0; i < 8 && i < packet.payload.size(); ++i) {
-    time_usec |= std::uint64_t{packet.payload[i]} << 8U * i;
-  }
-  return time_usec << 8U | packet.source.system;
+  return hil_time_usec(packet).value_or(0) << 8U | packet.source.system;
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/frames.hpp"
-#include "hils/hil_identity.hpp"
+#include "casd/hil_stamp.hpp"
 #include "mavlink/common/table.hpp"
 
 namespace cas::hils {
@@ -34,7 +34,8 @@ VirtualSimulator::VirtualSimulator(sim::SimConfig config, sim::SimOptions option
 
 void VirtualSimulator::write(std::span<const std::uint8_t> bytes, base::RunTime now) {
   received_.feed(bytes, [&](const mav::PacketView& view) {
-    if (const auto stamp = hil_time_usec(view)) ledger_.received(view.message_id, *stamp, now);
+    if (const auto stamp = casd::hil_time_usec(view))
+      ledger_.received(view.message_id, *stamp, now);
     Arrival arrival{.at = now, .packet = {}};
     arrival.packet.size = view.bytes.size();
     std::ranges::copy(view.bytes, arrival.packet.bytes.begin());
@@ -86,7 +87,7 @@ Motion VirtualSimulator::motion() const {
 void VirtualSimulator::on_wire_out(const sim::WirePacket& packet) {
   const std::span bytes = std::span(packet.bytes).first(packet.size);
   sent_.feed(bytes, [this](const mav::PacketView& view) {
-    if (const auto stamp = hil_time_usec(view)) ledger_.sent(view.message_id, *stamp, now_);
+    if (const auto stamp = casd::hil_time_usec(view)) ledger_.sent(view.message_id, *stamp, now_);
   });
   on_bytes_(bytes, now_);
 }
