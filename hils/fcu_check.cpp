@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace cas::hils {
 
@@ -14,6 +15,7 @@ using Findings = std::vector<FcuFinding>;
 
 constexpr double kLeastControlsHz = 50;     ///< less than this is no control loop
 constexpr double kLeastSensorShare = 0.95;  ///< of the nominal rate, over the port
+constexpr double kControlsTolerance = 0.1;  ///< of the scenario's rate; casd's is of a few seconds
 
 void good(Findings& all, std::string what) { all.push_back({.what = std::move(what)}); }
 
@@ -81,6 +83,30 @@ void check_rotors(const FcuFacts& facts, const base::Vehicle& vehicle, Findings&
   }
 }
 
+/// The report sets what came beside what the scenario counts on: they must mean the same.
+void check_controls(const FcuFacts& facts, const Rates& nominal, Findings& all) {
+  if (facts.controls_hz < kLeastControlsHz) {
+    return fatal(all, fmt::format("it answers with {:.0f} controls a second", facts.controls_hz),
+                 "choose a HIL airframe (PX4: SYS_AUTOSTART 1001) and give the port a data rate "
+                 "above 5000 B/s (step 4)");
+  }
+  const double apart = facts.controls_hz - nominal.controls_hz;
+  if (std::abs(apart) <= kControlsTolerance * nominal.controls_hz) {
+    return good(all, fmt::format("{:.0f} controls a second come back, as the scenario counts on",
+                                 facts.controls_hz));
+  }
+  warn(all,
+       fmt::format("it answers with {:.0f} controls a second; the scenario counts on {:g}: the "
+                   "report would call {:.0f} a second {}",
+                   facts.controls_hz, nominal.controls_hz, std::abs(apart),
+                   apart < 0 ? "missing" : "too many"),
+       facts.autopilot == "px4"
+           ? "set rates.controls_hz of the scenario to what the firmware does: 200 for PX4 (step 5)"
+           : fmt::format("set rates.controls_hz of the scenario to what the board does, about "
+                         "{:.0f}, or the board's rate to the scenario's (step 5)",
+                         facts.controls_hz));
+}
+
 void check_rates(const FcuFacts& facts, const Rates& nominal, Findings& all) {
   if (facts.sensor_hz < kLeastSensorShare * nominal.sensor_hz) {
     warn(all,
@@ -90,18 +116,7 @@ void check_rates(const FcuFacts& facts, const Rates& nominal, Findings& all) {
   } else {
     good(all, fmt::format("{:.0f} HIL_SENSOR a second go to it", facts.sensor_hz));
   }
-  if (facts.controls_hz < kLeastControlsHz) {
-    fatal(all, fmt::format("it answers with {:.0f} controls a second", facts.controls_hz),
-          "choose a HIL airframe (PX4: SYS_AUTOSTART 1001) and give the port a data rate above "
-          "5000 B/s (step 4)");
-  } else if (facts.controls_hz < 0.9 * nominal.controls_hz) {
-    warn(all,
-         fmt::format("it answers with {:.0f} controls a second; the scenario counts on {:g}",
-                     facts.controls_hz, nominal.controls_hz),
-         "set rates.controls_hz of the scenario to what the firmware does: 200 for PX4 (step 5)");
-  } else {
-    good(all, fmt::format("{:.0f} controls a second come back", facts.controls_hz));
-  }
+  check_controls(facts, nominal, all);
   if (facts.crc_errors > 0) {
     warn(all, fmt::format("{:.0f} packets came damaged", facts.crc_errors),
          "compare the baud rates of both ends; look at cable and ground (step 5)");

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 namespace cas::hils {
@@ -65,6 +66,48 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"NarrowLine", [](FcuFacts& f) { f.sensor_hz = 310; }, false, "310 of 500"},
         Fault{"Damaged", [](FcuFacts& f) { f.crc_errors = 7; }, false, "7 packets came damaged"},
         Fault{"ArduPilot", [](FcuFacts& f) { f.autopilot = "ardupilot"; }, true, "ArduPilot"}),
+    [](const auto& test) { return test.param.name; });
+
+struct RateCase {
+  const char* name;
+  double board_hz;
+  double scenario_hz;
+  const char* autopilot;
+  const char* what;    ///< in the finding; empty: the rates agree
+  const char* remedy;  ///< in what is to be done
+};
+
+class FcuCheckControlsRate : public testing::TestWithParam<RateCase> {};
+
+TEST_P(FcuCheckControlsRate, IsComparedWithTheScenarios) {
+  FcuFacts facts = ready();
+  facts.autopilot = GetParam().autopilot;
+  facts.controls_hz = GetParam().board_hz;
+  Rates nominal;
+  nominal.controls_hz = GetParam().scenario_hz;
+  const auto findings = check_fcu(facts, nominal, vehicle("iris_px4"));
+  const std::string text = findings_text(findings);
+  EXPECT_TRUE(may_fly(findings)) << text;
+  const auto bad = std::ranges::count_if(findings, [](const auto& f) { return !f.good; });
+  EXPECT_EQ(bad, *GetParam().what == 0 ? 0 : 1) << text;
+  EXPECT_NE(text.find(GetParam().what), std::string::npos) << text;
+  EXPECT_NE(text.find(GetParam().remedy), std::string::npos) << text;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, FcuCheckControlsRate,
+    testing::Values(
+        RateCase{"Same", 200, 200, "px4", "", ""},
+        RateCase{"NearlySame", 391, 400, "generic", "", ""},
+        RateCase{"StockPx4InThePapersScenario", 200, 400, "px4",
+                 "200 controls a second; the scenario counts on 400: the report would call 200 a "
+                 "second missing",
+                 "200 for PX4 (step 5)"},
+        RateCase{"OurControllerInPx4sScenario", 400, 200, "generic",
+                 "400 controls a second; the scenario counts on 200: the report would call 200 a "
+                 "second too many",
+                 "about 400"},
+        RateCase{"AnyBoard", 250, 400, "generic", "150 a second missing", "about 250"}),
     [](const auto& test) { return test.param.name; });
 
 struct RotorCase {
