@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "libsim/core/ode/geometry.hpp"
+#include "libsim/core/ode/static_bounds.hpp"
 
 namespace cas::sim {
 
@@ -65,16 +66,6 @@ struct Owner {
   std::ptrdiff_t body = -1;  // -1: the world
 };
 
-struct PlaneBounds {
-  Eigen::Vector3d n;
-  double d;
-};
-
-struct BoxBounds {
-  Eigen::Vector3d low;
-  Eigen::Vector3d high;
-};
-
 }  // namespace
 
 struct ContactSolver::Impl {
@@ -86,9 +77,7 @@ struct ContactSolver::Impl {
   MeshStore meshes;
   std::deque<Owner> owners;
   std::vector<Body> bodies;
-  std::vector<PlaneBounds> planes;
-  std::vector<BoxBounds> boxes;
-  BoxBounds all_boxes{Eigen::Vector3d::Constant(kInfinity), Eigen::Vector3d::Constant(-kInfinity)};
+  StaticBounds bounds;
   std::size_t contact_count = 0;
   double h = 1e-3;  // s, step that the springs are discretised for
 
@@ -98,24 +87,6 @@ struct ContactSolver::Impl {
     for (const Body& body : bodies) dSpaceDestroy(body.space);
     dSpaceDestroy(statics);
     dWorldDestroy(world);
-  }
-
-  void note_bounds(const Shape& shape, dGeomID geom) {
-    if (std::holds_alternative<Plane>(shape.geometry)) {
-      const Eigen::Vector3d n = shape.pose.linear().col(2);
-      planes.push_back({n, n.dot(shape.pose.translation())});
-      return;
-    }
-    dReal aabb[6];
-    dGeomGetAABB(geom, aabb);
-    boxes.push_back({{aabb[0], aabb[2], aabb[4]}, {aabb[1], aabb[3], aabb[5]}});
-    all_boxes.low = all_boxes.low.cwiseMin(boxes.back().low);
-    all_boxes.high = all_boxes.high.cwiseMax(boxes.back().high);
-  }
-
-  static bool reaches(const BoxBounds& box, const Eigen::Vector3d& p, double radius) {
-    const Eigen::Vector3d gap = (box.low - p).cwiseMax(p - box.high).cwiseMax(0.0);
-    return gap.squaredNorm() <= radius * radius;
   }
 
   void collide(dGeomID a, dGeomID b) {
@@ -209,7 +180,7 @@ void ContactSolver::add_static(const Shape& shape) {
   const dGeomID geom = make_geom(impl_->statics, shape, impl_->meshes);
   impl_->owners.push_back({shape.surface, -1});
   dGeomSetData(geom, &impl_->owners.back());
-  impl_->note_bounds(shape, geom);
+  impl_->bounds.add(shape, geom);
 }
 
 void ContactSolver::add_body(std::span<const Shape> shapes, const MassProperties& mass) {
@@ -241,13 +212,7 @@ void ContactSolver::set_mass(std::size_t body, const MassProperties& mass) {
 }
 
 bool ContactSolver::near_world(std::size_t body, const Eigen::Vector3d& p_W) const {
-  const double radius = impl_->bodies[body].radius;
-  for (const PlaneBounds& plane : impl_->planes) {
-    if (plane.n.dot(p_W) - plane.d < radius) return true;
-  }
-  if (impl_->boxes.empty() || !Impl::reaches(impl_->all_boxes, p_W, radius)) return false;
-  return std::any_of(impl_->boxes.begin(), impl_->boxes.end(),
-                     [&](const BoxBounds& box) { return Impl::reaches(box, p_W, radius); });
+  return impl_->bounds.within(p_W, impl_->bodies[body].radius);
 }
 
 bool ContactSolver::near_each_other(std::size_t a, const Eigen::Vector3d& p_a_W, std::size_t b,
@@ -323,18 +288,9 @@ std::optional<double> ContactSolver::ray_to_body(std::size_t body, const Eigen::
 }
 
 double ContactSolver::height_above_ground(const Eigen::Vector3d& p_W) const {
-  double height = kInfinity;
-  for (const PlaneBounds& plane : impl_->planes) {
-    if (plane.n.z() > 0) height = std::min(height, (plane.n.dot(p_W) - plane.d) / plane.n.z());
-  }
-  const BoxBounds& all = impl_->all_boxes;
-  const auto above = [&p_W](const BoxBounds& box) {
-    return p_W.x() >= box.low.x() && p_W.x() <= box.high.x() && p_W.y() >= box.low.y() &&
-           p_W.y() <= box.high.y() && p_W.z() >= box.low.z();
-  };
-  if (impl_->boxes.empty() || !above(all)) return height;
-  if (std::none_of(impl_->boxes.begin(), impl_->boxes.end(), above)) return height;
-  const double range = p_W.z() - all.low.z() + 1.0;
+  const double height = impl_->bounds.height_above_planes(p_W);
+  if (!impl_->bounds.box_below(p_W)) return height;
+  const double range = p_W.z() - impl_->bounds.lowest_of_boxes() + 1.0;
   const auto hit = ray_to_world(p_W, -Eigen::Vector3d::UnitZ(), range);
   return hit ? std::min(height, *hit) : height;
 }
