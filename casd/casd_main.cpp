@@ -6,6 +6,7 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/command_port.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/program.hpp"
@@ -40,12 +41,7 @@ int run(const Flags& flags) {
   if (topology.lock_memory) base::lock_memory();
   casd::App app({.topology_file = file, .ledger_file = flags.ledger, .stats_file = flags.stats},
                 std::move(topology));
-  try {
-    app.listen();
-  } catch (const base::ConfigError& error) {
-    std::fprintf(stderr, "casd: %s\n", error.what());
-    return base::kExitCommandPort;
-  }
+  base::bind_command_port([&app] { app.listen(); });
   app.run();
   return base::kExitOk;
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/command_port.hpp"
 #include "base/error.hpp"
 #include "base/ledger.hpp"
 #include "base/log.hpp"
@@ -51,7 +52,10 @@ struct Emulator::Impl final : EmulatorView {
         signals(io, SIGINT, SIGTERM) {
     if (options.params) saved = ParamFile(*options.params).load();
     make_controller();
-    if (options.control) control = std::make_unique<EmulatorControl>(io, *this, *options.control);
+    if (options.control) {
+      control = base::bind_command_port(
+          [this] { return std::make_unique<EmulatorControl>(io, *this, *options.control); });
+    }
     attach();
   }
 

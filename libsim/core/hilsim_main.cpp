@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/command_port.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
@@ -84,7 +86,8 @@ int run(const Flags& flags) {
                         {.output_dir = flags.output, .plugin_dirs = flags.plugin_dirs});
   const sim::PaceConfig pace = runner.config().pace;
   sim::SimLoop loop(runner, pace);
-  sim::ControlServer control(loop, flags.control);
+  const auto control = base::bind_command_port(
+      [&] { return std::make_unique<sim::ControlServer>(loop, flags.control); });
   runner.start();
   if (pace.lock_memory) base::lock_memory();
   base::configure_this_thread("simulation", pace.thread);

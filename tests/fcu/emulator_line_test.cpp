@@ -84,6 +84,15 @@ TEST_F(Line, WrongSettingsAreRefusedInWords) {
   refused("line.hangup", {{"ms", -5}}, "ms");
 }
 
+TEST_F(Line, ATakenControlSocketEndsTheProgramWithExitCode71) {
+  cas::test::ChildProcess second({CAS_BINARY_DIR "/bin/fcu_emulator", bench_.config_file().string(),
+                                  "--link", bench_.link().string() + ".second", "--control",
+                                  bench_.control_socket().string()});
+  EXPECT_EQ(second.wait_exit(), 71);
+  EXPECT_NE(second.output().find("is in use by another program"), std::string::npos)
+      << second.output();
+}
+
 TEST_F(Line, HangsUpAndComesBack) {
   ASSERT_TRUE(bench_.next<Heartbeat>());
   bench_.call("line.hangup", {{"ms", 100}});

@@ -160,5 +160,14 @@ TEST_F(Hilsim, RefusesWithOneSentenceAndExitCode78) {
   EXPECT_THAT(refuse(command(write("realtime"), {"--log-level", "loud"})), HasSubstr("loud"));
 }
 
+TEST_F(Hilsim, RefusesATakenControlSocketWithExitCode71) {
+  const std::vector<std::string> hilsim = command(write("realtime"), {"--paused"});
+  ChildProcess first(hilsim);
+  ASSERT_TRUE(first.wait_ready()) << first.output();
+  ChildProcess second(hilsim);
+  EXPECT_EQ(second.wait_exit(), 71);
+  EXPECT_THAT(second.output(), HasSubstr("is in use by another program"));
+}
+
 }  // namespace
 }  // namespace cas::sim

@@ -36,8 +36,8 @@ EmulatorBench::~EmulatorBench() {
 
 void EmulatorBench::start() {
   process_ = std::make_unique<cas::test::ChildProcess>(std::vector<std::string>{
-      CAS_BINARY_DIR "/bin/fcu_emulator", (folder_ / "fcu.yaml").string(), "--link", link_.string(),
-      "--control", (folder_ / "control").string(), "--params", params_file().string()});
+      CAS_BINARY_DIR "/bin/fcu_emulator", config_file().string(), "--link", link_.string(),
+      "--control", control_socket().string(), "--params", params_file().string()});
   if (!process_->wait_ready()) throw std::runtime_error("no emulator: " + process_->output());
   open();
 }
@@ -183,7 +183,7 @@ base::rpc::Json EmulatorBench::call(const std::string& method) {
 }
 
 base::rpc::Json EmulatorBench::call(const std::string& method, const base::rpc::Json& params) {
-  return base::rpc::Client("unix:" + (folder_ / "control").string()).call(method, params);
+  return base::rpc::Client("unix:" + control_socket().string()).call(method, params);
 }
 
 }  // namespace cas::fcu::test

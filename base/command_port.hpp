@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace cas::base {
+
+/// A program's command port or control socket that cannot be bound; `main` exits with
+/// kExitCommandPort. Unlike a wrong configuration, it may be free when the program starts again.
+class CommandPortError final : public ConfigError {
+ public:
+  using ConfigError::ConfigError;
+};
+
+/// Runs what binds the program's own command port. @return what `bind` returns
+/// @throws CommandPortError with the sentence of a ConfigError
+template <class Bind>
+decltype(auto) bind_command_port(Bind&& bind) {
+  try {
+    return std::forward<Bind>(bind)();
+  } catch (const ConfigError& error) {
+    throw CommandPortError(error.what());
+  }
+}
+
+}  // namespace cas::base
