@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 
@@ -58,9 +59,10 @@ constexpr std::uint64_t to_time_usec(SimTime t) {
 /// Stamps beyond this (126 years) are damage: as nanoseconds they would soon overflow.
 inline constexpr std::uint64_t kLatestTimeUsec = 4'000'000'000'000'000;
 
-/// Inverse of to_time_usec().
+/// Inverse of to_time_usec(); later stamps than kLatestTimeUsec count as that, so that differences
+/// of what comes from the wire do not overflow.
 constexpr SimTime from_time_usec(std::uint64_t usec) {
-  return SimTime(Duration(static_cast<Duration::rep>(usec * 1000)));  // unsigned: no overflow
+  return SimTime(Duration(static_cast<Duration::rep>(std::min(usec, kLatestTimeUsec) * 1000)));
 }
 
 }  // namespace cas::base

@@ -31,5 +31,12 @@ TEST(Clock, WireMicrosecondsSurviveTheRoundTrip) {
   EXPECT_EQ(to_time_usec(from_time_usec(1'755'000'000'000'000)), 1'755'000'000'000'000U);
 }
 
+TEST(Clock, DamagedStampsStayWithinTheLatestOne) {
+  constexpr SimTime kLatest = from_time_usec(kLatestTimeUsec);
+  EXPECT_EQ(from_time_usec(~std::uint64_t{0}), kLatest);
+  EXPECT_EQ(from_time_usec(std::uint64_t{1} << 63U), kLatest);
+  EXPECT_EQ(from_time_usec(9'223'372'036'854'775'808U / 1000 + 1), kLatest);  // would be negative
+}
+
 }  // namespace
 }  // namespace cas::base
