@@ -19,8 +19,8 @@ struct ArmingInput {
   const FlightParams& params;
   FlightMode mode;
   bool has_sticks = false;
-  double sticks_throttle = 0;
-  double battery = 1;
+  double sticks_throttle = 0;  ///< 0..1
+  double battery = 1;          ///< 0..1 of full
   base::RunTime now;
 };
 

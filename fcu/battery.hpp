@@ -16,6 +16,7 @@ class Battery {
   };
 
   void set_params(const Params& params) { params_ = params; }
+  /// @param dt  s since the last call
   void update(bool armed, double dt) {
     if (!armed) return;
     if (remaining_ > params_.floor) {
@@ -24,6 +25,7 @@ class Battery {
     consumed_mah_ += kCurrent_a * dt / 3.6;
   }
 
+  /// 0..1 of full
   double remaining() const { return remaining_; }
   double voltage_v() const {
     return params_.cells * (kEmptyCell_v + (kFullCell_v - kEmptyCell_v) * remaining_);

@@ -17,12 +17,15 @@ class ErrorCovariance {
   using Vector = Eigen::Matrix<double, kStates, 1>;
   using Matrix = Eigen::Matrix<double, kStates, kStates>;
 
+  /// In the units of the states, squared.
   const Matrix& matrix() const { return p_; }
   double variance(int state) const { return p_(state, state); }
+  /// 1 sigma of the three states from `block` (kTheta, kVelocity, ...) on.
   Eigen::Vector3d deviation(int block) const;
 
   /// Forgets a block of `size` states: given variance, no correlations.
   void reset_block(int block, int size, double variance);
+  /// Likewise for three states, each with its own variance.
   void set_block(int block, const Eigen::Vector3d& variance);
 
   /// Carries the covariance over one IMU step.
@@ -35,6 +38,7 @@ class ErrorCovariance {
                const Eigen::Vector3d& q_theta, const Eigen::Vector3d& q_velocity);
   /// Adds the same variance to three states.
   void add_walk(int block, double variance);
+  /// Adds variance to the barometer offset, m^2.
   void add_baro_walk(double variance) { p_(kBaroOffset, kBaroOffset) += variance; }
 
   /// Innovation variance of a scalar measurement h' x with variance r; leaves P h in `ph`.

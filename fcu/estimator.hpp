@@ -29,17 +29,18 @@ struct GpsInput {
   Eigen::Vector3d velocity_N = Eigen::Vector3d::Zero();  ///< m/s
 };
 
+/// The nominal state. N begins at the origin that the first fixes gave.
 struct EstimatorState {
   base::SimTime time;
-  Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();            ///< m/s
-  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();            ///< m, from the origin
-  Eigen::Vector3d w_D = Eigen::Vector3d::Zero();            ///< body rates without bias, rad/s
-  Eigen::Vector3d a_N = Eigen::Vector3d::Zero();            ///< acceleration, m/s^2
-  Eigen::Vector3d gyro_bias_D = Eigen::Vector3d::Zero();    ///< rad/s
-  Eigen::Vector3d accel_bias_D = Eigen::Vector3d::Zero();   ///< m/s^2
-  Eigen::Vector3d earth_field_N = Eigen::Vector3d::Zero();  ///< gauss
-  Eigen::Vector3d body_field_D = Eigen::Vector3d::Zero();   ///< gauss
+  Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();  ///< turns vectors from D into N
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();             ///< m/s
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();             ///< m, from the origin
+  Eigen::Vector3d w_D = Eigen::Vector3d::Zero();             ///< body rates without bias, rad/s
+  Eigen::Vector3d a_N = Eigen::Vector3d::Zero();             ///< acceleration, m/s^2
+  Eigen::Vector3d gyro_bias_D = Eigen::Vector3d::Zero();     ///< rad/s
+  Eigen::Vector3d accel_bias_D = Eigen::Vector3d::Zero();    ///< m/s^2
+  Eigen::Vector3d earth_field_N = Eigen::Vector3d::Zero();   ///< gauss
+  Eigen::Vector3d body_field_D = Eigen::Vector3d::Zero();    ///< gauss
   double baro_offset_m = 0;  ///< pressure altitude minus altitude of the estimate
 };
 
@@ -74,6 +75,7 @@ class Estimator {
   /// For how long the vehicle has been at rest by word and by its samples, s.
   double rest_s() const;
 
+  /// Measurements, each with its own time; what is not finite is left out.
   void on_imu(const ImuInput& imu);
   void on_magnetometer(base::SimTime time, const Eigen::Vector3d& field_D_gauss);
   void on_barometer(base::SimTime time, double pressure_pa);
@@ -97,6 +99,7 @@ class Estimator {
   const FusionHealth& mag() const { return mag_; }
   /// Times the position was reset to the fixes after a long rejection; a setpoint must follow.
   std::uint64_t position_resets() const { return position_resets_; }
+  /// How far the last of them moved the position, m.
   Eigen::Vector3d last_position_reset_N() const { return last_position_reset_N_; }
 
  private:

@@ -24,7 +24,7 @@ struct FailsafeInput {
   bool sticks_seen = false;
   bool sticks_alive = false;
   bool offboard_alive = false;
-  double battery = 1;
+  double battery = 1;  ///< 0..1 of full
 };
 
 /// What is to be done about it.
@@ -40,6 +40,7 @@ struct FailsafeDecision {
 /// armed, and says once per event what to do. Actions are chosen by PX4's parameters.
 class Failsafe {
  public:
+  /// @param dt  s since the last call
   FailsafeDecision update(const FailsafeInput& in, const FlightParams& params, FlightMode mode,
                           bool flying, double dt);
   void reset();

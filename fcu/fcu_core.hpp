@@ -33,8 +33,8 @@ struct ManualInput {
 
 /// How rough the ride is, for VIBRATION: deviation of the specific force from its own mean.
 struct VibrationMeter {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Vector3d square = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();    ///< specific force in D, m/s^2
+  Eigen::Vector3d square = Eigen::Vector3d::Zero();  ///< of its deviation, m^2/s^4
 
   void update(const Eigen::Vector3d& accel_D) {
     constexpr double kShare = 0.002;
@@ -61,14 +61,17 @@ struct FcuCore {
   TaskContext context(base::RunTime now, double dt) const;
   ArmingInput arming_input(base::RunTime now) const;
   FailsafeInput failsafe_input(base::RunTime now) const;
+  /// Of the pilot who is heard now; nothing when there is none.
   std::optional<Sticks> sticks(base::RunTime now) const;
   /// Forgets the estimate and begins anew, as at start.
   void restart_estimate();
   /// Home is where the vehicle stands.
   void set_home_here();
+  /// Time since the start, as MAVLink's time_boot_ms has it.
   std::uint32_t time_boot_ms(base::RunTime now) const {
     return static_cast<std::uint32_t>((now - start).count() / 1'000'000);
   }
+  /// The same in microseconds.
   std::uint64_t time_boot_us(base::RunTime now) const {
     return static_cast<std::uint64_t>((now - start).count() / 1000);
   }
@@ -91,9 +94,9 @@ struct FcuCore {
   double last_pressure_hpa = 0;
   double last_temperature_degc = 0;
   bool home_set = false;
-  Eigen::Vector3d home_N = Eigen::Vector3d::Zero();
-  double home_yaw_rad = 0;
-  double ground_z = 0;
+  Eigen::Vector3d home_N = Eigen::Vector3d::Zero();  ///< m
+  double home_yaw_rad = 0;                           ///< heading when home was set
+  double ground_z = 0;  ///< z (down) of the ground at the take-off place, m
   bool ground_station_seen = false;
   base::RunTime ground_station_last;
   base::RunTime start;

@@ -29,7 +29,7 @@ struct TaskContext {
   bool position_valid = false;
   bool height_valid = false;
   FlightParams params;
-  Eigen::Vector3d home_N = Eigen::Vector3d::Zero();
+  Eigen::Vector3d home_N = Eigen::Vector3d::Zero();  ///< m
   double ground_z = 0;  ///< z (down) of the ground at the take-off place, m
   std::optional<base::LocalProjection> projection;
   std::optional<Sticks> sticks;  ///< nothing while no pilot is heard
@@ -44,8 +44,9 @@ class FlightTask {
   virtual ~FlightTask() = default;
   /// Takes over from whatever flew before.
   virtual void activate(const TaskContext& context) = 0;
+  /// What to follow in this control step.
   virtual ControlSetpoint update(const TaskContext& context) = 0;
-  /// The estimate was moved by this much.
+  /// The estimate was moved by this much, m.
   virtual void shift(const Eigen::Vector3d& by_N) { static_cast<void>(by_N); }
   /// Has done what it was there for.
   virtual bool done(const TaskContext&) const { return false; }
@@ -55,6 +56,7 @@ class FlightTask {
   virtual bool descending(const TaskContext&) const { return false; }
 };
 
+/// The limits of the automatic modes.
 MoverLimits mover_limits(const FlightParams& params);
 
 }  // namespace cas::fcu

@@ -10,11 +10,13 @@ namespace cas::fcu {
 /// the vehicle fall, which ends the suspicion.
 class LandDetector {
  public:
+  /// How sure it is.
   enum class Stage { kAir, kContact, kLanded };
 
+  /// What it looks at in one control step.
   struct Input {
-    double thrust_ratio = 1;  ///< thrust over hover thrust
-    double vertical_speed_m_s = 0;
+    double thrust_ratio = 1;        ///< thrust over hover thrust
+    double vertical_speed_m_s = 0;  ///< down, of the estimate
     double horizontal_speed_m_s = 0;
     bool descending = false;  ///< the setpoint wants down (or nothing)
   };

@@ -7,6 +7,7 @@
 
 namespace cas::fcu {
 
+/// How fast a setpoint may move: horizontally where nothing else is said; all positive.
 struct MoverLimits {
   double speed_m_s = 5;
   double up_m_s = 2;
@@ -26,7 +27,9 @@ class Mover {
 
   /// Starts from a state of motion.
   void reset(const Eigen::Vector3d& p_N, const Eigen::Vector3d& v_N, double yaw_rad);
+  /// @param p_N  where to go, m
   void set_target(const Eigen::Vector3d& p_N) { target_N_ = p_N; }
+  /// @param yaw_rad  heading of Dx from north, rad
   void set_yaw(double yaw_rad) { target_yaw_ = yaw_rad; }
   /// Moves everything at once, as the estimate was moved.
   void shift(const Eigen::Vector3d& by_N);
@@ -34,9 +37,13 @@ class Mover {
   /// Advances by dt (s).
   TrajectorySetpoint update(double dt);
 
+  /// In N, m.
   const Eigen::Vector3d& target() const { return target_N_; }
+  /// rad
   double target_yaw() const { return target_yaw_; }
+  /// Of the setpoint now, in N, m.
   const Eigen::Vector3d& position() const { return p_N_; }
+  /// Of the setpoint now, rad.
   double yaw() const { return yaw_; }
   /// The setpoint stands at the target.
   bool arrived() const;

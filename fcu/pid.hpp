@@ -3,11 +3,12 @@
 
 namespace cas::fcu {
 
+/// Gains of one loop, in units of its output (u) and of its error (e).
 struct PidGains {
-  double p = 0;
-  double i = 0;  ///< per second
-  double d = 0;  ///< seconds
-  double i_limit = 1e9;
+  double p = 0;          ///< u per e
+  double i = 0;          ///< u per e and second
+  double d = 0;          ///< u per change of e in a second
+  double i_limit = 1e9;  ///< largest part of the integrator in u
 
   friend bool operator==(const PidGains&, const PidGains&) = default;
 };
@@ -28,9 +29,12 @@ class Pid {
 
   /// @param error             setpoint minus measurement
   /// @param measurement_rate  d(measurement)/dt
+  /// @param dt                s
   double update(double error, double measurement_rate, double dt, Saturation saturation = {});
 
+  /// @param integral  part of the output that the integrator starts with
   void reset(double integral = 0) { integral_ = integral; }
+  /// The integrator's part of the output.
   double integral() const { return integral_; }
 
  private:

@@ -8,7 +8,9 @@
 
 namespace cas::fcu {
 
+/// A component that is not asked for.
 inline constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
+/// Three of them.
 inline Eigen::Vector3d unset3() { return Eigen::Vector3d::Constant(kUnset); }
 
 /// What the motion controllers follow. A component that is NaN is not controlled (position) or not
@@ -17,15 +19,15 @@ struct TrajectorySetpoint {
   Eigen::Vector3d p_N = unset3();  ///< m
   Eigen::Vector3d v_N = unset3();  ///< m/s
   Eigen::Vector3d a_N = unset3();  ///< m/s^2
-  double yaw_rad = kUnset;
-  double yaw_rate_rad_s = kUnset;
+  double yaw_rad = kUnset;         ///< heading of Dx from north
+  double yaw_rate_rad_s = kUnset;  ///< about Nz
 };
 
 /// What the attitude controller follows.
 struct AttitudeSetpoint {
-  Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();
-  double yaw_rate_rad_s = 0;  ///< about Nz, fed forward
-  double thrust_n = 0;        ///< along -Dz
+  Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();  ///< turns vectors from D into N
+  double yaw_rate_rad_s = 0;                                 ///< about Nz, fed forward
+  double thrust_n = 0;                                       ///< along -Dz
 };
 
 /// Everything a mode may ask for. Exactly one of the members counts, outermost first.

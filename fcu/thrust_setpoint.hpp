@@ -8,10 +8,11 @@
 
 namespace cas::fcu {
 
+/// What the vehicle may be asked for.
 struct ThrustLimits {
-  double min_n = 0;
-  double max_n = 0;
-  double tilt_rad = 0;
+  double min_n = 0;     ///< along -Dz
+  double max_n = 0;     ///< along -Dz
+  double tilt_rad = 0;  ///< of -Dz from up
 };
 
 /// Attitude and thrust that give an acceleration, and what the limits took away.
@@ -26,7 +27,7 @@ struct ThrustSetpoint {
 /// before horizontal acceleration.
 /// @param a_N        wanted acceleration, m/s^2
 /// @param mass_kg    m
-/// @param gravity    m/s^2
+/// @param gravity    m/s^2, positive
 /// @param yaw        heading of Dx, rad
 ThrustSetpoint thrust_for_acceleration(const Eigen::Vector3d& a_N, double mass_kg, double gravity,
                                        double yaw, const ThrustLimits& limits);

@@ -19,6 +19,7 @@ class CAS_SIM_EXPORT MassProperties {
 
   double mass_kg() const { return mass_kg_; }
   const Eigen::Matrix3d& inertia_B() const { return inertia_B_; }
+  /// 1/(kg m^2)
   const Eigen::Matrix3d& inertia_inverse_B() const { return inertia_inverse_B_; }
   /// The same shape of another mass: the inertia scales with it.
   MassProperties scaled(double factor) const { return {mass_kg_ * factor, inertia_B_ * factor}; }
@@ -38,11 +39,13 @@ class CAS_SIM_EXPORT ForceSet {
 
   /// @throws base::ConfigError when there are too many models or states
   void add(const ForceModel& model);
+  /// Sets every state to its model's start.
   void reset_states();
 
   /// Adds every model's wrench for the states `x` and writes their derivatives.
   void evaluate(const BodyState& body, const Environment& environment, const States& x,
                 States& x_dot, Wrench& wrench) const;
+  /// Holds the states within what their models allow; after each integration step.
   void limit();
 
   std::size_t state_count() const { return state_count_; }

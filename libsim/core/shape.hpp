@@ -14,25 +14,32 @@
 
 namespace cas::sim {
 
+/// A surface of triangles.
 struct TriangleMesh {
-  std::vector<Eigen::Vector3d> vertices;  ///< m
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Eigen::Vector3d> vertices;                ///< m, in the shape's own frame
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into `vertices`
 };
 
+/// A box about the origin of its pose.
 struct Box {
   Eigen::Vector3d size_m;  ///< edge lengths
 };
+/// A sphere about the origin of its pose.
 struct Sphere {
-  double radius_m;
+  double radius_m;  ///< m
 };
+/// A cylinder about the origin of its pose.
 struct Cylinder {
   double radius_m;
   double length_m;  ///< along z
 };
-struct Plane {};  ///< infinite, z = 0 of its pose, solid below
+/// Infinite: z = 0 of its pose, solid below.
+struct Plane {};
+/// Triangles that several shapes may share.
 struct Mesh {
   std::shared_ptr<const TriangleMesh> triangles;
 };
+/// What a shape may be.
 using Geometry = std::variant<Box, Sphere, Cylinder, Plane, Mesh>;
 
 /// How a shape feels to what touches it; a contact takes the smaller friction of the two.
@@ -45,7 +52,7 @@ struct Surface {
 struct Shape {
   std::string name;
   Geometry geometry;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< in the parent frame, m
   Surface surface;
 };
 

@@ -24,14 +24,18 @@ namespace cas::sim {
 /// are touching() -> step() -> read().
 class CAS_SIM_EXPORT ContactSolver {
  public:
+  /// @param gravity_W  m/s^2
   explicit ContactSolver(const Eigen::Vector3d& gravity_W);
   ~ContactSolver();
   ContactSolver(const ContactSolver&) = delete;
   ContactSolver& operator=(const ContactSolver&) = delete;
 
+  /// Adds a shape of the world, in its place in W.
   void add_static(const Shape& shape);
-  /// Bodies are numbered from 0 in the order in which they are added.
+  /// Adds a vehicle; its shapes are about its centre of gravity in B. Bodies are numbered from 0 in
+  /// the order in which they are added.
   void add_body(std::span<const Shape> shapes, const MassProperties& mass);
+  /// Gives a body another mass and inertia from the next step on.
   void set_mass(std::size_t body, const MassProperties& mass);
 
   /// True when the body's bounding sphere about `p_W` comes within reach of the static world.
@@ -68,6 +72,7 @@ class CAS_SIM_EXPORT ContactSolver {
                                     const Eigen::Vector3d& direction_W, double range_m) const;
   /// Height of a point over the static surface below it, m; infinite over nothing.
   double height_above_ground(const Eigen::Vector3d& p_W) const;
+  /// Radius of the body's bounding sphere about its centre of gravity, m.
   double radius(std::size_t body) const;
 
   /// Seeds ODE's process-wide random numbers.
