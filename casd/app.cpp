@@ -10,6 +10,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <exception>
 #include <future>
 #include <memory>
 #include <string>
@@ -188,9 +189,9 @@ struct App::Impl {
       figures.set_decoder(decoder);
       warn_of_narrow_lines();
       base::log::info("topology reloaded");
-    } catch (const base::ConfigError& error) {
+    } catch (const std::exception& error) {  // no descriptors or threads for it, for one
       trouble = error.what();
-      base::log::error("topology not reloaded: " + trouble);
+      base::log::error("topology not reloaded, the old one stays in force: " + trouble);
     }
     settle_deadline = base::steady_now() + kSettlePatience;
     do_settle();

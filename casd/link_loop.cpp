@@ -8,8 +8,12 @@
 #include <cerrno>
 #include <future>
 #include <utility>
+#include <system_error>
 
 namespace cas::casd {
+#include "base/error.hpp"
+#include "base/log.hpp"
+
 
 LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling)
     : name_(std::move(name)), scheduling_(std::move(scheduling)) {}
@@ -17,7 +21,11 @@ LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling)
 LinkLoop::~LinkLoop() { stop(); }
 
 void LinkLoop::start() {
-  thread_ = std::thread([this] { run(); });
+  try {
+    thread_ = std::thread([this] { run(); });
+  } catch (const std::system_error& error) {
+    throw base::ConfigError("no thread for links (" + name_ + "): " + error.code().message());
+  }
 }
 
 void LinkLoop::stop() {

@@ -28,7 +28,7 @@ class LinkLoop {
   LinkLoop(const LinkLoop&) = delete;
   LinkLoop& operator=(const LinkLoop&) = delete;
 
-  /// Starts the thread.
+  /// Starts the thread. @throws base::ConfigError when there is none to be had
   void start();
   /// Ends the thread and closes its links.
   void stop();

@@ -2,6 +2,7 @@
 #include "casd/link_set.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 #include <vector>
 
@@ -15,8 +16,7 @@ LinkSet::LinkSet(Topology topology)
       switchboard_(make_plan(topology_, slots_in_order(topology_)), topology_.route_lifetime),
       local_(std::make_shared<LocalEndpoint>(switchboard_, topology_.self)) {
   keys_.read(topology_);
-  for (const LinkConfig& config : topology_.links) open(config);
-  publish_ports();
+  commit(prepare(topology_, {}));
 }
 
 LinkSet::~LinkSet() {
@@ -44,24 +44,17 @@ void LinkSet::reload(Topology topology) {
     throw base::ConfigError(
         "threads, drain_tick_ms, pace, system_id and component_id only change with a restart");
   }
+  // All that may fail comes first and touches nothing; what follows only hands over.
   keys_.read(topology);
-  const auto unchanged = [&](const Running& running) {
-    return std::any_of(topology.links.begin(), topology.links.end(),
-                       [&](const LinkConfig& config) { return config == running.config; });
-  };
+  const std::set<std::string> kept = unchanged(topology);
+  Change change = prepare(topology, kept);
   std::vector<std::string> gone;
   for (const auto& [name, running] : running_) {
-    if (!unchanged(running)) gone.push_back(name);
+    if (!kept.contains(name)) gone.push_back(name);
   }
   for (const std::string& name : gone) close(name);
-
   topology_ = std::move(topology);
-  for (const LinkConfig& config : topology_.links) {
-    if (!running_.contains(config.name)) open(config);
-  }
-  // Rules first: a port that is not there yet takes nothing, a rule that is too old may give.
-  switchboard_.router().replace(make_plan(topology_, slots()));
-  publish_ports();
+  commit(std::move(change));
 }
 
 bool LinkSet::settled() const {
@@ -89,22 +82,70 @@ std::string LinkSet::endpoints() const {
   return text;
 }
 
-void LinkSet::open(const LinkConfig& config) {
-  Running running{.config = config, .id = free_slot(), .port = {}, .loop = loop_for(config)};
-  auto monitor = monitor_.add_link(running.id, config.name, config.type);
-  auto link = make_link({.id = running.id,
-                         .config = config,
-                         .switchboard = switchboard_,
-                         .monitor = monitor,
-                         .signing = keys_.for_link(config, monitor),
-                         .wake = [loop = running.loop.get()] { loop->wake(); },
-                         .blocking = topology_.threads == ThreadModel::kBlocking,
-                         .drain = LineDrain(topology_.drain_tick)});
-  running.link = link.get();
-  running.port = link->port();
-  running.loop->add(std::move(link));
-  if (started_ && running.loop != common_loop_) running.loop->start();
-  running_.emplace(config.name, std::move(running));
+std::set<std::string> LinkSet::unchanged(const Topology& topology) const {
+  std::set<std::string> names;
+  for (const LinkConfig& config : topology.links) {
+    const auto running = running_.find(config.name);
+    if (running != running_.end() && running->second.config == config) names.insert(config.name);
+  }
+  return names;
+}
+
+LinkSet::Change LinkSet::prepare(const Topology& topology, const std::set<std::string>& kept) {
+  Change change;
+  LinkSlots slots;
+  auto ports = std::make_shared<PortTable>();
+  LinkMask taken = 0;
+  for (const std::string& name : kept) {
+    const Running& running = running_.at(name);
+    slots.emplace(name, running.id);
+    (*ports)[running.id] = running.port;
+    taken |= bit(running.id);
+  }
+  for (const LinkConfig& config : topology.links) {
+    if (kept.contains(config.name)) continue;
+    const auto id = static_cast<LinkId>(std::countr_one(taken));
+    const Opening& opening = change.openings.emplace_back(make_opening(topology, config, id));
+    slots.emplace(config.name, id);
+    (*ports)[id] = opening.running.port;
+    taken |= bit(id);
+  }
+  (*ports)[kLocalLink] = local_;
+  change.plan = make_plan(topology, slots);
+  change.ports = std::move(ports);
+  return change;
+}
+
+LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfig& config,
+                                       LinkId id) {
+  Opening opening;
+  opening.running = {.config = config, .id = id, .port = {}, .loop = loop_for(topology, config)};
+  opening.monitor = monitor_.make_link(config.name, config.type);
+  opening.link = make_link({.id = id,
+                            .config = config,
+                            .switchboard = switchboard_,
+                            .monitor = opening.monitor,
+                            .signing = keys_.for_link(config, opening.monitor),
+                            .wake = [loop = opening.running.loop.get()] { loop->wake(); },
+                            .blocking = topology.threads == ThreadModel::kBlocking,
+                         .drain = LineDrain(topology.drain_tick)});
+  opening.running.link = opening.link.get();
+  opening.running.port = opening.link->port();
+  if (started_ && opening.running.loop != common_loop_) opening.running.loop->start();
+  return opening;
+}
+
+void LinkSet::commit(Change change) {
+  for (Opening& opening : change.openings) {
+    Running& running = opening.running;
+    monitor_.add_link(running.id, std::move(opening.monitor));
+    running.loop->add(std::move(opening.link));
+    const std::string name = running.config.name;
+    running_.emplace(name, std::move(running));
+  }
+  // Rules first: a port that is not there yet takes nothing, a rule that is too old may give.
+  switchboard_.router().replace(std::move(change.plan));
+  switchboard_.set_ports(std::move(change.ports));
 }
 
 void LinkSet::close(const std::string& name) {
@@ -121,32 +162,13 @@ void LinkSet::close(const std::string& name) {
   running_.erase(found);
 }
 
-LinkId LinkSet::free_slot() const {
-  LinkMask taken = 0;
-  for (const auto& [name, running] : running_) taken |= bit(running.id);
-  return static_cast<LinkId>(std::countr_one(taken));
-}
-
-std::shared_ptr<LinkLoop> LinkSet::loop_for(const LinkConfig& config) {
-  if (topology_.threads == ThreadModel::kPerLink) {
+std::shared_ptr<LinkLoop> LinkSet::loop_for(const Topology& topology, const LinkConfig& config) {
+  if (topology.threads == ThreadModel::kPerLink) {
     const bool own = config.scheduling.fifo_priority || !config.scheduling.cpus.empty();
-    return std::make_shared<LinkLoop>(config.name, own ? config.scheduling : topology_.scheduling);
+    return std::make_shared<LinkLoop>(config.name, own ? config.scheduling : topology.scheduling);
   }
-  if (!common_loop_) common_loop_ = std::make_shared<LinkLoop>("links", topology_.scheduling);
+  if (!common_loop_) common_loop_ = std::make_shared<LinkLoop>("links", topology.scheduling);
   return common_loop_;
-}
-
-LinkSlots LinkSet::slots() const {
-  LinkSlots slots;
-  for (const auto& [name, running] : running_) slots.emplace(name, running.id);
-  return slots;
-}
-
-void LinkSet::publish_ports() {
-  auto ports = std::make_shared<PortTable>();
-  for (const auto& [name, running] : running_) (*ports)[running.id] = running.port;
-  (*ports)[kLocalLink] = local_;
-  switchboard_.set_ports(std::move(ports));
 }
 
 }  // namespace cas::casd

@@ -3,7 +3,9 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "casd/link_loop.hpp"
 #include "casd/link_signing.hpp"
@@ -31,8 +33,9 @@ class LinkSet {
   /// Closes everything; what was begun is not finished.
   void stop();
   /// Puts another topology in force. Links whose configuration has not changed keep running and
-  /// lose nothing. @throws base::ConfigError when it asks for what only a restart can change; then
-  /// the old one stays in force
+  /// lose nothing. All or nothing: @throws base::ConfigError when it asks for what only a restart
+  /// can change, std::exception when its links cannot be made (no descriptors, no threads); then
+  /// the old topology stays in force with all its links
   void reload(Topology topology);
 
   const Topology& topology() const { return topology_; }
@@ -58,12 +61,26 @@ class LinkSet {
     std::shared_ptr<LinkLoop> loop;
   };
 
-  void open(const LinkConfig& config);
+  /// A link that is made but not in force: nobody hears it, and it does nothing yet.
+  struct Opening {
+    Running running;
+    std::shared_ptr<LinkMonitor> monitor;
+    std::unique_ptr<Link> link;
+  };
+  /// All that a topology needs beside the links that stay.
+  struct Change {
+    std::vector<Opening> openings;
+    std::shared_ptr<const RoutingPlan> plan;
+    std::shared_ptr<const PortTable> ports;
+  };
+
+  std::set<std::string> unchanged(const Topology& topology) const;
+  /// Makes what is new, beside the links `kept`. What throws leaves everything as it was.
+  Change prepare(const Topology& topology, const std::set<std::string>& kept);
+  Opening make_opening(const Topology& topology, const LinkConfig& config, LinkId id);
+  void commit(Change change);
   void close(const std::string& name);
-  LinkId free_slot() const;
-  std::shared_ptr<LinkLoop> loop_for(const LinkConfig& config);
-  LinkSlots slots() const;
-  void publish_ports();
+  std::shared_ptr<LinkLoop> loop_for(const Topology& topology, const LinkConfig& config);
 
   Topology topology_;
   Switchboard switchboard_;

@@ -94,10 +94,15 @@ void LinkMonitor::count_dropped(const PacketInfo& info, DropCause cause) {
   if (ledger) ledger->dropped(info, cause, base::steady_now());
 }
 
-std::shared_ptr<LinkMonitor> Monitor::add_link(LinkId id, const std::string& name, LinkType type) {
+std::shared_ptr<LinkMonitor> Monitor::make_link(const std::string& name, LinkType type) const {
   auto link = std::make_shared<LinkMonitor>(name, type);
   if (keeps_ledgers_) link->ledger = std::make_unique<LinkLedger>();
-  links_[id] = link;
+  return link;
+}
+
+std::shared_ptr<LinkMonitor> Monitor::add_link(LinkId id, const std::string& name, LinkType type) {
+  auto link = make_link(name, type);
+  add_link(id, link);
   return link;
 }
 

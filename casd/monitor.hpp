@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -132,6 +133,9 @@ struct MessageStatus {
 class Monitor {
  public:
   std::shared_ptr<LinkMonitor> add_link(LinkId id, const std::string& name, LinkType type);
+  /// The counters of a link that is not in the figures yet.
+  std::shared_ptr<LinkMonitor> make_link(const std::string& name, LinkType type) const;
+  void add_link(LinkId id, std::shared_ptr<LinkMonitor> link) { links_[id] = std::move(link); }
   void remove_link(LinkId id);
   /// The links remember each HIL packet, those that are added later too; before they start.
   void keep_ledgers();

@@ -4,7 +4,9 @@
 #include <atomic>
 #include <thread>
 
+#include "base/error.hpp"
 #include "tests/loopback/casd_bench.hpp"
+#include "tests/support/no_more_descriptors.hpp"
 
 namespace cas::test {
 namespace {
@@ -67,6 +69,37 @@ TEST(CasdReload, RefusesWhatOnlyARestartCanChange) {
   EXPECT_THROW(bench.links().reload(bench.parse(std::string("threads: single\n") + kHilTopology)),
                base::ConfigError);
   EXPECT_EQ(bench.links().topology().threads, casd::ThreadModel::kPerLink);
+}
+
+TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
+  CasdBench bench;
+  bench.start(kHilTopology);
+  const std::uint16_t before = bench.port("sim");
+  // One link changes and several come: what the first would set free is not enough for the rest.
+  std::string yaml = kHilTopology;
+  const auto changed = yaml.find("60000");
+  yaml.replace(changed, 5, "50000");
+  for (const char* name : {"a", "b", "c", "d"}) {
+    yaml.insert(yaml.find("routes:"), std::string("  - {name: ") + name +
+                                          ", type: udp_server, local: \"127.0.0.1:0\"}\n");
+  }
+  const casd::Topology topology = bench.parse(yaml);
+  {
+    const NoMoreDescriptors limit;
+    EXPECT_THROW(bench.links().reload(topology), base::ConfigError);
+  }
+  EXPECT_EQ(bench.links().topology().links.size(), 2U);
+  EXPECT_EQ(bench.links().monitor().links().size(), 2U);
+  EXPECT_EQ(bench.port("sim"), before);
+  bench.sim.send(bench.from_sim(hil_sensor(1)));
+  bench.fcu.write(bench.from_fcu(hil_controls(1)));
+  EXPECT_TRUE(bench.collect_until([&] {
+    return bench.at_fcu.count(kHilSensor) == 1 && bench.at_sim.count(kHilControls) == 1;
+  }));
+
+  bench.links().reload(topology);  // now there is room
+  EXPECT_EQ(bench.links().monitor().links().size(), 6U);
+  EXPECT_TRUE(wait_until([&] { return bench.links().settled(); }));
 }
 
 }  // namespace
