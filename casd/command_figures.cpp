@@ -176,6 +176,7 @@ json CommandFigures::links() const {
                {"state", to_string(link.state)},
                {"endpoint", link.endpoint},
                {"reconnects", link.reconnects},
+               {"uncounted", link.uncounted},
                {"rx", rx_json(link)},
                {"tx", tx_json(link)}};
     for (const LinkConfig& config : topology.links) {

@@ -62,6 +62,8 @@ struct LinkCounter {
 constexpr LinkCounter kCounters[] = {
     {"casd_link_reconnects_total", "How often the link came back.",
      [](const LinkStatus& link) { return link.reconnects; }},
+    {"casd_link_uncounted_total", "Packets that casd_messages_total had no room for.",
+     [](const LinkStatus& link) { return link.uncounted; }},
     {"casd_link_rx_packets_total", "Packets received.",
      [](const LinkStatus& link) { return link.rx.packets; }},
     {"casd_link_rx_bytes_total", "Bytes received.",

@@ -159,6 +159,9 @@ std::vector<LinkStatus> Monitor::links() const {
     status.endpoint = link->endpoint();
     status.reconnects = link->reconnects.get();
     status.peers = link->peers.get();
+    for_each_direction(*link, [&status](int, const MessageCounters& counters) {
+      status.uncounted += counters.uncounted();
+    });
     const auto& rx = link->rx;
     status.rx = {rx.packets.get(),
                  rx.bytes.get(),

@@ -101,6 +101,7 @@ struct LinkStatus {
   std::string endpoint;
   std::uint64_t reconnects = 0;
   std::uint64_t peers = 0;
+  std::uint64_t uncounted = 0;  ///< packets that no table by message and sender had room for
   struct {
     std::uint64_t packets = 0, bytes = 0, crc_errors = 0, lost = 0, unknown = 0, skipped_bytes = 0,
                   kernel_drops = 0, foreign = 0;
@@ -132,10 +133,10 @@ struct MessageStatus {
 /// counters. `sample`, `links` and `messages` belong to one thread (casd's main thread).
 class Monitor {
  public:
-  std::shared_ptr<LinkMonitor> add_link(LinkId id, const std::string& name, LinkType type);
   /// The counters of a link that is not in the figures yet.
   std::shared_ptr<LinkMonitor> make_link(const std::string& name, LinkType type) const;
   void add_link(LinkId id, std::shared_ptr<LinkMonitor> link) { links_[id] = std::move(link); }
+  std::shared_ptr<LinkMonitor> add_link(LinkId id, const std::string& name, LinkType type);
   void remove_link(LinkId id);
   /// The links remember each HIL packet, those that are added later too; before they start.
   void keep_ledgers();

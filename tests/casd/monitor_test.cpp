@@ -76,6 +76,18 @@ TEST(Monitor, ShowsLinksWithTheirStateAndForgetsThem) {
   EXPECT_TRUE(monitor.links().empty());
 }
 
+TEST(Monitor, SaysWhatItsTablesHadNoRoomFor) {
+  Monitor monitor;
+  const auto link = monitor.add_link(3, "fcu", LinkType::kSerial);
+  PacketInfo info;
+  for (; info.message_id < 5000; ++info.message_id) {
+    link->rx.messages.add(info.message_id, {1, 1}, at({}));
+    link->count_dropped(info, DropCause::kClosed);
+  }
+  EXPECT_EQ(monitor.messages(at({})).size() + monitor.links()[0].uncounted, 10'000U);
+  EXPECT_GT(monitor.links()[0].uncounted, 0U);
+}
+
 TEST(TlogWriter, WritesTimeAndPacketAsGroundStationsReadThem) {
   cas::test::TemporaryFolder folder;
   TlogWriter tlog;
