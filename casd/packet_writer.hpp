@@ -10,9 +10,11 @@ namespace cas::casd {
 
 /// What became of an attempt to write packets.
 struct WriteResult {
-  std::size_t packets = 0;       ///< gone as a whole
+  std::size_t packets = 0;       ///< done with: gone as a whole, or unsignable
   std::size_t part_of_next = 0;  ///< bytes of the next one that are gone too (streams)
   bool broken = false;           ///< the descriptor is of no more use
+  /// Those of `packets` that can never be written, as rising indices; good until the next write.
+  std::span<const std::size_t> unsignable = {};
 };
 
 /// Writes packets to a descriptor in as few system calls as it can, never blocking. Owns the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/signing_writer.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace cas::casd {
@@ -13,11 +14,10 @@ WriteResult SigningWriter::write(std::span<const PacketRef> packets) {
   sign(packets);
   const WriteResult inner = signed_.empty() ? WriteResult{} : writer_->write(signed_);
   WriteResult result{.broken = inner.broken};
-  if (inner.packets == signed_.size()) {
-    result.packets = packets.size();
-    return result;
-  }
-  result.packets = index_[inner.packets];
+  const bool all = inner.packets == signed_.size();
+  result.packets = all ? packets.size() : index_[inner.packets];
+  const auto end = std::lower_bound(unsignable_.begin(), unsignable_.end(), result.packets);
+  result.unsignable = {unsignable_.begin(), end};
   if (inner.part_of_next > 0) {
     const auto rest = signed_[inner.packets].bytes.subspan(inner.part_of_next);
     rest_.assign(rest.begin(), rest.end());
@@ -38,11 +38,15 @@ void SigningWriter::sign(std::span<const PacketRef> packets) {
   bytes_.resize(packets.size() * mav::kMaxPacketBytes);
   signed_.clear();
   index_.clear();
+  unsignable_.clear();
   for (std::size_t i = 0; i < packets.size(); ++i) {
     const std::span<std::uint8_t, mav::kMaxPacketBytes> out(
         bytes_.data() + i * mav::kMaxPacketBytes, mav::kMaxPacketBytes);
     const std::size_t size = signer_->sign(mav::view_packet(packets[i].bytes), link_id_, out);
-    if (size == 0) continue;  // no message has such a checksum: damaged before it came here
+    if (size == 0) {  // no message has such a checksum: damaged before it came here
+      unsignable_.push_back(i);
+      continue;
+    }
     signed_.push_back({packets[i].info, out.first(size)});
     index_.push_back(i);
   }

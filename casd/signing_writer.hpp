@@ -11,7 +11,8 @@
 namespace cas::casd {
 
 /// Signs packets and hands them to the writer behind it. A packet that was not taken is signed
-/// again at its next turn: its time must not lie behind what was sent meanwhile.
+/// again at its next turn: its time must not lie behind what was sent meanwhile. One whose checksum
+/// fits no message cannot be signed: it is named in the result and not written.
 class SigningWriter final : public PacketWriter {
  public:
   SigningWriter(std::unique_ptr<PacketWriter> writer, std::shared_ptr<PacketSigner> signer,
@@ -33,6 +34,7 @@ class SigningWriter final : public PacketWriter {
   std::vector<std::uint8_t> bytes_;
   std::vector<PacketRef> signed_;
   std::vector<std::size_t> index_;  ///< of each signed packet among those given
+  std::vector<std::size_t> unsignable_;
   std::vector<std::uint8_t> rest_;  ///< of a signed packet that was begun
 };
 

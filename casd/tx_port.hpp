@@ -85,6 +85,8 @@ class TxPort final : public PacketPort {
   void drop_late_batch(base::RunTime now);
   void drop_all(DropCause cause);
   void pace(bool has_rate);
+  void settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
+              base::RunTime now);
   void account(std::span<const PacketRef> written, base::RunTime now);
   void count_drop(const PacketInfo& info, DropCause cause);
   bool anything_queued();

@@ -36,7 +36,7 @@ std::size_t TxPort::write_some(std::span<const PacketRef> packets, base::RunTime
     tail_.assign(rest.begin(), rest.end());
     ++gone;
   }
-  if (gone > 0) account(packets.first(gone), now);
+  settle(packets.first(gone), result.unsignable, now);
   if (result.broken) {
     broken_.store(true, std::memory_order_relaxed);
     wake_();
@@ -127,6 +127,18 @@ bool TxPort::line_ready(base::RunTime now) {
   if (!pacer_.ready(now)) return false;
   pacer_.holds(line_check_.believed(writer_ ? writer_->unsent() : 0, now), now);
   return pacer_.ready(now);
+}
+
+// What lies between the packets that cannot be signed is gone.
+void TxPort::settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
+                    base::RunTime now) {
+  std::size_t begin = 0;
+  for (const std::size_t at : unsignable) {
+    if (at > begin) account(done.subspan(begin, at - begin), now);
+    count_drop(*done[at].info, DropCause::kUnsignable);
+    begin = at + 1;
+  }
+  if (done.size() > begin) account(done.subspan(begin), now);
 }
 
 void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {

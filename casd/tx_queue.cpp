@@ -32,6 +32,8 @@ std::string_view to_string(DropCause cause) {
       return "closed";
     case DropCause::kStalled:
       return "stalled";
+    case DropCause::kUnsignable:
+      return "unsignable";
   }
   return "?";
 }

@@ -19,13 +19,14 @@ namespace cas::casd {
 
 /// Why a packet did not go out.
 enum class DropCause : std::uint8_t {
-  kAge,        ///< would have arrived too late to be worth anything
-  kBandwidth,  ///< likewise, because of the cap that the topology sets
-  kQueueFull,  ///< its class, or the socket, had no room left
-  kClosed,     ///< the link was away, or came back and what waited was stale
-  kStalled,    ///< the peer stopped reading and was closed
+  kAge,         ///< would have arrived too late to be worth anything
+  kBandwidth,   ///< likewise, because of the cap that the topology sets
+  kQueueFull,   ///< its class, or the socket, had no room left
+  kClosed,      ///< the link was away, or came back and what waited was stale
+  kStalled,     ///< the peer stopped reading and was closed
+  kUnsignable,  ///< its checksum fits no message, so that it cannot be signed
 };
-inline constexpr int kDropCauses = 5;
+inline constexpr int kDropCauses = 6;
 std::string_view to_string(DropCause cause);
 
 struct TxQueueOptions {

@@ -54,6 +54,8 @@ std::string drop_words(casd::DropCause cause) {
       return "the link was down";
     case casd::DropCause::kStalled:
       return "the peer stopped reading";
+    case casd::DropCause::kUnsignable:
+      return "casd could not sign it";
   }
   return "?";
 }
