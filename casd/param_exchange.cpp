@@ -37,6 +37,10 @@ ParamRequestRead read_by_index(std::size_t index) {
   return message;
 }
 
+std::string seconds_text(base::Duration d) {
+  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count());
+}
+
 std::string because(const std::vector<std::string>& texts) {
   return texts.empty() ? std::string() : ": " + texts.back();
 }
@@ -190,17 +194,22 @@ void ParamExchange::tick(base::RunTime now) {
     if (reading) sentence += "; does this vehicle have it?";
     finish(due, failure(Verdict::kTimeout, sentence + because(due->texts)));
   }
-  if (listing_ && now >= listing_->deadline) tick_listing(now);
+  if (listing_ && (now >= listing_->deadline || now >= listing_->give_up)) tick_listing(now);
 }
 
 void ParamExchange::list(base::RunTime now, Done done) {
   if (listing_) {
+    if (listing_->done.size() >= kMaxActive) {
+      done(failure(Verdict::kRefused, "too many parameter requests wait for this vehicle"));
+      return;
+    }
     listing_->done.push_back(std::move(done));
     return;
   }
   listing_.emplace();
   listing_->done.push_back(std::move(done));
   listing_->deadline = now + timing_.answer_timeout;
+  listing_->give_up = now + timing_.list_timeout;
   send_(ParamRequestList{});
 }
 
@@ -208,6 +217,15 @@ void ParamExchange::on_listed(const ParamValue& message, const std::string& name
                               base::RunTime now) {
   Listing& listing = *listing_;
   if (message.param_index == kNoIndex || message.param_index >= message.param_count) return;
+  // Names may come without end too, under the same few indices.
+  const bool too_many = listing.values.size() >= kMaxKnown && !listing.values.contains(name);
+  if (message.param_count > kMaxKnown || too_many) {
+    const std::size_t claimed = std::max<std::size_t>(message.param_count, kMaxKnown + 1);
+    give_up_listing(Verdict::kRefused, "the vehicle claims to have " + std::to_string(claimed) +
+                                           " parameters or more; casd holds " +
+                                           std::to_string(kMaxKnown));
+    return;
+  }
   if (listing.have.size() != message.param_count) listing.have.resize(message.param_count, false);
   listing.values[name] = value;
   if (listing.have[message.param_index]) return;
@@ -225,12 +243,15 @@ void ParamExchange::on_listed(const ParamValue& message, const std::string& name
 /// Nothing new for a while: asks again for the list or for the missing ones.
 void ParamExchange::tick_listing(base::RunTime now) {
   Listing& listing = *listing_;
+  const std::string sent = "the vehicle sent " + std::to_string(listing.received) + " of " +
+                           std::to_string(listing.have.size()) + " parameters";
+  if (now >= listing.give_up) {
+    give_up_listing(Verdict::kTimeout, sent + " in " + seconds_text(timing_.list_timeout) +
+                                           " s; the rest would take too long");
+    return;
+  }
   if (++listing.idle_rounds >= timing_.tries) {
-    Outcome outcome = failure(
-        Verdict::kTimeout, "the vehicle sent " + std::to_string(listing.received) + " of " +
-                               std::to_string(listing.have.size()) + " parameters, then no more");
-    outcome.parameters = listing.values;
-    finish_listing(std::move(outcome));
+    give_up_listing(Verdict::kTimeout, sent + ", then no more");
     return;
   }
   listing.deadline = now + timing_.answer_timeout;
@@ -244,6 +265,12 @@ void ParamExchange::tick_listing(base::RunTime now) {
     ++asked;
     send_(read_by_index(index));
   }
+}
+
+void ParamExchange::give_up_listing(Verdict verdict, const std::string& why) {
+  Outcome outcome = failure(verdict, why);
+  outcome.parameters = listing_->values;
+  finish_listing(std::move(outcome));
 }
 
 void ParamExchange::finish_listing(Outcome outcome) {

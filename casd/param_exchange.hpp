@@ -33,12 +33,16 @@ struct ParamTiming {
   int tries = 5;
   /// A list with gaps asks for at most this many missing ones at a time.
   std::size_t missing_at_once = 10;
+  /// A list that is not whole by then is given up, however much still comes.
+  base::Duration list_timeout = std::chrono::seconds(120);
 };
 
 /// The parameter protocol (https://mavlink.io/en/services/parameter.html) with one vehicle.
 ///
-/// Every wait has a deadline and a bound on tries. A value that the vehicle answers is compared
-/// with the one asked for: a vehicle that clamps or refuses answers with what is in force.
+/// Every wait has a deadline and a bound on tries, and no more parameters are held than any
+/// autopilot has: a vehicle that talks nonsense, or for ever, costs a bounded time and memory. A
+/// value that the vehicle answers is compared with the one asked for: a vehicle that clamps or
+/// refuses answers with what is in force.
 class ParamExchange {
  public:
   using Message = std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,
@@ -79,6 +83,7 @@ class ParamExchange {
     std::size_t received = 0;
     int idle_rounds = 0;
     base::RunTime deadline{};
+    base::RunTime give_up{};  ///< of the list as a whole
     std::map<std::string, double> values;
   };
 
@@ -95,6 +100,7 @@ class ParamExchange {
   void on_listed(const mavlink::common::ParamValue& message, const std::string& name, double value,
                  base::RunTime now);
   void tick_listing(base::RunTime now);
+  void give_up_listing(Verdict verdict, const std::string& why);
   void finish_listing(Outcome outcome);
 
   Send send_;
