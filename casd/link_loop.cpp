@@ -6,14 +6,20 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <future>
-#include <utility>
 #include <system_error>
+#include <utility>
 
-namespace cas::casd {
 #include "base/error.hpp"
 #include "base/log.hpp"
 
+namespace cas::casd {
+namespace {
+
+constexpr auto kTroublePause = std::chrono::milliseconds(100);
+
+}  // namespace
 
 LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling)
     : name_(std::move(name)), scheduling_(std::move(scheduling)) {}
@@ -103,10 +109,25 @@ void LinkLoop::wait(base::RunTime now) {
   }
   auto& entries = poll_set_.entries();
   if (::ppoll(entries.data(), entries.size(), forever ? nullptr : &timeout, nullptr) < 0) {
+    const int error = errno;
     for (pollfd& entry : entries) entry.revents = 0;
+    if (error != EINTR) wait_in_trouble(error);
+  } else {
+    in_trouble_ = false;
   }
   // Only what was seen: a signal that is being raised just now is for the next turn.
   if ((entries.front().revents & POLLIN) != 0) signal_.lower();
+}
+
+// Out of memory, or more descriptors than the limit allows: the next turn would fail at once too.
+void LinkLoop::wait_in_trouble(int error) {
+  if (!in_trouble_) {
+    base::log::error(
+        "links (" + name_ + ") cannot wait for their descriptors, trying again every " +
+        std::to_string(kTroublePause.count()) + " ms: " + std::generic_category().message(error));
+  }
+  in_trouble_ = true;
+  std::this_thread::sleep_for(kTroublePause);
 }
 
 void LinkLoop::run_tasks() {

@@ -47,6 +47,7 @@ class LinkLoop {
  private:
   void run();
   void wait(base::RunTime now);
+  void wait_in_trouble(int error);
   void run_tasks();
 
   const std::string name_;
@@ -59,6 +60,7 @@ class LinkLoop {
   std::vector<std::function<void()>> tasks_;
   std::vector<std::unique_ptr<Link>> links_;
   PollSet poll_set_;
+  bool in_trouble_ = false;  ///< waiting failed, and that was said
   std::thread thread_;
 };
 

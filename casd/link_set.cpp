@@ -128,7 +128,7 @@ LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfi
                             .signing = keys_.for_link(config, opening.monitor),
                             .wake = [loop = opening.running.loop.get()] { loop->wake(); },
                             .blocking = topology.threads == ThreadModel::kBlocking,
-                         .drain = LineDrain(topology.drain_tick)});
+                            .drain = LineDrain(topology.drain_tick)});
   opening.running.link = opening.link.get();
   opening.running.port = opening.link->port();
   if (started_ && opening.running.loop != common_loop_) opening.running.loop->start();
