@@ -47,15 +47,21 @@ int fly(Session& session, const std::string& method, const json& params, const s
   return tell(session, session.vehicle_call(method, params), did, state_word, reached);
 }
 
+/// Whether the vehicle said "not now": MAV_RESULT_TEMPORARILY_REJECTED in the error's data.
+bool is_temporary(const base::rpc::CallError& error) {
+  constexpr int kTemporarilyRejected = 1;
+  const json data = json::parse(error.data_json(), nullptr, false);
+  return data.is_object() && data.value("result_code", json()) == kTemporarilyRejected;
+}
+
 /// With --wait asks again each second while the vehicle says "not yet": estimators take a while.
 json arm(Session& session, const json& params) {
   for (;;) {
     try {
       return session.vehicle_call("vehicle.arm", params);
     } catch (const base::rpc::CallError& error) {
-      const std::string why = error.what();
-      if (why.find("temporarily rejected") == std::string::npos || !session.may_wait()) throw;
-      session.wait_because(why, std::chrono::seconds(1));
+      if (!is_temporary(error) || !session.may_wait()) throw;
+      session.wait_because(error.what(), std::chrono::seconds(1));
     }
   }
 }

@@ -114,6 +114,21 @@ TEST_F(CasctlTest, KnowsNoStatusOfAVehicleThatWasNotHeard) {
   EXPECT_EQ(status.code, 1);
   EXPECT_NE(status.out.find("7"), std::string::npos) << status.out;
 }
+TEST_F(CasctlTest, AsksAgainToArmWhileTheVehicleSaysNotNow) {
+  bench_.vehicle().script.result = MavResult::kTemporarilyRejected;
+  const Ended later = run("arm --wait --timeout 0.3");
+  EXPECT_EQ(later.code, 1);
+  EXPECT_NE(later.out.find("casctl: waiting: MAV_CMD 400"), std::string::npos) << later.out;
+}
+
+TEST_F(CasctlTest, DecidesOnTheResultAndNotOnWhatTheVehicleSays) {
+  bench_.vehicle().script.result = MavResult::kDenied;
+  bench_.vehicle().script.text = "temporarily rejected, as people say";
+  const Ended denied = run("arm --wait --timeout 3");
+  EXPECT_EQ(denied.code, 1);
+  EXPECT_EQ(denied.out.find("waiting"), std::string::npos) << denied.out;
+}
+
 
 TEST_F(CasctlTest, SaysThatADisarmedVehicleMustBeArmedToTakeOff) {
   bench_.vehicle().say_heartbeat(base::steady_now());
