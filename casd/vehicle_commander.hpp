@@ -58,8 +58,8 @@ class VehicleCommander final : public Station {
     bool force = false;    ///< skip the vehicle's own checks
     bool not_hil = false;  ///< arm although the vehicle does not say that it is in HIL
   };
-  /// A refusal tells what the vehicle lacks. PX4 that stands in a mode which wants sticks, and
-  /// refuses, is put into HOLD and asked again.
+  /// A refusal tells what the vehicle lacks: its sensors, and what it has said since it was asked.
+  /// PX4 that stands in a mode which wants sticks, and refuses, is put into HOLD and asked again.
   /// Refused with kInterlock for a vehicle without the HIL flag, unless request and configuration
   /// both consent.
   void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);
@@ -133,7 +133,7 @@ class VehicleCommander final : public Station {
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   void takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
   void takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
-  Done explained(std::uint8_t system, Done done);
+  Done explained(const Vehicle& vehicle, Done done);
   bool interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now, const Done& done) const;
   struct Steps;
   void run_steps(std::shared_ptr<Steps> steps);

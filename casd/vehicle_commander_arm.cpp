@@ -85,7 +85,7 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
   const Vehicle* vehicle = known(system, done);
   if (vehicle == nullptr || interlocked(*vehicle, options.not_hil, now, done)) return;
   start(system, command, now,
-        [this, system, command, done = explained(system, std::move(done))](const Outcome& armed) {
+        [this, system, command, done = explained(*vehicle, std::move(done))](const Outcome& armed) {
           const VehicleState* state = find(system);
           if (armed.verdict != Verdict::kRefused || !waits_for_sticks(*state)) return done(armed);
           // Nobody holds sticks that this mode wants: in HOLD the vehicle flies by itself.
@@ -96,13 +96,16 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
         });
 }
 
-/// Adds to a refusal what the vehicle is known to lack.
-Done VehicleCommander::explained(std::uint8_t system, Done done) {
-  return [this, system, done = std::move(done)](const Outcome& outcome) {
+/// Adds to a refusal what the vehicle is known to lack. What it said before it was asked may be
+/// over.
+Done VehicleCommander::explained(const Vehicle& vehicle, Done done) {
+  const std::uint8_t system = vehicle.state.source().system;
+  const std::uint64_t texts_before = vehicle.state.status_text_count();
+  return [this, system, texts_before, done = std::move(done)](const Outcome& outcome) {
     const VehicleState* state = find(system);
     if (outcome.verdict != Verdict::kRefused || state == nullptr) return done(outcome);
     Outcome told = outcome;
-    for (const std::string& complaint : complaints(*state, now_)) {
+    for (const std::string& complaint : complaints(*state, now_, texts_before)) {
       if (told.message.find(complaint) == std::string::npos) told.message += "; " + complaint;
     }
     done(told);

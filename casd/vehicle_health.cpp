@@ -53,11 +53,15 @@ void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
 
 }  // namespace
 
-std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime now) {
+std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime now,
+                                    std::uint64_t texts_before) {
   std::vector<std::string> all;
   const auto& status = vehicle.sys_status();
   if (status && now - status->at < kFreshStatus) add_sensors(all, status->message);
+  if (vehicle.armed()) return all;
+  std::uint64_t number = vehicle.status_text_count() - vehicle.status_texts().size();
   for (const StatusText& text : vehicle.status_texts()) {
+    if (number++ < texts_before) continue;
     if (now - text.at < kFreshText && is_reason(text.text)) add(all, text.text);
   }
   return all;

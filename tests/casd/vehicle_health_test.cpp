@@ -85,17 +85,33 @@ TEST_F(Stock, ItsOwnReasonsCountAndChatterDoesNot) {
                                       "PreArm: GPS 1: Bad fix"}));
 }
 
-TEST_F(Stock, ARefusalToArmTellsWhatWasSaidBefore) {
+TEST_F(Stock, ItsReasonsAreOverWhenItIsArmedOrWhenTheyAreOld) {
+  beat();
+  vehicle_.say_text("Preflight Fail: No valid GPS", now_);
+  pass(milliseconds(50));
+  EXPECT_EQ(complaints_now().size(), 1U);
+  vehicle_.base_mode = vehicle_.base_mode | MavModeFlag::kSafetyArmed;
+  beat();
+  EXPECT_TRUE(complaints_now().empty());
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
+  beat();
+  pass(seconds(50));
+  EXPECT_TRUE(complaints_now().empty());
+}
+
+TEST_F(Stock, ARefusalToArmTellsWhatIsSickAndWhatWasSaidSinceItWasAsked) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
   vehicle_.custom_mode = 3U << 24 | 4U << 16;  // HOLD
   beat();
-  vehicle_.say_text("Preflight Fail: No valid GPS", now_);
+  vehicle_.say_text("Preflight Fail: Compass not found", now_);
   say_sensors(kAll, S::k3dGyro | S::k3dAccel | S::k3dMag | S::kAbsolutePressure);
   vehicle_.script.result = MavResult::kTemporarilyRejected;
   vehicle_.script.text = "Arming denied! Check the preflight failures";
+  vehicle_.say_text("Preflight Fail: No valid GPS", now_ + milliseconds(100));  // while it is asked
   const auto outcome = arm();
   ASSERT_TRUE(outcome);
   EXPECT_EQ(outcome->verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome->message.find("Compass"), std::string::npos) << outcome->message;
   EXPECT_NE(outcome->message.find("No valid GPS"), std::string::npos) << outcome->message;
   EXPECT_NE(outcome->message.find("GPS not healthy"), std::string::npos) << outcome->message;
   EXPECT_NE(outcome->message.find("Arming denied"), std::string::npos) << outcome->message;
