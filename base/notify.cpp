@@ -3,11 +3,12 @@
 
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <unistd.h>
 
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+
+#include "base/descriptor.hpp"
 
 namespace cas::base {
 namespace {
@@ -37,11 +38,10 @@ bool notify(std::string_view state) {
   sockaddr_un address;
   const socklen_t length = parse_address(variable, address);
   if (length == 0) return false;
-  const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return false;
-  const ssize_t sent = ::sendto(fd, state.data(), state.size(), MSG_NOSIGNAL,
+  const Descriptor fd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (!fd) return false;
+  const ssize_t sent = ::sendto(fd.get(), state.data(), state.size(), MSG_NOSIGNAL,
                                 reinterpret_cast<const sockaddr*>(&address), length);
-  ::close(fd);
   return sent == static_cast<ssize_t>(state.size());
 }
 

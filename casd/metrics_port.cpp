@@ -106,12 +106,13 @@ MetricsPort::MetricsPort(asio::io_context& io, Text text)
 MetricsPort::~MetricsPort() { close(); }
 
 std::uint16_t MetricsPort::listen(const std::string& address, std::uint16_t port) {
-  const base::rpc::ListeningSocket socket = base::rpc::open_tcp(address, port);
+  base::rpc::ListeningSocket socket = base::rpc::open_tcp(address, port);
+  const std::uint16_t bound = socket.port;
   impl_->listener = std::make_shared<Listener>(
-      impl_->io, socket,
+      impl_->io, std::move(socket),
       [this](Listener::StreamSocket client) { impl_->on_client(std::move(client)); });
   impl_->listener->start();
-  return socket.port;
+  return bound;
 }
 
 void MetricsPort::close() {

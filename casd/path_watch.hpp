@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "casd/descriptor.hpp"
+#include "base/descriptor.hpp"
 
 namespace cas::casd {
 
@@ -23,7 +23,7 @@ class PathWatch {
 
  private:
   std::filesystem::path path_;
-  Descriptor inotify_;
+  base::Descriptor inotify_;
 };
 
 }  // namespace cas::casd

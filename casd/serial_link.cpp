@@ -57,7 +57,7 @@ void SerialLink::serve(const PollSet& set, base::RunTime now) {
 void SerialLink::open(base::RunTime now) {
   const LinkConfig& config = core_.config();
   std::string error;
-  Descriptor line =
+  base::Descriptor line =
       open_serial(config.device, {.baud = config.baud, .flow_control = config.flow_control}, error);
   if (!line) {
     path_watch_.arm();  // before the next try: nothing that comes in between is missed

@@ -46,13 +46,13 @@ void ask_low_latency(int fd) {
 
 }  // namespace
 
-Descriptor open_serial(const std::string& device, const SerialOptions& options,
-                       std::string& error) {
+base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
+                             std::string& error) {
   const auto failed = [&](const char* what) {
     error = device + ": " + what + std::generic_category().message(errno);
-    return Descriptor();
+    return base::Descriptor();
   };
-  Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  base::Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!line) return failed("");
   if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) return failed("in use: ");
   if (!make_raw(line.get(), options)) return failed("not a terminal: ");

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "casd/descriptor.hpp"
+#include "base/descriptor.hpp"
 
 namespace cas::casd {
 
@@ -15,7 +15,8 @@ struct SerialOptions {
 
 /// Opens a serial device: raw, exclusive (flock), its old input and output thrown away, low latency
 /// where the driver knows the word. @return nothing, with the reason in `error`
-Descriptor open_serial(const std::string& device, const SerialOptions& options, std::string& error);
+base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
+                             std::string& error);
 
 /// Bytes that the driver has not yet put on the line; 0 where it cannot tell.
 std::size_t unsent_bytes(int fd);

@@ -3,7 +3,7 @@
 
 #include <sys/uio.h>
 
-#include "casd/descriptor.hpp"
+#include "base/descriptor.hpp"
 #include "casd/packet_writer.hpp"
 
 namespace cas::casd {
@@ -16,7 +16,7 @@ class StreamWriter final : public PacketWriter {
     kPseudoTerminal,  ///< no line behind it
     kSocket
   };
-  StreamWriter(Descriptor descriptor, Kind kind)
+  StreamWriter(base::Descriptor descriptor, Kind kind)
       : descriptor_(std::move(descriptor)), kind_(kind) {}
 
   WriteResult write(std::span<const PacketRef> packets) override;
@@ -27,7 +27,7 @@ class StreamWriter final : public PacketWriter {
  private:
   std::ptrdiff_t write_vector(iovec* parts, std::size_t count);
 
-  Descriptor descriptor_;
+  base::Descriptor descriptor_;
   Kind kind_;
 };
 

@@ -90,7 +90,7 @@ void TcpLink::connect(base::RunTime now) {
   }
   const SocketAddress& address = remote_.address();
   connecting_ =
-      Descriptor(::socket(address.family(), SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+      base::Descriptor(::socket(address.family(), SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const std::string& interface = core_.config().interface;
   const bool bound = connecting_ && (interface.empty() ||
                                      ::setsockopt(connecting_.get(), SOL_SOCKET, SO_BINDTODEVICE,
@@ -114,7 +114,7 @@ void TcpLink::finish_connect(base::RunTime now) {
     connecting_.reset();
     return core_.went_down(core_.config().remote + ": " + error_text(error), now);
   }
-  Descriptor connected = std::move(connecting_);
+  base::Descriptor connected = std::move(connecting_);
   fd_ = connected.get();
   parser_.reset();
   port_->attach(std::make_unique<StreamWriter>(std::move(connected), StreamWriter::Kind::kSocket));

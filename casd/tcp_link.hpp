@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "casd/descriptor.hpp"
+#include "base/descriptor.hpp"
 #include "casd/link_core.hpp"
 #include "casd/socket_address.hpp"
 #include "casd/tx_port.hpp"
@@ -37,7 +37,7 @@ class TcpLink final : public Link {
   std::vector<std::uint8_t> buffer_;
   AddressLookup remote_;
   bool looking_up_ = false;
-  Descriptor connecting_;
+  base::Descriptor connecting_;
   base::RunTime connect_deadline_{};
   int fd_ = -1;  ///< owned by the port's writer
   std::size_t poll_entry_ = 0;

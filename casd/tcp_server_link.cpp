@@ -115,7 +115,8 @@ void TcpServerLink::listen(base::RunTime now) {
   if (local_.state() == AddressLookup::State::kFailed) return core_.went_down(local_.error(), now);
 
   const SocketAddress& address = local_.address();
-  Descriptor socket(::socket(address.family(), SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  base::Descriptor socket(
+      ::socket(address.family(), SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const int on = 1;
   const std::string& interface = core_.config().interface;
   const bool bound = socket &&
@@ -133,8 +134,8 @@ void TcpServerLink::listen(base::RunTime now) {
 void TcpServerLink::accept(base::RunTime now) {
   SocketAddress from;
   from.size = sizeof from.storage;
-  Descriptor socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from.storage),
-                              &from.size, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  base::Descriptor socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from.storage),
+                                    &from.size, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket) {
     // Out of descriptors or memory: who waits at the door must not keep us busy.
     if (errno != EAGAIN && errno != ECONNABORTED) accept_again_ = now + std::chrono::seconds(1);

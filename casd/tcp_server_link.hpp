@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "casd/descriptor.hpp"
+#include "base/descriptor.hpp"
 #include "casd/link_core.hpp"
 #include "casd/route_table.hpp"
 #include "casd/socket_address.hpp"
@@ -72,7 +72,7 @@ class TcpServerLink final : public Link {
   std::shared_ptr<TcpFanOut> fan_out_;
   AddressLookup local_;
   bool looking_up_ = false;
-  Descriptor listener_;
+  base::Descriptor listener_;
   std::size_t poll_entry_ = 0;
   base::RunTime accept_again_{};
   std::vector<std::unique_ptr<Client>> clients_;

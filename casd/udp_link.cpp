@@ -9,8 +9,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/descriptor.hpp"
 #include "casd/datagram_sender.hpp"
-#include "casd/descriptor.hpp"
 
 namespace cas::casd {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 class UdpWriter final : public PacketWriter {
  public:
   /// @param to  nothing for a connected socket
-  UdpWriter(Descriptor descriptor, const SocketAddress& to)
+  UdpWriter(base::Descriptor descriptor, const SocketAddress& to)
       : descriptor_(std::move(descriptor)), to_(to) {}
 
   WriteResult write(std::span<const PacketRef> packets) override {
@@ -30,7 +30,7 @@ class UdpWriter final : public PacketWriter {
   int descriptor() const override { return descriptor_.get(); }
 
  private:
-  Descriptor descriptor_;
+  base::Descriptor descriptor_;
   SocketAddress to_;
   DatagramSender sender_;
 };
@@ -39,7 +39,7 @@ class UdpWriter final : public PacketWriter {
 // to them only with SO_BROADCAST.
 bool is_broadcast(const SocketAddress& remote) {
   if (remote.is_ipv4_broadcast()) return true;
-  const Descriptor probe(::socket(remote.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  const base::Descriptor probe(::socket(remote.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
   return probe && ::connect(probe.get(), remote.get(), remote.size) != 0 && errno == EACCES;
 }
 
@@ -69,7 +69,7 @@ bool join_group(int fd, const SocketAddress& group, const std::string& interface
 
 // The address that our packets to `remote` bear, with the port of `fd`.
 SocketAddress source_towards(const SocketAddress& remote, int fd, const std::string& interface) {
-  const Descriptor probe(open_udp_socket(remote.family(), interface));
+  const base::Descriptor probe(open_udp_socket(remote.family(), interface));
   const int on = 1;
   ::setsockopt(probe.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
   if (!probe || ::connect(probe.get(), remote.get(), remote.size) != 0) return {};
@@ -114,7 +114,7 @@ void UdpLink::serve(const PollSet& set, base::RunTime now) {
 void UdpLink::open(base::RunTime now) {
   if (!look_up(now)) return;
   const SocketAddress& remote = remote_.address();
-  Descriptor socket(open_udp_socket(remote.family(), core_.config().interface));
+  base::Descriptor socket(open_udp_socket(remote.family(), core_.config().interface));
   if (!socket || !prepare(socket.get(), remote)) {
     return core_.went_down(error_text(errno), now);
   }

@@ -42,7 +42,7 @@ void UdpServerLink::open(base::RunTime now) {
   if (local_.state() == AddressLookup::State::kFailed) return core_.went_down(local_.error(), now);
 
   const SocketAddress& address = local_.address();
-  Descriptor socket(open_udp_socket(address.family(), core_.config().interface));
+  base::Descriptor socket(open_udp_socket(address.family(), core_.config().interface));
   if (!socket || ::bind(socket.get(), address.get(), address.size) != 0) {
     return core_.went_down(core_.config().local + ": " + error_text(errno), now);
   }

@@ -7,7 +7,7 @@
 
 namespace cas::casd {
 
-UdpServerWriter::UdpServerWriter(Descriptor descriptor, LinkId own,
+UdpServerWriter::UdpServerWriter(base::Descriptor descriptor, LinkId own,
                                  std::shared_ptr<SharedPeers> peers,
                                  std::shared_ptr<LinkMonitor> monitor)
     : descriptor_(std::move(descriptor)),

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "casd/datagram_sender.hpp"
-#include "casd/descriptor.hpp"
 #include "casd/monitor.hpp"
 #include "casd/packet_writer.hpp"
 #include "casd/udp_server_link.hpp"
@@ -16,7 +16,7 @@ namespace cas::casd {
 /// lost for that peer and counted: a queue per peer would only hold old packets.
 class UdpServerWriter final : public PacketWriter {
  public:
-  UdpServerWriter(Descriptor descriptor, LinkId own, std::shared_ptr<SharedPeers> peers,
+  UdpServerWriter(base::Descriptor descriptor, LinkId own, std::shared_ptr<SharedPeers> peers,
                   std::shared_ptr<LinkMonitor> monitor);
 
   WriteResult write(std::span<const PacketRef> packets) override;
@@ -27,7 +27,7 @@ class UdpServerWriter final : public PacketWriter {
   void send_to_each(const PacketRef& packet, LinkMask peers);
   void send_by_peer(std::span<const PacketRef> packets);
 
-  Descriptor descriptor_;
+  base::Descriptor descriptor_;
   LinkId own_;
   std::shared_ptr<SharedPeers> peers_;
   std::shared_ptr<LinkMonitor> monitor_;

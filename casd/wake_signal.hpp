@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "casd/descriptor.hpp"
+#include "base/descriptor.hpp"
 
 namespace cas::casd {
 
@@ -18,7 +18,7 @@ class WakeSignal {
   int descriptor() const { return event_.get(); }
 
  private:
-  Descriptor event_;
+  base::Descriptor event_;
   std::atomic<bool> raised_{false};
 };
 

@@ -31,8 +31,8 @@ constexpr int kExecFailed = 127;
   throw base::ConfigError(what + ": " + std::strerror(errno));
 }
 
-FileDescriptor open_notify_socket(const std::filesystem::path& path) {
-  FileDescriptor fd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+base::Descriptor open_notify_socket(const std::filesystem::path& path) {
+  base::Descriptor fd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!fd) fail("cannot open a notify socket");
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -117,7 +117,7 @@ ChildProcess::ChildProcess(Options options)
   ready_ = !options_.says_ready;
   const std::vector<char*> argv = pointers(options_.arguments);
   const std::vector<char*> envp = pointers(environment);
-  const FileDescriptor log(
+  const base::Descriptor log(
       ::open(options_.log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_APPEND, 0644));
   if (!log) fail("cannot write " + options_.log_file.string());
   const pid_t parent = ::getpid();
@@ -127,7 +127,7 @@ ChildProcess::ChildProcess(Options options)
     become(argv.data(), envp.data(), options_.cwd.c_str(), log.get(), parent);
   }
   ::setpgid(pid_, pid_);
-  pidfd_ = FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
+  pidfd_ = base::Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
   if (!pidfd_) {
     kill();
     fail("cannot watch " + options_.name);

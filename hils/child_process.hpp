@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "hils/file_descriptor.hpp"
+#include "base/descriptor.hpp"
 
 namespace cas::hils {
 
@@ -61,8 +61,8 @@ class ChildProcess {
 
  private:
   Options options_;
-  FileDescriptor notify_;
-  FileDescriptor pidfd_;
+  base::Descriptor notify_;
+  base::Descriptor pidfd_;
   pid_t pid_ = -1;
   bool ready_ = false;
   std::optional<ExitReport> exit_;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <thread>
 
-#include "hils/file_descriptor.hpp"
+#include "base/descriptor.hpp"
 #include "hils/ground_station.hpp"
 
 namespace cas::hils {
@@ -26,8 +26,8 @@ class GroundStationThread {
  private:
   void run();
 
-  FileDescriptor socket_;
-  FileDescriptor stop_;
+  base::Descriptor socket_;
+  base::Descriptor stop_;
   std::uint16_t port_ = 0;
   std::uint8_t vehicle_system_;
   std::atomic<double> flood_hz_{0};

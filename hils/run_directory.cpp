@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
-#include "hils/file_descriptor.hpp"
 
 namespace cas::hils {
 
@@ -38,10 +38,10 @@ RunDirectory::~RunDirectory() {
 }
 
 std::vector<std::uint16_t> free_udp_ports(std::size_t count) {
-  std::vector<FileDescriptor> sockets;  // all open at once, so that the ports differ
+  std::vector<base::Descriptor> sockets;  // all open at once, so that the ports differ
   std::vector<std::uint16_t> ports;
   for (std::size_t i = 0; i < count; ++i) {
-    FileDescriptor fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    base::Descriptor fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

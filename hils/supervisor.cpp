@@ -27,12 +27,12 @@ sigset_t stop_signals() {
   return set;
 }
 
-FileDescriptor open_signals() {
+base::Descriptor open_signals() {
   const sigset_t set = stop_signals();
   if (::pthread_sigmask(SIG_BLOCK, &set, nullptr) != 0) {
     throw base::ConfigError("cannot block signals");
   }
-  FileDescriptor fd(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+  base::Descriptor fd(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
   if (!fd) throw base::ConfigError("cannot open a signalfd");
   return fd;
 }

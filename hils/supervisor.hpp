@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "hils/child_process.hpp"
-#include "hils/file_descriptor.hpp"
 
 namespace cas::hils {
 
@@ -73,8 +73,8 @@ class Supervisor {
   std::string stopped_;                  ///< why; empty while all is well
   bool interrupted_ = false;
   bool closing_ = false;
-  FileDescriptor signals_;
-  FileDescriptor wake_;
+  base::Descriptor signals_;
+  base::Descriptor wake_;
   std::thread watcher_;
 };
 

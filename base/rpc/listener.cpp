@@ -26,22 +26,6 @@ constexpr auto kRetryDelay = std::chrono::milliseconds(100);
 
 std::string message_of(int error) { return std::generic_category().message(error); }
 
-/// Closes a descriptor unless it is released.
-class Fd {
- public:
-  explicit Fd(int fd) : fd_(fd) {}
-  ~Fd() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Fd(const Fd&) = delete;
-  Fd& operator=(const Fd&) = delete;
-  int get() const { return fd_; }
-  int release() { return std::exchange(fd_, -1); }
-
- private:
-  int fd_;
-};
-
 bool is_loopback(const sockaddr& address) {
   if (address.sa_family == AF_INET) {
     const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
@@ -64,8 +48,8 @@ std::uint16_t bound_port(int fd) {
 }
 
 ListeningSocket listen_on(const addrinfo& found, const std::string& name) {
-  Fd fd(::socket(found.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (fd.get() < 0) throw ConfigError(name + ": " + message_of(errno));
+  Descriptor fd(::socket(found.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!fd) throw ConfigError(name + ": " + message_of(errno));
   const int on = 1;
   ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (::bind(fd.get(), found.ai_addr, found.ai_addrlen) != 0 ||
@@ -75,7 +59,7 @@ ListeningSocket listen_on(const addrinfo& found, const std::string& name) {
   ListeningSocket socket;
   socket.loopback = is_loopback(*found.ai_addr);
   socket.port = bound_port(fd.get());
-  socket.fd = fd.release();
+  socket.fd = std::move(fd);
   return socket;
 }
 
@@ -95,7 +79,7 @@ void remove_stale(const std::filesystem::path& path, const sockaddr_un& address)
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return;
   if (!S_ISSOCK(status.st_mode)) throw ConfigError(path.string() + ": exists and is no socket");
-  const Fd probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const int connected =
       ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
   if (connected == 0 || errno != ECONNREFUSED) {
@@ -122,9 +106,9 @@ ListeningSocket open_tcp(const std::string& address, std::uint16_t port) {
 ListeningSocket open_unix(const std::filesystem::path& path) {
   const sockaddr_un address = unix_address(path);
   remove_stale(path, address);
-  Fd fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  Descriptor fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   // The mode set before bind() is the file's from its first moment.
-  if (fd.get() < 0 || ::fchmod(fd.get(), S_IRUSR | S_IWUSR) != 0 ||
+  if (!fd || ::fchmod(fd.get(), S_IRUSR | S_IWUSR) != 0 ||
       ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(fd.get(), SOMAXCONN) != 0) {
     throw ConfigError(path.string() + ": cannot listen: " + message_of(errno));
@@ -132,13 +116,13 @@ ListeningSocket open_unix(const std::filesystem::path& path) {
   ListeningSocket socket;
   socket.loopback = true;
   socket.path = path;
-  socket.fd = fd.release();
+  socket.fd = std::move(fd);
   return socket;
 }
 
 Listener::Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client)
     : io_(io),
-      descriptor_(io, socket.fd),
+      descriptor_(io, socket.fd.release()),
       retry_(io),
       path_(std::move(socket.path)),
       on_client_(std::move(on_client)) {}
@@ -155,9 +139,9 @@ void Listener::accept_waiting() {
   for (int i = 0; i < kAcceptsPerRound && descriptor_.is_open(); ++i) {
     sockaddr_storage peer{};
     socklen_t length = sizeof peer;
-    Fd fd(::accept4(descriptor_.native_handle(), reinterpret_cast<sockaddr*>(&peer), &length,
-                    SOCK_CLOEXEC | SOCK_NONBLOCK));
-    if (fd.get() < 0) {
+    Descriptor fd(::accept4(descriptor_.native_handle(), reinterpret_cast<sockaddr*>(&peer),
+                            &length, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (!fd) {
       if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
         return retry_later();
       }

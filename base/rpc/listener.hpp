@@ -11,11 +11,13 @@
 #include <memory>
 #include <string>
 
+#include "base/descriptor.hpp"
+
 namespace cas::base::rpc {
 
 /// A listening descriptor, bound and closed on exec.
 struct ListeningSocket {
-  int fd = -1;
+  Descriptor fd;
   bool loopback = false;       ///< no other host can reach it
   std::uint16_t port = 0;      ///< TCP
   std::filesystem::path path;  ///< Unix; removed when the listener closes

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/rpc/server.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
@@ -96,7 +94,6 @@ void Server::require_token(const std::filesystem::path& file) {
 std::uint16_t Server::listen_tcp(const std::string& address, std::uint16_t port) {
   ListeningSocket socket = open_tcp(address, port);
   if (!socket.loopback && !impl_->dispatcher->has_token()) {
-    ::close(socket.fd);
     throw ConfigError(address + ": other hosts can reach this address; it needs a token");
   }
   const std::uint16_t bound = socket.port;

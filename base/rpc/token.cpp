@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 
 namespace cas::base::rpc {
@@ -38,16 +39,9 @@ std::string read_checked(int fd, const std::filesystem::path& file) {
 }  // namespace
 
 std::string read_token(const std::filesystem::path& file) {
-  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (fd < 0) fail(file, std::generic_category().message(errno));
-  std::string token;
-  try {
-    token = read_checked(fd, file);
-  } catch (...) {
-    ::close(fd);
-    throw;
-  }
-  ::close(fd);
+  const Descriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!fd) fail(file, std::generic_category().message(errno));
+  std::string token = read_checked(fd.get(), file);
   if (token.size() < kShortestToken) fail(file, "the token has fewer than 16 characters");
   return token;
 }

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "casd/descriptor.hpp"
+#include "base/descriptor.hpp"
 #include "casd/socket_address.hpp"
 
 namespace cas::casd::test {
@@ -11,11 +11,11 @@ namespace {
 
 TEST(DatagramReader, TellsWhatTheKernelDropped) {
   const SocketAddress any = AddressLookup("127.0.0.1:0").address();
-  const Descriptor in(open_udp_socket(any.family(), ""));
+  const base::Descriptor in(open_udp_socket(any.family(), ""));
   ASSERT_EQ(::bind(in.get(), any.get(), any.size), 0);
   const int small = 8192;
   ASSERT_EQ(::setsockopt(in.get(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small), 0);
-  const Descriptor out(open_udp_socket(any.family(), ""));
+  const base::Descriptor out(open_udp_socket(any.family(), ""));
   const SocketAddress to = local_address(in.get());
   constexpr unsigned kSent = 1000;
   const std::array<char, 60> packet{};
