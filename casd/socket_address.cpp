@@ -10,22 +10,12 @@
 #include <thread>
 #include <utility>
 
+#include "base/host_port.hpp"
+
 namespace cas::casd {
 namespace {
 
-struct HostPort {
-  std::string host;
-  std::string port;
-};
-
-HostPort split(const std::string& endpoint) {
-  const std::size_t colon = endpoint.rfind(':');
-  HostPort parts{endpoint.substr(0, colon), endpoint.substr(colon + 1)};
-  if (parts.host.size() >= 2 && parts.host.front() == '[') {
-    parts.host = parts.host.substr(1, parts.host.size() - 2);
-  }
-  return parts;
-}
+using base::HostPort;
 
 // @return what getaddrinfo says; 0 when `address` is filled in
 int look_up(const HostPort& parts, int flags, SocketAddress& address) {
@@ -94,7 +84,7 @@ SocketAddress local_address(int fd) {
 }
 
 AddressLookup::AddressLookup(const std::string& endpoint) : shared_(std::make_shared<Shared>()) {
-  const HostPort parts = split(endpoint);
+  const HostPort parts = base::parse_host_port(endpoint).value_or(HostPort{});
   if (look_up(parts, AI_NUMERICHOST, shared_->address) == 0) {
     shared_->state = State::kFound;
     return;

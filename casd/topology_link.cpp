@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
+#include <optional>
 #include <string>
 #include <tuple>
 
+#include "base/host_port.hpp"
 #include "casd/topology_parts.hpp"
 
 namespace cas::casd {
@@ -22,14 +24,10 @@ LinkType parse_type(const base::ConfigNode& node) {
 // "HOST:PORT" or "[V6]:PORT"; whether the host exists is found out when the link opens.
 std::string parse_endpoint(const base::ConfigNode& node) {
   const auto text = node.as<std::string>();
-  const std::size_t colon = text.rfind(':');
-  const bool bracketed = !text.empty() && text.front() == '[';
-  if (colon == std::string::npos || colon == 0 || (bracketed && text[colon - 1] != ']')) {
-    node.fail("'" + text + "' is not HOST:PORT");
-  }
-  const std::string port = text.substr(colon + 1);
-  const bool digits =
-      !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
+  const std::optional<base::HostPort> parts = base::parse_host_port(text);
+  if (!parts) node.fail("'" + text + "' is not HOST:PORT");
+  const std::string& port = parts->port;
+  const bool digits = port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
   if (!digits || std::stoi(port) > 65535) node.fail("'" + port + "' is not a port");
   return text;
 }

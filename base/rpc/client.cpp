@@ -21,6 +21,9 @@
 #include <system_error>
 #include <utility>
 
+#include "base/descriptor.hpp"
+#include "base/host_port.hpp"
+
 namespace cas::base::rpc {
 namespace {
 
@@ -32,20 +35,9 @@ std::string message_of(int error) { return std::generic_category().message(error
 
 [[noreturn]] void lost(const std::string& message) { throw ConnectionError(message, false); }
 
-struct HostPort {
-  std::string host;
-  std::string port;
-};
-
-/// "HOST:PORT", with brackets about an IPv6 address.
-HostPort parse_host_port(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
-    lost("'" + address + "' is neither HOST:PORT nor unix:PATH");
-  }
-  std::string host = address.substr(0, colon);
-  if (host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-  return {host, address.substr(colon + 1)};
+HostPort host_port(const std::string& address) {
+  if (const std::optional<HostPort> parts = parse_host_port(address)) return *parts;
+  lost("'" + address + "' is neither HOST:PORT nor unix:PATH");
 }
 
 /// Waits until the descriptor is ready. @return false when the deadline came first
@@ -73,16 +65,10 @@ struct Client::Impl {
     Json params;
   };
 
-  Impl() = default;
-  ~Impl() { close(); }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-
   void connect(const std::string& to, RunTime deadline);
   void connect_unix(const std::string& path, RunTime deadline);
   void connect_tcp(const HostPort& target, RunTime deadline);
   bool try_connect(int family, const sockaddr* peer, socklen_t length, RunTime deadline);
-  void close();
 
   void send(std::string_view line, RunTime deadline);
   std::optional<Json> receive(RunTime deadline);
@@ -90,7 +76,7 @@ struct Client::Impl {
   bool keep_notification(Json& message);
 
   std::string address;
-  int fd = -1;
+  Descriptor fd;
   int connect_error = 0;
   std::string rx;
   std::size_t searched = 0;  // bytes of rx known to hold no newline
@@ -98,23 +84,18 @@ struct Client::Impl {
   std::deque<Notification> notifications;
 };
 
-void Client::Impl::close() {
-  if (fd >= 0) ::close(std::exchange(fd, -1));
-}
-
 bool Client::Impl::try_connect(int family, const sockaddr* peer, socklen_t length,
                                RunTime deadline) {
-  close();
-  fd = ::socket(family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (fd < 0) lost(message_of(errno));
-  if (::connect(fd, peer, length) == 0) return true;
+  fd = Descriptor(::socket(family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!fd) lost(message_of(errno));
+  if (::connect(fd.get(), peer, length) == 0) return true;
   connect_error = errno;
   if (connect_error != EINPROGRESS) return false;
-  if (!wait_for(fd, POLLOUT, deadline)) {
+  if (!wait_for(fd.get(), POLLOUT, deadline)) {
     throw ConnectionError(address + ": no connection in time", true);
   }
   socklen_t size = sizeof connect_error;
-  ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &connect_error, &size);
+  ::getsockopt(fd.get(), SOL_SOCKET, SO_ERROR, &connect_error, &size);
   return connect_error == 0;
 }
 
@@ -140,7 +121,7 @@ void Client::Impl::connect_tcp(const HostPort& target, RunTime deadline) {
   for (const addrinfo* peer = found; peer != nullptr; peer = peer->ai_next) {
     if (!try_connect(peer->ai_family, peer->ai_addr, peer->ai_addrlen, deadline)) continue;
     const int on = 1;
-    ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    ::setsockopt(fd.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     return;
   }
   lost(address + ": " + message_of(connect_error));
@@ -151,19 +132,19 @@ void Client::Impl::connect(const std::string& to, RunTime deadline) {
   if (to.starts_with(kUnixPrefix)) {
     connect_unix(to.substr(kUnixPrefix.size()), deadline);
   } else {
-    connect_tcp(parse_host_port(to), deadline);
+    connect_tcp(host_port(to), deadline);
   }
 }
 
 void Client::Impl::send(std::string_view line, RunTime deadline) {
-  if (fd < 0) lost(address + ": not connected");
+  if (!fd) lost(address + ": not connected");
   while (!line.empty()) {
-    const ssize_t sent = ::send(fd, line.data(), line.size(), MSG_NOSIGNAL);
+    const ssize_t sent = ::send(fd.get(), line.data(), line.size(), MSG_NOSIGNAL);
     if (sent >= 0) {
       line.remove_prefix(static_cast<std::size_t>(sent));
     } else if (errno == EAGAIN) {
-      if (wait_for(fd, POLLOUT, deadline)) continue;
-      close();  // half a line is out: nothing can follow it
+      if (wait_for(fd.get(), POLLOUT, deadline)) continue;
+      fd.reset();  // half a line is out: nothing can follow it
       throw ConnectionError(address + ": the server does not read", true);
     } else if (errno != EINTR) {
       // The server may have said why before it closed: receive() finds out.
@@ -174,24 +155,24 @@ void Client::Impl::send(std::string_view line, RunTime deadline) {
 
 /// The next message, or nothing when none came in time.
 std::optional<Json> Client::Impl::receive(RunTime deadline) {
-  if (fd < 0) lost(address + ": not connected");
+  if (!fd) lost(address + ": not connected");
   std::array<char, 16384> chunk;
   while (true) {
     const std::size_t newline = rx.find('\n', searched);
     if (newline != std::string::npos) return parse_line(newline);
     searched = rx.size();
-    const ssize_t size = ::recv(fd, chunk.data(), chunk.size(), 0);
+    const ssize_t size = ::recv(fd.get(), chunk.data(), chunk.size(), 0);
     if (size > 0) {
       rx.append(chunk.data(), static_cast<std::size_t>(size));
       if (rx.size() > kMaxLine) lost(address + ": the server sent an endless line");
     } else if (size == 0) {
-      close();
+      fd.reset();
       lost(address + ": the server closed the connection");
     } else if (errno == EAGAIN) {
-      if (!wait_for(fd, POLLIN, deadline)) return std::nullopt;
+      if (!wait_for(fd.get(), POLLIN, deadline)) return std::nullopt;
     } else if (errno != EINTR) {
       const int error = errno;
-      close();
+      fd.reset();
       lost(address + ": " + message_of(error));
     }
   }
@@ -203,7 +184,7 @@ std::optional<Json> Client::Impl::parse_line(std::size_t newline) {
   rx.erase(0, newline + 1);
   searched = 0;
   if (message.is_object()) return message;
-  close();
+  fd.reset();
   lost(address + ": the server does not speak JSON-RPC");
 }
 

@@ -8,20 +8,21 @@
 #include <array>
 #include <cstring>
 #include <ctime>
+#include <optional>
+
+#include "base/host_port.hpp"
 
 namespace cas::sim {
 
 SocketAddress SocketAddress::parse(const base::ConfigNode& node) {
   const auto text = node.as<std::string>();
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos || colon == 0) node.fail("must be an address and port, HOST:PORT");
-  std::string host = text.substr(0, colon);
-  if (host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  const std::optional<base::HostPort> parts = base::parse_host_port(text);
+  if (!parts) node.fail("must be an address and port, HOST:PORT");
   addrinfo hints{};
   hints.ai_socktype = SOCK_DGRAM;
   hints.ai_flags = AI_NUMERICSERV;
   addrinfo* found = nullptr;
-  const int error = getaddrinfo(host.c_str(), text.substr(colon + 1).c_str(), &hints, &found);
+  const int error = getaddrinfo(parts->host.c_str(), parts->port.c_str(), &hints, &found);
   if (error != 0) node.fail(std::string("is no address: ") + gai_strerror(error));
   SocketAddress address;
   std::memcpy(&address.storage_, found->ai_addr, found->ai_addrlen);
