@@ -4,9 +4,10 @@
 #include <cinttypes>
 #include <cstdio>
 #include <memory>
-#include <system_error>
+#include <string>
 
 #include "base/error.hpp"
+#include "base/write_file.hpp"
 
 namespace cas::base {
 
@@ -34,24 +35,15 @@ void PacketLedger::received(std::uint32_t message_id, std::uint64_t time_usec, R
 }
 
 void PacketLedger::write(const std::filesystem::path& file) const {
-  std::filesystem::path partial = file;
-  partial += ".part";
-  {
-    const File out(std::fopen(partial.c_str(), "w"));
-    if (!out) throw ConfigError(partial.string() + ": cannot be written");
-    std::fputs(kHeader, out.get());
-    for (const LedgerEntry& entry : entries_) {
-      std::fprintf(out.get(), "%c,%" PRIu32 ",%" PRIu64 ",%" PRId64 "\n",
-                   entry.direction == LedgerEntry::Direction::kSent ? 's' : 'r', entry.message_id,
-                   entry.time_usec, entry.at_ns);
-    }
-    if (std::fflush(out.get()) != 0 || std::ferror(out.get()) != 0) {
-      throw ConfigError(partial.string() + ": the disk is full");
-    }
+  std::string text = kHeader;
+  char line[80];
+  for (const LedgerEntry& entry : entries_) {
+    const int size = std::snprintf(line, sizeof line, "%c,%" PRIu32 ",%" PRIu64 ",%" PRId64 "\n",
+                                   entry.direction == LedgerEntry::Direction::kSent ? 's' : 'r',
+                                   entry.message_id, entry.time_usec, entry.at_ns);
+    text.append(line, static_cast<std::size_t>(size));
   }
-  std::error_code error;
-  std::filesystem::rename(partial, file, error);
-  if (error) throw ConfigError(file.string() + ": " + error.message());
+  write_file(file, text, Durability::kCache);
 }
 
 std::vector<LedgerEntry> PacketLedger::read(const std::filesystem::path& file) {

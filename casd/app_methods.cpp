@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/app_methods.hpp"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/write_file.hpp"
 #include "casd/command_params.hpp"
 
 namespace cas::casd {
@@ -107,15 +107,13 @@ std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
 }
 
 void write_stats(const std::filesystem::path& file, const CommandFigures& figures) {
-  std::filesystem::path beside = file;
-  beside += ".new";
-  std::ofstream out(beside);
-  // Texts of vehicles may hold any bytes; they must not keep the figures from being written.
-  out << figures.status().dump(2, ' ', false, json::error_handler_t::replace) << "\n";
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(beside, file, error);
-  if (!out || error) base::log::error("cannot write " + file.string());
+  try {
+    // Texts of vehicles may hold any bytes; they must not keep the figures from being written.
+    const std::string text = figures.status().dump(2, ' ', false, json::error_handler_t::replace);
+    base::write_file(file, text + "\n", base::Durability::kCache);
+  } catch (const base::ConfigError& error) {
+    base::log::error(error.what());
+  }
 }
 
 }  // namespace cas::casd

@@ -4,10 +4,11 @@
 #include <charconv>
 #include <fstream>
 #include <optional>
+#include <sstream>
 #include <string_view>
-#include <system_error>
 
 #include "base/error.hpp"
+#include "base/write_file.hpp"
 
 namespace cas::casd {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 constexpr std::string_view kHeader = "link,event,message_id,time_usec,at_ns";
 constexpr std::string_view kDropped = "dropped.";
 
-void write_entries(std::ofstream& out, const std::string& link, const std::string& event,
+void write_entries(std::ostream& out, const std::string& link, const std::string& event,
                    const LinkLedger::Entries& entries, bool with_cause) {
   for (const LinkLedgerEntry& entry : entries) {
     out << link << ',' << event;
@@ -49,21 +50,14 @@ std::optional<DropCause> parse_cause(std::string_view word) {
 
 void write_link_ledgers(const std::filesystem::path& file,
                         const std::map<std::string, const LinkLedger*>& ledgers) {
-  std::filesystem::path partial = file;
-  partial += ".part";
-  {
-    std::ofstream out(partial, std::ios::trunc);
-    out << kHeader << '\n';
-    for (const auto& [name, ledger] : ledgers) {
-      write_entries(out, name, "received", ledger->received(), false);
-      write_entries(out, name, "sent", ledger->sent(), false);
-      write_entries(out, name, std::string(kDropped), ledger->dropped(), true);
-    }
-    if (!out.flush()) throw base::ConfigError(partial.string() + ": cannot be written");
+  std::ostringstream out;
+  out << kHeader << '\n';
+  for (const auto& [name, ledger] : ledgers) {
+    write_entries(out, name, "received", ledger->received(), false);
+    write_entries(out, name, "sent", ledger->sent(), false);
+    write_entries(out, name, std::string(kDropped), ledger->dropped(), true);
   }
-  std::error_code error;
-  std::filesystem::rename(partial, file, error);
-  if (error) throw base::ConfigError(file.string() + ": " + error.message());
+  base::write_file(file, out.view(), base::Durability::kCache);
 }
 
 std::map<std::string, LinkLedger> read_link_ledgers(const std::filesystem::path& file) {

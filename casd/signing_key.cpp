@@ -7,9 +7,10 @@
 #include <fstream>
 #include <string>
 #include <string_view>
-#include <system_error>
 
+#include "base/error.hpp"
 #include "base/rpc/token.hpp"
+#include "base/write_file.hpp"
 
 namespace cas::casd {
 namespace {
@@ -59,14 +60,13 @@ mav::SigningTime SigningTimeFile::load() const {
 }
 
 bool SigningTimeFile::store(mav::SigningTime bound) const {
-  std::filesystem::path beside = path_;
-  beside += ".new";
-  std::ofstream out(beside);
-  out << bound << "\n";
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(beside, path_, error);
-  return out && !error;
+  try {
+    // Whoever stores holds the lock of the packets: no waiting for a disk.
+    base::write_file(path_, std::to_string(bound) + "\n", base::Durability::kCache);
+  } catch (const base::ConfigError&) {
+    return false;
+  }
+  return true;
 }
 
 }  // namespace cas::casd

@@ -3,13 +3,12 @@
 
 #include <boost/asio/io_context.hpp>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/config.hpp"
-#include "base/error.hpp"
 #include "base/frames.hpp"
 #include "base/rpc/server.hpp"
+#include "base/write_file.hpp"
 
 namespace cas::fcu {
 
@@ -135,13 +134,7 @@ EmulatorControl::EmulatorControl(boost::asio::io_context& io, EmulatorView& view
 EmulatorControl::~EmulatorControl() { impl_->server.close(); }
 
 void write_stats(const std::filesystem::path& file, EmulatorView& view) {
-  const std::filesystem::path fresh = file.string() + ".new";
-  std::ofstream out(fresh);
-  out << stats_json(view).dump(2) << '\n';
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(fresh, file, error);
-  if (!out || error) throw base::ConfigError("cannot write " + file.string());
+  base::write_file(file, stats_json(view).dump(2) + '\n', base::Durability::kCache);
 }
 
 }  // namespace cas::fcu

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/param_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cstdint>
-#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <sstream>
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/write_file.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -42,19 +39,6 @@ std::optional<std::vector<ParamFile::Entry>> read_whole(const std::filesystem::p
   return ParamFile::parse(text.substr(0, end));
 }
 
-bool write_synced(const std::filesystem::path& file, const std::string& text) {
-  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (fd < 0) return false;
-  std::size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t n = ::write(fd, text.data() + done, text.size() - done);
-    if (n <= 0) break;
-    done += static_cast<std::size_t>(n);
-  }
-  const bool good = done == text.size() && ::fsync(fd) == 0;
-  return ::close(fd) == 0 && good;
-}
-
 }  // namespace
 
 std::vector<ParamFile::Entry> ParamFile::parse(const std::string& lines) {
@@ -76,16 +60,17 @@ std::vector<ParamFile::Entry> ParamFile::load() const {
 }
 
 bool ParamFile::save(const std::string& lines) const {
-  const std::filesystem::path fresh = file_.string() + ".new";
-  const std::filesystem::path backup = file_.string() + ".bak";
-  if (!write_synced(fresh, with_end(lines))) return false;
   std::error_code error;
   if (read_whole(file_)) {
-    std::filesystem::copy_file(file_, backup, std::filesystem::copy_options::overwrite_existing,
-                               error);
+    std::filesystem::copy_file(file_, file_.string() + ".bak",
+                               std::filesystem::copy_options::overwrite_existing, error);
   }
-  std::filesystem::rename(fresh, file_, error);
-  return !error;
+  try {
+    base::write_file(file_, with_end(lines));
+  } catch (const base::ConfigError&) {
+    return false;
+  }
+  return true;
 }
 
 }  // namespace cas::fcu

@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-
-#include "base/error.hpp"
+#include "base/write_file.hpp"
 #include "hils/paper_figures.hpp"
 
 namespace cas::hils {
@@ -137,14 +135,7 @@ std::string text_report(const Measurement& figures, const Verdict& verdict) {
 }
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::path part = file;
-  part += ".part";
-  {
-    std::ofstream out(part, std::ios::binary | std::ios::trunc);
-    out << text;
-    if (!out.flush()) throw base::ConfigError("cannot write " + part.string());
-  }
-  std::filesystem::rename(part, file);
+  base::write_file(file, text, base::Durability::kCache);
 }
 
 }  // namespace cas::hils

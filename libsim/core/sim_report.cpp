@@ -2,11 +2,10 @@
 #include "libsim/core/sim_report.hpp"
 
 #include <array>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "base/error.hpp"
 #include "base/frames.hpp"
+#include "base/write_file.hpp"
 
 namespace cas::sim {
 
@@ -111,13 +110,7 @@ std::string endpoints_report(const SimRunner& runner) {
 }
 
 void write_report(const std::filesystem::path& file, const Json& report) {
-  const std::filesystem::path beside = file.string() + ".part";
-  std::ofstream stream(beside, std::ios::trunc);
-  stream << report.dump(2) << '\n';
-  stream.close();
-  std::error_code error;
-  if (stream) std::filesystem::rename(beside, file, error);
-  if (!stream || error) throw base::ConfigError(file.string() + ": cannot be written");
+  base::write_file(file, report.dump(2) + '\n', base::Durability::kCache);
 }
 
 }  // namespace cas::sim
