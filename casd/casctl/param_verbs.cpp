@@ -4,6 +4,7 @@
 #include <memory>
 #include <sstream>
 
+#include "base/write_file.hpp"
 #include "casd/casctl/table.hpp"
 #include "casd/casctl/verbs.hpp"
 
@@ -105,18 +106,34 @@ std::optional<std::pair<std::string, double>> parse_param_line(std::string text,
   return std::pair{name, value};
 }
 
+/// ": A, B" of the parameters that a file cannot give back.
+std::string names_text(const json& names) {
+  std::string text;
+  for (const json& name : names) text += (text.empty() ? ": " : ", ") + name.get<std::string>();
+  return text;
+}
+
 int save_params(Session& session, const std::string& file) {
   const json list = session.vehicle_call("param.list");
-  std::ofstream out(file);
+  std::ostringstream out;
+  json left_out = json::array();
+  std::size_t saved = 0;
   out << "# Parameters of vehicle " << list.at("vehicle") << ": NAME VALUE\n";
   for (const json& entry : list.at("parameters")) {
-    out << entry.at("name").get<std::string>() << ' ' << entry.at("value").dump() << '\n';
+    const auto name = entry.at("name").get<std::string>();
+    const json& value = entry.at("value");
+    if (value.is_number()) {
+      out << name << ' ' << value.dump() << '\n';
+      ++saved;
+    } else {  // casd answers null, and would not write such a value either
+      out << "# " << name << " is NaN or infinite\n";
+      left_out.push_back(name);
+    }
   }
-  out.close();
-  if (!out) throw std::runtime_error("cannot write " + file);
-  const std::size_t count = list.at("parameters").size();
-  report(session.options(), {{"file", file}, {"saved", count}},
-         std::to_string(count) + " parameters saved to " + file);
+  base::write_file(file, out.view());
+  std::string sentence = std::to_string(saved) + " parameters saved to " + file;
+  if (!left_out.empty()) sentence += "; NaN or infinite, so left out" + names_text(left_out);
+  report(session.options(), {{"file", file}, {"saved", saved}, {"left_out", left_out}}, sentence);
   return kDone;
 }
 

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -25,11 +27,9 @@ struct Ended {
   std::string out;  ///< standard output and error
 };
 
-/// Runs the real program.
-Ended casctl(const std::string& arguments) {
-  const std::string command = "'" CAS_BINARY_DIR "/bin/casctl' " + arguments + " 2>&1";
+Ended shell(const std::string& command) {
   Ended run;
-  std::FILE* pipe = ::popen(command.c_str(), "r");
+  std::FILE* pipe = ::popen(("{ " + command + "; } 2>&1").c_str(), "r");
   if (pipe == nullptr) return run;
   std::array<char, 4096> buffer{};
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
@@ -37,6 +37,11 @@ Ended casctl(const std::string& arguments) {
   }
   run.code = WEXITSTATUS(::pclose(pipe));
   return run;
+}
+
+/// Runs the real program.
+Ended casctl(const std::string& arguments) {
+  return shell("'" CAS_BINARY_DIR "/bin/casctl' " + arguments);
 }
 
 class CasctlTest : public testing::Test {
@@ -109,11 +114,6 @@ TEST_F(CasctlTest, WaitsForTheFirstHeartbeat) {
   EXPECT_NE(unheard.out.find("casctl: waiting: "), std::string::npos) << unheard.out;
 }
 
-TEST_F(CasctlTest, KnowsNoStatusOfAVehicleThatWasNotHeard) {
-  const Ended status = run("--vehicle 7 status");
-  EXPECT_EQ(status.code, 1);
-  EXPECT_NE(status.out.find("7"), std::string::npos) << status.out;
-}
 TEST_F(CasctlTest, AsksAgainToArmWhileTheVehicleSaysNotNow) {
   bench_.vehicle().script.result = MavResult::kTemporarilyRejected;
   const Ended later = run("arm --wait --timeout 0.3");
@@ -129,6 +129,11 @@ TEST_F(CasctlTest, DecidesOnTheResultAndNotOnWhatTheVehicleSays) {
   EXPECT_EQ(denied.out.find("waiting"), std::string::npos) << denied.out;
 }
 
+TEST_F(CasctlTest, KnowsNoStatusOfAVehicleThatWasNotHeard) {
+  const Ended status = run("--vehicle 7 status");
+  EXPECT_EQ(status.code, 1);
+  EXPECT_NE(status.out.find("7"), std::string::npos) << status.out;
+}
 
 TEST_F(CasctlTest, SaysThatADisarmedVehicleMustBeArmedToTakeOff) {
   bench_.vehicle().say_heartbeat(base::steady_now());
@@ -206,6 +211,37 @@ TEST_F(CasctlTest, SavesAndLoadsParameters) {
   EXPECT_EQ(bad.code, 1);
   EXPECT_NE(bad.out.find("bad.params:2: expected NAME VALUE"), std::string::npos) << bad.out;
   EXPECT_EQ(run("param get MC_ROLL_P").out, "MC_ROLL_P = 6.5\n");  // nothing was written
+}
+
+TEST_F(CasctlTest, SavesWhatCanBeLoadedAndNamesTheRest) {
+  bench_.vehicle().params = {{"A_NUMBER", {.value = 6.5}},
+                             {"NOT_A_NUMBER", {.value = std::nan("")}},
+                             {"NO_END", {.value = std::numeric_limits<double>::infinity()}}};
+  const std::string file = (directory_ / "odd.params").string();
+  const Ended saved = run("param save " + file);
+  EXPECT_EQ(saved.code, 0);
+  EXPECT_EQ(saved.out, "1 parameters saved to " + file +
+                           "; NaN or infinite, so left out: NOT_A_NUMBER, NO_END\n");
+  const Ended loaded = run("param load " + file);
+  EXPECT_EQ(loaded.code, 0);
+  EXPECT_EQ(loaded.out, "1 parameters of " + file + " are in force\n");
+}
+
+TEST_F(CasctlTest, LeavesTheFileOfBeforeWhenSavingFails) {
+  const std::string file = (directory_ / "iris.params").string();
+  std::ofstream(file) << "MC_ROLL_P 6.5\n";
+  bench_.vehicle().params = {{"MC_ROLL_P", {.value = 8}}};
+  // Writes beyond 0 bytes fail, as on a full disk.
+  if (!started_) bench_.start();
+  started_ = true;
+  const Ended full = shell("trap '' XFSZ; ulimit -f 0; '" CAS_BINARY_DIR "/bin/casctl' --address " +
+                           bench_.address() + " param save " + file);
+  EXPECT_EQ(full.code, 1) << full.out;
+  EXPECT_NE(full.out.find("cannot be written"), std::string::npos) << full.out;
+  std::ifstream in(file);
+  std::string line;
+  EXPECT_TRUE(std::getline(in, line));
+  EXPECT_EQ(line, "MC_ROLL_P 6.5");
 }
 
 TEST_F(CasctlTest, GoesToPlacesWithNegativeNumbers) {
