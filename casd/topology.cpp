@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/config_whole.hpp"
 #include "base/install_paths.hpp"
 #include "casd/line_budget.hpp"
 #include "casd/topology_parts.hpp"
@@ -30,13 +31,13 @@ Pace parse_pace(const base::ConfigNode& node) {
 }
 
 std::uint8_t parse_id(const base::ConfigNode& root, std::string_view key, std::uint8_t fallback) {
-  return static_cast<std::uint8_t>(root.get_in(key, fallback, 1, 255));
+  return base::get_whole_in<std::uint8_t>(root, key, fallback, 1, 255);
 }
 
 CommandPortConfig parse_command_port(const base::ConfigNode& node) {
   CommandPortConfig port;
   port.address = node.get<std::string>("address", port.address);
-  port.port = static_cast<std::uint16_t>(node.get_in("port", port.port, 0, 65535));
+  port.port = base::get_whole_in<std::uint16_t>(node, "port", port.port, 0, 65535);
   port.unix_path = node.get<std::string>("unix", "");
   if (node.has("token_file"))
     port.token_file = node.resolve(node.require<std::string>("token_file"));
@@ -46,7 +47,7 @@ CommandPortConfig parse_command_port(const base::ConfigNode& node) {
 MetricsConfig parse_metrics(const base::ConfigNode& node) {
   MetricsConfig metrics;
   metrics.address = node.get<std::string>("address", metrics.address);
-  metrics.port = static_cast<std::uint16_t>(node.get_in("port", metrics.port, 0, 65535));
+  metrics.port = base::get_whole_in<std::uint16_t>(node, "port", metrics.port, 0, 65535);
   return metrics;
 }
 
@@ -63,7 +64,7 @@ TlogConfig parse_log(const base::ConfigNode& node) {
   log.rotation.max_bytes =
       static_cast<std::uint64_t>(node.get_in("rotate_mib", 0, 0, 1e6) * 1024 * 1024);
   log.rotation.max_age = base::from_seconds(node.get_in("rotate_minutes", 0, 0, 1e6) * 60);
-  log.rotation.keep = static_cast<int>(node.get_in("keep", 0, 0, 1e6));
+  log.rotation.keep = base::get_whole_in<int>(node, "keep", 0, 0, 1'000'000);
   log.overwrite = node.get<bool>("overwrite", false);
   return log;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <string>
 
+#include "base/config_whole.hpp"
 #include "casd/topology_parts.hpp"
 
 namespace cas::casd {
@@ -23,7 +24,7 @@ AcceptRule parse_accept(const base::ConfigNode& node) {
 SigningConfig parse_signing(const base::ConfigNode& node) {
   SigningConfig signing;
   signing.key_file = node.resolve(node.require<std::string>("key_file"));
-  signing.link_id = static_cast<std::uint8_t>(node.get_in("link_id", 0, 0, 255));
+  signing.link_id = base::get_whole_in<std::uint8_t>(node, "link_id", 0, 0, 255);
   signing.verify = node.get<bool>("verify", true);
   signing.sign = node.get<bool>("sign", true);
   if (const auto list = node.find("allow_unsigned")) {

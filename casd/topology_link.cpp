@@ -4,6 +4,7 @@
 #include <string>
 #include <tuple>
 
+#include "base/config_whole.hpp"
 #include "base/host_port.hpp"
 #include "casd/topology_parts.hpp"
 
@@ -47,7 +48,7 @@ void parse_udp(const base::ConfigNode& node, LinkConfig& link) {
 void parse_server(const base::ConfigNode& node, LinkConfig& link) {
   link.local = parse_endpoint(node.at("local"));
   link.interface = node.get<std::string>("interface", "");
-  link.max_peers = static_cast<int>(node.get_in("max_peers", link.max_peers, 1, 64));
+  link.max_peers = base::get_whole_in<int>(node, "max_peers", link.max_peers, 1, 64);
   if (link.type == LinkType::kUdpServer) {
     link.expiry =
         base::from_seconds(node.get_in("expiry_s", base::to_seconds(link.expiry), 0.1, 86400));
@@ -61,7 +62,7 @@ void parse_tcp(const base::ConfigNode& node, LinkConfig& link) {
 
 void parse_serial(const base::ConfigNode& node, LinkConfig& link) {
   link.device = node.require<std::string>("device");
-  link.baud = static_cast<unsigned>(node.get_in("baud", 0, 0, 12'000'000));
+  link.baud = base::get_whole_in<unsigned>(node, "baud", 0, 0, 12'000'000);
   link.flow_control = node.get<bool>("flow_control", false);
   link.pace = node.get<bool>("pace", link.baud > 0);
   link.pace_pty = link.pace && node.has("pace");

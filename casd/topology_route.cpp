@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/config_whole.hpp"
 #include "casd/topology_parts.hpp"
 #include "mavlink_gen/parser/diagnostics.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -68,7 +69,7 @@ RateRule parse_rate(const std::string& message, const base::ConfigNode& node) {
     rate.max_hz = node.as<double>();
   } else {
     rate.max_hz = node.get_in("max_hz", 0, 0, 1e6);
-    rate.every = static_cast<unsigned>(node.get_in("every", 1, 1, 1e6));
+    rate.every = base::get_whole_in<unsigned>(node, "every", 1, 1, 1'000'000);
   }
   if (rate.max_hz <= 0 && rate.every == 1) node.fail("needs max_hz above 0, or every above 1");
   return rate;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/fcu_config.hpp"
 
+#include "base/config_whole.hpp"
 #include "base/install_paths.hpp"
 #include "base/sensor_set.hpp"
 
@@ -43,8 +44,8 @@ std::optional<base::Geodetic> parse_home_hint(const base::ConfigNode& node) {
                         hint->require_in("alt_m", -500, 20000)};
 }
 
-std::uint8_t parse_id(const base::ConfigNode& node, std::string_view key, int fallback) {
-  return static_cast<std::uint8_t>(node.get_in(key, fallback, 1, 250));
+std::uint8_t parse_id(const base::ConfigNode& node, std::string_view key, std::uint8_t fallback) {
+  return base::get_whole_in<std::uint8_t>(node, key, fallback, 1, 250);
 }
 
 }  // namespace

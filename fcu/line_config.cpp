@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "base/config_whole.hpp"
+
 namespace cas::fcu {
 namespace {
 
@@ -65,13 +67,12 @@ LineConfig LineConfig::parse(const base::ConfigNode& node) {
   line.burst_end = node.get_in("burst_end", line.burst_end, 1e-9, 1);
   line.burst_loss = node.get_in("burst_loss", line.burst_loss, 0, 1);
   line.packet_loss = node.get_in("packet_loss", line.packet_loss, 0, 1);
-  constexpr double kMostBytes = 1e9;
-  line.send_buffer_bytes = static_cast<std::size_t>(
-      node.get_in("send_buffer_bytes", static_cast<double>(line.send_buffer_bytes), 0, kMostBytes));
-  line.receive_fifo_bytes = static_cast<std::size_t>(node.get_in(
-      "receive_fifo_bytes", static_cast<double>(line.receive_fifo_bytes), 0, kMostBytes));
-  line.receive_trigger_bytes = static_cast<std::size_t>(node.get_in(
-      "receive_trigger_bytes", static_cast<double>(line.receive_trigger_bytes), 1, kMostBytes));
+  const auto get_bytes = [&node](std::string_view key, std::size_t fallback, std::size_t least) {
+    return base::get_whole_in<std::size_t>(node, key, fallback, least, 1'000'000'000);
+  };
+  line.send_buffer_bytes = get_bytes("send_buffer_bytes", line.send_buffer_bytes, 0);
+  line.receive_fifo_bytes = get_bytes("receive_fifo_bytes", line.receive_fifo_bytes, 0);
+  line.receive_trigger_bytes = get_bytes("receive_trigger_bytes", line.receive_trigger_bytes, 1);
   node.reject_unused();
   return line;
 }

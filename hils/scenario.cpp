@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/config_whole.hpp"
 #include "base/install_paths.hpp"
 #include "base/sensor_set.hpp"
 
@@ -148,7 +149,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   } catch (const base::ConfigError& error) {
     root.at("architecture").fail(error.what());
   }
-  scenario.step_us = static_cast<int>(root.get_in("step_us", scenario.step_us, 100, 10'000));
+  scenario.step_us = base::get_whole_in<int>(root, "step_us", scenario.step_us, 100, 10'000);
   scenario.integrator = root.get<std::string>("integrator", scenario.integrator);
   scenario.rates = parse_rates(root.at("rates"));
   scenario.line = handed_on(root, "line");

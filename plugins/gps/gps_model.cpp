@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/config_whole.hpp"
 #include "plugins/common/noise_params.hpp"
 #include "plugins/common/normal3.hpp"
 
@@ -54,7 +55,7 @@ GpsParams parse_gps_params(const base::ConfigNode& node, double step_s) {
   params.antenna_B_m = get_axes(node, "antenna_B_m");
   params.eph_m = node.require_in("eph_m", 0.0, kMostMetres);
   params.epv_m = node.require_in("epv_m", 0.0, kMostMetres);
-  params.satellites = static_cast<std::uint8_t>(node.require_in("satellites", 0, 64));
+  params.satellites = base::require_whole_in<std::uint8_t>(node, "satellites", 0, 64);
   params.first_fix = moment(node.get_in("first_fix_s", 0.0, 0.0, kMostSeconds));
   if (const auto losses = node.find("fix_losses")) params.fix_losses = parse_fix_losses(*losses);
   params.earth_model = parse_earth_model(node);

@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 
+#include "base/config_whole.hpp"
 #include "base/ledger.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
@@ -18,13 +19,13 @@
 namespace cas::sim {
 namespace {
 
-constexpr int kDefaultComponent = 200;
+constexpr std::uint8_t kDefaultComponent = 200;
 constexpr const char* kTcpServer = "tcp_server";  // PX4's simulator API
 constexpr int kSimulatorApiPort = 4560;           // of PX4's instance 0
 constexpr int kMostInstances = 250;
 
-std::uint8_t parse_id(const base::ConfigNode& node, const char* key, int fallback) {
-  return static_cast<std::uint8_t>(node.get_in(key, fallback, 1, 255));
+std::uint8_t parse_id(const base::ConfigNode& node, const char* key, std::uint8_t fallback) {
+  return base::get_whole_in<std::uint8_t>(node, key, fallback, 1, 255);
 }
 
 HilInterfaceParams parse_params(const base::ConfigNode& node, const base::Vehicle& vehicle) {
@@ -44,7 +45,7 @@ HilInterfaceParams parse_params(const base::ConfigNode& node, const base::Vehicl
 }
 
 std::unique_ptr<PacketPort> open_tcp_server(const base::ConfigNode& node) {
-  const int instance = static_cast<int>(node.get_in("instance", 0, 0, kMostInstances));
+  const int instance = base::get_whole_in<int>(node, "instance", 0, 0, kMostInstances);
   const auto local = node.find("local");
   if (local && node.has("instance")) local->fail("stands for the port; so does instance");
   const SocketAddress address =

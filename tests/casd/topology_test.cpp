@@ -159,6 +159,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"BadPort", link("name: a, type: udp, local: 'h:70000'"), "70000"},
         BadCase{"UdpWithoutEnds", link("name: a, type: udp"), "local"},
         BadCase{"PaceWithoutBaud", link("name: a, type: serial, device: d, pace: true"), "pace"},
+        BadCase{"FractionOfABaud", link("name: a, type: serial, device: d, baud: 57600.5"),
+                "57600.5"},
+        BadCase{"FractionOfAPeer", link("name: a, type: tcp_server, local: 'h:1', max_peers: 1.7"),
+                "1.7"},
+        BadCase{"FractionOfAPort", kLinks + "command_port: {port: 5790.5}\n", "5790.5"},
         BadCase{"SecondName",
                 "schema: 1\nlinks:\n  - {name: a, type: udp, local: 'h:1'}\n"
                 "  - {name: a, type: udp, local: 'h:2'}\n",
