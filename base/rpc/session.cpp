@@ -4,7 +4,6 @@
 #include <netdb.h>
 #include <sys/socket.h>
 
-#include <algorithm>
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/read_until.hpp>
@@ -56,8 +55,7 @@ Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
       dispatcher_(std::move(dispatcher)),
       limits_(limits),
       pause_(socket_.get_executor()),
-      credit_lines_(limits.max_lines_s),
-      credited_(std::chrono::steady_clock::now()),
+      rate_(limits.max_lines_s, steady_now()),
       on_closed_(std::move(on_closed)) {
   name = peer_name(socket_.native_handle());
 }
@@ -79,13 +77,9 @@ void Session::do_read() {
 
 // Whoever sends faster than it may is read more slowly, and slows down nobody else.
 void Session::read_at_rate() {
-  const auto now = std::chrono::steady_clock::now();
-  const std::chrono::duration<double> since = now - std::exchange(credited_, now);
-  credit_lines_ =
-      std::min(limits_.max_lines_s, credit_lines_ + since.count() * limits_.max_lines_s) - 1;
-  if (credit_lines_ >= 0) return do_read();
-  pause_.expires_after(std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(-credit_lines_ / limits_.max_lines_s)));
+  const Duration wait = rate_.take(steady_now());
+  if (wait == Duration::zero()) return do_read();
+  pause_.expires_after(wait);
   pause_.async_wait([self = shared_from_this()](const AsioError& error) {
     if (!error && !self->closed_ && !self->finishing_) self->do_read();
   });

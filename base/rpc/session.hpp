@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/rpc/dispatcher.hpp"
+#include "base/rpc/line_rate.hpp"
 #include "base/rpc/server.hpp"
 
 namespace cas::base::rpc {
@@ -58,8 +59,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   std::shared_ptr<Dispatcher> dispatcher_;  // null once closed
   ServerLimits limits_;
   boost::asio::steady_timer pause_;  // until the next line may be read
-  double credit_lines_;
-  std::chrono::steady_clock::time_point credited_;
+  LineRate rate_;
   std::function<void(const std::shared_ptr<Session>&)> on_closed_;
   std::string rx_;
   std::deque<Line> tx_;
