@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <filesystem>
 #include <memory>
 
+#include "casd/link_signing.hpp"
+#include "casd/packet_signer.hpp"
 #include "tests/casd/packets.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::casd::test {
 namespace {
@@ -81,6 +86,39 @@ TEST_F(TxPortTest, WritesAtOnceWhileThereIsRoom) {
   EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 2, 3}));
   EXPECT_EQ(monitor->tx.write_calls.get(), 1U);
   EXPECT_EQ(wakes, 0);
+}
+
+TEST_F(TxPortTest, WhatCannotBeSignedIsDroppedAndNotSent) {
+  const cas::test::TemporaryFolder folder;
+  SigningConfig config;
+  config.key_file = folder.write("radio.key", "a pass phrase of the laboratory\n");
+  std::filesystem::permissions(
+      config.key_file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  open({.signing = std::make_shared<LinkSigning>(
+            config, std::make_shared<PacketSigner>(config.key_file), monitor)});
+  const auto whole = packet(mavlink::common::Heartbeat{}, {1, 1});
+  auto damaged = whole;
+  while (fitting_crc_extra(view(damaged)) >= 0) ++damaged.bytes[damaged.size - 1];
+  const auto deliver_both = [&](bool damaged_first) {
+    const PacketInfo first = info(TrafficClass::kCommand, at({}), damaged_first ? 66 : 1);
+    const PacketInfo second = info(TrafficClass::kCommand, at({}), damaged_first ? 1 : 66);
+    const std::array packets{PacketRef{&first, (damaged_first ? damaged : whole).view()},
+                             PacketRef{&second, (damaged_first ? whole : damaged).view()}};
+    port->deliver(packets, at({}));
+  };
+  deliver_both(true);
+  deliver_both(false);
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 1}));
+  EXPECT_EQ(monitor->tx.packets.get(), 2U);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 2U);
+
+  line.room = 0;  // they wait together, and are judged together
+  deliver_both(false);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 2U);
+  line.room = 1'000'000;
+  port->carry_on(at({}));
+  EXPECT_EQ(monitor->tx.packets.get(), 3U);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 3U);
 }
 
 TEST_F(TxPortTest, WhatAgedInABatchThatFoundNoRoomIsDropped) {

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "base/error.hpp"
-#include "casd/packet_signer.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
 #include "tests/loopback/casd_bench.hpp"
 
@@ -191,25 +190,6 @@ TEST_F(CasdSigning, CarriesPrivateMessagesAndMavlink1) {
   ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 2; }));
   EXPECT_EQ(peer.verify(bench.at_sim.packets().back().view()), SignatureVerdict::kAccepted);
   EXPECT_EQ(numbers(bench.at_sim, kHilControls).back(), 2U);
-}
-
-TEST_F(CasdSigning, CountsWhatItCannotSignAsDropped) {
-  std::string yaml = topology();
-  const std::string line = "device: \"$FCU\"";
-  yaml.insert(yaml.find(line) + line.size(), ", unknown_messages: pass");
-  bench.start(yaml);
-  // Of a message that nobody knows, with a checksum that none could have.
-  std::vector<std::uint8_t> damaged{mav::kStartV2, 1, 0, 0, 0, 1, 1, 0x39, 0x30, 0, 42, 0, 0};
-  for (int checksum = 0; casd::fitting_crc_extra(mav::view_packet(damaged)) >= 0; ++checksum) {
-    damaged[11] = static_cast<std::uint8_t>(checksum);
-    damaged[12] = static_cast<std::uint8_t>(checksum >> 8);
-  }
-  bench.fcu.write(damaged);
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 1; }));
-  const auto sent = bench.status("sim").tx;
-  EXPECT_EQ(sent.packets, 1U);
-  EXPECT_EQ(sent.dropped[static_cast<std::size_t>(casd::DropCause::kUnsignable)], 1U);
 }
 
 TEST_F(CasdSigning, LetsNamedMessagesComeUnsigned) {
