@@ -48,10 +48,7 @@
 #include <fcntl.h>
 #include <netinet/tcp.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -62,10 +59,9 @@
 
 #include "tests/bench/router_load/options.hpp"
 #include "tests/bench/router_load/phase.hpp"
-#include "tests/bench/router_load/process.hpp"
-#include "tests/bench/router_load/pump.hpp"
 #include "tests/bench/router_load/receive.hpp"
 #include "tests/bench/router_load/report.hpp"
+#include "tests/bench/router_load/router.hpp"
 #include "tests/bench/router_load/send.hpp"
 #include "tests/bench/router_load/state.hpp"
 
@@ -141,12 +137,8 @@ bool connect_clients() {
   return true;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  signal(SIGPIPE, SIG_IGN);
-  if (!parse_options(argc, argv)) return 2;
-  // endpoints
+// Opens what stands at the ends: PTY, simulator's socket, UDP ground stations. @return the slave
+std::string open_endpoints() {
   std::string slave;
   int master = open_pty(slave);
   relink(slave);
@@ -157,47 +149,19 @@ int main(int argc, char** argv) {
     add_link("fc", sink, false);          // receives what the simulator sends
     add_link("sim", g_slave_keep, true);  // receives what the flight controller sends
     g_sim_dst = lo_addr(udp_port(sink));
-  } else {
-    if (o.pump && !o.sim_router) o.sim_router = 14599;
-    add_link("fc", master, true);
-    add_link("sim", g_sim_fd, false);
-    if (o.sim_router) g_sim_dst = lo_addr(o.sim_router);
-    for (int i = 0; i < o.gcs; ++i)
-      add_link("gcs" + std::to_string(i), udp_socket(o.gcs_base + i), false);
+    return slave;
   }
-  // the router
-  if (o.pump || !o.cmd.empty()) {
-    g_child = fork();
-    if (g_child == 0) {
-      prctl(PR_SET_PDEATHSIG, SIGTERM);
-      if (o.pump) {
-        prctl(PR_SET_TIMERSLACK, 1);
-        pump_main(slave, o.sim_router);
-      }
-      int lf = open(o.router_log.empty() ? "/dev/null" : o.router_log.c_str(),
-                    O_WRONLY | O_CREAT | O_TRUNC, 0644);
-      int nul = open("/dev/null", O_RDONLY);
-      dup2(nul, 0);
-      dup2(lf, 1);
-      dup2(lf, 2);
-      o.cmd.push_back(nullptr);
-      execvp(o.cmd[0], o.cmd.data());
-      _exit(127);
-    }
-    o.pid = g_child;
-  }
-  if (o.pid > 0) {
-    int64_t t = now_ns();
-    while (!has_slave_open(o.pid, slave) && now_ns() - t < 5000000000LL && alive(o.pid))
-      sleep_ns(10000000);
-    if (!has_slave_open(o.pid, slave))
-      fprintf(stderr, "warning: the router has not opened the PTY slave %s\n", slave.c_str());
-  } else if (!o.direct && !o.settle_ms)
-    o.settle_ms = 1000;
-  sleep_ns(int64_t(o.settle_ms) * 1000000);
-  if (!connect_clients()) return 2;
-  std::thread rx(rx_thread);
-  // prime: routes are learned from heartbeats
+  if (o.pump && !o.sim_router) o.sim_router = 14599;
+  add_link("fc", master, true);
+  add_link("sim", g_sim_fd, false);
+  if (o.sim_router) g_sim_dst = lo_addr(o.sim_router);
+  for (int i = 0; i < o.gcs; ++i)
+    add_link("gcs" + std::to_string(i), udp_socket(o.gcs_base + i), false);
+  return slave;
+}
+
+// Routes are learned from heartbeats. @return whether they pass both ways
+bool prime() {
   bool primed = false;
   for (int i = 0; i < 100 && !primed; ++i) {
     send_flow(SIM_HB);
@@ -206,58 +170,36 @@ int main(int argc, char** argv) {
     sleep_ns(50000000);
     primed = i >= 4 && g_prim[SIM_HB] > 0 && g_prim[FC_HB] > 0;
   }
-  int rc = 0;
-  std::string body;
-  if (!primed && o.prime_check) {
-    fprintf(stderr, "no route: heartbeats sim->fc %llu, fc->sim %llu\n",
-            (unsigned long long)g_prim[SIM_HB], (unsigned long long)g_prim[FC_HB]);
-    rc = 3;
-    body = "\"error\":\"no route\"";
-  } else {
-    if (!o.label.empty())
-      fprintf(stderr, "== %s, profile %s\n", o.label.c_str(), o.profile.c_str());
-    Phase ph;
-    ph.seconds = o.seconds;
-    bool dn = o.dir != "up", up = o.dir != "down";
-    if (o.profile == "hil") {
-      ph.down = 500;
-      ph.up = 400;
-      ph.gps = 5;
-    } else if (o.profile == "rate") {
-      ph.down = o.down_hz;
-      ph.up = o.up_hz;
-    } else if (o.profile == "flood") {
-      ph.flood_down = dn;
-      ph.flood_up = up;
-    }
-    if (o.profile == "sweep") {
-      body = sweep(ph);
-    } else {
-      Out r = run_phase(ph);
-      body = "\"result\":" + report(ph, r, true);
-    }
+  if (primed || !o.prime_check) return true;
+  fprintf(stderr, "no route: heartbeats sim->fc %llu, fc->sim %llu\n",
+          (unsigned long long)g_prim[SIM_HB], (unsigned long long)g_prim[FC_HB]);
+  return false;
+}
+
+// Plays the profile. @return its figures, as members of a JSON object
+std::string run_profile() {
+  if (!o.label.empty()) fprintf(stderr, "== %s, profile %s\n", o.label.c_str(), o.profile.c_str());
+  Phase ph;
+  ph.seconds = o.seconds;
+  if (o.profile == "hil") {
+    ph.down = 500;
+    ph.up = 400;
+    ph.gps = 5;
+  } else if (o.profile == "rate") {
+    ph.down = o.down_hz;
+    ph.up = o.up_hz;
+  } else if (o.profile == "flood") {
+    ph.flood_down = o.dir != "up";
+    ph.flood_up = o.dir != "down";
+  } else if (o.profile == "sweep") {
+    return sweep(ph);
   }
-  g_rxstop = true;
-  rx.join();
-  if (g_child > 0) {
-    kill(g_child, SIGTERM);
-    int st = 0;
-    rusage ru{};
-    pid_t w = 0;
-    for (int i = 0; i < 200 && w == 0; ++i) {
-      w = wait4(g_child, &st, WNOHANG, &ru);
-      if (!w) sleep_ns(10000000);
-    }
-    if (w == 0) {
-      kill(g_child, SIGKILL);
-      wait4(g_child, &st, 0, &ru);
-    }
-    app(body, ",\"rusage\":{\"user_s\":%.3f,\"sys_s\":%.3f,\"maxrss_kb\":%ld,\"clean_exit\":%s}",
-        double(ru.ru_utime.tv_sec) + double(ru.ru_utime.tv_usec) / 1e6,
-        double(ru.ru_stime.tv_sec) + double(ru.ru_stime.tv_usec) / 1e6, ru.ru_maxrss,
-        w != 0 && (WIFEXITED(st) || WTERMSIG(st) == SIGTERM) ? "true" : "false");
-  }
-  if (!o.fc_link.empty()) unlink(o.fc_link.c_str());
+  Out r = run_phase(ph);
+  return "\"result\":" + report(ph, r, true);
+}
+
+// The whole answer; `body` is what was measured.
+std::string answer(const std::string& body) {
   std::string cmd = o.direct ? "(direct)" : o.pump ? "(pump)" : "";
   for (char* c : o.cmd)
     if (c) cmd += (cmd.empty() ? "" : " ") + std::string(c);
@@ -270,12 +212,36 @@ int main(int argc, char** argv) {
       "\"fc_baud\":%d,",
       sysconf(_SC_NPROCESSORS_ONLN), load[0], o.rt ? "true" : "false", o.gcs, o.tcp, o.tcp_stall,
       o.fc_baud);
-  j += body + "}\n";
+  return j + body + "}\n";
+}
+
+void write_out(const std::string& text) {
   if (o.json == "-")
-    fputs(j.c_str(), stdout);
+    fputs(text.c_str(), stdout);
   else if (FILE* f = fopen(o.json.c_str(), "w")) {
-    fputs(j.c_str(), f);
+    fputs(text.c_str(), f);
     fclose(f);
   }
-  return rc;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  signal(SIGPIPE, SIG_IGN);
+  if (!parse_options(argc, argv)) return 2;
+  const std::string slave = open_endpoints();
+  start_router(slave);
+  wait_for_router(slave);
+  if (!connect_clients()) return 2;
+
+  std::thread rx(rx_thread);
+  const bool primed = prime();
+  std::string body = primed ? run_profile() : "\"error\":\"no route\"";
+  g_rxstop = true;
+  rx.join();
+
+  body += stop_router();
+  if (!o.fc_link.empty()) unlink(o.fc_link.c_str());
+  write_out(answer(body));
+  return primed ? 0 : 3;
 }
