@@ -172,7 +172,8 @@ void add_hangup(std::string& j, bool table) {
   app(j,
       ",\"hangup\":{\"recovered_down\":%s,\"recovered_up\":%s,\"recover_down_ms\":%.1f,"
       "\"recover_up_ms\":%.1f,\"stale\":%lld,\"oldest_ms\":%.1f}",
-      word(down != 0), word(up != 0), down_ms, up_ms, (long long)g_back_stale, double(g_back_oldest) / 1e6);
+      word(down != 0), word(up != 0), down_ms, up_ms, (long long)g_back_stale,
+      double(g_back_oldest) / 1e6);
   if (table)
     fprintf(stderr, "hangup: sim->fc %s (%.0f ms), fc->sim %s (%.0f ms) after the PTY came back\n",
             down ? "recovered" : "NOT recovered", down_ms, up ? "recovered" : "NOT recovered",
