@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -61,19 +62,36 @@ std::optional<std::string_view> bench_key(const ConfigNode& node) {
   return std::nullopt;
 }
 
+/// Every vehicle has a line of its own, and its own condition.
+void add_bench_fault(BenchFault fault, std::optional<std::size_t> vehicle, std::size_t vehicles,
+                     std::vector<BenchFault>& faults) {
+  if (vehicle || fault.is_everybodys()) {
+    fault.vehicle = vehicle.value_or(0);
+    faults.push_back(std::move(fault));
+    return;
+  }
+  for (fault.vehicle = 0; fault.vehicle < vehicles; ++fault.vehicle) faults.push_back(fault);
+}
+
 }  // namespace
 
-ScenarioFaults parse_scenario_faults(const ConfigNode& faults, const ConfigNode& line) {
+bool BenchFault::is_everybodys() const {
+  return std::holds_alternative<RestartFault>(kind) || std::holds_alternative<FloodFault>(kind);
+}
+
+ScenarioFaults parse_scenario_faults(const ConfigNode& faults, const ConfigNode& line,
+                                     const VehicleNames& names) {
   if (!faults.is_list()) faults.fail("faults is a list");
   ScenarioFaults result;
   for (const ConfigNode& node : faults.items()) {
     if (!node.is_map()) node.fail("a fault is a map, such as '{at_s: 20, for_s: 5, drop: gps}'");
+    const std::optional<std::size_t> vehicle = parse_vehicle_key(node, names);
     if (const auto key = bench_key(node)) {
-      result.bench.push_back(parse_bench_fault(node, *key, line));
+      add_bench_fault(parse_bench_fault(node, *key, line), vehicle, names.size(), result.bench);
     } else {
       sim::parse_fault(node,
                        result.vehicle.size() + 1);  // the plugin's own reading, for its errors
-      result.vehicle.push_back(node);
+      result.vehicle.push_back({.script = node, .vehicle = vehicle});
     }
   }
   return result;
@@ -85,14 +103,14 @@ BenchFaultScript::BenchFaultScript(std::vector<BenchFault> faults) {
   }
 }
 
-std::vector<BenchFaultScript::Event> BenchFaultScript::update(base::SimTime now,
-                                                              const VehicleReport& vehicle,
-                                                              std::string_view phase) {
+std::vector<BenchFaultScript::Event> BenchFaultScript::update(
+    base::SimTime now, std::span<const VehicleReport> vehicles, std::string_view phase) {
   std::vector<Event> events;
   for (Entry& entry : entries_) {
-    if (!entry.span && is_due(entry.fault, now, vehicle, phase)) {
+    if (!entry.span && is_due(entry.fault, now, vehicles, phase)) {
       entry.span = history_.size();
       history_.push_back({.name = entry.fault.name, .begin = now, .end = std::nullopt});
+      if (!entry.fault.is_everybodys()) history_.back().vehicle = entry.fault.vehicle;
       events.push_back({.fault = &entry.fault, .begins = true});
     } else if (entry.span && !entry.over &&
                now - history_[*entry.span].begin >= entry.fault.lasting) {
@@ -104,9 +122,18 @@ std::vector<BenchFaultScript::Event> BenchFaultScript::update(base::SimTime now,
   return events;
 }
 
+std::vector<BenchFaultScript::Span> BenchFaultScript::history_of(std::size_t vehicle) const {
+  std::vector<Span> spans;
+  std::ranges::copy_if(history_, std::back_inserter(spans), [vehicle](const Span& span) {
+    return span.vehicle.value_or(vehicle) == vehicle;
+  });
+  return spans;
+}
+
 bool BenchFaultScript::is_due(const BenchFault& fault, base::SimTime now,
-                              const VehicleReport& vehicle, std::string_view phase) {
+                              std::span<const VehicleReport> vehicles, std::string_view phase) {
   if (fault.at) return now >= *fault.at;
+  const VehicleReport& vehicle = vehicles[fault.vehicle];
   if (fault.when->on_truth && !vehicle.truth) return false;
   const Motion motion = fault.when->on_truth ? *vehicle.truth : vehicle.estimate();
   return fault.when->expression.evaluate(facts_of(now, motion, vehicle.armed, phase));

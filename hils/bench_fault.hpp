@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "fcu/line_config.hpp"
 #include "hils/flight_facts.hpp"
 #include "hils/flight_plan.hpp"
+#include "hils/vehicle_names.hpp"
 
 namespace cas::hils {
 
@@ -31,26 +34,38 @@ using BenchFaultKind = std::variant<LineFault, UnplugFault, RestartFault, FloodF
 /// A fault of the bench, not of the vehicle: when it begins, how long it lasts, what it does.
 struct BenchFault {
   std::string name;
+  std::size_t vehicle = 0;  ///< whom its condition asks, and whose line it is
   std::optional<base::SimTime> at;
   std::optional<Condition> when;
   base::Duration lasting{};
   BenchFaultKind kind;
+
+  /// What happens to casd or the ground station happens to every vehicle.
+  bool is_everybodys() const;
 };
 
-/// The faults of a scenario: those of the bench, and those that plugin `fault` plays, as it reads
-/// them.
+/// A fault that plugin `fault` plays, as it reads it.
+struct VehicleFault {
+  base::ConfigNode script;
+  std::optional<std::size_t> vehicle{};  ///< nothing: each of them has it
+};
+
+/// The faults of a scenario: those of the bench, and those of the vehicles.
 struct ScenarioFaults {
   std::vector<BenchFault> bench;
-  std::vector<base::ConfigNode> vehicle;
+  std::vector<VehicleFault> vehicle;
   bool empty() const { return bench.empty() && vehicle.empty(); }
 };
 
 /// Reads the list `faults` of a scenario. Every entry has at_s or when, and one effect; the bench's
-/// are `line`, `unplug`, `restart` and `flood_hz`, all others are plugin fault's.
+/// are `line`, `unplug`, `restart` and `flood_hz`, all others are plugin fault's. One that names no
+/// vehicle befalls each of them, by its own condition.
 ///
 /// @param line  the scenario's line, whose keys those of a line fault override
+/// @param names  vehicles that a fault may name
 /// @throws base::ConfigError
-ScenarioFaults parse_scenario_faults(const base::ConfigNode& faults, const base::ConfigNode& line);
+ScenarioFaults parse_scenario_faults(const base::ConfigNode& faults, const base::ConfigNode& line,
+                                     const VehicleNames& names = only_vehicle());
 
 /// Decides when faults of the bench begin and end. Each happens once in a run. Pure.
 class BenchFaultScript {
@@ -63,7 +78,7 @@ class BenchFaultScript {
     bool begins = false;
   };
   /// What begins or ends now.
-  std::vector<Event> update(base::SimTime now, const VehicleReport& vehicle,
+  std::vector<Event> update(base::SimTime now, std::span<const VehicleReport> vehicles,
                             std::string_view phase);
 
   /// One fault as it went.
@@ -71,8 +86,11 @@ class BenchFaultScript {
     std::string name;
     base::SimTime begin;
     std::optional<base::SimTime> end;
+    std::optional<std::size_t> vehicle{};  ///< nothing: it was everybody's
   };
   const std::vector<Span>& history() const { return history_; }
+  /// What befell one vehicle.
+  std::vector<Span> history_of(std::size_t vehicle) const;
 
  private:
   struct Entry {
@@ -80,8 +98,8 @@ class BenchFaultScript {
     std::optional<std::size_t> span;  ///< its place in the history, once it has begun
     bool over = false;
   };
-  static bool is_due(const BenchFault& fault, base::SimTime now, const VehicleReport& vehicle,
-                     std::string_view phase);
+  static bool is_due(const BenchFault& fault, base::SimTime now,
+                     std::span<const VehicleReport> vehicles, std::string_view phase);
 
   std::vector<Entry> entries_;
   std::vector<Span> history_;

@@ -22,7 +22,9 @@ std::filesystem::path program_folder() {
 }  // namespace
 
 void BenchPrograms::start(bool paused) {
-  if (emulate_) start_emulator();
+  if (emulate_) {
+    for (const VehiclePlaces& vehicle : places_.vehicles) start_emulator(vehicle);
+  }
   start_casd();
   std::vector<std::string> arguments{"--control", places_.simulator_control(), "--output",
                                      places_.out};
@@ -30,20 +32,22 @@ void BenchPrograms::start(bool paused) {
   for (const std::filesystem::path& folder : base::plugin_dirs()) {
     arguments.insert(arguments.end(), {"--plugin-dir", folder});
   }
-  hilsim_ =
-      &supervisor_.start(options("hilsim", places_.simulator_config(), arguments), kReadyTimeout);
+  hilsim_ = &supervisor_.start(options("hilsim", "hilsim", places_.simulator_config(), arguments),
+                               kReadyTimeout);
 }
 
-void BenchPrograms::start_emulator() {
-  fcu_ =
-      &supervisor_.start(options("fcu_emulator", places_.fcu_config(),
-                                 {"--link", places_.fcu_link(), "--ledger",
-                                  places_.controller_ledger(), "--control", places_.fcu_control()}),
-                         kReadyTimeout);
+void BenchPrograms::start_emulator(const VehiclePlaces& places) {
+  const std::vector<std::string> arguments{"--link",    places.fcu_link(),
+                                           "--ledger",  places.controller_ledger(),
+                                           "--control", places.fcu_control()};
+  emulators_.push_back(&supervisor_.start(
+      options(places.emulator(), "fcu_emulator", places.fcu_config(), arguments), kReadyTimeout));
 }
 
 void BenchPrograms::stop() {
-  for (ChildProcess* child : {hilsim_, casd_, fcu_}) {
+  std::vector<ChildProcess*> programs{hilsim_, casd_};
+  programs.insert(programs.end(), emulators_.begin(), emulators_.end());
+  for (ChildProcess* child : programs) {
     if (child == nullptr) continue;
     if (!supervisor_.stop(*child, kStopPatience)) {
       throw RunStopped(
@@ -79,19 +83,20 @@ void BenchPrograms::join_logs() {
 void BenchPrograms::start_casd() {
   if (casd_ != nullptr) return;
   casd_ = &supervisor_.start(
-      options("casd", places_.casd_config(), {"--ledger", places_.casd_ledger()}), kReadyTimeout);
+      options("casd", "casd", places_.casd_config(), {"--ledger", places_.casd_ledger()}),
+      kReadyTimeout);
 }
 
-ChildProcess::Options BenchPrograms::options(const std::string& program,
+ChildProcess::Options BenchPrograms::options(const std::string& name, const std::string& program,
                                              const std::filesystem::path& config,
                                              const std::vector<std::string>& further) const {
   ChildProcess::Options options;
-  options.name = program;
+  options.name = name;
   options.arguments = {(program_folder() / program).string(), config.string(), "--stats",
-                       (places_.run / (program + "_stats.json")).string()};
+                       (places_.run / (name + "_stats.json")).string()};
   options.arguments.insert(options.arguments.end(), further.begin(), further.end());
-  options.log_file = places_.run / (program + ".log");
-  options.notify_socket = places_.sockets / (program + ".notify");
+  options.log_file = places_.run / (name + ".log");
+  options.notify_socket = places_.sockets / (name + ".notify");
   return options;
 }
 

@@ -31,22 +31,29 @@ VehicleReport to_report(const Json& state) {
   return report;
 }
 
+/// The parameters of a call that means this vehicle.
+Json to(AskedVehicle vehicle, Json params) {
+  if (vehicle) params["vehicle"] = *vehicle;
+  return params;
+}
+
 }  // namespace
 
-VehicleReport vehicle_report(base::rpc::Client& casd) {
+VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
   try {
-    return to_report(casd.call("vehicle.state", Json::object()));
+    return to_report(casd.call("vehicle.state", to(vehicle, Json::object())));
   } catch (const base::rpc::CallError& error) {
     if (error.code() == base::rpc::kNoSuchVehicle) return {};  // not heard yet
     throw;
   }
 }
 
-std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil) {
+std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
+                 AskedVehicle vehicle) {
   try {
     for (auto& [method, params] : to_calls(step)) {
       if (step.kind == StepKind::kArm && not_hil) params["not_hil"] = true;
-      casd.call(method, params);
+      casd.call(method, to(vehicle, params));
     }
     return {};
   } catch (const base::rpc::CallError& error) {

@@ -47,7 +47,7 @@ void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
   std::filesystem::create_directories(request.out);
   const bool on_virtual_clock = plan.virtual_clock || request.architecture == Architecture::kDirect;
   const RunRecord record =
-      on_virtual_clock ? run_on_virtual_clock(request) : run_in_real_time(request);
+      (on_virtual_clock ? run_on_virtual_clock(request) : run_in_real_time(request)).front();
   const Measurement figures = measure(request, record);
   const Verdict verdict = judge(figures, request.scenario.limits);
   if (!plan.virtual_clock) write_text(request.out / "summary.json", summary_json(figures, verdict));
@@ -84,6 +84,9 @@ std::vector<Variant> make_variants(const std::vector<Architecture>& architecture
 }
 
 Scenario comparison_scenario(const Scenario& scenario, const ComparisonPlan& plan) {
+  if (scenario.flies_several()) {
+    throw base::ConfigError(scenario.file.string() + ": a comparison flies one vehicle");
+  }
   Scenario result = scenario;
   FlightStep* const warm_up = warm_up_of(result.steps);
   if (warm_up == nullptr) {

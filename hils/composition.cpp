@@ -1,42 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/composition.hpp"
 
-#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <optional>
 
-#include "base/install_paths.hpp"
+#include "base/random.hpp"
 #include "fcu/line_config.hpp"
 #include "hils/report.hpp"
+#include "hils/yaml_text.hpp"
 
 namespace cas::hils {
 
 namespace {
 
 constexpr double kGravity = 9.80665;  ///< standard gravity, m/s^2
-constexpr double kNorthYawDeg = 90;   ///< W counts yaw from east, counter-clockwise
 constexpr double kTruthHz = 100;
 constexpr int kLockstepTimeoutMs = 10'000;  ///< a controller that died, not a machine that is busy
 constexpr int kSimulatorComponent = 200;    ///< the simulator beside autopilot 1 of its system
-
-/// The block as a node of its own; an empty map where there is none.
-YAML::Node copy(const base::ConfigNode& node) {
-  YAML::Node result = YAML::Load(node.dump());
-  return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);
-}
-
-std::string to_text(const YAML::Node& node) {
-  YAML::Emitter emitter;
-  emitter << node;
-  return std::string(emitter.c_str()) + "\n";
-}
-
-std::string full_path(const std::filesystem::path& path) {
-  return std::filesystem::weakly_canonical(path).string();
-}
-
-std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
 
 YAML::Node plugin(const char* name) {
   YAML::Node node(YAML::NodeType::Map);
@@ -46,16 +27,17 @@ YAML::Node plugin(const char* name) {
 
 /// What `sensors` of simulator and controller alike says: the scenario's set at the scenario's
 /// rates. A set in a file is named by its whole path, for the files made of it lie elsewhere.
-YAML::Node sensors(const Scenario& scenario) {
+YAML::Node sensors(const Scenario& scenario, std::size_t vehicle) {
+  const base::ConfigNode& set_or_keys = scenario.sensors_of(vehicle);
   YAML::Node node(YAML::NodeType::Map);
-  if (scenario.sensors.is_scalar()) {
-    node["preset"] = scenario.sensors.as<std::string>();
+  if (set_or_keys.is_scalar()) {
+    node["preset"] = set_or_keys.as<std::string>();
   } else {
-    node = copy(scenario.sensors);
+    node = copy(set_or_keys);
   }
   if (node["preset"]) {
     const auto set = node["preset"].as<std::string>();
-    const auto file = scenario.sensors.resolve(set);
+    const auto file = set_or_keys.resolve(set);
     const bool is_name = std::filesystem::path(set).extension().empty();
     if (!is_name && std::filesystem::is_regular_file(file)) node["preset"] = full_path(file);
   }
@@ -64,12 +46,8 @@ YAML::Node sensors(const Scenario& scenario) {
   return node;
 }
 
-const char* pace_word(const RunRequest& request) {
-  return request.lockstep ? "lockstep" : "realtime";
-}
-
-YAML::Node interface_plugin(const Scenario& scenario, Transport transport,
-                            const RunPlaces& places) {
+YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Transport transport,
+                            const VehiclePlaces& places) {
   YAML::Node node;
   node["plugin"] = "mavlink_interface";
   node["control_rate_hz"] = scenario.rates.controls_hz;
@@ -81,28 +59,34 @@ YAML::Node interface_plugin(const Scenario& scenario, Transport transport,
     node["remote"] = local_port(places.casd_port);
     node["ledger"] = full_path(places.simulator_ledger());
   }
-  node["system_id"] = 1;
+  node["system_id"] = static_cast<int>(scenario.vehicles[vehicle].system_id);
   node["component_id"] = kSimulatorComponent;
   return node;
 }
 
-YAML::Node fault_plugin(const Scenario& scenario) {
-  YAML::Node node(YAML::NodeType::Map);
-  node["plugin"] = "fault";
-  for (const base::ConfigNode& fault : scenario.faults.vehicle) {
-    node["faults"].push_back(copy(fault));
+/// Plugin fault with what befalls the vehicle; nothing where that is nothing.
+std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle) {
+  YAML::Node faults;
+  for (const VehicleFault& fault : scenario.faults.vehicle) {
+    if (fault.vehicle.value_or(vehicle) != vehicle) continue;
+    faults.push_back(copy(fault.script));
+    faults[faults.size() - 1].remove("vehicle");
   }
+  if (faults.size() == 0) return std::nullopt;
+  YAML::Node node = plugin("fault");
+  node["faults"] = faults;
   return node;
 }
 
-YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport, const RunPlaces& places) {
+YAML::Node vehicle_plugins(const Scenario& scenario, std::size_t vehicle, Transport transport,
+                           const VehiclePlaces& places) {
   YAML::Node plugins;
   for (const char* name : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
     plugins.push_back(plugin(name));
   }
   for (const base::ConfigNode& further : scenario.plugins) plugins.push_back(copy(further));
-  if (!scenario.faults.vehicle.empty()) plugins.push_back(fault_plugin(scenario));
-  plugins.push_back(interface_plugin(scenario, transport, places));
+  if (const auto faults = fault_plugin(scenario, vehicle)) plugins.push_back(*faults);
+  plugins.push_back(interface_plugin(scenario, vehicle, transport, places));
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
   recorder["file"] = full_path(places.truth_csv());
@@ -111,27 +95,7 @@ YAML::Node vehicle_plugins(const Scenario& scenario, Transport transport, const 
   return plugins;
 }
 
-YAML::Node list(std::initializer_list<const char*> names) {
-  YAML::Node node;
-  for (const char* name : names) node.push_back(name);
-  node.SetStyle(YAML::EmitterStyle::Flow);
-  return node;
-}
-
-YAML::Node route(const char* from, const char* to) {
-  YAML::Node node;
-  node["from"] = from;
-  node["to"] = to;
-  return node;
-}
-
 bool has_line(Architecture architecture) { return architecture != Architecture::kSitl; }
-
-std::string_view threads(Architecture architecture) {
-  if (architecture == Architecture::kTs) return "blocking";
-  if (architecture == Architecture::kLoop) return "single";
-  return "per_link";
-}
 
 YAML::Node line_node(const RunRequest& request) {
   if (!has_line(request.architecture)) return YAML::Node(YAML::NodeType::Map);
@@ -140,66 +104,19 @@ YAML::Node line_node(const RunRequest& request) {
   return node;
 }
 
-/// The rate that casd is told: none for USB, which has no bit rate that a sender could keep to.
-int serial_baud(const RunRequest& request) {
-  if (!request.fcu_device.empty()) return static_cast<int>(request.fcu_baud);
-  if (request.lockstep) return 0;
-  const fcu::LineConfig line = line_of(request);
-  return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
-}
-
-YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
-  YAML::Node links;
-  YAML::Node simulator;
-  simulator["name"] = "sim";
-  simulator["type"] = "udp";
-  simulator["local"] = local_port(places.casd_port);
-  simulator["remote"] = local_port(places.simulator_port);
-  links.push_back(simulator);
-  YAML::Node controller;
-  controller["name"] = "fcu";
-  controller["type"] = "serial";
-  controller["device"] =
-      request.fcu_device.empty() ? places.fcu_link().string() : request.fcu_device;
-  controller["baud"] = serial_baud(request);
-  links.push_back(controller);
-  if (places.ground_station_port == 0) return links;
-  YAML::Node ground_station;
-  ground_station["name"] = "gcs";
-  ground_station["type"] = "udp";
-  ground_station["remote"] = local_port(places.ground_station_port);
-  links.push_back(ground_station);
-  return links;
-}
-
-/// The traditional set-up forwards everything to everybody.
-YAML::Node routes_without_filter(const RunPlaces& places) {
-  YAML::Node routes;
-  std::vector<const char*> names{"sim", "fcu"};
-  if (places.ground_station_port != 0) names.push_back("gcs");
-  for (const char* from : names) {
-    for (const char* to : names) {
-      if (from != to) routes.push_back(route(from, to));
-    }
-  }
-  return routes;
-}
-
-YAML::Node casd_routes(Architecture architecture, const RunPlaces& places) {
-  if (architecture == Architecture::kTs) return routes_without_filter(places);
-  YAML::Node to_controller = route("sim", "fcu");
-  to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"});
-  YAML::Node to_simulator = route("fcu", "sim");
-  to_simulator["allow"] = list({"HEARTBEAT", "HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
-  YAML::Node routes;
-  routes.push_back(to_controller);
-  routes.push_back(to_simulator);
-  if (places.ground_station_port == 0) return routes;
-  YAML::Node to_ground = route("fcu", "gcs");
-  to_ground["block"] = list({"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
-  routes.push_back(to_ground);
-  routes.push_back(route("gcs", "fcu"));
-  return routes;
+YAML::Node simulated_vehicle(const Scenario& scenario, std::size_t vehicle, Transport transport,
+                             const VehiclePlaces& places) {
+  const ScenarioVehicle& own = scenario.vehicles[vehicle];
+  YAML::Node node;
+  node["name"] = own.name;
+  node["vehicle"] = full_path(own.vehicle);
+  node["pose"]["x_m"] = own.pose.x_m;
+  node["pose"]["y_m"] = own.pose.y_m;
+  node["pose"]["z_m"] = 0;
+  node["pose"]["yaw_deg"] = own.pose.yaw_deg;
+  node["sensors"] = sensors(scenario, vehicle);
+  node["plugins"] = vehicle_plugins(scenario, vehicle, transport, places);
+  return node;
 }
 
 }  // namespace
@@ -220,51 +137,28 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   if (request.lockstep) root["pacing"]["lockstep_timeout_ms"] = kLockstepTimeoutMs;
   root["seed"] = request.seed;
   root["integrator"] = scenario.integrator;
-  YAML::Node vehicle;
-  vehicle["name"] = kVehicleName;
-  vehicle["vehicle"] = full_path(scenario.vehicle);
-  vehicle["pose"]["x_m"] = 0;
-  vehicle["pose"]["y_m"] = 0;
-  vehicle["pose"]["z_m"] = 0;
-  vehicle["pose"]["yaw_deg"] = kNorthYawDeg;
-  vehicle["sensors"] = sensors(scenario);
-  vehicle["plugins"] = vehicle_plugins(scenario, transport, places);
-  root["vehicles"].push_back(vehicle);
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    root["vehicles"].push_back(simulated_vehicle(scenario, i, transport, places.vehicles.at(i)));
+  }
   return to_text(root);
 }
 
-std::string fcu_config(const RunRequest& request) {
+std::string fcu_config(const RunRequest& request, std::size_t vehicle) {
   const Scenario& scenario = request.scenario;
+  const ScenarioVehicle& own = scenario.vehicles.at(vehicle);
   YAML::Node root = copy(scenario.controller);
+  overlay(root, copy(own.controller));
   root["schema"] = 1;
-  root["vehicle"] = full_path(scenario.vehicle);
-  if (!root["sensors"]) root["sensors"] = sensors(scenario);
+  root["vehicle"] = full_path(own.vehicle);
+  if (scenario.flies_several()) root["system_id"] = static_cast<int>(own.system_id);
+  if (!root["sensors"]) root["sensors"] = sensors(scenario, vehicle);
   root["decimal_year"] = scenario.decimal_year;
   root["control_rate_hz"] = scenario.rates.controls_hz;
-  root["seed"] = request.seed;
+  // Each line has its own misfortunes.
+  root["seed"] = vehicle == 0 ? request.seed : base::derive_seed(request.seed, own.name);
   root["pace"] = pace_word(request);
   // In lockstep a line could only cost wall clock.
   if (!request.lockstep) root["line"] = line_node(request);
-  return to_text(root);
-}
-
-std::string casd_config(const RunRequest& request, const RunPlaces& places) {
-  YAML::Node root;
-  root["schema"] = 1;
-  root["system_id"] = 254;
-  root["component_id"] = 190;
-  root["pace"] = pace_word(request);
-  root["threads"] = std::string(threads(request.architecture));
-  root["drain_tick_ms"] = request.scenario.drain_tick_ms;
-  root["command_port"]["address"] = "127.0.0.1";
-  root["command_port"]["port"] = 0;
-  root["command_port"]["unix"] = places.command_port().string();
-  root["links"] = casd_links(request, places);
-  root["routes"] = casd_routes(request.architecture, places);
-  root["commanding"]["heartbeat_hz"] = 1;
-  root["gains"] = full_path(base::find_config("gains.yaml"));
-  root["log"]["tlog"] = full_path(places.flight_tlog());
-  root["log"]["overwrite"] = true;
   return to_text(root);
 }
 
@@ -276,7 +170,9 @@ fcu::LineConfig line_of(const RunRequest& request) {
 void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {
   std::filesystem::create_directories(places.run);
   write_text(places.simulator_config(), simulator_config(request, transport, places));
-  write_text(places.fcu_config(), fcu_config(request));
+  for (std::size_t i = 0; i < places.vehicles.size(); ++i) {
+    write_text(places.vehicles[i].fcu_config(), fcu_config(request, i));
+  }
   write_text(places.casd_config(), casd_config(request, places));
 }
 

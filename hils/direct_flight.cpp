@@ -84,11 +84,12 @@ sim::SimConfig simulator_config(const DirectFlightOptions& options) {
 
 DirectFlight::DirectFlight(const DirectFlightOptions& options)
     : controller_(controller_config(options),
-                  [this](auto bytes, auto now) { simulator_->write(bytes, now); }),
+                  [this](auto bytes, auto now) { simulator_->wire().write(bytes, now); }),
       simulator_(std::make_unique<VirtualSimulator>(
           simulator_config(options),
-          sim::SimOptions{.output_dir = ".", .plugin_dirs = base::plugin_dirs()}, kVehicle,
-          [this](auto bytes, auto now) { controller_.write(bytes, now); })) {}
+          sim::SimOptions{.output_dir = ".", .plugin_dirs = base::plugin_dirs()},
+          std::vector<VirtualSimulator::OnBytes>{
+              [this](auto bytes, auto now) { controller_.write(bytes, now); }})) {}
 
 void DirectFlight::advance() {
   const base::RunTime next = std::min(simulator_->next_event(), controller_.next_event(now_));

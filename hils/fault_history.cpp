@@ -23,15 +23,21 @@ void add_event(const json& event, std::vector<BenchFaultScript::Span>& faults) {
   }
 }
 
+/// "fault@iris0", "fault@iris0#2": the plugins of one vehicle.
+bool is_fault_of(const std::string& plugin, const std::string& vehicle) {
+  return plugin.substr(0, plugin.find('#')) == "fault@" + vehicle;
+}
+
 }  // namespace
 
-std::vector<BenchFaultScript::Span> vehicle_faults(const std::filesystem::path& simulator_stats) {
+std::vector<BenchFaultScript::Span> vehicle_faults(const std::filesystem::path& simulator_stats,
+                                                   const std::string& vehicle) {
   std::vector<BenchFaultScript::Span> faults;
   std::ifstream in(simulator_stats);
   const json stats = json::parse(in, nullptr, false);
   if (!stats.is_object() || !stats.contains("plugins")) return faults;
   for (const auto& [plugin, figures] : stats["plugins"].items()) {
-    if (!plugin.starts_with("fault") || !figures.is_object()) continue;
+    if (!is_fault_of(plugin, vehicle) || !figures.is_object()) continue;
     for (const json& event : figures.value("events", json::array())) add_event(event, faults);
   }
   return faults;

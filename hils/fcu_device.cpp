@@ -55,6 +55,10 @@ std::int64_t sensor_stamp_at(const std::vector<base::LedgerEntry>& simulator, st
 
 void refuse_emulator_faults(const RunRequest& request) {
   if (request.fcu_device.empty()) return;
+  if (request.scenario.flies_several()) {
+    throw base::ConfigError(request.scenario.file.string() +
+                            ": --fcu flies one vehicle, and the scenario has several");
+  }
   for (const BenchFault& fault : request.scenario.faults.bench) {
     if (std::holds_alternative<LineFault>(fault.kind) ||
         std::holds_alternative<UnplugFault>(fault.kind)) {
@@ -67,7 +71,7 @@ void refuse_emulator_faults(const RunRequest& request) {
 void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
   base::rpc::Client casd("unix:" + places.command_port().string());
   const FcuFacts facts = probe_fcu(casd, supervisor, request.fcu_device);
-  const base::Vehicle vehicle = base::Vehicle::load(request.scenario.vehicle);
+  const base::Vehicle vehicle = base::Vehicle::load(request.scenario.vehicles.front().vehicle);
   const std::vector<FcuFinding> findings = check_fcu(facts, request.scenario.rates, vehicle);
   fmt::print(stderr, "{}\n{}", request.fcu_device, findings_text(findings));
   if (!may_fly(findings)) {

@@ -58,6 +58,7 @@ std::vector<Call> to_calls(const FlightStep& step) {
       return {{"vehicle.disarm", Json::object()}};
     case StepKind::kHold:
     case StepKind::kWaitUntil:
+    case StepKind::kStandBy:
       break;
   }
   return {};

@@ -25,13 +25,15 @@ Motion VehicleReport::estimate() const {
           .rpy_rad = {roll_rad, pitch_rad, yaw_rad}};
 }
 
-FlightPlan::FlightPlan(std::vector<FlightStep> steps) : steps_(std::move(steps)) {}
+FlightPlan::FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad)
+    : steps_(std::move(steps)), reference_yaw_rad_(start_yaw_rad) {}
 
-std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleReport& vehicle) {
+std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleReport& vehicle,
+                                             std::size_t others_through) {
   while (!done() && failure_.empty()) {
     const FlightStep& step = steps_[current_];
-    if (!begun_) begin_step(now, step);
-    if (phase_ == Phase::kBegin && vehicle.heard && now >= retry_at_) {
+    if (!begun_ && others_through >= current_) begin_step(now, step);
+    if (begun_ && phase_ == Phase::kBegin && vehicle.heard && now >= retry_at_) {
       if (needs_command(step, vehicle)) {
         phase_ = Phase::kCommanding;
         return step;
@@ -42,21 +44,28 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
       failure_ = "the vehicle disarmed itself during " + std::string(to_string(step.kind));
       break;
     }
-    if (phase_ == Phase::kWaiting && reached(step, now, vehicle)) {
+    if (!begun_) break;
+    if (phase_ == Phase::kWaiting && reached(step, now, vehicle, others_through)) {
       end_step(now);
       continue;
     }
-    const bool timed = step.kind == StepKind::kHold || step.kind == StepKind::kTrajectory;
-    const bool flying_it = timed && phase_ == Phase::kWaiting;
-    if (phase_ != Phase::kCommanding && !flying_it && now - step_begin_ > step.timeout) {
-      failure_ = std::string(to_string(step.kind)) + " was not done within " +
-                 std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
-      if (!vehicle.heard) failure_ += ": the vehicle was not heard";
-      if (!last_refusal_.empty()) failure_ += ": " + last_refusal_;
-    }
+    check_time(step, now, vehicle);
     break;
   }
   return std::nullopt;
+}
+
+/// A step that only takes its time, or that others do, has none to be done within.
+void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
+                            const VehicleReport& vehicle) {
+  const bool timed = step.kind == StepKind::kHold || step.kind == StepKind::kTrajectory ||
+                     step.kind == StepKind::kStandBy;
+  const bool flying_it = timed && phase_ == Phase::kWaiting;
+  if (phase_ == Phase::kCommanding || flying_it || now - step_begin_ <= step.timeout) return;
+  failure_ = std::string(to_string(step.kind)) + " was not done within " +
+             std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
+  if (!vehicle.heard) failure_ += ": the vehicle was not heard";
+  if (!last_refusal_.empty()) failure_ += ": " + last_refusal_;
 }
 
 void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
@@ -88,7 +97,8 @@ bool FlightPlan::needs_command(const FlightStep& step, const VehicleReport& vehi
   return true;
 }
 
-bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle) {
+bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle,
+                         std::size_t others_through) {
   switch (step.kind) {
     case StepKind::kArm:
       return vehicle.armed;
@@ -109,6 +119,8 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
       return vehicle.on_ground;
     case StepKind::kDisarm:
       return !vehicle.armed;
+    case StepKind::kStandBy:
+      return others_through > current_;
   }
   return false;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,20 +43,32 @@ struct Stage {
 };
 
 /// Takes a vehicle through the steps of a scenario. It says which command is to be given and when
-/// a step is done; it gives none itself and reads no clock.
+/// a step is done; it gives none itself and reads no clock. FleetPlan keeps several in step.
 ///
 ///   update() -> command -> on_outcome() -> update() until the step's condition holds -> next step
 class FlightPlan {
  public:
-  explicit FlightPlan(std::vector<FlightStep> steps);
+  /// A vehicle that flies alone waits for nobody.
+  static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+
+  /// @param start_yaw_rad  heading of the vehicle where it stands, which it keeps until it is told
+  explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0);
 
   /// Looks at the vehicle. @return the step whose command is to be given now, if any
-  std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle);
+  /// @param others_through  so many steps the other vehicles are through with: the next one begins
+  std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle,
+                                   std::size_t others_through = kNobody);
   /// The vehicle's answer to the last command: `refusal` is empty when it was accepted. A refused
   /// command is given again each second until the step's time is over.
   void on_outcome(base::SimTime now, const std::string& refusal);
 
   bool done() const { return current_ == steps_.size(); }
+  /// Steps that the vehicle has done, and whether it has begun with the next one.
+  std::size_t completed() const { return current_; }
+  bool begun() const { return begun_; }
+  /// Steps that nobody needs to wait for: those done, and the one that others do.
+  std::size_t through() const { return current_ + (stands_by() ? 1 : 0); }
+  bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
   /// Why the flight cannot go on; empty as long as it can.
   const std::string& failure() const { return failure_; }
   const std::vector<Stage>& stages() const { return stages_; }
@@ -71,7 +85,9 @@ class FlightPlan {
   enum class Phase { kBegin, kCommanding, kWaiting };
 
   bool needs_command(const FlightStep& step, const VehicleReport& vehicle) const;
-  bool reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
+  bool reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle,
+               std::size_t others_through);
+  void check_time(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
   bool condition_holds(const FlightStep& step, base::SimTime now,
                        const VehicleReport& vehicle) const;
   bool hangs_still(base::SimTime now, const VehicleReport& vehicle);

@@ -19,7 +19,7 @@ constexpr double kMaxStepSeconds = 86'400;
 constexpr double kMaxDistanceM = 10'000;
 constexpr double kRadiansPerDegree = M_PI / 180.0;
 
-constexpr std::array<std::pair<StepKind, std::string_view>, 11> kWords{{
+constexpr std::array<std::pair<StepKind, std::string_view>, 12> kWords{{
     {StepKind::kArm, "arm"},
     {StepKind::kTakeoff, "takeoff"},
     {StepKind::kGoto, "goto"},
@@ -30,8 +30,10 @@ constexpr std::array<std::pair<StepKind, std::string_view>, 11> kWords{{
     {StepKind::kWaitUntil, "wait_until"},
     {StepKind::kLand, "land"},
     {StepKind::kDisarm, "disarm"},
-    {StepKind::kEndTrajectory, "end of trajectory"},  // the last one: no word of a scenario
+    {StepKind::kEndTrajectory, "end of trajectory"},  // from here on: no word of a scenario
+    {StepKind::kStandBy, "stand by"},
 }};
+constexpr std::size_t kScenarioWords = 10;
 
 constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{{
     {fcu::PatternShape::kCircle, "circle"},
@@ -41,7 +43,7 @@ constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{
 
 StepKind parse_kind(const base::ConfigNode& node, std::string_view word) {
   std::string known;
-  for (const auto& [kind, name] : std::span(kWords).first(kWords.size() - 1)) {
+  for (const auto& [kind, name] : std::span(kWords).first(kScenarioWords)) {
     if (name == word) return kind;
     known += (known.empty() ? "" : ", ") + std::string(name);
   }
@@ -115,13 +117,14 @@ void parse_trajectory(const base::ConfigNode& body, FlightStep& step) {
 
 void parse_params(const base::ConfigNode& body, FlightStep& step) {
   for (const auto& [name, value] : body.entries()) {
-    if (name == "name" || name == "timeout_s") continue;
+    if (name == "name" || name == "timeout_s" || name == "vehicle") continue;
     step.params.emplace_back(name, value.as<double>());
   }
   if (step.params.empty()) body.fail("a setparam step names at least one parameter");
 }
 
-void parse_body(const base::ConfigNode& body, FlightStep& step) {
+void parse_body(const base::ConfigNode& body, const VehicleNames& names, FlightStep& step) {
+  step.vehicle = parse_vehicle_key(body, names);
   if (step.kind == StepKind::kTakeoff) step.altitude_m = body.require_in("altitude_m", 0.5, 1000);
   if (step.kind == StepKind::kGoto) parse_goto(body, step);
   if (step.kind == StepKind::kSetGain) parse_gain(body, step);
@@ -143,11 +146,12 @@ void parse_body(const base::ConfigNode& body, FlightStep& step) {
   step.timeout = base::from_seconds(timeout_s);
 }
 
-FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains) {
+FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains,
+                      const VehicleNames& names) {
   FlightStep step;
   if (node.is_scalar()) {
     step.kind = parse_kind(node, node.as<std::string>());
-    parse_body(base::ConfigNode::empty(node.path()), step);
+    parse_body(base::ConfigNode::empty(node.path()), names, step);
     return step;
   }
   if (!node.is_map()) node.fail("a step is a word or a map with one key, such as 'hold: {...}'");
@@ -156,9 +160,20 @@ FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains) 
   step.kind = parse_kind(node, entries.front().first);
   const base::ConfigNode& body = entries.front().second;
   if (!body.is_map()) body.fail("the step takes a map");
-  parse_body(body, step);
+  parse_body(body, names, step);
   if (step.kind == StepKind::kSetGain) check_gain(body, step, gains);
   return step;
+}
+
+/// The step itself, or what a vehicle does that it does not concern. The phase stays the same.
+FlightStep as_seen_by(std::size_t vehicle, const FlightStep& step) {
+  if (!step.vehicle || *step.vehicle == vehicle) return step;
+  FlightStep other;
+  other.kind = StepKind::kStandBy;
+  other.name = phase_of(step);
+  other.vehicle = step.vehicle;
+  other.measure = step.measure;
+  return other;
 }
 
 }  // namespace
@@ -174,23 +189,36 @@ std::string_view phase_of(const FlightStep& step) {
   return step.name.empty() ? to_string(step.kind) : std::string_view(step.name);
 }
 
-bool is_command(StepKind kind) { return kind != StepKind::kHold && kind != StepKind::kWaitUntil; }
+bool is_command(StepKind kind) {
+  return kind != StepKind::kHold && kind != StepKind::kWaitUntil && kind != StepKind::kStandBy;
+}
 
-std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains) {
+std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
+                                     const VehicleNames& names) {
   if (!steps.is_list()) steps.fail("steps is a list");
   std::vector<FlightStep> flight;
-  FlightRehearsal rehearsal;
+  std::vector<FlightRehearsal> rehearsals;
+  for (const std::string& name : names) rehearsals.emplace_back(names.size() > 1 ? name : "");
   for (const base::ConfigNode& node : steps.items()) {
-    flight.push_back(parse_step(node, gains));
-    rehearsal.play(flight.back(), node);
-    if (flight.back().kind != StepKind::kTrajectory) continue;
+    const FlightStep& step = flight.emplace_back(parse_step(node, gains, names));
+    for (std::size_t i = 0; i < rehearsals.size(); ++i) {
+      rehearsals[i].play(as_seen_by(i, step), node);
+    }
+    if (step.kind != StepKind::kTrajectory) continue;
     FlightStep end;
     end.kind = StepKind::kEndTrajectory;
+    end.vehicle = step.vehicle;
     end.params = {{"CAS_TRJ_SHAPE", 0}};
     flight.push_back(end);
   }
-  rehearsal.finish(steps);
+  for (const FlightRehearsal& rehearsal : rehearsals) rehearsal.finish(steps);
   return flight;
+}
+
+std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight) {
+  std::vector<FlightStep> steps;
+  for (const FlightStep& step : flight) steps.push_back(as_seen_by(vehicle, step));
+  return steps;
 }
 
 }  // namespace cas::hils

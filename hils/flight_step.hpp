@@ -13,6 +13,7 @@
 #include "casd/gain_map.hpp"
 #include "fcu/pattern.hpp"
 #include "hils/flight_facts.hpp"
+#include "hils/vehicle_names.hpp"
 
 namespace cas::hils {
 
@@ -29,6 +30,7 @@ enum class StepKind {
   kWaitUntil,      ///< done when the condition holds
   kLand,           ///< done when the vehicle says that it stands on the ground
   kDisarm,         ///< done when it says that it is disarmed
+  kStandBy,        ///< another vehicle's step: done when the others have done it
 };
 
 std::string_view to_string(StepKind kind);
@@ -49,6 +51,7 @@ struct FlightStep {
   StepKind kind = StepKind::kHold;
   std::string
       name{};  ///< for reports, and `phase` in conditions; the step's word where none is given
+  std::optional<std::size_t> vehicle{};  ///< who does it, by its place; nothing: all of them
   base::Duration timeout = std::chrono::seconds(30);  ///< simulated time until the step has failed
   double altitude_m = 0;                              ///< takeoff
   Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< goto: north, east, up
@@ -71,8 +74,16 @@ bool is_command(StepKind kind);
 /// {altitude_m: 2.5}`). Checks that the flight is possible: armed before takeoff, exactly one
 /// measured step, landed at the end, and that loops and gains of setgain are known.
 ///
+/// With several vehicles each must be able to fly what it is told, and all of them are in the air
+/// in the measured step.
+///
 /// @param gains  loops of casd's gain map; when it is empty, any loop is taken
+/// @param names  vehicles that a step may name
 /// @throws base::ConfigError
-std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains);
+std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
+                                     const VehicleNames& names = only_vehicle());
+
+/// The flight as one vehicle sees it: in the steps of others it stands by.
+std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight);
 
 }  // namespace cas::hils

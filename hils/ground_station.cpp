@@ -8,7 +8,6 @@
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/manual_control.hpp"
 #include "mavlink/common/param_request_list.hpp"
-#include "mavlink/common/param_value.hpp"
 #include "mavlink/common/table.hpp"
 
 namespace cas::hils {
@@ -40,24 +39,23 @@ mv::ManualControl centred_sticks(std::uint8_t vehicle_system) {
 
 }  // namespace
 
-GroundStation::GroundStation(std::uint8_t vehicle_system, base::Duration list_period, Send send)
-    : vehicle_system_(vehicle_system),
-      list_period_(list_period),
+GroundStation::GroundStation(const std::vector<std::uint8_t>& systems, base::Duration list_period,
+                             Send send)
+    : list_period_(list_period),
       send_(std::move(send)),
       encode_(kGroundStation),
-      parser_(mv::table()) {}
+      parser_(mv::table()) {
+  for (const std::uint8_t system : systems) vehicles_.push_back({.system = system});
+}
 
 void GroundStation::on_bytes(std::span<const std::uint8_t> bytes) {
   parser_.feed(bytes, [this](const mav::PacketView& packet) { on_packet(packet); });
 }
 
 void GroundStation::on_packet(const mav::PacketView& packet) {
-  if (packet.source.system != vehicle_system_) return;
-  ++received_;
-  if (packet.message_id == mv::Heartbeat::kId) vehicle_heard_ = true;
-  if (const auto value = mav::decode<mv::ParamValue>(packet)) {
-    parameters_.insert(value->param_index);
-  }
+  if (packet.message_id != mv::Heartbeat::kId) return;
+  const auto sender = std::ranges::find(vehicles_, packet.source.system, &Vehicle::system);
+  if (sender != vehicles_.end()) sender->heard = true;
 }
 
 void GroundStation::tick(base::RunTime now) {
@@ -66,16 +64,22 @@ void GroundStation::tick(base::RunTime now) {
     send_(encode_(heartbeat()));
     next_heartbeat_ = now + kHeartbeatPeriod;
   }
-  if (vehicle_heard_ && now >= next_sticks_) {
-    send_(encode_(centred_sticks(vehicle_system_)));
-    next_sticks_ = now + kSticksPeriod;
+  for (Vehicle& vehicle : vehicles_) {
+    if (vehicle.heard) attend(vehicle, now);
   }
-  if (!vehicle_heard_ || (next_list_ && now < *next_list_)) return;
+}
+
+void GroundStation::attend(Vehicle& vehicle, base::RunTime now) {
+  if (now >= vehicle.next_sticks) {
+    send_(encode_(centred_sticks(vehicle.system)));
+    vehicle.next_sticks = now + kSticksPeriod;
+  }
+  if (vehicle.next_list && now < *vehicle.next_list) return;
   mv::ParamRequestList request;
-  request.target_system = vehicle_system_;
+  request.target_system = vehicle.system;
   request.target_component = 1;
   send_(encode_(request));
-  next_list_ = now + list_period_;
+  vehicle.next_list = now + list_period_;
 }
 
 /// On a grid, so that short ticks lose nothing; after a stall no more than a moment's worth.
@@ -84,7 +88,8 @@ void GroundStation::send_flood(base::RunTime last, base::RunTime now) {
   const base::RunTime begin = std::max(last, now - kMostAtOnce);
   const std::int64_t end = flood_.index_at(now.time_since_epoch());
   for (std::int64_t i = flood_.index_at(begin.time_since_epoch()); i < end; ++i) {
-    send_(encode_(centred_sticks(vehicle_system_)));
+    const auto turn = static_cast<std::size_t>(i) % vehicles_.size();
+    send_(encode_(centred_sticks(vehicles_[turn].system)));
   }
 }
 

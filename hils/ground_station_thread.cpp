@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -19,10 +20,10 @@ sockaddr* generic(sockaddr_in& address) { return reinterpret_cast<sockaddr*>(&ad
 
 }  // namespace
 
-GroundStationThread::GroundStationThread(std::uint8_t vehicle_system)
+GroundStationThread::GroundStationThread(std::vector<std::uint8_t> systems)
     : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)),
       stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      vehicle_system_(vehicle_system) {
+      systems_(std::move(systems)) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -43,11 +44,10 @@ GroundStationThread::~GroundStationThread() {
 
 void GroundStationThread::run() {
   sockaddr_in peer{};
-  GroundStation station(
-      vehicle_system_, kParameterListPeriod, [&](std::span<const std::uint8_t> bytes) {
-        if (peer.sin_port == 0) return;  // nobody has written yet
-        ::sendto(socket_.get(), bytes.data(), bytes.size(), 0, generic(peer), sizeof(peer));
-      });
+  GroundStation station(systems_, kParameterListPeriod, [&](std::span<const std::uint8_t> bytes) {
+    if (peer.sin_port == 0) return;  // nobody has written yet
+    ::sendto(socket_.get(), bytes.data(), bytes.size(), 0, generic(peer), sizeof(peer));
+  });
   std::array<std::uint8_t, 2048> buffer{};
   constexpr int kTickMs =
       static_cast<int>(GroundStation::kTickPeriod / std::chrono::milliseconds(1));

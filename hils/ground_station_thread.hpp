@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <thread>
+#include <vector>
 
 #include "base/descriptor.hpp"
 #include "hils/ground_station.hpp"
@@ -14,12 +15,12 @@ namespace cas::hils {
 class GroundStationThread {
  public:
   /// Binds 127.0.0.1 with a free port; answers to whoever wrote last. @throws base::ConfigError
-  explicit GroundStationThread(std::uint8_t vehicle_system);
+  explicit GroundStationThread(std::vector<std::uint8_t> systems);
   ~GroundStationThread();
   GroundStationThread(const GroundStationThread&) = delete;
   GroundStationThread& operator=(const GroundStationThread&) = delete;
 
-  /// Sends so many packets a second besides; 0: none.
+  /// Sends so many packets a second besides, as GroundStation does; 0: none.
   void flood(double packets_hz) { flood_hz_ = packets_hz; }
   std::uint16_t port() const { return port_; }
 
@@ -29,7 +30,7 @@ class GroundStationThread {
   base::Descriptor socket_;
   base::Descriptor stop_;
   std::uint16_t port_ = 0;
-  std::uint8_t vehicle_system_;
+  std::vector<std::uint8_t> systems_;
   std::atomic<double> flood_hz_{0};
   std::thread thread_;
 };

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
@@ -17,13 +18,12 @@
 #include "base/log.hpp"
 #include "hils/compare_command.hpp"
 #include "hils/firmware_run.hpp"
-#include "hils/html_report.hpp"
 #include "hils/judgement.hpp"
 #include "hils/lockstep_run.hpp"
-#include "hils/measurement.hpp"
 #include "hils/realtime_run.hpp"
 #include "hils/report.hpp"
-#include "hils/run_plots.hpp"
+#include "hils/run_result.hpp"
+#include "hils/run_results.hpp"
 #include "hils/scenario.hpp"
 #include "hils/supervisor.hpp"
 #include "hils/version.hpp"
@@ -45,27 +45,12 @@ struct RunFlags {
   bool lockstep = false;
 };
 
-RunRecord fly(const RunRequest& request, bool on_virtual_clock) {
+std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
   if (on_virtual_clock || request.architecture == Architecture::kDirect) {
     return run_on_virtual_clock(request);
   }
   if (request.lockstep) return run_in_lockstep(request);
   return run_in_real_time(request);
-}
-
-void write_results(const RunRequest& request, const RunRecord& record, const Measurement& figures,
-                   const Verdict& verdict) {
-  const std::filesystem::path& out = request.out;
-  write_text(out / "summary.json", summary_json(figures, verdict));
-  write_text(out / "junit.xml", junit_report(figures, verdict));
-  const auto plots = run_plots(request.scenario, record, figures);
-  std::filesystem::create_directories(out / "plots");
-  for (const auto& [name, plot] : plots) write_text(out / "plots" / (name + ".svg"), to_svg(plot));
-  write_text(
-      out / "report.html",
-      html_report(figures, verdict, plots,
-                  {request.scenario.file, request.scenario.vehicle, out / "run" / "hilsim.yaml",
-                   out / "run" / "casd.yaml", out / "run" / "fcu.yaml"}));
 }
 
 int run(const RunFlags& flags) {
@@ -89,12 +74,10 @@ int run(const RunFlags& flags) {
   request.out = std::filesystem::absolute(flags.out);
   std::filesystem::create_directories(request.out);
 
-  const RunRecord record = fly(request, flags.on_virtual_clock);
-  const Measurement figures = measure(request, record);
-  const Verdict verdict = judge(figures, request.scenario.limits);
-  write_results(request, record, figures, verdict);
-  fmt::print("{}\nResults: {}\n", text_report(figures, verdict), flags.out);
-  return verdict.exit_code();
+  const RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
+  write_results(request, result);
+  fmt::print("{}\nResults: {}\n", text_report(result), flags.out);
+  return result.verdict.exit_code();
 }
 
 /// Runs a command and turns what it throws into a sentence and an exit code.

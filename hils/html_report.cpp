@@ -27,18 +27,22 @@ std::string upper(std::string_view word) {
   return result;
 }
 
+std::string word_of(const Verdict& verdict) {
+  if (!verdict.valid) return "Not valid";
+  return verdict.passed ? "Passed" : "Failed";
+}
+
 void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verdict) {
   const auto mood = !verdict.valid   ? HtmlPage::Mood::kNeutral
                     : verdict.passed ? HtmlPage::Mood::kGood
                                      : HtmlPage::Mood::kBad;
-  const std::string word = !verdict.valid ? "Not valid" : verdict.passed ? "Passed" : "Failed";
   const std::string pace =
       figures.virtual_clock
           ? fmt::format("{:.1f} s on the virtual clock in {:.2f} s", figures.simulated_s,
                         figures.wall_s)
           : fmt::format("real-time factor {:.4f}, longest stall {:.1f} ms",
                         figures.pace.real_time_factor, figures.pace.worst_stall_ms);
-  page.verdict(mood, word,
+  page.verdict(mood, word_of(verdict),
                fmt::format("{}, {}, seed {}; {}", figures.scenario,
                            upper(to_string(figures.architecture)), figures.seed, pace),
                verdict.failures);
@@ -179,54 +183,54 @@ std::string content_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-}  // namespace
+/// What each vehicle did, in a row.
+void add_overview(HtmlPage& page, const RunResult& run) {
+  if (!run.has_several()) return;
+  Rows rows{{"Vehicle", "verdict", "HIL_SENSOR lost", "HIL_GPS lost", "controls lost", "RMS X m",
+             "Y m", "Z m"}};
+  for (const VehicleResult& vehicle : run.vehicles) {
+    const StreamFigures& rates = vehicle.figures.rates;
+    const RmsFigures rms = vehicle.figures.rms.value_or(RmsFigures{});
+    rows.push_back({vehicle.figures.vehicle, word_of(vehicle.verdict),
+                    fmt::format("{}", rates.sensor.lost), fmt::format("{}", rates.gps.lost),
+                    fmt::format("{}", rates.controls.lost), fixed(rms.x_m, 4), fixed(rms.y_m, 4),
+                    fixed(rms.z_m, 4)});
+  }
+  page.table("Vehicles", rows);
+}
 
-std::string html_report(const Measurement& figures, const Verdict& verdict,
-                        const std::vector<std::pair<std::string, Plot>>& plots,
-                        const std::vector<std::filesystem::path>& config_files) {
-  HtmlPage page(fmt::format("{} ({})", figures.scenario, upper(to_string(figures.architecture))));
-  add_verdict(page, figures, verdict);
-  page.heading("Communication");
+/// @param who  in front of the headings: "left: ", or nothing
+void add_vehicle(HtmlPage& page, const std::string& who, const Measurement& figures,
+                 const NamedPlots& plots) {
+  page.heading(who + "Communication");
   add_rates(page, figures);
   add_delays(page, figures);
   add_hops(page, figures);
-  page.heading("Flight");
+  page.heading(who + "Flight");
   add_rms(page, figures);
   add_responses(page, figures);
   add_faults(page, figures);
   for (const auto& [name, plot] : plots) page.figure(to_svg(plot));
+}
+
+}  // namespace
+
+std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plots,
+                        const std::vector<std::filesystem::path>& config_files) {
+  const Measurement whole = run.whole();
+  HtmlPage page(fmt::format("{} ({})", whole.scenario, upper(to_string(whole.architecture))));
+  add_verdict(page, whole, run.verdict);
+  add_overview(page, run);
+  for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
+    const Measurement& figures = run.vehicles[i].figures;
+    add_vehicle(page, run.has_several() ? figures.vehicle + ": " : "", figures, plots[i]);
+  }
   page.heading("Configuration");
-  add_machine(page, figures);
+  add_machine(page, whole);
   for (const std::filesystem::path& file : config_files) {
     page.folded(file.filename().string(), content_of(file));
   }
   return page.finish();
-}
-
-std::string junit_report(const Measurement& figures, const Verdict& verdict) {
-  const std::string suite =
-      escape_xml(fmt::format("hils.{}.{}", figures.scenario, to_string(figures.architecture)));
-  std::string cases;
-  std::size_t failed = 0;
-  std::size_t errors = 0;
-  if (verdict.passed) {
-    cases += fmt::format("  <testcase classname=\"{}\" name=\"limits\" time=\"{:.3f}\"/>\n", suite,
-                         figures.wall_s);
-  }
-  for (std::size_t i = 0; i < verdict.failures.size(); ++i) {
-    const std::string sentence = escape_xml(verdict.failures[i]);
-    cases +=
-        fmt::format("  <testcase classname=\"{}\" name=\"{} {}\" time=\"{:.3f}\">", suite,
-                    verdict.valid ? "limit" : "validity", i + 1, i == 0 ? figures.wall_s : 0.0);
-    cases += fmt::format("<{} message=\"{}\"/></testcase>\n", verdict.valid ? "failure" : "error",
-                         sentence);
-    ++(verdict.valid ? failed : errors);
-  }
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"0\" "
-      "time=\"{:.3f}\">\n{}</testsuite>\n",
-      suite, failed + errors + (verdict.passed ? 1 : 0), failed, errors, figures.wall_s, cases);
 }
 
 }  // namespace cas::hils

@@ -3,24 +3,19 @@
 
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "hils/judgement.hpp"
-#include "hils/measurement.hpp"
-#include "hils/plot.hpp"
+#include "hils/run_plots.hpp"
+#include "hils/run_result.hpp"
 
 namespace cas::hils {
 
-/// The report of one run as a self-contained HTML file: verdict, tables, curves, configuration.
+/// The report of a run as a self-contained HTML file: the verdict, then of each vehicle tables and
+/// curves, then the configuration.
 ///
+/// @param plots  of each vehicle
 /// @param config_files  files that are quoted in it, such as the scenario and what was made of it
-std::string html_report(const Measurement& figures, const Verdict& verdict,
-                        const std::vector<std::pair<std::string, Plot>>& plots,
+std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plots,
                         const std::vector<std::filesystem::path>& config_files);
-
-/// The verdict for continuous integration, as JUnit XML: one case for validity, one for the flight
-/// and one for each limit that was missed.
-std::string junit_report(const Measurement& figures, const Verdict& verdict);
 
 }  // namespace cas::hils

@@ -13,10 +13,10 @@
 #include "hils/bench_programs.hpp"
 #include "hils/casd_calls.hpp"
 #include "hils/composition.hpp"
-#include "hils/fault_history.hpp"
 #include "hils/flight_calls.hpp"
 #include "hils/progress.hpp"
 #include "hils/run_directory.hpp"
+#include "hils/run_places.hpp"
 #include "hils/supervisor.hpp"
 
 namespace cas::hils {
@@ -70,7 +70,7 @@ class LockstepPilot {
   LockstepPilot(Supervisor& supervisor, const RunPlaces& places, std::vector<FlightStep> steps)
       : supervisor_(supervisor),
         simulator_("unix:" + places.simulator_control().string()),
-        controller_("unix:" + places.fcu_control().string()),
+        controller_("unix:" + places.vehicles.front().fcu_control().string()),
         casd_("unix:" + places.command_port().string()),
         plan_(std::move(steps)) {}
 
@@ -174,6 +174,10 @@ std::vector<base::LedgerEntry> on_stream_time(std::vector<base::LedgerEntry> ent
 
 /// What has a clock of its own has no place in lockstep. @throws base::ConfigError
 void refuse_other_clocks(const RunRequest& request) {
+  if (request.scenario.flies_several()) {
+    throw base::ConfigError(request.scenario.file.string() +
+                            ": in lockstep hils flies one vehicle; --virtual flies several");
+  }
   const auto refuse = [&](const std::string& what) {
     throw base::ConfigError(request.scenario.file.string() + ": " + what +
                             " has a clock of its own and no place in lockstep");
@@ -185,21 +189,17 @@ void refuse_other_clocks(const RunRequest& request) {
 
 }  // namespace
 
-RunRecord run_in_lockstep(const RunRequest& request) {
+std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   refuse_other_clocks(request);
   const RunDirectory sockets;
-  const std::vector<std::uint16_t> ports = free_udp_ports(2);
-  const RunPlaces places{.out = request.out,
-                         .run = request.out / "run",
-                         .sockets = sockets.path(),
-                         .simulator_port = ports[0],
-                         .casd_port = ports[1]};
+  RunPlaces places = RunPlaces::of(request.scenario, request.out, sockets.path());
+  places.choose_ports();
+  const VehiclePlaces& vehicle = places.vehicles.front();
   Supervisor supervisor;  // before any thread: it blocks signals for all of them
   write_configs(request, Transport::kUdp, places);
 
-  RunRecord record;
-  record.truth_csv = places.truth_csv();
-  record.flight_tlog = places.flight_tlog();
+  std::vector<RunRecord> records = records_of(request.scenario, places);
+  RunRecord& record = records.front();
   record.virtual_clock = true;
   record.log_clock.add(std::chrono::microseconds(casd::TlogWriter::kStreamEpoch).count(), 0);
   BenchPrograms programs(supervisor, places, true);
@@ -214,10 +214,10 @@ RunRecord run_in_lockstep(const RunRequest& request) {
   record.wall_s = base::to_seconds(base::steady_now() - begin);
   programs.stop();
   record.cpu_s = supervisor.cpu_s();
-  record.simulator = on_stream_time(base::PacketLedger::read(places.simulator_ledger()));
-  record.controller = on_stream_time(base::PacketLedger::read(places.controller_ledger()));
-  record.faults = vehicle_faults(places.simulator_stats());
-  return record;
+  record.simulator = on_stream_time(base::PacketLedger::read(vehicle.simulator_ledger()));
+  record.controller = on_stream_time(base::PacketLedger::read(vehicle.controller_ledger()));
+  add_vehicle_faults(places, record);
+  return records;
 }
 
 }  // namespace cas::hils

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "hils/measurement.hpp"
+#include <vector>
+
+#include "hils/run_record.hpp"
 #include "hils/run_request.hpp"
 
 namespace cas::hils {
@@ -11,6 +13,6 @@ namespace cas::hils {
 /// bytes, as fast as the machine can.
 ///
 /// @throws RunStopped when a program dies or the user interrupts, base::ConfigError
-RunRecord run_in_lockstep(const RunRequest& request);
+std::vector<RunRecord> run_in_lockstep(const RunRequest& request);
 
 }  // namespace cas::hils

@@ -4,11 +4,8 @@
 #include <algorithm>
 
 #include "base/clock.hpp"
-#include "base/vehicle.hpp"
 #include "hils/averaging_meter.hpp"
 #include "hils/flight_reference.hpp"
-#include "mavlink/common/hil_actuator_controls.hpp"
-#include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
@@ -16,8 +13,6 @@ namespace cas::hils {
 
 namespace {
 
-using mavlink::common::HilActuatorControls;
-using mavlink::common::HilControls;
 using mavlink::common::HilGps;
 using mavlink::common::HilSensor;
 
@@ -49,14 +44,14 @@ std::int64_t microseconds(base::SimTime t) {
   return static_cast<std::int64_t>(base::to_time_usec(t));
 }
 
-void measure_hold(const RunRecord& record, std::uint8_t system, Measurement& figures) {
+void measure_hold(const RunRecord& record, Measurement& figures) {
   const Stage& hold = *record.hold;
   const std::int64_t begin = microseconds(hold.begin);
   const std::int64_t end = microseconds(hold.end);
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   figures.rms = rms_about(between(truth, begin, end), reference_in_truth(hold, truth));
   const std::vector<PoseSample> estimate =
-      read_estimate(record.flight_tlog, system, record.log_clock);
+      read_estimate(record.flight_tlog, record.system, record.log_clock);
   const auto in_hold = between(estimate, begin, end);
   if (!in_hold.empty())
     figures.rms_estimate =
@@ -117,17 +112,11 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
 
 }  // namespace
 
-std::uint32_t controls_message_id(const RunRecord& record) {
-  const bool outputs = std::ranges::any_of(record.controller, [](const base::LedgerEntry& entry) {
-    return entry.message_id == HilActuatorControls::kId;
-  });
-  return outputs ? HilActuatorControls::kId : HilControls::kId;
-}
-
 Measurement measure(const RunRequest& request, const RunRecord& record) {
   const Scenario& scenario = request.scenario;
   Measurement figures;
   figures.scenario = scenario.name;
+  figures.vehicle = record.vehicle;
   figures.architecture = request.architecture;
   figures.seed = request.seed;
   figures.virtual_clock = record.virtual_clock;
@@ -147,10 +136,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   if (record.virtual_clock && record.wall_s > 0) {
     figures.pace.real_time_factor = record.simulated_s / record.wall_s;
   }
-  if (record.hold) {
-    const base::Vehicle vehicle = base::Vehicle::load(scenario.vehicle);
-    measure_hold(record, vehicle.system_id, figures);
-  }
+  if (record.hold) measure_hold(record, figures);
   return figures;
 }
 

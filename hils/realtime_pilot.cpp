@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "hils/casd_calls.hpp"
 #include "hils/flight_calls.hpp"
 
 namespace cas::hils {
@@ -83,44 +82,75 @@ RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
       simulator_(address(places.simulator_control())),
       casd_(address(places.command_port())),
       line_(line_of(request)),
-      plan_(request.scenario.steps),
-      faults_(request.scenario.faults.bench) {}
+      plan_(request.scenario),
+      faults_(request.scenario.faults.bench),
+      vehicles_(request.scenario.vehicles.size()) {
+  for (const std::uint8_t system : request.scenario.systems()) {
+    asked_.push_back(request.scenario.flies_several() ? AskedVehicle(system) : std::nullopt);
+  }
+}
 
-void RealtimePilot::fly(RunRecord& record) {
+void RealtimePilot::fly(std::vector<RunRecord>& records) {
+  ClockMap log_clock;
   while (true) {
     const base::SimTime now = simulated_time();
-    record.log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
-    const VehicleReport vehicle = look();
-    const std::optional<FlightStep> command = plan_.update(now, vehicle);
+    log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
+    look();
+    const std::vector<FleetPlan::Command> commands = plan_.update(now, vehicles_);
     tell_phase();
-    play_faults(now, vehicle);
+    play_faults(now);
     watch_machine();
-    if (plan_.done() || !plan_.failure().empty()) break;
-    watch_stream();
-    progress_.show(now, plan_, vehicle, real_time_factor_, stream_);
-    if (command) {
-      const std::string refusal = give(*command);
-      plan_.on_outcome(simulated_time(), refusal);
-    } else {
-      supervisor_.wait(kPollPeriod);
+    if (plan_.ended()) break;
+    show(now);
+    for (const FleetPlan::Command& command : commands) {
+      const std::string refusal = give(command);
+      plan_.on_outcome(command.vehicle, simulated_time(), refusal);
     }
+    if (commands.empty()) supervisor_.wait(kPollPeriod);
   }
   supervisor_.wait(kDrain);
-  record.simulated_s = base::to_seconds(simulated_time());
-  record.flight_failure = plan_.failure();
-  record.stages = plan_.stages();
-  record.hold = plan_.measured();
-  record.faults = faults_.history();
-  record.cpu_pressure = pressure_.share();
+  fill(records, log_clock);
+}
+
+void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
+  const double simulated_s = base::to_seconds(simulated_time());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    RunRecord& record = records[i];
+    record.log_clock = log_clock;
+    record.simulated_s = simulated_s;
+    record.flight_failure = plan_.failure_of(i);
+    record.stages = plan_.plan(i).stages();
+    record.hold = plan_.plan(i).measured();
+    record.faults = faults_.history_of(i);
+    record.cpu_pressure = pressure_.share();
+  }
 }
 
 base::SimTime RealtimePilot::simulated_time() {
   const Json status = simulator_.call("sim.status", Json::object());
   real_time_factor_ = status.value("real_time_factor", 0.0);
-  truth_ = to_motion(status.at("vehicles").at(0));
-  if (!start_m_) start_m_ = truth_->p_m;
-  truth_->p_m -= *start_m_;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    Motion truth = to_motion(status.at("vehicles").at(i));
+    if (i == start_m_.size()) start_m_.push_back(truth.p_m);
+    truth.p_m -= start_m_[i];
+    vehicles_[i].truth = truth;
+  }
   return base::SimTime(base::from_seconds(status.at("time_s").get<double>()));
+}
+
+void RealtimePilot::look() {
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    VehicleReport report;
+    if (casd_) report = vehicle_report(*casd_, asked_[i]);
+    report.truth = vehicles_[i].truth;
+    vehicles_[i] = report;
+  }
+}
+
+void RealtimePilot::show(base::SimTime now) {
+  watch_stream();
+  const std::size_t leader = plan_.leader();
+  progress_.show(now, plan_.plan(leader), vehicles_[leader], real_time_factor_, stream_);
 }
 
 /// The simulator's fault scripts ask for it.
@@ -130,31 +160,26 @@ void RealtimePilot::tell_phase() {
   simulator_.call("sim.phase", {{"name", phase_}});
 }
 
-VehicleReport RealtimePilot::look() {
-  VehicleReport report;
-  if (casd_) report = vehicle_report(*casd_);
-  report.truth = truth_;
-  return report;
-}
-
 /// @return why the vehicle refused, or nothing
-std::string RealtimePilot::give(const FlightStep& step) {
+std::string RealtimePilot::give(const FleetPlan::Command& command) {
   if (!casd_) return "casd is away";
-  return hils::give(*casd_, step, false);
+  return hils::give(*casd_, command.step, false, asked_[command.vehicle]);
 }
 
-void RealtimePilot::play_faults(base::SimTime now, const VehicleReport& vehicle) {
-  for (const auto& [fault, begins] : faults_.update(now, vehicle, plan_.phase())) {
+void RealtimePilot::play_faults(base::SimTime now) {
+  for (const auto& [fault, begins] : faults_.update(now, vehicles_, plan_.phase())) {
     play(*fault, begins);
   }
 }
 
 void RealtimePilot::play(const BenchFault& fault, bool begins) {
+  const VehiclePlaces& vehicle = places_.vehicles[fault.vehicle];
   if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
-    configure_line(begins ? line->line : line_);
+    base::rpc::Client fcu(address(vehicle.fcu_control()));
+    fcu.call("line.set", to_json(begins ? line->line : line_));
   } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
     if (!begins) return;  // the emulator plugs itself in again
-    base::rpc::Client fcu(address(places_.fcu_control()));
+    base::rpc::Client fcu(address(vehicle.fcu_control()));
     fcu.call("line.hangup", {{"ms", 1e3 * base::to_seconds(fault.lasting)}});
   } else if (std::holds_alternative<RestartFault>(fault.kind)) {
     casd_.reset();
@@ -164,11 +189,6 @@ void RealtimePilot::play(const BenchFault& fault, bool begins) {
   } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
     if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
   }
-}
-
-void RealtimePilot::configure_line(const fcu::LineConfig& line) {
-  base::rpc::Client fcu(address(places_.fcu_control()));
-  fcu.call("line.set", to_json(line));
 }
 
 /// Once a second, and only when somebody looks.
@@ -182,7 +202,7 @@ void RealtimePilot::watch_stream() {
 
 /// Looks at the machine's load during the measured step.
 void RealtimePilot::watch_machine() {
-  const FlightStep* step = plan_.current();
+  const FlightStep* step = plan_.plan(plan_.leader()).current();
   const bool measuring = step != nullptr && step->measure;
   if (measuring && !measuring_) pressure_.start();
   if (!measuring && measuring_) pressure_.stop();

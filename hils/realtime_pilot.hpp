@@ -8,18 +8,19 @@
 #include "base/rpc/client.hpp"
 #include "hils/bench_fault.hpp"
 #include "hils/bench_programs.hpp"
+#include "hils/casd_calls.hpp"
 #include "hils/composition.hpp"
 #include "hils/cpu_pressure.hpp"
-#include "hils/flight_plan.hpp"
+#include "hils/fleet_plan.hpp"
 #include "hils/ground_station_thread.hpp"
-#include "hils/measurement.hpp"
 #include "hils/progress.hpp"
+#include "hils/run_record.hpp"
 #include "hils/supervisor.hpp"
 
 namespace cas::hils {
 
-/// Flies a plan in real time over the control connections of simulator and casd, and plays the
-/// faults of the bench.
+/// Flies the vehicles of a scenario in real time over the control connections of simulator and
+/// casd, and plays the faults of the bench.
 class RealtimePilot {
  public:
   /// @param ground_station  nothing where the run has none
@@ -27,16 +28,18 @@ class RealtimePilot {
                 const RunRequest& request, GroundStationThread* ground_station);
 
   /// To the end of the plan, or until it fails. @throws RunStopped, base::rpc::ConnectionError
-  void fly(RunRecord& record);
+  /// @param records  of the vehicles, which it fills in
+  void fly(std::vector<RunRecord>& records);
 
  private:
   base::SimTime simulated_time();
-  VehicleReport look();
-  std::string give(const FlightStep& step);
+  void look();
+  std::string give(const FleetPlan::Command& command);
+  void show(base::SimTime now);
   void tell_phase();
-  void play_faults(base::SimTime now, const VehicleReport& vehicle);
+  void play_faults(base::SimTime now);
   void play(const BenchFault& fault, bool begins);
-  void configure_line(const fcu::LineConfig& line);
+  void fill(std::vector<RunRecord>& records, const ClockMap& log_clock);
   void watch_machine();
   void watch_stream();
 
@@ -47,7 +50,8 @@ class RealtimePilot {
   base::rpc::Client simulator_;
   std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
   fcu::LineConfig line_;                   ///< as it is without faults
-  FlightPlan plan_;
+  std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
+  FleetPlan plan_;
   BenchFaultScript faults_;
   Progress progress_;
   CpuPressure pressure_;
@@ -56,8 +60,8 @@ class RealtimePilot {
   base::RunTime next_stream_look_{};
   bool measuring_ = false;
   double real_time_factor_ = 0;
-  std::optional<Motion> truth_;
-  std::optional<Eigen::Vector3d> start_m_;
+  std::vector<VehicleReport> vehicles_;
+  std::vector<Eigen::Vector3d> start_m_;  ///< where they stood when the run began
 };
 
 }  // namespace cas::hils

@@ -2,86 +2,99 @@
 #include "hils/realtime_run.hpp"
 
 #include <chrono>
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <variant>
 
 #include "base/clock.hpp"
 #include "base/rpc/client.hpp"
-#include "base/vehicle.hpp"
 #include "hils/bench_programs.hpp"
 #include "hils/composition.hpp"
-#include "hils/fault_history.hpp"
 #include "hils/fcu_device.hpp"
 #include "hils/ground_station_thread.hpp"
 #include "hils/realtime_pilot.hpp"
 #include "hils/run_directory.hpp"
+#include "hils/run_places.hpp"
 #include "hils/supervisor.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-/// Nothing where casd noted nothing, or was killed: what it had noted by then is gone.
-std::optional<RelayLedgers> read_relay_ledgers(const RunPlaces& places, const Scenario& scenario) {
+/// Nothing where casd was killed: what it had noted by then is gone.
+std::map<std::string, casd::LinkLedger> read_relay_ledgers(const RunPlaces& places,
+                                                           const Scenario& scenario) {
   for (const BenchFault& fault : scenario.faults.bench) {
-    if (std::holds_alternative<RestartFault>(fault.kind)) return std::nullopt;
+    if (std::holds_alternative<RestartFault>(fault.kind)) return {};
   }
-  auto ledgers = casd::read_link_ledgers(places.casd_ledger());
-  if (!ledgers.contains("sim") || !ledgers.contains("fcu")) return std::nullopt;
-  return RelayLedgers{.simulator = std::move(ledgers["sim"]),
-                      .controller = std::move(ledgers["fcu"])};
+  return casd::read_link_ledgers(places.casd_ledger());
+}
+
+void add_relay(std::map<std::string, casd::LinkLedger>& ledgers, const VehiclePlaces& places,
+               RunRecord& record) {
+  const auto simulator = ledgers.find(places.simulator_link);
+  const auto controller = ledgers.find(places.controller_link);
+  if (simulator == ledgers.end() || controller == ledgers.end()) return;
+  record.relay = RelayLedgers{.simulator = std::move(simulator->second),
+                              .controller = std::move(controller->second)};
+}
+
+/// What the programs have written down, when they have ended.
+void read_ledgers(const RunRequest& request, const RunPlaces& places,
+                  std::vector<RunRecord>& records) {
+  auto relay = read_relay_ledgers(places, request.scenario);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const VehiclePlaces& vehicle = places.vehicles[i];
+    records[i].simulator = base::PacketLedger::read(vehicle.simulator_ledger());
+    add_vehicle_faults(places, records[i]);
+    add_relay(relay, vehicle, records[i]);
+    if (request.fcu_device.empty()) {
+      records[i].controller = base::PacketLedger::read(vehicle.controller_ledger());
+    } else {
+      stand_in_for_controller(places, records[i]);
+    }
+  }
 }
 
 }  // namespace
 
-RunRecord run_in_real_time(const RunRequest& request) {
+std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   refuse_emulator_faults(request);
   const base::RunTime begin = base::steady_now();
   const RunDirectory sockets;
-  const std::vector<std::uint16_t> ports = free_udp_ports(2);
-  RunPlaces places{.out = request.out,
-                   .run = request.out / "run",
-                   .sockets = sockets.path(),
-                   .simulator_port = ports[0],
-                   .casd_port = ports[1]};
+  RunPlaces places = RunPlaces::of(request.scenario, request.out, sockets.path());
+  places.choose_ports();
   Supervisor supervisor;  // before any thread: it blocks signals for all of them
   std::optional<GroundStationThread> ground_station;
   if (request.scenario.ground_station) {
-    ground_station.emplace(base::Vehicle::load(request.scenario.vehicle).system_id);
+    ground_station.emplace(request.scenario.systems());
     places.ground_station_port = ground_station->port();
   }
   write_configs(request, Transport::kUdp, places);
 
-  RunRecord record;
-  record.truth_csv = places.truth_csv();
-  record.flight_tlog = places.flight_tlog();
+  std::vector<RunRecord> records = records_of(request.scenario, places);
   BenchPrograms programs(supervisor, places, request.fcu_device.empty());
   programs.start();
   try {
     if (!request.fcu_device.empty()) check_device(supervisor, places, request);
     RealtimePilot(supervisor, programs, places, request,
                   ground_station ? &*ground_station : nullptr)
-        .fly(record);
+        .fly(records);
   } catch (const base::rpc::ConnectionError& error) {
     supervisor.wait(
         std::chrono::milliseconds(500));  // a program that died is noticed within this time
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
   }
   programs.stop();
-  record.wall_s = base::to_seconds(base::steady_now() - begin);
-  record.cpu_s = supervisor.cpu_s();
-  record.simulator = base::PacketLedger::read(places.simulator_ledger());
-  for (auto& fault : vehicle_faults(places.simulator_stats())) {
-    record.faults.push_back(std::move(fault));
+  const double wall_s = base::to_seconds(base::steady_now() - begin);
+  for (RunRecord& record : records) {
+    record.wall_s = wall_s;
+    record.cpu_s = supervisor.cpu_s();
   }
-  record.relay = read_relay_ledgers(places, request.scenario);
-  if (request.fcu_device.empty()) {
-    record.controller = base::PacketLedger::read(places.controller_ledger());
-  } else {
-    stand_in_for_controller(places, record);
-  }
-  return record;
+  read_ledgers(request, places, records);
+  return records;
 }
 
 }  // namespace cas::hils

@@ -17,8 +17,7 @@ std::string upper(std::string_view word) {
 }
 
 std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
-  const std::string word = !verdict.valid ? "INVALID" : verdict.passed ? "PASSED" : "FAILED";
-  std::string text = fmt::format("{}: {}, {}, seed {}\n", word, figures.scenario,
+  std::string text = fmt::format("{}: {}, {}, seed {}\n", verdict_word(verdict), figures.scenario,
                                  upper(to_string(figures.architecture)), figures.seed);
   for (const std::string& sentence : verdict.failures) text += "  - " + sentence + "\n";
   text += figures.virtual_clock
@@ -127,11 +126,45 @@ std::string response_table(const Measurement& figures) {
   return text;
 }
 
+std::string figures_text(const Measurement& figures) {
+  return rate_table(figures) + rms_table(figures) + delay_table(figures) + loss_lines(figures) +
+         response_table(figures);
+}
+
+/// What each vehicle did, in a line.
+std::string overview_table(const RunResult& run) {
+  std::string text = fmt::format("\n{:<24} {:>8} {:>20} {:>8} {:>8} {:>8}\n", "Vehicle", "verdict",
+                                 "lost IMU/GPS/control", "RMS X m", "Y m", "Z m");
+  for (const VehicleResult& vehicle : run.vehicles) {
+    const StreamFigures& rates = vehicle.figures.rates;
+    const RmsFigures rms = vehicle.figures.rms.value_or(RmsFigures{});
+    text += fmt::format(
+        "{:<24} {:>8} {:>20} {:>8.4f} {:>8.4f} {:>8.4f}\n", vehicle.figures.vehicle,
+        verdict_word(vehicle.verdict),
+        fmt::format("{} / {} / {}", rates.sensor.lost, rates.gps.lost, rates.controls.lost),
+        rms.x_m, rms.y_m, rms.z_m);
+  }
+  return text;
+}
+
 }  // namespace
 
+std::string_view verdict_word(const Verdict& verdict) {
+  if (!verdict.valid) return "INVALID";
+  return verdict.passed ? "PASSED" : "FAILED";
+}
+
 std::string text_report(const Measurement& figures, const Verdict& verdict) {
-  return verdict_text(figures, verdict) + rate_table(figures) + rms_table(figures) +
-         delay_table(figures) + loss_lines(figures) + response_table(figures);
+  return verdict_text(figures, verdict) + figures_text(figures);
+}
+
+std::string text_report(const RunResult& run) {
+  if (!run.has_several()) return text_report(run.vehicles.front().figures, run.verdict);
+  std::string text = verdict_text(run.whole(), run.verdict) + overview_table(run);
+  for (const VehicleResult& vehicle : run.vehicles) {
+    text += fmt::format("\n== {} ==\n", vehicle.figures.vehicle) + figures_text(vehicle.figures);
+  }
+  return text;
 }
 
 void write_text(const std::filesystem::path& file, const std::string& text) {

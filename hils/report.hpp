@@ -3,17 +3,27 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "hils/judgement.hpp"
 #include "hils/measurement.hpp"
+#include "hils/run_result.hpp"
 
 namespace cas::hils {
 
 /// Verdict and figures for people: tables as [HILS] Tables 4 and 5, with its rows below ours.
 std::string text_report(const Measurement& figures, const Verdict& verdict);
+/// Of a run: with several vehicles the verdict on all, what each did in a line, then each by
+/// itself.
+std::string text_report(const RunResult& run);
 
 /// The same figures for programs, as JSON (docs/config.md names the fields).
 std::string summary_json(const Measurement& figures, const Verdict& verdict);
+/// Of a run: with several vehicles a list of them below what is common to all.
+std::string summary_json(const RunResult& run);
+
+/// PASSED, FAILED or INVALID.
+std::string_view verdict_word(const Verdict& verdict);
 
 /// Writes a text file beside its place and renames it. @throws base::ConfigError
 void write_text(const std::filesystem::path& file, const std::string& text);

@@ -7,7 +7,6 @@
 #include <map>
 
 #include "base/clock.hpp"
-#include "base/vehicle.hpp"
 #include "hils/run_curves.hpp"
 #include "hils/trajectory.hpp"
 #include "mavlink/common/hil_gps.hpp"
@@ -20,7 +19,6 @@ namespace {
 using mavlink::common::HilGps;
 using mavlink::common::HilSensor;
 using Direction = base::LedgerEntry::Direction;
-using NamedPlots = std::vector<std::pair<std::string, Plot>>;
 
 constexpr double kDegreesPerRadian = 180.0 / M_PI;
 constexpr int kBucketsPerDecade = 20;
@@ -64,7 +62,7 @@ Series delay_series(const std::string& name, const std::vector<std::int64_t>& de
 std::vector<Mark> stage_marks(const std::vector<Stage>& stages) {
   std::vector<Mark> marks;
   for (const Stage& stage : stages) {
-    if (stage.step.kind == StepKind::kEndTrajectory) continue;
+    if (phase_of(stage.step) == to_string(StepKind::kEndTrajectory)) continue;
     marks.push_back({.x = base::to_seconds(stage.begin),
                      .text = std::string(phase_of(stage.step)),
                      .fault = false});
@@ -120,10 +118,10 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record, const M
            echo_delays_ns(record.simulator, HilSensor::kId, controls, window));
 }
 
-void add_motion_plots(const RunRecord& record, std::uint8_t system, NamedPlots& plots) {
+void add_motion_plots(const RunRecord& record, NamedPlots& plots) {
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   const std::vector<PoseSample> estimate =
-      read_estimate(record.flight_tlog, system, record.log_clock);
+      read_estimate(record.flight_tlog, record.system, record.log_clock);
   const Pose start = truth.empty() ? Pose{} : truth.front().pose;
   struct Axis {
     const char* name;
@@ -166,7 +164,7 @@ void add_motion_plots(const RunRecord& record, std::uint8_t system, NamedPlots& 
 NamedPlots run_plots(const Scenario& scenario, const RunRecord& record,
                      const Measurement& figures) {
   NamedPlots plots;
-  add_motion_plots(record, base::Vehicle::load(scenario.vehicle).system_id, plots);
+  add_motion_plots(record, plots);
   add_stream_plots(scenario, record, figures, plots);
   std::vector<Mark> marks = stage_marks(record.stages);
   for (const auto& fault : record.faults) {

@@ -10,9 +10,10 @@
 
 namespace cas::hils {
 
-/// The curves of one run, by short name ("rates", "position_x", ...), on simulated time.
-std::vector<std::pair<std::string, Plot>> run_plots(const Scenario& scenario,
-                                                    const RunRecord& record,
-                                                    const Measurement& figures);
+using NamedPlots = std::vector<std::pair<std::string, Plot>>;
+
+/// The curves of one vehicle of a run, by short name ("rates", "position_x", ...), on simulated
+/// time.
+NamedPlots run_plots(const Scenario& scenario, const RunRecord& record, const Measurement& figures);
 
 }  // namespace cas::hils

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +13,8 @@
 #include "base/geodesy.hpp"
 #include "hils/bench_fault.hpp"
 #include "hils/flight_step.hpp"
+#include "hils/scenario_limits.hpp"
+#include "hils/scenario_vehicle.hpp"
 #include "hils/wake_up.hpp"
 
 namespace cas::hils {
@@ -36,24 +35,6 @@ std::string_view to_string(Architecture architecture);
 /// @throws base::ConfigError for another word
 Architecture parse_architecture(std::string_view word);
 
-/// Most that the response to one step of a flight may show.
-struct ResponseLimits {
-  std::optional<double> rise_s;
-  std::optional<double> overshoot_pct;
-  std::optional<double> settling_s;
-};
-
-/// Most that a run may miss by; what a scenario leaves out is not judged.
-struct Limits {
-  std::optional<std::uint64_t> lost;           ///< packets of each HIL message in the window
-  std::optional<double> rate_error_pct;        ///< received rate against nominal, either way
-  std::optional<double> delivered_pct;         ///< least share of each HIL message that arrives
-  std::optional<double> latency_p99_us;        ///< sensor to control
-  std::map<std::string, double> rms;           ///< x_m, y_m, z_m, yaw_rad: truth against reference
-  std::map<std::string, double> rms_estimate;  ///< the same axes: estimate against reference
-  std::map<std::string, ResponseLimits> responses;  ///< by the name of the step
-};
-
 /// Nominal rates of the HIL stream, Hz.
 struct Rates {
   double sensor_hz = 500;
@@ -66,7 +47,7 @@ struct Scenario {
   std::string name;
   std::string description;
   std::filesystem::path file;
-  std::filesystem::path vehicle;
+  std::vector<ScenarioVehicle> vehicles;  ///< key `vehicle` stands for a list of one
   base::Geodetic home;
   double decimal_year = 2026.5;
   std::uint64_t seed = 1;
@@ -77,13 +58,19 @@ struct Scenario {
   base::ConfigNode line = base::ConfigNode::empty();        ///< as fcu_emulator's `line`
   base::ConfigNode controller = base::ConfigNode::empty();  ///< stamp, actuators, params
   base::ConfigNode sensors = base::ConfigNode::empty();     ///< a set, or keys that differ
-  std::vector<base::ConfigNode> plugins;                    ///< further plugins of the vehicle
+  std::vector<base::ConfigNode> plugins;                    ///< further plugins of each vehicle
   WakeUpFigures wake_up;        ///< threads of casd on the virtual clock
   double drain_tick_ms = 1;     ///< as casd's key, for architecture ts
   bool ground_station = false;  ///< one that listens and loads the parameter list now and then
   std::vector<FlightStep> steps;
   ScenarioFaults faults;
-  Limits limits;
+  Limits limits;  ///< of every vehicle that has none of its own
+
+  bool flies_several() const { return vehicles.size() > 1; }
+  VehicleNames names() const;
+  std::vector<std::uint8_t> systems() const;
+  const base::ConfigNode& sensors_of(std::size_t vehicle) const;
+  const Limits& limits_of(std::size_t vehicle) const;
 
   /// Reads and checks a scenario file. @throws base::ConfigError with file, line and key path
   static Scenario load(const std::filesystem::path& file);

@@ -72,9 +72,8 @@ Json stages_json(const std::vector<Stage>& stages) {
   return list;
 }
 
-}  // namespace
-
-std::string summary_json(const Measurement& figures, const Verdict& verdict) {
+/// What is true of a run, whatever flew in it.
+Json run_json(const Measurement& figures, const Verdict& verdict) {
   Json summary;
   summary["schema"] = kSchema;
   summary["scenario"] = figures.scenario;
@@ -89,6 +88,11 @@ std::string summary_json(const Measurement& figures, const Verdict& verdict) {
   summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
   summary["simulated_s"] = figures.simulated_s;
   summary["wall_s"] = figures.wall_s;
+  return summary;
+}
+
+/// The figures of one vehicle, behind what is there.
+void add_figures(const Measurement& figures, Json& summary) {
   summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},
                          {"end", static_cast<double>(figures.window.end_usec) * 1e-6}};
   summary["rates"] = {{"HIL_SENSOR", rate_json(figures.rates.sensor)},
@@ -117,6 +121,29 @@ std::string summary_json(const Measurement& figures, const Verdict& verdict) {
   summary["cpu_s"] = Json::object();
   for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
   summary["stages"] = stages_json(figures.stages);
+}
+
+Json vehicle_json(const Measurement& figures, const Verdict& verdict) {
+  Json summary = run_json(figures, verdict);
+  add_figures(figures, summary);
+  return summary;
+}
+
+}  // namespace
+
+std::string summary_json(const Measurement& figures, const Verdict& verdict) {
+  return vehicle_json(figures, verdict).dump(2) + "\n";
+}
+
+std::string summary_json(const RunResult& run) {
+  if (!run.has_several()) return summary_json(run.vehicles.front().figures, run.verdict);
+  Json summary = run_json(run.whole(), run.verdict);
+  summary["vehicles"] = Json::array();
+  for (const VehicleResult& vehicle : run.vehicles) {
+    Json entry{{"name", vehicle.figures.vehicle}};
+    entry.update(vehicle_json(vehicle.figures, vehicle.verdict));
+    summary["vehicles"].push_back(std::move(entry));
+  }
   return summary.dump(2) + "\n";
 }
 

@@ -16,26 +16,29 @@ base::SimTime to_sim_time(base::RunTime t) { return base::SimTime(t.time_since_e
 
 }  // namespace
 
-VirtualPilot::VirtualPilot(casd::VehicleCommander& commander, std::uint8_t system,
-                           casd::GainMap gains, std::vector<FlightStep> steps, Truth truth)
+VirtualPilot::VirtualPilot(casd::VehicleCommander& commander, const Scenario& scenario,
+                           casd::GainMap gains, Truth truth)
     : commander_(commander),
-      system_(system),
       gains_(std::move(gains)),
-      plan_(std::move(steps)),
-      truth_(std::move(truth)) {}
+      plan_(scenario),
+      truth_(std::move(truth)),
+      vehicles_(scenario.vehicles.size()) {
+  for (const ScenarioVehicle& vehicle : scenario.vehicles) systems_.push_back(vehicle.system_id);
+}
 
 void VirtualPilot::run(base::RunTime now) {
   now_ = now;
   next_look_ = now + kLookPeriod;
-  vehicle_ = look();
-  const std::optional<FlightStep> command = plan_.update(to_sim_time(now), vehicle_);
-  if (command) give(*command, now);
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) vehicles_[i] = look(i);
+  for (const FleetPlan::Command& command : plan_.update(to_sim_time(now), vehicles_)) {
+    give(command, now);
+  }
 }
 
-VehicleReport VirtualPilot::look() const {
+VehicleReport VirtualPilot::look(std::size_t vehicle) const {
   VehicleReport report;
-  report.truth = truth_();
-  const casd::VehicleState* state = commander_.find(system_);
+  report.truth = truth_(vehicle);
+  const casd::VehicleState* state = commander_.find(systems_[vehicle]);
   if (state == nullptr) return report;
   report.heard = true;
   report.armed = state->armed();
@@ -55,60 +58,64 @@ VehicleReport VirtualPilot::look() const {
   return report;
 }
 
-void VirtualPilot::give(const FlightStep& step, base::RunTime now) {
+void VirtualPilot::give(const FleetPlan::Command& command, base::RunTime now) {
+  const FlightStep& step = command.step;
+  const std::uint8_t system = systems_[command.vehicle];
   // The commander reports on its own ticks and packets.
-  casd::Done done = [this](const casd::Outcome& outcome) {
-    plan_.on_outcome(to_sim_time(now_), outcome.ok() ? "" : outcome.message);
+  casd::Done done = [this, vehicle = command.vehicle](const casd::Outcome& outcome) {
+    plan_.on_outcome(vehicle, to_sim_time(now_), outcome.ok() ? "" : outcome.message);
   };
   switch (step.kind) {
     case StepKind::kArm:
-      return commander_.arm(system_, {}, now, std::move(done));
+      return commander_.arm(system, {}, now, std::move(done));
     case StepKind::kTakeoff:
-      return commander_.takeoff(system_, step.altitude_m, now, std::move(done));
+      return commander_.takeoff(system, step.altitude_m, now, std::move(done));
     case StepKind::kGoto:
-      return commander_.go_to(system_,
+      return commander_.go_to(system,
                               {.north_m = step.place_m.x(),
                                .east_m = step.place_m.y(),
                                .down_m = -step.place_m.z(),
                                .yaw_deg = step.yaw_rad * kDegreesPerRadian},
                               now, std::move(done));
     case StepKind::kSetGain:
-      return set_gain(step, now, std::move(done));
+      return set_gain(system, step, now, std::move(done));
     case StepKind::kLand:
-      return commander_.land(system_, now, std::move(done));
+      return commander_.land(system, now, std::move(done));
     case StepKind::kDisarm:
-      return commander_.disarm(system_, false, now, std::move(done));
+      return commander_.disarm(system, false, now, std::move(done));
     case StepKind::kSetParam:
     case StepKind::kTrajectory:
     case StepKind::kEndTrajectory:
-      return set_params(step, 0, now, std::move(done));
+      return set_params(system, step, 0, now, std::move(done));
     case StepKind::kHold:
     case StepKind::kWaitUntil:
+    case StepKind::kStandBy:
       return done({});
   }
 }
 
 /// One after the other; the first refusal ends it.
-void VirtualPilot::set_params(const FlightStep& step, std::size_t index, base::RunTime now,
-                              casd::Done done) {
+void VirtualPilot::set_params(std::uint8_t system, const FlightStep& step, std::size_t index,
+                              base::RunTime now, casd::Done done) {
   const auto& [name, value] = step.params[index];
   const bool last = index + 1 == step.params.size();
   commander_.set_param(
-      system_, name, value, now,
-      [this, step, index, last, done = std::move(done)](const casd::Outcome& outcome) {
+      system, name, value, now,
+      [this, system, step, index, last, done = std::move(done)](const casd::Outcome& outcome) {
         if (last || !outcome.ok()) return done(outcome);
-        set_params(step, index + 1, now_, done);
+        set_params(system, step, index + 1, now_, done);
       });
 }
 
-void VirtualPilot::set_gain(const FlightStep& step, base::RunTime now, casd::Done done) {
-  const casd::VehicleState* state = commander_.find(system_);
+void VirtualPilot::set_gain(std::uint8_t system, const FlightStep& step, base::RunTime now,
+                            casd::Done done) {
+  const casd::VehicleState* state = commander_.find(system);
   const casd::GainLoop* loop =
       state == nullptr ? nullptr : gains_.find(state->autopilot(), step.loop);
   if (loop == nullptr) {
     return done(casd::failure(casd::Verdict::kInvalid, "there is no loop '" + step.loop + "'"));
   }
-  commander_.set_gains(system_, *loop, {.p = step.p, .i = step.i, .d = step.d}, now,
+  commander_.set_gains(system, *loop, {.p = step.p, .i = step.i, .d = step.d}, now,
                        std::move(done));
 }
 

@@ -6,17 +6,19 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "base/clock.hpp"
 #include "base/install_paths.hpp"
 #include "base/random.hpp"
 #include "casd/topology.hpp"
 #include "hils/composition.hpp"
-#include "hils/fault_history.hpp"
 #include "hils/ground_station.hpp"
 #include "hils/progress.hpp"
 #include "hils/report.hpp"
+#include "hils/run_record.hpp"
 #include "hils/supervisor.hpp"
 #include "hils/tlog_writer.hpp"
 #include "hils/virtual_controller.hpp"
@@ -65,36 +67,65 @@ class InterruptGuard {
   struct sigaction before_term_ {};
 };
 
+/// One vehicle's part of the bench: casd's links for it, and its controller behind a line.
+class Seat {
+ public:
+  Seat(VirtualRelay& relay, const VehiclePlaces& places)
+      : to_simulator_(relay.link(places.simulator_link)),
+        to_controller_(relay.link(places.controller_link)),
+        controller_(
+            fcu::FcuConfig::load(places.fcu_config()),
+            [this, &relay](auto bytes, auto now) { relay.receive(to_controller_, bytes, now); }),
+        line_(controller_.line().config()) {
+    relay.connect(to_controller_,
+                  [this](auto bytes, auto now) { return controller_.write(bytes, now); });
+  }
+
+  casd::LinkId to_simulator() const { return to_simulator_; }
+  casd::LinkId to_controller() const { return to_controller_; }
+  VirtualController& controller() { return controller_; }
+  const VirtualController& controller() const { return controller_; }
+
+  /// The line as the fault has it; as it was, when that ends.
+  void set_line(const LineFault& fault, bool begins) {
+    controller_.line().configure(begins ? fault.line : line_);
+  }
+  void unplug(bool begins) { begins ? controller_.line().hang_up() : controller_.line().restore(); }
+
+ private:
+  casd::LinkId to_simulator_;
+  casd::LinkId to_controller_;
+  VirtualController controller_;
+  fcu::LineConfig line_;  ///< as it is without faults
+};
+
 /// The whole bench as one discrete-event simulation.
 class VirtualBench {
  public:
   VirtualBench(const RunRequest& request, const RunPlaces& places)
-      : vehicle_(base::Vehicle::load(request.scenario.vehicle)),
+      : scenario_(request.scenario),
         stats_file_(places.simulator_stats()),
         log_(places.flight_tlog()),
         topology_(casd::Topology::load(places.casd_config())),
         relay_(topology_,
                WakeUp(request.scenario.wake_up, base::derive_seed(request.seed, "wake_up"))),
-        to_simulator_(relay_.link("sim")),
-        to_controller_(relay_.link("fcu")),
-        controller_(fcu::FcuConfig::load(places.fcu_config()),
-                    [this](auto bytes, auto now) { relay_.receive(to_controller_, bytes, now); }),
+        seats_(seats(places)),
         simulator_(sim::SimConfig::load(places.simulator_config()),
-                   {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, kVehicleName,
-                   [this](auto bytes, auto now) { relay_.receive(to_simulator_, bytes, now); }),
-        pilot_(relay_.commander(), vehicle_.system_id, casd::GainMap::load(topology_.gains),
-               request.scenario.steps, [this] { return simulator_.motion(); }),
-        line_(controller_.line().config()),
-        faults_(request.scenario.faults.bench) {
-    relay_.connect(to_simulator_, [this](auto bytes, auto now) {
-      simulator_.write(bytes, now);
-      return bytes.size();
-    });
-    relay_.connect(to_controller_,
-                   [this](auto bytes, auto now) { return controller_.write(bytes, now); });
-    if (request.scenario.ground_station) connect_ground_station();
+                   {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, ways_out()),
+        pilot_(relay_.commander(), scenario_, casd::GainMap::load(topology_.gains),
+               [this](std::size_t vehicle) { return simulator_.motion(vehicle); }),
+        faults_(scenario_.faults.bench) {
+    for (std::size_t i = 0; i < seats_.size(); ++i) {
+      relay_.connect(seats_[i]->to_simulator(), [this, i](auto bytes, auto now) {
+        simulator_.wire(i).write(bytes, now);
+        return bytes.size();
+      });
+    }
+    if (scenario_.ground_station) connect_ground_station();
     relay_.on_packet([this](casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
-      if (from == to_controller_) log_.write(log_clock_us(now.time_since_epoch()), packet.bytes);
+      const bool from_controller = std::ranges::any_of(
+          seats_, [from](const auto& seat) { return seat->to_controller() == from; });
+      if (from_controller) log_.write(log_clock_us(now.time_since_epoch()), packet.bytes);
     });
   }
 
@@ -103,7 +134,7 @@ class VirtualBench {
     std::optional<base::RunTime> end;
     for (base::RunTime now{}; !end || now < *end; now = next_event(now)) {
       advance(now);
-      if (!end && (pilot_.plan().done() || !pilot_.plan().failure().empty())) end = now + kDrain;
+      if (!end && pilot_.plan().ended()) end = now + kDrain;
       if (InterruptGuard::raised()) throw RunStopped("interrupted", true);
       show(now, begin);
     }
@@ -113,24 +144,44 @@ class VirtualBench {
     log_.close();
   }
 
-  void fill(RunRecord& record) const {
-    const FlightPlan& plan = pilot_.plan();
-    record.simulator = simulator_.ledger();
-    record.controller = controller_.ledger();
-    record.relay = RelayLedgers{.simulator = relay_.ledger(to_simulator_),
-                                .controller = relay_.ledger(to_controller_)};
+  void fill(std::size_t vehicle, RunRecord& record) const {
+    const FlightPlan& plan = pilot_.plan().plan(vehicle);
+    const Seat& seat = *seats_[vehicle];
+    record.simulator = simulator_.wire(vehicle).ledger();
+    record.controller = seat.controller().ledger();
+    record.relay = RelayLedgers{.simulator = relay_.ledger(seat.to_simulator()),
+                                .controller = relay_.ledger(seat.to_controller())};
     record.stages = plan.stages();
     record.hold = plan.measured();
     record.log_clock.add(kLogEpochUs, 0);
-    record.faults = faults_.history();
-    record.flight_failure = plan.failure();
+    record.faults = faults_.history_of(vehicle);
+    record.flight_failure = pilot_.plan().failure_of(vehicle);
     record.simulated_s = base::to_seconds(simulator_.time());
   }
 
  private:
+  std::vector<std::unique_ptr<Seat>> seats(const RunPlaces& places) {
+    std::vector<std::unique_ptr<Seat>> seats;
+    for (const VehiclePlaces& vehicle : places.vehicles) {
+      seats.push_back(std::make_unique<Seat>(relay_, vehicle));
+    }
+    return seats;
+  }
+
+  /// What the simulator sends goes into casd by the vehicle's link.
+  std::vector<VirtualSimulator::OnBytes> ways_out() {
+    std::vector<VirtualSimulator::OnBytes> ways;
+    for (const auto& seat : seats_) {
+      ways.emplace_back([this, link = seat->to_simulator()](auto bytes, auto now) {
+        relay_.receive(link, bytes, now);
+      });
+    }
+    return ways;
+  }
+
   void connect_ground_station() {
     const casd::LinkId link = relay_.link("gcs");
-    ground_station_.emplace(vehicle_.system_id, kParameterListPeriod,
+    ground_station_.emplace(scenario_.systems(), kParameterListPeriod,
                             [this, link](auto bytes) { relay_.receive(link, bytes, now_); });
     relay_.connect(link, [this](auto bytes, auto) {
       ground_station_->on_bytes(bytes);
@@ -143,7 +194,7 @@ class VirtualBench {
     now_ = now;
     if (now >= simulator_.next_event()) simulator_.step(now);
     relay_.run(now);
-    controller_.run(now);
+    for (const auto& seat : seats_) seat->controller().run(now);
     pilot_.set_now(now);
     if (now >= pilot_.next_event()) {
       pilot_.run(now);
@@ -159,11 +210,12 @@ class VirtualBench {
   void play_faults(base::RunTime now) {
     const base::SimTime time(now.time_since_epoch());
     for (const auto& [fault, begins] :
-         faults_.update(time, pilot_.vehicle(), pilot_.plan().phase())) {
+         faults_.update(time, pilot_.vehicles(), pilot_.plan().phase())) {
+      Seat& seat = *seats_[fault->vehicle];
       if (const auto* line = std::get_if<LineFault>(&fault->kind)) {
-        controller_.line().configure(begins ? line->line : line_);
+        seat.set_line(*line, begins);
       } else if (std::holds_alternative<UnplugFault>(fault->kind)) {
-        begins ? controller_.line().hang_up() : controller_.line().restore();
+        seat.unplug(begins);
       } else if (std::holds_alternative<RestartFault>(fault->kind)) {
         begins ? relay_.kill() : relay_.restart();
       } else if (const auto* flood = std::get_if<FloodFault>(&fault->kind)) {
@@ -173,8 +225,9 @@ class VirtualBench {
   }
 
   base::RunTime next_event(base::RunTime now) const {
-    base::RunTime next = std::min({simulator_.next_event(), relay_.next_event(),
-                                   controller_.next_event(now), pilot_.next_event()});
+    base::RunTime next =
+        std::min({simulator_.next_event(), relay_.next_event(), pilot_.next_event()});
+    for (const auto& seat : seats_) next = std::min(next, seat->controller().next_event(now));
     if (ground_station_) next = std::min(next, next_ground_tick_);
     return std::max(next, now + base::Duration(1));  // time always goes on
   }
@@ -183,21 +236,19 @@ class VirtualBench {
     if (now < next_show_) return;
     next_show_ = now + kShowPeriod;
     const double wall_s = std::max(base::to_seconds(base::steady_now() - begin), 1e-9);
-    progress_.show(base::SimTime(now.time_since_epoch()), pilot_.plan(), pilot_.vehicle(),
-                   base::to_seconds(now) / wall_s);
+    const std::size_t leader = pilot_.plan().leader();
+    progress_.show(base::SimTime(now.time_since_epoch()), pilot_.plan().plan(leader),
+                   pilot_.vehicles()[leader], base::to_seconds(now) / wall_s);
   }
 
-  base::Vehicle vehicle_;
+  const Scenario& scenario_;
   std::filesystem::path stats_file_;
   TlogWriter log_;
   casd::Topology topology_;
   VirtualRelay relay_;
-  casd::LinkId to_simulator_;
-  casd::LinkId to_controller_;
-  VirtualController controller_;
+  std::vector<std::unique_ptr<Seat>> seats_;
   VirtualSimulator simulator_;
   VirtualPilot pilot_;
-  fcu::LineConfig line_;  ///< as it is without faults
   BenchFaultScript faults_;
   std::optional<GroundStation> ground_station_;
   Progress progress_;
@@ -208,28 +259,24 @@ class VirtualBench {
 
 }  // namespace
 
-RunRecord run_on_virtual_clock(const RunRequest& request) {
+std::vector<RunRecord> run_on_virtual_clock(const RunRequest& request) {
   const InterruptGuard interrupts;
   const base::RunTime begin = base::steady_now();
-  const RunPlaces places{
-      .out = request.out,
-      .run = request.out / "run",
-      .sockets = request.out / "run",
-      .ground_station_port = request.scenario.ground_station ? kAnyPort : std::uint16_t{0}};
+  RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
+  if (request.scenario.ground_station) places.ground_station_port = kAnyPort;
   write_configs(request, Transport::kBus, places);
 
   VirtualBench bench(request, places);
   bench.fly();
-  RunRecord record;
-  bench.fill(record);
-  for (auto& fault : vehicle_faults(places.simulator_stats())) {
-    record.faults.push_back(std::move(fault));
+  const double wall_s = base::to_seconds(base::steady_now() - begin);
+  std::vector<RunRecord> records = records_of(request.scenario, places);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    bench.fill(i, records[i]);
+    add_vehicle_faults(places, records[i]);
+    records[i].virtual_clock = true;
+    records[i].wall_s = wall_s;
   }
-  record.truth_csv = places.truth_csv();
-  record.flight_tlog = places.flight_tlog();
-  record.virtual_clock = true;
-  record.wall_s = base::to_seconds(base::steady_now() - begin);
-  return record;
+  return records;
 }
 
 }  // namespace cas::hils

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "hils/measurement.hpp"
+#include <vector>
+
+#include "hils/run_record.hpp"
 #include "hils/run_request.hpp"
 
 namespace cas::hils {
@@ -10,7 +12,8 @@ namespace cas::hils {
 /// ground station, the serial line and the controller as one discrete-event simulation. The same
 /// scenario and seed give the same bytes of truth.csv and flight.tlog, on any machine.
 ///
+/// @return one record for each vehicle, in the order of the scenario
 /// @throws RunStopped when the user interrupts, base::ConfigError
-RunRecord run_on_virtual_clock(const RunRequest& request);
+std::vector<RunRecord> run_on_virtual_clock(const RunRequest& request);
 
 }  // namespace cas::hils

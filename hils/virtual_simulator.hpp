@@ -1,37 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <deque>
-#include <functional>
-#include <span>
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/clock.hpp"
-#include "base/ledger.hpp"
 #include "hils/flight_facts.hpp"
-#include "libsim/api/messages.hpp"
+#include "hils/virtual_wire.hpp"
 #include "libsim/core/sim_runner.hpp"
-#include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
 
-/// The simulator with its interface plugin on the topic bus, moved by the virtual clock: what
-/// hilsim is, without the UDP socket.
+/// The simulator with its interface plugins on the topic bus, moved by the virtual clock: what
+/// hilsim is, without the UDP sockets.
 ///
 /// The step from t to t + dt is computed at t + dt, with the commands that had arrived by t.
 class VirtualSimulator {
  public:
-  using OnBytes = std::function<void(std::span<const std::uint8_t>, base::RunTime)>;
+  using OnBytes = VirtualWire::OnBytes;
 
-  /// `on_bytes` hears each packet that the simulator sends. @throws base::ConfigError
-  VirtualSimulator(sim::SimConfig config, sim::SimOptions options, const std::string& vehicle,
-                   OnBytes on_bytes);
+  /// @param on_bytes  for each vehicle of the configuration, in its order: hears what it sends
+  /// @throws base::ConfigError
+  VirtualSimulator(sim::SimConfig config, sim::SimOptions options, std::vector<OnBytes> on_bytes);
   VirtualSimulator(const VirtualSimulator&) = delete;
   VirtualSimulator& operator=(const VirtualSimulator&) = delete;
 
-  /// Bytes for the simulator.
-  void write(std::span<const std::uint8_t> bytes, base::RunTime now);
   /// Computes the step that ends now.
   void step(base::RunTime now);
   /// When the next step ends.
@@ -41,32 +37,20 @@ class VirtualSimulator {
   /// Writes the files of the run.
   void finish() { runner_.finish(); }
 
+  VirtualWire& wire(std::size_t vehicle = 0) { return *wires_[vehicle]; }
+  const VirtualWire& wire(std::size_t vehicle = 0) const { return *wires_[vehicle]; }
+  /// True motion of a vehicle, counted from where it stood.
+  Motion motion(std::size_t vehicle) const { return wire(vehicle).motion(runner_.world()); }
+
   /// Figures of its plugins, as `plugins` in what `hilsim --stats` writes.
   std::string stats_json() const;
   const sim::World& world() const { return runner_.world(); }
   base::SimTime time() const { return runner_.time(); }
-  /// True motion of the vehicle, counted from where it stood.
-  Motion motion() const;
-  const std::vector<base::LedgerEntry>& ledger() const { return ledger_.entries(); }
 
  private:
-  struct Arrival {
-    base::RunTime at;
-    sim::WirePacket packet;
-  };
-  void on_wire_out(const sim::WirePacket& packet);
-
   sim::SimRunner runner_;
-  sim::Publisher<sim::WirePacket> wire_in_;
-  sim::Subscription wire_out_;
-  OnBytes on_bytes_;
-  mav::PacketParser sent_;
-  mav::PacketParser received_;
-  base::PacketLedger ledger_;
-  std::deque<Arrival> arrived_;
-  Eigen::Vector3d start_W_ = Eigen::Vector3d::Zero();
+  std::vector<std::unique_ptr<VirtualWire>> wires_;
   std::string phase_;
-  base::RunTime now_{};
 };
 
 }  // namespace cas::hils

@@ -32,7 +32,7 @@ class Flight {
     std::filesystem::create_directories(folder_);
     const RunRequest request{
         .scenario = scenario, .architecture = Architecture::kDirect, .seed = seed, .out = folder_};
-    const RunRecord record = run_on_virtual_clock(request);
+    const RunRecord record = run_on_virtual_clock(request).front();
     figures_ = measure(request, record);
     verdict_ = judge(figures_, scenario.limits);
     truth_ = content(record.truth_csv);

@@ -30,6 +30,29 @@ steps:
   - land: {timeout_s: 60}
 )";
 
+constexpr const char* kTwoVehicles = R"(schema: 1
+vehicles:
+  - name: left
+    vehicle: )" CAS_SOURCE_DIR R"(/config/vehicles/iris_paper.yaml
+    pose: {x_m: 0, y_m: 0}
+  - name: right
+    vehicle: )" CAS_SOURCE_DIR R"(/config/vehicles/iris_paper.yaml
+    pose: {x_m: 3, y_m: 0}
+home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+line: {preset: baud_921600}
+sensors: rtk
+ground_station: true
+steps:
+  - arm
+  - takeoff: {altitude_m: 2}
+  - goto: {vehicle: right, north_m: 1, east_m: 0, up_m: 2}
+  - hold: {name: cut, duration_s: 3, measure: true}
+  - land: {timeout_s: 60}
+faults:
+  - {name: line cut, vehicle: left, when: phase == cut, for_s: 0.1, line: {packet_loss: 1}}
+)";
+
 TEST(RealTime, TheFlightTellsTheSimulatorItsPhase) {
   const test::TemporaryFolder folder;
   const std::filesystem::path scenario = folder.write("short.yaml", kScenario);
@@ -68,6 +91,30 @@ TEST(RealTime, RefusesAPortWithNobodyBehindIt) {
                      (folder / "nothing").string(), "--out", (folder / "out").string()});
   EXPECT_EQ(hils.wait_exit(std::chrono::seconds(60)), 3) << hils.output();
   EXPECT_NE(hils.output().find("cannot be opened"), std::string::npos) << hils.output();
+}
+
+/// Two emulators on two terminals, one simulator, one casd; the line of one is cut for a moment.
+TEST(RealTime, TwoVehiclesFlyThroughOneCasd) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path scenario = folder.write("two.yaml", kTwoVehicles);
+  const std::filesystem::path out = folder / "out";
+  ChildProcess hils({CAS_BINARY_DIR "/bin/hils", "run", scenario.string(), "--out", out.string()});
+  EXPECT_EQ(hils.wait_exit(std::chrono::seconds(150)), 0) << hils.output();
+  const auto summary = nlohmann::json::parse(std::ifstream(out / "summary.json"));
+  const auto& vehicles = summary.at("vehicles");
+  ASSERT_EQ(vehicles.size(), 2U);
+  const auto lost = [&](std::size_t vehicle, const char* message) {
+    return vehicles[vehicle].at("rates").at(message).at("lost").get<int>();
+  };
+  EXPECT_GT(lost(0, "HIL_SENSOR"), 0) << hils.output();
+  for (const char* message : {"HIL_SENSOR", "HIL_GPS", "HIL_CONTROLS"}) {
+    EXPECT_EQ(lost(1, message), 0) << message << hils.output();
+  }
+  EXPECT_EQ(vehicles[0].at("faults").size(), 1U);
+  EXPECT_TRUE(vehicles[1].at("faults").empty());
+  for (const char* file : {"truth_left.csv", "truth_right.csv", "flight.tlog", "report.html"}) {
+    EXPECT_TRUE(std::filesystem::exists(out / file)) << file;
+  }
 }
 
 }  // namespace

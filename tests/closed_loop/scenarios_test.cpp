@@ -32,7 +32,7 @@ Flown fly(const std::string& name) {
       .architecture = Architecture::kTcas,
       .seed = 1,
       .out = folder};
-  const RunRecord record = run_on_virtual_clock(request);
+  const RunRecord record = run_on_virtual_clock(request).front();
   Flown flown{.figures = measure(request, record), .verdict = {}, .text = {}};
   flown.verdict = judge(flown.figures, request.scenario.limits);
   flown.text = text_report(flown.figures, flown.verdict);

@@ -35,6 +35,11 @@ Scenario short_hover(const std::string& lines) {
   return scenario;
 }
 
+std::string simulator_text(const RunRequest& request) {
+  return simulator_config(request, Transport::kBus,
+                          RunPlaces::of(request.scenario, request.out, request.out));
+}
+
 double horizontal_rms_m(const Flight& flight) {
   const auto& rms = flight.figures().rms;
   return rms ? std::hypot(rms->x_m, rms->y_m) : 1e9;
@@ -56,8 +61,8 @@ TEST_P(SensorSet, IsTheSameToSimulatorAndEstimator) {
   const std::string name = GetParam();
   const RunRequest request{.scenario = short_hover("sensors: " + name), .out = "unused"};
   const auto fcu = fcu::FcuConfig::parse(base::ConfigNode::parse(fcu_config(request), "fcu.yaml"));
-  const auto sim = sim::SimConfig::parse(
-      base::ConfigNode::parse(simulator_config(request, Transport::kBus, {}), "hilsim.yaml"));
+  const auto sim =
+      sim::SimConfig::parse(base::ConfigNode::parse(simulator_text(request), "hilsim.yaml"));
   const base::ConfigNode set =
       base::ConfigNode::load(base::find_config("sensors/" + name + ".yaml"));
   for (const auto& plugin : sim.vehicles.at(0).plugins) {
@@ -116,7 +121,7 @@ TEST(SensorSets, ThatAreNotThereAreRefused) {
 TEST(SensorSets, RefuseABlockForAPluginThatIsNotThere) {
   const Scenario scenario = short_hover("sensors: {barometre: {stddev_pa: 7}}");
   const RunRequest request{.scenario = scenario, .out = "unused"};
-  const std::string text = simulator_config(request, Transport::kBus, {});
+  const std::string text = simulator_text(request);
   try {
     sim::SimConfig::parse(base::ConfigNode::parse(text, "hilsim.yaml"));
     FAIL() << "was taken";

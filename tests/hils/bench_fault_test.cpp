@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 namespace cas::hils {
 namespace {
@@ -13,9 +14,9 @@ using std::chrono::seconds;
 
 base::SimTime at(base::Duration since_start) { return base::SimTime(since_start); }
 
-ScenarioFaults faults_of(const std::string& text) {
+ScenarioFaults faults_of(const std::string& text, const VehicleNames& names = only_vehicle()) {
   const auto line = base::ConfigNode::parse("{preset: baud_460800}", "line");
-  return parse_scenario_faults(base::ConfigNode::parse(text, "scenario.yaml"), line);
+  return parse_scenario_faults(base::ConfigNode::parse(text, "scenario.yaml"), line, names);
 }
 
 std::string error_of(const std::string& text) {
@@ -33,7 +34,7 @@ TEST(ScenarioFaults, BelongToTheBenchOrToTheVehicle) {
       " {when: altitude > 2, for_s: 1, restart: casd}, {at_s: 1, for_s: 1, flood_hz: 500}]");
   EXPECT_EQ(faults.bench.size(), 3U);
   ASSERT_EQ(faults.vehicle.size(), 1U);
-  EXPECT_EQ(faults.vehicle[0].require<std::string>("drop"), "gps");
+  EXPECT_EQ(faults.vehicle[0].script.require<std::string>("drop"), "gps");
 }
 
 TEST(ScenarioFaults, OverrideTheLineOfTheScenario) {
@@ -66,20 +67,51 @@ INSTANTIATE_TEST_SUITE_P(
         BadFault{"UnknownFact", "[{when: height_of > 2, for_s: 1, restart: casd}]", "height_of"},
         BadFault{"UnknownProgram", "[{at_s: 1, for_s: 1, restart: hilsim}]", "takes only casd"},
         BadFault{"UnknownLineKey", "[{at_s: 1, for_s: 1, line: {bauds: 9}}]", "bauds"},
+        BadFault{"UnknownVehicle", "[{at_s: 1, for_s: 1, unplug: fcu, vehicle: left}]",
+                 "[0].vehicle: there is no vehicle 'left'; vehicles are iris0"},
         BadFault{"UnknownEffect", "[{at_s: 1, explode: imu}]", "needs one of"}),
     [](const auto& test) { return test.param.name; });
 
+TEST(ScenarioFaults, BefallTheVehicleThatTheyNameOrEachOfThem) {
+  const ScenarioFaults faults = faults_of(
+      "[{at_s: 1, for_s: 2, unplug: fcu, vehicle: right}, {at_s: 1, for_s: 1, line: {}},"
+      " {at_s: 1, for_s: 1, restart: casd}, {at_s: 3, drop: gps, vehicle: left},"
+      " {at_s: 4, drop: imu}]",
+      {"left", "right"});
+  std::vector<std::size_t> bench;
+  for (const BenchFault& fault : faults.bench) bench.push_back(fault.vehicle);
+  EXPECT_EQ(bench, (std::vector<std::size_t>{1, 0, 1, 0}));
+  ASSERT_EQ(faults.vehicle.size(), 2U);
+  EXPECT_EQ(faults.vehicle[0].vehicle, 0U);
+  EXPECT_FALSE(faults.vehicle[1].vehicle);
+}
+
+TEST(BenchFaultScript, AsksTheVehicleThatTheFaultIsAbout) {
+  BenchFaultScript script(
+      faults_of("[{when: altitude > 2, for_s: 9, unplug: fcu}, {at_s: 1, for_s: 1, restart: casd}]",
+                {"left", "right"})
+          .bench);
+  std::vector<VehicleReport> vehicles(2);
+  vehicles[1].p_N = {0, 0, -3};
+  const auto events = script.update(at(seconds(1)), vehicles, "hold");
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].fault->vehicle, 1U);
+  EXPECT_EQ(script.history_of(0).size(), 1U);  // what befalls casd befalls both
+  EXPECT_EQ(script.history_of(1).size(), 2U);
+}
+
 TEST(BenchFaultScript, BeginsAndEndsEachFaultOnce) {
   BenchFaultScript script(faults_of("[{at_s: 1, for_s: 2, unplug: fcu}]").bench);
-  EXPECT_TRUE(script.update(at(milliseconds(900)), {}, "hold").empty());
-  const auto begun = script.update(at(seconds(1)), {}, "hold");
+  const std::vector<VehicleReport> alone(1);
+  EXPECT_TRUE(script.update(at(milliseconds(900)), alone, "hold").empty());
+  const auto begun = script.update(at(seconds(1)), alone, "hold");
   ASSERT_EQ(begun.size(), 1U);
   EXPECT_TRUE(begun[0].begins);
-  EXPECT_TRUE(script.update(at(seconds(2)), {}, "hold").empty());
-  const auto ended = script.update(at(seconds(3)), {}, "hold");
+  EXPECT_TRUE(script.update(at(seconds(2)), alone, "hold").empty());
+  const auto ended = script.update(at(seconds(3)), alone, "hold");
   ASSERT_EQ(ended.size(), 1U);
   EXPECT_FALSE(ended[0].begins);
-  EXPECT_TRUE(script.update(at(seconds(9)), {}, "hold").empty());
+  EXPECT_TRUE(script.update(at(seconds(9)), alone, "hold").empty());
   ASSERT_EQ(script.history().size(), 1U);
   EXPECT_EQ(script.history()[0].begin, at(seconds(1)));
   EXPECT_EQ(script.history()[0].end, at(seconds(3)));
@@ -90,12 +122,13 @@ TEST(BenchFaultScript, AsksTheEstimateOrTheTruth) {
       faults_of("[{name: a, when: altitude > 2 and phase == hold, for_s: 1, unplug: fcu},"
                 " {name: b, when: altitude > 2, of: truth, for_s: 1, restart: casd}]")
           .bench);
-  VehicleReport vehicle;
+  std::vector<VehicleReport> vehicles(1);
+  VehicleReport& vehicle = vehicles.front();
   vehicle.p_N = {0, 0, -3};
-  EXPECT_TRUE(script.update(at(seconds(1)), vehicle, "takeoff").empty());
-  ASSERT_EQ(script.update(at(seconds(2)), vehicle, "hold").size(), 1U);
+  EXPECT_TRUE(script.update(at(seconds(1)), vehicles, "takeoff").empty());
+  ASSERT_EQ(script.update(at(seconds(2)), vehicles, "hold").size(), 1U);
   vehicle.truth = Motion{.p_m = {0, 0, 2.5}};
-  const auto events = script.update(at(milliseconds(2500)), vehicle, "hold");
+  const auto events = script.update(at(milliseconds(2500)), vehicles, "hold");
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].fault->name, "b");
 }

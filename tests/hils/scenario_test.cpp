@@ -75,7 +75,7 @@ TEST_F(ScenarioFile, FindsAShippedVehicleFromAFolderOfOnesOwn) {
   for (const char* vehicle : {"vehicles/iris_paper.yaml", "../vehicles/iris_paper.yaml"}) {
     const Scenario scenario = Scenario::load(
         write(std::string(kHeadWithoutVehicle) + "vehicle: " + vehicle + "\n" + kFlight));
-    EXPECT_TRUE(std::filesystem::equivalent(scenario.vehicle,
+    EXPECT_TRUE(std::filesystem::equivalent(scenario.vehicles.at(0).vehicle,
                                             CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml"));
   }
 }
