@@ -83,8 +83,8 @@ void write_file(const fs::path& file, std::string_view text, Durability durabili
     error = replace(unresolved ? file : behind, &old, text, durability);
   }
   if (error == 0) return;
-  throw ConfigError(file.string() + ": cannot be written: " +
-                    std::generic_category().message(error));
+  throw ConfigError(file.string() +
+                    ": cannot be written: " + std::generic_category().message(error));
 }
 
 }  // namespace cas::base

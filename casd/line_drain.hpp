@@ -9,9 +9,9 @@
 
 namespace cas::casd {
 
-/// When tcdrain(3) on a UART lets its caller go on (`threads: blocking`). Linux is woken when its own
-/// buffer is empty, that is with one FIFO of bytes still to go, and from then on looks whether the
-/// last bit is out: between two looks it sleeps for the rest of the clock tick and a whole one
+/// When tcdrain(3) on a UART lets its caller go on (`threads: blocking`). Linux is woken when its
+/// own buffer is empty, that is with one FIFO of bytes still to go, and from then on looks whether
+/// the last bit is out: between two looks it sleeps for the rest of the clock tick and a whole one
 /// (serial core, uart_wait_until_sent; kernels 4.8 to 6.12 sleep a tick longer still).
 class LineDrain {
  public:
