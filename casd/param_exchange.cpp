@@ -206,7 +206,7 @@ void ParamExchange::list(base::RunTime now, Done done) {
     listing_->done.push_back(std::move(done));
     return;
   }
-  listing_.emplace();
+  listing_ = Listing{};
   listing_->done.push_back(std::move(done));
   listing_->deadline = now + timing_.answer_timeout;
   listing_->give_up = now + timing_.list_timeout;
