@@ -146,6 +146,7 @@ void VirtualRelay::kill() {
     port.tail.clear();
     port.inbox.clear();
     port.parser.reset();
+    port.waited = false;
     port.carry_on_at.reset();
   }
   for (std::deque<Arrival>& thread : threads_) thread.clear();
@@ -267,7 +268,7 @@ void VirtualRelay::take_datagrams(base::RunTime now) {
 bool VirtualRelay::read_lines(base::RunTime now) {
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     Port& port = ports_[i];
-    if (!port.is_line || (port.inbox.empty() && !give_up_at_)) continue;
+    if (!port.is_line || (give_up_at_ ? !port.waited : port.inbox.empty())) continue;
     if (!port.inbox.empty()) give_up_at_.reset();
     while (!port.inbox.empty() || port.parser.inside_packet()) {
       if (port.inbox.empty()) {
