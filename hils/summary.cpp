@@ -88,6 +88,8 @@ Json run_json(const Measurement& figures, const Verdict& verdict) {
   summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
   summary["simulated_s"] = figures.simulated_s;
   summary["wall_s"] = figures.wall_s;
+  summary["cpu_s"] = Json::object();
+  for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
   return summary;
 }
 
@@ -118,8 +120,6 @@ void add_figures(const Measurement& figures, Json& summary) {
   }
   summary["rms"] = rms_json(figures.rms);
   summary["rms_estimate"] = rms_json(figures.rms_estimate);
-  summary["cpu_s"] = Json::object();
-  for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
   summary["stages"] = stages_json(figures.stages);
 }
 
