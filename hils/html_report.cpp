@@ -6,11 +6,13 @@
 
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <thread>
 
 #include "base/clock.hpp"
 #include "hils/html_page.hpp"
 #include "hils/paper_figures.hpp"
+#include "hils/report.hpp"
 #include "hils/version.hpp"
 
 namespace cas::hils {
@@ -190,11 +192,11 @@ void add_overview(HtmlPage& page, const RunResult& run) {
              "Y m", "Z m"}};
   for (const VehicleResult& vehicle : run.vehicles) {
     const StreamFigures& rates = vehicle.figures.rates;
-    const RmsFigures rms = vehicle.figures.rms.value_or(RmsFigures{});
+    const std::optional<RmsFigures>& rms = vehicle.figures.rms;
     rows.push_back({vehicle.figures.vehicle, word_of(vehicle.verdict),
                     fmt::format("{}", rates.sensor.lost), fmt::format("{}", rates.gps.lost),
-                    fmt::format("{}", rates.controls.lost), fixed(rms.x_m, 4), fixed(rms.y_m, 4),
-                    fixed(rms.z_m, 4)});
+                    fmt::format("{}", rates.controls.lost), rms_text(rms, &RmsFigures::x_m),
+                    rms_text(rms, &RmsFigures::y_m), rms_text(rms, &RmsFigures::z_m)});
   }
   page.table("Vehicles", rows);
 }

@@ -137,12 +137,13 @@ std::string overview_table(const RunResult& run) {
                                  "lost IMU/GPS/control", "RMS X m", "Y m", "Z m");
   for (const VehicleResult& vehicle : run.vehicles) {
     const StreamFigures& rates = vehicle.figures.rates;
-    const RmsFigures rms = vehicle.figures.rms.value_or(RmsFigures{});
+    const std::optional<RmsFigures>& rms = vehicle.figures.rms;
     text += fmt::format(
-        "{:<24} {:>8} {:>20} {:>8.4f} {:>8.4f} {:>8.4f}\n", vehicle.figures.vehicle,
+        "{:<24} {:>8} {:>20} {:>8} {:>8} {:>8}\n", vehicle.figures.vehicle,
         verdict_word(vehicle.verdict),
         fmt::format("{} / {} / {}", rates.sensor.lost, rates.gps.lost, rates.controls.lost),
-        rms.x_m, rms.y_m, rms.z_m);
+        rms_text(rms, &RmsFigures::x_m), rms_text(rms, &RmsFigures::y_m),
+        rms_text(rms, &RmsFigures::z_m));
   }
   return text;
 }
@@ -152,6 +153,10 @@ std::string overview_table(const RunResult& run) {
 std::string_view verdict_word(const Verdict& verdict) {
   if (!verdict.valid) return "INVALID";
   return verdict.passed ? "PASSED" : "FAILED";
+}
+
+std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*axis) {
+  return rms ? fmt::format("{:.4f}", (*rms).*axis) : "-";
 }
 
 std::string text_report(const Measurement& figures, const Verdict& verdict) {

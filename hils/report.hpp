@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "hils/judgement.hpp"
 #include "hils/measurement.hpp"
 #include "hils/run_result.hpp"
+#include "hils/trajectory.hpp"
 
 namespace cas::hils {
 
@@ -24,6 +26,8 @@ std::string summary_json(const RunResult& run);
 
 /// PASSED, FAILED or INVALID.
 std::string_view verdict_word(const Verdict& verdict);
+/// One RMS error, such as &RmsFigures::x_m; a dash where the measured step was not reached.
+std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*axis);
 
 /// Writes a text file beside its place and renames it. @throws base::ConfigError
 void write_text(const std::filesystem::path& file, const std::string& text);

@@ -66,6 +66,11 @@ TEST(SeveralResults, ShowEachVehicleUnderItsName) {
   EXPECT_NE(html.find("<h2>right: Flight</h2>"), std::string::npos) << html;
 }
 
+TEST(SeveralResults, ShowADashForAnRmsThatWasNotMeasured) {
+  EXPECT_EQ(rms_text(std::nullopt, &RmsFigures::x_m), "-");
+  EXPECT_EQ(rms_text(RmsFigures{.x_m = 0.25}, &RmsFigures::x_m), "0.2500");
+}
+
 TEST(SeveralResults, AreASuiteEachForContinuousIntegration) {
   const std::string xml = junit_report(together(kPassed, kMissed));
   EXPECT_NE(xml.find("<testsuite name=\"hils.pair.tcas.left\" tests=\"1\" failures=\"0\""),
