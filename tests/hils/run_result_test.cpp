@@ -54,6 +54,7 @@ TEST(SeveralResults, ShowEachVehicleUnderItsName) {
   const auto summary = nlohmann::json::parse(summary_json(run));
   ASSERT_EQ(summary.at("vehicles").size(), 2U);
   EXPECT_FALSE(summary.at("passed"));
+  EXPECT_TRUE(summary.contains("cpu_s"));
   EXPECT_EQ(summary.at("vehicles")[0].at("name"), "left");
   EXPECT_TRUE(summary.at("vehicles")[0].at("passed"));
   auto alone = nlohmann::json::parse(summary_json(run.vehicles[1].figures, kMissed));
