@@ -18,6 +18,8 @@ class LineDrain {
   static constexpr std::size_t kFifoBytes = 16;  ///< of a 16550
   /// The fastest tick that Linux is built with, CONFIG_HZ=1000; Debian's has 4 ms.
   static constexpr base::Duration kDefaultTick = std::chrono::milliseconds(1);
+  /// Ten times as fast as any; between two looks at the line some time has to pass.
+  static constexpr base::Duration kLeastTick = std::chrono::microseconds(100);
 
   /// @param tick  of the kernel's clock; 0: woken the moment the last bit is out
   explicit LineDrain(base::Duration tick = kDefaultTick) : tick_(tick) {}

@@ -152,6 +152,9 @@ Topology Topology::parse(const base::ConfigNode& root) {
   if (const auto node = root.find("threads")) topology.threads = parse_threads(*node);
   const double tick_ms = 1e3 * base::to_seconds(topology.drain_tick);
   topology.drain_tick = base::from_seconds(1e-3 * root.get_in("drain_tick_ms", tick_ms, 0, 10));
+  if (topology.drain_tick > base::Duration{} && topology.drain_tick < LineDrain::kLeastTick) {
+    root.at("drain_tick_ms").fail("the kernel's tick is 0 (none) or at least 0.1 ms");
+  }
   if (const auto node = root.find("scheduling")) {
     topology.scheduling = base::parse_thread_options(*node);
   }

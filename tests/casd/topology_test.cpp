@@ -117,6 +117,14 @@ links:
   EXPECT_EQ(topology.routes.size(), 4U);
 }
 
+TEST(Topology, RefusesATickWithoutAnyTimeBetweenTwoLooks) {
+  const cas::test::TemporaryFolder folder;
+  EXPECT_EQ(Topology::load(folder.write("none.yaml", kLinks + "drain_tick_ms: 0\n")).drain_tick,
+            base::Duration{});
+  EXPECT_THROW(Topology::load(folder.write("tiny.yaml", kLinks + "drain_tick_ms: 1e-6\n")),
+               base::ConfigError);
+}
+
 TEST(Topology, FindsTheShippedGainsFromAFolderOfOnesOwn) {
   const cas::test::TemporaryFolder folder;
   for (const char* gains : {"gains.yaml", "../gains.yaml"}) {
