@@ -124,6 +124,7 @@ std::optional<MavResult> EmulatorBench::result(MavCmd id, std::array<float, 7> p
 
 void EmulatorBench::stand_still(double seconds) {
   constexpr std::uint64_t kPeriod_us = 2000;
+  constexpr int kUnansweredSensors = 40;
   constexpr double kGravity_m_s2 = 9.80665;
   const mav::Source simulator{1, 200};
   const Eigen::Vector3d field_N = base::magnetic_field_N(home_, 2026.5);
@@ -148,6 +149,7 @@ void EmulatorBench::stand_still(double seconds) {
     m.temperature = 15;
     m.fields_updated = static_cast<HilSensorUpdatedFlags>(0x1FFF);
     send(m, 2, simulator);
+    if (i % kUnansweredSensors == 0) keep_up();
     if (sensor_usec_ % 200'000 != 0) continue;
     HilGps fix;
     fix.time_usec = sensor_usec_;
@@ -162,6 +164,22 @@ void EmulatorBench::stand_still(double seconds) {
     fix.satellites_visible = 10;
     send(fix, 2, simulator);
   }
+}
+
+// Waits until all that was sent is dealt with and its answers are read: what a full terminal has no
+// room for, the controller drops. The packets stay where next() finds them.
+void EmulatorBench::keep_up() {
+  Ping ping;
+  ping.seq = ++pings_;
+  send(ping);
+  const auto is_answer = [&](const cas::test::PacketStream::Packet& packet) {
+    const auto answer = mav::decode<Ping>(packet.view());
+    return answer && answer->seq == ping.seq;
+  };
+  cas::test::wait_until([&] {
+    read();
+    return std::erase_if(stream_.packets(), is_answer) > 0;
+  });
 }
 
 void EmulatorBench::settle() {

@@ -46,7 +46,7 @@ class EmulatorBench {
   /// Sends a COMMAND_LONG. @return its result, the first one
   std::optional<mavlink::common::MavResult> result(mavlink::common::MavCmd id,
                                                    std::array<float, 7> params = {});
-  /// Sensors of a vehicle that stands still, as fast as the line takes them.
+  /// Sensors of a vehicle that stands still, as fast as the controller deals with them.
   void stand_still(double seconds);
   /// Stands still until the controller may be armed.
   void settle();
@@ -120,6 +120,7 @@ class EmulatorBench {
  private:
   void start();
   void open();
+  void keep_up();
 
   cas::test::TemporaryFolder folder_;
   std::filesystem::path link_;
