@@ -7,6 +7,7 @@
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
 #include "base/command_port.hpp"
+#include "base/cpu_latency.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/program.hpp"
@@ -39,6 +40,7 @@ int run(const Flags& flags) {
     return base::kExitOk;
   }
   if (topology.lock_memory) base::lock_memory();
+  const base::CpuLatencyRequest latency(topology.cpu_dma_latency_us);
   casd::App app({.topology_file = file, .ledger_file = flags.ledger, .stats_file = flags.stats},
                 std::move(topology));
   base::bind_command_port([&app] { app.listen(); });

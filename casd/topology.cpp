@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/config_whole.hpp"
+#include "base/cpu_latency.hpp"
 #include "base/install_paths.hpp"
 #include "casd/line_budget.hpp"
 #include "casd/topology_parts.hpp"
@@ -159,6 +160,7 @@ Topology Topology::parse(const base::ConfigNode& root) {
     topology.scheduling = base::parse_thread_options(*node);
   }
   topology.lock_memory = root.get<bool>("lock_memory", false);
+  topology.cpu_dma_latency_us = base::parse_cpu_latency(root);
   topology.route_lifetime = base::from_seconds(
       root.get_in("route_lifetime_s", base::to_seconds(topology.route_lifetime), 1, 86400));
   if (const auto node = root.find("command_port")) {

@@ -129,6 +129,7 @@ struct Topology {
   Pace pace = Pace::kRealtime;
   base::ThreadOptions scheduling;  ///< of all link threads, unless a link has its own
   bool lock_memory = false;
+  std::optional<int> cpu_dma_latency_us;  ///< base::CpuLatencyRequest
   base::Duration route_lifetime = Router::kRouteLifetime;
   CommandPortConfig command_port;
   std::optional<MetricsConfig> metrics;  ///< nothing: no HTTP port

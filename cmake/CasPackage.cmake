@@ -12,6 +12,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/config/udev/61-cas-pixhawk.rules DESTINATION
 install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/cas-modules.conf DESTINATION /usr/lib/modules-load.d
         RENAME cas.conf COMPONENT casd)
 install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd-realtime.conf
+        ${PROJECT_SOURCE_DIR}/config/udev/62-cas-cpu-latency.rules
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/../casd/examples COMPONENT casd)
 
 # What each package has in /usr/share/doc.

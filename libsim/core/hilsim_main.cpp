@@ -13,6 +13,7 @@
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
 #include "base/command_port.hpp"
+#include "base/cpu_latency.hpp"
 #include "base/error.hpp"
 #include "base/install_paths.hpp"
 #include "base/log.hpp"
@@ -90,6 +91,7 @@ int run(const Flags& flags) {
       [&] { return std::make_unique<sim::ControlServer>(loop, flags.control); });
   runner.start();
   if (pace.lock_memory) base::lock_memory();
+  const base::CpuLatencyRequest latency(pace.cpu_dma_latency_us);
   base::configure_this_thread("simulation", pace.thread);
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // wake at the deadline, not up to 50 us later
   if (flags.paused) loop.post([&loop] { loop.pause(); });

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/cpu_latency.hpp"
 #include "base/install_paths.hpp"
 #include "base/sensor_set.hpp"
 
@@ -80,6 +81,7 @@ PaceConfig parse_pace(const ConfigNode& root) {
   }
   if (const auto thread = node->find("thread")) pace.thread = base::parse_thread_options(*thread);
   pace.lock_memory = node->get("lock_memory", false);
+  pace.cpu_dma_latency_us = base::parse_cpu_latency(*node);
   return pace;
 }
 

@@ -41,6 +41,7 @@ struct PaceConfig {
   base::Duration lockstep_timeout = std::chrono::seconds(1);
   base::ThreadOptions thread{};  ///< of the simulation thread
   bool lock_memory = false;
+  std::optional<int> cpu_dma_latency_us{};  ///< base::CpuLatencyRequest
 };
 
 struct WorldConfig {
