@@ -15,7 +15,6 @@ LinkSet::LinkSet(Topology topology)
     : topology_(std::move(topology)),
       switchboard_(make_plan(topology_, slots_in_order(topology_)), topology_.route_lifetime),
       local_(std::make_shared<LocalEndpoint>(switchboard_, topology_.self)) {
-  keys_.read(topology_);
   commit(prepare(topology_, {}));
 }
 
@@ -45,7 +44,6 @@ void LinkSet::reload(Topology topology) {
         "threads, drain_tick_ms, pace, system_id and component_id only change with a restart");
   }
   // All that may fail comes first and touches nothing; what follows only hands over.
-  keys_.read(topology);
   const std::set<std::string> kept = unchanged(topology);
   Change change = prepare(topology, kept);
   std::vector<std::string> gone;
@@ -93,6 +91,8 @@ std::set<std::string> LinkSet::unchanged(const Topology& topology) const {
 
 LinkSet::Change LinkSet::prepare(const Topology& topology, const std::set<std::string>& kept) {
   Change change;
+  change.keys = keys_;
+  change.keys.read(topology);
   LinkSlots slots;
   auto ports = std::make_shared<PortTable>();
   LinkMask taken = 0;
@@ -105,7 +105,8 @@ LinkSet::Change LinkSet::prepare(const Topology& topology, const std::set<std::s
   for (const LinkConfig& config : topology.links) {
     if (kept.contains(config.name)) continue;
     const auto id = static_cast<LinkId>(std::countr_one(taken));
-    const Opening& opening = change.openings.emplace_back(make_opening(topology, config, id));
+    const Opening& opening =
+        change.openings.emplace_back(make_opening(topology, config, id, change.keys));
     slots.emplace(config.name, id);
     (*ports)[id] = opening.running.port;
     taken |= bit(id);
@@ -117,7 +118,7 @@ LinkSet::Change LinkSet::prepare(const Topology& topology, const std::set<std::s
 }
 
 LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfig& config,
-                                       LinkId id) {
+                                       LinkId id, const SigningKeys& keys) {
   Opening opening;
   opening.running = {.config = config, .id = id, .port = {}, .loop = loop_for(topology, config)};
   opening.monitor = monitor_.make_link(config.name, config.type);
@@ -125,7 +126,7 @@ LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfi
                             .config = config,
                             .switchboard = switchboard_,
                             .monitor = opening.monitor,
-                            .signing = keys_.for_link(config, opening.monitor),
+                            .signing = keys.for_link(config, opening.monitor),
                             .wake = [loop = opening.running.loop.get()] { loop->wake(); },
                             .blocking = topology.threads == ThreadModel::kBlocking,
                             .drain = LineDrain(topology.drain_tick)});
@@ -136,6 +137,11 @@ LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfi
 }
 
 void LinkSet::commit(Change change) {
+  // Rules first: a port whose link has not begun takes nothing, a link that goes by rules of before
+  // may give what it should not.
+  switchboard_.router().replace(std::move(change.plan));
+  switchboard_.set_ports(std::move(change.ports));
+  keys_ = std::move(change.keys);
   for (Opening& opening : change.openings) {
     Running& running = opening.running;
     monitor_.add_link(running.id, std::move(opening.monitor));
@@ -143,9 +149,6 @@ void LinkSet::commit(Change change) {
     const std::string name = running.config.name;
     running_.emplace(name, std::move(running));
   }
-  // Rules first: a port that is not there yet takes nothing, a rule that is too old may give.
-  switchboard_.router().replace(std::move(change.plan));
-  switchboard_.set_ports(std::move(change.ports));
 }
 
 void LinkSet::close(const std::string& name) {

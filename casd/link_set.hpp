@@ -72,12 +72,14 @@ class LinkSet {
     std::vector<Opening> openings;
     std::shared_ptr<const RoutingPlan> plan;
     std::shared_ptr<const PortTable> ports;
+    SigningKeys keys;
   };
 
   std::set<std::string> unchanged(const Topology& topology) const;
   /// Makes what is new, beside the links `kept`. What throws leaves everything as it was.
   Change prepare(const Topology& topology, const std::set<std::string>& kept);
-  Opening make_opening(const Topology& topology, const LinkConfig& config, LinkId id);
+  Opening make_opening(const Topology& topology, const LinkConfig& config, LinkId id,
+                       const SigningKeys& keys);
   void commit(Change change);
   void close(const std::string& name);
   std::shared_ptr<LinkLoop> loop_for(const Topology& topology, const LinkConfig& config);

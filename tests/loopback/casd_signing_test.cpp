@@ -88,6 +88,22 @@ TEST_F(CasdSigning, TakesSignaturesOffAndSignsWhatGoesOut) {
   EXPECT_EQ(numbers(bench.at_sim, kHilControls), (std::vector<std::uint64_t>{1, 2}));
 }
 
+TEST_F(CasdSigning, ReadsAKeyAgainThatWasCorrectedAfterAFailedReload) {
+  bench.start(kHilTopology);
+  std::ofstream(key_file()) << "the pass phrase of another laboratory\n";
+  const std::string spare =
+      "  - {name: spare, type: udp_server, local: \"127.0.0.1:0\", "
+      "signing: {key_file: \"$DIR/none.key\", link_id: 8}}\n";
+  EXPECT_THROW(bench.links().reload(bench.parse(topology() + spare)), base::ConfigError);
+
+  write_key(0600);
+  bench.links().reload(bench.parse(topology()));
+  ASSERT_TRUE(wait_until([&] { return bench.links().settled(); }));
+  bench.sim.set_remote(bench.port("sim"));
+  peer = mav::Signing<>(mav::signing_key(kPassPhrase), clock_time());
+  expect_passes(1);
+}
+
 TEST_F(CasdSigning, RefusesWhatIsUnsignedForgedOrChanged) {
   bench.start(topology());
   const auto plain = bench.from_sim(hil_sensor(1));
