@@ -34,6 +34,7 @@ class LinkCore {
   LinkId id() const { return context_.id; }
   bool blocking() const { return context_.blocking; }
   LinkMonitor& monitor() { return *context_.monitor; }
+  std::uint64_t received() const { return context_.monitor->rx.packets.get(); }
   std::shared_ptr<LinkMonitor> shared_monitor() const { return context_.monitor; }
   const std::function<void()>& wake() const { return context_.wake; }
   Ingress& ingress() { return ingress_; }

@@ -19,6 +19,11 @@ namespace {
 
 constexpr auto kTroublePause = std::chrono::milliseconds(100);
 
+timespec until(base::RunTime end, base::RunTime now) {
+  const std::int64_t left = std::max<std::int64_t>((end - now).count(), 0);
+  return {static_cast<time_t>(left / 1'000'000'000), left % 1'000'000'000};
+}
+
 }  // namespace
 
 LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling)
@@ -93,6 +98,7 @@ void LinkLoop::run() {
     const base::RunTime now = base::steady_now();
     last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
     for (const auto& link : links_) link->serve(poll_set_, now);
+    pace_.looked(now, received());
   }
   run_tasks();
 }
@@ -101,12 +107,13 @@ void LinkLoop::wait(base::RunTime now) {
   poll_set_.clear();
   poll_set_.add(signal_.descriptor(), POLLIN);
   for (const auto& link : links_) link->watch(poll_set_, now);
-  timespec timeout{};
-  const bool forever = poll_set_.deadline() == PollSet::kNever;
-  if (!forever && poll_set_.deadline() > now) {
-    const std::int64_t left = (poll_set_.deadline() - now).count();
-    timeout = {static_cast<time_t>(left / 1'000'000'000), left % 1'000'000'000};
+  const base::RunTime due = poll_set_.deadline();
+  if (const base::RunTime rested = std::min(pace_.next_look(), due); rested > now) {
+    rest_until(rested, now);
+    now = base::steady_now();
   }
+  const bool forever = due == PollSet::kNever;
+  const timespec timeout = forever ? timespec{} : until(due, now);
   auto& entries = poll_set_.entries();
   if (::ppoll(entries.data(), entries.size(), forever ? nullptr : &timeout, nullptr) < 0) {
     const int error = errno;
@@ -117,6 +124,19 @@ void LinkLoop::wait(base::RunTime now) {
   }
   // Only what was seen: a signal that is being raised just now is for the next turn.
   if ((entries.front().revents & POLLIN) != 0) signal_.lower();
+}
+
+// Only the signal ends it early: somebody wants something of this thread.
+void LinkLoop::rest_until(base::RunTime end, base::RunTime now) {
+  pollfd signal{signal_.descriptor(), POLLIN, 0};
+  const timespec timeout = until(end, now);
+  ::ppoll(&signal, 1, &timeout, nullptr);
+}
+
+std::uint64_t LinkLoop::received() const {
+  std::uint64_t sum = 0;
+  for (const auto& link : links_) sum += link->received();
+  return sum;
 }
 
 // Out of memory, or more descriptors than the limit allows: the next turn would fail at once too.

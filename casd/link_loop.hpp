@@ -12,6 +12,7 @@
 
 #include "base/thread.hpp"
 #include "casd/link.hpp"
+#include "casd/look_pace.hpp"
 #include "casd/wake_signal.hpp"
 
 namespace cas::casd {
@@ -20,7 +21,7 @@ namespace cas::casd {
 /// blocking).
 ///
 ///   watch: what does each link wait for? --> ppoll --> serve each link --+
-///     ^------------------------------------------------------------------+
+///     ^-------------- in a flood: a moment's rest (LookPace) <-----------+
 class LinkLoop {
  public:
   LinkLoop(std::string name, base::ThreadOptions scheduling);
@@ -47,6 +48,8 @@ class LinkLoop {
  private:
   void run();
   void wait(base::RunTime now);
+  void rest_until(base::RunTime end, base::RunTime now);
+  std::uint64_t received() const;
   void wait_in_trouble(int error);
   void run_tasks();
 
@@ -60,6 +63,7 @@ class LinkLoop {
   std::vector<std::function<void()>> tasks_;
   std::vector<std::unique_ptr<Link>> links_;
   PollSet poll_set_;
+  LookPace pace_;
   bool in_trouble_ = false;  ///< waiting failed, and that was said
   std::thread thread_;
 };

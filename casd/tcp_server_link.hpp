@@ -49,6 +49,7 @@ class TcpServerLink final : public Link {
 
   void watch(PollSet& set, base::RunTime now) override;
   void serve(const PollSet& set, base::RunTime now) override;
+  std::uint64_t received() const override { return core_.received(); }
   std::shared_ptr<PacketPort> port() override { return fan_out_; }
 
  private:

@@ -20,6 +20,7 @@ class UdpLink final : public Link {
 
   void watch(PollSet& set, base::RunTime now) override;
   void serve(const PollSet& set, base::RunTime now) override;
+  std::uint64_t received() const override { return core_.received(); }
   std::shared_ptr<PacketPort> port() override { return port_; }
 
  private:

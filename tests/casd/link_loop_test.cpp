@@ -21,6 +21,7 @@ class CountingLink final : public Link {
     for (int i = 0; i < kWatched; ++i) set.add(-1, POLLIN);
   }
   void serve(const PollSet&, base::RunTime) override {}
+  std::uint64_t received() const override { return 0; }
   std::shared_ptr<PacketPort> port() override { return nullptr; }
 
  private:
