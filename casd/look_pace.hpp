@@ -19,7 +19,7 @@ class LookPace {
  public:
   static constexpr std::uint64_t kBusyPackets = 50;  ///< in kSpan
   static constexpr base::Duration kSpan = std::chrono::milliseconds(1);
-  static constexpr base::Duration kPause = std::chrono::microseconds(70);
+  static constexpr base::Duration kPause = std::chrono::microseconds(150);
 
   /// @param received  packets that have come so far, all links of the thread together
   void looked(base::RunTime now, std::uint64_t received) {
