@@ -39,9 +39,12 @@ void LinkSet::stop() {
 void LinkSet::reload(Topology topology) {
   if (topology_.pace == Pace::kLockstep) topology.set_lockstep();  // perhaps by a flag
   if (topology.threads != topology_.threads || topology.drain_tick != topology_.drain_tick ||
-      topology.pace != topology_.pace || topology.self != topology_.self) {
+      topology.pace != topology_.pace || topology.self != topology_.self ||
+      topology.lock_memory != topology_.lock_memory ||
+      topology.cpu_dma_latency_us != topology_.cpu_dma_latency_us) {
     throw base::ConfigError(
-        "threads, drain_tick_ms, pace, system_id and component_id only change with a restart");
+        "threads, drain_tick_ms, pace, system_id, component_id, lock_memory and "
+        "cpu_dma_latency_us only change with a restart");
   }
   // All that may fail comes first and touches nothing; what follows only hands over.
   const std::set<std::string> kept = unchanged(topology);
@@ -142,6 +145,7 @@ void LinkSet::commit(Change change) {
   switchboard_.router().replace(std::move(change.plan));
   switchboard_.set_ports(std::move(change.ports));
   keys_ = std::move(change.keys);
+  keys_.begin();
   for (Opening& opening : change.openings) {
     Running& running = opening.running;
     monitor_.add_link(running.id, std::move(opening.monitor));

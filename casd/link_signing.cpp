@@ -51,6 +51,10 @@ void SigningKeys::read(const Topology& topology) {
   }
 }
 
+void SigningKeys::begin() {
+  for (const auto& [file, signer] : signers_) signer->begin();
+}
+
 std::shared_ptr<LinkSigning> SigningKeys::for_link(const LinkConfig& config,
                                                    std::shared_ptr<LinkMonitor> monitor) const {
   if (!config.signing) return nullptr;

@@ -45,6 +45,8 @@ class SigningKeys {
  public:
   /// Reads the key files that are not read yet. @throws base::ConfigError
   void read(const Topology& topology);
+  /// The keys are in force from now on: see PacketSigner::begin().
+  void begin();
   /// @return nothing for a link without `signing`
   std::shared_ptr<LinkSigning> for_link(const LinkConfig& config,
                                         std::shared_ptr<LinkMonitor> monitor) const;

@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -61,10 +62,16 @@ PacketSigner::PacketSigner(const std::filesystem::path& key_file)
           {.store = [](void* self,
                        mav::SigningTime bound) { static_cast<PacketSigner*>(self)->store(bound); },
            .context = this}) {
-  if (!time_file_.store(signing_.time() + mav::Signing<>::kMaxLag)) {
+  if (!time_file_.store(time_file_.load())) {
     throw base::ConfigError(time_file_.path().string() +
                             ": cannot be written; the time of signatures must outlive a restart");
   }
+}
+
+void PacketSigner::begin() {
+  if (std::exchange(begun_, true)) return;
+  const std::scoped_lock lock(mutex_);
+  store(signing_.time() + mav::Signing<>::kMaxLag);
 }
 
 mav::SignatureVerdict PacketSigner::verify(const mav::PacketView& packet) {

@@ -20,6 +20,10 @@ class PacketSigner {
   /// time that cannot be stored
   explicit PacketSigner(const std::filesystem::path& key_file);
 
+  /// The key is in force: what an earlier program may have taken in or signed up to now is never
+  /// taken in again by a later one. Until then the stored time stays as it was. From one thread.
+  void begin();
+
   mav::SignatureVerdict verify(const mav::PacketView& packet);
 
   /// Signs a packet, of MAVLink 1 or 2, signed before or not, of a message known or not.
@@ -32,6 +36,7 @@ class PacketSigner {
 
   SigningTimeFile time_file_;
   bool store_failed_ = false;
+  bool begun_ = false;
   std::mutex mutex_;
   mav::Signing<> signing_;
 };

@@ -94,13 +94,14 @@ TEST_F(CasdSigning, ReadsAKeyAgainThatWasCorrectedAfterAFailedReload) {
   const std::string spare =
       "  - {name: spare, type: udp_server, local: \"127.0.0.1:0\", "
       "signing: {key_file: \"$DIR/none.key\", link_id: 8}}\n";
-  EXPECT_THROW(bench.links().reload(bench.parse(topology() + spare)), base::ConfigError);
+  for (int time = 0; time < 3; ++time) {
+    EXPECT_THROW(bench.links().reload(bench.parse(topology() + spare)), base::ConfigError);
+  }
 
   write_key(0600);
   bench.links().reload(bench.parse(topology()));
   ASSERT_TRUE(wait_until([&] { return bench.links().settled(); }));
   bench.sim.set_remote(bench.port("sim"));
-  peer = mav::Signing<>(mav::signing_key(kPassPhrase), clock_time());
   expect_passes(1);
 }
 
