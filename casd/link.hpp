@@ -47,7 +47,7 @@ class Link {
   virtual void watch(PollSet& set, base::RunTime now) = 0;
   /// Reads, writes, opens: whatever is due.
   virtual void serve(const PollSet& set, base::RunTime now) = 0;
-  /// Packets that have come, on the thread of the loop.
+  /// Packets that came and were taken for such, on the thread of the loop.
   virtual std::uint64_t received() const = 0;
   /// Where other links hand over packets for this one; from any thread.
   virtual std::shared_ptr<PacketPort> port() = 0;

@@ -20,8 +20,10 @@ namespace cas::casd {
 /// A thread with the links that it serves: one (threads: per_link) or all of them (single,
 /// blocking).
 ///
-///   watch: what does each link wait for? --> ppoll --> serve each link --+
-///     ^-------------- in a flood: a moment's rest (LookPace) <-----------+
+///   watch: what does each link wait for? --> (LookPace) --> ppoll --> serve each link --+
+///     ^---------------------------------------------------------------------------------+
+///
+/// LookPace: a moment's rest in a flood; it ends when something is due or the signal is raised.
 class LinkLoop {
  public:
   LinkLoop(std::string name, base::ThreadOptions scheduling);

@@ -10,7 +10,7 @@
 namespace cas::casd::test {
 namespace {
 
-/// A thread that looks at `spacing`, or as soon as the pace allows it, and finds a steady stream.
+/// A thread that finds a steady stream.
 class Looker {
  public:
   /// @return looks in `time` at `packets_s`, each as late as packet or pace demand
@@ -53,7 +53,7 @@ TEST(LookPace, RestsBetweenTwoLooksInAFlood) {
 TEST(LookPace, LooksAtEachPacketAgainAfterAFlood) {
   Looker looker;
   looker.watch(std::chrono::seconds(1), 200'000);
-  EXPECT_NEAR(looker.watch(std::chrono::seconds(1), 905), 905, 20);
+  EXPECT_NEAR(looker.watch(std::chrono::seconds(1), 45'000), 45'000, 100);
 }
 
 TEST(LookPace, TakesWhatComesAfterALongSilenceForNoFlood) {

@@ -124,7 +124,7 @@ std::optional<MavResult> EmulatorBench::result(MavCmd id, std::array<float, 7> p
 
 void EmulatorBench::stand_still(double seconds) {
   constexpr std::uint64_t kPeriod_us = 2000;
-  constexpr int kUnansweredSensors = 40;
+  constexpr int kUnansweredSensors = 40;  // their 2 kB of answers fit into a terminal's 4 kB
   constexpr double kGravity_m_s2 = 9.80665;
   const mav::Source simulator{1, 200};
   const Eigen::Vector3d field_N = base::magnetic_field_N(home_, 2026.5);
@@ -176,10 +176,11 @@ void EmulatorBench::keep_up() {
     const auto answer = mav::decode<Ping>(packet.view());
     return answer && answer->seq == ping.seq;
   };
-  cas::test::wait_until([&] {
+  const bool answered = cas::test::wait_until([&] {
     read();
     return std::erase_if(stream_.packets(), is_answer) > 0;
   });
+  if (!answered) throw std::runtime_error("the controller answers no PING");
 }
 
 void EmulatorBench::settle() {
