@@ -17,8 +17,8 @@ class CAS_BASE_EXPORT CpuLatencyRequest {
  public:
   static constexpr const char* kDevice = "/dev/cpu_dma_latency";
 
-  /// @param most_us  longest time to wake, microseconds; 0: idle processors stay awake and poll;
-  ///                 nothing: no request
+  /// @param most_us  longest time to wake, microseconds; 0: the lightest idle state, which is to
+  ///                 poll where the processor's driver has that (x86); nothing: no request
   /// Without the right to the device there is a warning, and the request is not in force.
   explicit CpuLatencyRequest(std::optional<int> most_us,
                              const std::filesystem::path& device = kDevice);

@@ -16,8 +16,9 @@ ROOT = ROOT if ROOT.is_dir() else ROOT.parents[2]
 # Section of a page -> the files that read its keys.
 SECTIONS = {
     ("config", "Scenario"): ["hils/scenario*.cpp", "hils/flight_step.cpp"],
-    ("config", "Simulation"): ["libsim/core/sim_config.cpp", "base/thread.cpp", "base/sensor_set.cpp"],
-    ("config", "Topology"): ["casd/topology*.cpp", "base/thread.cpp"],
+    ("config", "Simulation"): ["libsim/core/sim_config.cpp", "base/cpu_latency.cpp", "base/thread.cpp",
+                                 "base/sensor_set.cpp"],
+    ("config", "Topology"): ["casd/topology*.cpp", "base/cpu_latency.cpp", "base/thread.cpp"],
     ("config", "Controller"): ["fcu/fcu_config.cpp", "fcu/line_config.cpp"],
     ("config", "Vehicle"): ["base/vehicle.cpp"],
     ("plugins", "imu"): ["plugins/imu/*.cpp"],

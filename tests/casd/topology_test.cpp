@@ -29,6 +29,7 @@ TEST(Topology, ReadsLinksRoutesAndTheRest) {
 system_id: 250
 component_id: 191
 threads: single
+cpu_dma_latency_us: 20
 command_port: {port: 0, unix: /tmp/casd.sock}
 commanding: {heartbeat_hz: 2, allow_not_hil: true}
 routes:
@@ -37,6 +38,7 @@ routes:
 )");
   EXPECT_EQ(topology.self, (mav::Source{250, 191}));
   EXPECT_EQ(topology.threads, ThreadModel::kSingle);
+  EXPECT_EQ(topology.cpu_dma_latency_us, 20);
   EXPECT_EQ(topology.command_port.port, 0);
   EXPECT_EQ(topology.command_port.unix_path, "/tmp/casd.sock");
   EXPECT_TRUE(topology.commanding.allow_not_hil);
