@@ -14,9 +14,9 @@ namespace cas::casd {
 /// is looked at once in kPause: then several packets are read, routed and written with a system
 /// call each time instead of one each, and who sends does not pay for waking this thread with every
 /// packet. Network cards moderate their interrupts in the same way. A HIL link of 500 Hz, and a
-/// lockstep run that waits for each answer, stay far below. kPause is what scripts/bench_router
-/// gains most with in both directions (closed_loop): with half of it a PTY still brings few packets
-/// at a look, with more nothing is gained.
+/// lockstep run that waits for each answer, stay far below. kPause was chosen with the closed loop
+/// of scripts/bench_router: with half of it a PTY still brings few packets at a look, a longer one
+/// delays more and gains little.
 class LookPace {
  public:
   static constexpr std::uint64_t kBusyPackets = 50;  ///< in kSpan
