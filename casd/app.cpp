@@ -16,10 +16,10 @@
 #include <string>
 #include <utility>
 
-#include "base/log.hpp"
-#include "base/notify.hpp"
+#include "base/os/log.hpp"
+#include "base/os/notify.hpp"
 #include "base/rpc/server.hpp"
-#include "base/thread.hpp"
+#include "base/os/thread.hpp"
 #include "casd/app_methods.hpp"
 #include "casd/command_figures.hpp"
 #include "casd/command_server.hpp"

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/log.hpp"
-#include "base/write_file.hpp"
+#include "base/os/log.hpp"
+#include "base/os/write_file.hpp"
 #include "casd/command_params.hpp"
 
 namespace cas::casd {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::casd {
 

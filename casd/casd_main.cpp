@@ -6,12 +6,12 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
-#include "base/command_port.hpp"
-#include "base/cpu_latency.hpp"
+#include "base/os/command_port.hpp"
+#include "base/os/cpu_latency.hpp"
 #include "base/error.hpp"
-#include "base/install_paths.hpp"
-#include "base/program.hpp"
-#include "base/thread.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/os/program.hpp"
+#include "base/os/thread.hpp"
 #include "casd/app.hpp"
 #include "casd/topology_text.hpp"
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <variant>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/outcome.hpp"
 #include "mavlink/common/command_ack.hpp"
 #include "mavlink/common/command_int.hpp"

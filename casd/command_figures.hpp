@@ -7,7 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/rpc/server.hpp"
 #include "casd/echo_latency.hpp"
 #include "casd/message_decoder.hpp"

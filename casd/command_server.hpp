@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/rpc/server.hpp"
 #include "casd/gain_map.hpp"
 #include "casd/link_id.hpp"

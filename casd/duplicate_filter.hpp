@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/link_id.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 

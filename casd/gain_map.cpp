@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "base/install_paths.hpp"
+#include "base/config/install_paths.hpp"
 
 namespace cas::casd {
 namespace {

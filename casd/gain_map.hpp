@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "casd/vehicle_modes.hpp"
 
 namespace cas::casd {

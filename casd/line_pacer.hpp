@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstddef>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::casd {
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/packet_port.hpp"
 
 namespace cas::casd {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/write_file.hpp"
+#include "base/os/write_file.hpp"
 
 namespace cas::casd {
 namespace {

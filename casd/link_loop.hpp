@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/thread.hpp"
+#include "base/os/thread.hpp"
 #include "casd/link.hpp"
 #include "casd/look_pace.hpp"
 #include "casd/wake_signal.hpp"

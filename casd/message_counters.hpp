@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {

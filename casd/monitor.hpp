@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/histogram.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/histogram.hpp"
 #include "casd/link_id.hpp"
 #include "casd/link_ledger.hpp"
 #include "casd/message_counters.hpp"

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/link_id.hpp"
 #include "casd/traffic_class.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/packet_info.hpp"
 
 namespace cas::casd {

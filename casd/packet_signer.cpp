@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 #include "mavlink_gen/runtime/crc.hpp"
 
 namespace cas::casd {

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/outcome.hpp"
 #include "casd/param_value.hpp"
 #include "mavlink/common/param_request_list.hpp"

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/packet_info.hpp"
 #include "casd/route_table.hpp"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/forward_rule.hpp"
 
 namespace cas::casd {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/histogram.hpp"
+#include "base/measure/histogram.hpp"
 #include "casd/link_id.hpp"
 
 namespace cas::casd {

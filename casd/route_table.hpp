@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/link_id.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 

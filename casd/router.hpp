@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string_view>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/duplicate_filter.hpp"
 #include "casd/forward_rule.hpp"
 #include "casd/link_id.hpp"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::casd {
 

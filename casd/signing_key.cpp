@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/rpc/token.hpp"
-#include "base/write_file.hpp"
+#include "base/os/write_file.hpp"
 
 namespace cas::casd {
 namespace {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "base/host_port.hpp"
+#include "base/os/host_port.hpp"
 
 namespace cas::casd {
 namespace {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <span>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/link_id.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 

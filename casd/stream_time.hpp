@@ -5,8 +5,8 @@
 #include <mutex>
 #include <optional>
 
-#include "base/clock.hpp"
-#include "base/stream_clock.hpp"
+#include "base/time/clock.hpp"
+#include "base/time/stream_clock.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {

@@ -3,7 +3,7 @@
 
 #include <sys/uio.h>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "casd/packet_writer.hpp"
 
 namespace cas::casd {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "casd/link_core.hpp"
 #include "casd/socket_address.hpp"
 #include "casd/tx_port.hpp"

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <utility>
 
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 #include "casd/stream_writer.hpp"
 #include "casd/tcp_link.hpp"
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "casd/link_core.hpp"
 #include "casd/route_table.hpp"
 #include "casd/socket_address.hpp"

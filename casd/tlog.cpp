@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 
 namespace cas::casd {
 namespace {

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/tlog_files.hpp"
 
 namespace cas::casd {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <span>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::casd {
 

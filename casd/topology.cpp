@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <set>
 
-#include "base/config_whole.hpp"
-#include "base/cpu_latency.hpp"
-#include "base/install_paths.hpp"
+#include "base/config/config_whole.hpp"
+#include "base/os/cpu_latency.hpp"
+#include "base/config/install_paths.hpp"
 #include "casd/line_budget.hpp"
 #include "casd/topology_parts.hpp"
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
-#include "base/thread.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
+#include "base/os/thread.hpp"
 #include "casd/accept_rule.hpp"
 #include "casd/forward_rule.hpp"
 #include "casd/line_drain.hpp"

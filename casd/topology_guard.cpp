@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <string>
 
-#include "base/config_whole.hpp"
+#include "base/config/config_whole.hpp"
 #include "casd/topology_parts.hpp"
 
 namespace cas::casd {

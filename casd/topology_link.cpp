@@ -4,8 +4,8 @@
 #include <string>
 #include <tuple>
 
-#include "base/config_whole.hpp"
-#include "base/host_port.hpp"
+#include "base/config/config_whole.hpp"
+#include "base/os/host_port.hpp"
 #include "casd/topology_parts.hpp"
 
 namespace cas::casd {

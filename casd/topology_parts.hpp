@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "casd/topology.hpp"
 
 namespace cas::casd {

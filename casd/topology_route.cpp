@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/config_whole.hpp"
+#include "base/config/config_whole.hpp"
 #include "casd/topology_parts.hpp"
 #include "mavlink_gen/parser/diagnostics.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"

@@ -10,7 +10,7 @@
 #include <span>
 #include <string_view>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/line_pacer.hpp"
 #include "casd/packet_info.hpp"
 #include "casd/packet_ring.hpp"

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "casd/datagram_sender.hpp"
 
 namespace cas::casd {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "casd/datagram_sender.hpp"
 #include "casd/monitor.hpp"
 #include "casd/packet_writer.hpp"

@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/command_exchange.hpp"
 #include "casd/gain_map.hpp"
 #include "casd/outcome.hpp"

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/geodesy.hpp"
+#include "base/earth/geodesy.hpp"
 #include "casd/vehicle_commander.hpp"
 
 namespace cas::casd {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/geodesy.hpp"
+#include "base/earth/geodesy.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/param_value.hpp"
 #include "casd/station.hpp"
 #include "casd/vehicle_modes.hpp"

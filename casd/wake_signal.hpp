@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::casd {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 
 namespace cas::fcu {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/estimator.hpp"
 #include "fcu/flight_mode.hpp"
 #include "fcu/param_binding.hpp"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/command.hpp"
 #include "fcu/gyro_calibration.hpp"
 #include "fcu/telemetry.hpp"

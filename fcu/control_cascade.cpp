@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "fcu/thrust_setpoint.hpp"
 
 namespace cas::fcu {

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "fcu/altitude_controller.hpp"
 #include "fcu/attitude_controller.hpp"
 #include "fcu/control_params.hpp"

@@ -12,12 +12,12 @@
 #include <csignal>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/command_port.hpp"
+#include "base/time/clock.hpp"
+#include "base/os/command_port.hpp"
 #include "base/error.hpp"
-#include "base/ledger.hpp"
-#include "base/log.hpp"
-#include "base/stream_clock.hpp"
+#include "base/measure/ledger.hpp"
+#include "base/os/log.hpp"
+#include "base/time/stream_clock.hpp"
 #include "fcu/emulator_control.hpp"
 #include "fcu/emulator_line.hpp"
 #include "fcu/flight_controller.hpp"

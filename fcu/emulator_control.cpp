@@ -5,10 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "base/config.hpp"
-#include "base/frames.hpp"
+#include "base/config/config.hpp"
+#include "base/earth/frames.hpp"
 #include "base/rpc/server.hpp"
-#include "base/write_file.hpp"
+#include "base/os/write_file.hpp"
 
 namespace cas::fcu {
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "base/clock.hpp"
-#include "base/histogram.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/histogram.hpp"
 #include "fcu/emulator_line.hpp"
 #include "fcu/flight_controller.hpp"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/line_model.hpp"
 
 namespace cas::fcu {

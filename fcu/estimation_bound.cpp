@@ -4,8 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "base/clock.hpp"
-#include "base/rate_gate.hpp"
+#include "base/time/clock.hpp"
+#include "base/time/rate_gate.hpp"
 
 namespace cas::fcu {
 namespace {

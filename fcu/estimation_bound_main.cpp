@@ -4,10 +4,10 @@
 #include <string>
 
 #include "base/cli/parse.hpp"
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "base/error.hpp"
-#include "base/program.hpp"
-#include "base/sensor_set.hpp"
+#include "base/os/program.hpp"
+#include "base/config/sensor_set.hpp"
 #include "fcu/estimation_bound.hpp"
 
 namespace {

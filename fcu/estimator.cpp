@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/atmosphere.hpp"
-#include "base/frames.hpp"
-#include "base/magnetic_field.hpp"
+#include "base/earth/atmosphere.hpp"
+#include "base/earth/frames.hpp"
+#include "base/earth/magnetic_field.hpp"
 
 namespace cas::fcu {
 namespace {

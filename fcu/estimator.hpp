@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/clock.hpp"
-#include "base/geodesy.hpp"
+#include "base/time/clock.hpp"
+#include "base/earth/geodesy.hpp"
 #include "fcu/error_covariance.hpp"
 #include "fcu/estimator_params.hpp"
 #include "fcu/motion_history.hpp"

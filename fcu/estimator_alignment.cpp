@@ -2,7 +2,7 @@
 // How the estimate begins: tilt from gravity and heading from the magnetic field, at rest.
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "fcu/estimator.hpp"
 
 namespace cas::fcu {

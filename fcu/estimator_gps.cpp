@@ -2,7 +2,7 @@
 // Fusion of position fixes: late by their own stamp, gated, with an origin found at rest.
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "fcu/estimator.hpp"
 
 namespace cas::fcu {

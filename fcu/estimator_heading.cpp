@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "fcu/estimator.hpp"
 
 namespace cas::fcu {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/fcu_config.hpp"
 
-#include "base/config_whole.hpp"
-#include "base/install_paths.hpp"
-#include "base/sensor_set.hpp"
+#include "base/config/config_whole.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/config/sensor_set.hpp"
 
 namespace cas::fcu {
 namespace {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/config.hpp"
-#include "base/geodesy.hpp"
-#include "base/vehicle.hpp"
+#include "base/config/config.hpp"
+#include "base/earth/geodesy.hpp"
+#include "base/config/vehicle.hpp"
 #include "fcu/line_config.hpp"
 
 namespace cas::fcu {

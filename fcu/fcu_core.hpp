@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "base/clock.hpp"
-#include "base/rate_gate.hpp"
+#include "base/time/clock.hpp"
+#include "base/time/rate_gate.hpp"
 #include "fcu/arming_checks.hpp"
 #include "fcu/battery.hpp"
 #include "fcu/commander.hpp"

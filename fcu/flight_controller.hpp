@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/clock.hpp"
-#include "base/histogram.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/histogram.hpp"
 #include "fcu/fcu_config.hpp"
 #include "fcu/flight_mode.hpp"
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "base/clock.hpp"
-#include "base/geodesy.hpp"
+#include "base/time/clock.hpp"
+#include "base/earth/geodesy.hpp"
 #include "fcu/estimator.hpp"
 #include "fcu/flight_mode.hpp"
 #include "fcu/mover.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/command_handler.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/flight_mode.hpp"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/command.hpp"
 
 namespace cas::fcu {

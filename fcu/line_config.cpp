@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-#include "base/config_whole.hpp"
+#include "base/config/config_whole.hpp"
 
 namespace cas::fcu {
 namespace {

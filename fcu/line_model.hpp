@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/random.hpp"
 #include "fcu/line_config.hpp"
 

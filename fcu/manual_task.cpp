@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 
 namespace cas::fcu {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/mission_task.hpp"
 #include "mavlink/common/mission_clear_all.hpp"
 #include "mavlink/common/mission_count.hpp"

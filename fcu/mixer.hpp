@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "fcu/pid.hpp"
 
 namespace cas::fcu {

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/write_file.hpp"
+#include "base/os/write_file.hpp"
 
 namespace cas::fcu {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "mavlink/common/param_request_list.hpp"
 #include "mavlink/common/param_request_read.hpp"
 #include "mavlink/common/param_set.hpp"

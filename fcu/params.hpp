@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "fcu/estimator_params.hpp"
 
 namespace cas::fcu {

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "fcu/estimator_params.hpp"
 
 namespace cas::fcu {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "base/clock.hpp"
-#include "base/histogram.hpp"
-#include "base/rate_gate.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/histogram.hpp"
+#include "base/time/rate_gate.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::fcu {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "mavlink/common/hil_rc_inputs_raw.hpp"
 #include "mavlink/common/manual_control.hpp"
 #include "mavlink/common/rc_channels_override.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::fcu {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "fcu/fcu_core.hpp"
 #include "fcu/wire_units.hpp"
 #include "mavlink/common/altitude.hpp"

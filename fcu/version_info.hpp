@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/available_modes.hpp"
 #include "mavlink/common/current_mode.hpp"

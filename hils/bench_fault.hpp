@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
 #include "fcu/line_config.hpp"
 #include "hils/flight_facts.hpp"
 #include "hils/flight_plan.hpp"

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <fstream>
 
-#include "base/install_paths.hpp"
+#include "base/config/install_paths.hpp"
 
 namespace cas::hils {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/install_paths.hpp"
+#include "base/config/install_paths.hpp"
 #include "hils/composition.hpp"
 #include "hils/yaml_text.hpp"
 

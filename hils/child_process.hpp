@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/descriptor.hpp"
+#include "base/time/clock.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::hils {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "base/clock.hpp"
-#include "base/install_paths.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/install_paths.hpp"
 #include "hils/comparison.hpp"
 #include "hils/comparison_report.hpp"
 #include "hils/report.hpp"

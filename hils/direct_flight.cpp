@@ -9,11 +9,11 @@
 #include <limits>
 #include <string>
 
-#include "base/config.hpp"
-#include "base/frames.hpp"
-#include "base/geodesy.hpp"
-#include "base/install_paths.hpp"
-#include "base/sensor_set.hpp"
+#include "base/config/config.hpp"
+#include "base/earth/frames.hpp"
+#include "base/earth/geodesy.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/config/sensor_set.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
 #include "mavlink_gen/runtime/codec.hpp"

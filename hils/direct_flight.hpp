@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/line_config.hpp"
 #include "hils/virtual_controller.hpp"

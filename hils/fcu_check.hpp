@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "hils/scenario.hpp"
 
 namespace cas::hils {

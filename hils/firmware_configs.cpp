@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "base/config.hpp"
-#include "base/install_paths.hpp"
+#include "base/config/config.hpp"
+#include "base/config/install_paths.hpp"
 #include "hils/report.hpp"
 
 namespace cas::hils {

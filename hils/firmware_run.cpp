@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "base/install_paths.hpp"
+#include "base/config/install_paths.hpp"
 #include "base/rpc/client.hpp"
 #include "hils/casd_calls.hpp"
 #include "hils/firmware_configs.hpp"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "base/error.hpp"
-#include "base/install_paths.hpp"
+#include "base/config/install_paths.hpp"
 
 namespace cas::hils {
 namespace {

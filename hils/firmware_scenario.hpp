@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
 #include "hils/flight_step.hpp"
 
 namespace cas::hils {

@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 
-#include "base/config.hpp"
-#include "base/frames.hpp"
-#include "base/sensor_set.hpp"
-#include "base/vehicle.hpp"
+#include "base/config/config.hpp"
+#include "base/earth/frames.hpp"
+#include "base/config/sensor_set.hpp"
+#include "base/config/vehicle.hpp"
 #include "fcu/estimation_bound.hpp"
 #include "fcu/sensor_figures.hpp"
 #include "hils/direct_flight.hpp"

@@ -15,7 +15,7 @@
 #include "base/cli/parse.hpp"
 #include "base/cli/whole_number.hpp"
 #include "base/error.hpp"
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 #include "hils/flight_figures.hpp"
 #include "hils/judgement.hpp"
 #include "hils/version.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "hils/flight_step.hpp"
 
 namespace cas::hils {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
 #include "casd/gain_map.hpp"
 #include "fcu/pattern.hpp"
 #include "hils/flight_facts.hpp"

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/rate_gate.hpp"
+#include "base/time/clock.hpp"
+#include "base/time/rate_gate.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 

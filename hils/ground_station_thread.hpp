@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "hils/ground_station.hpp"
 
 namespace cas::hils {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/ledger.hpp"
+#include "base/measure/ledger.hpp"
 #include "casd/link_ledger.hpp"
 #include "hils/packet_account.hpp"
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <thread>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "hils/html_page.hpp"
 #include "hils/paper_figures.hpp"
 #include "hils/report.hpp"

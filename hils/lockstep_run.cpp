@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/rpc/client.hpp"
 #include "casd/tlog.hpp"
 #include "hils/bench_programs.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "hils/averaging_meter.hpp"
 #include "hils/flight_reference.hpp"
 #include "mavlink/common/hil_gps.hpp"

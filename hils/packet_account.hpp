@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "base/ledger.hpp"
+#include "base/measure/ledger.hpp"
 
 namespace cas::hils {
 

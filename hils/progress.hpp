@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "hils/flight_plan.hpp"
 
 namespace cas::hils {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/rpc/client.hpp"
 #include "hils/bench_programs.hpp"
 #include "hils/composition.hpp"

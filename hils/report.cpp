@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "base/write_file.hpp"
+#include "base/os/write_file.hpp"
 #include "hils/paper_figures.hpp"
 
 namespace cas::hils {

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "hils/flight_reference.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"

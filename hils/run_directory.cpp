@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "base/error.hpp"
 
 namespace cas::hils {

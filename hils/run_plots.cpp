@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <map>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "hils/run_curves.hpp"
 #include "hils/trajectory.hpp"
 #include "mavlink/common/hil_gps.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/ledger.hpp"
+#include "base/measure/ledger.hpp"
 #include "hils/bench_fault.hpp"
 #include "hils/clock_map.hpp"
 #include "hils/flight_plan.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/config_whole.hpp"
+#include "base/config/config_whole.hpp"
 
 namespace cas::hils {
 

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
-#include "base/geodesy.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
+#include "base/earth/geodesy.hpp"
 #include "hils/bench_fault.hpp"
 #include "hils/flight_step.hpp"
 #include "hils/scenario_limits.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "hils/flight_step.hpp"
 
 namespace cas::hils {

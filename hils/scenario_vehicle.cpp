@@ -6,9 +6,9 @@
 #include <cmath>
 #include <string_view>
 
-#include "base/install_paths.hpp"
-#include "base/sensor_set.hpp"
-#include "base/vehicle.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/config/sensor_set.hpp"
+#include "base/config/vehicle.hpp"
 
 namespace cas::hils {
 

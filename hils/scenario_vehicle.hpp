@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "hils/scenario_limits.hpp"
 #include "hils/vehicle_names.hpp"
 

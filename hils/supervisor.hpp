@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "hils/child_process.hpp"
 
 namespace cas::hils {

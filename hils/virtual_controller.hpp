@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/ledger.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/ledger.hpp"
 #include "fcu/emulator_line.hpp"
 #include "fcu/fcu_config.hpp"
 #include "fcu/flight_controller.hpp"

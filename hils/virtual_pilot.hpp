@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/gain_map.hpp"
 #include "casd/vehicle_commander.hpp"
 #include "hils/fleet_plan.hpp"

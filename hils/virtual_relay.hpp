@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/line_drain.hpp"
 #include "casd/line_pacer.hpp"
 #include "casd/link_ledger.hpp"

@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/install_paths.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/install_paths.hpp"
 #include "base/random.hpp"
 #include "casd/topology.hpp"
 #include "hils/composition.hpp"

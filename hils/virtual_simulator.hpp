@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "hils/flight_facts.hpp"
 #include "hils/virtual_wire.hpp"
 #include "libsim/core/sim_runner.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "casd/hil_stamp.hpp"
 #include "mavlink/common/table.hpp"
 

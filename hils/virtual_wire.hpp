@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/ledger.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/ledger.hpp"
 #include "hils/flight_facts.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/topic_bus.hpp"

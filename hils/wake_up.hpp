@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/random.hpp"
 
 namespace cas::hils {

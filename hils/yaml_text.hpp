@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "hils/run_request.hpp"
 
 namespace YAML {

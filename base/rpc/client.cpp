@@ -21,8 +21,8 @@
 #include <system_error>
 #include <utility>
 
-#include "base/descriptor.hpp"
-#include "base/host_port.hpp"
+#include "base/os/descriptor.hpp"
+#include "base/os/host_port.hpp"
 
 namespace cas::base::rpc {
 namespace {

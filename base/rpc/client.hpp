@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/export.hpp"
 #include "base/rpc/message.hpp"
 

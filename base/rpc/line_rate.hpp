@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::base::rpc {
 

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 
 namespace cas::base::rpc {
 namespace {

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::base::rpc {
 

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "base/error.hpp"
 
 namespace cas::base::rpc {

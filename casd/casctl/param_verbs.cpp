@@ -4,7 +4,7 @@
 #include <memory>
 #include <sstream>
 
-#include "base/write_file.hpp"
+#include "base/os/write_file.hpp"
 #include "casd/casctl/table.hpp"
 #include "casd/casctl/verbs.hpp"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "base/geodesy.hpp"
+#include "base/earth/geodesy.hpp"
 
 namespace cas::sim {
 

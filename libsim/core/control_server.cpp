@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 #include "base/rpc/server.hpp"
-#include "base/thread.hpp"
+#include "base/os/thread.hpp"
 #include "libsim/core/sim_report.hpp"
 
 namespace cas::sim {

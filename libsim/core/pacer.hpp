@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "base/clock.hpp"
-#include "base/histogram.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/histogram.hpp"
 #include "libsim/core/export.hpp"
 #include "libsim/core/sim_config.hpp"
 

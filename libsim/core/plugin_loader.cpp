@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/install_paths.hpp"
+#include "base/config/install_paths.hpp"
 
 namespace cas::sim {
 

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
-#include "base/install_paths.hpp"
+#include "base/config/install_paths.hpp"
 #include "libsim/core/mesh_file.hpp"
 #include "libsim/core/sdf_headers.hpp"
 #include "libsim/core/uri.hpp"

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/histogram.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/histogram.hpp"
 #include "libsim/core/export.hpp"
 #include "libsim/core/pacer.hpp"
 #include "libsim/core/sim_runner.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "base/frames.hpp"
-#include "base/write_file.hpp"
+#include "base/earth/frames.hpp"
+#include "base/os/write_file.hpp"
 
 namespace cas::sim {
 

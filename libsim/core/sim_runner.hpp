@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/topic_bus.hpp"
 #include "libsim/api/world.hpp"
 #include "libsim/core/export.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/atmosphere.hpp"
+#include "base/earth/atmosphere.hpp"
 #include "base/error.hpp"
 
 namespace cas::sim {

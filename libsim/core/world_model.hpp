@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/geodesy.hpp"
+#include "base/time/clock.hpp"
+#include "base/earth/geodesy.hpp"
 #include "libsim/core/shape.hpp"
 
 namespace cas::sim {

@@ -4,7 +4,7 @@
 #include <string>
 #include <system_error>
 
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/ardupilot_json/json_link.hpp"

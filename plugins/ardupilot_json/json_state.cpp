@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <span>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 
 namespace cas::sim {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "plugins/ardupilot_json/servo_packet.hpp"
 
 namespace cas::sim {

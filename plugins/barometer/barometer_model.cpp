@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/atmosphere.hpp"
+#include "base/earth/atmosphere.hpp"
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {

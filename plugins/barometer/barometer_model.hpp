@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
 #include "base/random.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/common/gauss_markov.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/frames.hpp"
-#include "base/rate_gate.hpp"
+#include "base/earth/frames.hpp"
+#include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/barometer/barometer_model.hpp"

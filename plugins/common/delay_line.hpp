@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::sim {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "plugins/common/gauss_markov.hpp"
 
 /// Reading of noise figures. A key always carries its unit, and a figure has one key: a deviation

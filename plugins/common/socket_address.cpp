@@ -10,7 +10,7 @@
 #include <ctime>
 #include <optional>
 
-#include "base/host_port.hpp"
+#include "base/os/host_port.hpp"
 
 namespace cas::sim {
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
 
 namespace cas::sim {
 

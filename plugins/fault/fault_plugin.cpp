@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "base/frames.hpp"
-#include "base/log.hpp"
+#include "base/earth/frames.hpp"
+#include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/fault/fault_schedule.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
 namespace cas::sim {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/geodesy.hpp"
+#include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/topic_bus.hpp"

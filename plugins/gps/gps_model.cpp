@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/config_whole.hpp"
+#include "base/config/config_whole.hpp"
 #include "plugins/common/noise_params.hpp"
 #include "plugins/common/normal3.hpp"
 

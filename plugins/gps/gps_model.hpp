@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
-#include "base/geodesy.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
+#include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/common/gauss_markov.hpp"

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/random.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"

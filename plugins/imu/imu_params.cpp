@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {

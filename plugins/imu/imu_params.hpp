@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "plugins/common/gauss_markov.hpp"
 
 namespace cas::sim {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/magnetometer/magnetometer_model.hpp"
 
-#include "base/frames.hpp"
-#include "base/magnetic_field.hpp"
+#include "base/earth/frames.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "plugins/common/noise_params.hpp"
 #include "plugins/common/normal3.hpp"
 

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
-#include "base/geodesy.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
+#include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"

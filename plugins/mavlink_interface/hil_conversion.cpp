@@ -6,8 +6,8 @@
 #include <limits>
 #include <type_traits>
 
-#include "base/atmosphere.hpp"
-#include "base/frames.hpp"
+#include "base/earth/atmosphere.hpp"
+#include "base/earth/frames.hpp"
 
 namespace cas::sim {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "libsim/api/messages.hpp"
 #include "mavlink/common/distance_sensor.hpp"
 #include "mavlink/common/heartbeat.hpp"

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/ledger.hpp"
-#include "base/rate_gate.hpp"
-#include "base/vehicle.hpp"
+#include "base/time/clock.hpp"
+#include "base/measure/ledger.hpp"
+#include "base/time/rate_gate.hpp"
+#include "base/config/vehicle.hpp"
 #include "libsim/api/messages.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/codec.hpp"

@@ -7,8 +7,8 @@
 #include <string>
 #include <system_error>
 
-#include "base/config_whole.hpp"
-#include "base/ledger.hpp"
+#include "base/config/config_whole.hpp"
+#include "base/measure/ledger.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::sim {
 

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <system_error>
 
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 
 namespace cas::sim {
 namespace {

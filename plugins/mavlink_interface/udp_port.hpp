@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "base/config.hpp"
+#include "base/config/config.hpp"
 #include "plugins/common/socket_address.hpp"
 #include "plugins/mavlink_interface/packet_port.hpp"
 

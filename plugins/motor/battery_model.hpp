@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 
 namespace cas::sim {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "libsim/api/messages.hpp"
 
 namespace cas::sim {

@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "libsim/api/world.hpp"
 
 namespace cas::sim {

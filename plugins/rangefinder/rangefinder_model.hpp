@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
 #include "base/random.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"

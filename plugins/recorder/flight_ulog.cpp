@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 
 namespace cas::sim {
 namespace {

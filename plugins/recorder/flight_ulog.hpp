@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"
 #include "plugins/recorder/ulog_file.hpp"

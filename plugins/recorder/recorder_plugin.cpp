@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/rate_gate.hpp"
+#include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/common/noise_params.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/recorder/truth_row.hpp"
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 
 namespace cas::sim {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/world.hpp"
 
 namespace cas::sim {

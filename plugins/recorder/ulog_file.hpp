@@ -10,7 +10,7 @@
 #include <span>
 #include <string_view>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/error.hpp"
 
 namespace cas::sim {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 
 namespace cas::sim {
 namespace {

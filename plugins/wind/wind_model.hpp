@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/clock.hpp"
-#include "base/config.hpp"
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/wind/dryden.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/histogram.hpp"
+#include "base/measure/histogram.hpp"
 #include "fcu/control_cascade.hpp"
 #include "fcu/estimator.hpp"
 #include "fcu/mixer.hpp"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/imu/imu_model.hpp"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/atmosphere.hpp"
+#include "base/earth/atmosphere.hpp"
 #include "libsim/core/rigid_body.hpp"
 #include "libsim/core/sim_runner.hpp"
 #include "tests/libsim/support/crate.hpp"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/descriptor.hpp"
+#include "base/os/descriptor.hpp"
 #include "casd/socket_address.hpp"
 
 namespace cas::casd::test {

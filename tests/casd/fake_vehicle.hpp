@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 

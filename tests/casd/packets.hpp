@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "casd/packet_info.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"

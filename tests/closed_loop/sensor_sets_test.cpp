@@ -3,8 +3,8 @@
 // estimator takes them for.
 #include <gtest/gtest.h>
 
-#include "base/install_paths.hpp"
-#include "base/vehicle.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/config/vehicle.hpp"
 #include "fcu/fcu_config.hpp"
 #include "fcu/sensor_figures.hpp"
 #include "hils/composition.hpp"

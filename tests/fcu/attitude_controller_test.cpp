@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "fcu/thrust_setpoint.hpp"
 
 namespace cas::fcu {

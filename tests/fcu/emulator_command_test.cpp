@@ -2,7 +2,7 @@
 // Commands to fcu_emulator over its pseudo-terminal, and the results it acknowledges.
 #include <gtest/gtest.h>
 
-#include "base/geodesy.hpp"
+#include "base/earth/geodesy.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/heartbeat.hpp"

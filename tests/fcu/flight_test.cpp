@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
 
 namespace cas::fcu {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "mavlink/common/manual_control.hpp"
 #include "mavlink/common/mission_ack.hpp"
 #include "mavlink/common/mission_count.hpp"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "mavlink/common/altitude.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/attitude_quaternion.hpp"

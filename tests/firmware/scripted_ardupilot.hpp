@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/geodesy.hpp"
+#include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "fcu/flight_controller.hpp"
 #include "mavlink/common/all.hpp"

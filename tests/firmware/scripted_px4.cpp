@@ -6,7 +6,7 @@
 #include <bit>
 #include <filesystem>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "mavlink_gen/runtime/crc.hpp"
 
 namespace cas::test {

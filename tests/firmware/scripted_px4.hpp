@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/flight_controller.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink/common/table.hpp"

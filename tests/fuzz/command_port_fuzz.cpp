@@ -16,7 +16,7 @@
 #include <span>
 #include <string>
 
-#include "base/log.hpp"
+#include "base/os/log.hpp"
 #include "base/rpc/server.hpp"
 #include "casd/command_figures.hpp"
 #include "casd/command_server.hpp"

@@ -8,7 +8,7 @@
 
 #include <string_view>
 
-#include "base/notify.hpp"
+#include "base/os/notify.hpp"
 
 int main(int argc, char** argv) {
   const std::string_view mode = argc > 1 ? argv[1] : "";

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/frames.hpp"
-#include "base/vehicle.hpp"
+#include "base/earth/frames.hpp"
+#include "base/config/vehicle.hpp"
 #include "libsim/core/rigid_body.hpp"
 
 namespace cas::sim {

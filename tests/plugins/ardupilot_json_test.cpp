@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "plugins/ardupilot_json/json_state.hpp"
 #include "plugins/ardupilot_json/servo_clock.hpp"
 #include "plugins/ardupilot_json/servo_packet.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/sensor_set.hpp"
+#include "base/config/sensor_set.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/common/gauss_markov.hpp"
 #include "plugins/gps/gps_model.hpp"

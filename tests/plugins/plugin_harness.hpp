@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 #include "libsim/api/plugin.hpp"
 
 namespace cas::test {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/recorder/csv_writer.hpp"
 #include "plugins/recorder/truth_row.hpp"

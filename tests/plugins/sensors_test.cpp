@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "base/atmosphere.hpp"
-#include "base/frames.hpp"
-#include "base/magnetic_field.hpp"
+#include "base/earth/atmosphere.hpp"
+#include "base/earth/frames.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/magnetometer/magnetometer_model.hpp"

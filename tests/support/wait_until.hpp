@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::test {
 

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/rpc/message.hpp"
 
 namespace cas::base::rpc {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/rpc/server.hpp"
 
 namespace cas::base::rpc {

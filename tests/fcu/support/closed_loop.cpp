@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "base/atmosphere.hpp"
-#include "base/frames.hpp"
-#include "base/magnetic_field.hpp"
+#include "base/earth/atmosphere.hpp"
+#include "base/earth/frames.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
 #include "mavlink/common/hil_controls.hpp"

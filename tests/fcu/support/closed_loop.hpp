@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/geodesy.hpp"
+#include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/line_model.hpp"

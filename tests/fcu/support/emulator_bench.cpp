@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "base/atmosphere.hpp"
-#include "base/magnetic_field.hpp"
+#include "base/earth/atmosphere.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink/common/sys_status.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/geodesy.hpp"
+#include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "base/rpc/client.hpp"
 #include "mavlink/common/command_ack.hpp"

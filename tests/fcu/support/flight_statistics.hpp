@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/frames.hpp"
+#include "base/earth/frames.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
 
 namespace cas::fcu::test {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "base/vehicle.hpp"
+#include "base/config/vehicle.hpp"
 
 namespace cas::fcu::test {
 

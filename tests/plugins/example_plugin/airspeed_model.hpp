@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/clock.hpp"
+#include "base/time/clock.hpp"
 #include "base/random.hpp"
 
 namespace airspeed {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "airspeed_model.hpp"
-#include "base/rate_gate.hpp"
+#include "base/time/rate_gate.hpp"
 #include "libsim/api/plugin.hpp"
 
 namespace airspeed {

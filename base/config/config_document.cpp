@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/config/config_document.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+
+namespace cas::base {
+namespace {
+
+constexpr int kMaxDepth = 64;
+constexpr int kMaxNodes = 100'000;
+
+int line_of(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
+
+/// Copies yaml-cpp's graph into a tree and checks what yaml-cpp lets pass.
+class TreeBuilder {
+ public:
+  explicit TreeBuilder(std::string name) : name_(std::move(name)) {}
+
+  void build(const YAML::Node& node, ConfigTree& tree, const std::string& path, int depth) {
+    if (tree.line == 0) tree.line = line_of(node.Mark());
+    if (depth > kMaxDepth) fail(tree.line, path, "is nested deeper than 64 levels");
+    if (++nodes_ > kMaxNodes) fail(tree.line, path, "the file expands to over 100000 values");
+    if (node.IsScalar()) {
+      tree.kind = ConfigTree::Kind::kScalar;
+      tree.scalar = node.Scalar();
+      tree.quoted = node.Tag() == "!";
+    } else if (node.IsSequence()) {
+      build_list(node, tree, path, depth);
+    } else if (node.IsMap()) {
+      build_map(node, tree, path, depth);
+    }
+  }
+
+  [[noreturn]] void fail(int line, const std::string& path, const std::string& sentence) const {
+    std::string where = name_;
+    if (line > 0) where += ":" + std::to_string(line);
+    if (!path.empty()) where += ": " + path;
+    throw ConfigError(where + ": " + sentence);
+  }
+
+ private:
+  void build_list(const YAML::Node& node, ConfigTree& tree, const std::string& path, int depth) {
+    tree.kind = ConfigTree::Kind::kList;
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      auto child = std::make_unique<ConfigTree>();
+      build(node[i], *child, path + "[" + std::to_string(i) + "]", depth + 1);
+      tree.items.push_back(std::move(child));
+    }
+  }
+
+  void build_map(const YAML::Node& node, ConfigTree& tree, const std::string& path, int depth) {
+    tree.kind = ConfigTree::Kind::kMap;
+    for (const auto& entry : node) {
+      const int line = line_of(entry.first.Mark());
+      if (!entry.first.IsScalar()) fail(line, path, "a key must be a word");
+      const std::string& key = entry.first.Scalar();
+      const std::string child_path = path.empty() ? key : path + "." + key;
+      if (const ConfigTree* first = tree.find(key)) {
+        fail(line, child_path, "repeats the key of line " + std::to_string(first->line));
+      }
+      auto child = std::make_unique<ConfigTree>();
+      child->line = line;
+      build(entry.second, *child, child_path, depth + 1);
+      tree.entries.emplace_back(key, std::move(child));
+    }
+  }
+
+  std::string name_;
+  int nodes_ = 0;
+};
+
+void emit(YAML::Emitter& out, const ConfigTree& tree) {
+  switch (tree.kind) {
+    case ConfigTree::Kind::kNull:
+      out << YAML::Null;
+      break;
+    case ConfigTree::Kind::kScalar:
+      if (tree.quoted) out << YAML::DoubleQuoted;
+      out << tree.scalar;
+      break;
+    case ConfigTree::Kind::kList:
+      out << YAML::Flow << YAML::BeginSeq;
+      for (const auto& item : tree.items) emit(out, *item);
+      out << YAML::EndSeq;
+      break;
+    case ConfigTree::Kind::kMap:
+      out << YAML::BeginMap;
+      for (const auto& [key, child] : tree.entries) {
+        out << YAML::Key << key << YAML::Value;
+        emit(out, *child);
+      }
+      out << YAML::EndMap;
+      break;
+  }
+}
+
+/// Edits (insert, delete, replace, swap neighbours) that lead from `a` to `b`.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replace = d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, replace});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+}  // namespace
+
+const ConfigTree* ConfigTree::find(std::string_view key) const {
+  for (const auto& [name, child] : entries) {
+    if (name == key) return child.get();
+  }
+  return nullptr;
+}
+
+std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
+                                                   const std::filesystem::path& name) {
+  auto document = std::make_shared<ConfigDocument>();
+  document->file = name;
+  TreeBuilder builder(name.string());
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
+    if (documents.size() > 1) {
+      builder.fail(line_of(documents[1].Mark()), "", "holds more than one document");
+    }
+    if (!documents.empty()) builder.build(documents[0], document->root, "", 0);
+  } catch (const YAML::Exception& error) {
+    builder.fail(line_of(error.mark), "", "is not YAML: " + error.msg);
+  }
+  return document;
+}
+
+std::string dump_config(const ConfigTree& tree) {
+  YAML::Emitter out;
+  emit(out, tree);
+  return out.c_str();
+}
+
+std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+}  // namespace cas::base

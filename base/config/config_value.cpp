@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Values of ConfigNode: from a scalar's text to numbers, words and vectors.
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <type_traits>
+
+#include "base/config/config.hpp"
+#include "base/config/config_document.hpp"
+#include "base/config/config_impl.hpp"
+
+namespace cas::base {
+namespace {
+
+/// Parses the whole of `text`; a leading '+' is allowed.
+template <class T>
+bool parse_whole(std::string_view text, T& value) {
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
+/// A plain (unquoted) scalar's text, or a failure that says what was expected.
+const std::string& plain_scalar(const ConfigNode& node, const ConfigTree& tree,
+                                const char* expected) {
+  if (tree.kind == ConfigTree::Kind::kNull)
+    node.fail(std::string("has no value; expected ") + expected);
+  if (tree.kind != ConfigTree::Kind::kScalar) node.fail(std::string("expected ") + expected);
+  if (tree.quoted) node.fail(std::string("is a text in quotes; expected ") + expected);
+  return tree.scalar;
+}
+
+template <class T>
+T to_integer(const ConfigNode& node, const ConfigTree& tree) {
+  const char* const expected =
+      std::is_unsigned_v<T> ? "a whole number, not negative" : "a whole number";
+  const std::string& text = plain_scalar(node, tree, expected);
+  T value{};
+  if (!parse_whole(text, value)) {
+    node.fail(in_quotes(text) + " is not " + expected + " in range");
+  }
+  return value;
+}
+
+double to_double(const ConfigNode& node, const ConfigTree& tree) {
+  const std::string& text = plain_scalar(node, tree, "a number");
+  double value = 0;
+  if (!parse_whole(text, value)) node.fail(in_quotes(text) + " is not a number, or out of range");
+  if (!std::isfinite(value)) node.fail(in_quotes(text) + " is not a finite number");
+  return value;
+}
+
+bool to_bool(const ConfigNode& node, const ConfigTree& tree) {
+  const std::string& text = plain_scalar(node, tree, "true or false");
+  if (text == "true") return true;
+  if (text != "false") node.fail(in_quotes(text) + " is neither true nor false");
+  return false;
+}
+
+std::string to_text(const ConfigNode& node, const ConfigTree& tree) {
+  if (tree.kind == ConfigTree::Kind::kNull) node.fail("has no value; expected a text");
+  if (tree.kind != ConfigTree::Kind::kScalar) node.fail("expected a text");
+  return tree.scalar;
+}
+
+template <class T>
+std::vector<T> to_vector(const ConfigNode& node) {
+  std::vector<T> values;
+  for (const ConfigNode& item : node.items()) values.push_back(item.as<T>());
+  return values;
+}
+
+template <int N>
+Eigen::Matrix<double, N, 1> to_eigen(const ConfigNode& node) {
+  if (!node.is_list()) node.fail("expected a list of " + std::to_string(N) + " numbers");
+  const std::vector<double> values = to_vector<double>(node);
+  if (values.size() != N) {
+    node.fail("has " + std::to_string(values.size()) + " numbers; expected " + std::to_string(N));
+  }
+  return Eigen::Map<const Eigen::Matrix<double, N, 1>>(values.data());
+}
+
+std::string shortest(double value) {
+  char text[32];
+  const auto result = std::to_chars(std::begin(text), std::end(text), value);
+  return std::string(text, result.ptr);
+}
+
+void check_range(const ConfigNode& node, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  node.fail(shortest(value) + " must lie in [" + shortest(low) + ", " + shortest(high) + "]");
+}
+
+}  // namespace
+
+double ConfigNode::require_in(std::string_view key, double low, double high) const {
+  const ConfigNode child = at(key);
+  const double value = child.as<double>();
+  check_range(child, value, low, high);
+  return value;
+}
+
+double ConfigNode::get_in(std::string_view key, double fallback, double low, double high) const {
+  return has(key) ? require_in(key, low, high) : fallback;
+}
+
+template <class T>
+T ConfigNode::as() const {
+  const ConfigTree& tree = *impl_->tree;
+  if constexpr (std::is_same_v<T, bool>) {
+    return to_bool(*this, tree);
+  } else if constexpr (std::is_integral_v<T>) {
+    return to_integer<T>(*this, tree);
+  } else if constexpr (std::is_same_v<T, double>) {
+    return to_double(*this, tree);
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    return to_text(*this, tree);
+  } else if constexpr (std::is_same_v<T, std::vector<double>> ||
+                       std::is_same_v<T, std::vector<std::string>>) {
+    return to_vector<typename T::value_type>(*this);
+  } else {
+    return to_eigen<T::RowsAtCompileTime>(*this);
+  }
+}
+
+template bool ConfigNode::as<bool>() const;
+template int ConfigNode::as<int>() const;
+template unsigned ConfigNode::as<unsigned>() const;
+template std::int64_t ConfigNode::as<std::int64_t>() const;
+template std::uint64_t ConfigNode::as<std::uint64_t>() const;
+template double ConfigNode::as<double>() const;
+template std::string ConfigNode::as<std::string>() const;
+template std::vector<double> ConfigNode::as<std::vector<double>>() const;
+template std::vector<std::string> ConfigNode::as<std::vector<std::string>>() const;
+template Eigen::Vector3d ConfigNode::as<Eigen::Vector3d>() const;
+template Eigen::Vector4d ConfigNode::as<Eigen::Vector4d>() const;
+
+}  // namespace cas::base

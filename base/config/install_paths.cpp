@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/config/install_paths.hpp"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+
+#include "base/config/config_document.hpp"
+#include "base/error.hpp"
+
+namespace cas::base {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path program_dir() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path() : program.parent_path();
+}
+
+/// Folder of the library that holds this code.
+fs::path library_dir() {
+  Dl_info info{};
+  if (::dladdr(reinterpret_cast<const void*>(&config_dirs), &info) == 0) return {};
+  std::error_code error;
+  const fs::path library = fs::canonical(info.dli_fname, error);
+  return error ? fs::path() : library.parent_path();
+}
+
+void add_folder(const fs::path& folder, std::vector<fs::path>& folders) {
+  std::error_code error;
+  const fs::path clean = fs::canonical(folder, error);
+  if (error || !fs::is_directory(clean, error)) return;
+  if (std::find(folders.begin(), folders.end(), clean) == folders.end()) folders.push_back(clean);
+}
+
+void add_from_environment(const char* variable, std::vector<fs::path>& folders) {
+  const char* const value = std::getenv(variable);
+  if (value == nullptr) return;
+  std::istringstream list(value);
+  for (std::string folder; std::getline(list, folder, ':');) {
+    if (!folder.empty()) add_folder(folder, folders);
+  }
+}
+
+void add_relative(const fs::path& from, const char* steps, std::vector<fs::path>& folders) {
+  if (!from.empty()) add_folder(from / steps, folders);
+}
+
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(file, error) && !fs::is_directory(file, error);
+}
+
+/// "../../vehicles/x.yaml" as it stands below a folder with configuration: "vehicles/x.yaml".
+fs::path without_steps_up(const fs::path& name) {
+  fs::path below;
+  for (const fs::path& part : name.lexically_normal()) {
+    if (part != "..") below /= part;
+  }
+  return below;
+}
+
+/// The shipped file whose name is nearest, "scenarios/hover.yaml" for hoover.yaml; empty when none
+/// is near.
+std::string near_shipped(const fs::path& name) {
+  std::vector<std::string> files;
+  std::vector<std::string> stems;
+  for (const fs::path& folder : config_dirs()) {
+    std::error_code error;
+    fs::recursive_directory_iterator entry(folder, error);
+    for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+      if (entry.depth() > 0) entry.disable_recursion_pending();
+      if (entry->path().extension() != name.extension()) continue;
+      files.push_back(entry->path().lexically_relative(folder).string());
+      stems.push_back(entry->path().stem().string());
+    }
+  }
+  const std::string near = nearest_word(name.stem().string(), stems);
+  if (near.empty()) return {};
+  const auto place = std::find(stems.begin(), stems.end(), near) - stems.begin();
+  return files[static_cast<std::size_t>(place)];
+}
+
+}  // namespace
+
+std::vector<fs::path> config_dirs() {
+  std::vector<fs::path> folders;
+  add_from_environment("CAS_CONFIG_PATH", folders);
+  add_relative(program_dir(), CAS_BIN_TO_CONFIG, folders);
+  add_relative(library_dir(), CAS_LIB_TO_CONFIG, folders);
+  add_relative(library_dir(), "../share/cas/config", folders);  // build tree: a link to config/
+  return folders;
+}
+
+std::vector<fs::path> plugin_dirs() {
+  std::vector<fs::path> folders;
+  add_from_environment("CAS_PLUGIN_PATH", folders);
+  add_relative(program_dir(), CAS_BIN_TO_PLUGINS, folders);
+  add_relative(library_dir(), CAS_LIB_TO_PLUGINS, folders);
+  add_relative(library_dir(), "../plugins", folders);  // build tree
+  return folders;
+}
+
+fs::path find_config(const fs::path& name) {
+  std::error_code error;
+  if (fs::exists(name, error)) return name;
+  if (name.is_absolute()) throw ConfigError(name.string() + ": no such file");
+  std::string searched = "here";
+  for (const fs::path& folder : config_dirs()) {
+    if (fs::exists(folder / name, error)) return folder / name;
+    searched += " or in " + folder.string();
+  }
+  const std::string near = near_shipped(name);
+  throw ConfigError(name.string() + ": no such file " + searched +
+                    (near.empty() ? "" : "; did you mean " + near + "?"));
+}
+
+fs::path find_config(const ConfigNode& node) {
+  const fs::path name = node.as<std::string>();
+  if (name.empty()) node.fail("names no file");
+  const fs::path beside = node.resolve(name.string());
+  if (is_there(beside)) return beside;
+  if (name.is_absolute()) node.fail("there is no file " + name.string());
+  std::string searched = fs::absolute(beside).parent_path().string();
+  for (const fs::path& folder : config_dirs()) {
+    fs::path shipped = folder / without_steps_up(name);
+    if (is_there(shipped)) return shipped;
+    searched += " or below " + folder.string();
+  }
+  node.fail("there is no file '" + name.string() + "'; looked in " + searched);
+}
+
+}  // namespace cas::base

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/config/config.hpp"
+#include "base/export.hpp"
+
+/// Where the shipped files are, in the build tree and in an installation.
+namespace cas::base {
+
+/// Folders with shipped configuration, best first: each of CAS_CONFIG_PATH (colon-separated), then
+/// the one that belongs to the running program or this library. Only folders that exist.
+CAS_BASE_EXPORT std::vector<std::filesystem::path> config_dirs();
+
+/// Folders with plugins, best first: each of CAS_PLUGIN_PATH, then the one that belongs to the
+/// running program or this library. Only folders that exist.
+CAS_BASE_EXPORT std::vector<std::filesystem::path> plugin_dirs();
+
+/// A file given by the user: as it stands when it exists (absolute or from the working folder),
+/// else below one of config_dirs(), "vehicles/iris_paper.yaml". @throws ConfigError when it is
+/// nowhere
+CAS_BASE_EXPORT std::filesystem::path find_config(const std::filesystem::path& name);
+
+/// The file that the value of a key names: from the folder of the file that has the key, else below
+/// one of config_dirs(). Steps up at the beginning are left out there, so that a copy of a shipped
+/// file ("../vehicles/iris_paper.yaml") still finds what it names. @throws ConfigError
+/// "FILE:LINE: key: ..." with the folders searched when it is nowhere
+CAS_BASE_EXPORT std::filesystem::path find_config(const ConfigNode& node);
+
+}  // namespace cas::base

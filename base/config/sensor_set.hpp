@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/config/config.hpp"
+#include "base/export.hpp"
+
+namespace cas::base {
+
+/// Parameters of the sensor plugins, a map by plugin name. `node` is the name of a shipped set
+/// ("rtk": sensors/rtk.yaml), a file of that form, or a map of the keys that differ from the set
+/// that it names in `preset`, or else from `behind`. The same form stands under `sensors` in
+/// vehicle files, simulations, controller files and scenarios.
+/// @throws ConfigError when there is no such set
+CAS_BASE_EXPORT ConfigNode sensor_set(const ConfigNode& node,
+                                      const ConfigNode& behind = ConfigNode::empty());
+
+}  // namespace cas::base

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdio>
+#include <exception>
+#include <string_view>
+
+#include "base/os/command_port.hpp"
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+
+namespace cas::base {
+
+/// Starts the log at `log_level` (a word of log::parse_level), runs a program's body and turns what
+/// either throws into one line on standard error and an exit code.
+/// @return what `body` returns, kExitCommandPort, kExitConfig or kExitInternal
+template <class Body>
+int run_program(const char* name, std::string_view log_level, Body&& body) {
+  try {
+    log::init(name, log::parse_level(log_level));
+    return body();
+  } catch (const CommandPortError& error) {
+    std::fprintf(stderr, "%s: %s\n", name, error.what());
+    return kExitCommandPort;
+  } catch (const ConfigError& error) {
+    std::fprintf(stderr, "%s: %s\n", name, error.what());
+    return kExitConfig;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: internal error: %s\n", name, error.what());
+    return kExitInternal;
+  }
+}
+
+}  // namespace cas::base

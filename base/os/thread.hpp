@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/config/config.hpp"
+#include "base/export.hpp"
+
+namespace cas::base {
+
+/// Scheduling wishes of a thread. Missing rights give one warning, never an error.
+struct ThreadOptions {
+  std::optional<int> fifo_priority;  ///< SCHED_FIFO 1..99
+  std::vector<int> cpus;             ///< affinity; empty: any
+};
+
+/// Reads {fifo_priority, cpus}. @throws ConfigError
+CAS_BASE_EXPORT ThreadOptions parse_thread_options(const ConfigNode& node);
+/// Names the calling thread (15 characters) and applies the options to it.
+CAS_BASE_EXPORT void configure_this_thread(const std::string& name, const ThreadOptions& options);
+/// mlockall(current and future) and 1 ns timer slack. @return false with a warning when refused
+CAS_BASE_EXPORT bool lock_memory();
+
+}  // namespace cas::base

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/config/config_whole.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+
+namespace cas::base {
+namespace {
+
+struct Case {
+  const char* name;
+  const char* value;
+  const char* error;
+};
+
+class WrongWholeNumber : public testing::TestWithParam<Case> {};
+
+TEST_P(WrongWholeNumber, IsRefusedWithFileLineAndKeyPath) {
+  const auto& [name, value, error] = GetParam();
+  const ConfigNode root =
+      ConfigNode::parse("link:\n  max_peers: " + std::string(value) + "\n", "t.yaml");
+  try {
+    get_whole_in<int>(root.at("link"), "max_peers", 8, 1, 64);
+    FAIL() << "taken";
+  } catch (const ConfigError& thrown) {
+    EXPECT_EQ(std::string(thrown.what()), "t.yaml:2: link.max_peers: " + std::string(error));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, WrongWholeNumber,
+    testing::Values(Case{"Fraction", "1.7", "'1.7' is not a whole number in range"},
+                    Case{"WholeFraction", "2.0", "'2.0' is not a whole number in range"},
+                    Case{"Power", "1e1", "'1e1' is not a whole number in range"},
+                    Case{"TooLow", "0", "0 must lie in [1, 64]"},
+                    Case{"TooHigh", "65", "65 must lie in [1, 64]"},
+                    Case{"Negative", "-3", "-3 must lie in [1, 64]"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(WholeNumber, IsReadAndMayBeLeftOut) {
+  const ConfigNode root = ConfigNode::parse("id: 255\n");
+  EXPECT_EQ(get_whole_in<std::uint8_t>(root, "id", 1, 1, 255), 255);
+  EXPECT_EQ(require_whole_in<unsigned>(root, "id", 0, 1000), 255U);
+  EXPECT_EQ(get_whole_in<std::uint16_t>(root, "port", 5790, 0, 65535), 5790);
+  EXPECT_THROW(require_whole_in<int>(root, "port", 0, 65535), ConfigError);
+}
+
+}  // namespace
+}  // namespace cas::base

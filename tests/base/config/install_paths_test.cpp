@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/config/install_paths.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "tests/base/config/scoped_environment.hpp"
+#include "tests/base/temporary_folder.hpp"
+
+namespace cas::base {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(InstallPaths, TheBuildTreeFindsTheShippedConfiguration) {
+  const ScopedEnvironment no_path("CAS_CONFIG_PATH", nullptr);
+  ASSERT_FALSE(config_dirs().empty());
+  EXPECT_TRUE(fs::equivalent(config_dirs().front(), fs::path(CAS_SOURCE_DIR) / "config"));
+  EXPECT_TRUE(fs::exists(find_config("vehicles/iris_paper.yaml")));
+}
+
+TEST(InstallPaths, TheEnvironmentComesFirst) {
+  const TemporaryFolder folder;
+  folder.write("vehicles/iris_paper.yaml", "");
+  const std::string path = "/nowhere::" + folder.path().string();
+  const ScopedEnvironment variable("CAS_CONFIG_PATH", path.c_str());
+  EXPECT_EQ(find_config("vehicles/iris_paper.yaml"),
+            fs::canonical(folder.path()) / "vehicles/iris_paper.yaml");
+  EXPECT_TRUE(fs::exists(find_config("vehicles/iris_px4.yaml")));  // falls through
+}
+
+TEST(InstallPaths, AnExistingFileIsTakenAsItStands) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("mine.yaml", "");
+  EXPECT_EQ(find_config(file), file);
+}
+
+TEST(InstallPaths, AMissingFileSaysWhereItWasSearched) {
+  const TemporaryFolder folder;
+  const ScopedEnvironment variable("CAS_CONFIG_PATH", folder.path().c_str());
+  try {
+    find_config("vehicles/none.yaml");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find(folder.path().filename()), std::string::npos);
+  }
+  EXPECT_THROW(find_config("/nowhere/x.yaml"), ConfigError);
+}
+
+TEST(InstallPaths, AMissingFileIsToldTheNearestShippedOne) {
+  const ScopedEnvironment no_path("CAS_CONFIG_PATH", nullptr);
+  for (const char* name : {"hoover.yaml", "hover.yaml", "scenario/hover.yaml"}) {
+    try {
+      find_config(name);
+      FAIL() << name;
+    } catch (const ConfigError& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("no such file here or in "), std::string::npos) << text;
+      EXPECT_NE(text.find("did you mean scenarios/hover.yaml?"), std::string::npos) << text;
+    }
+  }
+}
+
+ConfigNode vehicle_key(const fs::path& file) { return ConfigNode::load(file).at("vehicle"); }
+
+TEST(InstallPaths, AKeyNamesAFileBesideItsOwnBeforeAShippedOne) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("mine.yaml", "vehicle: vehicles/iris_paper.yaml\n");
+  const fs::path shipped = fs::path(CAS_SOURCE_DIR) / "config/vehicles/iris_paper.yaml";
+  EXPECT_TRUE(fs::equivalent(find_config(vehicle_key(file)), shipped));
+  const fs::path own = folder.write("vehicles/iris_paper.yaml", "");
+  EXPECT_EQ(find_config(vehicle_key(file)), own);
+}
+
+TEST(InstallPaths, ACopyOfAShippedFileFindsWhatItNames) {
+  const TemporaryFolder folder;
+  const fs::path copy = folder.write("a/mine.yaml", "vehicle: ../vehicles/iris_paper.yaml\n");
+  EXPECT_EQ(find_config(vehicle_key(copy)).filename(), "iris_paper.yaml");
+}
+
+TEST(InstallPaths, AKeyThatNamesNoFileSaysWhereItWasSearched) {
+  const TemporaryFolder folder;
+  const ScopedEnvironment variable("CAS_CONFIG_PATH", folder.path().c_str());
+  const fs::path file = folder.write("a/mine.yaml", "schema: 1\nvehicle: vehicles/none.yaml\n");
+  try {
+    find_config(vehicle_key(file));
+    FAIL();
+  } catch (const ConfigError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.rfind(file.string() + ":2: vehicle: there is no file 'vehicles/none.yaml'", 0),
+              0U)
+        << text;
+    EXPECT_NE(text.find((folder.path() / "a/vehicles").string()), std::string::npos) << text;
+    EXPECT_NE(text.find("below " + fs::canonical(folder.path()).string()), std::string::npos)
+        << text;
+  }
+}
+
+TEST(InstallPaths, NeitherAFolderNorNothingIsAFile) {
+  for (const char* name : {"vehicles", ".", "..", "''"}) {
+    const ConfigNode root = ConfigNode::parse(std::string("vehicle: ") + name, "mine.yaml");
+    EXPECT_THROW(find_config(root.at("vehicle")), ConfigError) << name;
+  }
+}
+
+TEST(InstallPaths, PluginFoldersOfTheEnvironmentComeFirstAndOnce) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path().string() + ":" + folder.path().string() + ":/nowhere";
+  const ScopedEnvironment variable("CAS_PLUGIN_PATH", path.c_str());
+  const std::vector<fs::path> folders = plugin_dirs();
+  ASSERT_FALSE(folders.empty());
+  EXPECT_EQ(folders.front(), fs::canonical(folder.path()));
+  EXPECT_EQ(std::count(folders.begin(), folders.end(), folders.front()), 1);
+}
+
+}  // namespace
+}  // namespace cas::base

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/os/thread.hpp"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+#include <sched.h>
+
+#include <array>
+#include <string>
+#include <thread>
+
+namespace cas::base {
+namespace {
+
+TEST(ThreadOptions, AreReadFromAMap) {
+  const ConfigNode node = ConfigNode::parse("fifo_priority: 20\ncpus: [0, 1]");
+  const ThreadOptions options = parse_thread_options(node);
+  EXPECT_EQ(options.fifo_priority, 20);
+  EXPECT_EQ(options.cpus, (std::vector<int>{0, 1}));
+  EXPECT_NO_THROW(node.reject_unused());
+}
+
+TEST(ThreadOptions, AnEmptyMapWishesNothing) {
+  const ThreadOptions options = parse_thread_options(ConfigNode::empty());
+  EXPECT_FALSE(options.fifo_priority);
+  EXPECT_TRUE(options.cpus.empty());
+}
+
+TEST(ThreadOptions, ImpossibleValuesAreRefused) {
+  for (const char* text : {"fifo_priority: 0", "fifo_priority: 100", "cpus: [-1]", "cpus: [99999]",
+                           "cpus: 1", "fifo_priority: high"}) {
+    EXPECT_THROW(parse_thread_options(ConfigNode::parse(text)), ConfigError) << text;
+  }
+}
+
+TEST(ConfigureThisThread, NamesTheThreadWithFifteenCharacters) {
+  std::thread([] {
+    configure_this_thread("link_with_a_long_name", {});
+    char name[32];
+    ::pthread_getname_np(::pthread_self(), name, sizeof name);
+    EXPECT_STREQ(name, "link_with_a_lon");
+  }).join();
+}
+
+TEST(ConfigureThisThread, BindsTheThreadToACpuItMayUse) {
+  std::thread([] {
+    cpu_set_t allowed;
+    ::pthread_getaffinity_np(::pthread_self(), sizeof allowed, &allowed);
+    int cpu = 0;
+    while (!CPU_ISSET(static_cast<std::size_t>(cpu), &allowed)) ++cpu;
+    configure_this_thread("bound", {std::nullopt, {cpu}});
+    cpu_set_t now;
+    ::pthread_getaffinity_np(::pthread_self(), sizeof now, &now);
+    EXPECT_EQ(CPU_COUNT(&now), 1);
+    EXPECT_TRUE(CPU_ISSET(static_cast<std::size_t>(cpu), &now));
+  }).join();
+}
+
+TEST(ConfigureThisThread, MissingRightsAreNoError) {
+  std::string name;
+  std::thread([&name] {
+    configure_this_thread("fifo", {1, {CPU_SETSIZE - 1}});
+    std::array<char, 16> text{};
+    ::pthread_getname_np(::pthread_self(), text.data(), text.size());
+    name = text.data();
+  }).join();
+  EXPECT_EQ(name, "fifo") << "the rest of the options is applied";
+}
+
+}  // namespace
+}  // namespace cas::base

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/os/write_file.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "base/error.hpp"
+#include "tests/base/temporary_folder.hpp"
+
+namespace cas::base {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::ptrdiff_t files_in(const fs::path& folder) {
+  return std::distance(fs::directory_iterator(folder), {});
+}
+
+TEST(WriteFile, MakesAndReplacesAFileAndLeavesNothingBesideIt) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.txt";
+  write_file(file, "one\n");
+  EXPECT_EQ(text_of(file), "one\n");
+  write_file(file, "two", Durability::kCache);
+  EXPECT_EQ(text_of(file), "two");
+  EXPECT_EQ(files_in(folder.path()), 1);
+}
+
+TEST(WriteFile, ReplacesTheFileAndNotItsContent) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.txt";
+  write_file(file, "before");
+  std::ifstream reader(file);
+  write_file(file, "after");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(reader), {}), "before");
+}
+
+TEST(WriteFile, KeepsTheModeOfAFile) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "secret";
+  write_file(file, "one");
+  ::chmod(file.c_str(), 0600);
+  write_file(file, "two");
+  struct stat status {};
+  ASSERT_EQ(::stat(file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+}
+
+TEST(WriteFile, LeavesASymlinkWhereItIs) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "behind", "one");
+  fs::create_symlink("behind", folder.path() / "link");
+  write_file(folder.path() / "link", "two");
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "link"));
+  EXPECT_EQ(text_of(folder.path() / "behind"), "two");
+}
+
+TEST(WriteFile, WritesIntoWhatIsNoFile) {
+  write_file("/dev/null", "gone");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(WriteFile, SaysWhichFileCannotBeWrittenAndWhy) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "none" / "a.txt";
+  try {
+    write_file(file, "one");
+    FAIL() << "written";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              file.string() + ": cannot be written: No such file or directory");
+  }
+  EXPECT_EQ(files_in(folder.path()), 0);
+}
+
+}  // namespace
+}  // namespace cas::base
