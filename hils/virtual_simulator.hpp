@@ -10,7 +10,7 @@
 #include "base/time/clock.hpp"
 #include "hils/flight_facts.hpp"
 #include "hils/virtual_wire.hpp"
-#include "libsim/core/sim_runner.hpp"
+#include "libsim/core/run/sim_runner.hpp"
 
 namespace cas::hils {
 

@@ -65,7 +65,7 @@ LAYERS = {
 
 # Single files that may include more than their folder.
 FILES = {
-    "libsim/core/hilsim_main.cpp": {"base/cli", "CLI11"},
+    "libsim/hilsim/hilsim_main.cpp": {"base/cli", "CLI11"},
 }
 
 # Nothing includes these, apart from themselves and the tests.

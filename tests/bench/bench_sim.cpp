@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/earth/atmosphere.hpp"
-#include "libsim/core/rigid_body.hpp"
-#include "libsim/core/sim_runner.hpp"
+#include "libsim/core/body/rigid_body.hpp"
+#include "libsim/core/run/sim_runner.hpp"
 #include "tests/libsim/support/crate.hpp"
 #include "tests/libsim/support/four_rotors.hpp"
 

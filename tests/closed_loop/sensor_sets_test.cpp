@@ -8,7 +8,7 @@
 #include "fcu/fcu_config.hpp"
 #include "fcu/sensor_figures.hpp"
 #include "hils/composition.hpp"
-#include "libsim/core/sim_config.hpp"
+#include "libsim/core/load/sim_config.hpp"
 #include "tests/closed_loop/flight.hpp"
 
 namespace cas::hils {

@@ -7,8 +7,8 @@
 #include <string>
 #include <thread>
 
-#include "libsim/core/sim_loop.hpp"
-#include "libsim/core/sim_runner.hpp"
+#include "libsim/core/run/sim_loop.hpp"
+#include "libsim/core/run/sim_runner.hpp"
 
 namespace cas::test {
 

@@ -9,8 +9,8 @@
 
 #include "libsim/api/world.hpp"
 #include "libsim/core/export.hpp"
-#include "libsim/core/rigid_body.hpp"
-#include "libsim/core/shape.hpp"
+#include "libsim/core/body/rigid_body.hpp"
+#include "libsim/core/body/shape.hpp"
 
 namespace cas::sim {
 

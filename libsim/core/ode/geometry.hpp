@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "libsim/core/shape.hpp"
+#include "libsim/core/body/shape.hpp"
 
 namespace cas::sim {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "libsim/core/sim_world.hpp"
+#include "libsim/core/run/sim_world.hpp"
 
 namespace cas::sim::test {
 

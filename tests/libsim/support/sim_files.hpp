@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "libsim/core/sim_config.hpp"
+#include "libsim/core/load/sim_config.hpp"
 
 namespace cas::sim::test {
 

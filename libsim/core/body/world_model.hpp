@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "base/earth/geodesy.hpp"
+#include "libsim/core/body/shape.hpp"
+
+namespace cas::sim {
+
+/// A world without its vehicles: what stands in it and what acts in it.
+struct WorldModel {
+  std::string name;
+  Eigen::Vector3d gravity_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d wind_W = Eigen::Vector3d::Zero();
+  std::vector<Shape> statics;  ///< poses in W
+  std::optional<base::Geodetic> home;
+  std::optional<base::Duration> step;
+  std::optional<double> real_time_factor;
+  std::vector<std::string> warnings;  ///< one sentence for each thing that is not supported
+};
+
+}  // namespace cas::sim

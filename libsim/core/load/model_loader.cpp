@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/load/model_loader.hpp"
+
+#include <console_bridge/console.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "base/error.hpp"
+#include "libsim/core/load/mesh_file.hpp"
+#include "libsim/core/load/uri.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+constexpr double kTriangleSlack = 1e-6;  // of the largest moment: files round their figures
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& sentence) {
+  throw base::ConfigError(file.string() + ": " + sentence);
+}
+
+/// Collects what urdfdom would print while it lives.
+class UrdfMessages final : public console_bridge::OutputHandler {
+ public:
+  UrdfMessages() { console_bridge::useOutputHandler(this); }
+  ~UrdfMessages() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first_.empty()) first_ = text;
+  }
+  const std::string& first() const { return first_; }
+
+ private:
+  std::string first_;
+};
+
+Eigen::Isometry3d to_eigen(const urdf::Pose& pose) {
+  const urdf::Rotation& q = pose.rotation;
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() = Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z);
+  X.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  return X;
+}
+
+/// Mass, first moment and inertia about the root's origin, summed over links.
+struct MassSum {
+  double mass = 0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+
+  void add(double m, const Eigen::Vector3d& p, const Eigen::Matrix3d& inertia_about_own_cog) {
+    mass += m;
+    moment += m * p;
+    inertia += inertia_about_own_cog + parallel_axis(m, p);
+  }
+  static Eigen::Matrix3d parallel_axis(double m, const Eigen::Vector3d& p) {
+    return m * (p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose());
+  }
+};
+
+/// Walks the tree of links once.
+class Assembler {
+ public:
+  Assembler(const std::filesystem::path& file, const urdf::ModelInterface& urdf)
+      : file_(file), urdf_(urdf) {}
+
+  VehicleModel run() {
+    model_.name = urdf_.getName();
+    visit(*urdf_.getRoot(), Eigen::Isometry3d::Identity());
+    finish_mass();
+    if (model_.shapes.empty()) {
+      fail(file_, "has no <collision> geometry: the vehicle would fall through the ground");
+    }
+    return std::move(model_);
+  }
+
+ private:
+  void visit(const urdf::Link& link, const Eigen::Isometry3d& X_RL) {
+    add_mass(link, X_RL);
+    for (const auto& collision : link.collision_array) add_shape(link, *collision, X_RL);
+    for (const auto& joint : link.child_joints) {
+      const Eigen::Isometry3d X_RJ = X_RL * to_eigen(joint->parent_to_joint_origin_transform);
+      note_joint(*joint, X_RJ);
+      visit(*urdf_.getLink(joint->child_link_name), X_RJ);
+    }
+  }
+
+  void note_joint(const urdf::Joint& joint, const Eigen::Isometry3d& X_RJ) {
+    if (joint.type == urdf::Joint::CONTINUOUS) {
+      const Eigen::Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
+      if (axis.norm() < 1e-9) fail(file_, "joint '" + joint.name + "': <axis> is zero");
+      model_.rotors.push_back(
+          {joint.name, X_RJ.translation(), (X_RJ.linear() * axis).normalized()});
+    } else if (joint.type != urdf::Joint::FIXED) {
+      warn("joint '" + joint.name +
+           "' moves; only continuous joints (rotors) do here: taken as fixed");
+    }
+  }
+
+  void add_mass(const urdf::Link& link, const Eigen::Isometry3d& X_RL) {
+    if (!link.inertial) return;
+    const urdf::Inertial& i = *link.inertial;
+    if (!(i.mass >= 0) || !std::isfinite(i.mass)) {
+      fail(file_, "link '" + link.name + "': <mass> must be positive");
+    }
+    const Eigen::Isometry3d X_RC = X_RL * to_eigen(i.origin);
+    Eigen::Matrix3d inertia;
+    inertia << i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz;
+    if (i.mass > 0 && !inertia.isZero(0) && !is_physical_inertia(inertia)) {
+      warn("link '" + link.name + "': no body has this <inertia>; taken as a point mass");
+      inertia.setZero();
+    }
+    sum_.add(i.mass, X_RC.translation(), X_RC.linear() * inertia * X_RC.linear().transpose());
+  }
+
+  void finish_mass() {
+    if (sum_.mass <= 0) fail(file_, "no link has an <inertial> with a mass");
+    const Eigen::Vector3d cog = sum_.moment / sum_.mass;
+    Eigen::Matrix3d inertia = sum_.inertia - MassSum::parallel_axis(sum_.mass, cog);
+    inertia = 0.5 * (inertia + inertia.transpose().eval());
+    if (!is_physical_inertia(inertia)) {
+      fail(file_, "the vehicle's inertia about its centre of gravity is not that of a body");
+    }
+    model_.mass = MassProperties(sum_.mass, inertia);
+    model_.cog_in_root_m = cog;
+    for (Shape& shape : model_.shapes) shape.pose.translation() -= cog;
+    for (ModelRotor& rotor : model_.rotors) rotor.position_B_m -= cog;
+  }
+
+  void add_shape(const urdf::Link& link, const urdf::Collision& collision,
+                 const Eigen::Isometry3d& X_RL) {
+    if (!collision.geometry) return;
+    Shape shape;
+    shape.name = link.name;
+    shape.pose = X_RL * to_eigen(collision.origin);
+    switch (collision.geometry->type) {
+      case urdf::Geometry::BOX: {
+        const auto& dim = static_cast<const urdf::Box&>(*collision.geometry).dim;
+        check_size(link, {dim.x, dim.y, dim.z});
+        shape.geometry = Box{{dim.x, dim.y, dim.z}};
+        break;
+      }
+      case urdf::Geometry::SPHERE: {
+        const double radius = static_cast<const urdf::Sphere&>(*collision.geometry).radius;
+        check_size(link, Eigen::Vector3d::Constant(radius));
+        shape.geometry = Sphere{radius};
+        break;
+      }
+      case urdf::Geometry::CYLINDER: {
+        const auto& cylinder = static_cast<const urdf::Cylinder&>(*collision.geometry);
+        check_size(link, {cylinder.radius, cylinder.radius, cylinder.length});
+        shape.geometry = Cylinder{cylinder.radius, cylinder.length};
+        break;
+      }
+      case urdf::Geometry::MESH:
+        take_mesh_as_box(link, static_cast<const urdf::Mesh&>(*collision.geometry), shape);
+        break;
+    }
+    model_.shapes.push_back(std::move(shape));
+  }
+
+  /// The contact solver knows no body without extent.
+  void check_size(const urdf::Link& link, const Eigen::Vector3d& size_m) const {
+    if (size_m.allFinite() && (size_m.array() > 0).all()) return;
+    fail(file_, "link '" + link.name + "': a <collision> geometry has a size that is not above 0");
+  }
+
+  void take_mesh_as_box(const urdf::Link& link, const urdf::Mesh& mesh, Shape& shape) {
+    const auto found = find_package_file(mesh.filename, file_.parent_path());
+    if (!found) {
+      fail(file_, "link '" + link.name + "': mesh '" + mesh.filename + "' is nowhere to be found");
+    }
+    Eigen::Vector3d centre;
+    const Box box =
+        bounding_box(load_mesh(*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}), centre);
+    // A flat part still needs a thickness to collide.
+    constexpr double kThinnest = 1e-3;
+    shape.geometry = Box{box.size_m.cwiseMax(kThinnest)};
+    shape.pose.translate(centre);
+  }
+
+  void warn(const std::string& sentence) {
+    model_.warnings.push_back(file_.string() + ": " + sentence);
+  }
+
+  const std::filesystem::path& file_;
+  const urdf::ModelInterface& urdf_;
+  MassSum sum_;
+  VehicleModel model_;
+};
+
+}  // namespace
+
+bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
+  if (!inertia.allFinite() || !inertia.isApprox(inertia.transpose())) return false;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia, Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d moments = solver.eigenvalues();  // rising
+  return moments[0] > 0 && moments[2] <= moments[0] + moments[1] + kTriangleSlack * moments[2];
+}
+
+VehicleModel load_vehicle_model(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail(file, "vehicle model cannot be read");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const UrdfMessages messages;
+  const urdf::ModelInterfaceSharedPtr urdf = urdf::parseURDF(text);
+  if (!urdf || !urdf->getRoot()) {
+    fail(file, "is not a URDF: " + (messages.first().empty() ? "no root link" : messages.first()));
+  }
+  return Assembler(file, *urdf).run();
+}
+
+}  // namespace cas::sim

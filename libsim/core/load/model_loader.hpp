@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "libsim/core/export.hpp"
+#include "libsim/core/body/rigid_body.hpp"
+#include "libsim/core/body/shape.hpp"
+
+namespace cas::sim {
+
+/// A rotor as the URDF places it: the child of a continuous joint.
+struct ModelRotor {
+  std::string joint;
+  Eigen::Vector3d position_B_m;  ///< joint origin from the centre of gravity
+  Eigen::Vector3d axis_B;        ///< unit
+};
+
+/// A vehicle as one rigid body: B has its origin in the centre of gravity and the axes of the root
+/// link, which are forward, left, up.
+struct VehicleModel {
+  std::string name;
+  MassProperties mass;
+  Eigen::Vector3d cog_in_root_m = Eigen::Vector3d::Zero();
+  std::vector<Shape> shapes;  ///< poses in B; meshes as their bounding boxes
+  std::vector<ModelRotor> rotors;
+  std::vector<std::string> warnings;  ///< one sentence each: what was mended or left out
+};
+
+/// Reads a URDF file, also one that SolidWorks exported (several links, package:// meshes). Links
+/// are combined by the parallel-axis theorem; rotors (continuous joints) count with their mass and
+/// inertia at rest. A link whose inertia no body can have is named and taken as a point mass.
+/// Other moving joints are taken as fixed. @throws base::ConfigError naming file and element
+CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file);
+
+/// True when a body can have this inertia: symmetric, positive definite, and no principal moment
+/// larger than the sum of the others.
+CAS_SIM_EXPORT bool is_physical_inertia(const Eigen::Matrix3d& inertia);
+
+}  // namespace cas::sim

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/load/xml_tree.hpp"
+
+#include <expat.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "base/error.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+constexpr std::size_t kDeepest = 200;
+
+/// The elements that are open, from the root inwards.
+struct Builder {
+  XmlElement top;  // holds the root
+  std::vector<XmlElement*> open{&top};
+  XML_Parser parser = nullptr;
+
+  static void on_start(void* user, const XML_Char* name, const XML_Char** attributes) {
+    auto& self = *static_cast<Builder*>(user);
+    if (self.open.size() > kDeepest) {
+      XML_StopParser(self.parser, XML_FALSE);
+      return;
+    }
+    XmlElement& element = self.open.back()->children.emplace_back();
+    element.name = name;
+    for (; *attributes != nullptr; attributes += 2)
+      element.attributes[attributes[0]] = attributes[1];
+    self.open.push_back(&element);
+  }
+  static void on_end(void* user, const XML_Char*) { static_cast<Builder*>(user)->open.pop_back(); }
+  static void on_text(void* user, const XML_Char* text, int length) {
+    static_cast<Builder*>(user)->open.back()->text.append(text, static_cast<std::size_t>(length));
+  }
+};
+
+}  // namespace
+
+std::string_view XmlElement::attribute(std::string_view key) const {
+  const auto found = attributes.find(key);
+  return found == attributes.end() ? std::string_view() : std::string_view(found->second);
+}
+
+const XmlElement* XmlElement::child(std::string_view child_name) const {
+  const auto found = std::find_if(children.begin(), children.end(),
+                                  [&](const XmlElement& each) { return each.name == child_name; });
+  return found == children.end() ? nullptr : &*found;
+}
+
+XmlElement parse_xml(std::string_view text, const std::string& file) {
+  const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(
+      XML_ParserCreate(nullptr), &XML_ParserFree);
+  Builder builder;
+  builder.parser = parser.get();
+  XML_SetUserData(parser.get(), &builder);
+  XML_SetElementHandler(parser.get(), Builder::on_start, Builder::on_end);
+  XML_SetCharacterDataHandler(parser.get(), Builder::on_text);
+  if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) !=
+      XML_STATUS_OK) {
+    throw base::ConfigError(file + ":" + std::to_string(XML_GetCurrentLineNumber(parser.get())) +
+                            ": " + XML_ErrorString(XML_GetErrorCode(parser.get())));
+  }
+  return std::move(builder.top.children.front());
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/run/sim_runner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/plugin.hpp"
+#include "libsim/core/load/model_loader.hpp"
+#include "libsim/core/run/plugin_host.hpp"
+#include "libsim/core/run/sim_world.hpp"
+#include "libsim/core/load/world_loader.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+constexpr base::Duration kDefaultStep = std::chrono::milliseconds(1);
+/// Longest single wait for a peer, so that an interrupt is noticed.
+constexpr base::Duration kWaitSlice = std::chrono::milliseconds(50);
+/// A vehicle file and its URDF may round, not disagree.
+constexpr double kMassTolerance = 0.01;
+
+void log_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& sentence : warnings) base::log::warn(sentence);
+}
+
+base::Geodetic home_of(const SimConfig& config, const WorldModel& world) {
+  if (config.home) return *config.home;
+  if (world.home) return *world.home;
+  throw base::ConfigError(config.world.sdf->string() +
+                          ": has no <spherical_coordinates>, and the configuration no 'home'");
+}
+
+void compare_mass(const VehicleConfig& vehicle, const VehicleModel& model) {
+  const double urdf_kg = model.mass.mass_kg();
+  if (std::abs(urdf_kg - vehicle.vehicle.mass_kg) <= kMassTolerance * urdf_kg) return;
+  base::log::warn(vehicle.name + ": the URDF weighs " + std::to_string(urdf_kg) +
+                  " kg, which is flown; the vehicle file says " +
+                  std::to_string(vehicle.vehicle.mass_kg) + " kg");
+}
+
+}  // namespace
+
+struct SimRunner::Impl {
+  Impl(SimConfig config_in, SimOptions options_in)
+      : config(std::move(config_in)),
+        options(std::move(options_in)),
+        model(load_world(config.world)),
+        step(config.step.value_or(model.step.value_or(kDefaultStep))),
+        world(model, base::LocalProjection(home_of(config, model)), config.decimal_year,
+              config.integrator),
+        plugins(options.plugin_dirs) {
+    log_warnings(model.warnings);
+    if (!config.pace.speed_given) config.pace.speed = model.real_time_factor.value_or(1.0);
+    for (const VehicleConfig& vehicle : config.vehicles) {
+      const VehicleModel vehicle_model = load_vehicle_model(vehicle.vehicle.urdf);
+      log_warnings(vehicle_model.warnings);
+      compare_mass(vehicle, vehicle_model);
+      plugins.load(world.add_vehicle(vehicle_model, vehicle.pose), vehicle);
+    }
+  }
+
+  bool interrupted() const { return interrupt != nullptr && interrupt->load(); }
+
+  /// Lockstep: holds the step until every control due for the sensors sent so far is there.
+  /// @return false when one did not come
+  bool wait_for_peers() {
+    if (config.pace.mode != PaceMode::kLockstep) return true;
+    bool all = true;
+    for (LockstepPeer* peer : plugins.peers()) {
+      if (!peer->in_step()) continue;
+      bool arrived = false;
+      for (base::Duration waited{};
+           !arrived && waited < config.pace.lockstep_timeout && !interrupted();
+           waited += kWaitSlice) {
+        arrived = peer->wait_for_controls(
+            time, std::min(kWaitSlice, config.pace.lockstep_timeout - waited));
+      }
+      if (arrived) continue;
+      ++lockstep_timeouts;
+      peer->give_up();
+      all = false;
+    }
+    return all;
+  }
+
+  SimConfig config;
+  SimOptions options;
+  WorldModel model;
+  base::Duration step;
+  TopicBus bus;
+  SimWorld world;
+  PluginHost plugins;  // last: plugins go before what they are wired to
+  std::vector<Publisher<FlightPhase>> phases;
+  base::SimTime time{};
+  std::uint64_t steps = 0;
+  std::uint64_t lockstep_timeouts = 0;
+  bool finished = false;
+  const std::atomic<bool>* interrupt = nullptr;
+};
+
+SimRunner::SimRunner(SimConfig config, SimOptions options)
+    : impl_(std::make_unique<Impl>(std::move(config), std::move(options))) {}
+
+SimRunner::~SimRunner() = default;
+
+TopicBus& SimRunner::bus() { return impl_->bus; }
+
+void SimRunner::start() {
+  const PluginSurroundings around{impl_->bus, impl_->world, impl_->step, impl_->config.seed,
+                                  impl_->options.output_dir};
+  for (const VehicleConfig& vehicle : impl_->config.vehicles) {
+    impl_->phases.push_back(impl_->bus.advertise<FlightPhase>(vehicle.name + "/flight_phase"));
+  }
+  impl_->plugins.configure(impl_->config.vehicles, around);
+  impl_->bus.freeze();
+  for (const std::string& topic : impl_->bus.unpublished()) {
+    base::log::warn("topic '" + topic + "' has subscribers and no publisher");
+  }
+  impl_->world.start();
+}
+
+void SimRunner::step() {
+  Impl& s = *impl_;
+  const base::SimTime end = s.time + s.step;
+
+  // Lockstep: the controls for the sensors sent so far.
+  s.wait_for_peers();
+
+  // Controls become forces; wind blows; faults strike.
+  s.plugins.pre_step({.time = s.time, .dt = s.step, .index = s.steps}, s.world);
+
+  // Bodies and rotors move.
+  s.world.advance(base::to_seconds(s.step));
+
+  // Sensors measure; interfaces send.
+  s.time = end;
+  s.plugins.post_step({.time = end, .dt = s.step, .index = s.steps}, s.world);
+  ++s.steps;
+}
+
+void SimRunner::reset() {
+  impl_->time = {};
+  impl_->steps = 0;
+  impl_->lockstep_timeouts = 0;
+  impl_->plugins.reset();
+  impl_->world.reset();
+}
+
+void SimRunner::finish() {
+  if (std::exchange(impl_->finished, true)) return;
+  impl_->plugins.finish();
+}
+
+bool SimRunner::settled() {
+  if (!impl_->wait_for_peers()) return true;
+  const auto& peers = impl_->plugins.peers();
+  return impl_->config.pace.mode != PaceMode::kLockstep ||
+         std::all_of(peers.begin(), peers.end(),
+                     [](const LockstepPeer* peer) { return !peer->in_step() || peer->settled(); });
+}
+
+base::SimTime SimRunner::time() const { return impl_->time; }
+base::Duration SimRunner::step_size() const { return impl_->step; }
+std::uint64_t SimRunner::steps() const { return impl_->steps; }
+const World& SimRunner::world() const { return impl_->world; }
+const SimConfig& SimRunner::config() const { return impl_->config; }
+std::uint64_t SimRunner::lockstep_timeouts() const { return impl_->lockstep_timeouts; }
+bool SimRunner::peers_in_step() const {
+  const auto& peers = impl_->plugins.peers();
+  return std::all_of(peers.begin(), peers.end(),
+                     [](const LockstepPeer* peer) { return peer->in_step(); });
+}
+void SimRunner::set_interrupt(const std::atomic<bool>* flag) { impl_->interrupt = flag; }
+
+void SimRunner::set_flight_phase(std::string_view name) {
+  FlightPhase phase;
+  name.copy(phase.name.data(), phase.name.size() - 1);
+  for (const auto& publisher : impl_->phases) publisher.publish(phase);
+}
+
+std::vector<std::string> SimRunner::vehicle_names() const {
+  std::vector<std::string> names;
+  for (const VehicleConfig& vehicle : impl_->config.vehicles) names.push_back(vehicle.name);
+  return names;
+}
+
+std::vector<PluginFigures> SimRunner::plugin_figures() const {
+  std::vector<PluginFigures> figures;
+  for (const PluginInstance& p : impl_->plugins.plugins()) {
+    if (std::string json = p.plugin->stats_json(); !json.empty()) {
+      figures.push_back({p.label, std::move(json)});
+    }
+  }
+  return figures;
+}
+
+}  // namespace cas::sim

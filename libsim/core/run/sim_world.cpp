@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/run/sim_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/earth/atmosphere.hpp"
+#include "base/error.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+// Settling before time zero.
+constexpr double kSettleStep = 1e-3;      // s
+constexpr int kSettleSteps = 2000;        // at most
+constexpr double kSettleReach = 1e-3;     // m: a start this near to a surface is a start on it
+constexpr double kSettleDistance = 0.01;  // m: who moves farther does not stand
+
+BodyState start_state(const VehicleModel& model, const StartPose& pose) {
+  BodyState state;
+  const double yaw = pose.yaw_deg * M_PI / 180.0;
+  state.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Shape& shape : model.shapes) {
+    lowest = std::min(lowest, lowest_point(shape, state.q_WB.toRotationMatrix()));
+  }
+  state.p_WB = {pose.x_m, pose.y_m, pose.z_m - lowest};
+  return state;
+}
+
+/// Distance of a point from a ray's segment.
+double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& origin,
+                           const Eigen::Vector3d& direction, double range) {
+  const double along = std::clamp(direction.dot(p - origin), 0.0, range);
+  return (origin + along * direction - p).norm();
+}
+
+}  // namespace
+
+SimWorld::SimWorld(const WorldModel& model, const base::LocalProjection& projection,
+                   double decimal_year, Integrator integrator)
+    : projection_(projection),
+      decimal_year_(decimal_year),
+      integrator_(integrator),
+      gravity_W_(model.gravity_W),
+      wind_W_(model.wind_W),
+      solver_(std::make_unique<ContactSolver>(model.gravity_W)) {
+  for (const Shape& shape : model.statics) solver_->add_static(shape);
+}
+
+SimWorld::~SimWorld() = default;
+
+VehicleId SimWorld::add_vehicle(const VehicleModel& model, const StartPose& pose) {
+  solver_->add_body(model.shapes, model.mass);
+  const std::size_t index = vehicles_.size();
+  VehicleBody body{
+      .start = start_state(model, pose),
+      .start_mass = model.mass,
+      .state = {},
+      .mass = model.mass,
+      .forces = {},
+      .environment = {},
+      .extra = {},
+      .applied = {},
+      .rest = RestDetector(model.mass.mass_kg() * gravity_W_.norm(), solver_->radius(index)),
+      .rest_at_start = std::nullopt};
+  vehicles_.push_back(std::move(body));
+  set_to_start(vehicles_.back());
+  return static_cast<VehicleId>(index);
+}
+
+void SimWorld::add_force_model(VehicleId vehicle, ForceModel& model) {
+  at(vehicle).forces.add(model);
+  at(vehicle).forces.reset_states();
+}
+
+void SimWorld::start() {
+  solver_->reset();
+  touching_pairs_.reserve(vehicles_.size() * vehicles_.size());
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) settle(i);
+  reset();
+}
+
+void SimWorld::reset() {
+  solver_->reset();
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    vehicles_[i].mass = vehicles_[i].start_mass;
+    solver_->set_mass(i, vehicles_[i].mass);
+    set_to_start(vehicles_[i]);
+  }
+}
+
+void SimWorld::set_to_start(VehicleBody& body) {
+  body.state = body.start;
+  body.forces.reset_states();
+  body.environment.wind_W = wind_W_;
+  body.extra = {};
+  body.touching = body.rest_at_start.has_value();
+  body.mode = body.touching ? Mode::kHeld : Mode::kFree;
+  body.rest.wake();
+  if (body.rest_at_start) body.rest = *body.rest_at_start;
+  refresh_environment(body);
+}
+
+/// Runs the contact solver on the vehicle alone, without its forces, until it rests.
+void SimWorld::settle(std::size_t index) {
+  VehicleBody& body = vehicles_[index];
+  BodyState state = body.start;
+  state.p_WB.z() -= kSettleReach;
+  solver_->begin(kSettleStep);
+  solver_->place(index, state);
+  solver_->collide_world(index);
+  if (!solver_->touching(index)) return;
+  state = body.start;
+  RestDetector rest = body.rest;
+  for (int step = 0; step < kSettleSteps && !rest.at_rest(); ++step) {
+    solver_->begin(kSettleStep);
+    solver_->place(index, state);
+    solver_->collide_world(index);
+    solver_->apply(index, Wrench{});
+    solver_->step();
+    solver_->read(index, state);
+    rest.update(state, Wrench{}, kSettleStep);
+  }
+  solver_->begin(kSettleStep);
+  if (!rest.at_rest() || (state.p_WB - body.start.p_WB).norm() > kSettleDistance) return;
+  body.start.p_WB = state.p_WB;
+  body.start.q_WB = state.q_WB;
+  body.rest_at_start = rest;
+}
+
+void SimWorld::advance(double dt) {
+  for (VehicleBody& body : vehicles_) {
+    body.v_before_W = body.state.v_WB;
+    body.w_before_B = body.state.w_WB_B;
+  }
+  const int parts = substeps(dt);
+  for (int part = 0; part < parts; ++part) advance_part(dt / parts);
+  for (VehicleBody& body : vehicles_) {
+    body.state.a_WB = (body.state.v_WB - body.v_before_W) / dt;
+    body.state.alpha_WB_B = (body.state.w_WB_B - body.w_before_B) / dt;
+    body.extra = {};
+    refresh_environment(body);
+  }
+}
+
+void SimWorld::advance_part(double h) {
+  solver_->begin(h);
+  choose_modes(h);
+  collide_pairs();
+
+  bool pushed = false;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    VehicleBody& body = vehicles_[i];
+    body.touching = body.mode == Mode::kHeld || solver_->touching(i);
+    if (body.mode == Mode::kHeld) continue;
+    if (body.touching || body.has_applied || integrator_ == Integrator::kOde) {
+      body.mode = Mode::kContact;
+      push(i, h);
+      pushed = true;
+    } else {
+      body.mode = Mode::kFree;
+      integrate_free(body.state, body.forces, body.mass, body.environment, body.extra, h);
+    }
+  }
+  if (!pushed) return;
+
+  solver_->step();
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    if (vehicles_[i].mode == Mode::kContact) take_contact_result(i, h);
+  }
+  hold_what_rests();
+}
+
+/// Finds who stays held and who touches the static world.
+void SimWorld::choose_modes(double h) {
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    VehicleBody& body = vehicles_[i];
+    body.has_applied = false;
+    if (body.mode == Mode::kHeld && stays_held(body, h)) continue;
+    body.mode = Mode::kFree;
+    if (integrator_ != Integrator::kOde && !solver_->near_world(i, body.state.p_WB)) continue;
+    solver_->place(i, body.state);
+    solver_->collide_world(i);
+  }
+}
+
+/// Advances the forces of a held body and tells whether they are still those it rests under.
+bool SimWorld::stays_held(VehicleBody& body, double h) {
+  body.applied = integrate_forces(body.state, body.forces, body.environment, body.extra, h);
+  body.has_applied = true;
+  if (body.rest.same(body.applied)) return true;
+  body.rest.wake();
+  return false;
+}
+
+/// Contacts between vehicles; one that hits a held vehicle wakes it.
+void SimWorld::collide_pairs() {
+  touching_pairs_.clear();
+  const auto wake_when_hit = [this](std::size_t i) {
+    VehicleBody& body = vehicles_[i];
+    if (body.mode != Mode::kHeld || !solver_->touching(i)) return;
+    body.mode = Mode::kContact;
+    body.rest.wake();
+    solver_->collide_world(i);
+  };
+  for (std::size_t i = 1; i < vehicles_.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      VehicleBody& a = vehicles_[i];
+      VehicleBody& b = vehicles_[j];
+      if (!solver_->near_each_other(i, a.state.p_WB, j, b.state.p_WB)) continue;
+      if (a.mode == Mode::kHeld && b.mode == Mode::kHeld) continue;
+      solver_->place(i, a.state);
+      solver_->place(j, b.state);
+      if (!solver_->collide_bodies(i, j)) continue;
+      touching_pairs_.emplace_back(i, j);
+      wake_when_hit(i);
+      wake_when_hit(j);
+    }
+  }
+}
+
+void SimWorld::push(std::size_t index, double h) {
+  VehicleBody& body = vehicles_[index];
+  if (!body.has_applied) {
+    body.applied = integrate_forces(body.state, body.forces, body.environment, body.extra, h);
+  }
+  solver_->apply(index, body.applied);
+}
+
+void SimWorld::take_contact_result(std::size_t index, double h) {
+  VehicleBody& body = vehicles_[index];
+  solver_->read(index, body.state);
+  if (!body.touching || integrator_ == Integrator::kOde) return;
+  body.rest.update(body.state, body.applied, h);
+}
+
+/// Who rests is held; vehicles that touch each other rest together or not at all.
+void SimWorld::hold_what_rests() {
+  if (integrator_ == Integrator::kOde) return;
+  bool changed = true;
+  while (std::exchange(changed, false)) {
+    for (const auto& [i, j] : touching_pairs_) {
+      RestDetector& a = vehicles_[i].rest;
+      RestDetector& b = vehicles_[j].rest;
+      if (a.at_rest() == b.at_rest()) continue;
+      (a.at_rest() ? a : b).almost();
+      changed = true;
+    }
+  }
+  for (VehicleBody& body : vehicles_) {
+    if (body.mode != Mode::kContact || !body.rest.at_rest()) continue;
+    body.mode = Mode::kHeld;
+    body.state.v_WB.setZero();
+    body.state.w_WB_B.setZero();
+  }
+}
+
+void SimWorld::refresh_environment(VehicleBody& body) {
+  Environment& environment = body.environment;
+  environment.gravity_W = gravity_W_;
+  environment.air_density_kg_m3 =
+      base::isa::density_kg_m3(projection_.home().alt_m + body.state.p_WB.z());
+  environment.height_above_ground_m = solver_->height_above_ground(body.state.p_WB);
+}
+
+std::span<const double> SimWorld::states_of(const ForceModel& model) const {
+  for (const VehicleBody& body : vehicles_) {
+    const std::span<const double> states = body.forces.states_of(model);
+    if (states.data() != nullptr) return states;
+  }
+  return {};
+}
+
+std::optional<double> SimWorld::ray_distance(VehicleId vehicle, const Eigen::Vector3d& origin_W,
+                                             const Eigen::Vector3d& direction_W,
+                                             double range_m) const {
+  const Eigen::Vector3d direction = direction_W.normalized();
+  std::optional<double> nearest = solver_->ray_to_world(origin_W, direction, range_m);
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    if (i == static_cast<std::size_t>(vehicle)) continue;
+    const BodyState& other = vehicles_[i].state;
+    if (distance_to_segment(other.p_WB, origin_W, direction, range_m) > solver_->radius(i))
+      continue;
+    solver_->place(i, other);
+    const auto hit = solver_->ray_to_body(i, origin_W, direction, range_m);
+    if (hit && (!nearest || *hit < *nearest)) nearest = hit;
+  }
+  return nearest;
+}
+
+void SimWorld::set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) {
+  at(vehicle).environment.wind_W = wind_W;
+}
+
+void SimWorld::add_wrench(VehicleId vehicle, const Wrench& wrench) {
+  at(vehicle).extra.force_B += wrench.force_B;
+  at(vehicle).extra.torque_B += wrench.torque_B;
+}
+
+void SimWorld::scale_mass(VehicleId vehicle, double factor) {
+  if (!(factor > 0)) throw base::ConfigError("mass can only be scaled by a positive factor");
+  VehicleBody& body = at(vehicle);
+  const MassProperties mass = body.start_mass.scaled(factor);
+  if (mass.mass_kg() == body.mass.mass_kg()) return;  // a vehicle at rest is not woken for nothing
+  body.mass = mass;
+  solver_->set_mass(static_cast<std::size_t>(vehicle), body.mass);
+  body.rest.wake();
+  if (body.mode == Mode::kHeld) body.mode = Mode::kContact;
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/hilsim/control_server.hpp"
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <csignal>
+#include <cstdio>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/os/log.hpp"
+#include "base/rpc/server.hpp"
+#include "base/os/thread.hpp"
+#include "libsim/hilsim/sim_report.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+namespace asio = boost::asio;
+using base::rpc::Json;
+using base::rpc::Reply;
+
+constexpr double kLongestTime = 1e9;  // s
+
+/// Asks for a line with the state of the run. Not a constant: the C library keeps some for itself.
+int status_signal() { return SIGRTMIN; }
+
+std::string status_line(const LoopFigures& f) {
+  char line[120];
+  std::snprintf(line, sizeof(line), "%.3f s, %s, %.2f x real time, %llu late steps",
+                base::to_seconds(f.time), f.paused ? "paused" : "running", f.real_time_factor,
+                static_cast<unsigned long long>(f.late_steps));
+  return line;
+}
+
+/// A named parameter, or nothing when it is missing or of another kind.
+std::optional<double> number_of(const Json& params, const char* key) {
+  if (!params.is_object() || !params.contains(key) || !params[key].is_number()) return std::nullopt;
+  return params[key].get<double>();
+}
+
+}  // namespace
+
+struct ControlServer::Impl {
+  explicit Impl(SimLoop& loop_in) : loop(loop_in) {}
+
+  /// Carries `order` to the loop's thread, and what it answers back to this one.
+  void carry(Reply reply, std::function<void(std::function<void()> done)> order) {
+    loop.post([this, reply = std::move(reply), order = std::move(order)] {
+      order([this, reply] { answer(reply, status_report(loop)); });
+    });
+  }
+
+  void answer(const Reply& reply, Json result) {
+    asio::post(io, [reply, result = std::move(result)] { reply.result(result); });
+  }
+
+  /// A method that is done at once.
+  void add_plain(const std::string& name, std::function<void()> order) {
+    server.add_method(name, [this, order = std::move(order)](const Json&, Reply reply) {
+      carry(std::move(reply), [order](const std::function<void()>& done) {
+        order();
+        done();
+      });
+    });
+  }
+
+  void add_methods() {
+    add_plain("sim.status", [] {});
+    add_plain("sim.pause", [this] { loop.pause(); });
+    add_plain("sim.resume", [this] { loop.resume(); });
+    add_plain("sim.reset", [this] { loop.reset(); });
+    add_plain("sim.quit", [this] { loop.stop(); });
+    server.add_method("sim.stats", [this](const Json&, Reply reply) {
+      loop.post([this, reply = std::move(reply)] { answer(reply, stats_report(loop)); });
+    });
+    server.add_method("sim.step", [this](const Json& params, Reply reply) {
+      const double n = params.is_object() && !params.contains("n")
+                           ? 1.0
+                           : number_of(params, "n").value_or(params.is_null() ? 1.0 : -1.0);
+      if (!(n >= 1 && n <= kLongestTime)) {
+        return reply.error(base::rpc::kInvalidParams, "n is a number of steps from 1", nullptr);
+      }
+      carry(std::move(reply), [this, n](std::function<void()> done) {
+        loop.step(static_cast<std::uint64_t>(n), std::move(done));
+      });
+    });
+    server.add_method("sim.phase", [this](const Json& params, Reply reply) {
+      if (!params.is_object() || !params.contains("name") || !params["name"].is_string()) {
+        return reply.error(base::rpc::kInvalidParams, "name is the name of a phase", nullptr);
+      }
+      carry(std::move(reply),
+            [this, name = params["name"].get<std::string>()](const std::function<void()>& done) {
+              loop.set_flight_phase(name);
+              done();
+            });
+    });
+    server.add_method("sim.run_until", [this](const Json& params, Reply reply) {
+      const auto time_s = number_of(params, "time_s");
+      if (!time_s || !(*time_s >= 0 && *time_s <= kLongestTime)) {
+        return reply.error(base::rpc::kInvalidParams, "time_s is a time in seconds", nullptr);
+      }
+      carry(std::move(reply), [this, t = *time_s](std::function<void()> done) {
+        loop.run_until(base::SimTime(base::from_seconds(t)), std::move(done));
+      });
+    });
+  }
+
+  void wait_for_signal() {
+    signals.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      on_signal(signal);
+      wait_for_signal();
+    });
+  }
+
+  void on_signal(int signal) {
+    switch (signal) {
+      case SIGUSR1:
+        return loop.post([this] { loop.figures().paused ? loop.resume() : loop.pause(); });
+      case SIGUSR2:
+        return loop.post([this] {
+          if (loop.figures().paused) loop.step(1, nullptr);
+        });
+      case SIGHUP:
+        return loop.post([this] { loop.reset(); });
+      case SIGINT:
+      case SIGTERM:
+        return loop.stop();
+      default:  // status_signal()
+        return loop.post([this] { base::log::info(status_line(loop.figures())); });
+    }
+  }
+
+  SimLoop& loop;
+  asio::io_context io{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
+  asio::signal_set signals{io};
+  base::rpc::Server server{io};
+  std::thread thread;
+};
+
+ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem::path>& unix_path)
+    : impl_(std::make_unique<Impl>(loop)) {
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGHUP, status_signal()}) {
+    impl_->signals.add(signal);
+  }
+  impl_->wait_for_signal();
+  impl_->add_methods();
+  if (unix_path) impl_->server.listen_unix(*unix_path);
+  impl_->thread = std::thread([this] {
+    base::configure_this_thread("control", {});
+    impl_->io.run();
+  });
+}
+
+ControlServer::~ControlServer() {
+  asio::post(impl_->io, [this] {
+    impl_->signals.cancel();
+    impl_->server.close();
+    impl_->work.reset();
+  });
+  impl_->thread.join();
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <sys/prctl.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/cli/manual.hpp"
+#include "base/cli/parse.hpp"
+#include "base/os/command_port.hpp"
+#include "base/os/cpu_latency.hpp"
+#include "base/error.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/os/log.hpp"
+#include "base/os/notify.hpp"
+#include "base/os/program.hpp"
+#include "base/os/thread.hpp"
+#include "libsim/hilsim/control_server.hpp"
+#include "libsim/core/load/sim_config.hpp"
+#include "libsim/core/run/sim_loop.hpp"
+#include "libsim/hilsim/sim_report.hpp"
+#include "libsim/core/run/sim_runner.hpp"
+
+namespace {
+
+using namespace cas;
+
+struct Flags {
+  std::filesystem::path config;
+  std::optional<std::filesystem::path> stats;
+  std::optional<std::filesystem::path> ledger;
+  std::optional<std::filesystem::path> control;
+  std::filesystem::path output = ".";
+  std::vector<std::filesystem::path> plugin_dirs;
+  std::string log_level = "info";
+  std::optional<double> duration_s;
+  bool lockstep = false;
+  bool paused = false;
+};
+
+void add_flags(CLI::App& app, Flags& flags) {
+  app.add_option("config", flags.config, "Simulation to run (YAML)")->required();
+  app.add_option("--stats", flags.stats, "Write figures (JSON) to this file at the end");
+  app.add_option("--ledger", flags.ledger,
+                 "Write each vehicle's packet ledger (CSV); with several vehicles FILE.<name>");
+  app.add_option("--control", flags.control, "Unix socket for control (JSON-RPC)");
+  app.add_option("--output", flags.output, "Folder for the files of the run");
+  app.add_option("--plugin-dir", flags.plugin_dirs, "Folder searched for plugins first");
+  app.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
+  app.add_option("--duration", flags.duration_s, "End after this much simulated time, s")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--lockstep", flags.lockstep,
+               "Wait for the controls that are due before each step, as 'pace: lockstep' does");
+  app.add_flag("--paused", flags.paused, "Start paused at time zero");
+  app.set_version_flag("--version", "hilsim " CAS_VERSION);
+  base::cli::add_manual(app, "hilsim", CAS_VERSION);
+}
+
+/// Gives each interface plugin its `ledger` parameter, as if the file had it.
+void order_ledgers(sim::SimConfig& config, const std::filesystem::path& file) {
+  for (sim::VehicleConfig& vehicle : config.vehicles) {
+    for (sim::PluginConfig& plugin : vehicle.plugins) {
+      if (plugin.plugin != "mavlink_interface") continue;
+      const std::string name = std::filesystem::absolute(file).string() +
+                               (config.vehicles.size() > 1 ? "." + vehicle.name : "");
+      const nlohmann::json quoted = name;
+      plugin.params = base::ConfigNode::parse("ledger: " + quoted.dump(), "--ledger")
+                          .merged_over(plugin.params);
+    }
+  }
+}
+
+int run(const Flags& flags) {
+  sim::SimConfig config = sim::SimConfig::load(base::find_config(flags.config));
+  if (flags.lockstep) config.pace.mode = sim::PaceMode::kLockstep;
+  if (flags.ledger) order_ledgers(config, *flags.ledger);
+  std::error_code error;
+  std::filesystem::create_directories(flags.output, error);
+  if (error) throw base::ConfigError(flags.output.string() + ": " + error.message());
+
+  sim::SimRunner runner(std::move(config),
+                        {.output_dir = flags.output, .plugin_dirs = flags.plugin_dirs});
+  const sim::PaceConfig pace = runner.config().pace;
+  sim::SimLoop loop(runner, pace);
+  const auto control = base::bind_command_port(
+      [&] { return std::make_unique<sim::ControlServer>(loop, flags.control); });
+  runner.start();
+  if (pace.lock_memory) base::lock_memory();
+  const base::CpuLatencyRequest latency(pace.cpu_dma_latency_us);
+  base::configure_this_thread("simulation", pace.thread);
+  ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // wake at the deadline, not up to 50 us later
+  if (flags.paused) loop.post([&loop] { loop.pause(); });
+
+  base::notify("READY=1\nSTATUS=" + sim::endpoints_report(runner));
+  base::log::info("running");
+  std::optional<base::SimTime> until;
+  if (flags.duration_s) until = base::SimTime(base::from_seconds(*flags.duration_s));
+  loop.run(until);
+
+  base::notify("STOPPING=1");
+  runner.finish();
+  if (flags.stats) sim::write_report(*flags.stats, sim::stats_report(loop));
+  const sim::LoopFigures f = loop.figures();
+  char line[160];
+  std::snprintf(line, sizeof(line), "stopped at %.3f s: %.2f x real time, %llu late steps",
+                base::to_seconds(f.time), f.real_time_factor,
+                static_cast<unsigned long long>(f.late_steps));
+  base::log::info(line);
+  return base::kExitOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Simulates vehicles and their sensors for hardware-in-the-loop flight.", "hilsim");
+  Flags flags;
+  add_flags(app, flags);
+  if (const auto ended = base::cli::parse(app, argc, argv, base::kExitConfig)) return *ended;
+  return base::run_program("hilsim", flags.log_level, [&] { return run(flags); });
+}

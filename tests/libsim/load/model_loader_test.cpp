@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/load/model_loader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/config/vehicle.hpp"
+#include "tests/base/temporary_folder.hpp"
+#include "tests/libsim/support/sim_files.hpp"
+
+namespace cas::sim {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::string link(const std::string& name, const std::string& inside) {
+  return "<link name='" + name + "'>" + inside + "</link>\n";
+}
+std::string inertial(double mass, const std::string& xyz, const std::string& rpy,
+                     const std::string& inertia) {
+  return "<inertial><origin xyz='" + xyz + "' rpy='" + rpy + "'/><mass value='" +
+         std::to_string(mass) + "'/><inertia " + inertia + "/></inertial>";
+}
+std::string joint(const std::string& type, const std::string& child, const std::string& xyz,
+                  const std::string& rpy = "0 0 0") {
+  return "<joint name='" + child + "_joint' type='" + type + "'><origin xyz='" + xyz + "' rpy='" +
+         rpy + "'/><parent link='base'/><child link='" + child +
+         "'/><axis xyz='0 0 1'/><limit effort='1' velocity='1' lower='0' upper='1'/></joint>\n";
+}
+const std::string kBall = "ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'";
+const std::string kCollision =
+    "<collision><geometry><box size='0.4 0.4 0.1'/></geometry></collision>";
+
+class ModelLoader : public testing::Test {
+ protected:
+  VehicleModel load(const std::string& inside) {
+    return load_vehicle_model(folder_.write("v.urdf", "<robot name='v'>" + inside + "</robot>"));
+  }
+  std::string refuse(const std::string& inside) {
+    return test::refusal([&] { load(inside); });
+  }
+  base::TemporaryFolder folder_;
+};
+
+TEST_F(ModelLoader, ShippedVehiclesAgreeWithTheirFiles) {
+  for (const char* name : {"iris_paper", "iris_px4"}) {
+    const auto vehicle =
+        base::Vehicle::load(test::kSourceDir / "config/vehicles" / (std::string(name) + ".yaml"));
+    const VehicleModel model = load_vehicle_model(vehicle.urdf);
+    EXPECT_THAT(model.warnings, IsEmpty());
+    EXPECT_NEAR(model.mass.mass_kg(), vehicle.mass_kg, 1e-9);
+    EXPECT_LT((model.mass.inertia_B().diagonal() - vehicle.inertia_kg_m2).norm(), 1e-8);
+    ASSERT_EQ(model.rotors.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_LT((model.rotors[i].position_B_m - vehicle.rotors[i].position_B_m).norm(), 1e-8);
+      EXPECT_LT((model.rotors[i].axis_B - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+    }
+  }
+}
+
+TEST_F(ModelLoader, CombinesLinksByTheParallelAxisTheorem) {
+  // Two balls of 1 kg, 1 m apart: a dumbbell. Centre in the middle; across: 2 (0.01 + 1 * 0.5^2).
+  const VehicleModel model =
+      load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision) +
+           link("tip", inertial(1, "0 0 0", "0 0 0", kBall)) + joint("fixed", "tip", "1 0 0"));
+  EXPECT_NEAR(model.mass.mass_kg(), 2, 1e-12);
+  EXPECT_LT((model.cog_in_root_m - Eigen::Vector3d(0.5, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((model.mass.inertia_B().diagonal() - Eigen::Vector3d(0.02, 0.52, 0.52)).norm(), 1e-12);
+  EXPECT_NEAR(model.shapes[0].pose.translation().x(), -0.5, 1e-12);
+}
+
+TEST_F(ModelLoader, TurnsInertiasIntoTheRootsAxes) {
+  // A rod along its own x, mounted along y of the root.
+  const std::string rod = "ixx='0.001' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'";
+  const VehicleModel model =
+      load(link("base", inertial(1e-9, "0 0 0", "0 0 0",
+                                 "ixx='0' iyy='0' izz='0' ixy='0' ixz='0' iyz='0'") +
+                            kCollision) +
+           link("rod", inertial(1, "0 0 0", "0 0 1.5707963267948966", rod)) +
+           joint("fixed", "rod", "0 0 0"));
+  EXPECT_LT((model.mass.inertia_B().diagonal() - Eigen::Vector3d(0.1, 0.001, 0.1)).norm(), 1e-8);
+}
+
+TEST_F(ModelLoader, ContinuousJointsAreRotors) {
+  const VehicleModel model = load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision) +
+                                  link("prop", inertial(0.01, "0 0 0", "0 0 0", kBall)) +
+                                  joint("continuous", "prop", "0.2 0.1 0.05", "0.1 0 0"));
+  ASSERT_EQ(model.rotors.size(), 1u);
+  EXPECT_EQ(model.rotors[0].joint, "prop_joint");
+  EXPECT_NEAR(model.rotors[0].axis_B.y(), -std::sin(0.1), 1e-12);
+  EXPECT_NEAR(model.rotors[0].position_B_m.x(), 0.2 - 0.002 / 1.01, 1e-12);
+}
+
+TEST_F(ModelLoader, NamesInertiasThatNoBodyHas) {
+  // The figures of [HILS] Fig. 4: i_yy of 1e-22 beside i_xy of 5e-7.
+  const std::string absurd =
+      "ixx='1.61247820352629E-06' ixy='5.61993810631176E-07' ixz='3.10511981052143E-24' "
+      "iyy='1.28805193648675E-22' iyz='-3.65987310616101E-06' izz='2.22548464616382E-22'";
+  const VehicleModel model =
+      load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision) +
+           link("prop", inertial(0.002477, "0.025982 0 0.061733", "0 0 0", absurd)) +
+           joint("fixed", "prop", "0 0 0"));
+  ASSERT_EQ(model.warnings.size(), 1u);
+  EXPECT_THAT(model.warnings[0], HasSubstr("link 'prop': no body has this <inertia>"));
+  EXPECT_TRUE(is_physical_inertia(model.mass.inertia_B()));
+}
+
+TEST_F(ModelLoader, ReadsASolidWorksExport) {
+  // NAME/urdf and NAME/meshes, package:// URIs, links joined rigidly.
+  std::string stl(80, ' ');
+  const auto add = [&stl](const auto& value) {
+    stl.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  add(std::uint32_t{2});
+  const float corners[2][9] = {{-1, -2, 0, 1, -2, 0, 1, 2, 0.5F},
+                               {-1, -2, 0, 1, 2, 0.5F, -1, 2, 0}};
+  for (const auto& corner : corners) {
+    for (int i = 0; i < 3; ++i) add(0.0F);
+    for (const float value : corner) add(value);
+    add(std::uint16_t{0});
+  }
+  folder_.write("UAV/meshes/Quad.STL", stl);
+  const auto file = folder_.write(
+      "UAV/urdf/UAV.urdf",
+      "<robot name='UAV'>" +
+          link("base_link",
+               inertial(1.5, "0 0 0", "0 0 0", kBall) +
+                   "<collision><origin xyz='0 0 0' rpy='1.5707963267949 0 0'/><geometry><mesh "
+                   "filename='package://UAV/meshes/Quad.STL' scale='0.1 0.1 0.1'/></geometry>"
+                   "</collision>") +
+          "</robot>");
+  const VehicleModel model = load_vehicle_model(file);
+  const Box& box = std::get<Box>(model.shapes.at(0).geometry);
+  EXPECT_LT((box.size_m - Eigen::Vector3d(0.2, 0.4, 0.05)).norm(), 1e-7);
+  EXPECT_NEAR(model.shapes[0].pose.translation().y(), -0.025, 1e-7);
+}
+
+TEST_F(ModelLoader, OtherMovingJointsAreTakenAsFixed) {
+  const VehicleModel model =
+      load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision) +
+           link("arm", inertial(0.1, "0 0 0", "0 0 0", kBall)) + joint("revolute", "arm", "0 0 0"));
+  EXPECT_THAT(model.warnings, Contains(HasSubstr("joint 'arm_joint' moves")));
+}
+
+TEST_F(ModelLoader, RefusesWhatCannotFly) {
+  EXPECT_THAT(refuse(link("base", kCollision)), HasSubstr("no link has an <inertial>"));
+  EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall))),
+              HasSubstr("has no <collision>"));
+  EXPECT_THAT(refuse("<link name="), HasSubstr("v.urdf: is not a URDF"));
+  EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
+                                      "<collision><geometry><mesh filename='package://a/b.stl'/>"
+                                      "</geometry></collision>")),
+              HasSubstr("link 'base': mesh 'package://a/b.stl' is nowhere to be found"));
+  EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
+                                      "<collision><geometry><box size='1 0 1'/></geometry>"
+                                      "</collision>")),
+              HasSubstr("link 'base': a <collision> geometry has a size that is not above 0"));
+  const std::string flat = "ixx='1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'";
+  EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", flat) + kCollision)),
+              HasSubstr("not that of a body"));
+  EXPECT_THAT(test::refusal([] { load_vehicle_model("/nowhere.urdf"); }),
+              HasSubstr("/nowhere.urdf: vehicle model cannot be read"));
+}
+
+}  // namespace
+}  // namespace cas::sim

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/load/sim_config.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/libsim/support/sim_files.hpp"
+
+namespace cas::sim {
+namespace {
+
+using testing::HasSubstr;
+using namespace std::chrono_literals;
+
+SimConfig parse(const std::string& text) {
+  return SimConfig::parse(base::ConfigNode::parse(text, "sim.yaml"));
+}
+
+TEST(SimConfig, ReadsEveryKey) {
+  const SimConfig config = parse(test::kHead + test::kFlat + R"(
+step_us: 4000
+speed: 2.5
+seed: 77
+integrator: ode
+pacing:
+  catch_up_rate: 1.5
+  max_lag_ms: 40
+  lockstep_timeout_ms: 300
+  thread: {fifo_priority: 20, cpus: [1]}
+  lock_memory: true
+  cpu_dma_latency_us: 50
+vehicles:
+  - name: a
+    vehicle: )" + test::kIris + R"(
+    pose: {x_m: 1, y_m: 2, z_m: 3, yaw_deg: 4}
+    plugins:
+      - {plugin: imu, rate_hz: 250}
+)");
+  EXPECT_EQ(config.step, 4ms);
+  EXPECT_EQ(config.pace.mode, PaceMode::kFreeRun);
+  EXPECT_EQ(config.pace.speed, 2.5);
+  EXPECT_EQ(config.pace.catch_up_rate, 1.5);
+  EXPECT_EQ(config.pace.max_lag, 40ms);
+  EXPECT_EQ(config.pace.lockstep_timeout, 300ms);
+  EXPECT_EQ(config.pace.thread.fifo_priority, 20);
+  EXPECT_TRUE(config.pace.lock_memory);
+  EXPECT_EQ(config.pace.cpu_dma_latency_us, 50);
+  EXPECT_EQ(config.seed, 77u);
+  EXPECT_EQ(config.integrator, Integrator::kOde);
+  EXPECT_EQ(config.home->alt_m, 488.0);
+  ASSERT_EQ(config.vehicles.size(), 1u);
+  EXPECT_EQ(config.vehicles[0].pose.yaw_deg, 4);
+}
+
+TEST(SimConfig, OwnKeysGoBeforeTheVehiclesPresets) {
+  const SimConfig config = test::config(test::vehicle("a", "{}", "[{plugin: imu, rate_hz: 250}]"));
+  const base::ConfigNode& params = config.vehicles[0].plugins[0].params;
+  EXPECT_EQ(params.require<double>("rate_hz"), 250);
+  EXPECT_EQ(params.require<Eigen::Vector3d>("gyro_stddev_deg_s").x(), 0.67);
+}
+
+struct ErrorCase {
+  const char* name;
+  std::string text;
+  const char* message;
+};
+class SimConfigError : public testing::TestWithParam<ErrorCase> {};
+
+TEST_P(SimConfigError, NamesFileLineAndKey) {
+  EXPECT_THAT(test::refusal([&] { parse(GetParam().text); }), HasSubstr(GetParam().message));
+}
+
+const std::string kNoVehicles = test::kHead + test::kFlat;
+const std::string kGood = kNoVehicles + "vehicles:\n" + test::vehicle("a");
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, SimConfigError,
+    testing::Values(
+        ErrorCase{"NoVehicles", kNoVehicles, "sim.yaml:1: key 'vehicles' is missing"},
+        ErrorCase{"EmptyVehicles", kNoVehicles + "vehicles: []\n", "names no vehicle"},
+        ErrorCase{"UnknownKey", kGood + "sped: 2\n", "sped: unknown key; did you mean 'speed'?"},
+        ErrorCase{"UnknownPace", kGood + "pacing: {}\nintegrator: euler\n",
+                  "integrator: 'euler' is none of: rk4, ode"},
+        ErrorCase{"StepOutOfRange", kGood + "step_us: 50\n", "step_us: 50 must lie in"},
+        ErrorCase{"TwinNames", kGood + test::vehicle("a"), "two vehicles have the name 'a'"},
+        ErrorCase{"SlashInName", kNoVehicles + "vehicles:\n" + test::vehicle("a/b"), "no '/'"},
+        ErrorCase{"NoVehicleFile", kNoVehicles + "vehicles:\n  - {name: a, vehicle: none.yaml}\n",
+                  "none.yaml"},
+        ErrorCase{"OtherSchema", "schema: 2\n", "this program reads schema 1"},
+        ErrorCase{"NoHome", "schema: 1\ndecimal_year: 2026\n" + test::kFlat,
+                  "key 'home' is missing"}),
+    [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace cas::sim

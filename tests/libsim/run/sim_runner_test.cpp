@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/run/sim_runner.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "libsim/api/messages.hpp"
+#include "tests/base/temporary_folder.hpp"
+#include "tests/libsim/support/sim_files.hpp"
+
+namespace cas::sim {
+namespace {
+
+using testing::HasSubstr;
+using namespace std::chrono_literals;
+
+constexpr VehicleId kFirst{0};
+
+std::string figure(const SimRunner& runner, const std::string& name) {
+  for (const PluginFigures& figures : runner.plugin_figures()) {
+    if (figures.name == name) return figures.json;
+  }
+  return "none";
+}
+
+TEST(SimRunner, CountsTimeOnTheGridOfSteps) {
+  SimRunner runner(test::config(test::vehicle("iris0"), "step_us: 250\n"));
+  runner.start();
+  for (int i = 0; i < 4000; ++i) runner.step();
+  EXPECT_EQ(runner.time().time_since_epoch(), 1s);
+  EXPECT_EQ(runner.steps(), 4000u);
+  EXPECT_EQ(runner.step_size(), 250us);
+}
+
+TEST(SimRunner, CallsEachPhaseOncePerStep) {
+  SimRunner runner(test::config(test::vehicle("iris0", "{}", "[{plugin: fake_counter}]")),
+                   test::fake_plugins());
+  runner.start();
+  for (int i = 0; i < 10; ++i) runner.step();
+  EXPECT_EQ(figure(runner, "fake_counter@iris0"), R"({"pre":10,"post":10,"endpoint":"fake 1"})");
+}
+
+TEST(SimRunner, HostSubscribesBeforeStart) {
+  SimRunner runner(test::config(test::vehicle("iris0", "{}", "[{plugin: fake_counter}]")),
+                   test::fake_plugins());
+  std::vector<base::SimTime> times;
+  const auto subscription = runner.bus().subscribe<ImuSample>(
+      "iris0/imu", [&](const ImuSample& sample) { times.push_back(sample.time); });
+  runner.start();
+  runner.step();
+  runner.step();
+  ASSERT_EQ(times.size(), 2u);
+  EXPECT_EQ(times[0].time_since_epoch(), 1ms) << "post_step has the time of the step's end";
+  EXPECT_THAT(test::refusal([&] {
+                const auto late =
+                    runner.bus().subscribe<ImuSample>("iris0/imu", [](const ImuSample&) {});
+              }),
+              HasSubstr("wired after configure"));
+}
+
+TEST(SimRunner, VehiclesHaveTheirOwnTopicsAndSeeds) {
+  const std::string plugins = "[{plugin: fake_counter}, {plugin: fake_listener}]";
+  SimRunner runner(
+      test::config(test::vehicle("a", "{}", plugins) + test::vehicle("b", "{x_m: 3}", plugins)),
+      test::fake_plugins());
+  double rate_a = -1;
+  double rate_b = -1;
+  const auto a = runner.bus().subscribe<ImuSample>(
+      "a/imu", [&](const ImuSample& s) { rate_a = s.angular_rate_B.x(); });
+  const auto b = runner.bus().subscribe<ImuSample>(
+      "b/imu", [&](const ImuSample& s) { rate_b = s.angular_rate_B.x(); });
+  runner.start();
+  runner.step();
+  EXPECT_NE(rate_a, rate_b);
+  EXPECT_EQ(figure(runner, "fake_listener@b"), R"({"heard":1})");
+  EXPECT_EQ(runner.vehicle_names(), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST(SimRunner, TwinsOfOnePluginDrawDifferentNumbers) {
+  SimRunner runner(test::config(test::vehicle(
+                       "a", "{}", "[{plugin: fake_counter}, {plugin: fake_counter, topic: imu2}]")),
+                   test::fake_plugins());
+  std::vector<double> seeds;
+  const auto note = [&](const ImuSample& s) { seeds.push_back(s.angular_rate_B.x()); };
+  const auto first = runner.bus().subscribe<ImuSample>("a/imu", note);
+  const auto second = runner.bus().subscribe<ImuSample>("a/imu2", note);
+  runner.start();
+  runner.step();
+  ASSERT_EQ(seeds.size(), 2u);
+  EXPECT_NE(seeds[0], seeds[1]);
+  EXPECT_NE(figure(runner, "fake_counter@a#2"), "none");
+}
+
+TEST(SimRunner, ResetFliesTheSameFlightAgain) {
+  SimRunner runner(
+      test::config(test::vehicle("iris0", "{z_m: 0.2}",
+                                 "[{plugin: fake_counter}, {plugin: fake_hover, newton: 18, "
+                                 "time_constant_s: 0.1}]")),
+      test::fake_plugins());
+  std::vector<double> trace;
+  const auto subscription = runner.bus().subscribe<ImuSample>(
+      "iris0/imu", [&](const ImuSample& s) { trace.push_back(s.specific_force_B.sum()); });
+  runner.start();
+  for (int i = 0; i < 1500; ++i) runner.step();
+  const std::vector<double> first = std::exchange(trace, {});
+  EXPECT_GT(runner.world().state(kFirst).p_WB.z(), 0.5);
+  runner.reset();
+  EXPECT_EQ(runner.time(), base::SimTime{});
+  for (int i = 0; i < 1500; ++i) runner.step();
+  EXPECT_EQ(trace, first);
+}
+
+TEST(SimRunner, FinishTellsPluginsOnce) {
+  const base::TemporaryFolder folder;
+  SimRunner runner(test::config(test::vehicle("iris0", "{}", "[{plugin: fake_counter}]")),
+                   {.output_dir = folder.path(), .plugin_dirs = {test::kFakePluginDir}});
+  runner.start();
+  runner.finish();
+  runner.finish();
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "finished_iris0"));
+}
+
+TEST(SimRunner, LockstepCountsStepsWithoutTheirControls) {
+  auto config = test::config(test::vehicle("iris0", "{}", "[{plugin: fake_peer, answers: 5}]"),
+                             "pacing: {lockstep_timeout_ms: 1}\n");
+  config.pace.mode = PaceMode::kLockstep;
+  SimRunner runner(std::move(config), test::fake_plugins());
+  runner.start();
+  for (int i = 0; i < 8; ++i) runner.step();
+  EXPECT_EQ(runner.lockstep_timeouts(), 3u);
+}
+
+TEST(SimRunner, InterruptEndsALockstepWait) {
+  auto config = test::config(test::vehicle("iris0", "{}", "[{plugin: fake_peer, answers: 0}]"),
+                             "pacing: {lockstep_timeout_ms: 60000}\n");
+  config.pace.mode = PaceMode::kLockstep;
+  SimRunner runner(std::move(config), test::fake_plugins());
+  std::atomic<bool> interrupt{true};
+  runner.set_interrupt(&interrupt);
+  runner.start();
+  runner.step();
+  EXPECT_EQ(runner.lockstep_timeouts(), 1u);
+}
+
+TEST(SimRunner, IrisFromItsFilesHovers) {
+  SimRunner runner(test::config(test::vehicle(
+                       "iris0", "{z_m: 5, yaw_deg: 90}",
+                       "[{plugin: fake_hover, newton: 15.2003075, time_constant_s: 0.001}]")),
+                   test::fake_plugins());
+  runner.start();
+  EXPECT_NEAR(runner.world().mass_kg(kFirst), 1.55, 1e-9);
+  for (int i = 0; i < 5000; ++i) runner.step();
+  EXPECT_NEAR(runner.world().state(kFirst).a_WB.norm(), 0, 1e-6);
+}
+
+}  // namespace
+}  // namespace cas::sim
