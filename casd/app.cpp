@@ -21,13 +21,13 @@
 #include "base/rpc/server.hpp"
 #include "base/os/thread.hpp"
 #include "casd/app_methods.hpp"
-#include "casd/command_figures.hpp"
-#include "casd/command_server.hpp"
-#include "casd/gain_map.hpp"
-#include "casd/line_budget.hpp"
+#include "casd/port/command_figures.hpp"
+#include "casd/port/command_server.hpp"
+#include "casd/station/gain_map.hpp"
+#include "casd/topology/line_budget.hpp"
 #include "casd/link_set.hpp"
-#include "casd/metrics_port.hpp"
-#include "casd/vehicle_commander.hpp"
+#include "casd/port/metrics_port.hpp"
+#include "casd/station/vehicle_commander.hpp"
 
 namespace cas::casd {
 namespace {

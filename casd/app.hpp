@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "casd/topology.hpp"
+#include "casd/topology/topology.hpp"
 
 namespace cas::casd {
 

@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/write_file.hpp"
-#include "casd/command_params.hpp"
+#include "casd/port/command_params.hpp"
 
 namespace cas::casd {
 namespace {

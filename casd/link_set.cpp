@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "casd/link_factory.hpp"
+#include "casd/transport/link_factory.hpp"
 
 namespace cas::casd {
 

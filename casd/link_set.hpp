@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "casd/link_loop.hpp"
-#include "casd/link_signing.hpp"
-#include "casd/local_endpoint.hpp"
-#include "casd/monitor.hpp"
-#include "casd/switchboard.hpp"
-#include "casd/topology.hpp"
+#include "casd/link/link_loop.hpp"
+#include "casd/signing/link_signing.hpp"
+#include "casd/transport/local_endpoint.hpp"
+#include "casd/counters/monitor.hpp"
+#include "casd/link/switchboard.hpp"
+#include "casd/topology/topology.hpp"
 
 namespace cas::casd {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "casd/topology.hpp"
+#include "casd/topology/topology.hpp"
 
 namespace cas::casd {
 

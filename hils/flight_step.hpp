@@ -10,7 +10,7 @@
 
 #include "base/time/clock.hpp"
 #include "base/config/config.hpp"
-#include "casd/gain_map.hpp"
+#include "casd/station/gain_map.hpp"
 #include "fcu/pattern.hpp"
 #include "hils/flight_facts.hpp"
 #include "hils/vehicle_names.hpp"

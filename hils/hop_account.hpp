@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/measure/ledger.hpp"
-#include "casd/link_ledger.hpp"
+#include "casd/counters/link_ledger.hpp"
 #include "hils/packet_account.hpp"
 
 namespace cas::hils {

@@ -9,7 +9,7 @@
 
 #include "base/time/clock.hpp"
 #include "base/rpc/client.hpp"
-#include "casd/tlog.hpp"
+#include "casd/tlog/tlog.hpp"
 #include "hils/bench_programs.hpp"
 #include "hils/casd_calls.hpp"
 #include "hils/composition.hpp"

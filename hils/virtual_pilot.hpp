@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "casd/gain_map.hpp"
-#include "casd/vehicle_commander.hpp"
+#include "casd/station/gain_map.hpp"
+#include "casd/station/vehicle_commander.hpp"
 #include "hils/fleet_plan.hpp"
 
 namespace cas::hils {

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "casd/line_drain.hpp"
-#include "casd/line_pacer.hpp"
-#include "casd/link_ledger.hpp"
-#include "casd/router.hpp"
-#include "casd/topology.hpp"
-#include "casd/tx_queue.hpp"
-#include "casd/vehicle_commander.hpp"
+#include "casd/queue/line_drain.hpp"
+#include "casd/queue/line_pacer.hpp"
+#include "casd/counters/link_ledger.hpp"
+#include "casd/routing/router.hpp"
+#include "casd/topology/topology.hpp"
+#include "casd/queue/tx_queue.hpp"
+#include "casd/station/vehicle_commander.hpp"
 #include "hils/wake_up.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 

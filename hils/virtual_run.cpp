@@ -13,7 +13,7 @@
 #include "base/time/clock.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/random.hpp"
-#include "casd/topology.hpp"
+#include "casd/topology/topology.hpp"
 #include "hils/composition.hpp"
 #include "hils/ground_station.hpp"
 #include "hils/progress.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/earth/frames.hpp"
-#include "casd/hil_stamp.hpp"
+#include "casd/packet/hil_stamp.hpp"
 #include "mavlink/common/table.hpp"
 
 namespace cas::hils {

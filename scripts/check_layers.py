@@ -75,7 +75,7 @@ ROOTS = {"hils", "tests"}
 NOT_IN_HEADERS = ("nlohmann/", "spdlog/", "yaml-cpp/", "boost/asio.hpp")
 LIGHT = ("nlohmann/json_fwd.hpp",)
 # Headers for files that handle JSON anyway.
-JSON_HEADERS = ("casd/casctl/", "casd/command_params.hpp")
+JSON_HEADERS = ("casd/casctl/", "casd/port/command_params.hpp")
 
 SUFFIXES = {".hpp", ".cpp", ".h", ".cc"}
 # example_plugin stands for a stranger's source tree.

@@ -7,7 +7,7 @@
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
 #include "base/rpc/message.hpp"
-#include "casd/casctl/verbs.hpp"
+#include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
 

@@ -44,11 +44,11 @@ class CheckLayersTest(unittest.TestCase):
             ("plugins/imu/imu_plugin.cpp", '"libsim/api/plugin.hpp"'),
             ("plugins/mavlink_interface/udp.cpp", "<boost/asio/ip/udp.hpp>"),
             ("plugins/mavlink_interface/udp.cpp", '"mavlink/common/all.hpp"'),
-            ("casd/topology.cpp", '"mavlink_gen/parser/parser.hpp"'),
+            ("casd/topology/topology.cpp", '"mavlink_gen/parser/parser.hpp"'),
             ("casd/casctl/screen.cpp", "<ncursesw/curses.h>"),
             ("fcu/pid.cpp", "<Eigen/Core>"),
             ("hils/composition.cpp", '"fcu/flight_controller.hpp"'),
-            ("tests/casd/router_test.cpp", '"casd/router.hpp"'),
+            ("tests/casd/routing/router_test.cpp", '"casd/routing/router.hpp"'),
         ]:
             with self.subTest(name=name, include=include):
                 self.assert_allowed(name, include)
@@ -69,15 +69,15 @@ class CheckLayersTest(unittest.TestCase):
             ("plugins/imu/imu_model.cpp", '"libsim/core/world.hpp"'),
             ("plugins/imu/imu_model.cpp", '"mavlink/common/all.hpp"'),
             ("plugins/gps/gps_plugin.cpp", '"plugins/imu/imu_model.hpp"'),
-            ("casd/router.cpp", '"fcu/pid.hpp"'),
-            ("casd/casctl/main.cpp", '"casd/router.hpp"'),
-            ("fcu/pid.cpp", '"casd/router.hpp"'),
+            ("casd/routing/router.cpp", '"fcu/pid.hpp"'),
+            ("casd/casctl/main.cpp", '"casd/routing/router.hpp"'),
+            ("fcu/pid.cpp", '"casd/routing/router.hpp"'),
             ("fcu/pid.cpp", '"hils/scenario.hpp"'),
             ("base/time/clock.cpp", '"tests/base/x.hpp"'),
             ("base/time/clock.cpp", '"clock.hpp"'),
             ("base/time/clock.cpp", "<unheard_of/x.hpp>"),
             ("base/config/config.hpp", "<yaml-cpp/yaml.h>"),
-            ("casd/router.hpp", "<boost/asio.hpp>"),
+            ("casd/routing/router.hpp", "<boost/asio.hpp>"),
         ]:
             with self.subTest(name=name, include=include):
                 self.assert_refused(name, include)

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "casd/param_value.hpp"
+#include "casd/station/param_value.hpp"
 
 namespace cas::casd::test {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "casd/packet_info.hpp"
+#include "casd/packet/packet_info.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 

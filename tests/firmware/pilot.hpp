@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "casd/vehicle_commander.hpp"
+#include "casd/station/vehicle_commander.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "casd/line_budget.hpp"
-#include "casd/topology.hpp"
+#include "casd/topology/line_budget.hpp"
+#include "casd/topology/topology.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cas;

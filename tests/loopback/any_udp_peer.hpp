@@ -11,7 +11,7 @@
 #include <cstring>
 #include <string>
 
-#include "casd/socket_address.hpp"
+#include "casd/transport/socket_address.hpp"
 #include "tests/support/packet_stream.hpp"
 
 namespace cas::test {

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <numeric>
 
-#include "casd/tlog_files.hpp"
-#include "casd/tlog_reader.hpp"
-#include "casd/tlog_record.hpp"
+#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_reader.hpp"
+#include "casd/tlog/tlog_record.hpp"
 #include "tests/loopback/casd_bench.hpp"
 
 namespace cas::test {

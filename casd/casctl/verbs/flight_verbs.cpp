@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "base/rpc/client.hpp"
+#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/verbs/verbs.hpp"
+
+namespace cas::casctl {
+namespace {
+
+using nlohmann::json;
+
+/// "vehicle 1 armed".
+std::string sentence(const json& result, const std::string& what) {
+  return "vehicle " + result.at("vehicle").dump() + " " + what;
+}
+
+bool airborne_at(const json& state, double altitude_m) {
+  constexpr double kNear = 0.9;  // of the height asked for: vehicles settle slowly on the rest
+  return state.value("altitude_m", 0.0) >= kNear * altitude_m;
+}
+
+bool landed(const json& state) {
+  const std::string word = state.value("landed", "");
+  return word == "on_ground" || (word == "undefined" && !state.value("armed", true));
+}
+
+/// Waits where asked, and says in words what is so now.
+int tell(Session& session, json result, const std::string& did, const std::string& state_word,
+         const std::function<bool(const json&)>& reached) {
+  std::string words = did;
+  if (session.options().wait && reached) {
+    result["state"] = session.wait_for(state_word, reached);
+    words = state_word;
+  }
+  report(session.options(), result, sentence(result, words));
+  return kDone;
+}
+
+int fly(Session& session, const std::string& method, const json& params, const std::string& did,
+        const std::string& state_word, const std::function<bool(const json&)>& reached) {
+  return tell(session, session.vehicle_call(method, params), did, state_word, reached);
+}
+
+/// Whether the vehicle said "not now": MAV_RESULT_TEMPORARILY_REJECTED in the error's data.
+bool is_temporary(const base::rpc::CallError& error) {
+  constexpr int kTemporarilyRejected = 1;
+  const json data = json::parse(error.data_json(), nullptr, false);
+  return data.is_object() && data.value("result_code", json()) == kTemporarilyRejected;
+}
+
+/// With --wait asks again each second while the vehicle says "not yet": estimators take a while.
+json arm(Session& session, const json& params) {
+  for (;;) {
+    try {
+      return session.vehicle_call("vehicle.arm", params);
+    } catch (const base::rpc::CallError& error) {
+      if (!is_temporary(error) || !session.may_wait()) throw;
+      session.wait_because(error.what(), std::chrono::seconds(1));
+    }
+  }
+}
+
+void add_arm(CommandLine& line) {
+  struct Flags {
+    bool force = false;
+    bool not_hil = false;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* verb =
+      line.add_verb("arm", "Arm the motors (only of a vehicle in HIL mode)", "casctl arm --wait",
+                    [flags](Session& session) {
+                      const json params{{"force", flags->force}, {"not_hil", flags->not_hil}};
+                      return tell(session, arm(session, params), "armed", "armed",
+                                  [](const json& state) { return state.value("armed", false); });
+                    });
+  verb->add_flag("--force", flags->force, "Skip the vehicle's own checks");
+  verb->add_flag("--not-hil", flags->not_hil,
+                 "Arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "
+                 "configuration must consent");
+}
+
+void add_disarm(CommandLine& line) {
+  const auto force = std::make_shared<bool>(false);
+  line.add_verb("disarm", "Stop the motors", "casctl disarm --force",
+                [force](Session& session) {
+                  return fly(session, "vehicle.disarm", {{"force", *force}}, "disarmed", "disarmed",
+                             [](const json& state) { return !state.value("armed", true); });
+                })
+      ->add_flag("--force", *force, "Also in flight: the vehicle falls");
+}
+
+void add_takeoff(CommandLine& line) {
+  const auto altitude_m = std::make_shared<double>(2.5);
+  line.add_verb("takeoff", "Take off to a height above home", "casctl takeoff 2.5 --wait",
+                [altitude_m](Session& session) {
+                  const json state = session.vehicle_call("vehicle.state");
+                  // A heartbeat may lag behind the arming: so it is said, not refused.
+                  const bool armed = state.value("armed", false);
+                  return fly(session, "vehicle.takeoff", {{"altitude_m", *altitude_m}},
+                             "takes off to " + fixed(*altitude_m, 1) + " m" +
+                                 (armed ? "" : " when armed; it was last heard disarmed"),
+                             "airborne", [altitude_m](const json& now) {
+                               return airborne_at(now, *altitude_m);
+                             });
+                })
+      ->add_option("ALT", *altitude_m, "Metres above home")
+      ->check(CLI::Range(0.1, 10000.0))
+      ->capture_default_str();
+}
+
+void add_goto(CommandLine& line) {
+  struct Target {
+    double north_m = 0, east_m = 0, down_m = 0;
+    std::optional<double> yaw_deg;
+  };
+  const auto target = std::make_shared<Target>();
+  CLI::App* verb = line.add_verb(
+      "goto", "Fly to a position in the local north-east-down frame",
+      "casctl goto 5 0 -3 90 --wait", [target](Session& session) {
+        json params{
+            {"north_m", target->north_m}, {"east_m", target->east_m}, {"down_m", target->down_m}};
+        if (target->yaw_deg) params["yaw_deg"] = *target->yaw_deg;
+        return fly(session, "vehicle.goto", params, "goes there", "there",
+                   [target](const json& state) {
+                     constexpr double kNear_m = 0.5;
+                     if (!state.contains("position_N")) return false;
+                     const json& p = state["position_N"];
+                     return std::hypot(p.value("x_m", 1e9) - target->north_m,
+                                       p.value("y_m", 1e9) - target->east_m,
+                                       p.value("z_m", 1e9) - target->down_m) < kNear_m;
+                   });
+      });
+  verb->add_option("NORTH", target->north_m, "Metres to the north")->required();
+  verb->add_option("EAST", target->east_m, "Metres to the east")->required();
+  verb->add_option("DOWN", target->down_m, "Metres down; -3 is 3 m above the frame's origin")
+      ->required();
+  verb->add_option("YAW", target->yaw_deg, "Degrees from north; left out: kept");
+}
+
+void add_mode(CommandLine& line) {
+  const auto mode = std::make_shared<std::string>();
+  line.add_verb("mode", "Set a flight mode by its word", "casctl mode POSCTL --wait",
+                [mode](Session& session) {
+                  return fly(session, "vehicle.mode", {{"mode", *mode}}, "took mode " + *mode,
+                             "in mode " + *mode, [mode](const json& state) {
+                               return CLI::detail::to_lower(state.value("mode", "")) ==
+                                      CLI::detail::to_lower(*mode);
+                             });
+                })
+      ->add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
+      ->required();
+}
+
+/// Sends the sticks again and again, then lets go of them.
+int hold_sticks(Session& session, const json& sticks, double duration_s) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kPeriod = std::chrono::milliseconds(50);  // 20 Hz, as ground stations do
+  const auto start = Clock::now();
+  const auto end = start + std::chrono::duration<double>(duration_s);
+  json result = session.vehicle_call("vehicle.manual_control", sticks);
+  for (auto next = start + kPeriod; next < end; next += kPeriod) {
+    std::this_thread::sleep_until(next);
+    result = session.vehicle_call("vehicle.manual_control", sticks);
+  }
+  report(session.options(), result,
+         sentence(result, "had the sticks for " + fixed(duration_s, 1) + " s"));
+  return kDone;
+}
+
+void add_manual(CommandLine& line) {
+  struct Sticks {
+    double pitch = 0, roll = 0, throttle = 0.5, yaw = 0;
+    double duration_s = 1;
+  };
+  const auto sticks = std::make_shared<Sticks>();
+  CLI::App* verb = line.add_verb(
+      "manual", "Hold the sticks for some time (a mode that listens to them is needed)",
+      "casctl manual --pitch 0.2 --for 2", [sticks](Session& session) {
+        return hold_sticks(session,
+                           {{"pitch", sticks->pitch},
+                            {"roll", sticks->roll},
+                            {"throttle", sticks->throttle},
+                            {"yaw", sticks->yaw}},
+                           sticks->duration_s);
+      });
+  verb->add_option("--pitch", sticks->pitch, "-1 back to 1 forward")->check(CLI::Range(-1.0, 1.0));
+  verb->add_option("--roll", sticks->roll, "-1 left to 1 right")->check(CLI::Range(-1.0, 1.0));
+  verb->add_option("--throttle", sticks->throttle, "0 to 1; 0.5 keeps the height")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  verb->add_option("--yaw", sticks->yaw, "-1 left to 1 right")->check(CLI::Range(-1.0, 1.0));
+  verb->add_option("--for", sticks->duration_s, "Seconds to hold them")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+}
+
+void add_message_interval(CommandLine& line) {
+  struct Wish {
+    std::string message;
+    std::optional<double> hz;
+  };
+  const auto wish = std::make_shared<Wish>();
+  CLI::App* verb = line.add_verb(
+      "message-interval", "Set how often the vehicle sends a message",
+      "casctl message-interval ATTITUDE 20", [wish](Session& session) {
+        json params{{"message", wish->message}};
+        if (!wish->message.empty() &&
+            wish->message.find_first_not_of("0123456789") == std::string::npos) {
+          params["message"] = std::strtoull(wish->message.c_str(), nullptr, 10);
+        }
+        if (wish->hz) params["hz"] = *wish->hz;
+        return fly(session, "vehicle.message_interval", params,
+                   "sends " + wish->message +
+                       (wish->hz ? " at " + fixed(*wish->hz, 1) + " Hz" : " at its default rate"),
+                   "", nullptr);
+      });
+  verb->add_option("MESSAGE", wish->message, "Name or id")->required();
+  verb->add_option("HZ", wish->hz, "0 is off; left out: the vehicle's default");
+}
+
+}  // namespace
+
+void add_flight_verbs(CommandLine& line) {
+  add_arm(line);
+  add_disarm(line);
+  add_takeoff(line);
+  line.add_verb("land", "Land here", "casctl land --wait --timeout 60", [](Session& session) {
+    return fly(session, "vehicle.land", json::object(), "lands", "landed", landed);
+  });
+  line.add_verb("hold", "Stop and hold position", "casctl hold", [](Session& session) {
+    return fly(session, "vehicle.hold", json::object(), "holds position", "", nullptr);
+  });
+  line.add_verb("rtl", "Return to launch and land", "casctl rtl --wait", [](Session& session) {
+    return fly(session, "vehicle.rtl", json::object(), "returns to launch", "landed", landed);
+  });
+  add_goto(line);
+  add_mode(line);
+  add_manual(line);
+  add_message_interval(line);
+}
+
+}  // namespace cas::casctl

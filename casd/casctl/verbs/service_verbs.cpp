@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/verbs/verbs.hpp"
+
+namespace cas::casctl {
+namespace {
+
+using nlohmann::json;
+
+std::string joined(const json& list) {
+  std::string text;
+  for (const json& item : list) {
+    text += (text.empty() ? "" : " ") + (item.is_string() ? item.get<std::string>() : item.dump());
+  }
+  return text;
+}
+
+/// "only HIL_SENSOR HIL_GPS; at most ATTITUDE 10 Hz".
+std::string rule_text(const json& route) {
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  if (route.contains("allow")) add("only " + joined(route["allow"]));
+  if (route.contains("block")) add("not " + joined(route["block"]));
+  for (const auto& [key, words] : {std::pair{"allow_systems", "only from systems "},
+                                   {"block_systems", "not from systems "},
+                                   {"allow_components", "only from components "},
+                                   {"block_components", "not from components "}}) {
+    if (route.contains(key)) add(words + joined(route[key]));
+  }
+  for (const json& rate : route.value("rates", json::array())) {
+    std::string limit = joined(json::array({rate.at("message")}));
+    if (rate.contains("max_hz")) limit += " at most " + fixed(rate["max_hz"], 1) + " Hz";
+    if (rate.contains("every")) limit += " every " + rate["every"].dump() + "th";
+    add(limit);
+  }
+  return text.empty() ? "everything" : text;
+}
+
+int show_routes(Session& session) {
+  const json routes = session.call("link.routes");
+  if (session.options().json) {
+    report(session.options(), routes, "");
+    return kDone;
+  }
+  Table table({"FROM", "TO", "WHAT"});
+  for (const json& route : routes) {
+    table.add({route.value("from", "?"), route.value("to", "?"), rule_text(route)});
+  }
+  table.print(std::cout);
+  return kDone;
+}
+
+/// What a cause of a drop means, and what to do.
+std::string cause_text(const std::string& cause) {
+  if (cause == "age") return "would have arrived too late: the line is too slow for what is sent";
+  if (cause == "bandwidth") return "would have arrived too late under the link's max_bytes_s";
+  if (cause == "queue_full") return "no room in its queue: the line is too slow or stands still";
+  if (cause == "closed") return "the link was away";
+  if (cause == "stalled") return "the peer stopped reading and was closed";
+  if (cause == "unsignable") return "damaged before it came here: its checksum fits no message";
+  if (cause == "no_rule") return "no route lets it go anywhere (see casctl routes)";
+  if (cause == "no_target") return "addressed to a system that was never heard";
+  if (cause == "duplicate") return "came over another path of its group already";
+  if (cause == "rate_limited") return "thinned out by a route's rates";
+  if (cause == "crc") return "a packet with a wrong checksum: the line disturbs it";
+  if (cause == "kernel") return "the socket's buffer was full: casd came too late";
+  if (cause == "not_accepted") return "the link takes in no such packets (accept)";
+  if (cause == "foreign") return "no room for one more peer, or not the peer";
+  return "";
+}
+
+int show_drops(Session& session) {
+  const json drops = session.call("link.drops");
+  if (session.options().json) {
+    report(session.options(), drops, "");
+    return kDone;
+  }
+  Table table({"LINK", "MESSAGE", "COUNT", "CAUSE", "WHICH MEANS"});
+  for (const json& entry : drops.at("dropped")) {
+    const std::string cause = entry.value("cause", "?");
+    table.add({entry.value("link", "?"), entry.value("name", "?"), entry.at("count").dump(), cause,
+               cause_text(cause)});
+  }
+  for (const json& entry : drops.at("unreadable")) {
+    const std::string cause = entry.value("cause", "?");
+    table.add({entry.value("link", "?"), "-", entry.at("count").dump(), cause, cause_text(cause)});
+  }
+  if (table.empty()) {
+    std::cout << "nothing was dropped\n";
+  } else {
+    table.print(std::cout);
+  }
+  return kDone;
+}
+
+int show_latency(Session& session) {
+  const json all = session.call("link.latency");
+  if (session.options().json) {
+    report(session.options(), all, "");
+    return kDone;
+  }
+  Table table({"TO LINK", "P50 us", "P99 us", "MAX us"});
+  for (const json& entry : all) {
+    table.add({entry.value("link", "?"), fixed(entry.value("p50", 0.0), 0),
+               fixed(entry.value("p99", 0.0), 0), fixed(entry.value("max", 0.0), 0)});
+  }
+  table.print(std::cout);
+  std::cout << "from read on one link to written on the other\n";
+  for (const json& echo : session.call("link.echo")) {
+    std::cout << "vehicle " << echo.at("vehicle") << " answers HIL_SENSOR after "
+              << fixed(echo.value("p50", 0.0), 0) << " us (p99 " << fixed(echo.value("p99", 0.0), 0)
+              << ", " << echo.at("count") << " answers, " << echo.at("unmatched")
+              << " with another stamp)\n";
+  }
+  return kDone;
+}
+
+/// Bytes a second of each link, from two looks a second apart.
+struct LinkLoad {
+  std::string name;
+  double baud = 0;
+  double tx_bytes_s = 0;
+  double rx_bytes_s = 0;
+};
+
+std::vector<LinkLoad> measure_loads(Session& session) {
+  using Clock = std::chrono::steady_clock;
+  const json before = session.call("link.list");
+  const auto start = Clock::now();
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const json after = session.call("link.list");
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  std::vector<LinkLoad> loads;
+  for (const json& link : after) {
+    for (const json& old : before) {
+      if (old.at("name") != link.at("name")) continue;
+      const auto rate = [&](const char* way) {
+        return (link.at(way).at("bytes").get<double>() - old.at(way).at("bytes").get<double>()) /
+               seconds;
+      };
+      loads.push_back({link.at("name"), link.value("baud", 0.0), rate("tx"), rate("rx")});
+    }
+  }
+  return loads;
+}
+
+int show_budget(Session& session) {
+  constexpr double kBitsPerByte = 10;  // start bit, eight data bits, stop bit
+  constexpr double kFull = 90;         // percent from which bursts begin to queue
+  Table table({"LINK", "BAUD", "CARRIES kB/s", "OUT kB/s", "OUT %", "IN kB/s", "IN %", "VERDICT"});
+  json all = json::array();
+  bool fits = true;
+  for (const LinkLoad& load : measure_loads(session)) {
+    const double capacity = load.baud / kBitsPerByte;
+    const double out = capacity > 0 ? 100 * load.tx_bytes_s / capacity : 0;
+    const double in = capacity > 0 ? 100 * load.rx_bytes_s / capacity : 0;
+    const bool ok = out < kFull && in < kFull;
+    fits = fits && ok;
+    table.add({load.name, capacity > 0 ? fixed(load.baud, 0) : "-",
+               capacity > 0 ? fixed(capacity / 1000, 1) : "-", fixed(load.tx_bytes_s / 1000, 1),
+               capacity > 0 ? fixed(out, 0) : "-", fixed(load.rx_bytes_s / 1000, 1),
+               capacity > 0 ? fixed(in, 0) : "-",
+               capacity <= 0 ? "no limit" : (ok ? "carries it" : "TOO SLOW: raise the baud rate")});
+    all.push_back({{"link", load.name},
+                   {"baud", load.baud},
+                   {"out_bytes_s", load.tx_bytes_s},
+                   {"in_bytes_s", load.rx_bytes_s},
+                   {"fits", ok}});
+  }
+  if (session.options().json) {
+    report(session.options(), all, "");
+  } else {
+    table.print(std::cout);
+  }
+  return fits ? kDone : kRefused;
+}
+
+void add_log(CommandLine& line) {
+  struct Recording {
+    std::string file;
+    double rotate_mib = 0;
+    double rotate_minutes = 0;
+    int keep = 0;
+  };
+  const auto recording = std::make_shared<Recording>();
+  CLI::App* log = line.app.add_subcommand("log", "Record all packets into a .tlog file");
+  log->fallthrough();
+  log->require_subcommand(1);
+  CLI::App* start =
+      line.add_verb(*log, "start", "Start a new file (on casd's machine)",
+                    "casctl log start /tmp/flight.tlog", [recording](Session& session) {
+                      json params{{"file", recording->file}};
+                      if (recording->rotate_mib > 0) params["rotate_mib"] = recording->rotate_mib;
+                      if (recording->rotate_minutes > 0)
+                        params["rotate_minutes"] = recording->rotate_minutes;
+                      if (recording->keep > 0) params["keep"] = recording->keep;
+                      report(session.options(), session.call("log.start", params),
+                             "recording into " + recording->file);
+                      return kDone;
+                    });
+  start->add_option("FILE", recording->file, "A new file that ends in .tlog")->required();
+  start->add_option("--rotate-mib", recording->rotate_mib, "Go on in the next file at this size")
+      ->check(CLI::NonNegativeNumber);
+  start
+      ->add_option("--rotate-minutes", recording->rotate_minutes,
+                   "Go on in the next file at this age")
+      ->check(CLI::NonNegativeNumber);
+  start->add_option("--keep", recording->keep, "Files of this recording that stay; 0: all")
+      ->check(CLI::NonNegativeNumber);
+  line.add_verb(*log, "stop", "Stop recording", "casctl log stop", [](Session& session) {
+    const json result = session.call("log.stop");
+    report(session.options(), result,
+           "recorded " + result.at("recorded").dump() + " packets into " +
+               result.value("file", "?") +
+               (result.value("left_out", 0) > 0
+                    ? "; the disk was too slow for " + result["left_out"].dump()
+                    : ""));
+    return kDone;
+  });
+  line.add_verb(*log, "status", "Show what is recorded", "casctl log status", [](Session& session) {
+    const json result = session.call("log.status");
+    report(session.options(), result,
+           result.value("active", false) ? "recording into " + result.value("file", "?") + ", " +
+                                               result.at("recorded").dump() + " packets"
+                                         : "not recording");
+    return kDone;
+  });
+}
+
+}  // namespace
+
+void add_service_verbs(CommandLine& line) {
+  line.add_verb("routes", "Show who hears whom", "casctl routes", show_routes);
+  line.add_verb("drops", "Show what was not passed on, and why", "casctl drops", show_drops);
+  line.add_verb("latency", "Show forwarding times", "casctl latency", show_latency);
+  line.add_verb("budget", "Measure whether the lines carry their load (1 s)", "casctl budget",
+                show_budget);
+  add_log(line);
+  line.add_verb(
+      "reload", "Make casd read its topology again", "casctl reload", [](Session& session) {
+        report(session.options(), session.call("casd.reload"), "the topology was read again");
+        return kDone;
+      });
+  line.add_verb(
+      "reboot", "Restart the flight controller", "casctl reboot --vehicle 1", [](Session& session) {
+        const json result = session.vehicle_call("vehicle.reboot");
+        report(session.options(), result, "vehicle " + result.at("vehicle").dump() + " restarts");
+        return kDone;
+      });
+}
+
+}  // namespace cas::casctl

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/counters/echo_latency.hpp"
+
+#include "casd/packet/hil_stamp.hpp"
+#include "mavlink/common/hil_actuator_controls.hpp"
+#include "mavlink/common/hil_controls.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+
+namespace cas::casd {
+namespace {
+
+/// The sender's system keeps vehicles apart.
+std::uint64_t key_of(const mav::PacketView& packet) {
+  return hil_time_usec(packet).value_or(0) << 8U | packet.source.system;
+}
+
+}  // namespace
+
+void EchoLatency::on_packet(const mav::PacketView& packet, base::RunTime now) {
+  switch (packet.message_id) {
+    case mavlink::common::HilSensor::kId:
+      return on_sensor(key_of(packet), now);
+    case mavlink::common::HilControls::kId:
+    case mavlink::common::HilActuatorControls::kId:
+      return on_controls(key_of(packet), packet.source.system, now);
+    default:
+      return;
+  }
+}
+
+void EchoLatency::on_sensor(std::uint64_t key, base::RunTime now) {
+  Sent& sent = sent_[slot_of(key)];
+  sent.key.store(0, std::memory_order_relaxed);  // no other thread takes the old key's new time
+  sent.at_ns.store(now.time_since_epoch().count(), std::memory_order_release);
+  sent.key.store(key, std::memory_order_release);
+}
+
+void EchoLatency::on_controls(std::uint64_t key, std::uint8_t system, base::RunTime now) {
+  const Sent& sent = sent_[slot_of(key)];
+  const bool found = sent.key.load(std::memory_order_acquire) == key;
+  const std::int64_t at_ns = sent.at_ns.load(std::memory_order_acquire);
+  const bool matched = found && sent.key.load(std::memory_order_relaxed) == key;
+  const std::scoped_lock lock(mutex_);
+  if (!vehicles_.contains(system) && vehicles_.size() == kMaxVehicles) return;
+  Vehicle& vehicle = vehicles_[system];
+  if (matched) {
+    vehicle.times.add(now - base::RunTime(base::Duration(at_ns)));
+  } else {
+    ++vehicle.unmatched;
+  }
+}
+
+std::size_t EchoLatency::slot_of(std::uint64_t key) {
+  constexpr std::uint64_t kMultiplier = 0x9E3779B97F4A7C15ULL;  // spreads neighbouring keys
+  static_assert(kSlots == std::size_t{1} << 10U);
+  return (key * kMultiplier) >> 54U;
+}
+
+std::vector<EchoLatency::Figures> EchoLatency::figures() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<Figures> all;
+  for (const auto& [system, vehicle] : vehicles_) {
+    all.push_back({.system = system,
+                   .matched = vehicle.times.count(),
+                   .unmatched = vehicle.unmatched,
+                   .p50 = vehicle.times.quantile(0.50),
+                   .p99 = vehicle.times.quantile(0.99),
+                   .max = vehicle.times.max()});
+  }
+  return all;
+}
+
+}  // namespace cas::casd

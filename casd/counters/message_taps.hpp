@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// Keeps the newest packet of the few messages that somebody looks at. While nobody looks, a packet
+/// costs one load.
+class MessageTaps {
+ public:
+  /// What is looked at: one message of one sender as received on one link.
+  struct Key {
+    LinkId link = kNoLink;
+    std::uint32_t message_id = 0;
+    mav::Source source;
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+  struct Sample {
+    std::array<std::uint8_t, mav::kMaxPayloadBytes> payload{};
+    std::size_t size = 0;
+    base::RunTime at{};
+    std::uint64_t count = 0;  ///< packets since somebody looks
+  };
+
+  /// From a link's thread, for each packet it received.
+  void on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now) {
+    const std::uint64_t bits = watched_.load(std::memory_order_relaxed);
+    if ((bits & bit_of(packet.message_id)) == 0) return;
+    note({link, packet.message_id, packet.source}, packet, now);
+  }
+
+  /// The newest packet since somebody looks, and looks on: a look ends when nobody asked for
+  /// kPatience. Nothing while none came, or when too much is looked at.
+  std::optional<Sample> look(const Key& key, base::RunTime now);
+
+  static constexpr std::size_t kMaxLooks = 64;
+  static constexpr base::Duration kPatience = std::chrono::seconds(5);
+
+ private:
+  struct Look {
+    Key key;
+    Sample sample;
+    base::RunTime asked{};
+  };
+  static std::uint64_t bit_of(std::uint32_t message_id) {
+    return std::uint64_t{1} << (message_id & 63U);
+  }
+  void note(const Key& key, const mav::PacketView& packet, base::RunTime now);
+  void expire(base::RunTime now);
+
+  std::atomic<std::uint64_t> watched_{0};  ///< which message ids, modulo 64
+  std::mutex mutex_;
+  std::vector<Look> looks_;
+};
+
+}  // namespace cas::casd

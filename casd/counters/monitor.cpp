@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/counters/monitor.hpp"
+
+#include <utility>
+
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+namespace {
+
+// Directions of a message: received, sent, then one for each cause of a drop, then one for each
+// reason not to forward.
+constexpr int kRx = 0;
+constexpr int kTx = 1;
+constexpr int kFirstDrop = 2;
+constexpr int kFirstVerdict = kFirstDrop + kDropCauses;
+
+std::string direction_name(int direction) {
+  if (direction == kRx) return "rx";
+  if (direction == kTx) return "tx";
+  if (direction >= kFirstVerdict) {
+    return "drop." + std::string(to_string(static_cast<Route::Verdict>(direction - kFirstVerdict)));
+  }
+  return "drop." + std::string(to_string(static_cast<DropCause>(direction - kFirstDrop)));
+}
+
+template <class Visit>
+void for_each_direction(const LinkMonitor& link, Visit&& visit) {
+  visit(kRx, link.rx.messages);
+  visit(kTx, link.tx.messages);
+  for (int i = 0; i < kDropCauses; ++i) {
+    visit(kFirstDrop + i, link.tx.dropped_messages[static_cast<std::size_t>(i)]);
+  }
+  for (int i = 0; i < kVerdicts; ++i) {
+    visit(kFirstVerdict + i, link.rx.refused[static_cast<std::size_t>(i)]);
+  }
+}
+
+std::uint64_t key_of(const MessageCounters::Entry& entry) {
+  return std::uint64_t{entry.message_id} << 16U | std::uint64_t{entry.source.system} << 8U |
+         entry.source.component;
+}
+
+}  // namespace
+
+std::string_view to_string(LinkState state) {
+  switch (state) {
+    case LinkState::kOpening:
+      return "opening";
+    case LinkState::kUp:
+      return "up";
+    case LinkState::kDown:
+      return "down";
+  }
+  return "?";
+}
+
+void LinkMonitor::set_endpoint(std::string text) {
+  const std::scoped_lock lock(mutex_);
+  endpoint_ = std::move(text);
+}
+
+std::string LinkMonitor::endpoint() const {
+  const std::scoped_lock lock(mutex_);
+  return endpoint_;
+}
+
+void LinkMonitor::count_refused(Route::Verdict why, const PacketInfo& info, unsigned times) {
+  MessageCounters& counters = rx.refused[static_cast<std::size_t>(why)];
+  for (unsigned i = 0; i < times; ++i) counters.add(info.message_id, info.source, info.received);
+}
+
+void LinkMonitor::count_sent(std::span<const PacketRef> packets, base::RunTime now,
+                             base::RunTime done) {
+  std::size_t bytes = 0;
+  const std::scoped_lock lock(tx.mutex);
+  for (const PacketRef& packet : packets) {
+    bytes += packet.bytes.size();
+    tx.messages.add(packet.info->message_id, packet.info->source, now);
+    const base::Duration time = done - packet.info->received;
+    tx.forwarding.add(time);
+    tx.routes.add(packet.info->from, time);
+    if (ledger) ledger->sent(*packet.info, done);
+  }
+  tx.packets.add(packets.size());
+  tx.bytes.add(bytes);
+}
+
+void LinkMonitor::count_dropped(const PacketInfo& info, DropCause cause) {
+  const auto index = static_cast<std::size_t>(cause);
+  const std::scoped_lock lock(tx.mutex);
+  tx.dropped[index].add();
+  tx.dropped_messages[index].add(info.message_id, info.source, info.received);
+  if (ledger) ledger->dropped(info, cause, base::steady_now());
+}
+
+std::shared_ptr<LinkMonitor> Monitor::make_link(const std::string& name, LinkType type) const {
+  auto link = std::make_shared<LinkMonitor>(name, type);
+  if (keeps_ledgers_) link->ledger = std::make_unique<LinkLedger>();
+  return link;
+}
+
+std::shared_ptr<LinkMonitor> Monitor::add_link(LinkId id, const std::string& name, LinkType type) {
+  auto link = make_link(name, type);
+  add_link(id, link);
+  return link;
+}
+
+void Monitor::keep_ledgers() {
+  keeps_ledgers_ = true;
+  for (const auto& [id, link] : links_) link->ledger = std::make_unique<LinkLedger>();
+}
+
+std::map<std::string, const LinkLedger*> Monitor::ledgers() const {
+  std::map<std::string, const LinkLedger*> ledgers;
+  for (const auto& [id, link] : links_) {
+    if (link->ledger) ledgers[link->name] = link->ledger.get();
+  }
+  return ledgers;
+}
+
+void Monitor::remove_link(LinkId id) {
+  links_.erase(id);
+  std::erase_if(rates_, [id](const auto& entry) { return std::get<0>(entry.first) == id; });
+}
+
+void Monitor::sample(base::RunTime now) {
+  for (const auto& [id, link] : links_) {
+    for_each_direction(*link, [&, link_id = id](int direction, const MessageCounters& counters) {
+      sample_counters(link_id, direction, counters, now);
+    });
+  }
+}
+
+void Monitor::sample_counters(LinkId id, int direction, const MessageCounters& counters,
+                              base::RunTime now) {
+  constexpr double kGain = 0.5;  // of the newest second: settles within a few
+  counters.for_each([&](const MessageCounters::Entry& entry) {
+    const auto [found, fresh] = rates_.try_emplace({id, direction, key_of(entry)});
+    Rate& rate = found->second;
+    if (!fresh && now > rate.at) {
+      const double hz =
+          static_cast<double>(entry.count - rate.count) / base::to_seconds(now - rate.at);
+      rate.hz = rate.hz == 0 ? hz : rate.hz + kGain * (hz - rate.hz);
+    }
+    rate.count = entry.count;
+    rate.at = now;
+  });
+}
+
+std::vector<LinkStatus> Monitor::links() const {
+  std::vector<LinkStatus> all;
+  for (const auto& [id, link] : links_) {
+    LinkStatus status;
+    status.id = id;
+    status.name = link->name;
+    status.type = link->type;
+    status.state = link->state.load(std::memory_order_relaxed);
+    status.endpoint = link->endpoint();
+    status.reconnects = link->reconnects.get();
+    status.peers = link->peers.get();
+    for_each_direction(*link, [&status](int, const MessageCounters& counters) {
+      status.uncounted += counters.uncounted();
+    });
+    const auto& rx = link->rx;
+    status.rx = {rx.packets.get(),
+                 rx.bytes.get(),
+                 rx.crc_errors.get(),
+                 rx.lost.get(),
+                 rx.unknown.get(),
+                 rx.skipped_bytes.get(),
+                 rx.kernel_drops.get(),
+                 rx.foreign.get(),
+                 {},
+                 0,
+                 0,
+                 {}};
+    for (std::size_t i = 0; i < rx.verdicts.size(); ++i) {
+      status.rx.verdicts[i] = rx.verdicts[i].get();
+    }
+    status.rx.not_accepted = rx.not_accepted.get();
+    status.rx.setup_signing = rx.setup_signing.get();
+    for (std::size_t i = 0; i < rx.signatures.size(); ++i) {
+      status.rx.signatures[i] = rx.signatures[i].get();
+    }
+    const auto& tx = link->tx;
+    status.tx.packets = tx.packets.get();
+    status.tx.bytes = tx.bytes.get();
+    status.tx.queue_high_water = tx.queue_high_water.get();
+    status.tx.queued = tx.queued.get();
+    status.tx.write_calls = tx.write_calls.get();
+    for (std::size_t i = 0; i < tx.dropped.size(); ++i) status.tx.dropped[i] = tx.dropped[i].get();
+    {
+      const std::scoped_lock lock(tx.mutex);
+      status.tx.forwarding_p50 = tx.forwarding.quantile(0.50);
+      status.tx.forwarding_p99 = tx.forwarding.quantile(0.99);
+      status.tx.forwarding_max = tx.forwarding.max();
+      status.tx.routes = tx.routes.figures();
+    }
+    all.push_back(std::move(status));
+  }
+  return all;
+}
+
+std::vector<MessageStatus> Monitor::messages(base::RunTime now,
+                                             const std::optional<std::string>& link) const {
+  std::vector<MessageStatus> all;
+  for (const auto& [id, monitor] : links_) {
+    if (link && monitor->name != *link) continue;
+    const auto add = [&, link_id = id, name = monitor->name](int direction,
+                                                             const MessageCounters& counters) {
+      counters.for_each([&](const MessageCounters::Entry& entry) {
+        const auto rate = rates_.find({link_id, direction, key_of(entry)});
+        const mav::MessageInfo* known = mav::public_table().find(entry.message_id);
+        all.push_back({.link = name,
+                       .direction = direction_name(direction),
+                       .id = entry.message_id,
+                       .name = known == nullptr ? "" : std::string(known->name),
+                       .source = entry.source,
+                       .count = entry.count,
+                       .hz = rate == rates_.end() ? 0 : rate->second.hz,
+                       .age_s = base::to_seconds(now - entry.last)});
+      });
+    };
+    for_each_direction(*monitor, add);
+  }
+  return all;
+}
+
+}  // namespace cas::casd

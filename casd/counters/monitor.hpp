@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "base/measure/histogram.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/counters/link_ledger.hpp"
+#include "casd/counters/message_counters.hpp"
+#include "casd/packet/packet_port.hpp"
+#include "casd/counters/route_latency.hpp"
+#include "casd/routing/router.hpp"
+#include "casd/topology/topology.hpp"
+#include "casd/queue/tx_queue.hpp"
+
+namespace cas::casd {
+
+enum class LinkState : std::uint8_t { kOpening, kUp, kDown };
+std::string_view to_string(LinkState state);
+
+/// A counter with one writer at a time and any number of readers.
+class Counter {
+ public:
+  void add(std::uint64_t n = 1) {
+    value_.store(value_.load(std::memory_order_relaxed) + n, std::memory_order_relaxed);
+  }
+  void set(std::uint64_t value) { value_.store(value, std::memory_order_relaxed); }
+  std::uint64_t get() const { return value_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<std::uint64_t> value_{0};
+};
+
+/// What one link counts. `rx` fields are written by the link's thread, `tx` fields under
+/// `tx.mutex`, which is held for the counting only; everybody may read.
+struct LinkMonitor {
+  LinkMonitor(std::string link_name, LinkType link_type)
+      : name(std::move(link_name)), type(link_type) {}
+
+  const std::string name;
+  const LinkType type;
+  std::atomic<LinkState> state{LinkState::kOpening};
+  Counter reconnects;
+  Counter peers;  ///< of a server, now
+
+  /// HIL packets one by one; nothing unless asked for.
+  std::unique_ptr<LinkLedger> ledger;
+
+  struct {
+    Counter packets, bytes, crc_errors, lost, unknown, skipped_bytes, kernel_drops, foreign;
+    Counter not_accepted;                     ///< left out by the link's `accept`
+    Counter setup_signing;                    ///< refused: a key never goes on
+    std::array<Counter, 7> signatures;        ///< by mav::SignatureVerdict, on links with `signing`
+    std::array<Counter, kVerdicts> verdicts;  ///< by Route::Verdict: where received packets ended
+    std::array<MessageCounters, kVerdicts> refused;  ///< what was not forwarded, by Route::Verdict
+    MessageCounters messages;
+  } rx;
+  struct {
+    Counter packets, bytes, queue_high_water, queued, write_calls;
+    std::array<Counter, kDropCauses> dropped;
+    std::array<MessageCounters, kDropCauses> dropped_messages;
+    MessageCounters messages;
+    base::Histogram forwarding;  ///< read to written; read it through Monitor
+    RouteLatency routes;         ///< the same by receiving link
+    mutable std::mutex mutex;
+  } tx;
+
+  /// A received packet was not forwarded, or not to all that its route names.
+  void count_refused(Route::Verdict why, const PacketInfo& info, unsigned times = 1);
+  /// Packets are written. @param done  when the write had returned
+  void count_sent(std::span<const PacketRef> packets, base::RunTime now, base::RunTime done);
+  /// A packet was not sent.
+  void count_dropped(const PacketInfo& info, DropCause cause);
+
+  /// Words for state and errors ("127.0.0.1:14561", "/dev/ttyACM0", "No such file"), rarely set.
+  void set_endpoint(std::string text);
+  std::string endpoint() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::string endpoint_;
+};
+
+/// A link as `casd.status` and `link.list` report it.
+struct LinkStatus {
+  LinkId id = kNoLink;
+  std::string name;
+  LinkType type = LinkType::kUdp;
+  LinkState state = LinkState::kOpening;
+  std::string endpoint;
+  std::uint64_t reconnects = 0;
+  std::uint64_t peers = 0;
+  std::uint64_t uncounted = 0;  ///< packets that no table by message and sender had room for
+  struct {
+    std::uint64_t packets = 0, bytes = 0, crc_errors = 0, lost = 0, unknown = 0, skipped_bytes = 0,
+                  kernel_drops = 0, foreign = 0;
+    std::array<std::uint64_t, kVerdicts> verdicts{};  ///< by Route::Verdict
+    std::uint64_t not_accepted = 0, setup_signing = 0;
+    std::array<std::uint64_t, 7> signatures{};  ///< by mav::SignatureVerdict
+  } rx;
+  struct {
+    std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0;
+    std::array<std::uint64_t, kDropCauses> dropped{};  ///< by DropCause
+    base::Duration forwarding_p50{}, forwarding_p99{}, forwarding_max{};
+    std::vector<RouteLatency::Figures> routes;
+  } tx;
+};
+
+/// One message of one sender on one link, as `message.list` reports it.
+struct MessageStatus {
+  std::string link;
+  std::string direction;  ///< "rx", "tx", "drop." and a DropCause or a Route::Verdict
+  std::uint32_t id = 0;
+  std::string name;  ///< empty when no public dialect has it
+  mav::Source source;
+  std::uint64_t count = 0;
+  double hz = 0;     ///< over the last seconds
+  double age_s = 0;  ///< since the last one
+};
+
+/// The figures of all links. The hot path only counts; rates are formed here, from two looks at the
+/// counters. `sample`, `links` and `messages` belong to one thread (casd's main thread).
+class Monitor {
+ public:
+  /// The counters of a link that is not in the figures yet.
+  std::shared_ptr<LinkMonitor> make_link(const std::string& name, LinkType type) const;
+  void add_link(LinkId id, std::shared_ptr<LinkMonitor> link) { links_[id] = std::move(link); }
+  std::shared_ptr<LinkMonitor> add_link(LinkId id, const std::string& name, LinkType type);
+  void remove_link(LinkId id);
+  /// The links remember each HIL packet, those that are added later too; before they start.
+  void keep_ledgers();
+  /// The ledgers of the links there are; to be read when these have stopped.
+  std::map<std::string, const LinkLedger*> ledgers() const;
+
+  /// Once a second: forms the rates.
+  void sample(base::RunTime now);
+  std::vector<LinkStatus> links() const;
+  /// @param link  only of this one; nothing: all
+  std::vector<MessageStatus> messages(base::RunTime now,
+                                      const std::optional<std::string>& link = {}) const;
+
+ private:
+  struct Rate {
+    std::uint64_t count = 0;
+    base::RunTime at;
+    double hz = 0;
+  };
+  using RateKey = std::tuple<LinkId, int, std::uint64_t>;  // link, direction, message key
+
+  void sample_counters(LinkId id, int direction, const MessageCounters& counters,
+                       base::RunTime now);
+
+  std::map<LinkId, std::shared_ptr<LinkMonitor>> links_;
+  std::map<RateKey, Rate> rates_;
+  bool keeps_ledgers_ = false;
+};
+
+}  // namespace cas::casd

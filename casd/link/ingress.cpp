@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link/ingress.hpp"
+
+#include <bit>
+#include <utility>
+
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+
+Parser make_parser() { return Parser(mav::public_table()); }
+
+Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor,
+                 AcceptRule accept, std::shared_ptr<LinkSigning> signing)
+    : link_(link),
+      switchboard_(switchboard),
+      monitor_(std::move(monitor)),
+      accept_(std::move(accept)),
+      signing_(std::move(signing)) {}
+
+void Ingress::take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
+                   std::uint8_t peer) {
+  parse(parser, bytes, [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
+}
+
+void Ingress::take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
+                            std::uint8_t peer) {
+  parse_datagram(parser, bytes,
+                 [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
+}
+
+void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std::uint8_t peer) {
+  if (batch_.full()) deliver(now);
+  monitor_->rx.packets.add();
+  monitor_->rx.messages.add(packet.message_id, packet.source, now);
+  if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
+    monitor_->rx.lost.add(lost);
+  }
+  if (!accept_.accepts(packet)) return monitor_->rx.not_accepted.add();
+  StreamTime& stream = switchboard_.stream_time();
+  stream.on_packet(packet, [&] { deliver(now); });
+  const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
+  if (monitor_->ledger) monitor_->ledger->received(route.info);
+  monitor_->rx.verdicts[static_cast<std::size_t>(route.verdict)].add();
+  count_refusals(route);
+  switchboard_.taps().on_packet(link_, packet, now);
+  switchboard_.echo().on_packet(packet, now);
+  if (route.verdict != Route::Verdict::kDuplicate && switchboard_.tlog().active()) {
+    switchboard_.tlog().record(packet.bytes, stream.enabled() ? stream.now() : now);
+  }
+  if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
+}
+
+void Ingress::count_refusals(const Route& route) {
+  using enum Route::Verdict;
+  if (route.thinned != 0) {
+    monitor_->count_refused(kRateLimited, route.info,
+                            static_cast<unsigned>(std::popcount(route.thinned)));
+  } else if (route.verdict != kForward) {
+    monitor_->count_refused(route.verdict, route.info);
+  }
+}
+
+void Ingress::deliver(base::RunTime now) {
+  if (batch_.empty()) return;
+  if (auto ports = switchboard_.ports_after(ports_generation_)) ports_ = std::move(ports);
+  batch_.deliver(*ports_, now);
+}
+
+void Ingress::tick(base::RunTime now) { switchboard_.router().tick(link_, now); }
+
+void Ingress::count_parser(const Parser& parser, const Parser::Stats& before) {
+  const Parser::Stats& after = parser.stats();
+  if (after.crc_errors != before.crc_errors) {
+    monitor_->rx.crc_errors.add(after.crc_errors - before.crc_errors);
+  }
+  if (after.skipped_bytes != before.skipped_bytes) {
+    monitor_->rx.skipped_bytes.add(after.skipped_bytes - before.skipped_bytes);
+  }
+  if (after.unknown_ids != before.unknown_ids) {
+    monitor_->rx.unknown.add(after.unknown_ids - before.unknown_ids);
+  }
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "casd/routing/accept_rule.hpp"
+#include "casd/link/delivery_batch.hpp"
+#include "casd/signing/link_signing.hpp"
+#include "casd/counters/monitor.hpp"
+#include "casd/link/switchboard.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/runtime/sequence_tracker.hpp"
+
+namespace cas::casd {
+
+/// Finds packets in the bytes of one stream or of datagrams.
+using Parser = mav::PacketParser;
+Parser make_parser();
+
+/// The receiving side of a link: bytes -> packets -> router -> the ports of their destinations, all
+/// on the thread that read the bytes.
+class Ingress {
+ public:
+  /// @param signing  empty: signatures are not looked at
+  Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor,
+          AcceptRule accept = {}, std::shared_ptr<LinkSigning> signing = nullptr);
+
+  /// Bytes of a stream. Packets are collected until deliver().
+  void take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
+            std::uint8_t peer = kNoPeer);
+  /// One datagram: no packet spans two of them.
+  void take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
+                     std::uint8_t peer = kNoPeer);
+  /// Finds the packets of one datagram that the link lets pass and calls on_packet for each.
+  template <class OnPacket>
+  void parse_datagram(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
+    parse(parser, bytes, on_packet);
+    parser.flush([&](const mav::PacketView& packet) { admit(packet, on_packet); });
+  }
+  /// Likewise for bytes of a stream.
+  template <class OnPacket>
+  void parse_stream(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
+    parse(parser, bytes, on_packet);
+  }
+  /// One packet that is known to be whole.
+  void take_packet(const mav::PacketView& packet, base::RunTime now, std::uint8_t peer = kNoPeer);
+  /// Hands the collected packets over: after each read.
+  void deliver(base::RunTime now);
+  /// Once a second.
+  void tick(base::RunTime now);
+  /// Lets go of the ports; nothing may be delivered afterwards.
+  void let_go() { ports_.reset(); }
+  LinkId link() const { return link_; }
+
+ private:
+  template <class OnPacket>
+  void parse(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
+    const Parser::Stats before = parser.stats();
+    monitor_->rx.bytes.add(bytes.size());
+    parser.feed(
+        bytes, [&](const mav::PacketView& packet) { admit(packet, on_packet); },
+        [&](const mav::PacketView& packet) {
+          if (switchboard_.router().passes_unknown(link_)) admit(packet, on_packet);
+        });
+    count_parser(parser, before);
+  }
+  /// Only what is signed as it should be counts as received.
+  template <class OnPacket>
+  void admit(const mav::PacketView& packet, OnPacket& on_packet) {
+    if (!signing_) return on_packet(packet);
+    if (const auto admitted = signing_->admit(packet)) on_packet(*admitted);
+  }
+  void count_refusals(const Route& route);
+  void count_parser(const Parser& parser, const Parser::Stats& before);
+
+  LinkId link_;
+  Switchboard& switchboard_;
+  std::shared_ptr<LinkMonitor> monitor_;
+  AcceptRule accept_;
+  std::shared_ptr<LinkSigning> signing_;
+  mav::SequenceTracker sequence_;
+  DeliveryBatch batch_;
+  std::shared_ptr<const PortTable> ports_;
+  std::uint64_t ports_generation_ = 0;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link/link_core.hpp"
+
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "base/os/log.hpp"
+
+namespace cas::casd {
+namespace {
+
+// Bytes a second that the line of the link carries; 0: no limit.
+double line_bytes_s(const LinkConfig& config) {
+  const bool paced = config.type == LinkType::kSerial && config.pace;
+  return paced ? LinePacer::kLineShare * config.baud / 10.0 : 0;
+}
+
+}  // namespace
+
+LinkCore::LinkCore(LinkContext context)
+    : context_(std::move(context)),
+      ingress_(context_.id, context_.switchboard, context_.monitor, context_.config.accept,
+               context_.signing) {}
+
+void LinkCore::went_up(const std::string& endpoint) {
+  if (was_up_) context_.monitor->reconnects.add();
+  was_up_ = true;
+  last_reason_.clear();
+  backoff_.reset();
+  context_.monitor->set_endpoint(endpoint);
+  context_.monitor->state.store(LinkState::kUp, std::memory_order_relaxed);
+  base::log::info("link " + context_.config.name + ": up, " + endpoint);
+}
+
+void LinkCore::went_down(const std::string& reason, base::RunTime now) {
+  backoff_.failed(now);
+  context_.monitor->state.store(LinkState::kDown, std::memory_order_relaxed);
+  if (reason == last_reason_) return;
+  last_reason_ = reason;
+  context_.monitor->set_endpoint(reason);
+  base::log::warn("link " + context_.config.name + ": down, " + reason);
+}
+
+void LinkCore::on_second(base::RunTime now) {
+  next_second_ = now + std::chrono::seconds(1);
+  ingress_.tick(now);
+}
+
+TxPortOptions LinkCore::port_options() const {
+  const LinkConfig& config = context_.config;
+  return {.queue = config.queue,
+          .line_bytes_s = line_bytes_s(config),
+          .cap_bytes_s = config.max_bytes_s,
+          .sensor_gap = config.sensor_gap,
+          .flow_control = config.flow_control,
+          .signing = context_.signing,
+          .blocking = context_.blocking,
+          .drain = context_.drain};
+}
+
+std::string error_text(int error) { return std::generic_category().message(error); }
+
+}  // namespace cas::casd

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "casd/link/backoff.hpp"
+#include "casd/link/ingress.hpp"
+#include "casd/link/link.hpp"
+#include "casd/topology/topology.hpp"
+#include "casd/link/tx_port.hpp"
+
+namespace cas::casd {
+
+/// What a link is made from.
+struct LinkContext {
+  LinkId id = kNoLink;
+  LinkConfig config;
+  Switchboard& switchboard;
+  std::shared_ptr<LinkMonitor> monitor;
+  std::shared_ptr<LinkSigning> signing;  ///< empty: none
+  std::function<void()> wake;            ///< wakes the thread of the link's loop
+  bool blocking = false;                 ///< threads: blocking
+  LineDrain drain = LineDrain();         ///< the same: how it waits for the line
+};
+
+/// What every kind of link does alike: state, back-off, the once-a-second chores.
+class LinkCore {
+ public:
+  explicit LinkCore(LinkContext context);
+
+  const LinkConfig& config() const { return context_.config; }
+  LinkId id() const { return context_.id; }
+  bool blocking() const { return context_.blocking; }
+  LinkMonitor& monitor() { return *context_.monitor; }
+  std::uint64_t received() const { return context_.monitor->rx.packets.get(); }
+  std::shared_ptr<LinkMonitor> shared_monitor() const { return context_.monitor; }
+  const std::function<void()>& wake() const { return context_.wake; }
+  Ingress& ingress() { return ingress_; }
+  Backoff& backoff() { return backoff_; }
+
+  /// @param endpoint  where it is now, for status and log
+  void went_up(const std::string& endpoint);
+  /// Arms the back-off; logs when the reason is new.
+  void went_down(const std::string& reason, base::RunTime now);
+
+  /// Has a second passed?
+  bool second_due(base::RunTime now) const { return now >= next_second_; }
+  base::RunTime next_second() const { return next_second_; }
+  /// Routes that fell silent go.
+  void on_second(base::RunTime now);
+
+  TxPortOptions port_options() const;
+
+ private:
+  LinkContext context_;
+  Ingress ingress_;
+  Backoff backoff_;
+  bool was_up_ = false;
+  std::string last_reason_;
+  base::RunTime next_second_{};
+};
+
+/// errno in words.
+std::string error_text(int error);
+
+}  // namespace cas::casd

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link/link_loop.hpp"
+
+#include <poll.h>
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <future>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr auto kTroublePause = std::chrono::milliseconds(100);
+
+timespec until(base::RunTime end, base::RunTime now) {
+  const std::int64_t left = std::max<std::int64_t>((end - now).count(), 0);
+  return {static_cast<time_t>(left / 1'000'000'000), left % 1'000'000'000};
+}
+
+}  // namespace
+
+LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling)
+    : name_(std::move(name)), scheduling_(std::move(scheduling)) {}
+
+LinkLoop::~LinkLoop() { stop(); }
+
+void LinkLoop::start() {
+  try {
+    thread_ = std::thread([this] { run(); });
+  } catch (const std::system_error& error) {
+    throw base::ConfigError("no thread for links (" + name_ + "): " + error.code().message());
+  }
+}
+
+void LinkLoop::stop() {
+  stopping_.store(true, std::memory_order_release);
+  signal_.raise();
+  if (thread_.joinable()) thread_.join();
+  links_.clear();
+}
+
+void LinkLoop::add(std::unique_ptr<Link> link) {
+  {
+    const std::scoped_lock lock(tasks_mutex_);
+    // std::function must be copyable, a Link is not.
+    auto shared = std::make_shared<std::unique_ptr<Link>>(std::move(link));
+    tasks_.emplace_back([this, shared] { links_.push_back(std::move(*shared)); });
+  }
+  signal_.raise();
+}
+
+void LinkLoop::remove(const Link* link) {
+  run_on_loop([this, link] {
+    std::erase_if(links_, [link](const auto& own) { return own.get() == link; });
+  });
+}
+
+void LinkLoop::run_on_loop(const std::function<void()>& task) {
+  // Shared: the loop's thread is not through with it when we already go on.
+  const auto done = std::make_shared<std::promise<void>>();
+  std::future<void> finished = done->get_future();
+  {
+    const std::scoped_lock lock(tasks_mutex_);
+    tasks_.emplace_back([&task, done] {
+      task();
+      done->set_value();
+    });
+  }
+  signal_.raise();
+  finished.wait();
+}
+
+void LinkLoop::wake() {
+  if (thread_id_.load(std::memory_order_relaxed) == std::this_thread::get_id()) return;
+  signal_.raise();
+}
+
+bool LinkLoop::answers(base::RunTime now, base::Duration patience) {
+  const base::RunTime last{base::Duration(last_turn_ns_.load(std::memory_order_relaxed))};
+  signal_.raise();
+  return last == base::RunTime{} || now - last < patience;
+}
+
+void LinkLoop::run() {
+  thread_id_.store(std::this_thread::get_id(), std::memory_order_relaxed);
+  base::configure_this_thread("casd:" + name_, scheduling_);
+  ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // pacing counts in parts of a millisecond
+  while (!stopping_.load(std::memory_order_acquire)) {
+    run_tasks();
+    wait(base::steady_now());
+    const base::RunTime now = base::steady_now();
+    last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
+    for (const auto& link : links_) link->serve(poll_set_, now);
+    pace_.looked(now, received());
+  }
+  run_tasks();
+}
+
+void LinkLoop::wait(base::RunTime now) {
+  poll_set_.clear();
+  poll_set_.add(signal_.descriptor(), POLLIN);
+  for (const auto& link : links_) link->watch(poll_set_, now);
+  const base::RunTime due = poll_set_.deadline();
+  if (const base::RunTime rested = std::min(pace_.next_look(), due); rested > now) {
+    rest_until(rested, now);
+    now = base::steady_now();
+  }
+  const bool forever = due == PollSet::kNever;
+  const timespec timeout = forever ? timespec{} : until(due, now);
+  auto& entries = poll_set_.entries();
+  if (::ppoll(entries.data(), entries.size(), forever ? nullptr : &timeout, nullptr) < 0) {
+    const int error = errno;
+    for (pollfd& entry : entries) entry.revents = 0;
+    if (error != EINTR) wait_in_trouble(error);
+  } else {
+    in_trouble_ = false;
+  }
+  // Only what was seen: a signal that is being raised just now is for the next turn.
+  if ((entries.front().revents & POLLIN) != 0) signal_.lower();
+}
+
+// Only the signal ends it early: somebody wants something of this thread.
+void LinkLoop::rest_until(base::RunTime end, base::RunTime now) {
+  pollfd signal{signal_.descriptor(), POLLIN, 0};
+  const timespec timeout = until(end, now);
+  ::ppoll(&signal, 1, &timeout, nullptr);
+}
+
+std::uint64_t LinkLoop::received() const {
+  std::uint64_t sum = 0;
+  for (const auto& link : links_) sum += link->received();
+  return sum;
+}
+
+// Out of memory, or more descriptors than the limit allows: the next turn would fail at once too.
+void LinkLoop::wait_in_trouble(int error) {
+  if (!in_trouble_) {
+    base::log::error(
+        "links (" + name_ + ") cannot wait for their descriptors, trying again every " +
+        std::to_string(kTroublePause.count()) + " ms: " + std::generic_category().message(error));
+  }
+  in_trouble_ = true;
+  std::this_thread::sleep_for(kTroublePause);
+}
+
+void LinkLoop::run_tasks() {
+  std::vector<std::function<void()>> tasks;
+  {
+    const std::scoped_lock lock(tasks_mutex_);
+    tasks.swap(tasks_);
+  }
+  for (const auto& task : tasks) task();
+}
+
+}  // namespace cas::casd

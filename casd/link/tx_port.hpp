@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "casd/queue/line_check.hpp"
+#include "casd/queue/line_drain.hpp"
+#include "casd/queue/line_pacer.hpp"
+#include "casd/link/link.hpp"
+#include "casd/counters/monitor.hpp"
+#include "casd/packet/packet_port.hpp"
+#include "casd/packet/packet_writer.hpp"
+#include "casd/queue/tx_queue.hpp"
+
+namespace cas::casd {
+
+class LinkSigning;
+
+struct TxPortOptions {
+  TxQueueOptions queue = {};
+  double line_bytes_s = 0;                    ///< rate of the line that writes are held to; 0: none
+  double cap_bytes_s = 0;                     ///< cap that the topology sets; 0: none
+  base::Duration sensor_gap{};                ///< least time between two HIL_SENSOR; 0: none
+  bool flow_control = false;                  ///< the other side may hold the line
+  std::shared_ptr<LinkSigning> signing = {};  ///< may be empty
+  bool blocking = false;  ///< write one packet a turn and wait for the line (threads: blocking)
+  LineDrain drain = LineDrain();  ///< how that wait ends
+};
+
+/// The sending side of a link: one descriptor that several threads write to.
+///
+///   receiving link's thread                      destination's own thread
+///   deliver: try the writer's lock
+///     free, nothing waits -> write at once
+///     taken or line busy  -> queue ----------->  carry_on, when the descriptor or the pacer is
+///                                                ready: queue -> write
+///
+/// Who holds the writer's lock looks at the queue again after letting go, so a packet that was
+/// queued meanwhile never waits for a wake-up. Two locks: `writer_mutex_` guards what writes
+/// (descriptor, begun packet, pacer) and is held during the system call; `queue_mutex_` guards the
+/// queue and is held for a copy only.
+class TxPort final : public PacketPort {
+ public:
+  /// @param wake  called when the link's thread must call carry_on(); from any thread
+  TxPort(const TxPortOptions& options, std::shared_ptr<LinkMonitor> monitor,
+         std::function<void()> wake);
+
+  void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
+
+  // The link's thread only:
+
+  /// A fresh descriptor is open. Nothing of before is sent over it.
+  /// @param has_rate  whether the line behind it has the rate of the options
+  void attach(std::unique_ptr<PacketWriter> writer, bool has_rate = true);
+  /// The descriptor is gone; what waits is dropped.
+  void detach(DropCause cause = DropCause::kClosed);
+  /// Writes what waits, as far as descriptor and pacer allow.
+  void carry_on(base::RunTime now);
+  /// The descriptor took no more: wait for POLLOUT, then carry_on().
+  bool wants_room() const { return busy_.load(std::memory_order_relaxed); }
+  /// When the pacer allows the next packet; PollSet::kNever when nothing waits for it.
+  base::RunTime due() const;
+  /// A write found the descriptor broken.
+  bool broken() const { return broken_.load(std::memory_order_relaxed); }
+  /// Since when something waits that cannot be written; nothing while it moves.
+  std::optional<base::RunTime> stuck_since() const;
+
+ private:
+  void deliver_blocking(std::span<const PacketRef> packets);
+  void carry_on_blocking();
+  void write_or_drop(const PacketRef& packet, base::RunTime now);
+  bool write_one_blocking(const PacketRef& packet, base::RunTime now);
+  std::size_t write_direct(std::span<const PacketRef> packets, base::RunTime now);
+  std::size_t write_some(std::span<const PacketRef> packets, base::RunTime now);
+  void enqueue(std::span<const PacketRef> packets);
+  void pump(base::RunTime now);
+  void drain(base::RunTime now);
+  bool write_tail(base::RunTime now);
+  bool take_batch(base::RunTime now);
+  void drop_late_batch(base::RunTime now);
+  void drop_all(DropCause cause);
+  void pace(bool has_rate);
+  void settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
+              base::RunTime now);
+  void account(std::span<const PacketRef> written, base::RunTime now);
+  void count_drop(const PacketInfo& info, DropCause cause);
+  bool anything_queued();
+  bool line_ready(base::RunTime now);
+  bool held_by_pacer(base::RunTime now) const;
+  void wait_for_room(base::RunTime now);
+  void wait_for_line();
+
+  const TxPortOptions options_;
+  const std::shared_ptr<LinkMonitor> monitor_;
+  const std::function<void()> wake_;
+
+  // Guarded by writer_mutex_.
+  std::mutex writer_mutex_;
+  std::unique_ptr<PacketWriter> writer_;
+  LinePacer pacer_;
+  std::atomic<bool> capped_{false};  ///< the pacer holds to the topology's cap, not to the line
+  LineCheck line_check_;
+  std::vector<std::uint8_t> tail_;  ///< rest of a packet that was begun
+  std::vector<std::uint8_t> batch_bytes_;
+  std::vector<PacketInfo> batch_infos_;
+  std::vector<PacketRef> batch_;  ///< taken from the queue, about to be written
+  std::size_t batch_at_ = 0;
+
+  // Guarded by queue_mutex_, which may be taken while writer_mutex_ is held, never the other way.
+  std::mutex queue_mutex_;
+  TxQueue queue_;
+
+  std::atomic<bool> open_{false};
+  std::atomic<bool> backlog_{false};  ///< something waits: nobody may overtake it
+  std::atomic<bool> busy_{false};     ///< the descriptor takes no more for now
+  std::atomic<bool> broken_{false};
+  std::atomic<std::int64_t> due_ns_{0};         ///< 0: not held by the pacer
+  std::atomic<std::int64_t> busy_since_ns_{0};  ///< 0: not busy
+};
+
+}  // namespace cas::casd

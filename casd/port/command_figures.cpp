@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/port/command_figures.hpp"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "casd/port/command_json.hpp"
+#include "casd/port/command_params.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+namespace {
+
+using base::rpc::Reply;
+using nlohmann::json;
+
+double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
+
+/// What became of packets on a link with `signing`, by mav::SignatureVerdict.
+constexpr const char* kSignatureWords[] = {"accepted", "unsigned_allowed", "unsigned",  "bad",
+                                           "replayed", "too_old",          "table_full"};
+
+json signatures_json(const LinkStatus& link) {
+  json counts{{"setup_signing", link.rx.setup_signing}};
+  for (std::size_t i = 0; i < link.rx.signatures.size(); ++i) {
+    counts[kSignatureWords[i]] = link.rx.signatures[i];
+  }
+  return counts;
+}
+
+json rx_json(const LinkStatus& link) {
+  json verdicts = json::object();
+  for (std::size_t i = 0; i < link.rx.verdicts.size(); ++i) {
+    verdicts[std::string(to_string(static_cast<Route::Verdict>(i)))] = link.rx.verdicts[i];
+  }
+  return json{{"packets", link.rx.packets},           {"bytes", link.rx.bytes},
+              {"crc_errors", link.rx.crc_errors},     {"lost", link.rx.lost},
+              {"unknown", link.rx.unknown},           {"skipped_bytes", link.rx.skipped_bytes},
+              {"kernel_drops", link.rx.kernel_drops}, {"foreign", link.rx.foreign},
+              {"not_accepted", link.rx.not_accepted}, {"verdicts", verdicts}};
+}
+
+json tx_json(const LinkStatus& link) {
+  json dropped = json::object();
+  for (int i = 0; i < kDropCauses; ++i) {
+    dropped[std::string(to_string(static_cast<DropCause>(i)))] =
+        link.tx.dropped[static_cast<std::size_t>(i)];
+  }
+  return json{{"packets", link.tx.packets},
+              {"bytes", link.tx.bytes},
+              {"dropped", dropped},
+              {"queued", link.tx.queued},
+              {"queue_high_water", link.tx.queue_high_water},
+              {"write_calls", link.tx.write_calls},
+              {"forwarding_us",
+               {{"p50", microseconds(link.tx.forwarding_p50)},
+                {"p99", microseconds(link.tx.forwarding_p99)},
+                {"max", microseconds(link.tx.forwarding_max)}}}};
+}
+
+json message_json(const MessageStatus& message, const std::string& name) {
+  return json{{"link", message.link},
+              {"direction", message.direction},
+              {"id", message.id},
+              {"name", name},
+              {"system", message.source.system},
+              {"component", message.source.component},
+              {"count", message.count},
+              {"hz", message.hz},
+              {"age_s", message.age_s}};
+}
+
+json names_json(const std::vector<std::uint32_t>& ids) {
+  json names = json::array();
+  for (const std::uint32_t id : ids) {
+    const mav::MessageInfo* info = mav::public_table().find(id);
+    if (info == nullptr) {
+      names.push_back(id);
+    } else {
+      names.push_back(info->name);
+    }
+  }
+  return names;
+}
+
+json rule_json(const RouteConfig& route) {
+  json entry{{"from", route.from}, {"to", route.to}};
+  const ForwardRule& rule = route.rule;
+  if (rule.allow) entry["allow"] = names_json(*rule.allow);
+  if (!rule.block.empty()) entry["block"] = names_json(rule.block);
+  if (!rule.allow_systems.empty()) entry["allow_systems"] = rule.allow_systems;
+  if (!rule.block_systems.empty()) entry["block_systems"] = rule.block_systems;
+  if (!rule.allow_components.empty()) entry["allow_components"] = rule.allow_components;
+  if (!rule.block_components.empty()) entry["block_components"] = rule.block_components;
+  for (const RateRule& rate : rule.rates) {
+    json limit{{"message", names_json({rate.message_id}).at(0)}};
+    if (rate.max_hz > 0) limit["max_hz"] = rate.max_hz;
+    if (rate.every > 1) limit["every"] = rate.every;
+    entry["rates"].push_back(limit);
+  }
+  return entry;
+}
+
+/// Reads the parameters, answers, and turns what is wrong with them into an error.
+template <class Answer>
+base::rpc::Method method(Answer answer) {
+  return [answer](const json& params, const Reply& reply) {
+    try {
+      CommandParams reader(params);
+      reply.result(answer(reader));
+    } catch (const BadParams& error) {
+      reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
+    }
+  };
+}
+
+}  // namespace
+
+CommandFigures::CommandFigures(base::rpc::Server& server, FiguresSource source)
+    : server_(server), source_(std::move(source)) {
+  const auto plain = [this](const std::string& name, json (CommandFigures::*make)() const) {
+    server_.add_method(name, method([this, make](CommandParams& params) {
+                         params.finish();
+                         return (this->*make)();
+                       }));
+  };
+  plain("casd.status", &CommandFigures::status);
+  plain("link.list", &CommandFigures::links);
+  plain("link.routes", &CommandFigures::routes);
+  plain("link.drops", &CommandFigures::drops);
+  plain("link.latency", &CommandFigures::latency);
+  plain("link.echo", &CommandFigures::echo);
+  server_.add_method("message.list", method([this](CommandParams& params) {
+                       const std::optional<std::string> link = params.optional_text("link");
+                       params.finish();
+                       if (link) require_link(*link);
+                       return messages(link ? &*link : nullptr);
+                     }));
+  if (source_.taps != nullptr) {
+    server_.add_method("message.value",
+                       method([this](CommandParams& params) { return value(params); }));
+  }
+  server_.add_topic("links");
+  server_.add_topic("messages");
+  server_.add_topic("drops");
+}
+
+LinkId CommandFigures::require_link(const std::string& name) const {
+  std::string known;
+  for (const LinkStatus& link : source_.monitor->links()) {
+    if (link.name == name) return link.id;
+    known += (known.empty() ? "" : ", ") + link.name;
+  }
+  throw BadParams("there is no link '" + name + "'; links: " + known);
+}
+
+json CommandFigures::status() const {
+  const Topology& topology = source_.topology();
+  return json{{"schema", 1},
+              {"program", "casd"},
+              {"version", CAS_VERSION},
+              {"uptime_s", base::to_seconds(source_.now() - source_.started)},
+              {"threads", to_string(topology.threads)},
+              {"self", {{"system", topology.self.system}, {"component", topology.self.component}}},
+              {"clients", server_.clients()},
+              {"links", links()},
+              {"vehicles", source_.vehicles()}};
+}
+
+json CommandFigures::links() const {
+  const Topology& topology = source_.topology();
+  json all = json::array();
+  for (const LinkStatus& link : source_.monitor->links()) {
+    json entry{{"name", link.name},
+               {"type", to_string(link.type)},
+               {"state", to_string(link.state)},
+               {"endpoint", link.endpoint},
+               {"reconnects", link.reconnects},
+               {"uncounted", link.uncounted},
+               {"rx", rx_json(link)},
+               {"tx", tx_json(link)}};
+    for (const LinkConfig& config : topology.links) {
+      if (config.name != link.name) continue;
+      if (config.baud > 0) entry["baud"] = config.baud;
+      if (config.signing) entry["rx"]["signatures"] = signatures_json(link);
+    }
+    all.push_back(std::move(entry));
+  }
+  return all;
+}
+
+json CommandFigures::messages(const std::string* link) const {
+  std::optional<std::string> only;
+  if (link != nullptr) only = *link;
+  json all = json::array();
+  for (const MessageStatus& message : source_.monitor->messages(source_.now(), only)) {
+    all.push_back(message_json(message, message_name(message.id)));
+  }
+  return all;
+}
+
+/// The newest packet of one message since somebody looks at it.
+json CommandFigures::value(CommandParams& params) const {
+  MessageTaps::Key key;
+  key.link = require_link(params.text("link"));
+  key.message_id = asked_message(params.value("message"));
+  key.source = {static_cast<std::uint8_t>(params.integer("system", 0, 255)),
+                static_cast<std::uint8_t>(params.integer("component", 0, 255))};
+  params.finish();
+  const base::RunTime now = source_.now();
+  json answer{{"id", key.message_id}, {"name", message_name(key.message_id)}, {"fields", nullptr}};
+  if (const auto sample = source_.taps->look(key, now)) {
+    answer["fields"] =
+        source_.decoder->fields(key.message_id, std::span(sample->payload).first(sample->size));
+    answer["age_s"] = base::to_seconds(now - sample->at);
+    answer["count"] = sample->count;
+  }
+  return answer;
+}
+
+std::string CommandFigures::message_name(std::uint32_t id) const {
+  if (std::string own = source_.decoder->name(id); !own.empty()) return own;
+  const mav::MessageInfo* info = mav::public_table().find(id);
+  return info == nullptr ? std::string() : std::string(info->name);
+}
+
+/// By name or id; names of the dialect that was read at run time go first.
+std::uint32_t CommandFigures::asked_message(const json& message) const {
+  if (message.is_string()) {
+    if (const auto own = source_.decoder->find(message.get<std::string>())) return *own;
+  }
+  return message_id(message);
+}
+
+void CommandFigures::set_decoder(std::shared_ptr<const MessageDecoder> decoder) {
+  source_.decoder = std::move(decoder);
+}
+
+json CommandFigures::routes() const {
+  json all = json::array();
+  for (const RouteConfig& route : source_.topology().routes) all.push_back(rule_json(route));
+  return all;
+}
+
+/// Everything that did not go on, by link and cause: `dropped` by message too, `unreadable` what
+/// never became a message.
+json CommandFigures::drops() const {
+  json unreadable = json::array();
+  for (const LinkStatus& link : source_.monitor->links()) {
+    const auto add = [&](const char* cause, std::uint64_t count) {
+      if (count == 0) return;
+      unreadable.push_back({{"link", link.name}, {"cause", cause}, {"count", count}});
+    };
+    add("crc", link.rx.crc_errors);
+    add("kernel", link.rx.kernel_drops);
+    add("foreign", link.rx.foreign);
+    add("not_accepted", link.rx.not_accepted);
+  }
+  json dropped = json::array();
+  for (const MessageStatus& message : source_.monitor->messages(source_.now())) {
+    if (message.direction.rfind("drop.", 0) != 0) continue;
+    json entry = message_json(message, message_name(message.id));
+    entry.erase("direction");
+    entry["cause"] = message.direction.substr(5);
+    dropped.push_back(std::move(entry));
+  }
+  return json{{"unreadable", unreadable}, {"dropped", dropped}};
+}
+
+void CommandFigures::publish() {
+  publish_link_changes();
+  if (server_.has_subscribers("messages")) server_.publish("messages", messages(nullptr));
+  std::uint64_t dropped = 0;
+  for (const LinkStatus& link : source_.monitor->links()) {
+    for (const std::uint64_t count : link.tx.dropped) dropped += count;
+    dropped += link.rx.crc_errors + link.rx.kernel_drops;
+  }
+  if (std::exchange(last_dropped_, dropped) != dropped) server_.publish("drops", drops());
+}
+
+void CommandFigures::publish_link_changes() {
+  for (const LinkStatus& link : source_.monitor->links()) {
+    const std::string state(to_string(link.state));
+    std::string& last = last_states_[link.name];
+    if (last == state) continue;
+    server_.publish("links", json{{"link", link.name},
+                                  {"state", state},
+                                  {"endpoint", link.endpoint},
+                                  {"reconnects", link.reconnects}});
+    last = state;
+  }
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "base/rpc/server.hpp"
+#include "casd/counters/echo_latency.hpp"
+#include "casd/port/message_decoder.hpp"
+#include "casd/counters/message_taps.hpp"
+#include "casd/counters/monitor.hpp"
+#include "casd/topology/topology.hpp"
+
+namespace cas::casd {
+
+class CommandParams;
+
+/// What the figures are taken from.
+struct FiguresSource {
+  const Monitor* monitor = nullptr;
+  /// The topology in force; it changes on a reload.
+  std::function<const Topology&()> topology;
+  std::function<base::RunTime()> now;
+  base::RunTime started{};
+  /// The `vehicles` of casd.status.
+  std::function<nlohmann::json()> vehicles;
+  /// Where the newest packets of watched messages are; without it message.value is left out.
+  MessageTaps* taps = nullptr;
+  /// Where controllers' answers are timed; without it link.echo is empty.
+  const EchoLatency* echo = nullptr;
+  /// Names and values of messages, replaced on a reload.
+  std::shared_ptr<const MessageDecoder> decoder = std::make_shared<const MessageDecoder>();
+};
+
+/// The half of the command port that tells about casd itself: casd.status, link.*, message.* and
+/// the topics `links`, `messages` and `drops`. Everything on the server's thread.
+class CommandFigures {
+ public:
+  CommandFigures(base::rpc::Server& server, FiguresSource source);
+
+  /// casd.status, also written to --stats FILE.
+  nlohmann::json status() const;
+  /// The same for Prometheus.
+  std::string metrics() const;
+  /// Another dialect is in force.
+  void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
+  /// After each Monitor::sample: tells subscribers.
+  void publish();
+
+ private:
+  nlohmann::json links() const;
+  nlohmann::json messages(const std::string* link) const;
+  nlohmann::json value(CommandParams& params) const;
+  nlohmann::json routes() const;
+  nlohmann::json drops() const;
+  nlohmann::json latency() const;
+  nlohmann::json echo() const;
+  std::string message_name(std::uint32_t id) const;
+  std::string link_name(LinkId id) const;
+  void publish_link_changes();
+  std::uint32_t asked_message(const nlohmann::json& message) const;
+  LinkId require_link(const std::string& name) const;
+
+  base::rpc::Server& server_;
+  FiguresSource source_;
+  std::map<std::string, std::string> last_states_;
+  std::uint64_t last_dropped_ = 0;
+};
+
+}  // namespace cas::casd

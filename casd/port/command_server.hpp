@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "base/rpc/server.hpp"
+#include "casd/station/gain_map.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/station/vehicle_commander.hpp"
+
+namespace cas::casd {
+
+class CommandParams;
+
+/// What the command port needs from the rest of casd.
+struct CommandServerHooks {
+  std::function<base::RunTime()> now;
+  /// Name of a link in the topology.
+  std::function<std::string(LinkId)> link_name;
+  /// Takes one line of the audit log: who asked what and what came of it.
+  std::function<void(const std::string&)> audit;
+};
+
+/// The vehicle half of the command port: methods vehicle.*, gain.* and param.*, answered after the
+/// vehicle has acknowledged, and the topic `statustext`. Everything on the server's thread.
+class CommandServer {
+ public:
+  /// Adds its methods to `server`. All arguments outlive this object; it outlives the server's run.
+  CommandServer(base::rpc::Server& server, VehicleCommander& commander, GainMap gains,
+                CommandServerHooks hooks);
+
+  /// The `vehicles` of casd.status.
+  nlohmann::json vehicles() const;
+
+ private:
+  /// Starts a request to a vehicle.
+  using Action = std::function<void(std::uint8_t system, base::RunTime now, Done done)>;
+  /// Reads a method's parameters; nothing is sent before they have proved right.
+  using Parse = std::function<Action(CommandParams&)>;
+  /// Makes the result of an accepted request.
+  using Answer = std::function<nlohmann::json(std::uint8_t system, const Outcome&)>;
+
+  void add_flight_methods();
+  void add_raw_methods();
+  void add_state_methods();
+  void add_gain_methods();
+  void add_param_methods();
+  /// Sticks come many times a second: only the first of a stretch leaves a line.
+  bool is_more_of_sticks(const std::string& name, base::RunTime now);
+  /// Audited methods change the vehicle.
+  void add(const std::string& name, bool audited, Parse parse, Answer answer);
+  void run(const std::string& name, bool audited, const Parse& parse, const Answer& answer,
+           const nlohmann::json& params, const base::rpc::Reply& reply);
+  void audit(const std::string& client, const std::string& name, const nlohmann::json& params,
+             std::uint8_t system, const Outcome& outcome) const;
+  void publish_text(const VehicleState& vehicle, const StatusText& text);
+  const GainLoop* find_loop(std::uint8_t system, const std::string& loop, const Done& done) const;
+  nlohmann::json summary(const VehicleState& vehicle) const;
+  nlohmann::json state(const VehicleState& vehicle) const;
+
+  base::rpc::Server& server_;
+  VehicleCommander& commander_;
+  GainMap gains_;
+  CommandServerHooks hooks_;
+  std::optional<base::RunTime> last_sticks_;
+};
+
+}  // namespace cas::casd

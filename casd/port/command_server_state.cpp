@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "casd/port/command_json.hpp"
+#include "casd/port/command_params.hpp"
+#include "casd/port/command_server.hpp"
+#include "casd/station/vehicle_health.hpp"
+
+namespace cas::casd {
+namespace {
+
+using nlohmann::json;
+
+template <class M>
+double age_s(const Heard<M>& heard, base::RunTime now) {
+  return base::to_seconds(now - heard.at);
+}
+
+bool all_finite(std::initializer_list<float> values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](float value) { return std::isfinite(value); });
+}
+
+/// A vehicle that does not know its attitude or place says NaN, which no client can count with.
+bool is_known(const mavlink::common::Attitude& a) {
+  return all_finite({a.roll, a.pitch, a.yaw, a.rollspeed, a.pitchspeed, a.yawspeed});
+}
+
+bool is_known(const mavlink::common::LocalPositionNed& p) {
+  return all_finite({p.x, p.y, p.z, p.vx, p.vy, p.vz});
+}
+
+json attitude_json(const Heard<mavlink::common::Attitude>& heard, base::RunTime now) {
+  const mavlink::common::Attitude& attitude = heard.message;
+  return json{{"roll_rad", attitude.roll},      {"pitch_rad", attitude.pitch},
+              {"yaw_rad", attitude.yaw},        {"p_rad_s", attitude.rollspeed},
+              {"q_rad_s", attitude.pitchspeed}, {"r_rad_s", attitude.yawspeed},
+              {"age_s", age_s(heard, now)}};
+}
+
+json position_json(const Heard<mavlink::common::LocalPositionNed>& heard, base::RunTime now) {
+  const mavlink::common::LocalPositionNed& local = heard.message;
+  return json{{"x_m", local.x},
+              {"y_m", local.y},
+              {"z_m", local.z},
+              {"vx_m_s", local.vx},
+              {"vy_m_s", local.vy},
+              {"vz_m_s", local.vz},
+              {"age_s", age_s(heard, now)}};
+}
+
+json global_json(const Heard<mavlink::common::GlobalPositionInt>& heard, base::RunTime now) {
+  const mavlink::common::GlobalPositionInt& here = heard.message;
+  return json{{"lat_deg", here.lat * 1e-7},
+              {"lon_deg", here.lon * 1e-7},
+              {"alt_m", here.alt * 1e-3},
+              {"relative_alt_m", here.relative_alt * 1e-3},
+              {"age_s", age_s(heard, now)}};
+}
+
+json home_json(const HomeAmsl& home) {
+  return json{{"lat_deg", home.lat_deg}, {"lon_deg", home.lon_deg}, {"alt_m", home.alt_m},
+              {"x_m", home.x_m},         {"y_m", home.y_m},         {"z_m", home.z_m}};
+}
+
+json texts_json(const VehicleState& vehicle, base::RunTime now) {
+  json texts = json::array();
+  for (const StatusText& text : vehicle.status_texts()) {
+    texts.push_back({{"severity", severity_word(text.severity)},
+                     {"text", text.text},
+                     {"age_s", base::to_seconds(now - text.at)}});
+  }
+  return texts;
+}
+
+/// What speaks against flying; nothing is an empty list.
+json complaints_json(const VehicleState& vehicle, base::RunTime now) {
+  json all = json::array();
+  for (std::string& complaint : complaints(vehicle, now)) all.push_back(std::move(complaint));
+  return all;
+}
+
+}  // namespace
+
+json CommandServer::vehicles() const {
+  json all = json::array();
+  for (const VehicleState* vehicle : commander_.vehicles()) all.push_back(summary(*vehicle));
+  return all;
+}
+
+json CommandServer::summary(const VehicleState& vehicle) const {
+  return json{{"system", vehicle.source().system},
+              {"component", vehicle.source().component},
+              {"autopilot", name(vehicle.autopilot())},
+              {"type", type_word(vehicle.type())},
+              {"armed", vehicle.armed()},
+              {"hil", vehicle.hil()},
+              {"mode", vehicle.mode()},
+              {"landed", vehicle.landed_word()},
+              {"link", hooks_.link_name(vehicle.link())},
+              {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(hooks_.now()))},
+              {"complaints", complaints_json(vehicle, hooks_.now())}};
+}
+
+json CommandServer::state(const VehicleState& vehicle) const {
+  const base::RunTime now = hooks_.now();
+  json state = summary(vehicle);
+  if (vehicle.attitude() && is_known(vehicle.attitude()->message)) {
+    state["attitude"] = attitude_json(*vehicle.attitude(), now);
+  }
+  if (vehicle.local_position() && is_known(vehicle.local_position()->message)) {
+    state["position_N"] = position_json(*vehicle.local_position(), now);
+  }
+  if (vehicle.global_position()) state["global"] = global_json(*vehicle.global_position(), now);
+  if (const auto home = vehicle.home()) state["home"] = home_json(*home);
+  if (const auto altitude_m = vehicle.altitude_m()) state["altitude_m"] = *altitude_m;
+  state["statustexts"] = texts_json(vehicle, now);
+  return state;
+}
+
+void CommandServer::add_state_methods() {
+  add(
+      "vehicle.state", false,
+      [](CommandParams&) -> Action {
+        return [](std::uint8_t, base::RunTime, const Done& done) { done(Outcome{}); };
+      },
+      [this](std::uint8_t system, const Outcome&) {
+        const VehicleState* vehicle = commander_.find(system);
+        return vehicle == nullptr ? json() : state(*vehicle);
+      });
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/port/metrics_text.hpp"
+
+#include <cstdio>
+#include <string_view>
+
+#include "casd/routing/router.hpp"
+#include "casd/queue/tx_queue.hpp"
+
+namespace cas::casd {
+namespace {
+
+/// A label's value: names may hold anything.
+std::string label_value(std::string_view value) {
+  std::string text = "\"";
+  for (const char c : value) {
+    if (c == '\n') {
+      text += "\\n";
+      continue;
+    }
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text + '"';
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+/// Collects the samples of one metric below its header.
+class Metric {
+ public:
+  Metric(std::string& out, std::string name, std::string_view type, std::string_view help)
+      : out_(out), name_(std::move(name)) {
+    out_ += "# HELP " + name_ + " " + std::string(help) + "\n";
+    out_ += "# TYPE " + name_ + " " + std::string(type) + "\n";
+  }
+  void add(const std::string& labels, std::uint64_t value) { add(labels, std::to_string(value)); }
+  void add(const std::string& labels, double value) { add(labels, number(value)); }
+
+ private:
+  void add(const std::string& labels, const std::string& value) {
+    out_ += name_ + (labels.empty() ? "" : "{" + labels + "}") + " " + value + "\n";
+  }
+  std::string& out_;
+  const std::string name_;
+};
+
+std::string link_label(const LinkStatus& link) { return "link=" + label_value(link.name); }
+
+using Count = std::uint64_t (*)(const LinkStatus&);
+
+struct LinkCounter {
+  const char* name;
+  const char* help;
+  Count count;
+};
+
+constexpr LinkCounter kCounters[] = {
+    {"casd_link_reconnects_total", "How often the link came back.",
+     [](const LinkStatus& link) { return link.reconnects; }},
+    {"casd_link_uncounted_total", "Packets that casd_messages_total had no room for.",
+     [](const LinkStatus& link) { return link.uncounted; }},
+    {"casd_link_rx_packets_total", "Packets received.",
+     [](const LinkStatus& link) { return link.rx.packets; }},
+    {"casd_link_rx_bytes_total", "Bytes received.",
+     [](const LinkStatus& link) { return link.rx.bytes; }},
+    {"casd_link_rx_crc_errors_total", "Packets with a wrong checksum.",
+     [](const LinkStatus& link) { return link.rx.crc_errors; }},
+    {"casd_link_rx_lost_total", "Gaps in the sequence numbers of senders.",
+     [](const LinkStatus& link) { return link.rx.lost; }},
+    {"casd_link_rx_not_accepted_total", "Packets that the link's accept leaves out.",
+     [](const LinkStatus& link) { return link.rx.not_accepted; }},
+    {"casd_link_tx_packets_total", "Packets sent.",
+     [](const LinkStatus& link) { return link.tx.packets; }},
+    {"casd_link_tx_bytes_total", "Bytes sent.",
+     [](const LinkStatus& link) { return link.tx.bytes; }},
+};
+
+void add_states(std::string& out, const MetricsSource& source) {
+  Metric up(out, "casd_link_up", "gauge", "1 while the link is up.");
+  for (const LinkStatus& link : source.links) {
+    up.add(link_label(link) + ",type=" + label_value(to_string(link.type)),
+           std::uint64_t{link.state == LinkState::kUp ? 1U : 0U});
+  }
+  Metric queued(out, "casd_link_tx_queued", "gauge", "Packets that wait for the link.");
+  for (const LinkStatus& link : source.links) queued.add(link_label(link), link.tx.queued);
+  Metric high(out, "casd_link_tx_queue_high_water", "gauge", "Most packets that ever waited.");
+  for (const LinkStatus& link : source.links) high.add(link_label(link), link.tx.queue_high_water);
+}
+
+void add_drops(std::string& out, const MetricsSource& source) {
+  Metric received(out, "casd_link_rx_verdicts_total", "counter", "Where received packets ended.");
+  for (const LinkStatus& link : source.links) {
+    for (std::size_t i = 0; i < link.rx.verdicts.size(); ++i) {
+      const std::string_view verdict = to_string(static_cast<Route::Verdict>(i));
+      received.add(link_label(link) + ",verdict=" + label_value(verdict), link.rx.verdicts[i]);
+    }
+  }
+  Metric dropped(out, "casd_link_tx_dropped_total", "counter", "Packets dropped before sending.");
+  for (const LinkStatus& link : source.links) {
+    for (std::size_t i = 0; i < link.tx.dropped.size(); ++i) {
+      const std::string_view cause = to_string(static_cast<DropCause>(i));
+      dropped.add(link_label(link) + ",cause=" + label_value(cause), link.tx.dropped[i]);
+    }
+  }
+}
+
+void add_forwarding(std::string& out, const MetricsSource& source) {
+  Metric time(out, "casd_link_forwarding_seconds", "gauge",
+              "From read on another link to written on this one, since the start.");
+  for (const LinkStatus& link : source.links) {
+    const std::string label = link_label(link) + ",quantile=";
+    time.add(label + "\"0.5\"", base::to_seconds(link.tx.forwarding_p50));
+    time.add(label + "\"0.99\"", base::to_seconds(link.tx.forwarding_p99));
+    time.add(label + "\"1\"", base::to_seconds(link.tx.forwarding_max));
+  }
+}
+
+void add_messages(std::string& out, const MetricsSource& source) {
+  Metric messages(out, "casd_messages_total", "counter", "Packets by link, message and sender.");
+  for (const MessageStatus& message : source.messages) {
+    messages.add("link=" + label_value(message.link) +
+                     ",direction=" + label_value(message.direction) + ",message=" +
+                     label_value(message.name.empty() ? std::to_string(message.id) : message.name) +
+                     ",system=\"" + std::to_string(message.source.system) + "\",component=\"" +
+                     std::to_string(message.source.component) + "\"",
+                 message.count);
+  }
+}
+
+}  // namespace
+
+std::string metrics_text(const MetricsSource& source) {
+  std::string out;
+  Metric(out, "casd_uptime_seconds", "gauge", "Since the start.").add("", source.uptime_s);
+  Metric(out, "casd_command_clients", "gauge", "Clients of the command port.")
+      .add("", std::uint64_t{source.clients});
+  add_states(out, source);
+  for (const LinkCounter& counter : kCounters) {
+    Metric metric(out, counter.name, "counter", counter.help);
+    for (const LinkStatus& link : source.links) metric.add(link_label(link), counter.count(link));
+  }
+  add_drops(out, source);
+  add_forwarding(out, source);
+  add_messages(out, source);
+  return out;
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// Finds packets that come a second time over another link of the same group (redundant paths).
+/// A packet that comes again over the same link is not a duplicate: its sender repeated it.
+/// May be called from several threads.
+///
+/// Each sender has memory of its own, in which a packet's sequence number says where to look, so
+/// that neither other senders nor its own next packets push an entry out: a second copy is found up
+/// to 8 x 256 packets later. Of many senders the one that fell silent first makes room. Two
+/// packets are the same when size and 64 bits of hash over all bytes agree, with a key that nobody
+/// outside knows.
+class DuplicateFilter {
+ public:
+  static constexpr std::size_t kMaxSenders = 64;
+
+  /// @param window  how much later the second copy may come
+  explicit DuplicateFilter(base::Duration window);
+
+  /// @return true when another link brought this packet within the window
+  bool is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now);
+
+ private:
+  static constexpr std::size_t kWays = 8;
+  struct Entry {
+    std::uint64_t hash = 0;
+    base::RunTime seen;
+    LinkId from = kNoLink;
+  };
+  using Set = std::array<Entry, kWays>;
+  struct Sender {
+    mav::Source source;
+    base::RunTime last;
+    std::array<Set, 256> by_sequence;
+  };
+  Sender& sender(mav::Source source, base::RunTime now);
+  std::uint64_t hash_of(std::span<const std::uint8_t> bytes) const;
+
+  const base::Duration window_;
+  const std::uint64_t key_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Sender>> senders_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/routing/forward_rule.hpp"
+
+namespace cas::casd {
+namespace {
+
+// Bars `to` from every entry that the lists do not let pass.
+void restrict_ids(std::array<LinkMask, 256>& masks, LinkMask to,
+                  const std::vector<std::uint8_t>& allow, const std::vector<std::uint8_t>& block) {
+  if (!allow.empty()) {
+    for (LinkMask& mask : masks) mask &= ~to;
+    for (const std::uint8_t id : allow) masks[id] |= to;
+  }
+  for (const std::uint8_t id : block) masks[id] &= ~to;
+}
+
+}  // namespace
+
+ForwardTable::ForwardTable() {
+  by_system_.fill(~LinkMask{0});
+  by_component_.fill(~LinkMask{0});
+}
+
+void ForwardTable::add(const ForwardRule& rule) {
+  const LinkMask to = bit(rule.to);
+  if (rule.allow) {
+    for (const std::uint32_t id : *rule.allow) message_entry(id) |= to;
+  } else {
+    for (LinkMask& mask : by_message_) mask |= to;
+    for (auto& [id, mask] : by_other_message_) mask |= to;
+    by_default_ |= to;
+  }
+  for (const std::uint32_t id : rule.block) message_entry(id) &= ~to;
+  restrict_ids(by_system_, to, rule.allow_systems, rule.block_systems);
+  restrict_ids(by_component_, to, rule.allow_components, rule.block_components);
+  for (const RateRule& rate : rule.rates) limits_.push_back({rule.to, rate, limits_.size()});
+}
+
+LinkMask ForwardTable::limited(std::uint32_t message_id) const {
+  LinkMask mask = 0;
+  for (const RateLimit& limit : limits_) {
+    if (limit.rule.message_id == message_id) mask |= bit(limit.to);
+  }
+  return mask;
+}
+
+LinkMask& ForwardTable::message_entry(std::uint32_t message_id) {
+  if (message_id < kTabled) return by_message_[message_id];
+  return by_other_message_.try_emplace(message_id, by_default_).first->second;
+}
+
+ForwardRules::ForwardRules(std::span<const ForwardRule> rules) {
+  for (const ForwardRule& rule : rules) tables_[rule.from].add(rule);
+}
+
+}  // namespace cas::casd

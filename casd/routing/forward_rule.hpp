@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "casd/packet/link_id.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// Thins out one message of one route.
+struct RateRule {
+  std::uint32_t message_id = 0;
+  double max_hz = 0;   ///< 0: no limit by time
+  unsigned every = 1;  ///< 1: each packet, n: every n-th
+};
+
+/// What may go from one link to another ([HILS] Sect. 3.3, "forward status"). Everything that is
+/// not blocked passes; where an allow list is given, only what it names.
+struct ForwardRule {
+  LinkId from = kNoLink;
+  LinkId to = kNoLink;
+  std::optional<std::vector<std::uint32_t>> allow;
+  std::vector<std::uint32_t> block;
+  std::vector<std::uint8_t> allow_systems;  ///< of the sender; empty: all
+  std::vector<std::uint8_t> block_systems;
+  std::vector<std::uint8_t> allow_components;
+  std::vector<std::uint8_t> block_components;
+  std::vector<RateRule> rates;
+};
+
+/// A rate rule together with the destination it guards.
+struct RateLimit {
+  LinkId to = kNoLink;
+  RateRule rule;
+  std::size_t index = 0;  ///< of its state, counted per source link
+};
+
+/// The rules of one source link, turned round: for a message id, a system and a component the set
+/// of links that may have it. Three loads and two ands, whatever the number of links and rules.
+class ForwardTable {
+ public:
+  ForwardTable();
+  void add(const ForwardRule& rule);
+
+  LinkMask destinations(std::uint32_t message_id, mav::Source source) const {
+    return by_message(message_id) & by_system_[source.system] & by_component_[source.component];
+  }
+  /// Links whose packets of this message are thinned out.
+  LinkMask limited(std::uint32_t message_id) const;
+  std::span<const RateLimit> limits() const { return limits_; }
+
+ private:
+  static constexpr std::uint32_t kTabled = 512;
+
+  LinkMask by_message(std::uint32_t message_id) const {
+    if (message_id < kTabled) return by_message_[message_id];
+    const auto found = by_other_message_.find(message_id);
+    return found == by_other_message_.end() ? by_default_ : found->second;
+  }
+  LinkMask& message_entry(std::uint32_t message_id);
+
+  std::array<LinkMask, kTabled> by_message_{};
+  std::unordered_map<std::uint32_t, LinkMask> by_other_message_;
+  LinkMask by_default_ = 0;  ///< for ids above the table that no rule names
+  std::array<LinkMask, 256> by_system_;
+  std::array<LinkMask, 256> by_component_;
+  std::vector<RateLimit> limits_;
+};
+
+/// The rules of all links: an immutable snapshot once built.
+class ForwardRules {
+ public:
+  ForwardRules() = default;
+  explicit ForwardRules(std::span<const ForwardRule> rules);
+  const ForwardTable& from(LinkId link) const { return tables_[link]; }
+
+ private:
+  std::array<ForwardTable, kMaxLinks> tables_;
+};
+
+}  // namespace cas::casd

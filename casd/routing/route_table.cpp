@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/routing/route_table.hpp"
+
+#include <algorithm>
+
+namespace cas::casd {
+
+RouteTable::RouteTable(base::Duration lifetime) : lifetime_(lifetime) {}
+
+bool RouteTable::learn(LinkId link, mav::Source source, base::RunTime now) {
+  PerLink& own = links_[link];
+  if (own.newest < own.heard.size() && own.heard[own.newest].source == source) {
+    own.heard[own.newest].last = now;
+    return true;
+  }
+  for (std::size_t i = 0; i < own.heard.size(); ++i) {
+    if (own.heard[i].source != source) continue;
+    own.newest = i;
+    own.heard[i].last = now;
+    return true;
+  }
+  if (own.heard.size() == kMaxIdsPerLink) return false;
+  own.newest = own.heard.size();
+  own.heard.push_back({source, now});
+  set(link, source);
+  return true;
+}
+
+int RouteTable::expire(LinkId link, base::RunTime now) {
+  PerLink& own = links_[link];
+  const auto silent = [&](const Heard& heard) { return now - heard.last > lifetime_; };
+  if (std::none_of(own.heard.begin(), own.heard.end(), silent)) return 0;
+  std::vector<Heard> kept;
+  std::vector<mav::Source> gone;
+  for (const Heard& heard : own.heard) {
+    if (silent(heard)) {
+      gone.push_back(heard.source);
+    } else {
+      kept.push_back(heard);
+    }
+  }
+  own.heard = std::move(kept);
+  own.newest = 0;
+  for (const mav::Source source : gone) clear(link, source);
+  return static_cast<int>(gone.size());
+}
+
+void RouteTable::forget(LinkId link) {
+  PerLink& own = links_[link];
+  const std::vector<Heard> gone = std::move(own.heard);
+  own = PerLink{};
+  for (const Heard& heard : gone) clear(link, heard.source);
+}
+
+LinkMask RouteTable::links_to(mav::Source target) const {
+  if (target.system == 0) return ~LinkMask{0};
+  const Row* row = rows_[target.system].load(std::memory_order_acquire);
+  if (row == nullptr) return 0;
+  const auto& cell = target.component == 0 ? row->any : row->by_component[target.component];
+  return cell.load(std::memory_order_relaxed);
+}
+
+std::vector<mav::Source> RouteTable::heard_on(LinkId link) const {
+  std::vector<mav::Source> sources;
+  for (const Heard& heard : links_[link].heard) sources.push_back(heard.source);
+  return sources;
+}
+
+RouteTable::Row& RouteTable::row_of(std::uint8_t system) {
+  if (Row* row = rows_[system].load(std::memory_order_acquire)) return *row;
+  while (growing_.test_and_set(std::memory_order_acquire)) {
+  }
+  if (!owned_rows_[system]) owned_rows_[system] = std::make_unique<Row>();
+  Row* row = owned_rows_[system].get();
+  rows_[system].store(row, std::memory_order_release);
+  growing_.clear(std::memory_order_release);
+  return *row;
+}
+
+void RouteTable::set(LinkId link, mav::Source source) {
+  Row& row = row_of(source.system);
+  row.by_component[source.component].fetch_or(bit(link), std::memory_order_relaxed);
+  row.any.fetch_or(bit(link), std::memory_order_relaxed);
+}
+
+void RouteTable::clear(LinkId link, mav::Source source) {
+  Row& row = row_of(source.system);
+  row.by_component[source.component].fetch_and(~bit(link), std::memory_order_relaxed);
+  const auto& heard = links_[link].heard;
+  const bool others = std::any_of(heard.begin(), heard.end(), [&](const Heard& other) {
+    return other.source.system == source.system;
+  });
+  if (!others) row.any.fetch_and(~bit(link), std::memory_order_relaxed);
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// Learns on which links each system and component was heard, and forgets those that fall silent.
+///
+/// `learn` and `expire` for one link belong to one thread at a time; `links_to` may be called from
+/// any thread. Two links may hear the same system and component (simulator and controller may share
+/// an id): an addressed packet then goes to both, apart from where it came from.
+class RouteTable {
+ public:
+  /// @param lifetime  silence after which a route is forgotten
+  explicit RouteTable(base::Duration lifetime);
+
+  /// Notes that `link` hears `source`. @return false when the link has too many ids already
+  bool learn(LinkId link, mav::Source source, base::RunTime now);
+  /// Forgets what `link` has not heard for the lifetime. @return how many ids were forgotten
+  int expire(LinkId link, base::RunTime now);
+  /// Forgets all that was heard on `link`.
+  void forget(LinkId link);
+
+  /// Links on which the target was heard. System 0: every link; component 0: any component of it.
+  LinkMask links_to(mav::Source target) const;
+  /// Ids heard on `link` (by the thread that owns it).
+  std::vector<mav::Source> heard_on(LinkId link) const;
+
+  /// Ids that one link may announce: more than any real network has, few enough to bound memory.
+  static constexpr std::size_t kMaxIdsPerLink = 512;
+
+ private:
+  struct Heard {
+    mav::Source source;
+    base::RunTime last;
+  };
+  struct PerLink {
+    std::vector<Heard> heard;
+    std::size_t newest = 0;  ///< where the last packet's id was found: almost always the next one's
+  };
+  // One row per system: links by component, then links of the system as a whole.
+  struct Row {
+    std::array<std::atomic<LinkMask>, 256> by_component{};
+    std::atomic<LinkMask> any{0};
+  };
+
+  Row& row_of(std::uint8_t system);
+  void set(LinkId link, mav::Source source);
+  void clear(LinkId link, mav::Source source);
+
+  base::Duration lifetime_;
+  std::array<PerLink, kMaxLinks> links_;
+  std::array<std::atomic<Row*>, 256> rows_{};
+  std::array<std::unique_ptr<Row>, 256> owned_rows_;
+  std::atomic_flag growing_ = ATOMIC_FLAG_INIT;
+};
+
+}  // namespace cas::casd

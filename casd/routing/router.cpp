@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/routing/router.hpp"
+
+#include <utility>
+
+namespace cas::casd {
+
+std::string_view to_string(Route::Verdict verdict) {
+  switch (verdict) {
+    case Route::Verdict::kForward:
+      return "forwarded";
+    case Route::Verdict::kDuplicate:
+      return "duplicate";
+    case Route::Verdict::kNoRule:
+      return "no_rule";
+    case Route::Verdict::kNoTarget:
+      return "no_target";
+    case Route::Verdict::kRateLimited:
+      return "rate_limited";
+  }
+  return "?";
+}
+
+Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table,
+               base::Duration route_lifetime)
+    : table_(table), routes_(route_lifetime), plan_(std::move(plan)) {
+  for (auto& filter : duplicates_) filter = std::make_unique<DuplicateFilter>(kDuplicateWindow);
+}
+
+Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,
+                        std::uint8_t from_peer) {
+  using enum Route::Verdict;
+  const RoutingPlan& plan = plan_for(from);
+  Route route{.info = inspect(packet, table_)};
+  route.info.from = from;
+  route.info.from_peer = from_peer;
+  route.info.received = now;
+
+  // Who speaks here can be reached here.
+  routes_.learn(from, packet.source, now);
+
+  // Redundant paths: the second copy ends here.
+  if (is_duplicate(from, plan, packet, now)) {
+    route.verdict = kDuplicate;
+    return route;
+  }
+
+  // The rules of the topology, and never back.
+  const ForwardTable& rules = plan.rules.from(from);
+  route.to = rules.destinations(packet.message_id, packet.source) & ~plan.never_back[from];
+  if (route.to == 0) {
+    route.verdict = kNoRule;
+    return route;
+  }
+
+  // Addressed packets go only where the target was heard.
+  route.to &= routes_.links_to(route.info.target);
+  if (route.to == 0) {
+    route.verdict = kNoTarget;
+    return route;
+  }
+
+  // Thinned-out streams.
+  if (!rules.limits().empty()) {
+    const LinkMask wanted = route.to;
+    route.to =
+        links_[from].limiter.admit(rules.limits(), packet.message_id, packet.source, wanted, now);
+    route.thinned = wanted & ~route.to;
+    if (route.to == 0) route.verdict = kRateLimited;
+  }
+  return route;
+}
+
+void Router::tick(LinkId link, base::RunTime now) { routes_.expire(link, now); }
+
+void Router::forget(LinkId link) { routes_.forget(link); }
+
+void Router::replace(std::shared_ptr<const RoutingPlan> plan) {
+  const std::scoped_lock lock(plan_mutex_);
+  plan_ = std::move(plan);
+  generation_.fetch_add(1, std::memory_order_release);
+}
+
+bool Router::passes_unknown(LinkId from) { return (plan_for(from).pass_unknown & bit(from)) != 0; }
+
+const RoutingPlan& Router::plan_for(LinkId link) {
+  PerLink& own = links_[link];
+  if (own.generation != generation_.load(std::memory_order_acquire)) {
+    const std::scoped_lock lock(plan_mutex_);
+    own.plan = plan_;
+    own.generation = generation_.load(std::memory_order_relaxed);
+    own.limiter = RateLimiter(own.plan->rules.from(link).limits().size());
+  }
+  return *own.plan;
+}
+
+bool Router::is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
+                          base::RunTime now) {
+  const int group = plan.group[from];
+  return group >= 0 &&
+         duplicates_[static_cast<std::size_t>(group)]->is_duplicate(from, packet, now);
+}
+
+}  // namespace cas::casd

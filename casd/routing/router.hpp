@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+#include "base/time/clock.hpp"
+#include "casd/routing/duplicate_filter.hpp"
+#include "casd/routing/forward_rule.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/packet/packet_info.hpp"
+#include "casd/routing/rate_limiter.hpp"
+#include "casd/routing/route_table.hpp"
+#include "mavlink_gen/runtime/message_table.hpp"
+
+namespace cas::casd {
+
+/// All that the router is told: immutable, replaced as a whole.
+struct RoutingPlan {
+  ForwardRules rules;
+  /// For each link the links that nothing goes back to: its group. A link without group stands
+  /// alone here, with its own bit; a server link whose peers may talk to each other has none.
+  std::array<LinkMask, kMaxLinks> never_back{};
+  /// Group number per link, -1: none. Packets that come twice into a group go on once.
+  std::array<std::int8_t, kMaxLinks> group;
+  LinkMask pass_unknown = 0;  ///< links from which packets with unknown message ids go on
+
+  RoutingPlan() { group.fill(-1); }
+};
+
+/// Where a packet goes, and why it may go nowhere.
+struct Route {
+  enum class Verdict : std::uint8_t {
+    kForward,     ///< `to` may still be empty: nobody is there who wants it
+    kDuplicate,   ///< came over another link of the group already
+    kNoRule,      ///< the rules let it go nowhere
+    kNoTarget,    ///< addressed to somebody who was never heard
+    kRateLimited  ///< its turn has not come
+  };
+  LinkMask to = 0;
+  LinkMask thinned = 0;  ///< links that would have got it, had its turn come
+  Verdict verdict = Verdict::kForward;
+  PacketInfo info;
+};
+inline constexpr int kVerdicts = 5;
+/// "forwarded", "duplicate", ...
+std::string_view to_string(Route::Verdict verdict);
+
+/// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It
+/// moves no bytes and reads no clock.
+///
+/// `on_packet`, `tick` and `forget` for one link belong to one thread at a time; different links
+/// may run on different threads. `replace` may come from any thread.
+class Router {
+ public:
+  static constexpr base::Duration kRouteLifetime = std::chrono::seconds(60);
+  static constexpr base::Duration kDuplicateWindow = std::chrono::milliseconds(500);
+  static constexpr int kMaxGroups = kMaxLinks;
+
+  Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table,
+         base::Duration route_lifetime = kRouteLifetime);
+
+  /// @param from_peer  which peer of a server link sent it
+  Route on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,
+                  std::uint8_t from_peer = kNoPeer);
+  /// Once a second for each link: forgets routes that fell silent.
+  void tick(LinkId link, base::RunTime now);
+  /// The link is gone for good, and what was heard on it.
+  void forget(LinkId link);
+  /// Puts new rules in force. Links take them over at their next packet.
+  void replace(std::shared_ptr<const RoutingPlan> plan);
+  /// Does the link let packets with unknown message ids pass?
+  bool passes_unknown(LinkId from);
+
+  const RouteTable& routes() const { return routes_; }
+
+ private:
+  // What one link's thread has for itself.
+  struct alignas(64) PerLink {
+    std::shared_ptr<const RoutingPlan> plan;
+    std::uint64_t generation = 0;
+    RateLimiter limiter;
+  };
+  const RoutingPlan& plan_for(LinkId link);
+  bool is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
+                    base::RunTime now);
+
+  mav::MessageTable table_;
+  RouteTable routes_;
+  std::array<PerLink, kMaxLinks> links_;
+  std::array<std::unique_ptr<DuplicateFilter>, kMaxGroups> duplicates_;
+
+  std::atomic<std::uint64_t> generation_{1};
+  std::mutex plan_mutex_;
+  std::shared_ptr<const RoutingPlan> plan_;
+};
+
+}  // namespace cas::casd

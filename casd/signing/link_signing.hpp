@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "casd/counters/monitor.hpp"
+#include "casd/signing/packet_signer.hpp"
+#include "casd/packet/packet_writer.hpp"
+#include "casd/topology/topology.hpp"
+
+namespace cas::casd {
+
+/// What one link does with signatures: it verifies and takes off those that come in, and signs what
+/// goes out.
+///
+///   peer --signed--> verify --> strip --> router ...        router --> queue --> sign --> peer
+class LinkSigning {
+ public:
+  LinkSigning(const SigningConfig& config, std::shared_ptr<PacketSigner> signer,
+              std::shared_ptr<LinkMonitor> monitor);
+
+  /// Judges a packet that came in; on the link's thread.
+  /// @return the packet without signature, valid until the next call; nothing when it is refused
+  std::optional<mav::PacketView> admit(const mav::PacketView& packet);
+
+  /// Signs what `writer` will write, at the last moment: queues put packets in another order, and
+  /// signatures must have rising times. Without signing it is given back as it is.
+  std::unique_ptr<PacketWriter> wrap(std::unique_ptr<PacketWriter> writer) const;
+
+ private:
+  const SigningConfig config_;
+  const std::shared_ptr<PacketSigner> signer_;
+  const std::shared_ptr<LinkMonitor> monitor_;
+  std::array<std::uint8_t, mav::kMaxPacketBytes> stripped_{};
+};
+
+/// The keys of a topology: links that name the same file share one signer.
+class SigningKeys {
+ public:
+  /// Reads the key files that are not read yet. @throws base::ConfigError
+  void read(const Topology& topology);
+  /// The keys are in force from now on: see PacketSigner::begin().
+  void begin();
+  /// @return nothing for a link without `signing`
+  std::shared_ptr<LinkSigning> for_link(const LinkConfig& config,
+                                        std::shared_ptr<LinkMonitor> monitor) const;
+
+ private:
+  std::map<std::filesystem::path, std::shared_ptr<PacketSigner>> signers_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/signing/packet_signer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+#include "mavlink_gen/runtime/crc.hpp"
+
+namespace cas::casd {
+namespace {
+
+mav::SigningTime clock_time() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_1970).count();
+  return mav::signing_time(us < 0 ? 0 : static_cast<std::uint64_t>(us));
+}
+
+/// The same message as MAVLink 2: version 1 has no place for a signature.
+std::size_t as_version_2(const mav::PacketView& packet, std::uint8_t crc_extra,
+                         std::span<std::uint8_t, mav::kMaxPacketBytes> out) {
+  const std::size_t length = packet.payload.size();
+  const std::array<std::uint8_t, mav::kHeaderBytesV2> header{
+      mav::kStartV2,
+      static_cast<std::uint8_t>(length),
+      0,
+      0,
+      packet.sequence,
+      packet.source.system,
+      packet.source.component,
+      static_cast<std::uint8_t>(packet.message_id),
+      0,
+      0};
+  std::copy(header.begin(), header.end(), out.begin());
+  std::copy(packet.payload.begin(), packet.payload.end(), out.begin() + header.size());
+  return mav::detail::append_checksum(out.data(), header.size() + length, crc_extra);
+}
+
+}  // namespace
+
+int fitting_crc_extra(const mav::PacketView& packet) {
+  const bool v1 = packet.version == 1;
+  const std::size_t size = (v1 ? mav::kHeaderBytesV1 : mav::kHeaderBytesV2) + packet.payload.size();
+  const mav::Crc16 body = mav::Crc16().update(packet.bytes.subspan(1, size - 1));
+  const auto received =
+      static_cast<std::uint16_t>(packet.bytes[size] | packet.bytes[size + 1] << 8U);
+  for (int extra = 0; extra < 256; ++extra) {
+    mav::Crc16 whole = body;
+    if (whole.update(static_cast<std::uint8_t>(extra)).value() == received) return extra;
+  }
+  return -1;
+}
+
+PacketSigner::PacketSigner(const std::filesystem::path& key_file)
+    : time_file_(key_file),
+      signing_(
+          read_signing_key(key_file), std::max(clock_time(), time_file_.load()),
+          {.store = [](void* self,
+                       mav::SigningTime bound) { static_cast<PacketSigner*>(self)->store(bound); },
+           .context = this}) {
+  if (!time_file_.store(time_file_.load())) {
+    throw base::ConfigError(time_file_.path().string() +
+                            ": cannot be written; the time of signatures must outlive a restart");
+  }
+}
+
+void PacketSigner::begin() {
+  if (std::exchange(begun_, true)) return;
+  const std::scoped_lock lock(mutex_);
+  store(signing_.time() + mav::Signing<>::kMaxLag);
+}
+
+mav::SignatureVerdict PacketSigner::verify(const mav::PacketView& packet) {
+  const std::scoped_lock lock(mutex_);
+  signing_.advance(clock_time());
+  return signing_.verify(packet);
+}
+
+std::size_t PacketSigner::sign(const mav::PacketView& packet, std::uint8_t link_id,
+                               std::span<std::uint8_t, mav::kMaxPacketBytes> out) {
+  const int crc_extra = fitting_crc_extra(packet);
+  if (crc_extra < 0) return 0;
+  const auto extra = static_cast<std::uint8_t>(crc_extra);
+  mav::PacketView version_2 = packet;
+  std::array<std::uint8_t, mav::kMaxPacketBytes> converted;
+  if (packet.version == 1) {
+    const std::size_t size = as_version_2(packet, extra, converted);
+    version_2 = mav::view_packet(std::span(converted).first(size));
+  }
+  const std::scoped_lock lock(mutex_);
+  signing_.advance(clock_time());
+  return signing_.sign(version_2, extra, link_id, out);
+}
+
+// Under the lock, about once a minute: a small file in the page cache.
+void PacketSigner::store(mav::SigningTime bound) {
+  const bool failed = !time_file_.store(bound);
+  if (failed && !store_failed_) {
+    base::log::error("the time of signatures cannot be kept in " + time_file_.path().string());
+  }
+  store_failed_ = failed;
+}
+
+}  // namespace cas::casd

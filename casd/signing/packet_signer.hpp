@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <span>
+
+#include "casd/signing/signing_key.hpp"
+#include "mavlink_gen/runtime/signing.hpp"
+
+namespace cas::casd {
+
+/// One key with its time and its streams, for all links that name the same key file: what came in
+/// over one of them cannot be played again over another. Any thread.
+class PacketSigner {
+ public:
+  /// Starts at the wall clock or at the stored time, whichever is ahead.
+  /// @throws base::ConfigError for a key file that is missing or that others may read, and for a
+  /// time that cannot be stored
+  explicit PacketSigner(const std::filesystem::path& key_file);
+
+  /// The key is in force: what an earlier program may have taken in or signed up to now is never
+  /// taken in again by a later one. Until then the stored time stays as it was. From one thread.
+  void begin();
+
+  mav::SignatureVerdict verify(const mav::PacketView& packet);
+
+  /// Signs a packet, of MAVLink 1 or 2, signed before or not, of a message known or not.
+  /// @return bytes written; 0 when its checksum fits no message
+  std::size_t sign(const mav::PacketView& packet, std::uint8_t link_id,
+                   std::span<std::uint8_t, mav::kMaxPacketBytes> out);
+
+ private:
+  void store(mav::SigningTime bound);
+
+  SigningTimeFile time_file_;
+  bool store_failed_ = false;
+  bool begun_ = false;
+  std::mutex mutex_;
+  mav::Signing<> signing_;
+};
+
+/// CRC_EXTRA of a packet's message, found from its checksum: a router signs and strips packets of
+/// messages that it does not know. @return -1 when none fits
+int fitting_crc_extra(const mav::PacketView& packet);
+
+}  // namespace cas::casd

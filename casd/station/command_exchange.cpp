@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/station/command_exchange.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace cas::casd {
+namespace {
+
+using mavlink::common::CommandAck;
+using mavlink::common::CommandInt;
+using mavlink::common::CommandLong;
+using mavlink::common::MavCmd;
+using mavlink::common::MavFrame;
+using mavlink::common::MavResult;
+
+constexpr std::size_t kMaxWaiting = 64;
+constexpr std::size_t kMaxTexts = 10;
+
+bool newest_counts(MavCmd id) {
+  return id == MavCmd::kComponentArmDisarm || id == MavCmd::kDoSetMode ||
+         id == MavCmd::kDoReposition;
+}
+
+CommandLong long_form(const VehicleCommand& command, int sent) {
+  CommandLong message;
+  message.command = command.id;
+  message.confirmation = static_cast<std::uint8_t>(std::min(sent, 255));
+  message.param1 = command.params[0];
+  message.param2 = command.params[1];
+  message.param3 = command.params[2];
+  message.param4 = command.params[3];
+  message.param5 = command.params[4];
+  message.param6 = command.params[5];
+  message.param7 = command.params[6];
+  return message;
+}
+
+CommandInt int_form(const VehicleCommand& command) {
+  CommandInt message;
+  message.frame = MavFrame::kGlobal;
+  message.command = command.id;
+  message.param1 = command.params[0];
+  message.param2 = command.params[1];
+  message.param3 = command.params[2];
+  message.param4 = command.params[3];
+  message.x = command.place->lat_deg_e7;
+  message.y = command.place->lon_deg_e7;
+  message.z = command.place->alt_m;
+  return message;
+}
+
+std::string seconds_text(base::Duration d) {
+  std::string text = std::to_string(base::to_seconds(d));
+  return text.substr(0, text.find('.') + 2);
+}
+
+}  // namespace
+
+std::string describe(MavCmd id) {
+  std::string text = "MAV_CMD " + std::to_string(static_cast<unsigned>(id));
+  switch (id) {
+    case MavCmd::kComponentArmDisarm:
+      return text + " (arm or disarm)";
+    case MavCmd::kNavTakeoff:
+      return text + " (take off)";
+    case MavCmd::kNavLand:
+      return text + " (land)";
+    case MavCmd::kNavReturnToLaunch:
+      return text + " (return to launch)";
+    case MavCmd::kDoSetMode:
+      return text + " (set mode)";
+    case MavCmd::kDoReposition:
+      return text + " (reposition)";
+    case MavCmd::kSetMessageInterval:
+      return text + " (set message interval)";
+    case MavCmd::kRequestMessage:
+      return text + " (request message)";
+    case MavCmd::kPreflightRebootShutdown:
+      return text + " (reboot)";
+    case MavCmd::kPreflightStorage:
+      return text + " (store parameters)";
+    default:
+      return text;
+  }
+}
+
+std::string describe(MavResult result) {
+  switch (result) {
+    case MavResult::kAccepted:
+      return "accepted";
+    case MavResult::kTemporarilyRejected:
+      return "temporarily rejected";
+    case MavResult::kDenied:
+      return "denied";
+    case MavResult::kUnsupported:
+      return "not supported by the vehicle";
+    case MavResult::kFailed:
+      return "failed";
+    case MavResult::kInProgress:
+      return "in progress";
+    case MavResult::kCancelled:
+      return "cancelled";
+    default:
+      return "answered with result " + std::to_string(static_cast<unsigned>(result));
+  }
+}
+
+void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Done done) {
+  if (newest_counts(command.id)) replace(command.id, now);
+  Request request;
+  request.command = command;
+  request.done = std::move(done);
+  if (find(command.id) != active_.end()) {
+    if (waiting_.size() >= kMaxWaiting) {
+      request.done(failure(Verdict::kRefused, "too many commands wait for this vehicle"));
+      return;
+    }
+    waiting_.push_back(std::move(request));
+    return;
+  }
+  active_.push_back(std::move(request));
+  transmit(active_.back(), now);
+}
+
+/// Ends what is under way or waits under this id.
+void CommandExchange::replace(MavCmd id, base::RunTime now) {
+  const auto found = find(id);
+  if (found == active_.end()) return;
+  finish(found, failure(Verdict::kRefused, describe(id) + " was replaced by a newer request"), now);
+}
+
+void CommandExchange::transmit(Request& request, base::RunTime now) {
+  request.deadline = now + timing_.ack_timeout;
+  const int sent = request.sent++;
+  if (request.command.place) {
+    send_(int_form(request.command));
+  } else {
+    send_(long_form(request.command, sent));
+  }
+}
+
+void CommandExchange::on_ack(const CommandAck& ack, base::RunTime now) {
+  const auto request = find(ack.command);
+  if (request == active_.end() || request->refused) return;
+  if (ack.result == MavResult::kInProgress) {
+    request->in_progress = true;
+    request->deadline = now + timing_.in_progress_timeout;
+    return;
+  }
+  if (ack.result == MavResult::kAccepted) {
+    Outcome outcome;
+    outcome.result = ack.result;
+    finish(request, std::move(outcome), now);
+    return;
+  }
+  request->refused = ack.result;
+  request->deadline = now + timing_.text_grace;
+  if (timing_.text_grace == base::Duration::zero()) on_deadline(request, now);
+}
+
+void CommandExchange::on_status_text(std::string_view text) {
+  for (Request& request : active_) {
+    if (request.texts.size() < kMaxTexts) request.texts.emplace_back(text);
+  }
+}
+
+void CommandExchange::tick(base::RunTime now) {
+  // finish() may start what waited and callbacks may start more: look again from the front.
+  for (;;) {
+    const auto due = std::find_if(active_.begin(), active_.end(),
+                                  [now](const Request& r) { return now >= r.deadline; });
+    if (due == active_.end()) return;
+    on_deadline(due, now);
+  }
+}
+
+void CommandExchange::on_deadline(std::list<Request>::iterator request, base::RunTime now) {
+  const std::string what = describe(request->command.id);
+  if (request->refused) {
+    Outcome outcome = failure(Verdict::kRefused, what + " was " + describe(*request->refused));
+    if (*request->refused == MavResult::kFailed) outcome.message = what + " failed";
+    if (!request->texts.empty()) outcome.message += ": " + request->texts.back();
+    outcome.result = request->refused;
+    finish(request, std::move(outcome), now);
+  } else if (request->in_progress) {
+    finish(request,
+           failure(Verdict::kTimeout, what + " was in progress, then nothing came for " +
+                                          seconds_text(timing_.in_progress_timeout) + " s"),
+           now);
+  } else if (request->sent < timing_.tries) {
+    transmit(*request, now);
+  } else {
+    finish(request,
+           failure(Verdict::kTimeout, what + " was sent " + std::to_string(request->sent) +
+                                          " times and not acknowledged"),
+           now);
+  }
+}
+
+void CommandExchange::finish(std::list<Request>::iterator request, Outcome outcome,
+                             base::RunTime now) {
+  outcome.status_texts = std::move(request->texts);
+  const MavCmd id = request->command.id;
+  const Done done = std::move(request->done);
+  active_.erase(request);
+  const auto next = std::find_if(waiting_.begin(), waiting_.end(),
+                                 [id](const Request& r) { return r.command.id == id; });
+  if (next != waiting_.end()) {
+    active_.push_back(std::move(*next));
+    waiting_.erase(next);
+    transmit(active_.back(), now);
+  }
+  done(outcome);
+}
+
+std::list<CommandExchange::Request>::iterator CommandExchange::find(MavCmd id) {
+  return std::find_if(active_.begin(), active_.end(),
+                      [id](const Request& r) { return r.command.id == id; });
+}
+
+}  // namespace cas::casd

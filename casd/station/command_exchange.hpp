@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "base/time/clock.hpp"
+#include "casd/station/outcome.hpp"
+#include "mavlink/common/command_ack.hpp"
+#include "mavlink/common/command_int.hpp"
+#include "mavlink/common/command_long.hpp"
+
+namespace cas::casd {
+
+/// A MAVLink command without its addressee.
+struct VehicleCommand {
+  mavlink::common::MavCmd id{};
+  std::array<float, 7> params{};  ///< 1..7; with a place, 5..7 are unused
+
+  /// Set for COMMAND_INT: latitude and longitude in 1e-7 degree, altitude in m AMSL.
+  struct Place {
+    std::int32_t lat_deg_e7 = 0;
+    std::int32_t lon_deg_e7 = 0;
+    float alt_m = 0;
+  };
+  std::optional<Place> place{};
+};
+
+/// "MAV_CMD 400 (arm or disarm)": what people call a command.
+std::string describe(mavlink::common::MavCmd id);
+/// "denied", "temporarily rejected", ...
+std::string describe(mavlink::common::MavResult result);
+
+/// When a command is sent again and given up.
+struct CommandTiming {
+  base::Duration ack_timeout = std::chrono::milliseconds(700);
+  int tries = 5;
+  base::Duration in_progress_timeout = std::chrono::seconds(10);
+  /// A refusal waits this long for the status text that says why; 0: it does not wait for a tick
+  /// either.
+  base::Duration text_grace = std::chrono::milliseconds(250);
+};
+
+/// The command protocol (https://mavlink.io/en/services/command.html) with one vehicle: sends,
+/// repeats with a rising confirmation count, waits for COMMAND_ACK, through IN_PROGRESS.
+///
+/// One command per id is under way; more of the same id wait in line, except where the newest
+/// counts (arm and disarm, mode, reposition): there it replaces the one under way. MAVLink cannot
+/// tell acknowledgements of the same command apart, so one that arrives after its request was
+/// given up counts for the next of its id.
+class CommandExchange {
+ public:
+  using Message = std::variant<mavlink::common::CommandLong, mavlink::common::CommandInt>;
+  using Send = std::function<void(const Message&)>;
+
+  explicit CommandExchange(Send send, CommandTiming timing = {})
+      : send_(std::move(send)), timing_(timing) {}
+
+  void start(const VehicleCommand& command, base::RunTime now, Done done);
+  void on_ack(const mavlink::common::CommandAck& ack, base::RunTime now);
+  void on_status_text(std::string_view text);
+  void tick(base::RunTime now);
+  bool idle() const { return active_.empty(); }
+
+ private:
+  struct Request {
+    VehicleCommand command;
+    Done done;
+    int sent = 0;
+    bool in_progress = false;
+    base::RunTime deadline{};
+    std::optional<mavlink::common::MavResult> refused;
+    std::vector<std::string> texts;
+  };
+
+  void transmit(Request& request, base::RunTime now);
+  void replace(mavlink::common::MavCmd id, base::RunTime now);
+  void on_deadline(std::list<Request>::iterator request, base::RunTime now);
+  void finish(std::list<Request>::iterator request, Outcome outcome, base::RunTime now);
+  std::list<Request>::iterator find(mavlink::common::MavCmd id);
+
+  Send send_;
+  CommandTiming timing_;
+  std::list<Request> active_;
+  std::deque<Request> waiting_;
+};
+
+}  // namespace cas::casd

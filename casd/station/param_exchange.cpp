@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/station/param_exchange.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::casd {
+namespace {
+
+using mavlink::common::MavParamType;
+using mavlink::common::ParamRequestList;
+using mavlink::common::ParamRequestRead;
+using mavlink::common::ParamSet;
+using mavlink::common::ParamValue;
+
+constexpr std::size_t kMaxKnown = 8192;
+constexpr std::size_t kMaxActive = 64;
+constexpr std::size_t kNameBytes = 16;
+constexpr std::size_t kMaxTexts = 5;
+/// A value that is not the asked one may be an older answer still on its way: asked again once.
+constexpr int kMismatchesBelieved = 2;
+/// param_index of answers that belong to no list (PX4's _HASH_CHECK among them).
+constexpr std::uint16_t kNoIndex = 65535;
+
+ParamRequestRead read_by_name(const std::string& name) {
+  ParamRequestRead message;
+  mav::set_text(message.param_id, name);
+  message.param_index = -1;
+  return message;
+}
+
+ParamRequestRead read_by_index(std::size_t index) {
+  ParamRequestRead message;
+  message.param_index = static_cast<std::int16_t>(index);
+  return message;
+}
+
+std::string seconds_text(base::Duration d) {
+  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count());
+}
+
+std::string because(const std::vector<std::string>& texts) {
+  return texts.empty() ? std::string() : ": " + texts.back();
+}
+
+}  // namespace
+
+void ParamExchange::read(const std::string& name, base::RunTime now, Done done) {
+  Request request;
+  request.name = name;
+  request.done = std::move(done);
+  start(std::move(request), now);
+}
+
+void ParamExchange::set(const std::string& name, double value, base::RunTime now, Done done) {
+  Request request;
+  request.name = name;
+  request.value = value;
+  request.done = std::move(done);
+  start(std::move(request), now);
+}
+
+void ParamExchange::start(Request request, base::RunTime now) {
+  if (request.name.empty() || request.name.size() > kNameBytes) {
+    request.done(failure(Verdict::kInvalid,
+                         "'" + request.name + "' is no parameter name: it has 1 to 16 characters"));
+    return;
+  }
+  if (active_.size() >= kMaxActive) {
+    request.done(failure(Verdict::kRefused, "too many parameter requests wait for this vehicle"));
+    return;
+  }
+  request.type_known = known_.contains(request.name);
+  if (request.value && request.type_known && !fits(request)) {
+    request.done(unfit(request));
+    return;
+  }
+  active_.push_back(std::move(request));
+  transmit(active_.back(), now);
+}
+
+bool ParamExchange::fits(const Request& request) const {
+  return to_wire(encoding_, known_.at(request.name).type, *request.value).has_value();
+}
+
+Outcome ParamExchange::unfit(const Request& request) const {
+  const std::string_view type = name(known_.at(request.name).type);
+  return failure(Verdict::kInvalid, request.name + " is " + std::string(type) +
+                                        " and cannot hold " + number_text(*request.value));
+}
+
+void ParamExchange::transmit(Request& request, base::RunTime now) {
+  request.deadline = now + timing_.answer_timeout;
+  ++request.sent;
+  if (request.value && request.type_known) {
+    send_set(request);
+  } else {
+    send_(read_by_name(request.name));
+  }
+}
+
+void ParamExchange::send_set(Request& request) {
+  const MavParamType type = known_.at(request.name).type;
+  ParamSet message;
+  mav::set_text(message.param_id, request.name);
+  message.param_type = type;
+  message.param_value = to_wire(encoding_, type, *request.value).value_or(0.0F);
+  send_(message);
+}
+
+void ParamExchange::on_value(const ParamValue& message, ParamEncoding encoding, base::RunTime now) {
+  const std::string name(mav::text(message.param_id));
+  const Parameter in_force{from_wire(encoding, message.param_type, message.param_value),
+                           message.param_type};
+  encoding_ = encoding;
+  if (known_.size() < kMaxKnown || known_.contains(name)) known_[name] = in_force;
+  if (listing_) on_listed(message, name, in_force.value, now);
+  // Every request of this name hears the answer; a callback may start more, so they are gathered.
+  std::vector<std::list<Request>::iterator> asked;
+  for (auto request = active_.begin(); request != active_.end(); ++request) {
+    if (request->name == name) asked.push_back(request);
+  }
+  for (const auto& request : asked) on_answer(request, in_force, now);
+}
+
+void ParamExchange::on_answer(std::list<Request>::iterator request, const Parameter& in_force,
+                              base::RunTime now) {
+  if (!request->value) {
+    Outcome outcome;
+    outcome.parameters[request->name] = in_force.value;
+    finish(request, std::move(outcome));
+    return;
+  }
+  if (request->type_known) {
+    on_set_answer(request, in_force, now);
+    return;
+  }
+  if (!known_.contains(request->name)) {
+    finish(request, failure(Verdict::kRefused, "the vehicle has more parameters than casd holds"));
+    return;
+  }
+  if (!fits(*request)) {
+    finish(request, unfit(*request));
+    return;
+  }
+  request->type_known = true;
+  request->sent = 0;
+  transmit(*request, now);
+}
+
+void ParamExchange::on_set_answer(std::list<Request>::iterator request, const Parameter& in_force,
+                                  base::RunTime now) {
+  Outcome outcome;
+  outcome.parameters[request->name] = in_force.value;
+  if (!same_value(in_force.type, *request->value, in_force.value)) {
+    if (++request->mismatches < kMismatchesBelieved) {
+      transmit(*request, now);
+      return;
+    }
+    outcome.verdict = Verdict::kRefused;
+    outcome.message = "the vehicle keeps " + request->name + " = " + number_text(in_force.value) +
+                      " (asked: " + number_text(*request->value) + ")" + because(request->texts);
+  }
+  finish(request, std::move(outcome));
+}
+
+void ParamExchange::on_status_text(std::string_view text) {
+  for (Request& request : active_) {
+    if (request.texts.size() < kMaxTexts) request.texts.emplace_back(text);
+  }
+}
+
+void ParamExchange::finish(std::list<Request>::iterator request, Outcome outcome) {
+  outcome.status_texts = std::move(request->texts);
+  const Done done = std::move(request->done);
+  active_.erase(request);
+  done(outcome);
+}
+
+void ParamExchange::tick(base::RunTime now) {
+  for (;;) {
+    const auto due = std::find_if(active_.begin(), active_.end(),
+                                  [now](const Request& r) { return now >= r.deadline; });
+    if (due == active_.end()) break;
+    if (due->sent < timing_.tries) {
+      transmit(*due, now);
+      continue;
+    }
+    const bool reading = !due->value || !due->type_known;
+    std::string sentence = due->name + (reading ? " was asked for " : " was sent ") +
+                           std::to_string(due->sent) + " times without an answer";
+    if (reading) sentence += "; does this vehicle have it?";
+    finish(due, failure(Verdict::kTimeout, sentence + because(due->texts)));
+  }
+  if (listing_ && (now >= listing_->deadline || now >= listing_->give_up)) tick_listing(now);
+}
+
+void ParamExchange::list(base::RunTime now, Done done) {
+  if (listing_) {
+    if (listing_->done.size() >= kMaxActive) {
+      done(failure(Verdict::kRefused, "too many parameter requests wait for this vehicle"));
+      return;
+    }
+    listing_->done.push_back(std::move(done));
+    return;
+  }
+  listing_ = Listing{};
+  listing_->done.push_back(std::move(done));
+  listing_->deadline = now + timing_.answer_timeout;
+  listing_->give_up = now + timing_.list_timeout;
+  send_(ParamRequestList{});
+}
+
+void ParamExchange::on_listed(const ParamValue& message, const std::string& name, double value,
+                              base::RunTime now) {
+  Listing& listing = *listing_;
+  if (message.param_index == kNoIndex || message.param_index >= message.param_count) return;
+  // Names may come without end too, under the same few indices.
+  const bool too_many = listing.values.size() >= kMaxKnown && !listing.values.contains(name);
+  if (message.param_count > kMaxKnown || too_many) {
+    const std::size_t claimed = std::max<std::size_t>(message.param_count, kMaxKnown + 1);
+    give_up_listing(Verdict::kRefused, "the vehicle claims to have " + std::to_string(claimed) +
+                                           " parameters or more; casd holds " +
+                                           std::to_string(kMaxKnown));
+    return;
+  }
+  if (listing.have.size() != message.param_count) listing.have.resize(message.param_count, false);
+  listing.values[name] = value;
+  if (listing.have[message.param_index]) return;
+  listing.have[message.param_index] = true;
+  listing.received =
+      static_cast<std::size_t>(std::count(listing.have.begin(), listing.have.end(), true));
+  listing.idle_rounds = 0;
+  listing.deadline = now + timing_.answer_timeout;
+  if (listing.received < listing.have.size()) return;
+  Outcome outcome;
+  outcome.parameters = listing.values;
+  finish_listing(std::move(outcome));
+}
+
+/// Nothing new for a while: asks again for the list or for the missing ones.
+void ParamExchange::tick_listing(base::RunTime now) {
+  Listing& listing = *listing_;
+  const std::string sent = "the vehicle sent " + std::to_string(listing.received) + " of " +
+                           std::to_string(listing.have.size()) + " parameters";
+  if (now >= listing.give_up) {
+    give_up_listing(Verdict::kTimeout, sent + " in " + seconds_text(timing_.list_timeout) +
+                                           " s; the rest would take too long");
+    return;
+  }
+  if (++listing.idle_rounds >= timing_.tries) {
+    give_up_listing(Verdict::kTimeout, sent + ", then no more");
+    return;
+  }
+  listing.deadline = now + timing_.answer_timeout;
+  if (listing.have.empty()) {
+    send_(ParamRequestList{});
+    return;
+  }
+  std::size_t asked = 0;
+  for (std::size_t index = 0; index < listing.have.size(); ++index) {
+    if (listing.have[index] || asked == timing_.missing_at_once) continue;
+    ++asked;
+    send_(read_by_index(index));
+  }
+}
+
+void ParamExchange::give_up_listing(Verdict verdict, const std::string& why) {
+  Outcome outcome = failure(verdict, why);
+  outcome.parameters = listing_->values;
+  finish_listing(std::move(outcome));
+}
+
+void ParamExchange::finish_listing(Outcome outcome) {
+  const std::vector<Done> done = std::move(listing_->done);
+  listing_.reset();
+  for (const Done& each : done) each(outcome);
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "casd/station/outcome.hpp"
+#include "casd/station/param_value.hpp"
+#include "mavlink/common/param_request_list.hpp"
+#include "mavlink/common/param_request_read.hpp"
+#include "mavlink/common/param_set.hpp"
+#include "mavlink/common/param_value.hpp"
+
+namespace cas::casd {
+
+/// One parameter as the vehicle last told it.
+struct Parameter {
+  double value = 0;
+  mavlink::common::MavParamType type{};
+};
+
+/// When parameter requests are sent again and given up.
+struct ParamTiming {
+  base::Duration answer_timeout = std::chrono::milliseconds(700);
+  int tries = 5;
+  /// A list with gaps asks for at most this many missing ones at a time.
+  std::size_t missing_at_once = 10;
+  /// A list that is not whole by then is given up, however much still comes.
+  base::Duration list_timeout = std::chrono::seconds(120);
+};
+
+/// The parameter protocol (https://mavlink.io/en/services/parameter.html) with one vehicle.
+///
+/// Every wait has a deadline and a bound on tries, and no more parameters are held than any
+/// autopilot has: a vehicle that talks nonsense, or for ever, costs a bounded time and memory. A
+/// value that the vehicle answers is compared with the one asked for: a vehicle that clamps or
+/// refuses answers with what is in force.
+class ParamExchange {
+ public:
+  using Message = std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,
+                               mavlink::common::ParamRequestList>;
+  using Send = std::function<void(const Message&)>;
+
+  explicit ParamExchange(Send send, ParamTiming timing = {})
+      : send_(std::move(send)), timing_(timing) {}
+
+  /// Reads one parameter. Outcome.parameters has it.
+  void read(const std::string& name, base::RunTime now, Done done);
+  /// Sets one parameter, after asking for its type where that is not known yet.
+  void set(const std::string& name, double value, base::RunTime now, Done done);
+  /// Fetches all parameters; Outcome.parameters has them.
+  void list(base::RunTime now, Done done);
+
+  void on_value(const mavlink::common::ParamValue& message, ParamEncoding encoding,
+                base::RunTime now);
+  void on_status_text(std::string_view text);
+  void tick(base::RunTime now);
+
+  const std::map<std::string, Parameter>& known() const { return known_; }
+
+ private:
+  struct Request {
+    std::string name;
+    std::optional<double> value;  ///< to set
+    Done done;
+    bool type_known = false;
+    int sent = 0;
+    int mismatches = 0;
+    base::RunTime deadline{};
+    std::vector<std::string> texts;
+  };
+  struct Listing {
+    std::vector<Done> done;
+    std::vector<bool> have;  ///< by index; empty until a count is known
+    std::size_t received = 0;
+    int idle_rounds = 0;
+    base::RunTime deadline{};
+    base::RunTime give_up{};  ///< of the list as a whole
+    std::map<std::string, double> values;
+  };
+
+  void start(Request request, base::RunTime now);
+  void transmit(Request& request, base::RunTime now);
+  void send_set(Request& request);
+  bool fits(const Request& request) const;
+  Outcome unfit(const Request& request) const;
+  void on_answer(std::list<Request>::iterator request, const Parameter& in_force,
+                 base::RunTime now);
+  void on_set_answer(std::list<Request>::iterator request, const Parameter& in_force,
+                     base::RunTime now);
+  void finish(std::list<Request>::iterator request, Outcome outcome);
+  void on_listed(const mavlink::common::ParamValue& message, const std::string& name, double value,
+                 base::RunTime now);
+  void tick_listing(base::RunTime now);
+  void give_up_listing(Verdict verdict, const std::string& why);
+  void finish_listing(Outcome outcome);
+
+  Send send_;
+  ParamTiming timing_;
+  ParamEncoding encoding_{};  ///< of the last answer
+  std::map<std::string, Parameter> known_;
+  std::list<Request> active_;
+  std::optional<Listing> listing_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "casd/station/command_exchange.hpp"
+#include "casd/station/gain_map.hpp"
+#include "casd/station/outcome.hpp"
+#include "casd/station/param_exchange.hpp"
+#include "casd/station/station.hpp"
+#include "casd/station/vehicle_state.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::casd {
+
+struct CommanderOptions {
+  mav::Source self{254, 190};
+  double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent
+  bool allow_not_hil = false;  ///< consent to arm vehicles that are not in HIL
+  bool ask_on_sight = true;    ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle
+  CommandTiming command_timing{};
+  ParamTiming param_timing{};
+};
+
+/// casd as a ground station: knows the vehicles and commands them, by the MAVLink command and
+/// parameter protocols. Pure: packets, time and requests come in as arguments, packets go out
+/// through a callback; everything on one thread.
+///
+/// Each request ends with exactly one call of its `done`, which may start further requests.
+class VehicleCommander final : public Station {
+ public:
+  /// Told about each whole status text.
+  using OnText = std::function<void(const VehicleState&, const StatusText&)>;
+
+  VehicleCommander(CommanderOptions options, SendPacket send);
+
+  void on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now) override;
+  void tick(base::RunTime now) override;
+  void on_text(OnText callback) { on_text_ = std::move(callback); }
+
+  const VehicleState* find(std::uint8_t system) const;
+  std::vector<const VehicleState*> vehicles() const;
+  /// The vehicle a request means: the one named, or the only one there is.
+  /// @return its system id, or why there is none
+  std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const;
+
+  struct ArmOptions {
+    bool force = false;    ///< skip the vehicle's own checks
+    bool not_hil = false;  ///< arm although the vehicle does not say that it is in HIL
+  };
+  /// A refusal tells what the vehicle lacks: its sensors, and what it has said since it was asked.
+  /// PX4 that stands in a mode which wants sticks, and refuses, is put into HOLD and asked again.
+  /// Refused with kInterlock for a vehicle without the HIL flag, unless request and configuration
+  /// both consent.
+  void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);
+  void disarm(std::uint8_t system, bool force, base::RunTime now, Done done);
+  /// Climbs to `altitude_m` above home.
+  void takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done);
+  void land(std::uint8_t system, base::RunTime now, Done done);
+  void hold(std::uint8_t system, base::RunTime now, Done done);
+  void return_home(std::uint8_t system, base::RunTime now, Done done);
+
+  /// A place in the vehicle's local frame N, in m, and a heading in degrees.
+  struct Target {
+    double north_m = 0;
+    double east_m = 0;
+    double down_m = 0;
+    std::optional<double> yaw_deg;
+  };
+  void go_to(std::uint8_t system, const Target& target, base::RunTime now, Done done);
+  void set_mode(std::uint8_t system, std::string_view word, base::RunTime now, Done done);
+  /// Period of a message on the vehicle's link; 0 the vehicle's default, negative off.
+  void message_interval(std::uint8_t system, std::uint32_t message_id, double period_us,
+                        base::RunTime now, Done done);
+
+  /// Stick positions from -1 to 1; throttle from 0 to 1.
+  struct Sticks {
+    double pitch = 0;  ///< forward is positive
+    double roll = 0;   ///< right is positive
+    double throttle = 0;
+    double yaw = 0;  ///< clockwise is positive
+    std::uint16_t buttons = 0;
+  };
+  /// MANUAL_CONTROL once; nothing acknowledges it. Vehicles take gestures of sticks as commands to
+  /// arm, so the interlock holds here too.
+  void manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil, base::RunTime now,
+                      Done done);
+  void reboot(std::uint8_t system, base::RunTime now, Done done);
+  /// Any other command; arming goes through the interlock here too.
+  void command(std::uint8_t system, const VehicleCommand& command, bool not_hil, base::RunTime now,
+               Done done);
+
+  void read_param(std::uint8_t system, const std::string& name, base::RunTime now, Done done);
+  void set_param(std::uint8_t system, const std::string& name, double value, base::RunTime now,
+                 Done done);
+  void list_params(std::uint8_t system, base::RunTime now, Done done);
+  /// The type a parameter was last told with.
+  std::optional<mavlink::common::MavParamType> param_type(std::uint8_t system,
+                                                          const std::string& name) const;
+
+  /// Sets the given gains of a loop one after the other, then answers with all it has.
+  void set_gains(std::uint8_t system, const GainLoop& loop, const GainValues& values,
+                 base::RunTime now, Done done);
+  /// Reads all gains of a loop.
+  void read_gains(std::uint8_t system, const GainLoop& loop, base::RunTime now, Done done);
+
+ private:
+  struct Vehicle {
+    Vehicle(VehicleCommander& owner, mav::Source source, LinkId link);
+    VehicleState state;
+    CommandExchange commands;
+    ParamExchange params;
+    std::uint64_t texts_seen = 0;
+  };
+
+  template <class M>
+  void send(const Vehicle& vehicle, M message);
+  Vehicle* known(std::uint8_t system, const Done& done);
+  Vehicle* track(LinkId link, const mav::PacketView& packet, base::RunTime now);
+  void ask_on_sight(std::uint8_t system, base::RunTime now);
+  void on_status_text(Vehicle& vehicle);
+  void dispatch(Vehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
+  void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
+  void takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
+  void takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
+  Done explained(const Vehicle& vehicle, Done done);
+  bool interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now, const Done& done) const;
+  struct Steps;
+  void run_steps(std::shared_ptr<Steps> steps);
+  void beat(base::RunTime now);
+
+  CommanderOptions options_;
+  SendPacket send_;
+  mav::Encoder encoder_;
+  OnText on_text_;
+  std::map<std::uint8_t, std::unique_ptr<Vehicle>> vehicles_;
+  std::optional<base::RunTime> next_beat_;
+  base::RunTime now_{};
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/station/vehicle_state.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/earth/geodesy.hpp"
+#include "mavlink/common/autopilot_version.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::casd {
+namespace {
+
+using namespace mavlink::common;
+
+constexpr std::size_t kStatusTexts = 10;
+constexpr std::size_t kTextBytes = 1024;
+/// A vehicle heard on two links stays with the first while that one speaks.
+constexpr base::Duration kLinkPatience = std::chrono::milliseconds(2500);
+
+/// Decodes into `slot` when the packet is of its kind.
+template <class M>
+void hear(std::optional<Heard<M>>& slot, const mav::PacketView& packet, base::RunTime now) {
+  if (const std::optional<M> message = mav::decode<M>(packet)) slot = Heard<M>{*message, now};
+}
+
+}  // namespace
+
+std::optional<StatusText> StatusTextJoiner::add(const Statustext& chunk, base::RunTime now) {
+  const std::string_view part = mav::text(chunk.text);
+  if (chunk.id == 0) return StatusText{chunk.severity, std::string(part), now};
+  if (chunk.chunk_seq == 0 || chunk.id != id_) text_.clear();
+  if (chunk.chunk_seq != 0 && (chunk.id != id_ || chunk.chunk_seq != next_)) text_ += "...";
+  id_ = chunk.id;
+  next_ = static_cast<std::uint8_t>(chunk.chunk_seq + 1);
+  text_ += part;
+  const bool whole = part.size() < chunk.text.size() || text_.size() > kTextBytes;
+  if (!whole) return std::nullopt;
+  id_ = 0;
+  return StatusText{chunk.severity, std::exchange(text_, {}), now};
+}
+
+void VehicleState::on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now) {
+  switch (packet.message_id) {
+    case Heartbeat::kId:
+      if (const auto message = mav::decode<Heartbeat>(packet)) on_heartbeat(link, *message, now);
+      break;
+    case Attitude::kId:
+      hear(attitude_, packet, now);
+      break;
+    case LocalPositionNed::kId:
+      hear(local_position_, packet, now);
+      break;
+    case GlobalPositionInt::kId:
+      hear(global_position_, packet, now);
+      break;
+    case HomePosition::kId:
+      hear(home_, packet, now);
+      break;
+    case ExtendedSysState::kId:
+      hear(extended_, packet, now);
+      break;
+    case SysStatus::kId:
+      hear(sys_status_, packet, now);
+      break;
+    case AutopilotVersion::kId:
+      if (const auto message = mav::decode<AutopilotVersion>(packet)) {
+        capabilities_ = static_cast<std::uint64_t>(message->capabilities);
+      }
+      break;
+    case Statustext::kId:
+      if (const auto message = mav::decode<Statustext>(packet)) on_status_text(*message, now);
+      break;
+    default:
+      break;
+  }
+}
+
+void VehicleState::on_heartbeat(LinkId link, const Heartbeat& message, base::RunTime now) {
+  if (link != link_ && now - heartbeat_.at > kLinkPatience) link_ = link;
+  if (link == link_) heartbeat_ = {message, now};
+}
+
+void VehicleState::on_status_text(const Statustext& chunk, base::RunTime now) {
+  std::optional<StatusText> whole = joiner_.add(chunk, now);
+  if (!whole) return;
+  status_texts_.push_back(std::move(*whole));
+  if (status_texts_.size() > kStatusTexts) status_texts_.pop_front();
+  ++status_text_count_;
+}
+
+Autopilot VehicleState::autopilot() const { return autopilot_family(heartbeat_.message.autopilot); }
+
+bool VehicleState::armed() const {
+  return has(heartbeat_.message.base_mode, MavModeFlag::kSafetyArmed);
+}
+
+bool VehicleState::hil() const {
+  return has(heartbeat_.message.base_mode, MavModeFlag::kHilEnabled);
+}
+
+std::string VehicleState::mode() const {
+  return mode_name(autopilot(), heartbeat_.message.base_mode, heartbeat_.message.custom_mode);
+}
+
+MavLandedState VehicleState::landed() const {
+  return extended_ ? extended_->message.landed_state : MavLandedState::kUndefined;
+}
+
+std::string_view VehicleState::landed_word() const {
+  switch (landed()) {
+    case MavLandedState::kOnGround:
+      return "on_ground";
+    case MavLandedState::kInAir:
+      return "in_air";
+    case MavLandedState::kTakeoff:
+      return "taking_off";
+    case MavLandedState::kLanding:
+      return "landing";
+    default:
+      return "undefined";
+  }
+}
+
+std::optional<HomeAmsl> VehicleState::home() const {
+  if (home_) {
+    const HomePosition& home = home_->message;
+    return HomeAmsl{
+        home.latitude * 1e-7, home.longitude * 1e-7, home.altitude * 1e-3, home.x, home.y, home.z};
+  }
+  if (!global_position_ || !local_position_) return std::nullopt;
+  const GlobalPositionInt& here = global_position_->message;
+  const LocalPositionNed& local = local_position_->message;
+  const base::Geodetic place{here.lat * 1e-7, here.lon * 1e-7, here.alt * 1e-3};
+  const base::Geodetic origin =
+      base::LocalProjection(place).to_geodetic({-double{local.x}, -double{local.y}, 0});
+  const double alt_m = (here.alt - here.relative_alt) * 1e-3;
+  const double z_m = double{local.z} + here.relative_alt * 1e-3;
+  return HomeAmsl{origin.lat_deg, origin.lon_deg, alt_m, 0, 0, z_m};
+}
+
+std::optional<double> VehicleState::altitude_m() const {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const double z_m = local_position_ ? double{local_position_->message.z} : kUnknown;
+  const double home_z_m = home_ ? double{home_->message.z} : kUnknown;
+  if (std::isfinite(home_z_m - z_m)) return home_z_m - z_m;
+  if (global_position_) return global_position_->message.relative_alt * 1e-3;
+  if (std::isfinite(z_m)) return -z_m;
+  return std::nullopt;
+}
+
+ParamEncoding VehicleState::param_encoding() const {
+  constexpr auto kBytewise =
+      static_cast<std::uint64_t>(MavProtocolCapability::kParamEncodeBytewise);
+  if (capabilities_ && (*capabilities_ & kBytewise) != 0) return ParamEncoding::kBytewise;
+  return autopilot() == Autopilot::kArduPilot ? ParamEncoding::kCast : ParamEncoding::kBytewise;
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/time/clock.hpp"
+#include "casd/station/param_value.hpp"
+#include "casd/station/station.hpp"
+#include "casd/station/vehicle_modes.hpp"
+#include "mavlink/common/attitude.hpp"
+#include "mavlink/common/extended_sys_state.hpp"
+#include "mavlink/common/global_position_int.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/home_position.hpp"
+#include "mavlink/common/local_position_ned.hpp"
+#include "mavlink/common/statustext.hpp"
+#include "mavlink/common/sys_status.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// The newest message of a kind and when it came.
+template <class M>
+struct Heard {
+  M message{};
+  base::RunTime at{};
+};
+
+/// One whole status text, chunks joined.
+struct StatusText {
+  mavlink::common::MavSeverity severity{};
+  std::string text;
+  base::RunTime at{};
+};
+
+/// Joins the chunks of long status texts (STATUSTEXT.id, chunk_seq). Holds one text at a time.
+class StatusTextJoiner {
+ public:
+  /// @return the whole text when this chunk ends it
+  std::optional<StatusText> add(const mavlink::common::Statustext& chunk, base::RunTime now);
+
+ private:
+  std::uint16_t id_ = 0;
+  std::uint8_t next_ = 0;
+  std::string text_;
+};
+
+/// A place on the wire's terms.
+struct HomeAmsl {
+  double lat_deg = 0;
+  double lon_deg = 0;
+  double alt_m = 0;                  ///< above mean sea level
+  double x_m = 0, y_m = 0, z_m = 0;  ///< of home in the vehicle's local frame N
+};
+
+/// What one vehicle has said about itself. Pure: packets and times come in as arguments.
+class VehicleState {
+ public:
+  VehicleState(mav::Source source, LinkId link) : source_(source), link_(link) {}
+
+  /// Takes in one packet of this vehicle's autopilot.
+  void on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now);
+
+  mav::Source source() const { return source_; }
+  /// The link that its HEARTBEATs come from.
+  LinkId link() const { return link_; }
+
+  Autopilot autopilot() const;
+  mavlink::common::MavType type() const { return heartbeat_.message.type; }
+  bool armed() const;
+  /// Whether its HEARTBEAT says that it flies a simulation.
+  bool hil() const;
+  std::string mode() const;
+  const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
+  base::Duration heartbeat_age(base::RunTime now) const { return now - heartbeat_.at; }
+
+  mavlink::common::MavLandedState landed() const;
+  std::string_view landed_word() const;
+  const std::optional<Heard<mavlink::common::Attitude>>& attitude() const { return attitude_; }
+  const std::optional<Heard<mavlink::common::LocalPositionNed>>& local_position() const {
+    return local_position_;
+  }
+  const std::optional<Heard<mavlink::common::GlobalPositionInt>>& global_position() const {
+    return global_position_;
+  }
+  const std::optional<Heard<mavlink::common::SysStatus>>& sys_status() const { return sys_status_; }
+  /// HOME_POSITION, or what GLOBAL_POSITION_INT and LOCAL_POSITION_NED together imply.
+  std::optional<HomeAmsl> home() const;
+  /// Height above home in m, from the newest of what the vehicle tells.
+  std::optional<double> altitude_m() const;
+  ParamEncoding param_encoding() const;
+
+  /// The newest whole status texts, oldest first, at most ten.
+  const std::deque<StatusText>& status_texts() const { return status_texts_; }
+  /// Counts every whole status text: who compares two values knows whether one came.
+  std::uint64_t status_text_count() const { return status_text_count_; }
+
+ private:
+  void on_heartbeat(LinkId link, const mavlink::common::Heartbeat& message, base::RunTime now);
+  void on_status_text(const mavlink::common::Statustext& chunk, base::RunTime now);
+
+  mav::Source source_;
+  LinkId link_;
+  Heard<mavlink::common::Heartbeat> heartbeat_{};
+  std::optional<Heard<mavlink::common::ExtendedSysState>> extended_;
+  std::optional<Heard<mavlink::common::Attitude>> attitude_;
+  std::optional<Heard<mavlink::common::LocalPositionNed>> local_position_;
+  std::optional<Heard<mavlink::common::GlobalPositionInt>> global_position_;
+  std::optional<Heard<mavlink::common::HomePosition>> home_;
+  std::optional<Heard<mavlink::common::SysStatus>> sys_status_;
+  std::optional<std::uint64_t> capabilities_;
+  StatusTextJoiner joiner_;
+  std::deque<StatusText> status_texts_;
+  std::uint64_t status_text_count_ = 0;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/tlog/tlog_files.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include "casd/tlog/tlog_record.hpp"
+
+namespace cas::casd {
+namespace {
+
+bool write_all(int fd, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t gone = ::write(fd, bytes.data(), bytes.size());
+    if (gone < 0 && errno == EINTR) continue;
+    if (gone <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(gone));
+  }
+  return true;
+}
+
+std::filesystem::path numbered(const std::filesystem::path& first, int number) {
+  std::filesystem::path name = first;
+  return name.replace_filename(first.stem().string() + "." + std::to_string(number) +
+                               first.extension().string());
+}
+
+}  // namespace
+
+bool TlogFiles::open(const std::filesystem::path& first, const TlogRotation& rotation,
+                     base::RunTime now) {
+  close();
+  first_ = first;
+  rotation_ = rotation;
+  number_ = 0;
+  written_.clear();
+  return make(first, true, now);
+}
+
+bool TlogFiles::write(std::span<const std::uint8_t> records, base::RunTime now) {
+  while (!records.empty()) {
+    const bool full = size_ > 0 && is_full(tlog_record_bytes(records), now);
+    if (full && !rotate(now)) return false;
+    // As many records as this file still takes, at least one.
+    std::size_t fitting = 0;
+    while (fitting < records.size()) {
+      const std::size_t next = tlog_record_bytes(records.subspan(fitting));
+      if (fitting > 0 && (next == 0 || is_full(fitting + next, now))) break;
+      if (next == 0) fitting = records.size();  // no packet: not ours to judge
+      fitting += next;
+    }
+    if (!write_all(fd_, records.first(fitting))) return false;
+    size_ += fitting;
+    records = records.subspan(fitting);
+  }
+  return true;
+}
+
+void TlogFiles::close() {
+  if (fd_ >= 0) ::close(fd_);
+  fd_ = -1;
+}
+
+bool TlogFiles::make(const std::filesystem::path& file, bool anew, base::RunTime now) {
+  const int how = O_WRONLY | O_CREAT | O_CLOEXEC | (anew ? O_TRUNC : O_EXCL);
+  const int fd = ::open(file.c_str(), how, 0644);
+  if (fd < 0) return false;
+  close();
+  fd_ = fd;
+  size_ = 0;
+  opened_ = now;
+  written_.push_back(file);
+  return true;
+}
+
+bool TlogFiles::rotate(base::RunTime now) {
+  do {
+    if (make(numbered(first_, ++number_), false, now)) break;
+    if (errno != EEXIST) return false;
+  } while (true);
+  while (rotation_.keep > 0 && written_.size() > static_cast<std::size_t>(rotation_.keep)) {
+    std::error_code ignored;
+    std::filesystem::remove(written_.front(), ignored);
+    written_.pop_front();
+  }
+  return true;
+}
+
+bool TlogFiles::is_full(std::size_t next_bytes, base::RunTime now) const {
+  if (rotation_.max_bytes > 0 && size_ + next_bytes > rotation_.max_bytes) return true;
+  return size_ > 0 && rotation_.max_age > base::Duration{} && now - opened_ >= rotation_.max_age;
+}
+
+std::filesystem::path free_tlog_name(const std::filesystem::path& wish) {
+  std::filesystem::path name = wish;
+  std::error_code ignored;
+  for (int number = 1; std::filesystem::exists(name, ignored); ++number) {
+    name = numbered(wish, number);
+  }
+  return name;
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
+#include "base/os/thread.hpp"
+#include "casd/routing/accept_rule.hpp"
+#include "casd/routing/forward_rule.hpp"
+#include "casd/queue/line_drain.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/routing/router.hpp"
+#include "casd/tlog/tlog_files.hpp"
+#include "casd/queue/tx_queue.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+enum class LinkType : std::uint8_t { kUdp, kUdpServer, kSerial, kTcp, kTcpServer, kTlog };
+std::string_view to_string(LinkType type);
+
+/// MAVLink 2 signing of a link (`signing`).
+struct SigningConfig {
+  std::filesystem::path key_file;
+  std::uint8_t link_id = 0;  ///< tells the links of one key apart
+  bool verify = true;        ///< refuse what is not signed with the key, take signatures off
+  bool sign = true;          ///< sign what goes out
+  std::vector<std::uint32_t> allow_unsigned;  ///< messages that may come unsigned
+
+  friend bool operator==(const SigningConfig&, const SigningConfig&) = default;
+};
+
+/// One entry of `links`. Keys that a type does not have are refused.
+struct LinkConfig {
+  std::string name;
+  LinkType type = LinkType::kUdp;
+
+  // udp, udp_server, tcp, tcp_server: "HOST:PORT", "[V6]:PORT"; a host may be a name
+  std::string local;      ///< udp: optional; servers: where they listen
+  std::string remote;     ///< udp, tcp: the peer; broadcast and multicast addresses are allowed
+  std::string interface;  ///< network device to bind to; empty: any
+  int max_peers = 64;     ///< servers: peers at one time
+  base::Duration expiry = std::chrono::seconds(30);  ///< udp_server: silence that ends a peer
+
+  // serial
+  std::string device;           ///< path, usually a udev or symlink name
+  unsigned baud = 0;            ///< 0: USB, no rate of its own
+  bool flow_control = false;    ///< RTS/CTS
+  bool pace = true;             ///< hold writes to 98 % of the baud rate
+  base::Duration sensor_gap{};  ///< least time between two HIL_SENSOR; 0: none
+  bool pace_pty = false;        ///< also on a pseudo-terminal: said so, or its routes may fill it
+
+  // tlog
+  std::filesystem::path file;
+  double speed = 1;     ///< recorded seconds per second
+  bool repeat = false;  ///< from the start again at its end
+
+  // all
+  double max_bytes_s = 0;     ///< cap on what is sent; 0: none
+  bool pass_unknown = false;  ///< let packets with unknown message ids pass
+  std::string group;          ///< redundant paths share a group name
+  AcceptRule accept;
+  std::optional<SigningConfig> signing;
+  TxQueueOptions queue;
+  base::ThreadOptions scheduling;  ///< of the link's thread (threads: per_link)
+
+  /// Equal configurations keep their link over a reload.
+  friend bool operator==(const LinkConfig& a, const LinkConfig& b);
+};
+
+/// One entry of `routes`, with the names of its links.
+struct RouteConfig {
+  std::string from;
+  std::string to;
+  ForwardRule rule;  ///< its link ids are filled in by make_plan()
+};
+
+enum class ThreadModel : std::uint8_t {
+  kPerLink,   ///< each link has its own thread
+  kSingle,    ///< one event loop
+  kBlocking,  ///< one thread that forwards everything and waits for the line: the paper's TS
+};
+std::string_view to_string(ThreadModel model);
+
+/// Whose time casd's own station runs on: heartbeats, retries, ages.
+enum class Pace : std::uint8_t {
+  kRealtime,  ///< the steady clock
+  kLockstep,  ///< the HIL_SENSOR stream that passes
+};
+
+struct CommandPortConfig {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 5790;
+  std::filesystem::path unix_path;   ///< empty: none
+  std::filesystem::path token_file;  ///< empty: no authorisation
+};
+
+/// Figures over HTTP (`metrics`).
+struct MetricsConfig {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 9790;  ///< 0 takes a free one
+};
+
+struct CommandingConfig {
+  double heartbeat_hz = 1;
+  bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL
+};
+
+/// Recording from the start (`log`).
+struct TlogConfig {
+  std::filesystem::path tlog;  ///< empty: none
+  TlogRotation rotation;
+  bool overwrite = false;  ///< an existing file is written anew; false: the next free name is taken
+};
+
+/// casd's whole configuration ("TOPOLOGY.yaml", schema 1).
+struct Topology {
+  mav::Source self{254, 190};
+  ThreadModel threads = ThreadModel::kPerLink;
+  base::Duration drain_tick = LineDrain::kDefaultTick;  ///< threads: blocking
+  Pace pace = Pace::kRealtime;
+  base::ThreadOptions scheduling;  ///< of all link threads, unless a link has its own
+  bool lock_memory = false;
+  std::optional<int> cpu_dma_latency_us;  ///< base::CpuLatencyRequest
+  base::Duration route_lifetime = Router::kRouteLifetime;
+  CommandPortConfig command_port;
+  std::optional<MetricsConfig> metrics;  ///< nothing: no HTTP port
+  CommandingConfig commanding;
+  std::vector<LinkConfig> links;
+  std::vector<RouteConfig> routes;
+  TlogConfig log;
+  std::filesystem::path dialect;  ///< MAVLink XML beside the generated dialect; empty: none
+  std::filesystem::path gains;    ///< empty: none; loop name -> parameter names per autopilot
+
+  /// @throws ConfigError "FILE:LINE: key: sentence"
+  static Topology load(const std::filesystem::path& file);
+  static Topology parse(const base::ConfigNode& root);
+
+  /// Puts `pace` to lockstep. Its lines are not paced and nothing in a queue grows old: simulated
+  /// time stands still meanwhile.
+  void set_lockstep();
+};
+
+/// Which slot each link has, by name.
+using LinkSlots = std::map<std::string, LinkId>;
+/// Slots in file order.
+LinkSlots slots_in_order(const Topology& topology);
+
+/// Compiles rules, groups and options of a topology for these slots. casd's own station hears every
+/// link but the HIL streams, and may talk to every link.
+std::shared_ptr<const RoutingPlan> make_plan(const Topology& topology, const LinkSlots& slots);
+
+}  // namespace cas::casd

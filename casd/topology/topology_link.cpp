@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <optional>
+#include <string>
+#include <tuple>
+
+#include "base/config/config_whole.hpp"
+#include "base/os/host_port.hpp"
+#include "casd/topology/topology_parts.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr std::array kTypes{LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial,
+                            LinkType::kTcp, LinkType::kTcpServer, LinkType::kTlog};
+
+LinkType parse_type(const base::ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  for (const LinkType type : kTypes) {
+    if (word == to_string(type)) return type;
+  }
+  node.fail("'" + word + "' is none of udp, udp_server, serial, tcp, tcp_server, tlog");
+}
+
+// "HOST:PORT" or "[V6]:PORT"; whether the host exists is found out when the link opens.
+std::string parse_endpoint(const base::ConfigNode& node) {
+  const auto text = node.as<std::string>();
+  const std::optional<base::HostPort> parts = base::parse_host_port(text);
+  if (!parts) node.fail("'" + text + "' is not HOST:PORT");
+  const std::string& port = parts->port;
+  const bool digits = port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
+  if (!digits || std::stoi(port) > 65535) node.fail("'" + port + "' is not a port");
+  return text;
+}
+
+std::string optional_endpoint(const base::ConfigNode& node, std::string_view key) {
+  const auto child = node.find(key);
+  return child ? parse_endpoint(*child) : std::string();
+}
+
+void parse_udp(const base::ConfigNode& node, LinkConfig& link) {
+  link.local = optional_endpoint(node, "local");
+  link.remote = optional_endpoint(node, "remote");
+  link.interface = node.get<std::string>("interface", "");
+  if (link.local.empty() && link.remote.empty()) node.fail("needs local, remote or both");
+}
+
+void parse_server(const base::ConfigNode& node, LinkConfig& link) {
+  link.local = parse_endpoint(node.at("local"));
+  link.interface = node.get<std::string>("interface", "");
+  link.max_peers = base::get_whole_in<int>(node, "max_peers", link.max_peers, 1, 64);
+  if (link.type == LinkType::kUdpServer) {
+    link.expiry =
+        base::from_seconds(node.get_in("expiry_s", base::to_seconds(link.expiry), 0.1, 86400));
+  }
+}
+
+void parse_tcp(const base::ConfigNode& node, LinkConfig& link) {
+  link.remote = parse_endpoint(node.at("remote"));
+  link.interface = node.get<std::string>("interface", "");
+}
+
+void parse_serial(const base::ConfigNode& node, LinkConfig& link) {
+  link.device = node.require<std::string>("device");
+  link.baud = base::get_whole_in<unsigned>(node, "baud", 0, 0, 12'000'000);
+  link.flow_control = node.get<bool>("flow_control", false);
+  link.pace = node.get<bool>("pace", link.baud > 0);
+  link.pace_pty = link.pace && node.has("pace");
+  if (link.pace && link.baud == 0) node.at("pace").fail("a line without baud has no pace");
+  constexpr double kLongestGap_ms = 20;
+  link.sensor_gap = base::from_seconds(1e-3 * node.get_in("sensor_gap_ms", 0, 0, kLongestGap_ms));
+}
+
+void parse_tlog(const base::ConfigNode& node, LinkConfig& link) {
+  link.file = node.resolve(node.require<std::string>("file"));
+  link.speed = node.get_in("speed", link.speed, 0.01, 1000);
+  link.repeat = node.get<bool>("repeat", false);
+}
+
+void parse_queue(const base::ConfigNode& node, TxQueueOptions& queue) {
+  const auto ms = [&](std::string_view key, base::Duration fallback) {
+    return base::from_seconds(node.get_in(key, base::to_seconds(fallback) * 1e3, 0.1, 60'000) /
+                              1e3);
+  };
+  const auto kib = [&](std::string_view key, std::size_t fallback) {
+    const auto low = 1.0;
+    return static_cast<std::size_t>(
+        node.get_in(key, static_cast<double>(fallback) / 1024, low, 65536) * 1024);
+  };
+  queue.hil_max_age = ms("hil_max_age_ms", queue.hil_max_age);
+  queue.gps_max_age = ms("gps_max_age_ms", queue.gps_max_age);
+  queue.telemetry_max_age = ms("telemetry_max_age_ms", queue.telemetry_max_age);
+  queue.command_bytes = kib("command_kib", queue.command_bytes);
+  queue.hil_bytes = kib("hil_kib", queue.hil_bytes);
+  queue.gps_bytes = kib("gps_kib", queue.gps_bytes);
+  queue.telemetry_bytes = kib("telemetry_kib", queue.telemetry_bytes);
+}
+
+void parse_common(const base::ConfigNode& node, LinkConfig& link) {
+  link.max_bytes_s = node.get_in("max_bytes_s", 0, 0, 1e12);
+  link.pass_unknown = link.type != LinkType::kSerial;  // a socket has a checksum of its own
+  if (const auto unknown = node.find("unknown_messages")) {
+    const auto word = unknown->as<std::string>();
+    if (word != "pass" && word != "drop") unknown->fail("'" + word + "' is neither pass nor drop");
+    link.pass_unknown = word == "pass";
+  }
+  link.group = node.get<std::string>("group", "");
+  if (const auto accept = node.find("accept")) link.accept = parse_accept(*accept);
+  if (const auto signing = node.find("signing")) link.signing = parse_signing(*signing);
+  if (const auto queue = node.find("queue")) parse_queue(*queue, link.queue);
+  if (const auto scheduling = node.find("scheduling")) {
+    link.scheduling = base::parse_thread_options(*scheduling);
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(LinkType type) {
+  switch (type) {
+    case LinkType::kUdp:
+      return "udp";
+    case LinkType::kUdpServer:
+      return "udp_server";
+    case LinkType::kSerial:
+      return "serial";
+    case LinkType::kTcp:
+      return "tcp";
+    case LinkType::kTcpServer:
+      return "tcp_server";
+    case LinkType::kTlog:
+      return "tlog";
+  }
+  return "?";
+}
+
+LinkConfig parse_link(const base::ConfigNode& node) {
+  LinkConfig link;
+  link.name = node.require<std::string>("name");
+  if (link.name.empty() || link.name == "any")
+    node.at("name").fail("a link needs a name of its own");
+  link.type = parse_type(node.at("type"));
+  switch (link.type) {
+    case LinkType::kUdp:
+      parse_udp(node, link);
+      break;
+    case LinkType::kUdpServer:
+    case LinkType::kTcpServer:
+      parse_server(node, link);
+      break;
+    case LinkType::kTcp:
+      parse_tcp(node, link);
+      break;
+    case LinkType::kSerial:
+      parse_serial(node, link);
+      break;
+    case LinkType::kTlog:
+      parse_tlog(node, link);
+      break;
+  }
+  parse_common(node, link);
+  node.reject_unused();
+  return link;
+}
+
+bool operator==(const LinkConfig& a, const LinkConfig& b) {
+  const auto own = [](const LinkConfig& link) {
+    return std::tie(link.name, link.type, link.local, link.remote, link.interface, link.max_peers,
+                    link.expiry, link.device, link.baud, link.flow_control, link.pace,
+                    link.sensor_gap, link.file, link.speed, link.repeat, link.max_bytes_s,
+                    link.accept, link.signing, link.queue, link.scheduling.fifo_priority,
+                    link.scheduling.cpus);
+  };
+  return own(a) == own(b);
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/local_endpoint.hpp"
+
+#include <utility>
+
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+
+LocalEndpoint::LocalEndpoint(Switchboard& switchboard, mav::Source self)
+    : self_(self),
+      monitor_(std::make_shared<LinkMonitor>("casd", LinkType::kUdp)),
+      ingress_(kLocalLink, switchboard, monitor_),
+      waiting_(kQueueBytes),
+      dispatching_(kQueueBytes) {}
+
+void LocalEndpoint::deliver(std::span<const PacketRef> packets, base::RunTime) {
+  bool any = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const PacketRef& packet : packets) {
+      if (!concerns_us(*packet.info)) continue;
+      any = true;
+      if (!waiting_.push(*packet.info, packet.bytes)) dropped_.add();
+    }
+  }
+  if (any) signal_.raise();
+}
+
+void LocalEndpoint::dispatch(Station& station, base::RunTime now) {
+  signal_.lower();
+  {
+    const std::scoped_lock lock(mutex_);
+    std::swap(waiting_, dispatching_);
+  }
+  for (; !dispatching_.empty(); dispatching_.pop()) {
+    const QueuedPacket packet = dispatching_.front();
+    station.on_packet(packet.info.from, mav::view_packet(packet.bytes), now);
+  }
+}
+
+bool LocalEndpoint::send(std::span<const std::uint8_t> packet, base::RunTime now) {
+  bool sent = false;
+  Parser parser = make_parser();
+  parser.feed(packet, [&](const mav::PacketView& view) {
+    if (view.bytes.size() != packet.size()) return;
+    ingress_.take_packet(view, now);
+    sent = true;
+  });
+  ingress_.deliver(now);
+  return sent;
+}
+
+bool LocalEndpoint::concerns_us(const PacketInfo& info) const {
+  if (info.target.system == 0) return true;
+  if (info.target.system != self_.system) return false;
+  return info.target.component == 0 || info.target.component == self_.component;
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+
+#include "casd/link/ingress.hpp"
+#include "casd/packet/packet_port.hpp"
+#include "casd/packet/packet_ring.hpp"
+#include "casd/station/station.hpp"
+#include "casd/link/wake_signal.hpp"
+
+namespace cas::casd {
+
+/// casd's own station as a link of the router. Packets for it wait in a bounded queue for casd's
+/// main thread; packets from it enter the router like any other link's.
+class LocalEndpoint final : public PacketPort {
+ public:
+  LocalEndpoint(Switchboard& switchboard, mav::Source self);
+
+  /// From any link's thread: queues what is for casd or for everybody.
+  void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
+
+  // casd's main thread:
+
+  /// Becomes readable when packets wait.
+  int descriptor() const { return signal_.descriptor(); }
+  /// Gives the station what waits.
+  void dispatch(Station& station, base::RunTime now);
+  /// Sends a packet of the station. What is no single whole packet is refused.
+  bool send(std::span<const std::uint8_t> packet, base::RunTime now);
+  /// Keeps the station's route alive: once a second.
+  void tick(base::RunTime now) { ingress_.tick(now); }
+  /// Drops the table of ports, which holds this endpoint too. Nothing is sent from here on.
+  void let_go() { ingress_.let_go(); }
+  std::uint64_t dropped() const { return dropped_.get(); }
+
+ private:
+  static constexpr std::size_t kQueueBytes = 1024 * 1024;
+
+  bool concerns_us(const PacketInfo& info) const;
+
+  mav::Source self_;
+  std::shared_ptr<LinkMonitor> monitor_;
+  Ingress ingress_;
+  WakeSignal signal_;
+  std::mutex mutex_;
+  PacketRing waiting_;
+  PacketRing dispatching_;
+  Counter dropped_;
+};
+
+}  // namespace cas::casd

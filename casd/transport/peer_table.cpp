@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/peer_table.hpp"
+
+#include <cstring>
+
+namespace cas::casd {
+
+PeerTable::PeerTable(int max_peers, base::Duration expiry)
+    : max_peers_(max_peers), expiry_(expiry), routes_(expiry) {}
+
+std::optional<std::uint8_t> PeerTable::find(const sockaddr_storage& address) const {
+  const auto same = [&](std::uint8_t peer) {
+    return (present_ & bit(peer)) != 0 &&
+           std::memcmp(&peers_[peer].address, &address, peers_[peer].size) == 0;
+  };
+  if (same(newest_)) return newest_;
+  for (LinkMask left = present_; left != 0; left &= left - 1) {
+    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
+    if (same(peer)) return newest_ = peer;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::uint8_t> PeerTable::add(const sockaddr_storage& address, socklen_t size,
+                                           base::RunTime now) {
+  if (count() >= max_peers_ && expire(now) == 0) return std::nullopt;
+  const auto peer = static_cast<std::uint8_t>(std::countr_one(present_));
+  peers_[peer] = {address, size, now};
+  present_ |= bit(peer);
+  return peer;
+}
+
+void PeerTable::heard(std::uint8_t peer, mav::Source source, base::RunTime now) {
+  peers_[peer].last = now;
+  routes_.learn(peer, source, now);
+}
+
+int PeerTable::expire(base::RunTime now) {
+  int gone = 0;
+  for (LinkMask left = present_; left != 0; left &= left - 1) {
+    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
+    if (now - peers_[peer].last <= expiry_) {
+      routes_.expire(peer, now);
+      continue;
+    }
+    remove(peer);
+    ++gone;
+  }
+  return gone;
+}
+
+void PeerTable::clear() {
+  for (LinkMask left = present_; left != 0; left &= left - 1) {
+    remove(static_cast<std::uint8_t>(std::countr_zero(left)));
+  }
+}
+
+LinkMask PeerTable::for_packet(const PacketInfo& info, LinkId own) const {
+  LinkMask peers = present_ & routes_.links_to(info.target);
+  if (info.from == own && info.from_peer < kMaxPeers) peers &= ~bit(info.from_peer);
+  return peers;
+}
+
+void PeerTable::remove(std::uint8_t peer) {
+  routes_.forget(peer);
+  present_ &= ~bit(peer);
+  peers_[peer] = Peer{};
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <netinet/in.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/packet_info.hpp"
+#include "casd/routing/route_table.hpp"
+
+namespace cas::casd {
+
+/// The peers of a UDP server: up to 64 addresses, each with the ids heard from it, forgotten after
+/// a silence. Addressed packets go only to peers that have announced the target.
+///
+/// The link's thread changes it; senders read it. `add`, `expire` and `clear` exclude `for_packet`
+/// and `address` by a lock of the caller; the rest needs none.
+class PeerTable {
+ public:
+  static constexpr int kMaxPeers = kMaxLinks;
+
+  PeerTable(int max_peers, base::Duration expiry);
+
+  /// The slot of an address. @return nothing when it is unknown
+  std::optional<std::uint8_t> find(const sockaddr_storage& address) const;
+  /// Takes a new address in. @return nothing when all slots are taken by peers that still speak
+  std::optional<std::uint8_t> add(const sockaddr_storage& address, socklen_t size,
+                                  base::RunTime now);
+  /// A packet came from the peer.
+  void heard(std::uint8_t peer, mav::Source source, base::RunTime now);
+  /// Forgets silent peers. @return how many
+  int expire(base::RunTime now);
+  void clear();
+
+  /// Peers that are to get this packet: all or those that announced the target, never its sender.
+  /// @param own  the link that the peers are on
+  LinkMask for_packet(const PacketInfo& info, LinkId own) const;
+
+  LinkMask present() const { return present_; }
+  int count() const { return std::popcount(present_); }
+  const sockaddr* address(std::uint8_t peer) const {
+    return reinterpret_cast<const sockaddr*>(&peers_[peer].address);
+  }
+  socklen_t address_size(std::uint8_t peer) const { return peers_[peer].size; }
+
+ private:
+  struct Peer {
+    sockaddr_storage address{};
+    socklen_t size = 0;
+    base::RunTime last;
+  };
+  void remove(std::uint8_t peer);
+
+  int max_peers_;
+  base::Duration expiry_;
+  LinkMask present_ = 0;
+  std::array<Peer, kMaxPeers> peers_;
+  RouteTable routes_;
+  mutable std::uint8_t newest_ = 0;  ///< found last: almost always the next one's
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/serial_link.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <utility>
+
+#include "casd/transport/stream_writer.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr std::size_t kReadBytes = 16 * 1024;
+// threads: blocking gives up on the rest of a packet after this silence.
+constexpr int kBlockingPatience_ms = 20;
+
+}  // namespace
+
+SerialLink::SerialLink(LinkContext context)
+    : core_(std::move(context)),
+      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_monitor(), core_.wake())),
+      path_watch_(core_.config().device),
+      parser_(make_parser()),
+      buffer_(kReadBytes) {
+  path_watch_.arm();
+}
+
+void SerialLink::watch(PollSet& set, base::RunTime) {
+  if (fd_ < 0) {
+    set.wake_by(core_.backoff().next());
+    poll_entry_ = set.add(path_watch_.descriptor(), POLLIN);
+    return;
+  }
+  poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
+  set.wake_by(port_->due());
+  set.wake_by(core_.next_second());
+}
+
+void SerialLink::serve(const PollSet& set, base::RunTime now) {
+  const short events = set.revents(poll_entry_);
+  if (fd_ < 0) {
+    if ((events & POLLIN) != 0 && path_watch_.take_changes()) core_.backoff().reset();
+    if (core_.backoff().due(now)) open(now);
+    return;
+  }
+  if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
+    core_.blocking() ? read_blocking(now) : read(now);
+  }
+  if (fd_ >= 0 && port_->broken()) close("writing failed", now);
+  if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (core_.second_due(now)) core_.on_second(now);
+}
+
+void SerialLink::open(base::RunTime now) {
+  const LinkConfig& config = core_.config();
+  std::string error;
+  base::Descriptor line =
+      open_serial(config.device, {.baud = config.baud, .flow_control = config.flow_control}, error);
+  if (!line) {
+    path_watch_.arm();  // before the next try: nothing that comes in between is missed
+    return core_.went_down(error, now);
+  }
+  path_watch_.disarm();
+  fd_ = line.get();
+  parser_.reset();
+  const bool pty = is_pseudo_terminal(fd_);
+  const auto kind = pty ? StreamWriter::Kind::kPseudoTerminal : StreamWriter::Kind::kSerial;
+  port_->attach(std::make_unique<StreamWriter>(std::move(line), kind),
+                !pty || config.pace_pty || core_.blocking());
+  core_.went_up(config.device + (config.baud > 0 ? " " + std::to_string(config.baud) : ""));
+}
+
+void SerialLink::read(base::RunTime now) {
+  const ssize_t count = ::read(fd_, buffer_.data(), buffer_.size());
+  if (count > 0) {
+    core_.ingress().take(parser_, {buffer_.data(), static_cast<std::size_t>(count)}, now);
+    core_.ingress().deliver(now);
+    return;
+  }
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  close(count == 0 ? "hung up" : error_text(errno), now);
+}
+
+// What has come, byte by byte, and the rest of a packet that has begun, waiting for the line: how
+// programs with one thread read (MAVLink's own C examples among them).
+void SerialLink::read_blocking(base::RunTime now) {
+  bool waited = false;
+  do {
+    const ssize_t count = ::read(fd_, buffer_.data(), 1);
+    if (count > 0) {
+      core_.ingress().take(parser_, {buffer_.data(), 1}, now);
+    } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
+      pollfd more{fd_, POLLIN, 0};
+      waited = true;
+      if (!parser_.inside_packet() || ::poll(&more, 1, kBlockingPatience_ms) <= 0) break;
+    } else {
+      core_.ingress().deliver(now);
+      return close(count == 0 ? "hung up" : error_text(errno), now);
+    }
+  } while (!waited || parser_.inside_packet());
+  core_.ingress().deliver(now);
+}
+
+void SerialLink::close(const std::string& reason, base::RunTime now) {
+  fd_ = -1;
+  port_->detach();
+  path_watch_.arm();
+  core_.went_down(reason, now);
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "casd/link/link_core.hpp"
+#include "casd/transport/path_watch.hpp"
+#include "casd/transport/serial_port.hpp"
+#include "casd/link/tx_port.hpp"
+
+namespace cas::casd {
+
+/// A serial line, or a PTY. When the device goes away the link waits for its path to come back, by
+/// back-off and by watching the folder; nothing of before is sent over the new line.
+class SerialLink final : public Link {
+ public:
+  explicit SerialLink(LinkContext context);
+  ~SerialLink() override { port_->detach(); }
+
+  void watch(PollSet& set, base::RunTime now) override;
+  void serve(const PollSet& set, base::RunTime now) override;
+  std::uint64_t received() const override { return core_.received(); }
+  std::shared_ptr<PacketPort> port() override { return port_; }
+
+ private:
+  void open(base::RunTime now);
+  void read(base::RunTime now);
+  void read_blocking(base::RunTime now);
+  void close(const std::string& reason, base::RunTime now);
+
+  LinkCore core_;
+  std::shared_ptr<TxPort> port_;
+  PathWatch path_watch_;
+  Parser parser_;
+  std::vector<std::uint8_t> buffer_;
+  int fd_ = -1;  ///< owned by the port's writer
+  std::size_t poll_entry_ = 0;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/socket_address.hpp"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <netinet/in.h>
+
+#include <array>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "base/os/host_port.hpp"
+
+namespace cas::casd {
+namespace {
+
+using base::HostPort;
+
+// @return what getaddrinfo says; 0 when `address` is filled in
+int look_up(const HostPort& parts, int flags, SocketAddress& address) {
+  addrinfo hints{};
+  hints.ai_family = AF_UNSPEC;
+  hints.ai_socktype = SOCK_DGRAM;
+  hints.ai_flags = flags | AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  const int error = ::getaddrinfo(parts.host.c_str(), parts.port.c_str(), &hints, &found);
+  if (error != 0) return error;
+  std::memcpy(&address.storage, found->ai_addr, found->ai_addrlen);
+  address.size = found->ai_addrlen;
+  ::freeaddrinfo(found);
+  return 0;
+}
+
+// A machine without /etc/hosts and name server knows no `localhost`: RFC 6761 section 6.3 does.
+int look_up_name(HostPort parts, SocketAddress& address) {
+  const int error = look_up(parts, AI_ADDRCONFIG, address);
+  if (error == 0 || parts.host != "localhost") return error;
+  parts.host = "127.0.0.1";
+  return look_up(parts, AI_NUMERICHOST, address);
+}
+
+const sockaddr_in& as_ipv4(const SocketAddress& address) {
+  return reinterpret_cast<const sockaddr_in&>(address.storage);
+}
+
+const sockaddr_in6& as_ipv6(const SocketAddress& address) {
+  return reinterpret_cast<const sockaddr_in6&>(address.storage);
+}
+
+}  // namespace
+
+bool SocketAddress::is_multicast() const {
+  if (family() == AF_INET) return IN_MULTICAST(ntohl(as_ipv4(*this).sin_addr.s_addr));
+  return IN6_IS_ADDR_MULTICAST(&as_ipv6(*this).sin6_addr);
+}
+
+bool SocketAddress::is_ipv4_broadcast() const {
+  return family() == AF_INET && as_ipv4(*this).sin_addr.s_addr == INADDR_BROADCAST;
+}
+
+std::string to_text(const SocketAddress& address) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (address.family() == AF_INET) {
+    const sockaddr_in& v4 = as_ipv4(address);
+    ::inet_ntop(AF_INET, &v4.sin_addr, text.data(), text.size());
+    return std::string(text.data()) + ":" + std::to_string(ntohs(v4.sin_port));
+  }
+  if (address.family() == AF_INET6) {
+    const sockaddr_in6& v6 = as_ipv6(address);
+    ::inet_ntop(AF_INET6, &v6.sin6_addr, text.data(), text.size());
+    return "[" + std::string(text.data()) + "]:" + std::to_string(ntohs(v6.sin6_port));
+  }
+  return "?";
+}
+
+SocketAddress local_address(int fd) {
+  SocketAddress address;
+  address.size = sizeof address.storage;
+  if (::getsockname(fd, reinterpret_cast<sockaddr*>(&address.storage), &address.size) != 0) {
+    address.size = 0;
+  }
+  return address;
+}
+
+AddressLookup::AddressLookup(const std::string& endpoint) : shared_(std::make_shared<Shared>()) {
+  const HostPort parts = base::parse_host_port(endpoint).value_or(HostPort{});
+  if (look_up(parts, AI_NUMERICHOST, shared_->address) == 0) {
+    shared_->state = State::kFound;
+    return;
+  }
+  std::thread([parts, shared = shared_] {
+    const int error = look_up_name(parts, shared->address);
+    if (error != 0) shared->error = parts.host + ": " + ::gai_strerror(error);
+    shared->state.store(error == 0 ? State::kFound : State::kFailed, std::memory_order_release);
+  }).detach();
+}
+
+AddressLookup::State AddressLookup::state() const {
+  return shared_ ? shared_->state.load(std::memory_order_acquire) : State::kFailed;
+}
+
+const SocketAddress& AddressLookup::address() const { return shared_->address; }
+
+std::string AddressLookup::error() const { return shared_ ? shared_->error : "no address"; }
+
+}  // namespace cas::casd

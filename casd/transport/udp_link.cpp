@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/udp_link.hpp"
+
+#include <net/if.h>
+#include <netinet/in.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "base/os/descriptor.hpp"
+#include "casd/transport/datagram_sender.hpp"
+
+namespace cas::casd {
+namespace {
+
+class UdpWriter final : public PacketWriter {
+ public:
+  /// @param to  nothing for a connected socket
+  UdpWriter(base::Descriptor descriptor, const SocketAddress& to)
+      : descriptor_(std::move(descriptor)), to_(to) {}
+
+  WriteResult write(std::span<const PacketRef> packets) override {
+    const auto result =
+        sender_.send(descriptor_.get(), packets, to_.size == 0 ? nullptr : to_.get(), to_.size);
+    return {.packets = result.packets, .broken = result.error != 0 && result.error != EAGAIN};
+  }
+  std::ptrdiff_t write_rest(std::span<const std::uint8_t>) override { return 0; }
+  int descriptor() const override { return descriptor_.get(); }
+
+ private:
+  base::Descriptor descriptor_;
+  SocketAddress to_;
+  DatagramSender sender_;
+};
+
+// Everybody's address, or that of a subnet: the kernel knows which addresses are one, and connects
+// to them only with SO_BROADCAST.
+bool is_broadcast(const SocketAddress& remote) {
+  if (remote.is_ipv4_broadcast()) return true;
+  const base::Descriptor probe(::socket(remote.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  return probe && ::connect(probe.get(), remote.get(), remote.size) != 0 && errno == EACCES;
+}
+
+// Hears the group and speaks to it on this device; with an empty name on the one that the routes
+// lead to.
+bool join_group(int fd, const SocketAddress& group, const std::string& interface) {
+  const unsigned device = interface.empty() ? 0 : ::if_nametoindex(interface.c_str());
+  if (group.family() == AF_INET) {
+    ip_mreqn request{};
+    request.imr_multiaddr = reinterpret_cast<const sockaddr_in&>(group.storage).sin_addr;
+    request.imr_ifindex = static_cast<int>(device);
+    const int only_joined = 0;
+    ::setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &only_joined, sizeof only_joined);
+    return ::setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) == 0 &&
+           (device == 0 ||
+            ::setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request) == 0);
+  }
+  ipv6_mreq request{};
+  const auto& v6 = reinterpret_cast<const sockaddr_in6&>(group.storage);
+  request.ipv6mr_multiaddr = v6.sin6_addr;
+  request.ipv6mr_interface = device != 0 ? device : v6.sin6_scope_id;
+  const unsigned through = request.ipv6mr_interface;
+  return ::setsockopt(fd, IPPROTO_IPV6, IPV6_JOIN_GROUP, &request, sizeof request) == 0 &&
+         (through == 0 ||
+          ::setsockopt(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, &through, sizeof through) == 0);
+}
+
+// The address that our packets to `remote` bear, with the port of `fd`.
+SocketAddress source_towards(const SocketAddress& remote, int fd, const std::string& interface) {
+  const base::Descriptor probe(open_udp_socket(remote.family(), interface));
+  const int on = 1;
+  ::setsockopt(probe.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
+  if (!probe || ::connect(probe.get(), remote.get(), remote.size) != 0) return {};
+  SocketAddress source = local_address(probe.get());
+  const SocketAddress bound = local_address(fd);
+  if (source.family() == AF_INET) {
+    reinterpret_cast<sockaddr_in&>(source.storage).sin_port =
+        reinterpret_cast<const sockaddr_in&>(bound.storage).sin_port;
+  } else {
+    reinterpret_cast<sockaddr_in6&>(source.storage).sin6_port =
+        reinterpret_cast<const sockaddr_in6&>(bound.storage).sin6_port;
+  }
+  return source;
+}
+
+}  // namespace
+
+UdpLink::UdpLink(LinkContext context)
+    : core_(std::move(context)),
+      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_monitor(), core_.wake())),
+      parser_(make_parser()) {}
+
+void UdpLink::watch(PollSet& set, base::RunTime) {
+  if (fd_ < 0) return set.wake_by(core_.backoff().next());
+  poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
+  set.wake_by(port_->due());
+  set.wake_by(core_.next_second());
+}
+
+void UdpLink::serve(const PollSet& set, base::RunTime now) {
+  if (fd_ < 0) {
+    if (core_.backoff().due(now)) open(now);
+    return;
+  }
+  const short events = set.revents(poll_entry_);
+  if ((events & (POLLIN | POLLERR)) != 0) read(now);
+  if (fd_ >= 0 && port_->broken()) close("sending failed", now);
+  if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (core_.second_due(now)) core_.on_second(now);
+}
+
+void UdpLink::open(base::RunTime now) {
+  if (!look_up(now)) return;
+  const SocketAddress& remote = remote_.address();
+  base::Descriptor socket(open_udp_socket(remote.family(), core_.config().interface));
+  if (!socket || !prepare(socket.get(), remote)) {
+    return core_.went_down(error_text(errno), now);
+  }
+  fd_ = socket.get();
+  drops_seen_ = 0;
+  reader_.reset();
+  const std::string endpoint = to_text(local_address(fd_));
+  port_->attach(
+      std::make_unique<UdpWriter>(std::move(socket), to_many_ ? remote : SocketAddress{}));
+  core_.went_up(endpoint);
+}
+
+// Addresses are looked up anew at each opening: names may move.
+bool UdpLink::look_up(base::RunTime now) {
+  using enum AddressLookup::State;
+  if (!looking_up_) {
+    remote_ = AddressLookup(core_.config().remote);
+    if (!core_.config().local.empty()) local_ = AddressLookup(core_.config().local);
+    looking_up_ = true;
+  }
+  const bool has_local = !core_.config().local.empty();
+  for (const AddressLookup* lookup : {&remote_, has_local ? &local_ : &remote_}) {
+    if (lookup->state() == kFound) continue;
+    if (lookup->state() == kFailed) {
+      looking_up_ = false;
+      core_.went_down(lookup->error(), now);
+    } else {
+      core_.backoff().failed(now);
+    }
+    return false;
+  }
+  looking_up_ = false;
+  return true;
+}
+
+bool UdpLink::prepare(int fd, const SocketAddress& remote) {
+  to_many_ = remote.is_multicast() || is_broadcast(remote);
+  const int on = 1;
+  if (to_many_) ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  if (!core_.config().local.empty()) {
+    const SocketAddress& local = local_.address();
+    if (::bind(fd, local.get(), local.size) != 0) return false;
+  }
+  if (!to_many_) return ::connect(fd, remote.get(), remote.size) == 0;
+  ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
+  const std::string& interface = core_.config().interface;
+  if (remote.is_multicast() && !join_group(fd, remote, interface)) return false;
+  own_ = source_towards(remote, fd, interface);
+  return true;
+}
+
+void UdpLink::read(base::RunTime now) {
+  // More than one batch a turn only under a flood; then other links of this loop wait no longer
+  // than these.
+  constexpr int kMaxRounds = 4;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const int count = reader_.read(fd_);
+    if (count < 0) return close(error_text(errno), now);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      if (is_own(i)) continue;
+      core_.ingress().take_datagram(parser_, reader_.datagram(i), now);
+    }
+    core_.ingress().deliver(now);
+    if (reader_.kernel_drops() != drops_seen_) {
+      core_.monitor().rx.kernel_drops.add(reader_.kernel_drops() - drops_seen_);
+      drops_seen_ = reader_.kernel_drops();
+    }
+    if (count < static_cast<int>(DatagramReader::kBatch)) return;
+  }
+}
+
+bool UdpLink::is_own(std::size_t index) const {
+  return to_many_ && own_.size > 0 &&
+         std::memcmp(&own_.storage, &reader_.sender(index), own_.size) == 0;
+}
+
+void UdpLink::close(const std::string& reason, base::RunTime now) {
+  fd_ = -1;
+  port_->detach();
+  core_.went_down(reason, now);
+}
+
+}  // namespace cas::casd

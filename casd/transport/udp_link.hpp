@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "casd/transport/datagram_reader.hpp"
+#include "casd/link/link_core.hpp"
+#include "casd/transport/socket_address.hpp"
+#include "casd/link/tx_port.hpp"
+
+namespace cas::casd {
+
+/// UDP to one fixed remote: a simulator, a ground station, a broadcast or multicast group.
+///
+/// To a single host the socket is connected, so the kernel lets in only what that host sends.
+class UdpLink final : public Link {
+ public:
+  explicit UdpLink(LinkContext context);
+  ~UdpLink() override { port_->detach(); }
+
+  void watch(PollSet& set, base::RunTime now) override;
+  void serve(const PollSet& set, base::RunTime now) override;
+  std::uint64_t received() const override { return core_.received(); }
+  std::shared_ptr<PacketPort> port() override { return port_; }
+
+ private:
+  void open(base::RunTime now);
+  bool look_up(base::RunTime now);
+  bool prepare(int fd, const SocketAddress& remote);
+  void read(base::RunTime now);
+  void close(const std::string& reason, base::RunTime now);
+  bool is_own(std::size_t index) const;
+
+  LinkCore core_;
+  std::shared_ptr<TxPort> port_;
+  DatagramReader reader_;
+  Parser parser_;
+  AddressLookup remote_;
+  AddressLookup local_;
+  bool looking_up_ = false;
+  bool to_many_ = false;  ///< broadcast or multicast: not connected
+  SocketAddress own_;     ///< where our own packets to the group come from
+  int fd_ = -1;           ///< owned by the port's writer
+  std::uint32_t drops_seen_ = 0;
+  std::size_t poll_entry_ = 0;
+};
+
+}  // namespace cas::casd

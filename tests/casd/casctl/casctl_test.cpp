@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "tests/casd/port/command_port_bench.hpp"
+
+namespace cas::casd {
+namespace {
+
+using mavlink::common::MavModeFlag;
+using mavlink::common::MavResult;
+using nlohmann::json;
+using test::CommandPortBench;
+
+struct Ended {
+  int code = -1;
+  std::string out;  ///< standard output and error
+};
+
+Ended shell(const std::string& command) {
+  Ended run;
+  std::FILE* pipe = ::popen(("{ " + command + "; } 2>&1").c_str(), "r");
+  if (pipe == nullptr) return run;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
+    run.out.append(buffer.data(), n);
+  }
+  run.code = WEXITSTATUS(::pclose(pipe));
+  return run;
+}
+
+/// Runs the real program.
+Ended casctl(const std::string& arguments) {
+  return shell("'" CAS_BINARY_DIR "/bin/casctl' " + arguments);
+}
+
+class CasctlTest : public testing::Test {
+ protected:
+  CasctlTest() {
+    directory_ =
+        std::filesystem::temp_directory_path() / ("casctl_test_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(directory_);
+  }
+  ~CasctlTest() override { std::filesystem::remove_all(directory_); }
+
+  Ended run(const std::string& arguments) {
+    if (!started_) bench_.start();
+    started_ = true;
+    return casctl("--address " + bench_.address() + " " + arguments);
+  }
+
+  CommandPortBench bench_;
+  bool started_ = false;
+  std::filesystem::path directory_;
+};
+
+TEST_F(CasctlTest, EndsWithZeroWhenTheVehicleAcknowledged) {
+  const Ended armed = run("arm");
+  EXPECT_EQ(armed.code, 0);
+  EXPECT_EQ(armed.out, "vehicle 1 armed\n");
+}
+
+TEST_F(CasctlTest, EndsWithOneWhenTheVehicleRefuses) {
+  bench_.vehicle().script.result = MavResult::kDenied;
+  bench_.vehicle().script.text = "Arming denied: throttle high";
+  const Ended refused = run("arm");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.out.find("denied: Arming denied: throttle high"), std::string::npos)
+      << refused.out;
+}
+
+TEST_F(CasctlTest, EndsWithOneAtTheInterlock) {
+  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  const Ended refused = run("arm --not-hil");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.out.find("allow_not_hil"), std::string::npos) << refused.out;
+}
+
+TEST_F(CasctlTest, EndsWithTwoOnWrongUsage) {
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run("fly").code, 2);
+  EXPECT_EQ(run("takeoff high").code, 2);
+  EXPECT_EQ(run("setgain roll").code, 2);
+  EXPECT_EQ(run("setgain roll 1 2 3 --p 4").code, 2);
+  EXPECT_EQ(run("--vehicle 300 arm").code, 2);
+}
+
+TEST_F(CasctlTest, EndsWithThreeWithoutADaemon) {
+  const Ended alone = casctl("--address 127.0.0.1:1 arm");
+  EXPECT_EQ(alone.code, 3);
+  EXPECT_NE(alone.out.find("Start it with"), std::string::npos) << alone.out;
+}
+
+TEST_F(CasctlTest, SaysThatItWaitsForTheDaemon) {
+  const Ended alone = casctl("--address 127.0.0.1:1 arm --wait --timeout 0.3");
+  EXPECT_EQ(alone.code, 3);
+  EXPECT_NE(alone.out.find("waiting: casd does not answer at 127.0.0.1:1 yet"), std::string::npos)
+      << alone.out;
+}
+
+TEST_F(CasctlTest, WaitsForTheFirstHeartbeat) {
+  const Ended unheard = run("--vehicle 7 land --wait --timeout 0.3");
+  EXPECT_EQ(unheard.code, 1);
+  EXPECT_NE(unheard.out.find("casctl: waiting: "), std::string::npos) << unheard.out;
+}
+
+TEST_F(CasctlTest, AsksAgainToArmWhileTheVehicleSaysNotNow) {
+  bench_.vehicle().script.result = MavResult::kTemporarilyRejected;
+  const Ended later = run("arm --wait --timeout 0.3");
+  EXPECT_EQ(later.code, 1);
+  EXPECT_NE(later.out.find("casctl: waiting: MAV_CMD 400"), std::string::npos) << later.out;
+}
+
+TEST_F(CasctlTest, DecidesOnTheResultAndNotOnWhatTheVehicleSays) {
+  bench_.vehicle().script.result = MavResult::kDenied;
+  bench_.vehicle().script.text = "temporarily rejected, as people say";
+  const Ended denied = run("arm --wait --timeout 3");
+  EXPECT_EQ(denied.code, 1);
+  EXPECT_EQ(denied.out.find("waiting"), std::string::npos) << denied.out;
+}
+
+TEST_F(CasctlTest, KnowsNoStatusOfAVehicleThatWasNotHeard) {
+  const Ended status = run("--vehicle 7 status");
+  EXPECT_EQ(status.code, 1);
+  EXPECT_NE(status.out.find("7"), std::string::npos) << status.out;
+}
+
+TEST_F(CasctlTest, SaysThatADisarmedVehicleMustBeArmedToTakeOff) {
+  bench_.vehicle().say_heartbeat(base::steady_now());
+  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  const Ended disarmed = run("takeoff 2.5");
+  EXPECT_EQ(disarmed.code, 0);
+  EXPECT_EQ(disarmed.out, "vehicle 1 takes off to 2.5 m when armed; it was last heard disarmed\n");
+}
+
+TEST_F(CasctlTest, EndsWithFourWhenTheVehicleIsSilent) {
+  bench_.vehicle().script.answers = 0;
+  EXPECT_EQ(run("arm").code, 4);
+}
+
+TEST_F(CasctlTest, EndsWithFourWhenTheStateIsNotReached) {
+  bench_.vehicle().say_heartbeat(base::steady_now());
+  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  const Ended late = run("takeoff 2.5 --wait --timeout 0.3");
+  EXPECT_EQ(late.code, 4);
+  EXPECT_NE(late.out.find("not airborne within 0.3 s"), std::string::npos) << late.out;
+}
+
+TEST_F(CasctlTest, WaitsUntilTheStateIsReached) {
+  mavlink::common::LocalPositionNed local;
+  local.z = -2.4F;
+  bench_.vehicle().say_heartbeat(base::steady_now());
+  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  bench_.vehicle().say(local, base::steady_now() + std::chrono::milliseconds(500));
+  const Ended airborne = run("takeoff 2.5 --wait");
+  EXPECT_EQ(airborne.code, 0);
+  EXPECT_EQ(airborne.out, "vehicle 1 airborne\n");
+}
+
+TEST_F(CasctlTest, PrintsJson) {
+  EXPECT_EQ(json::parse(run("--json land").out), (json{{"vehicle", 1}, {"result", "ACCEPTED"}}));
+  const json error = json::parse(run("mode WARP --json").out).at("error");
+  EXPECT_EQ(error.at("code"), -32602);
+}
+
+TEST_F(CasctlTest, TakesTheAddressFromTheEnvironment) {
+  bench_.start();
+  ASSERT_EQ(::setenv("CASD_ADDRESS", bench_.address().c_str(), 1), 0);
+  EXPECT_EQ(casctl("disarm --force").code, 0);
+  ::unsetenv("CASD_ADDRESS");
+  bench_.stop();
+  EXPECT_EQ(bench_.vehicle().commands.at(0).param2, 21196.0F);
+}
+
+TEST_F(CasctlTest, SetsGainsByPositionAndByName) {
+  bench_.vehicle().params = {{"MC_ROLLRATE_P", {.value = 0.15}},
+                             {"MC_ROLLRATE_I", {.value = 0.2}},
+                             {"MC_ROLLRATE_D", {.value = 0.003}},
+                             {"MC_ROLL_P", {.value = 6.5}}};
+  EXPECT_EQ(run("setgain rollrate 0.16 0.21 0.004").out, "rollrate: P 0.16, I 0.21, D 0.004\n");
+  EXPECT_EQ(run("setgain rollrate --i 0.3").out, "rollrate: P 0.16, I 0.3, D 0.004\n");
+  EXPECT_EQ(run("setgain roll --p 7").out, "roll: P 7\n");
+  const Ended refused = run("setgain roll 6 0.1 0");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.out.find("loop roll has no I and no D gain"), std::string::npos);
+  EXPECT_NE(run("gains rollrate").out.find("rollrate  0.16  0.3  0.004"), std::string::npos);
+}
+
+TEST_F(CasctlTest, SavesAndLoadsParameters) {
+  bench_.vehicle().params = {
+      {"MC_ROLL_P", {.value = 6.5}},
+      {"SYS_HITL", {.value = 1, .type = mavlink::common::MavParamType::kInt32}}};
+  const std::string file = (directory_ / "iris.params").string();
+  EXPECT_EQ(run("param save " + file).code, 0);
+  EXPECT_EQ(run("param set MC_ROLL_P 8").out, "MC_ROLL_P = 8\n");
+  EXPECT_EQ(run("param load " + file).code, 0);
+  EXPECT_EQ(run("param get MC_ROLL_P").out, "MC_ROLL_P = 6.5\n");
+  EXPECT_NE(run("param list SYS_").out.find("SYS_HITL      1  INT32"), std::string::npos);
+  std::ofstream(directory_ / "bad.params") << "MC_ROLL_P 1\nMC_PITCH_P high\n";
+  const Ended bad = run("param load " + (directory_ / "bad.params").string());
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_NE(bad.out.find("bad.params:2: expected NAME VALUE"), std::string::npos) << bad.out;
+  EXPECT_EQ(run("param get MC_ROLL_P").out, "MC_ROLL_P = 6.5\n");  // nothing was written
+}
+
+TEST_F(CasctlTest, SavesWhatCanBeLoadedAndNamesTheRest) {
+  bench_.vehicle().params = {{"A_NUMBER", {.value = 6.5}},
+                             {"NOT_A_NUMBER", {.value = std::nan("")}},
+                             {"NO_END", {.value = std::numeric_limits<double>::infinity()}}};
+  const std::string file = (directory_ / "odd.params").string();
+  const Ended saved = run("param save " + file);
+  EXPECT_EQ(saved.code, 0);
+  EXPECT_EQ(saved.out, "1 parameters saved to " + file +
+                           "; NaN or infinite, so left out: NOT_A_NUMBER, NO_END\n");
+  const Ended loaded = run("param load " + file);
+  EXPECT_EQ(loaded.code, 0);
+  EXPECT_EQ(loaded.out, "1 parameters of " + file + " are in force\n");
+}
+
+TEST_F(CasctlTest, LeavesTheFileOfBeforeWhenSavingFails) {
+  const std::string file = (directory_ / "iris.params").string();
+  std::ofstream(file) << "MC_ROLL_P 6.5\n";
+  bench_.vehicle().params = {{"MC_ROLL_P", {.value = 8}}};
+  // Writes beyond 0 bytes fail, as on a full disk.
+  if (!started_) bench_.start();
+  started_ = true;
+  const Ended full = shell("trap '' XFSZ; ulimit -f 0; '" CAS_BINARY_DIR "/bin/casctl' --address " +
+                           bench_.address() + " param save " + file);
+  EXPECT_EQ(full.code, 1) << full.out;
+  EXPECT_NE(full.out.find("cannot be written"), std::string::npos) << full.out;
+  std::ifstream in(file);
+  std::string line;
+  EXPECT_TRUE(std::getline(in, line));
+  EXPECT_EQ(line, "MC_ROLL_P 6.5");
+}
+
+TEST_F(CasctlTest, GoesToPlacesWithNegativeNumbers) {
+  bench_.vehicle().say_heartbeat(base::steady_now());
+  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  EXPECT_EQ(run("goto 5 -2 -3 90").code, 0);
+  bench_.stop();
+  EXPECT_EQ(bench_.vehicle().int_commands.size(), 1U);
+}
+
+TEST_F(CasctlTest, GivesTheTokenOfAFile) {
+  const std::string file = (directory_ / "token").string();
+  std::ofstream(file) << "open-sesame-open-sesame\n";
+  std::filesystem::permissions(
+      file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  bench_.require_token(file);
+  EXPECT_EQ(run("land").code, 1);
+  EXPECT_EQ(run("--token-file " + file + " land").code, 0);
+}
+
+TEST_F(CasctlTest, EveryVerbHasAnExample) {
+  const std::string help = casctl("--help").out;
+  for (const char* verb :
+       {"status",  "links",  "arm",    "disarm",           "takeoff", "land",  "hold",   "rtl",
+        "goto",    "mode",   "manual", "message-interval", "setgain", "gains", "routes", "drops",
+        "latency", "budget", "reload", "reboot",           "monitor", "doctor"}) {
+    EXPECT_NE(help.find(verb), std::string::npos) << verb;
+    EXPECT_NE(casctl(std::string(verb) + " --help").out.find("Example: casctl"), std::string::npos)
+        << verb;
+  }
+}
+
+}  // namespace
+}  // namespace cas::casd

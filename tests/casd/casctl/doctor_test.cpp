@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/casctl/doctor/doctor.hpp"
+
+#include <gtest/gtest.h>
+
+namespace cas::casctl {
+namespace {
+
+using nlohmann::json;
+
+json link(const std::string& name, const std::string& type) {
+  return {{"name", name},
+          {"type", type},
+          {"state", "up"},
+          {"endpoint", type == "serial" ? "/dev/pixhawk 921600" : "127.0.0.1:14561"},
+          {"rx", {{"lost", 0}, {"crc_errors", 0}, {"kernel_drops", 0}}},
+          {"tx", {{"bytes", 0}, {"dropped", {{"age", 0}, {"queue_full", 0}}}}}};
+}
+
+json message(const std::string& on, const std::string& direction, const std::string& name,
+             double hz, int system = 1, int component = 1) {
+  return {{"link", on},   {"direction", direction}, {"name", name},          {"hz", hz},
+          {"age_s", 0.1}, {"system", system},       {"component", component}};
+}
+
+/// A set-up that flies.
+DoctorFacts good_setup() {
+  DoctorFacts facts;
+  json fcu = link("fcu", "serial");
+  fcu["baud"] = 921600;
+  facts.before = {{"self", {{"system", 254}, {"component", 190}}},
+                  {"links", json::array({link("sim", "udp"), fcu})},
+                  {"vehicles", json::array({{{"system", 1},
+                                             {"autopilot", "PX4"},
+                                             {"hil", true},
+                                             {"armed", false},
+                                             {"link", "fcu"},
+                                             {"heartbeat_age_s", 0.4}}})}};
+  facts.after = facts.before;
+  facts.after["links"][1]["tx"]["bytes"] = 100'000;  // of 184 320 in two seconds
+  facts.messages = json::array(
+      {message("fcu", "tx", "HIL_SENSOR", 500, 1, 200), message("fcu", "rx", "HIL_CONTROLS", 400),
+       message("fcu", "rx", "HEARTBEAT", 1), message("gcs", "rx", "HEARTBEAT", 1, 255, 190)});
+  facts.seconds = 2;
+  facts.devices = {{.path = "/dev/pixhawk",
+                    .exists = true,
+                    .usable = true,
+                    .group = "dialout",
+                    .latency_timer = {}}};
+  facts.governors = {"performance"};
+  facts.wake_p99_us = 80;
+  facts.wake_max_us = 150;
+  return facts;
+}
+
+/// Findings that are worse than good, one a line.
+std::string complaints(const DoctorFacts& facts) {
+  std::string text;
+  for (const Finding& finding : diagnose(facts)) {
+    if (finding.health == Health::kGood) continue;
+    EXPECT_FALSE(finding.remedy.empty()) << finding.what;
+    text += finding.what + "\n";
+  }
+  return text;
+}
+
+TEST(Doctor, FindsNothingWrongWithAGoodSetUp) { EXPECT_EQ(complaints(good_setup()), ""); }
+
+struct BadCase {
+  const char* name;
+  std::function<void(DoctorFacts&)> spoil;
+  const char* complaint;
+};
+
+class DoctorFinds : public testing::TestWithParam<BadCase> {};
+
+TEST_P(DoctorFinds, TheFault) {
+  DoctorFacts facts = good_setup();
+  GetParam().spoil(facts);
+  EXPECT_NE(complaints(facts).find(GetParam().complaint), std::string::npos) << complaints(facts);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, DoctorFinds,
+    testing::Values(
+        BadCase{"LinkDown",
+                [](DoctorFacts& f) {
+                  f.after["links"][1]["state"] = "down";
+                  f.after["links"][1]["endpoint"] = "No such file or directory";
+                },
+                "link fcu is down: No such file"},
+        BadCase{"NoDevice", [](DoctorFacts& f) { f.devices[0].exists = false; }, "does not exist"},
+        BadCase{"NoRight", [](DoctorFacts& f) { f.devices[0].usable = false; },
+                "may not be opened"},
+        BadCase{"LatencyTimer", [](DoctorFacts& f) { f.devices[0].latency_timer = 16; },
+                "holds packets back for up to 16 ms"},
+        BadCase{"BaudTooSmall",
+                [](DoctorFacts& f) { f.after["links"][1]["tx"]["bytes"] = 180'000; },
+                "line fcu carries 90.0 of 92.2 kB/s"},
+        BadCase{"LateDrops",
+                [](DoctorFacts& f) { f.after["links"][1]["tx"]["dropped"]["age"] = 7; },
+                "would come too late"},
+        BadCase{"NotInHil", [](DoctorFacts& f) { f.after["vehicles"][0]["hil"] = false; },
+                "does not say that it is in HIL mode"},
+        BadCase{"NoVehicle", [](DoctorFacts& f) { f.after["vehicles"] = json::array(); },
+                "no flight controller"},
+        BadCase{"NoSensors", [](DoctorFacts& f) { f.messages.erase(0); }, "gets no HIL_SENSOR"},
+        BadCase{"NoControls", [](DoctorFacts& f) { f.messages.erase(1); },
+                "sends no actuator controls"},
+        BadCase{"TwoStations",
+                [](DoctorFacts& f) {
+                  f.messages.push_back(message("lan", "rx", "HEARTBEAT", 1, 250, 190));
+                },
+                "several ground stations are connected: 250/190, 255/190"},
+        BadCase{"TwoCasds",
+                [](DoctorFacts& f) {
+                  f.messages.push_back(message("gcs", "rx", "HEARTBEAT", 1, 254, 190));
+                },
+                "casd's own address"},
+        BadCase{"Damaged", [](DoctorFacts& f) { f.after["links"][1]["rx"]["crc_errors"] = 3; },
+                "packets arrive damaged"},
+        BadCase{"SmallBuffer",
+                [](DoctorFacts& f) { f.after["links"][0]["rx"]["kernel_drops"] = 3; },
+                "socket buffer overflows"},
+        BadCase{"Powersave", [](DoctorFacts& f) { f.governors = {"powersave"}; }, "powersave"},
+        BadCase{"ClockStep", [](DoctorFacts& f) { f.clock_step_s = -0.2; },
+                "wall clock moved by -200.0 ms"},
+        BadCase{"BusyMachine", [](DoctorFacts& f) { f.wake_p99_us = 4000; }, "99 %: 4000 us"}),
+    [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace cas::casctl

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/counters/monitor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "casd/tlog/tlog.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+#include "tests/casd/packets.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+using std::chrono::seconds;
+
+TEST(MessageCounters, CountByMessageAndSender) {
+  MessageCounters counters;
+  for (int i = 0; i < 5; ++i) counters.add(107, {1, 200}, at(milliseconds(i)));
+  counters.add(107, {2, 200}, at({}));
+  counters.add(16'777'215, {255, 255}, at({}));
+  std::map<std::pair<std::uint32_t, mav::Source>, std::uint64_t> found;
+  counters.for_each([&](const auto& entry) {
+    found[{entry.message_id, entry.source}] = entry.count;
+    if (entry.count == 5) {
+      EXPECT_EQ(entry.last, at(milliseconds(4)));
+    }
+  });
+  EXPECT_EQ((found[{107, {1, 200}}]), 5U);
+  EXPECT_EQ((found[{107, {2, 200}}]), 1U);
+  EXPECT_EQ((found[{16'777'215, {255, 255}}]), 1U);
+}
+
+TEST(MessageCounters, SayWhenThereAreTooManyKinds) {
+  MessageCounters counters;
+  for (std::uint32_t id = 0; id < 5000; ++id) counters.add(id, {1, 1}, at({}));
+  std::uint64_t counted = 0;
+  counters.for_each([&](const auto&) { ++counted; });
+  EXPECT_EQ(counted + counters.uncounted(), 5000U);
+  EXPECT_GT(counted, 1900U);
+}
+
+TEST(Monitor, FormsRatesFromTwoLooks) {
+  Monitor monitor;
+  const auto link = monitor.add_link(3, "fcu", LinkType::kSerial);
+  monitor.sample(at({}));
+  for (int second = 1; second <= 5; ++second) {
+    for (int i = 0; i < 400; ++i) link->rx.messages.add(91, {1, 1}, at(seconds(second)));
+    monitor.sample(at(seconds(second)));
+  }
+  const auto messages = monitor.messages(at(seconds(5) + milliseconds(500)));
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_EQ(messages[0].link, "fcu");
+  EXPECT_EQ(messages[0].direction, "rx");
+  EXPECT_EQ(messages[0].name, "HIL_CONTROLS");
+  EXPECT_EQ(messages[0].count, 2000U);
+  EXPECT_NEAR(messages[0].hz, 400, 1);
+  EXPECT_NEAR(messages[0].age_s, 0.5, 1e-9);
+}
+
+TEST(Monitor, ShowsLinksWithTheirStateAndForgetsThem) {
+  Monitor monitor;
+  const auto link = monitor.add_link(3, "fcu", LinkType::kSerial);
+  link->state = LinkState::kUp;
+  link->set_endpoint("/dev/ttyACM0");
+  link->tx.dropped[0].add(7);
+  const auto links = monitor.links();
+  ASSERT_EQ(links.size(), 1U);
+  EXPECT_EQ(links[0].id, 3);
+  EXPECT_EQ(links[0].endpoint, "/dev/ttyACM0");
+  EXPECT_EQ(links[0].tx.dropped[0], 7U);
+  monitor.remove_link(3);
+  EXPECT_TRUE(monitor.links().empty());
+}
+
+TEST(Monitor, SaysWhatItsTablesHadNoRoomFor) {
+  Monitor monitor;
+  const auto link = monitor.add_link(3, "fcu", LinkType::kSerial);
+  PacketInfo info;
+  for (; info.message_id < 5000; ++info.message_id) {
+    link->rx.messages.add(info.message_id, {1, 1}, at({}));
+    link->count_dropped(info, DropCause::kClosed);
+  }
+  EXPECT_EQ(monitor.messages(at({})).size() + monitor.links()[0].uncounted, 10'000U);
+  EXPECT_GT(monitor.links()[0].uncounted, 0U);
+}
+
+TEST(TlogWriter, WritesTimeAndPacketAsGroundStationsReadThem) {
+  cas::test::TemporaryFolder folder;
+  TlogWriter tlog;
+  tlog.record(packet(mavlink::common::Heartbeat{}, {1, 1}).view(), base::steady_now());  // not open
+  tlog.start(folder / "flight.tlog");
+  const auto heartbeat = packet(mavlink::common::Heartbeat{}, {1, 1});
+  const auto before = std::chrono::system_clock::now();
+  tlog.record(heartbeat.view(), base::steady_now());
+  tlog.stop();
+  std::ifstream file(folder / "flight.tlog", std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_EQ(bytes.size(), 8 + heartbeat.size);
+  std::uint64_t stamp = 0;
+  for (int i = 0; i < 8; ++i) {
+    stamp = stamp << 8U | static_cast<std::uint8_t>(bytes[static_cast<std::size_t>(i)]);
+  }
+  const auto expected =
+      std::chrono::duration_cast<std::chrono::microseconds>(before.time_since_epoch());
+  EXPECT_NEAR(static_cast<double>(stamp), static_cast<double>(expected.count()), 2e6);
+  EXPECT_EQ(static_cast<std::uint8_t>(bytes[8]), mav::kStartV2);
+}
+
+TEST(TlogWriter, FileThatCannotBeMadeIsAnError) {
+  TlogWriter tlog;
+  EXPECT_THROW(tlog.start("/nonexistent/flight.tlog"), base::ConfigError);
+  EXPECT_FALSE(tlog.active());
+}
+
+}  // namespace
+}  // namespace cas::casd::test

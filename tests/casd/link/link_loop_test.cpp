@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link/link_loop.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "tests/support/wait_until.hpp"
+
+namespace cas::casd {
+namespace {
+
+using cas::test::wait_until;
+
+constexpr int kWatched = 300;
+
+class CountingLink final : public Link {
+ public:
+  explicit CountingLink(std::atomic<int>& turns) : turns_(turns) {}
+  void watch(PollSet& set, base::RunTime) override {
+    ++turns_;
+    for (int i = 0; i < kWatched; ++i) set.add(-1, POLLIN);
+  }
+  void serve(const PollSet&, base::RunTime) override {}
+  std::uint64_t received() const override { return 0; }
+  std::shared_ptr<PacketPort> port() override { return nullptr; }
+
+ private:
+  std::atomic<int>& turns_;
+};
+
+/// While it lives, poll refuses as many descriptors; fewer may still be opened, as the sanitizers
+/// do.
+class NarrowPoll {
+ public:
+  NarrowPoll() {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    rlimit narrow = before_;
+    narrow.rlim_cur = kWatched - 100;
+    ::setrlimit(RLIMIT_NOFILE, &narrow);
+  }
+  ~NarrowPoll() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  NarrowPoll(const NarrowPoll&) = delete;
+  NarrowPoll& operator=(const NarrowPoll&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(LinkLoop, PausesAndSaysItOnceWhenItCannotWait) {
+  testing::internal::CaptureStderr();
+  std::atomic<int> turns{0};
+  LinkLoop loop("bench", {});
+  loop.add(std::make_unique<CountingLink>(turns));
+  loop.start();
+  ASSERT_TRUE(wait_until([&] { return turns > 0; }));
+  {
+    const NarrowPoll narrow;
+    loop.wake();  // it still waits from before
+    const base::RunTime begin = base::steady_now();
+    const int before = turns;
+    EXPECT_TRUE(wait_until([&] { return turns >= before + 5; }));
+    EXPECT_GE(base::steady_now() - begin, std::chrono::milliseconds(290)) << "it spins";
+  }
+  int ran = 0;
+  loop.run_on_loop([&] { ++ran; });
+  EXPECT_EQ(ran, 1) << "it goes on once it can wait again";
+  loop.stop();
+  const std::string said = testing::internal::GetCapturedStderr();
+  const std::size_t first = said.find("cannot wait for their descriptors");
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find("cannot wait", first + 1), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace cas::casd

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link/tx_port.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <memory>
+
+#include "casd/signing/link_signing.hpp"
+#include "casd/signing/packet_signer.hpp"
+#include "tests/casd/packets.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+/// What a line was given, and how it behaves.
+struct FakeLine {
+  std::vector<std::uint32_t> written;  ///< message ids
+  std::size_t room = 1'000'000;        ///< bytes that it takes
+  std::size_t unsent = 0;              ///< what the driver says
+  std::size_t bytes = 0;
+};
+
+class FakeWriter final : public PacketWriter {
+ public:
+  explicit FakeWriter(FakeLine& line) : line_(line) {}
+  WriteResult write(std::span<const PacketRef> packets) override {
+    WriteResult result;
+    for (const PacketRef& packet : packets) {
+      const std::size_t taken = std::min(line_.room, packet.bytes.size());
+      line_.room -= taken;
+      line_.bytes += taken;
+      if (taken > 0) line_.written.push_back(packet.info->message_id);
+      if (taken < packet.bytes.size()) {
+        result.part_of_next = taken;
+        break;
+      }
+      ++result.packets;
+    }
+    return result;
+  }
+  std::ptrdiff_t write_rest(std::span<const std::uint8_t> rest) override {
+    const std::size_t taken = std::min(line_.room, rest.size());
+    line_.room -= taken;
+    line_.bytes += taken;
+    return static_cast<std::ptrdiff_t>(taken);
+  }
+  std::size_t unsent() const override { return line_.unsent; }
+  int descriptor() const override { return -1; }
+
+ private:
+  FakeLine& line_;
+};
+
+class TxPortTest : public testing::Test {
+ protected:
+  void open(const TxPortOptions& options) {
+    port = std::make_unique<TxPort>(options, monitor, [this] { ++wakes; });
+    port->attach(std::make_unique<FakeWriter>(line));
+  }
+  /// Packets of the same class, in one batch, read at `now`; their message ids count up.
+  void deliver(TrafficClass traffic, int count, base::RunTime now, std::size_t size = 100) {
+    std::vector<PacketInfo> infos;
+    std::vector<PacketRef> packets;
+    const auto content = bytes(size);
+    for (int i = 0; i < count; ++i) infos.push_back(info(traffic, now, next_id++));
+    for (const PacketInfo& each : infos) packets.push_back({&each, content});
+    port->deliver(packets, now);
+  }
+  std::uint64_t dropped(DropCause cause) const {
+    return monitor->tx.dropped[static_cast<std::size_t>(cause)].get();
+  }
+
+  FakeLine line;
+  std::shared_ptr<LinkMonitor> monitor = std::make_shared<LinkMonitor>("line", LinkType::kSerial);
+  std::unique_ptr<TxPort> port;
+  std::uint32_t next_id = 1;
+  int wakes = 0;
+};
+
+TEST_F(TxPortTest, WritesAtOnceWhileThereIsRoom) {
+  open({});
+  deliver(TrafficClass::kHil, 3, at({}));
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 2, 3}));
+  EXPECT_EQ(monitor->tx.write_calls.get(), 1U);
+  EXPECT_EQ(wakes, 0);
+}
+
+TEST_F(TxPortTest, WhatCannotBeSignedIsDroppedAndNotSent) {
+  const cas::test::TemporaryFolder folder;
+  SigningConfig config;
+  config.key_file = folder.write("radio.key", "a pass phrase of the laboratory\n");
+  std::filesystem::permissions(
+      config.key_file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  open({.signing = std::make_shared<LinkSigning>(
+            config, std::make_shared<PacketSigner>(config.key_file), monitor)});
+  const auto whole = packet(mavlink::common::Heartbeat{}, {1, 1});
+  auto damaged = whole;
+  while (fitting_crc_extra(view(damaged)) >= 0) ++damaged.bytes[damaged.size - 1];
+  const auto deliver_both = [&](bool damaged_first) {
+    const PacketInfo first = info(TrafficClass::kCommand, at({}), damaged_first ? 66 : 1);
+    const PacketInfo second = info(TrafficClass::kCommand, at({}), damaged_first ? 1 : 66);
+    const std::array packets{PacketRef{&first, (damaged_first ? damaged : whole).view()},
+                             PacketRef{&second, (damaged_first ? whole : damaged).view()}};
+    port->deliver(packets, at({}));
+  };
+  deliver_both(true);
+  deliver_both(false);
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 1}));
+  EXPECT_EQ(monitor->tx.packets.get(), 2U);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 2U);
+
+  line.room = 0;  // they wait together, and are judged together
+  deliver_both(false);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 2U);
+  line.room = 1'000'000;
+  port->carry_on(at({}));
+  EXPECT_EQ(monitor->tx.packets.get(), 3U);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 3U);
+}
+
+TEST_F(TxPortTest, WhatAgedInABatchThatFoundNoRoomIsDropped) {
+  open({});
+  line.room = 0;
+  deliver(TrafficClass::kHil, 1, at({}));  // finds the line full
+  deliver(TrafficClass::kHil, 10, at({}));
+  line.room = 250;  // takes two and a half: the rest of the batch waits outside the queue
+  port->carry_on(at(milliseconds(1)));
+  ASSERT_EQ(line.written, (std::vector<std::uint32_t>{1, 2, 3}));
+  deliver(TrafficClass::kCommand, 1, at(milliseconds(2)));
+
+  line.room = 1'000'000;
+  port->carry_on(at(milliseconds(100)));
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 2, 3, 12}));
+  EXPECT_EQ(line.bytes, 400U);  // the packet that was begun is finished
+  EXPECT_EQ(dropped(DropCause::kAge), 8U);
+}
+
+TEST_F(TxPortTest, NothingOfBeforeIsSentAfterAReopen) {
+  open({});
+  line.room = 150;
+  deliver(TrafficClass::kHil, 4, at({}));
+  deliver(TrafficClass::kCommand, 2, at({}));
+  port->detach();
+  deliver(TrafficClass::kHil, 1, at({}));
+  line = FakeLine{};
+  port->attach(std::make_unique<FakeWriter>(line));
+  port->carry_on(at({}));
+  EXPECT_EQ(line.bytes, 0U);
+  EXPECT_EQ(dropped(DropCause::kClosed), 5U);
+  deliver(TrafficClass::kHil, 1, at({}));
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{8}));
+}
+
+TEST_F(TxPortTest, LooksAtTheLineBeforeItWrites) {
+  open({.line_bytes_s = 10'000});
+  line.unsent = 500;  // 50 ms of this line
+  deliver(TrafficClass::kCommand, 1, at({}));
+  EXPECT_TRUE(line.written.empty());
+  EXPECT_EQ(port->due(), at(milliseconds(50)) - LinePacer::kSlack);
+  line.unsent = 100;  // slower than its rate
+  port->carry_on(port->due());
+  EXPECT_TRUE(line.written.empty());
+  line.unsent = 0;
+  port->carry_on(port->due());
+  EXPECT_EQ(line.written.size(), 1U);
+}
+
+TEST_F(TxPortTest, DropsWhatALineThatStandsStillMakesTooOld) {
+  open({.line_bytes_s = 10'000});
+  line.unsent = 300;  // 30 ms: more than the age limit
+  deliver(TrafficClass::kHil, 1, at({}));
+  line.unsent = 0;
+  port->carry_on(port->due());
+  EXPECT_TRUE(line.written.empty());
+  EXPECT_EQ(dropped(DropCause::kAge), 1U);
+}
+
+TEST_F(TxPortTest, DoesNotBelieveADriverThatAlwaysSaysTheSame) {
+  open({.line_bytes_s = 10'000});
+  line.unsent = 4096;
+  base::RunTime now = at({});
+  deliver(TrafficClass::kCommand, 1, now);
+  for (int i = 0; i < 20 && line.written.empty(); ++i) port->carry_on(now = port->due());
+  EXPECT_EQ(line.written.size(), 1U);
+  EXPECT_LT(now - at({}), 2 * LineCheck::kPatience);
+}
+
+TEST_F(TxPortTest, WaitsForFlowControlAsLongAsItTakes) {
+  open({.line_bytes_s = 10'000, .flow_control = true});
+  line.unsent = 4096;
+  base::RunTime now = at({});
+  deliver(TrafficClass::kCommand, 1, now);
+  for (int i = 0; i < 100; ++i) port->carry_on(now = port->due());
+  EXPECT_TRUE(line.written.empty());
+  line.unsent = 0;
+  port->carry_on(port->due());
+  EXPECT_EQ(line.written.size(), 1U);
+}
+
+TEST_F(TxPortTest, CountsWhatACapMadeTooOldAsBandwidthByMessage) {
+  open({.cap_bytes_s = 1'000});
+  deliver(TrafficClass::kHil, 10, at({}), 10);  // 10 ms each
+  for (int i = 0; i < 20; ++i) {
+    if (port->due() != PollSet::kNever) port->carry_on(port->due());
+  }
+  EXPECT_EQ(dropped(DropCause::kAge), 0U);
+  EXPECT_EQ(line.written.size() + dropped(DropCause::kBandwidth), 10U);
+  std::uint64_t by_message = 0;
+  monitor->tx.dropped_messages[static_cast<std::size_t>(DropCause::kBandwidth)].for_each(
+      [&](const MessageCounters::Entry& entry) { by_message += entry.count; });
+  EXPECT_EQ(by_message, dropped(DropCause::kBandwidth));
+  EXPECT_GT(by_message, 0U);
+}
+
+}  // namespace
+}  // namespace cas::casd::test

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/port/command_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base/rpc/client.hpp"
+#include "tests/casd/port/command_port_bench.hpp"
+
+namespace cas::casd {
+namespace {
+
+using base::rpc::CallError;
+using base::rpc::Client;
+using mavlink::common::MavModeFlag;
+using mavlink::common::MavResult;
+using nlohmann::json;
+using test::CommandPortBench;
+
+class CommandServerTest : public testing::Test {
+ protected:
+  json call(const std::string& method, const json& params = json::object()) {
+    if (!client_) {
+      bench_.start();
+      client_.emplace(bench_.address());
+    }
+    return client_->call(method, params);
+  }
+  /// The error that a call ends with.
+  CallError error(const std::string& method, const json& params = json::object()) {
+    try {
+      const json result = call(method, params);
+      ADD_FAILURE() << method << " answered " << result;
+    } catch (const CallError& caught) {
+      return caught;
+    }
+    return CallError(0, "", "");
+  }
+
+  CommandPortBench bench_;
+  std::optional<Client> client_;
+};
+
+TEST_F(CommandServerTest, AnswersArmAfterTheAcknowledgement) {
+  EXPECT_EQ(call("vehicle.arm"), (json{{"vehicle", 1}, {"result", "ACCEPTED"}}));
+  bench_.stop();
+  EXPECT_EQ(bench_.vehicle().commands.size(), 1U);
+}
+
+TEST_F(CommandServerTest, ReportsARefusalWithResultAndText) {
+  bench_.vehicle().script.result = MavResult::kDenied;
+  bench_.vehicle().script.text = "Preflight Fail: compass";
+  const CallError refused = error("vehicle.arm");
+  EXPECT_EQ(refused.code(), -32000);
+  const json data = json::parse(refused.data_json());
+  EXPECT_EQ(data.at("result"), "DENIED");
+  EXPECT_EQ(data.at("result_code"), 2);
+  EXPECT_EQ(data.at("status_texts"), json::array({"Preflight Fail: compass"}));
+}
+
+TEST_F(CommandServerTest, ReportsSilenceAsTimeout) {
+  bench_.vehicle().script.answers = 0;
+  EXPECT_EQ(error("vehicle.land").code(), -32001);
+}
+
+TEST_F(CommandServerTest, ReportsTheInterlock) {
+  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  const CallError refused = error("vehicle.arm", {{"not_hil", true}});
+  EXPECT_EQ(refused.code(), -32004);
+  EXPECT_NE(std::string(refused.what()).find("allow_not_hil"), std::string::npos);
+  bench_.stop();
+  EXPECT_TRUE(bench_.vehicle().commands.empty());
+}
+
+TEST_F(CommandServerTest, ArmsOutsideHilOnlyByConsentOfBoth) {
+  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  bench_.allow_not_hil();
+  EXPECT_EQ(error("vehicle.arm").code(), -32004);
+  EXPECT_EQ(call("vehicle.arm", {{"not_hil", true}}).at("result"), "ACCEPTED");
+}
+
+TEST_F(CommandServerTest, MovesTheSticksOfAVehicleInHilOnly) {
+  EXPECT_EQ(call("vehicle.manual_control", {{"pitch", 0.25}, {"roll", -1}, {"throttle", 0.5}}),
+            (json{{"vehicle", 1}, {"result", "SENT"}}));
+  EXPECT_EQ(call("vehicle.manual_control", {{"yaw", 1}, {"buttons", 3}}).at("result"), "SENT");
+  bench_.stop();
+  ASSERT_EQ(bench_.vehicle().sticks.size(), 2U);
+  const auto& first = bench_.vehicle().sticks[0];
+  EXPECT_EQ(first.target, 1);
+  EXPECT_EQ(first.x, 250);
+  EXPECT_EQ(first.y, -1000);
+  EXPECT_EQ(first.z, 500);
+  EXPECT_EQ(first.r, 0);
+  EXPECT_EQ(bench_.vehicle().sticks[1].r, 1000);
+  EXPECT_EQ(bench_.vehicle().sticks[1].buttons, 3);
+  EXPECT_EQ(bench_.audit().size(), 1U) << "sticks come many times a second";
+}
+
+TEST_F(CommandServerTest, KeepsTheSticksOfARealVehicle) {
+  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  EXPECT_EQ(error("vehicle.manual_control", {{"throttle", 0.5}}).code(), -32004);
+  bench_.stop();
+  EXPECT_TRUE(bench_.vehicle().sticks.empty());
+}
+
+TEST_F(CommandServerTest, KnowsNoVehicleSeven) {
+  EXPECT_EQ(error("vehicle.arm", {{"vehicle", 7}}).code(), -32002);
+}
+
+TEST_F(CommandServerTest, NeedsTheVehicleNamedWhenThereAreTwo) {
+  bench_.add_vehicle();
+  EXPECT_EQ(error("vehicle.arm").code(), -32602);
+  EXPECT_EQ(call("vehicle.arm", {{"vehicle", 2}}).at("vehicle"), 2);
+  bench_.stop();
+  EXPECT_TRUE(bench_.vehicle(0).commands.empty());
+  EXPECT_EQ(bench_.vehicle(1).commands.size(), 1U);
+}
+
+struct BadCase {
+  const char* name;
+  const char* method;
+  const char* params;
+};
+
+class BadParameters : public CommandServerTest, public testing::WithParamInterface<BadCase> {};
+
+TEST_P(BadParameters, AreRefusedBeforeAnythingIsSent) {
+  EXPECT_EQ(error(GetParam().method, json::parse(GetParam().params)).code(), -32602);
+  bench_.stop();
+  EXPECT_TRUE(bench_.vehicle().commands.empty());
+  EXPECT_TRUE(bench_.vehicle().param_sets.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Methods, BadParameters,
+    testing::Values(BadCase{"MissingAltitude", "vehicle.takeoff", "{}"},
+                    BadCase{"TextForAltitude", "vehicle.takeoff", R"({"altitude_m": "high"})"},
+                    BadCase{"NegativeAltitude", "vehicle.takeoff", R"({"altitude_m": -1})"},
+                    BadCase{"UnknownKey", "vehicle.arm", R"({"forse": true})"},
+                    BadCase{"NumberForFlag", "vehicle.arm", R"({"force": 1})"},
+                    BadCase{"VehicleZero", "vehicle.arm", R"({"vehicle": 0})"},
+                    BadCase{"VehicleFraction", "vehicle.arm", R"({"vehicle": 1.5})"},
+                    BadCase{"ListOfParameters", "vehicle.arm", "[1]"},
+                    BadCase{"StickTooFar", "vehicle.manual_control", R"({"pitch": 1.5})"},
+                    BadCase{"NoGain", "gain.set", R"({"loop": "roll"})"},
+                    BadCase{"UnknownMode", "vehicle.mode", R"({"mode": "WARP"})"},
+                    BadCase{"UnknownMessage", "vehicle.message_interval", R"({"message": "X"})"},
+                    BadCase{"EightParams", "vehicle.command",
+                            R"({"command": 400, "params": [1,2,3,4,5,6,7,8]})"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(CommandServerTest, SetsGainsByLoop) {
+  bench_.vehicle().params = {{"MC_ROLLRATE_P", {.value = 0.15}},
+                             {"MC_ROLLRATE_I", {.value = 0.2}},
+                             {"MC_ROLLRATE_D", {.value = 0.003}}};
+  const json gains = call("gain.set", {{"loop", "rollrate"}, {"p", 0.18}, {"d", 0.004}});
+  EXPECT_EQ(gains.at("p"), 0.18);
+  EXPECT_EQ(gains.at("i"), 0.2);
+  EXPECT_EQ(gains.at("d"), 0.004);
+  EXPECT_EQ(gains.at("parameters").at("MC_ROLLRATE_D"), 0.004);
+}
+
+TEST_F(CommandServerTest, RefusesAGainOrLoopThatIsNotThere) {
+  EXPECT_EQ(error("gain.set", {{"loop", "roll"}, {"i", 1}}).code(), -32000);
+  const CallError unknown = error("gain.set", {{"loop", "warp"}, {"p", 1}});
+  EXPECT_EQ(unknown.code(), -32000);
+  EXPECT_NE(std::string(unknown.what()).find("rollrate"), std::string::npos);
+}
+
+TEST_F(CommandServerTest, ListsTheLoopsOfTheAutopilot) {
+  const json loops = call("gain.list").at("loops");
+  EXPECT_EQ(loops.size(), 10U);
+  EXPECT_EQ(loops.at(0),
+            (json{{"loop", "rollrate"},
+                  {"parameters",
+                   {{"p", "MC_ROLLRATE_P"}, {"i", "MC_ROLLRATE_I"}, {"d", "MC_ROLLRATE_D"}}}}));
+}
+
+TEST_F(CommandServerTest, ReadsWritesAndListsParameters) {
+  bench_.vehicle().params = {
+      {"MC_ROLL_P", {.value = 6.5}},
+      {"SYS_HITL", {.value = 1, .type = mavlink::common::MavParamType::kInt32}}};
+  EXPECT_EQ(call("param.get", {{"name", "SYS_HITL"}}),
+            (json{{"vehicle", 1}, {"name", "SYS_HITL"}, {"value", 1}, {"type", "INT32"}}));
+  EXPECT_EQ(call("param.set", {{"name", "MC_ROLL_P"}, {"value", 7.2}}).at("value"), 7.2);
+  const json list = call("param.list").at("parameters");
+  ASSERT_EQ(list.size(), 2U);
+  EXPECT_EQ(list.at(0).at("name"), "MC_ROLL_P");
+}
+
+TEST_F(CommandServerTest, TellsWhatIsInForceWhenAValueIsRefused) {
+  bench_.vehicle().params = {{"MC_ROLL_P", {.value = 6.5, .high = 12}}};
+  const CallError refused = error("param.set", {{"name", "MC_ROLL_P"}, {"value", 99}});
+  EXPECT_EQ(refused.code(), -32000);
+  EXPECT_EQ(json::parse(refused.data_json()).at("parameters").at("MC_ROLL_P"), 12);
+}
+
+TEST_F(CommandServerTest, TellsTheVehiclesState) {
+  auto& vehicle = bench_.vehicle();
+  vehicle.custom_mode = 4U << 16 | 3U << 24;
+  mavlink::common::LocalPositionNed local;
+  local.x = 1.5F;
+  local.z = -2.5F;
+  vehicle.say_heartbeat(base::steady_now());
+  vehicle.say(local, base::steady_now());
+  vehicle.say_text("hello", base::steady_now());
+  const json state = call("vehicle.state");
+  EXPECT_EQ(state.at("system"), 1);
+  EXPECT_EQ(state.at("autopilot"), "PX4");
+  EXPECT_EQ(state.at("mode"), "HOLD");
+  EXPECT_EQ(state.at("hil"), true);
+  EXPECT_EQ(state.at("armed"), false);
+  EXPECT_EQ(state.at("link"), "fcu");
+  EXPECT_EQ(state.at("position_N").at("x_m"), 1.5);
+  EXPECT_EQ(state.at("altitude_m"), 2.5);
+  EXPECT_EQ(state.at("statustexts").at(0).at("text"), "hello");
+}
+
+TEST_F(CommandServerTest, LeavesOutWhatTheVehicleDoesNotKnow) {
+  auto& vehicle = bench_.vehicle();
+  mavlink::common::LocalPositionNed local;
+  local.z = std::numeric_limits<float>::quiet_NaN();
+  vehicle.say_heartbeat(base::steady_now());
+  vehicle.say(local, base::steady_now());
+  vehicle.say_text("hello", base::steady_now());
+  const json state = call("vehicle.state");
+  EXPECT_EQ(state.at("statustexts").size(), 1U);
+  EXPECT_FALSE(state.contains("position_N"));
+  EXPECT_FALSE(state.contains("altitude_m"));
+}
+
+TEST_F(CommandServerTest, PublishesStatusTextsToSubscribers) {
+  bench_.vehicle().script.result = MavResult::kFailed;
+  bench_.vehicle().script.text = "no way";
+  call("subscribe", {{"topic", "statustext"}});
+  error("vehicle.land");
+  std::string method;
+  json params;
+  ASSERT_TRUE(client_->next_notification(method, params, std::chrono::seconds(5)));
+  EXPECT_EQ(method, "statustext");
+  EXPECT_EQ(params, (json{{"vehicle", 1}, {"severity", "critical"}, {"text", "no way"}}));
+}
+
+TEST_F(CommandServerTest, AuditsWhoChangesAVehicleAndWhatCameOfIt) {
+  bench_.vehicle().params = {{"MIS_TAKEOFF_ALT", {.value = 10}}};
+  call("vehicle.state");
+  call("vehicle.takeoff", {{"altitude_m", 2.5}, {"vehicle", 1}});
+  error("vehicle.mode", {{"mode", "WARP"}});
+  bench_.stop();
+  ASSERT_EQ(bench_.audit().size(), 2U);
+  EXPECT_EQ(bench_.audit()[0].rfind("127.0.0.1:", 0), 0U);
+  EXPECT_NE(bench_.audit()[0].find(
+                R"( vehicle.takeoff {"altitude_m":2.5,"vehicle":1} vehicle 1: accepted)"),
+            std::string::npos)
+      << bench_.audit()[0];
+  EXPECT_NE(bench_.audit()[1].find("'WARP' is no mode of PX4"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cas::casd

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/routing/router.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+#include <set>
+
+#include "mavlink_gen/runtime/public_table.hpp"
+#include "tests/casd/packets.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+using enum Route::Verdict;
+using mavlink::common::Heartbeat;
+
+/// Links 0..n-1, each of which may send to each other one.
+std::shared_ptr<RoutingPlan> all_to_all(LinkId links) {
+  std::vector<ForwardRule> rules;
+  auto plan = std::make_shared<RoutingPlan>();
+  for (LinkId from = 0; from < links; ++from) {
+    plan->never_back[from] = bit(from);
+    for (LinkId to = 0; to < links; ++to) {
+      rules.emplace_back().from = from;
+      rules.back().to = to;
+    }
+  }
+  plan->rules = ForwardRules(rules);
+  return plan;
+}
+
+Router make_router(LinkId links) { return Router(all_to_all(links), mav::public_table()); }
+
+TEST(Router, BroadcastGoesToAllButTheSource) {
+  Router router = make_router(3);
+  const auto heartbeat = packet(Heartbeat{}, {1, 1});
+  const Route route = router.on_packet(0, view(heartbeat), at({}));
+  EXPECT_EQ(route.verdict, kForward);
+  EXPECT_EQ(route.to, bit(1) | bit(2));
+  EXPECT_EQ(route.info.traffic, TrafficClass::kCommand);
+}
+
+TEST(Router, AddressedPacketGoesWhereItsTargetWasHeard) {
+  Router router = make_router(3);
+  const auto command = packet(command_to(1, 1), {255, 190});
+  EXPECT_EQ(router.on_packet(0, view(command), at({})).verdict, kNoTarget);
+  router.on_packet(2, view(packet(Heartbeat{}, {1, 1})), at({}));
+  const Route route = router.on_packet(0, view(command), at({}));
+  EXPECT_EQ(route.to, bit(2));
+  EXPECT_EQ(route.info.target, (mav::Source{1, 1}));
+}
+
+TEST(Router, AnswerFindsTheWayBack) {
+  Router router = make_router(3);
+  router.on_packet(0, view(packet(Heartbeat{}, {255, 190})), at({}));
+  mavlink::common::CommandAck ack;
+  ack.target_system = 255;
+  ack.target_component = 190;
+  EXPECT_EQ(router.on_packet(2, view(packet(ack, {1, 1})), at({})).to, bit(0));
+}
+
+TEST(Router, TargetOnTheSourceLinkAloneGoesNowhere) {
+  Router router = make_router(2);
+  router.on_packet(0, view(packet(Heartbeat{}, {1, 1})), at({}));
+  EXPECT_EQ(router.on_packet(0, view(packet(command_to(1, 1), {255, 190})), at({})).to, 0U);
+}
+
+TEST(Router, RoutesExpire) {
+  Router router = make_router(2);
+  router.on_packet(1, view(packet(Heartbeat{}, {1, 1})), at({}));
+  const base::Duration later = Router::kRouteLifetime + milliseconds(1);
+  router.tick(1, at(later));
+  EXPECT_EQ(router.on_packet(0, view(packet(command_to(1, 1), {255, 190})), at(later)).verdict,
+            kNoTarget);
+}
+
+TEST(Router, NewPlanIsInForceAtTheNextPacket) {
+  Router router = make_router(3);
+  const auto heartbeat = packet(Heartbeat{}, {1, 1});
+  router.on_packet(0, view(heartbeat), at({}));
+  router.replace(all_to_all(2));
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).to, bit(1));
+  router.replace(std::make_shared<RoutingPlan>());
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).verdict, kNoRule);
+}
+
+TEST(Router, PacketThatComesOverBothPathsOfAGroupGoesOnOnce) {
+  auto plan = all_to_all(3);
+  plan->group[0] = plan->group[1] = 0;
+  plan->never_back[0] = plan->never_back[1] = bit(0) | bit(1);
+  Router router(plan, mav::public_table());
+  const auto first = packet(Heartbeat{}, {1, 1}, 7);
+  EXPECT_EQ(router.on_packet(0, view(first), at({})).to, bit(2));  // not to the twin
+  EXPECT_EQ(router.on_packet(1, view(first), at(milliseconds(3))).verdict, kDuplicate);
+  const auto second = packet(Heartbeat{}, {1, 1}, 8);
+  EXPECT_EQ(router.on_packet(1, view(second), at(milliseconds(4))).to, bit(2));
+  // Both paths are known as ways to it.
+  EXPECT_EQ(router.on_packet(2, view(packet(command_to(1, 1), {255, 190})), at({})).to,
+            bit(0) | bit(1));
+}
+
+TEST(Router, RepetitionOverOneLinkIsNoDuplicate) {
+  auto plan = all_to_all(2);
+  plan->group[0] = 0;
+  Router router(plan, mav::public_table());
+  const auto heartbeat = packet(Heartbeat{}, {1, 1}, 7);
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).to, bit(1));
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at(milliseconds(1))).to, bit(1));
+}
+
+TEST(Router, OldCopyIsNoDuplicate) {
+  auto plan = all_to_all(3);
+  plan->group[0] = plan->group[1] = 0;
+  Router router(plan, mav::public_table());
+  const auto heartbeat = packet(Heartbeat{}, {1, 1}, 7);
+  router.on_packet(0, view(heartbeat), at({}));
+  EXPECT_EQ(router.on_packet(1, view(heartbeat), at(std::chrono::seconds(1))).verdict, kForward);
+}
+
+TEST(Router, TellsWhichLinksARateRuleTookAway) {
+  auto plan = all_to_all(2);
+  ForwardRule thinned;
+  thinned.from = 0;
+  thinned.to = 2;
+  thinned.rates = {{.message_id = 0, .every = 2}};
+  ForwardRule whole;
+  whole.from = 0;
+  whole.to = 1;
+  plan->rules = ForwardRules(std::vector{thinned, whole});
+  Router router(plan, mav::public_table());
+  const auto heartbeat = packet(Heartbeat{}, {1, 1});
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).thinned, 0U);
+  const Route second = router.on_packet(0, view(heartbeat), at({}));
+  EXPECT_EQ(second.thinned, bit(2));
+  EXPECT_EQ(second.to, bit(1));
+  EXPECT_EQ(second.verdict, kForward);
+}
+
+/// The rules of the routing guide and of our topology, written as slowly and plainly as they read.
+struct PlainRouter {
+  std::vector<ForwardRule> rules;
+  std::map<LinkId, std::set<mav::Source>> heard;
+  std::map<LinkId, int> group;                                 ///< links that are in one
+  std::set<std::pair<int, std::vector<std::uint8_t>>> passed;  ///< what came into a group
+
+  LinkMask on_packet(LinkId from, std::uint32_t id, mav::Source source, mav::Source target,
+                     std::span<const std::uint8_t> bytes) {
+    heard[from].insert(source);
+    if (group.contains(from) &&
+        !passed.insert({group[from], {bytes.begin(), bytes.end()}}).second) {
+      return 0;
+    }
+    LinkMask to = 0;
+    for (const ForwardRule& rule : rules) {
+      if (rule.from != from || rule.to == from) continue;
+      if (group.contains(from) && group.contains(rule.to) && group[from] == group[rule.to])
+        continue;
+      if (allows(rule, id, source) && wants(rule.to, target)) to |= bit(rule.to);
+    }
+    return to;
+  }
+  static bool contains(const auto& list, auto value) {
+    return std::find(list.begin(), list.end(), value) != list.end();
+  }
+  static bool allows(const ForwardRule& rule, std::uint32_t id, mav::Source source) {
+    if (rule.allow && !contains(*rule.allow, id)) return false;
+    if (contains(rule.block, id)) return false;
+    if (!rule.allow_systems.empty() && !contains(rule.allow_systems, source.system)) return false;
+    if (contains(rule.block_systems, source.system)) return false;
+    if (!rule.allow_components.empty() && !contains(rule.allow_components, source.component)) {
+      return false;
+    }
+    return !contains(rule.block_components, source.component);
+  }
+  bool wants(LinkId link, mav::Source target) const {
+    if (target.system == 0) return true;
+    const auto found = heard.find(link);
+    if (found == heard.end()) return false;
+    return std::any_of(found->second.begin(), found->second.end(), [&](mav::Source one) {
+      return one.system == target.system &&
+             (target.component == 0 || one.component == target.component);
+    });
+  }
+};
+
+class RandomTopology {
+ public:
+  explicit RandomTopology(unsigned seed) : random_(seed) {}
+
+  unsigned below(unsigned limit) { return static_cast<unsigned>(random_() % limit); }
+  std::uint8_t small_id() { return static_cast<std::uint8_t>(1 + below(4)); }
+  std::uint32_t message() { return below(2) == 0 ? 0 : 76; }  // HEARTBEAT, COMMAND_LONG
+
+  ForwardRule rule(LinkId from, LinkId to) {
+    ForwardRule result;
+    result.from = from;
+    result.to = to;
+    if (below(3) == 0) result.allow = std::vector<std::uint32_t>{message()};
+    if (below(4) == 0) result.block = {message()};
+    if (below(5) == 0) result.allow_systems = {small_id(), small_id()};
+    if (below(5) == 0) result.block_systems = {small_id()};
+    if (below(5) == 0) result.allow_components = {small_id(), small_id()};
+    if (below(5) == 0) result.block_components = {small_id()};
+    return result;
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+TEST(Router, AgreesWithThePlainRulesOnRandomTopologies) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    RandomTopology any(seed);
+    const auto links = static_cast<LinkId>(2 + any.below(10));
+    PlainRouter plain;
+    auto plan = std::make_shared<RoutingPlan>();
+    for (LinkId from = 0; from < links; ++from) {
+      plan->never_back[from] = bit(from);
+      for (LinkId to = 0; to < links; ++to) {
+        if (any.below(3) != 0) plain.rules.push_back(any.rule(from, to));
+      }
+    }
+    plan->rules = ForwardRules(plain.rules);
+    for (LinkId link = 0; link < links; ++link) {
+      if (any.below(2) == 0)
+        plain.group[link] = plan->group[link] = static_cast<std::int8_t>(any.below(2));
+    }
+    for (const auto& [link, group] : plain.group) {
+      for (const auto& [other, its_group] : plain.group) {
+        if (group == its_group) plan->never_back[link] |= bit(other);
+      }
+    }
+    Router router(plan, mav::public_table());
+    for (unsigned i = 0; i < 500; ++i) {
+      const auto from = static_cast<LinkId>(any.below(links));
+      const mav::Source source{any.small_id(), any.small_id()};
+      const bool addressed = any.below(2) == 0;
+      const mav::Source target{static_cast<std::uint8_t>(any.below(5)),
+                               static_cast<std::uint8_t>(any.below(5))};
+      auto command = command_to(target.system, target.component);
+      command.param1 = static_cast<float>(i);  // no two packets are the same
+      Heartbeat heartbeat;
+      heartbeat.custom_mode = i;
+      const auto sequence = static_cast<std::uint8_t>(i);
+      const auto sent =
+          addressed ? packet(command, source, sequence) : packet(heartbeat, source, sequence);
+      const auto arrives = [&](LinkId link) {
+        const LinkMask expected = plain.on_packet(link, addressed ? 76 : 0, source,
+                                                  addressed ? target : mav::Source{}, sent.view());
+        EXPECT_EQ(router.on_packet(link, view(sent), at(milliseconds(i))).to, expected)
+            << "seed " << seed << " packet " << i;
+      };
+      arrives(from);
+      // Over the other paths of its group as well, or not.
+      for (const auto& [twin, group] : plain.group) {
+        const bool redundant = plain.group.contains(from) && group == plain.group[from];
+        if (redundant && twin != from && any.below(2) == 0) arrives(twin);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cas::casd::test

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
+#include "tests/casd/station/commander_bench.hpp"
+
+namespace cas::casd {
+namespace {
+
+using namespace mavlink::common;
+using namespace std::chrono_literals;
+using test::VehicleCommanderTest;
+
+TEST_F(VehicleCommanderTest, Px4TakesOffToAnAltitudeAboveSeaLevel) {
+  meet();
+  HomePosition home;
+  home.altitude = 488'000;
+  vehicle_.say(home, now_);
+  run_for(50ms);
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_TRUE(finish().ok());
+  ASSERT_EQ(vehicle_.commands.size(), 1U);
+  EXPECT_EQ(vehicle_.commands[0].command, MavCmd::kNavTakeoff);
+  EXPECT_FLOAT_EQ(vehicle_.commands[0].param7, 490.5F);
+  EXPECT_TRUE(std::isnan(vehicle_.commands[0].param5));
+}
+
+TEST_F(VehicleCommanderTest, Px4TakesOffByParameterWhileHomeIsUnknown) {
+  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+  meet();
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_TRUE(finish().ok());
+  EXPECT_FLOAT_EQ(static_cast<float>(vehicle_.params["MIS_TAKEOFF_ALT"].value), 2.5F);
+  ASSERT_EQ(vehicle_.commands.size(), 1U);
+  EXPECT_TRUE(std::isnan(vehicle_.commands[0].param7));
+}
+
+TEST_F(VehicleCommanderTest, ArduPilotTakesOffInGuidedToAHeightAboveHome) {
+  vehicle_.autopilot = MavAutopilot::kArdupilotmega;
+  meet();
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_TRUE(finish().ok());
+  ASSERT_EQ(vehicle_.commands.size(), 2U);
+  EXPECT_EQ(vehicle_.commands[0].command, MavCmd::kDoSetMode);
+  EXPECT_EQ(vehicle_.commands[0].param2, 4.0F);  // GUIDED
+  EXPECT_EQ(vehicle_.commands[1].command, MavCmd::kNavTakeoff);
+  EXPECT_EQ(vehicle_.commands[1].param7, 2.5F);
+}
+
+TEST_F(VehicleCommanderTest, GoesToALocalPlaceByLatitudeAndLongitude) {
+  meet();
+  HomePosition home;
+  home.latitude = 473977420;
+  home.longitude = 85455940;
+  home.altitude = 488'000;
+  home.z = -0.5F;  // home lies 0.5 m above the origin of the local frame
+  vehicle_.say(home, now_);
+  run_for(50ms);
+  commander_.go_to(1, {.north_m = 111.19, .east_m = 0, .down_m = -3, .yaw_deg = 90}, now_, done());
+  EXPECT_TRUE(finish().ok());
+  ASSERT_EQ(vehicle_.int_commands.size(), 1U);
+  const CommandInt& command = vehicle_.int_commands[0];
+  EXPECT_EQ(command.command, MavCmd::kDoReposition);
+  EXPECT_NEAR(command.x, 473977420 + 10000, 20);  // 111.19 m are a thousandth of a degree
+  EXPECT_NEAR(command.y, 85455940, 1);
+  EXPECT_FLOAT_EQ(command.z, 490.5F);
+  EXPECT_FLOAT_EQ(command.param4, 1.5707964F);
+  EXPECT_EQ(command.param2, 1.0F);
+}
+
+TEST_F(VehicleCommanderTest, RefusesPlacesNoVehicleReaches) {
+  meet();
+  HomePosition home;
+  home.latitude = 473977420;
+  home.longitude = 85455940;
+  vehicle_.say(home, now_);
+  run_for(50ms);
+  commander_.go_to(1, {.north_m = 1e300, .yaw_deg = {}}, now_, done());
+  EXPECT_EQ(finish().verdict, Verdict::kInvalid);
+  commander_.takeoff(1, 1e300, now_, done());
+  EXPECT_EQ(finish().verdict, Verdict::kInvalid);
+  EXPECT_TRUE(vehicle_.commands.empty());
+  EXPECT_TRUE(vehicle_.int_commands.empty());
+}
+
+TEST_F(VehicleCommanderTest, SaysWhyItCannotGoWithoutHome) {
+  meet();
+  commander_.go_to(1, {}, now_, done());
+  EXPECT_EQ(finish().verdict, Verdict::kRefused);
+}
+
+}  // namespace
+}  // namespace cas::casd

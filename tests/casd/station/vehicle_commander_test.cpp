@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/casd/station/commander_bench.hpp"
+
+namespace cas::casd {
+namespace {
+
+using namespace mavlink::common;
+using namespace std::chrono_literals;
+using test::FakeVehicle;
+using test::kLink;
+using test::VehicleCommanderTest;
+
+TEST_F(VehicleCommanderTest, KnowsAVehicleByItsHeartbeat) {
+  EXPECT_TRUE(commander_.vehicles().empty());
+  meet();
+  ASSERT_NE(commander_.find(1), nullptr);
+  EXPECT_EQ(commander_.find(1)->autopilot(), Autopilot::kPx4);
+  EXPECT_TRUE(commander_.find(1)->hil());
+  EXPECT_FALSE(commander_.find(1)->armed());
+  EXPECT_EQ(commander_.find(1)->link(), kLink);
+}
+
+TEST_F(VehicleCommanderTest, TakesASimulatorForNoVehicle) {
+  vehicle_.autopilot = MavAutopilot::kInvalid;
+  meet();
+  EXPECT_TRUE(commander_.vehicles().empty());
+}
+
+TEST_F(VehicleCommanderTest, SendsOneHeartbeatASecond) {
+  commander_.tick(now_);
+  run_for(10s);
+  EXPECT_NEAR(vehicle_.heartbeats, 10, 1);
+}
+
+TEST_F(VehicleCommanderTest, ResolvesTheOnlyVehicle) {
+  EXPECT_EQ(std::get<Outcome>(commander_.resolve({})).verdict, Verdict::kNoSuchVehicle);
+  meet();
+  EXPECT_EQ(std::get<std::uint8_t>(commander_.resolve({})), 1);
+  EXPECT_EQ(std::get<Outcome>(commander_.resolve(7)).verdict, Verdict::kNoSuchVehicle);
+}
+
+TEST_F(VehicleCommanderTest, AsksForTheVehicleWhenThereAreTwo) {
+  meet();
+  FakeVehicle second({2, 1});
+  second.say_heartbeat(now_);
+  parser_.feed(second.take(now_)->view(), [this](const mav::PacketView& packet) {
+    commander_.on_packet(kLink, packet, now_);
+  });
+  EXPECT_EQ(std::get<Outcome>(commander_.resolve({})).verdict, Verdict::kInvalid);
+  EXPECT_EQ(std::get<std::uint8_t>(commander_.resolve(2)), 2);
+}
+
+TEST_F(VehicleCommanderTest, RemembersTheNewestTenStatusTexts) {
+  meet();
+  for (int i = 0; i < 15; ++i) vehicle_.say_text("text " + std::to_string(i), now_);
+  run_for(50ms);
+  const auto& texts = commander_.find(1)->status_texts();
+  ASSERT_EQ(texts.size(), 10U);
+  EXPECT_EQ(texts.back().text, "text 14");
+}
+
+TEST_F(VehicleCommanderTest, JoinsAStatusTextInChunks) {
+  meet();
+  Statustext chunk;
+  chunk.id = 7;
+  mav::set_text(chunk.text, std::string(50, 'a'));
+  vehicle_.say(chunk, now_);
+  chunk.chunk_seq = 1;
+  mav::set_text(chunk.text, "b");
+  vehicle_.say(chunk, now_);
+  run_for(50ms);
+  ASSERT_EQ(commander_.find(1)->status_texts().size(), 1U);
+  EXPECT_EQ(commander_.find(1)->status_texts()[0].text, std::string(50, 'a') + "b");
+}
+
+TEST_F(VehicleCommanderTest, NeverHoldsMoreVehiclesThanItsBound) {
+  for (std::uint8_t system = 1; system < 200; ++system) {
+    FakeVehicle one({system, 1});
+    one.say_heartbeat(now_);
+    parser_.feed(one.take(now_)->view(), [this](const mav::PacketView& packet) {
+      commander_.on_packet(kLink, packet, now_);
+    });
+  }
+  EXPECT_EQ(commander_.vehicles().size(), 32U);
+}
+
+TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionAndHome) {
+  VehicleCommander curious({}, [this](std::span<const std::uint8_t> bytes) {
+    parser_.feed(bytes, [this](const mav::PacketView& packet) { vehicle_.handle(packet, now_); });
+  });
+  vehicle_.say_heartbeat(now_);
+  mav::PacketParser parser(mavlink::common::table());
+  for (int i = 0; i < 200; ++i, now_ += 5ms) {
+    while (const auto packet = vehicle_.take(now_)) {
+      parser.feed(packet->view(),
+                  [&](const mav::PacketView& view) { curious.on_packet(kLink, view, now_); });
+    }
+  }
+  ASSERT_EQ(vehicle_.commands.size(), 2U);
+  EXPECT_EQ(vehicle_.commands[0].param1, 148.0F);
+  EXPECT_EQ(vehicle_.commands[1].param1, 242.0F);
+}
+
+}  // namespace
+}  // namespace cas::casd

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a vehicle that will not arm is told to lack, and how stock firmware is armed.
+#include "casd/station/vehicle_health.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "casd/station/vehicle_commander.hpp"
+#include "tests/casd/fake_vehicle.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+using namespace mavlink::common;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// A commander with one vehicle on virtual time.
+class Stock : public testing::Test {
+ protected:
+  void pass(base::Duration time) {
+    for (const base::RunTime end = now_ + time; now_ < end; now_ += milliseconds(10)) {
+      while (const auto packet = vehicle_.take(now_)) {
+        commander_.on_packet(LinkId{0}, mav::view_packet(packet->view()), now_);
+      }
+      commander_.tick(now_);
+    }
+  }
+  void beat() {
+    vehicle_.say_heartbeat(now_);
+    pass(milliseconds(20));
+  }
+  void say_sensors(MavSysStatusSensor present, MavSysStatusSensor health) {
+    SysStatus status;
+    status.onboard_control_sensors_present = present;
+    status.onboard_control_sensors_enabled = present;
+    status.onboard_control_sensors_health = health;
+    vehicle_.say(status, now_);
+    pass(milliseconds(20));
+  }
+  std::vector<std::string> complaints_now() { return complaints(*commander_.find(1), now_); }
+  std::optional<Outcome> arm(bool not_hil = false) {
+    std::optional<Outcome> outcome;
+    commander_.arm(1, {.not_hil = not_hil}, now_, [&](const Outcome& o) { outcome = o; });
+    pass(seconds(3));
+    return outcome;
+  }
+
+  using S = MavSysStatusSensor;
+  static constexpr S kAll = S::k3dGyro | S::k3dAccel | S::k3dMag | S::kAbsolutePressure | S::kGps;
+
+  FakeVehicle vehicle_;
+  base::RunTime now_{seconds(10)};
+  VehicleCommander commander_{{.allow_not_hil = true, .ask_on_sight = false},
+                              [this](std::span<const std::uint8_t> packet) {
+                                vehicle_.handle(mav::view_packet(packet), now_);
+                              }};
+};
+
+TEST_F(Stock, AHealthyVehicleHasNothingToComplainOf) {
+  beat();
+  EXPECT_TRUE(complaints_now().empty()) << "nothing said yet";
+  say_sensors(kAll, kAll);
+  EXPECT_TRUE(complaints_now().empty());
+}
+
+TEST_F(Stock, MissingAndSickSensorsAreNamed) {
+  beat();
+  say_sensors(S::k3dGyro | S::k3dAccel | S::kAbsolutePressure | S::kGps,
+              S::k3dGyro | S::k3dAccel | S::kAbsolutePressure);
+  EXPECT_EQ(complaints_now(), (std::vector<std::string>{"no magnetometer", "GPS not healthy"}));
+  pass(seconds(6));
+  EXPECT_TRUE(complaints_now().empty()) << "what it said has grown old";
+}
+
+TEST_F(Stock, ItsOwnReasonsCountAndChatterDoesNot) {
+  beat();
+  vehicle_.say_text("Preflight Fail: Found 0 compass (required: 1)", now_);
+  vehicle_.say_text("Takeoff detected", now_);
+  vehicle_.say_text("PreArm: GPS 1: Bad fix", now_);
+  pass(milliseconds(50));
+  EXPECT_EQ(complaints_now(),
+            (std::vector<std::string>{"Preflight Fail: Found 0 compass (required: 1)",
+                                      "PreArm: GPS 1: Bad fix"}));
+}
+
+TEST_F(Stock, ItsReasonsAreOverWhenItIsArmedOrWhenTheyAreOld) {
+  beat();
+  vehicle_.say_text("Preflight Fail: No valid GPS", now_);
+  pass(milliseconds(50));
+  EXPECT_EQ(complaints_now().size(), 1U);
+  vehicle_.base_mode = vehicle_.base_mode | MavModeFlag::kSafetyArmed;
+  beat();
+  EXPECT_TRUE(complaints_now().empty());
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
+  beat();
+  pass(seconds(50));
+  EXPECT_TRUE(complaints_now().empty());
+}
+
+TEST_F(Stock, ARefusalToArmTellsWhatIsSickAndWhatWasSaidSinceItWasAsked) {
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
+  vehicle_.custom_mode = 3U << 24 | 4U << 16;  // HOLD
+  beat();
+  vehicle_.say_text("Preflight Fail: Compass not found", now_);
+  say_sensors(kAll, S::k3dGyro | S::k3dAccel | S::k3dMag | S::kAbsolutePressure);
+  vehicle_.script.result = MavResult::kTemporarilyRejected;
+  vehicle_.script.text = "Arming denied! Check the preflight failures";
+  vehicle_.say_text("Preflight Fail: No valid GPS", now_ + milliseconds(100));  // while it is asked
+  const auto outcome = arm();
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome->verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome->message.find("Compass"), std::string::npos) << outcome->message;
+  EXPECT_NE(outcome->message.find("No valid GPS"), std::string::npos) << outcome->message;
+  EXPECT_NE(outcome->message.find("GPS not healthy"), std::string::npos) << outcome->message;
+  EXPECT_NE(outcome->message.find("Arming denied"), std::string::npos) << outcome->message;
+}
+
+TEST_F(Stock, RefusedInAModeThatWantsSticksItIsPutIntoHoldAndAskedAgain) {
+  vehicle_.custom_mode = 1U << 16;  // MANUAL
+  beat();
+  vehicle_.script.result = MavResult::kDenied;
+  std::optional<Outcome> outcome;
+  commander_.arm(1, {}, now_, [&](const Outcome& o) { outcome = o; });
+  pass(milliseconds(100));
+  vehicle_.script.result = MavResult::kAccepted;  // in HOLD it will
+  pass(seconds(3));
+  ASSERT_TRUE(outcome);
+  EXPECT_TRUE(outcome->ok()) << outcome->message;
+  std::vector<MavCmd> sent;
+  for (const CommandLong& command : vehicle_.commands) sent.push_back(command.command);
+  EXPECT_EQ(sent, (std::vector<MavCmd>{MavCmd::kComponentArmDisarm, MavCmd::kDoSetMode,
+                                       MavCmd::kComponentArmDisarm}));
+  EXPECT_FLOAT_EQ(vehicle_.commands[1].param2, 4);
+  EXPECT_FLOAT_EQ(vehicle_.commands[1].param3, 3);
+}
+
+TEST(StockArduPilot, IsAskedForTheStreamsThatItDoesNotSendByItself) {
+  FakeVehicle vehicle;
+  vehicle.autopilot = MavAutopilot::kArdupilotmega;
+  const base::RunTime now{seconds(10)};
+  VehicleCommander commander({}, [&](std::span<const std::uint8_t> packet) {
+    vehicle.handle(mav::view_packet(packet), now);
+  });
+  for (base::RunTime t = now; t < now + seconds(5); t += milliseconds(10)) {
+    if ((t - now) % seconds(1) == base::Duration{}) vehicle.say_heartbeat(t);
+    while (const auto packet = vehicle.take(t)) {
+      commander.on_packet(LinkId{0}, mav::view_packet(packet->view()), t);
+    }
+    commander.tick(t);
+  }
+  std::vector<float> asked;
+  for (const CommandLong& command : vehicle.commands) {
+    if (command.command == MavCmd::kSetMessageInterval) asked.push_back(command.param1);
+  }
+  for (const std::uint32_t id : {LocalPositionNed::kId, ExtendedSysState::kId, SysStatus::kId}) {
+    EXPECT_NE(std::find(asked.begin(), asked.end(), static_cast<float>(id)), asked.end()) << id;
+  }
+}
+
+TEST_F(Stock, FirmwareInSoftwareIsArmedByConsentOnly) {
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;  // never says HIL
+  beat();
+  const auto refused = arm();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->verdict, Verdict::kInterlock);
+  EXPECT_NE(refused->message.find("--not-hil"), std::string::npos) << refused->message;
+  beat();
+  const auto armed = arm(true);
+  ASSERT_TRUE(armed);
+  EXPECT_TRUE(armed->ok()) << armed->message;
+}
+
+}  // namespace
+}  // namespace cas::casd::test

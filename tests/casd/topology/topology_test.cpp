@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/topology.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "casd/topology/line_budget.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
+#include "tests/casd/packets.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+const std::string kLinks = R"(schema: 1
+links:
+  - {name: sim, type: udp, local: 127.0.0.1:14561, remote: 127.0.0.1:14560}
+  - {name: fcu, type: serial, device: /dev/ttyACM0, baud: 921600}
+  - {name: gcs, type: udp_server, local: "0.0.0.0:14551", max_peers: 16, expiry_s: 10}
+)";
+
+Topology parse(const std::string& yaml) {
+  return Topology::parse(base::ConfigNode::parse(yaml, "t.yaml"));
+}
+
+TEST(Topology, ReadsLinksRoutesAndTheRest) {
+  const Topology topology = parse(kLinks + R"(
+system_id: 250
+component_id: 191
+threads: single
+cpu_dma_latency_us: 20
+command_port: {port: 0, unix: /tmp/casd.sock}
+commanding: {heartbeat_hz: 2, allow_not_hil: true}
+routes:
+  - {from: sim, to: fcu, allow: [HEARTBEAT, HIL_SENSOR, 113]}
+  - {from: fcu, to: [sim, gcs], block: HIL_GPS, rates: {ATTITUDE: 10, HIL_SENSOR: {every: 4}}}
+)");
+  EXPECT_EQ(topology.self, (mav::Source{250, 191}));
+  EXPECT_EQ(topology.threads, ThreadModel::kSingle);
+  EXPECT_EQ(topology.cpu_dma_latency_us, 20);
+  EXPECT_EQ(topology.command_port.port, 0);
+  EXPECT_EQ(topology.command_port.unix_path, "/tmp/casd.sock");
+  EXPECT_TRUE(topology.commanding.allow_not_hil);
+  ASSERT_EQ(topology.links.size(), 3U);
+  EXPECT_EQ(topology.links[0].remote, "127.0.0.1:14560");
+  EXPECT_EQ(topology.links[1].baud, 921600U);
+  EXPECT_TRUE(topology.links[1].pace);
+  EXPECT_FALSE(topology.links[1].pass_unknown);
+  EXPECT_TRUE(topology.links[0].pass_unknown);
+  EXPECT_EQ(topology.links[2].max_peers, 16);
+  EXPECT_EQ(topology.links[2].expiry, std::chrono::seconds(10));
+  ASSERT_EQ(topology.routes.size(), 3U);
+  EXPECT_EQ(topology.routes[0].rule.allow, (std::vector<std::uint32_t>{0, 107, 113}));
+  EXPECT_EQ(topology.routes[1].to, "sim");
+  EXPECT_EQ(topology.routes[2].to, "gcs");
+  EXPECT_EQ(topology.routes[2].rule.rates[0].max_hz, 10);
+  EXPECT_EQ(topology.routes[2].rule.rates[1].every, 4U);
+}
+
+TEST(Topology, WithoutRoutesEveryLinkTalksToEveryOther) {
+  EXPECT_EQ(parse(kLinks).routes.size(), 6U);
+}
+
+TEST(Topology, PlanFollowsTheRoutesAndLetsTheStationHearAllButHil) {
+  const Topology topology = parse(kLinks + R"(
+routes:
+  - {from: sim, to: fcu, allow: [HIL_SENSOR]}
+  - {from: fcu, to: gcs}
+)");
+  const auto plan = make_plan(topology, slots_in_order(topology));
+  const ForwardTable& from_sim = plan->rules.from(0);
+  EXPECT_EQ(from_sim.destinations(107, {1, 1}), bit(1));
+  EXPECT_EQ(from_sim.destinations(0, {1, 1}), bit(kLocalLink));
+  EXPECT_EQ(plan->rules.from(1).destinations(91, {1, 1}), bit(2));
+  EXPECT_EQ(plan->rules.from(1).destinations(30, {1, 1}), bit(2) | bit(kLocalLink));
+  EXPECT_EQ(plan->rules.from(kLocalLink).destinations(76, {254, 190}), bit(0) | bit(1) | bit(2));
+}
+
+TEST(Topology, GroupMembersNeverHearEachOther) {
+  const Topology topology = parse(R"(schema: 1
+links:
+  - {name: a, type: udp, local: "[::1]:1", group: radio}
+  - {name: b, type: udp, local: "[::1]:2", group: radio}
+  - {name: c, type: udp, local: "[::1]:3"}
+)");
+  const auto plan = make_plan(topology, slots_in_order(topology));
+  EXPECT_EQ(plan->never_back[0], bit(0) | bit(1));
+  EXPECT_EQ(plan->never_back[1], bit(0) | bit(1));
+  EXPECT_EQ(plan->never_back[2], bit(2));
+  EXPECT_EQ(plan->group[0], plan->group[1]);
+  EXPECT_EQ(plan->group[2], -1);
+}
+
+TEST(Topology, ReadsWhatGuardsALink) {
+  const cas::test::TemporaryFolder folder;
+  const auto dialect = folder.write("lab.xml", "");
+  const Topology topology = parse("dialect: " + dialect.string() + R"(
+schema: 1
+metrics: {}
+log: {tlog: f.tlog, rotate_mib: 2, rotate_minutes: 1, keep: 5}
+links:
+  - {name: a, type: udp, local: "[::1]:1", accept: {messages: [HEARTBEAT, 4242], systems: 1}}
+  - {name: b, type: udp, local: "[::1]:2", signing: {key_file: k, link_id: 9, sign: false}}
+  - {name: c, type: tlog, file: old.tlog, speed: 2}
+)");
+  EXPECT_EQ(topology.links[0].accept.messages, (std::vector<std::uint32_t>{0, 4242}));
+  EXPECT_EQ(topology.links[0].accept.systems, (std::vector<std::uint8_t>{1}));
+  ASSERT_TRUE(topology.links[1].signing);
+  EXPECT_EQ(topology.links[1].signing->link_id, 9);
+  EXPECT_FALSE(topology.links[1].signing->sign);
+  EXPECT_EQ(topology.links[2].speed, 2);
+  EXPECT_EQ(topology.dialect, dialect);
+  EXPECT_EQ(topology.log.rotation.max_bytes, 2U * 1024 * 1024);
+  EXPECT_EQ(topology.log.rotation.max_age, std::chrono::minutes(1));
+  ASSERT_TRUE(topology.metrics);
+  EXPECT_EQ(topology.metrics->port, 9790);
+  // All to all, but nothing into a log.
+  EXPECT_EQ(topology.routes.size(), 4U);
+}
+
+TEST(Topology, RefusesATickWithoutAnyTimeBetweenTwoLooks) {
+  const cas::test::TemporaryFolder folder;
+  EXPECT_EQ(Topology::load(folder.write("none.yaml", kLinks + "drain_tick_ms: 0\n")).drain_tick,
+            base::Duration{});
+  EXPECT_THROW(Topology::load(folder.write("tiny.yaml", kLinks + "drain_tick_ms: 1e-6\n")),
+               base::ConfigError);
+}
+
+TEST(Topology, FindsTheShippedGainsFromAFolderOfOnesOwn) {
+  const cas::test::TemporaryFolder folder;
+  for (const char* gains : {"gains.yaml", "../gains.yaml"}) {
+    const auto file = folder.write("mine.yaml", kLinks + "gains: " + gains + "\n");
+    EXPECT_EQ(Topology::load(file).gains.filename(), "gains.yaml") << gains;
+  }
+}
+
+struct BadCase {
+  const char* name;
+  std::string yaml;
+  const char* says;
+};
+
+class BadTopology : public testing::TestWithParam<BadCase> {};
+
+TEST_P(BadTopology, IsRefusedWithItsPlaceAndASentence) {
+  try {
+    parse(GetParam().yaml);
+    FAIL() << "accepted";
+  } catch (const base::ConfigError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.rfind("t.yaml", 0), 0U) << text;
+    EXPECT_NE(text.find(GetParam().says), std::string::npos) << text;
+  }
+}
+
+std::string link(const std::string& keys) { return "schema: 1\nlinks:\n  - {" + keys + "}\n"; }
+std::string route(const std::string& keys) { return kLinks + "routes:\n  - {" + keys + "}\n"; }
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadTopology,
+    testing::Values(
+        BadCase{"NoSchema", "links: []\n", "schema"},
+        BadCase{"OtherSchema", "schema: 2\nlinks: []\n", "schema 2"},
+        BadCase{"NoLink", "schema: 1\nlinks: []\n", "no link"},
+        BadCase{"UnknownType", link("name: a, type: upd, local: 'h:1'"), "upd"},
+        BadCase{"KeyOfAnotherType", link("name: a, type: tcp, remote: 'h:1', baud: 9600"), "baud"},
+        BadCase{"NoPort", link("name: a, type: udp, local: localhost"), "HOST:PORT"},
+        BadCase{"BadPort", link("name: a, type: udp, local: 'h:70000'"), "70000"},
+        BadCase{"UdpWithoutEnds", link("name: a, type: udp"), "local"},
+        BadCase{"PaceWithoutBaud", link("name: a, type: serial, device: d, pace: true"), "pace"},
+        BadCase{"FractionOfABaud", link("name: a, type: serial, device: d, baud: 57600.5"),
+                "57600.5"},
+        BadCase{"FractionOfAPeer", link("name: a, type: tcp_server, local: 'h:1', max_peers: 1.7"),
+                "1.7"},
+        BadCase{"FractionOfAPort", kLinks + "command_port: {port: 5790.5}\n", "5790.5"},
+        BadCase{"SecondName",
+                "schema: 1\nlinks:\n  - {name: a, type: udp, local: 'h:1'}\n"
+                "  - {name: a, type: udp, local: 'h:2'}\n",
+                "another link"},
+        BadCase{"AcceptOfAnotherWord", link("name: a, type: udp, local: 'h:1', accept: all"),
+                "all"},
+        BadCase{"AcceptThatNamesNothing", link("name: a, type: udp, local: 'h:1', accept: {}"),
+                "neither messages nor systems"},
+        BadCase{"SigningWithoutKey",
+                link("name: a, type: udp, local: 'h:1', signing: {link_id: 1}"), "key_file"},
+        BadCase{"SigningThatDoesNothing",
+                link("name: a, type: udp, local: 'h:1', "
+                     "signing: {key_file: k, verify: false, sign: false}"),
+                "neither verifies nor signs"},
+        BadCase{"MisspeltKeyOfSigning",
+                link("name: a, type: udp, local: 'h:1', signing: {key_file: k, lnk_id: 1}"),
+                "lnk_id"},
+        BadCase{"UnsignedAllowedButNothingVerified",
+                link("name: a, type: udp, local: 'h:1', "
+                     "signing: {key_file: k, verify: false, allow_unsigned: [RADIO_STATUS]}"),
+                "without verify"},
+        BadCase{"LogWithoutFile", link("name: a, type: tlog"), "file"},
+        BadCase{"LogThatStandsStill", link("name: a, type: tlog, file: f, speed: 0"), "speed"},
+        BadCase{
+            "RouteIntoALog",
+            kLinks + "  - {name: log, type: tlog, file: f}\nroutes:\n  - {from: sim, to: log}\n",
+            "nothing can be sent to 'log'"},
+        BadCase{"GainsThatAreNowhere", kLinks + "gains: no_gains.yaml\n",
+                "t.yaml:6: gains: there is no file 'no_gains.yaml'"},
+        BadCase{"UnknownLinkInRoute", route("from: sim, to: fuc"),
+                "t.yaml:7: routes[0].to: there is no link 'fuc'; links are sim, fcu, gcs"},
+        BadCase{"UnknownMessage", route("from: sim, to: fcu, allow: [HIL_SENSR]"),
+                "name 'HIL_SENSR'; did you mean HIL_SENSOR?"},
+        BadCase{"MessageUnlikeAnyOther", route("from: sim, to: fcu, allow: [LABORATORY_THING]"),
+                "give its number if it is private"},
+        BadCase{"MessageIdTooGreat", route("from: sim, to: fcu, allow: [16777216]"), "24 bits"},
+        BadCase{"RouteBackToItself", route("from: sim, to: sim"), "server"},
+        BadCase{"RateWithoutEffect", route("from: sim, to: fcu, rates: {ATTITUDE: 0}"), "max_hz"},
+        BadCase{"SecondRoute", route("from: sim, to: fcu") + "  - {from: any, to: fcu}\n",
+                "another route"},
+        BadCase{"SystemOutOfRange", route("from: sim, to: fcu, block_systems: [300]"), "300"},
+        BadCase{"UnknownThreads", kLinks + "threads: many\n", "many"},
+        BadCase{"MisspeltKey", kLinks + "comand_port: {port: 1}\n", "comand_port"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(LineBudget, SaysWhichRatesWouldFit) {
+  std::string yaml = kLinks;
+  yaml.replace(yaml.find("921600"), 6, "115200");
+  const auto sentences = line_budget_warnings(
+      parse(yaml + "routes:\n  - {from: sim, to: fcu, allow: [HEARTBEAT, HIL_SENSOR, HIL_GPS]}\n"));
+  ASSERT_EQ(sentences.size(), 1U);
+  // 500 x 77 + 5 x 51 + 21 bytes a second; 98 % of 115200 baud are 11.3 kB/s.
+  EXPECT_NE(sentences[0].find("11.3 kB/s"), std::string::npos) << sentences[0];
+  EXPECT_NE(sentences[0].find("38.8 kB/s"), std::string::npos) << sentences[0];
+  EXPECT_NE(sentences[0].find("HIL_SENSOR fits up to 143 Hz"), std::string::npos) << sentences[0];
+}
+
+TEST(LineBudget, TakesRoutesWithoutAnAllowListToCarryTheStreams) {
+  std::string yaml = kLinks;
+  yaml.replace(yaml.find("921600"), 6, "115200");
+  const auto budgets = line_budgets(parse(yaml));  // every link talks to every other one
+  const auto fcu = std::find_if(budgets.begin(), budgets.end(),
+                                [](const LineBudget& budget) { return budget.link == "fcu"; });
+  ASSERT_NE(fcu, budgets.end());
+  EXPECT_FALSE(fcu->fits());
+  EXPECT_EQ(fcu->fitting_baud(), 460'800U);
+  const std::string words = describe(budgets);
+  EXPECT_NE(words.find("HIL_SENSOR"), std::string::npos) << words;
+  EXPECT_NE(words.find("500 Hz assumed"), std::string::npos) << words;
+  EXPECT_NE(words.find("TOO MUCH"), std::string::npos) << words;
+}
+
+TEST(LineBudget, PacesAPseudoTerminalOnlyWhereTheRateIsTight) {
+  const auto paced = [](const std::string& baud, const std::string& more = "") {
+    std::string yaml = kLinks;
+    yaml.replace(yaml.find("921600"), 6, baud + more);
+    for (const LinkConfig& link : parse(yaml).links) {
+      if (link.name == "fcu") return link.pace_pty;
+    }
+    return false;
+  };
+  EXPECT_FALSE(paced("921600"));
+  EXPECT_TRUE(paced("921600", ", pace: true"));
+  EXPECT_TRUE(paced("115200"));
+  EXPECT_FALSE(paced("115200", ", pace: false"));
+}
+
+TEST(LineBudget, IsSilentWhenTheLineSuffices) {
+  EXPECT_TRUE(line_budget_warnings(
+                  parse(route("from: sim, to: fcu, allow: [HEARTBEAT, HIL_SENSOR, HIL_GPS]")))
+                  .empty());
+}
+
+TEST(LineBudget, CountsRateRules) {
+  std::string yaml = kLinks;
+  yaml.replace(yaml.find("921600"), 6, "115200");
+  EXPECT_TRUE(line_budget_warnings(parse(yaml + "routes:\n  - {from: sim, to: fcu, allow: "
+                                                "[HIL_SENSOR], rates: {HIL_SENSOR: 100}}\n"))
+                  .empty());
+}
+
+}  // namespace
+}  // namespace cas::casd::test
