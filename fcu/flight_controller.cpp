@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "fcu/fcu_core.hpp"
-#include "fcu/ground_protocols.hpp"
-#include "fcu/hil_answer.hpp"
-#include "fcu/sensor_input.hpp"
+#include "fcu/core/fcu_core.hpp"
+#include "fcu/protocols/ground_protocols.hpp"
+#include "fcu/protocols/hil_answer.hpp"
+#include "fcu/protocols/sensor_input.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"

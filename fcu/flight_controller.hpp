@@ -13,8 +13,8 @@
 
 #include "base/time/clock.hpp"
 #include "base/measure/histogram.hpp"
-#include "fcu/fcu_config.hpp"
-#include "fcu/flight_mode.hpp"
+#include "fcu/core/fcu_config.hpp"
+#include "fcu/flight/flight_mode.hpp"
 
 namespace cas::mav {
 struct PacketView;

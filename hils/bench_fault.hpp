@@ -10,7 +10,7 @@
 
 #include "base/time/clock.hpp"
 #include "base/config/config.hpp"
-#include "fcu/line_config.hpp"
+#include "fcu/line/line_config.hpp"
 #include "hils/flight_facts.hpp"
 #include "hils/flight_plan.hpp"
 #include "hils/vehicle_names.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/random.hpp"
-#include "fcu/line_config.hpp"
+#include "fcu/line/line_config.hpp"
 #include "hils/report.hpp"
 #include "hils/yaml_text.hpp"
 

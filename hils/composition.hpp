@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "fcu/line_config.hpp"
+#include "fcu/line/line_config.hpp"
 #include "hils/run_places.hpp"
 #include "hils/run_request.hpp"
 

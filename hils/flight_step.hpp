@@ -11,7 +11,7 @@
 #include "base/time/clock.hpp"
 #include "base/config/config.hpp"
 #include "casd/station/gain_map.hpp"
-#include "fcu/pattern.hpp"
+#include "fcu/flight/pattern.hpp"
 #include "hils/flight_facts.hpp"
 #include "hils/vehicle_names.hpp"
 

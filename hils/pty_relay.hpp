@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "fcu/pty.hpp"
+#include "fcu/line/pty.hpp"
 
 namespace cas::hils {
 

@@ -7,8 +7,8 @@
 
 #include "base/time/clock.hpp"
 #include "base/measure/ledger.hpp"
-#include "fcu/emulator_line.hpp"
-#include "fcu/fcu_config.hpp"
+#include "fcu/emulator/emulator_line.hpp"
+#include "fcu/core/fcu_config.hpp"
 #include "fcu/flight_controller.hpp"
 
 namespace cas::hils {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/measure/histogram.hpp"
-#include "fcu/control_cascade.hpp"
-#include "fcu/estimator.hpp"
-#include "fcu/mixer.hpp"
+#include "fcu/control/control_cascade.hpp"
+#include "fcu/estimation/estimator.hpp"
+#include "fcu/control/mixer.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
 

@@ -5,8 +5,8 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/config/vehicle.hpp"
-#include "fcu/fcu_config.hpp"
-#include "fcu/sensor_figures.hpp"
+#include "fcu/core/fcu_config.hpp"
+#include "fcu/estimation/sensor_figures.hpp"
 #include "hils/composition.hpp"
 #include "libsim/core/load/sim_config.hpp"
 #include "tests/closed_loop/flight.hpp"

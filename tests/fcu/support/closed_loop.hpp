@@ -9,7 +9,7 @@
 #include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "fcu/flight_controller.hpp"
-#include "fcu/line_model.hpp"
+#include "fcu/line/line_model.hpp"
 #include "mavlink/common/command_ack.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"

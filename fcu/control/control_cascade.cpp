@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fcu/control/control_cascade.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/earth/frames.hpp"
+#include "fcu/control/thrust_setpoint.hpp"
+
+namespace cas::fcu {
+namespace {
+
+constexpr double kGravity_m_s2 = 9.80665;  // standard gravity; the integrator takes the rest
+
+}  // namespace
+
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+ControlCascade::ControlCascade(const base::Vehicle& vehicle)
+    : mass_kg_(vehicle.mass_kg),
+      u1_max_(vehicle.scales.u1_max_n),
+      torque_max_(vehicle.scales.u2_max_nm, vehicle.scales.u3_max_nm, vehicle.scales.u4_max_nm),
+      mixer_(vehicle) {}
+
+void ControlCascade::set_params(const ControlParams& params) {
+  params_ = params;
+  position_.set_params(params);
+  altitude_.set_params(params);
+  attitude_.set_params(params);
+  rates_.set_params(params);
+}
+
+void ControlCascade::reset() {
+  position_.reset();
+  altitude_.reset();
+  rates_.reset();
+  cut_N_.setZero();
+  altitude_saturation_ = {};
+}
+
+const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
+                                          const EstimatorState& estimate, double dt) {
+  near_ground_ = setpoint.near_ground;
+  if (near_ground_) {
+    position_.reset();
+    rates_.reset();
+  }
+  if (setpoint.trajectory) {
+    follow_trajectory(*setpoint.trajectory, estimate, dt);
+    follow_attitude(estimate, dt);
+  } else if (setpoint.attitude) {
+    attitude_setpoint_ = *setpoint.attitude;
+    follow_attitude(estimate, dt);
+  } else {
+    reset();
+    output_ = MixerResult{};
+    if (setpoint.idle && !setpoint.stopped) {
+      output_.u = mixer_.idle();
+      output_.omega_sq = mixer_.mix(output_.u).omega_sq;
+    }
+  }
+  return output_;
+}
+
+void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint,
+                                       const EstimatorState& estimate, double dt) {
+  const Eigen::Vector2d a_xy =
+      position_.update(setpoint, estimate.p_N, estimate.v_N, estimate.a_N, cut_N_, dt);
+  const double a_z = altitude_.update(setpoint, estimate.p_N.z(), estimate.v_N.z(),
+                                      estimate.a_N.z(), altitude_saturation_, dt);
+  const Vector3d acceleration(a_xy.x(), a_xy.y(), a_z);
+
+  if (std::isfinite(setpoint.yaw_rad)) {
+    yaw_hold_rad_ = setpoint.yaw_rad;
+  } else if (std::isfinite(setpoint.yaw_rate_rad_s)) {
+    yaw_hold_rad_ = base::wrap_angle(yaw_hold_rad_ + setpoint.yaw_rate_rad_s * dt);
+  }
+
+  // The mass that the hover thrust tells, not that of the data sheet: a parameter can correct it.
+  const double mass = params_.hover_thrust * u1_max_ / kGravity_m_s2;
+  const double thrust_max = std::min(params_.thrust_max * u1_max_, mixer_.max_thrust_n());
+  const ThrustSetpoint thrust =
+      thrust_for_acceleration(acceleration, mass, kGravity_m_s2, yaw_hold_rad_,
+                              {params_.thrust_min * u1_max_, thrust_max, params_.tilt_limit_rad});
+  attitude_setpoint_ = thrust.attitude;
+  attitude_setpoint_.yaw_rate_rad_s =
+      std::isfinite(setpoint.yaw_rate_rad_s) ? setpoint.yaw_rate_rad_s : 0.0;
+  // Only the part of the wanted force that lies along today's thrust axis is asked of the rotors.
+  const Vector3d up_wanted = thrust.attitude.q_ND * Vector3d::UnitZ();
+  const Vector3d up_now = estimate.q_ND * Vector3d::UnitZ();
+  attitude_setpoint_.thrust_n =
+      std::max(thrust.attitude.thrust_n * up_wanted.dot(up_now), params_.thrust_min * u1_max_);
+  cut_N_ = thrust.cut_N;
+  altitude_saturation_ = {thrust.thrust_at_min, thrust.thrust_at_max};
+}
+
+void ControlCascade::follow_attitude(const EstimatorState& estimate, double dt) {
+  rate_setpoint_ = attitude_.update(attitude_setpoint_, estimate.q_ND);
+  const Vector3d torque = rates_.update(rate_setpoint_, output_.torque, dt);
+  Vector4d demand;
+  demand << attitude_setpoint_.thrust_n, torque.cwiseProduct(torque_max_);
+  output_ = mixer_.mix(demand, !near_ground_);
+}
+
+}  // namespace cas::fcu

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "fcu/control/pid.hpp"
+
+namespace cas::fcu {
+
+/// Gains and limits of the control loops. Torques are fractions of full scale, thrust likewise.
+struct ControlParams {
+  // Rates: full-scale torque per rad/s.
+  PidGains rate_roll, rate_pitch, rate_yaw;
+  Eigen::Vector3d rate_feed_forward = Eigen::Vector3d::Zero();  ///< on the wanted rate
+  Eigen::Vector3d rate_limit_rad_s{3.8, 3.8, 3.5};
+  double gyro_cutoff_hz = 60;
+  double dgyro_cutoff_hz = 30;
+  // Attitude: 1/s.
+  double roll_p = 6.5, pitch_p = 6.5, yaw_p = 2.8;
+  double yaw_weight = 0.4;  ///< 0..1, of yaw beside tilt
+  // Position: 1/s; velocity: acceleration per m/s.
+  double xy_p = 1.0, z_p = 1.0;
+  PidGains xy_velocity, z_velocity;
+  double xy_velocity_limit_m_s = 12;
+  double z_velocity_up_limit_m_s = 3;
+  double z_velocity_down_limit_m_s = 1.5;
+  double acceleration_limit_m_s2 = 8;
+  double tilt_limit_rad = 0.785;
+  // Shares of full thrust.
+  double hover_thrust = 0.5;
+  double thrust_min = 0.1;
+  double thrust_max = 1.0;
+};
+
+}  // namespace cas::fcu

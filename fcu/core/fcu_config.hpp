@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/config/config.hpp"
+#include "base/earth/geodesy.hpp"
+#include "base/config/vehicle.hpp"
+#include "fcu/line/line_config.hpp"
+
+namespace cas::fcu {
+
+/// Which time the estimator takes a sensor message to have: its own stamp, or its arrival (as PX4
+/// does in HITL).
+enum class StampMode { kMessage, kArrival };
+
+/// Whose time runs timers, telemetry and failsafes of fcu_emulator.
+enum class Pace {
+  kRealtime,  ///< the steady clock
+  kLockstep,  ///< the stream of HIL_SENSOR
+};
+
+/// The message that carries the answer.
+enum class ActuatorMessage { kHilControls, kHilActuatorControls };
+
+/// An emulated flight controller as config/fcu/*.yaml describes it.
+struct FcuConfig {
+  base::Vehicle vehicle;
+  /// The sensors' data sheets by plugin name: those of the vehicle file, or a set named instead.
+  base::ConfigNode sensors = base::ConfigNode::empty();
+  std::uint8_t system_id = 1;
+  std::uint8_t component_id = 1;
+  LineConfig line;
+  Pace pace = Pace::kRealtime;
+  StampMode stamp = StampMode::kMessage;
+  ActuatorMessage actuators = ActuatorMessage::kHilControls;
+  double control_rate_hz = 400;
+  double decimal_year = 2026.5;  ///< for the magnetic field model
+  /// Origin of the local frame. Nothing: the first position fixes, averaged at rest.
+  std::optional<base::Geodetic> home_hint;
+  std::uint64_t seed = 1;                              ///< of the line model
+  std::vector<std::pair<std::string, double>> params;  ///< values that differ from the defaults
+
+  /// @throws base::ConfigError
+  static FcuConfig load(const std::filesystem::path& file);
+  static FcuConfig parse(const base::ConfigNode& node);
+};
+
+}  // namespace cas::fcu

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "base/time/clock.hpp"
+#include "base/time/rate_gate.hpp"
+#include "fcu/flight/arming_checks.hpp"
+#include "fcu/flight/battery.hpp"
+#include "fcu/flight/commander.hpp"
+#include "fcu/control/control_cascade.hpp"
+#include "fcu/estimation/estimator.hpp"
+#include "fcu/flight/failsafe.hpp"
+#include "fcu/core/fcu_config.hpp"
+#include "fcu/flight_controller.hpp"
+#include "fcu/core/outbox.hpp"
+#include "fcu/params/param_binding.hpp"
+#include "fcu/params/params.hpp"
+#include "fcu/estimation/sensor_figures.hpp"
+#include "fcu/estimation/sensor_monitor.hpp"
+#include "fcu/flight/status_texts.hpp"
+#include "mavlink/common/hil_gps.hpp"
+
+namespace cas::fcu {
+
+/// Sticks from MANUAL_CONTROL or HIL_RC_INPUTS_RAW, with the time they were heard.
+struct ManualInput {
+  Sticks sticks;
+  base::RunTime last;
+  bool seen = false;
+};
+
+/// How rough the ride is, for VIBRATION: deviation of the specific force from its own mean.
+struct VibrationMeter {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();    ///< specific force in D, m/s^2
+  Eigen::Vector3d square = Eigen::Vector3d::Zero();  ///< of its deviation, m^2/s^4
+
+  void update(const Eigen::Vector3d& accel_D) {
+    constexpr double kShare = 0.002;
+    const Eigen::Vector3d off = accel_D - mean;
+    mean += kShare * off;
+    square += kShare * (off.cwiseAbs2() - square);
+  }
+};
+
+/// Everything the parts of the flight controller share. The protocols read and command it; the
+/// flight loop runs it.
+struct FcuCore {
+  FcuCore(const FcuConfig& configuration, FlightController::Sink send)
+      : config(configuration),
+        params(config.vehicle, sensor_figures(config.sensors).params),
+        outbox({config.system_id, config.component_id}, std::move(send)),
+        estimator({}, config.decimal_year),
+        cascade(config.vehicle),
+        commander(texts) {}
+
+  /// Passes changed parameters on to the parts that use them.
+  void apply_params();
+  /// What a flight mode sees now.
+  TaskContext context(base::RunTime now, double dt) const;
+  ArmingInput arming_input(base::RunTime now) const;
+  FailsafeInput failsafe_input(base::RunTime now) const;
+  /// Of the pilot who is heard now; nothing when there is none.
+  std::optional<Sticks> sticks(base::RunTime now) const;
+  /// Forgets the estimate and begins anew, as at start.
+  void restart_estimate();
+  /// Home is where the vehicle stands.
+  void set_home_here();
+  /// Time since the start, as MAVLink's time_boot_ms has it.
+  std::uint32_t time_boot_ms(base::RunTime now) const {
+    return static_cast<std::uint32_t>((now - start).count() / 1'000'000);
+  }
+  /// The same in microseconds.
+  std::uint64_t time_boot_us(base::RunTime now) const {
+    return static_cast<std::uint64_t>((now - start).count() / 1000);
+  }
+
+  FcuConfig config;
+  ParamStore params;
+  FlightParams flight;
+  std::uint64_t params_applied = ~0ULL;
+  Outbox outbox;
+  StatusTexts texts;
+  Estimator estimator;
+  ControlCascade cascade;
+  Commander commander;
+  SensorMonitor sensors;
+  Battery battery;
+  VibrationMeter vibration;
+  ManualInput manual_control;
+  ManualInput rc_input;
+  std::optional<mavlink::common::HilGps> last_gps;
+  double last_pressure_hpa = 0;
+  double last_temperature_degc = 0;
+  bool home_set = false;
+  Eigen::Vector3d home_N = Eigen::Vector3d::Zero();  ///< m
+  double home_yaw_rad = 0;                           ///< heading when home was set
+  double ground_z = 0;  ///< z (down) of the ground at the take-off place, m
+  bool ground_station_seen = false;
+  base::RunTime ground_station_last;
+  base::RunTime start;
+  bool started = false;
+  base::RunTime last_imu_at;
+  std::optional<base::SimTime> last_control;  ///< stamp of the newest control step
+  std::uint64_t position_resets_seen = 0;
+  bool reboot_wanted = false;
+  FlightStatus status;
+  FlightController::HilObserver observer;
+};
+
+}  // namespace cas::fcu

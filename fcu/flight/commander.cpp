@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fcu/flight/commander.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/earth/frames.hpp"
+
+namespace cas::fcu {
+
+using Result = Commander::Result;
+
+FlightTask& Commander::task(FlightMode mode) {
+  switch (mode) {
+    case FlightMode::kStabilized:
+      return stabilized_;
+    case FlightMode::kAltitude:
+      return altitude_;
+    case FlightMode::kPosition:
+      return position_;
+    case FlightMode::kOffboard:
+      return offboard_;
+    case FlightMode::kTakeoff:
+      return takeoff_;
+    case FlightMode::kMission:
+      return mission_;
+    case FlightMode::kReturn:
+      return return_;
+    case FlightMode::kLand:
+      return land_;
+    case FlightMode::kHold:
+    case FlightMode::kTermination:
+      return hold_;
+  }
+  return hold_;
+}
+
+// Requests.
+
+Result Commander::arm(const ArmingInput& checks, const TaskContext& context, bool force) {
+  if (armed_) return Result::kAccepted;
+  if (mode_ == FlightMode::kTermination) {
+    texts_.critical("Arming denied: flight was terminated; reboot");
+    return Result::kTemporarilyRejected;
+  }
+  if (const auto reason = reason_not_to_arm(checks); reason && !force) {
+    texts_.critical("Arming denied: " + *reason);
+    return Result::kTemporarilyRejected;
+  }
+  armed_ = true;
+  flying_ = false;
+  has_flown_ = false;
+  armed_s_ = landed_s_ = 0;
+  failsafe_.reset();
+  enter(mode_, context);
+  texts_.info("Armed");
+  return Result::kAccepted;
+}
+
+void Commander::set_disarmed(const std::string& why) {
+  armed_ = false;
+  flying_ = false;
+  failsafe_.reset();
+  texts_.info("Disarmed" + why);
+  if (mode_ != FlightMode::kTermination && !is_manual(mode_)) mode_ = FlightMode::kHold;
+}
+
+Result Commander::disarm(bool force) {
+  if (!armed_) return Result::kAccepted;
+  if (flying_ && !force) {
+    texts_.critical("Disarming denied: not landed");
+    return Result::kTemporarilyRejected;
+  }
+  set_disarmed(force && flying_ ? " in the air by force" : "");
+  return Result::kAccepted;
+}
+
+Result Commander::set_mode(FlightMode mode, const TaskContext& context, Initiator initiator) {
+  if (mode_ == FlightMode::kTermination) return Result::kTemporarilyRejected;
+  const auto refuse = [this](const std::string& why) {
+    texts_.critical("Mode change refused: " + why);
+    return Result::kTemporarilyRejected;
+  };
+  if (armed_ && needs_position(mode) && !context.position_valid) {
+    return refuse("no position estimate");
+  }
+  if (mode == FlightMode::kOffboard && !offboard_.alive(context.now, 0.5)) {
+    return refuse("no offboard setpoints");
+  }
+  if (mode == FlightMode::kMission && mission_.items().empty()) return refuse("no mission");
+  if (is_manual(mode) && armed_ && !context.sticks) return refuse("no manual control");
+  if (initiator == Initiator::kCommand) failsafe_.reset();
+  if (mode != mode_ || mode == FlightMode::kTakeoff) enter(mode, context);
+  return Result::kAccepted;
+}
+
+Result Commander::take_off(std::optional<double> z, double yaw_rad, const TaskContext& context) {
+  if (flying_) {
+    texts_.warn("Already in the air");
+    return Result::kTemporarilyRejected;
+  }
+  if (z && *z > context.ground_z - 0.1) {
+    texts_.critical("Take-off altitude is below the vehicle");
+    return Result::kDenied;
+  }
+  takeoff_.set_target_z(z);
+  takeoff_.set_yaw(yaw_rad);
+  return set_mode(FlightMode::kTakeoff, context, Initiator::kCommand);
+}
+
+Result Commander::reposition(const Eigen::Vector3d& p_N, double yaw_rad, double speed_m_s,
+                             bool change_mode, const TaskContext& context) {
+  if (!flying_) {
+    texts_.critical("Reposition refused: not in the air");
+    return Result::kTemporarilyRejected;
+  }
+  if (mode_ != FlightMode::kHold) {
+    if (!change_mode) return Result::kTemporarilyRejected;
+    const Result result = set_mode(FlightMode::kHold, context, Initiator::kCommand);
+    if (result != Result::kAccepted) return result;
+  }
+  hold_.go_to(p_N, yaw_rad, speed_m_s);
+  return Result::kAccepted;
+}
+
+Result Commander::fly_pattern(PatternShape shape, double size_m, double speed_m_s, double period_s,
+                              const TaskContext& context) {
+  if (!flying_) return Result::kTemporarilyRejected;
+  const Result result = set_mode(FlightMode::kHold, context, Initiator::kCommand);
+  if (result == Result::kAccepted) hold_.fly_pattern(shape, size_m, speed_m_s, period_s);
+  return result;
+}
+
+void Commander::terminate(const std::string& reason) {
+  texts_.add(StatusTexts::Severity::kEmergency, reason);
+  mode_ = FlightMode::kTermination;
+  if (armed_) set_disarmed("");
+}
+
+// Flight.
+
+void Commander::enter(FlightMode mode, const TaskContext& context) {
+  mode_ = mode;
+  may_take_off_ = true;
+  land_detector_.reset();
+  task(mode).activate(context);
+}
+
+void Commander::act(const FailsafeDecision& decision, const TaskContext& context) {
+  if (decision.reason.empty()) return;
+  using Action = FailsafeDecision::Action;
+  if (decision.action == Action::kTerminate) return terminate(decision.reason);
+  texts_.add(
+      decision.warning_only ? StatusTexts::Severity::kWarning : StatusTexts::Severity::kCritical,
+      decision.reason);
+  if (decision.action == Action::kDisarm) return set_disarmed(" by failsafe");
+  if (decision.action != Action::kMode) return;
+  if (set_mode(decision.mode, context, Initiator::kFailsafe) != Result::kAccepted) {
+    enter(FlightMode::kLand, context);
+  }
+}
+
+void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
+  FlightTask& now = task(mode_);
+  if (!flying_) {
+    if (!may_take_off_ || armed_s_ < context.params.spool_up_s || !now.wants_takeoff(context)) {
+      return;
+    }
+    flying_ = true;
+    contact_ = false;
+    has_flown_ = true;
+    land_detector_.reset();
+    now.activate(context);
+    return;
+  }
+  const Eigen::Vector3d& v = context.estimate.v_N;
+  const LandDetector::Input in{thrust_ratio, v.z(), v.head<2>().norm(), now.descending(context)};
+  const LandDetector::Stage stage = land_detector_.update(in, context.dt);
+  if (stage == LandDetector::Stage::kContact && !contact_) contact_thrust_ = thrust_ratio;
+  contact_ = stage == LandDetector::Stage::kContact;
+  if (stage != LandDetector::Stage::kLanded) return;
+  flying_ = false;
+  may_take_off_ = is_manual(mode_) || mode_ == FlightMode::kOffboard;
+  landed_s_ = 0;
+  texts_.info("Landed");
+}
+
+void Commander::settle_on_ground(const TaskContext& context) {
+  // Level, and less thrust with every step: what stands stays, what hangs would sink and be seen.
+  constexpr double kThrustFall_per_s = 1.5;
+  contact_thrust_ = std::max(0.0, contact_thrust_ - kThrustFall_per_s * context.dt);
+  AttitudeSetpoint level;
+  level.q_ND = base::quaternion_rpy(0, 0, context.yaw_rad);
+  level.thrust_n = contact_thrust_ * context.params.hover_thrust * context.full_thrust_n;
+  setpoint_ = ControlSetpoint{};
+  setpoint_.attitude = level;
+  setpoint_.near_ground = true;
+}
+
+void Commander::finish_tasks(const TaskContext& context) {
+  if (mode_ == FlightMode::kTakeoff && flying_ && takeoff_.done(context)) {
+    const Eigen::Vector3d target = takeoff_.target();
+    enter(FlightMode::kHold, context);
+    hold_.settle(target, takeoff_.yaw());
+  }
+  if (mode_ != FlightMode::kMission) return;
+  if (const auto wanted = mission_.wanted_mode()) {
+    enter(*wanted, context);
+  } else if (mission_.finished()) {
+    texts_.info("Mission finished");
+    const Eigen::Vector3d target = mission_.target();
+    const double yaw = mission_.yaw();
+    enter(FlightMode::kHold, context);
+    hold_.settle(target, yaw);
+  }
+}
+
+void Commander::auto_disarm(const TaskContext& context) {
+  if (flying_) return;
+  landed_s_ += context.dt;
+  const FlightParams& p = context.params;
+  if (has_flown_ && p.disarm_after_landing_s >= 0 && landed_s_ > p.disarm_after_landing_s) {
+    return set_disarmed(" after landing");
+  }
+  if (!has_flown_ && p.disarm_before_flight_s > 0 && armed_s_ > p.disarm_before_flight_s) {
+    set_disarmed(": no take-off");
+  }
+}
+
+ControlSetpoint Commander::update(const TaskContext& context, const FailsafeInput& failsafe,
+                                  double thrust_ratio) {
+  setpoint_ = ControlSetpoint{};
+  if (armed_) {
+    armed_s_ += context.dt;
+    act(failsafe_.update(failsafe, context.params, mode_, flying_, context.dt), context);
+  }
+  if (armed_) update_flying(context, thrust_ratio);
+  if (armed_) auto_disarm(context);
+  if (!armed_) {
+    setpoint_.stopped = true;
+    return setpoint_;
+  }
+  if (!flying_) {
+    setpoint_.idle = true;
+    return setpoint_;
+  }
+  finish_tasks(context);
+  setpoint_ = task(mode_).update(context);
+  if (contact_) settle_on_ground(context);
+  return setpoint_;
+}
+
+void Commander::on_position_reset(const Eigen::Vector3d& by_N) {
+  if (mode_ != FlightMode::kOffboard) task(mode_).shift(by_N);
+}
+
+void Commander::on_sensors_lost() {
+  if (!armed_) return;
+  texts_.add(StatusTexts::Severity::kEmergency, "Gyro and accelerometer lost: rotors stopped");
+  if (flying_) mode_ = FlightMode::kTermination;
+  set_disarmed("");
+}
+
+LandedState Commander::landed() const {
+  if (!armed_ || !flying_) return LandedState::kOnGround;
+  if (mode_ == FlightMode::kTakeoff) return LandedState::kTakingOff;
+  if (mode_ == FlightMode::kLand) return LandedState::kLanding;
+  return LandedState::kInAir;
+}
+
+}  // namespace cas::fcu

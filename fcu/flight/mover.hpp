@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "fcu/control/setpoint.hpp"
+
+namespace cas::fcu {
+
+/// How fast a setpoint may move: horizontally where nothing else is said; all positive.
+struct MoverLimits {
+  double speed_m_s = 5;
+  double up_m_s = 2;
+  double down_m_s = 1.2;
+  double acceleration_m_s2 = 3;
+  double acceleration_up_m_s2 = 3;
+  double acceleration_down_m_s2 = 2;
+  double jerk_m_s3 = 8;
+  double yaw_rate_rad_s = 1;
+};
+
+/// Leads a setpoint to a target with limited speed, acceleration and jerk: straight in the
+/// horizontal, independent in height, turning to a heading. Comes to rest at the target.
+class Mover {
+ public:
+  void set_limits(const MoverLimits& limits) { limits_ = limits; }
+
+  /// Starts from a state of motion.
+  void reset(const Eigen::Vector3d& p_N, const Eigen::Vector3d& v_N, double yaw_rad);
+  /// @param p_N  where to go, m
+  void set_target(const Eigen::Vector3d& p_N) { target_N_ = p_N; }
+  /// @param yaw_rad  heading of Dx from north, rad
+  void set_yaw(double yaw_rad) { target_yaw_ = yaw_rad; }
+  /// Moves everything at once, as the estimate was moved.
+  void shift(const Eigen::Vector3d& by_N);
+
+  /// Advances by dt (s).
+  TrajectorySetpoint update(double dt);
+
+  /// In N, m.
+  const Eigen::Vector3d& target() const { return target_N_; }
+  /// rad
+  double target_yaw() const { return target_yaw_; }
+  /// Of the setpoint now, in N, m.
+  const Eigen::Vector3d& position() const { return p_N_; }
+  /// Of the setpoint now, rad.
+  double yaw() const { return yaw_; }
+  /// The setpoint stands at the target.
+  bool arrived() const;
+
+ private:
+  void step_horizontal(double dt);
+  void step_vertical(double dt);
+  void step_yaw(double dt);
+
+  MoverLimits limits_;
+  Eigen::Vector3d target_N_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_N_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d v_N_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d a_N_ = Eigen::Vector3d::Zero();
+  double target_yaw_ = 0;
+  double yaw_ = 0;
+  double yaw_rate_ = 0;
+};
+
+}  // namespace cas::fcu

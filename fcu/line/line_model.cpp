@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fcu/line/line_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cas::fcu {
+
+using base::Duration;
+using base::RunTime;
+
+LineModel::LineModel(const LineConfig& config, std::uint64_t seed)
+    : config_(config), random_(seed) {}
+
+Duration LineModel::byte_time() const {
+  constexpr double kBitsPerByte = 10;  // start, eight data, stop
+  if (config_.baud <= 0) return Duration{};
+  return base::from_seconds(kBitsPerByte / config_.baud * (1 + 1e-6 * config_.clock_drift_ppm));
+}
+
+std::size_t LineModel::unsent_at(RunTime now) const {
+  const auto first = std::upper_bound(sending_.begin(), sending_.end(), now);
+  return static_cast<std::size_t>(sending_.end() - first);
+}
+
+std::size_t LineModel::room(RunTime now) const {
+  if (hung_up_) return 0;
+  if (config_.send_buffer_bytes == 0) return SIZE_MAX;
+  const std::size_t unsent = unsent_at(now);
+  return unsent >= config_.send_buffer_bytes ? 0 : config_.send_buffer_bytes - unsent;
+}
+
+std::optional<RunTime> LineModel::room_at(RunTime now) const {
+  if (hung_up_ || room(now) > 0) return std::nullopt;
+  return sending_[sending_.size() - config_.send_buffer_bytes];
+}
+
+RunTime LineModel::after_stalls(RunTime t) {
+  if (config_.stall_every <= Duration{} || config_.stall_length <= Duration{}) return t;
+  const auto gap = [this] {
+    const double u = 1 - random_.uniform();
+    return base::from_seconds(-std::log(u) * base::to_seconds(config_.stall_every));
+  };
+  if (!stall_planned_) {
+    next_stall_ = t + gap();
+    stall_planned_ = true;
+  }
+  while (t >= next_stall_) {
+    const RunTime end = next_stall_ + config_.stall_length;
+    if (t < end) t = end;
+    next_stall_ = end + gap();
+  }
+  return t;
+}
+
+RunTime LineModel::clock_byte(RunTime now) {
+  done_ = after_stalls(std::max(now, done_) + byte_time());
+  return done_;
+}
+
+bool LineModel::byte_survives() {
+  if (config_.burst_begin <= 0) return true;
+  const double turn = in_burst_ ? config_.burst_end : config_.burst_begin;
+  if (random_.uniform() < turn) in_burst_ = !in_burst_;
+  return !in_burst_ || random_.uniform() >= config_.burst_loss;
+}
+
+std::uint8_t LineModel::with_bit_errors(std::uint8_t value) {
+  if (config_.bit_error_rate <= 0) return value;
+  constexpr std::uint64_t kBits = 8;
+  if (!error_planned_) {
+    const double u = 1 - random_.uniform();
+    bits_to_next_error_ =
+        static_cast<std::uint64_t>(std::log(u) / std::log1p(-config_.bit_error_rate));
+    error_planned_ = true;
+  }
+  while (bits_to_next_error_ < kBits) {
+    value = static_cast<std::uint8_t>(value ^ (1U << bits_to_next_error_));
+    ++stats_.flipped;
+    const double u = 1 - random_.uniform();
+    bits_to_next_error_ +=
+        1 + static_cast<std::uint64_t>(std::log(u) / std::log1p(-config_.bit_error_rate));
+  }
+  bits_to_next_error_ -= kBits;
+  return value;
+}
+
+std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
+  while (!sending_.empty() && sending_.front() <= now) sending_.pop_front();
+  const std::size_t taken = std::min(bytes.size(), room(now));
+  stats_.written += taken;
+  stats_.refused += bytes.size() - taken;
+  if (taken == 0) return 0;
+
+  const bool whole_lost = config_.packet_loss > 0 && random_.uniform() < config_.packet_loss;
+  Duration jitter{};
+  if (config_.jitter > Duration{}) {
+    jitter = base::from_seconds(random_.uniform() * base::to_seconds(config_.jitter));
+  }
+  for (std::size_t i = 0; i < taken; ++i) {
+    const RunTime sent = clock_byte(now);
+    if (config_.send_buffer_bytes != 0) sending_.push_back(sent);
+    const bool survives = byte_survives() && !whole_lost;
+    const std::uint8_t value = with_bit_errors(bytes[i]);
+    if (!survives) {
+      ++stats_.lost;
+      continue;
+    }
+    RunTime arrival = sent + config_.extra_delay + jitter;
+    if (config_.batch > Duration{}) {
+      const auto frames =
+          (arrival.time_since_epoch().count() + config_.batch.count() - 1) / config_.batch.count();
+      arrival = RunTime(Duration(frames * config_.batch.count()));
+    }
+    arrival = std::max(arrival, last_arrival_);
+    last_arrival_ = arrival;
+    const bool wakes = i + 1 == taken || (i + 1) % config_.receive_trigger_bytes == 0;
+    on_line_.push_back({arrival, value, wakes});
+  }
+  // A lost last byte must not leave the rest of the write waiting for the next one.
+  if (!on_line_.empty()) on_line_.back().wakes = true;
+  return taken;
+}
+
+void LineModel::drop_overrun(RunTime now) {
+  if (config_.receive_fifo_bytes == 0) return;
+  const auto arrived = static_cast<std::size_t>(
+      std::upper_bound(on_line_.begin(), on_line_.end(), now,
+                       [](RunTime t, const Byte& byte) { return t < byte.arrival; }) -
+      on_line_.begin());
+  if (arrived <= config_.receive_fifo_bytes) return;
+  // The FIFO holds the oldest; what came when it was full is gone.
+  const auto first = on_line_.begin() + static_cast<std::ptrdiff_t>(config_.receive_fifo_bytes);
+  const auto last = on_line_.begin() + static_cast<std::ptrdiff_t>(arrived);
+  stats_.overrun += arrived - config_.receive_fifo_bytes;
+  on_line_.erase(first, last);
+}
+
+std::size_t LineModel::read(std::span<std::uint8_t> out, RunTime now) {
+  drop_overrun(now);
+  std::size_t count = 0;
+  while (count < out.size() && !on_line_.empty() && on_line_.front().arrival <= now) {
+    out[count++] = on_line_.front().value;
+    on_line_.pop_front();
+  }
+  stats_.delivered += count;
+  return count;
+}
+
+std::optional<RunTime> LineModel::next_arrival() const {
+  for (const Byte& byte : on_line_) {
+    if (byte.wakes) return byte.arrival;
+  }
+  return std::nullopt;
+}
+
+void LineModel::hang_up() {
+  hung_up_ = true;
+  stats_.lost += on_line_.size();
+  on_line_.clear();
+  sending_.clear();
+}
+
+}  // namespace cas::fcu

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fcu/protocols/flight_commands.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include "fcu/core/fcu_core.hpp"
+
+namespace cas::fcu {
+
+using base::RunTime;
+using Eigen::Vector3d;
+using mavlink::common::MavCmd;
+using mavlink::common::MavFrame;
+using mavlink::common::MavResult;
+
+namespace {
+
+constexpr double kForceMagic = 21196;  // MAV_CMD_COMPONENT_ARM_DISARM param2
+constexpr std::uint32_t kMostFlags = 0xFFFF;
+constexpr std::uint32_t kNoItem = 0xFFFF;  ///< no mission is that long
+
+TaskContext context_of(const FcuCore& core, RunTime now) { return core.context(now, 0); }
+
+bool is_relative(MavFrame frame) {
+  return frame == MavFrame::kGlobalRelativeAlt || frame == MavFrame::kGlobalRelativeAltInt;
+}
+
+/// The place a command names, in N; what it leaves out is NaN.
+Vector3d place_of(const Command& command, const FcuCore& core) {
+  Vector3d p_N = unset3();
+  const auto& projection = core.estimator.projection();
+  if (!projection) return p_N;
+  if (command.frame == MavFrame::kLocalNed) {
+    return {command.param[4], command.param[5], command.param[6]};
+  }
+  const double alt = command.param[6];
+  if (std::isfinite(command.param[4]) && std::isfinite(command.param[5])) {
+    p_N.head<2>() =
+        projection->to_local({command.param[4], command.param[5], projection->home().alt_m})
+            .head<2>();
+  }
+  if (std::isfinite(alt)) {
+    p_N.z() = is_relative(command.frame) ? core.home_N.z() - alt : projection->home().alt_m - alt;
+  }
+  return p_N;
+}
+
+MavResult arm_or_disarm(const Command& command, FcuCore& core, RunTime now) {
+  const bool force = command.param[1] == kForceMagic;
+  if (command.param[0] == 1) {
+    const bool was_armed = core.commander.armed();
+    const MavResult result =
+        core.commander.arm(core.arming_input(now), context_of(core, now), force);
+    if (result == MavResult::kAccepted && !was_armed) {
+      core.set_home_here();
+      core.cascade.reset();
+    }
+    return result;
+  }
+  if (command.param[0] == 0) return core.commander.disarm(force);
+  return MavResult::kDenied;
+}
+
+bool is_known(MavFrame frame) {
+  return frame == MavFrame::kGlobal || frame == MavFrame::kGlobalInt || is_relative(frame) ||
+         frame == MavFrame::kLocalNed;
+}
+
+/// Whether the command's place is in its parameters 5 to 7.
+bool names_a_place(MavCmd id) {
+  return id == MavCmd::kNavTakeoff || id == MavCmd::kDoReposition || id == MavCmd::kDoSetHome;
+}
+
+MavResult take_off(const Command& command, FcuCore& core, RunTime now) {
+  std::optional<double> z;
+  const Vector3d place = place_of(command, core);
+  if (std::isfinite(place.z())) z = place.z();
+  const double yaw = command.param[3];  // degrees; 0 is what senders leave in it
+  const bool has_yaw = std::isfinite(yaw) && yaw != 0;
+  return core.commander.take_off(z, has_yaw ? yaw * M_PI / 180 : kUnset, context_of(core, now));
+}
+
+MavResult reposition(const Command& command, FcuCore& core, RunTime now) {
+  const bool change_mode = (whole_number(command.param[1], kMostFlags) & 1) != 0;
+  return core.commander.reposition(place_of(command, core), command.param[3], command.param[0],
+                                   change_mode || core.commander.mode() == FlightMode::kHold,
+                                   context_of(core, now));
+}
+
+MavResult orbit(const Command& command, FcuCore& core, RunTime now) {
+  const double radius = std::isfinite(command.param[0]) ? std::abs(command.param[0]) : 0;
+  const double speed = std::isfinite(command.param[1]) ? std::abs(command.param[1]) : 2;
+  if (radius < 0.5 || speed <= 0) return MavResult::kDenied;
+  if (speed * speed / radius > core.flight.acceleration_m_s2 * 1.5) return MavResult::kDenied;
+  return core.commander.fly_pattern(PatternShape::kCircle, radius, speed, 0, context_of(core, now));
+}
+
+MavResult change_speed(const Command& command, FcuCore& core) {
+  if (command.param[1] <= 0) return MavResult::kAccepted;  // -1: no change
+  return core.params.set("MPC_XY_CRUISE", command.param[1]) == ParamSetResult::kOk
+             ? MavResult::kAccepted
+             : MavResult::kDenied;
+}
+
+MavResult set_home(const Command& command, FcuCore& core) {
+  if (command.param[0] == 1) {
+    if (!core.estimator.position_valid()) return MavResult::kTemporarilyRejected;
+    const double ground = core.ground_z;
+    core.set_home_here();
+    if (core.commander.flying()) core.ground_z = ground;
+    return MavResult::kAccepted;
+  }
+  const Vector3d place = place_of(command, core);
+  if (!place.allFinite()) return MavResult::kDenied;
+  core.home_N = place;
+  core.home_set = true;
+  return MavResult::kAccepted;
+}
+
+MavResult reboot(const Command& command, FcuCore& core) {
+  if (command.param[0] != 1) return MavResult::kDenied;
+  if (core.commander.armed()) return MavResult::kTemporarilyRejected;
+  core.reboot_wanted = true;
+  return MavResult::kAccepted;
+}
+
+}  // namespace
+
+MavResult set_flight_mode(std::optional<FlightMode> mode, FcuCore& core, RunTime now) {
+  if (!mode) return MavResult::kUnsupported;
+  const TaskContext context = context_of(core, now);
+  if (*mode == FlightMode::kTakeoff) return core.commander.take_off(std::nullopt, kUnset, context);
+  return core.commander.set_mode(*mode, context, Initiator::kCommand);
+}
+
+MavResult flight_command(const Command& command, FcuCore& core, RunTime now) {
+  if (names_a_place(command.id) && !is_known(command.frame)) {
+    return MavResult::kCommandUnsupportedMavFrame;
+  }
+  switch (command.id) {
+    case MavCmd::kComponentArmDisarm:
+      return arm_or_disarm(command, core, now);
+    case MavCmd::kNavTakeoff:
+      return take_off(command, core, now);
+    case MavCmd::kNavLand:
+      return set_flight_mode(FlightMode::kLand, core, now);
+    case MavCmd::kNavReturnToLaunch:
+      return set_flight_mode(FlightMode::kReturn, core, now);
+    case MavCmd::kNavLoiterUnlim:
+      return set_flight_mode(FlightMode::kHold, core, now);
+    case MavCmd::kDoSetMode:
+      return set_flight_mode(
+          flight_mode_from_px4(static_cast<std::uint8_t>(whole_number(command.param[1], 255)),
+                               static_cast<std::uint8_t>(whole_number(command.param[2], 255))),
+          core, now);
+    case MavCmd::kDoReposition:
+      return reposition(command, core, now);
+    case MavCmd::kDoOrbit:
+      return orbit(command, core, now);
+    case MavCmd::kDoChangeSpeed:
+      return change_speed(command, core);
+    case MavCmd::kDoSetHome:
+      return set_home(command, core);
+    case MavCmd::kDoPauseContinue:
+      return set_flight_mode(command.param[0] == 0 ? FlightMode::kHold : FlightMode::kMission, core,
+                             now);
+    case MavCmd::kMissionStart: {
+      const std::size_t first = whole_number(command.param[0], kNoItem);
+      if (!core.commander.mission().set_current(first)) return MavResult::kDenied;
+      return set_flight_mode(FlightMode::kMission, core, now);
+    }
+    case MavCmd::kDoFlighttermination:
+      if (!(command.param[0] >= 0.5)) return MavResult::kDenied;  // NaN too
+      core.commander.terminate("Flight terminated by command");
+      return MavResult::kAccepted;
+    case MavCmd::kPreflightRebootShutdown:
+      return reboot(command, core);
+    default:
+      return MavResult::kUnsupported;
+  }
+}
+
+}  // namespace cas::fcu

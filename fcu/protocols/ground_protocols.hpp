@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/time/clock.hpp"
+#include "fcu/protocols/command_handler.hpp"
+#include "fcu/flight_controller.hpp"
+#include "fcu/flight/flight_mode.hpp"
+#include "fcu/protocols/mission_protocol.hpp"
+#include "fcu/protocols/param_protocol.hpp"
+#include "fcu/protocols/telemetry.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/ping.hpp"
+#include "mavlink/common/timesync.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::fcu {
+
+struct FcuCore;
+
+/// Everything that ground stations, companions and pilots say and hear: commands, parameters,
+/// missions, setpoints, sticks, telemetry. The HIL stream is not among it.
+class GroundProtocols {
+ public:
+  /// @param param_interval  between two values of a parameter list
+  explicit GroundProtocols(base::Duration param_interval)
+      : params_(param_interval), commands_(telemetry_) {}
+
+  /// One packet that is meant for us.
+  void on_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
+  /// Streams, lists, repeats, status texts: whatever time makes due.
+  void update(FcuCore& core, base::RunTime now);
+
+ private:
+  bool on_link_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
+  bool on_command_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
+  bool on_param_packet(const mav::PacketView& packet, FcuCore& core);
+  bool on_setpoint_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
+  bool on_mission_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
+  void send_texts(FcuCore& core);
+  void hurry_after_a_change(const FcuCore& core);
+
+  Telemetry telemetry_;
+  ParamProtocol params_;
+  CommandHandler commands_;
+  MissionProtocol missions_;
+  std::uint16_t long_texts_ = 0;
+  bool was_armed_ = false;
+  FlightMode was_mode_ = FlightMode::kHold;
+  LandedState was_landed_ = LandedState::kOnGround;
+};
+
+}  // namespace cas::fcu

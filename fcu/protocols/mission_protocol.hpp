@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "fcu/flight/mission_task.hpp"
+#include "mavlink/common/mission_clear_all.hpp"
+#include "mavlink/common/mission_count.hpp"
+#include "mavlink/common/mission_item_int.hpp"
+#include "mavlink/common/mission_request_list.hpp"
+#include "mavlink/common/mission_set_current.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::fcu {
+
+struct FcuCore;
+
+/// The mission protocol: upload (we ask for the items one by one, again when they do not come),
+/// download, clear, current. Fences and rally points: none, and none are taken.
+class MissionProtocol {
+ public:
+  static constexpr std::size_t kMaxItems = 500;
+
+  void on_count(const mavlink::common::MissionCount& m, mav::Source from, int version,
+                FcuCore& core, base::RunTime now);
+  void on_item(const mavlink::common::MissionItemInt& m, mav::Source from, int version,
+               FcuCore& core, base::RunTime now);
+  void on_request_list(const mavlink::common::MissionRequestList& m, mav::Source from, int version,
+                       FcuCore& core);
+  void on_request(std::uint16_t seq, mavlink::common::MavMissionType type, mav::Source from,
+                  int version, FcuCore& core);
+  void on_clear(const mavlink::common::MissionClearAll& m, mav::Source from, int version,
+                FcuCore& core);
+  void on_set_current(const mavlink::common::MissionSetCurrent& m, FcuCore& core,
+                      base::RunTime now);
+  /// Repeats a request that got no answer; reports items reached.
+  void update(FcuCore& core, base::RunTime now);
+
+ private:
+  struct Upload {
+    mav::Source from;
+    int version = 2;
+    std::size_t count = 0;
+    std::vector<MissionItem> items;
+    base::RunTime asked;
+    int tries = 0;
+  };
+  void request_next(FcuCore& core, base::RunTime now);
+  void finish(FcuCore& core, mavlink::common::MavMissionResult result);
+
+  std::optional<Upload> upload_;
+};
+
+}  // namespace cas::fcu

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fcu/control/mixer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "base/random.hpp"
+
+namespace cas::fcu {
+namespace {
+
+using Eigen::Vector4d;
+
+constexpr double kHover_n = 15.2;
+constexpr double kTolerance = 1e-9;  // of numbers of order one to ten
+
+base::Vehicle load(const char* name) {
+  return base::Vehicle::load(std::string(CAS_SOURCE_DIR) + "/config/vehicles/" + name + ".yaml");
+}
+
+TEST(Mixer, PassesWhatTheRotorsCanDo) {
+  const Mixer mixer(load("iris_paper"));
+  const Vector4d demand(kHover_n, 0.3, -0.4, 0.05);
+  const MixerResult result = mixer.mix(demand);
+  EXPECT_TRUE(result.u.isApprox(demand, kTolerance));
+  for (const Saturation& s : result.torque) EXPECT_FALSE(s.up || s.down);
+}
+
+TEST(Mixer, GivesUpYawBeforeThrust) {
+  const Mixer mixer(load("iris_paper"));
+  const MixerResult result = mixer.mix({kHover_n, 0, 0, 5});
+  EXPECT_NEAR(result.u[0], kHover_n, kTolerance);
+  EXPECT_NEAR(result.u[1], 0, kTolerance);
+  EXPECT_LT(result.u[3], 5);
+  EXPECT_GT(result.u[3], 0.1);
+  EXPECT_TRUE(result.torque[2].up);
+}
+
+TEST(Mixer, GivesUpThrustBeforeRollAndPitch) {
+  const Mixer mixer(load("iris_paper"));
+  const MixerResult result = mixer.mix({28.0, 1.0, 0.5, 0.2});
+  EXPECT_NEAR(result.u[1], 1.0, kTolerance);
+  EXPECT_NEAR(result.u[2], 0.5, kTolerance);
+  EXPECT_LT(result.u[0], 28.0);
+  EXPECT_TRUE(result.thrust.up);
+}
+
+TEST(Mixer, ScalesRollAndPitchTogetherWhenEvenThrustDoesNotHelp) {
+  const Mixer mixer(load("iris_paper"));
+  const MixerResult result = mixer.mix({kHover_n, 6, 3, 0});
+  EXPECT_LT(result.u[1], 6);
+  EXPECT_NEAR(result.u[1] / result.u[2], 2, 1e-6);
+  EXPECT_TRUE(result.torque[0].up);
+}
+
+TEST(Mixer, RaisesThrustForRollInTheAirButNotOnTheGround) {
+  const Mixer mixer(load("iris_paper"));
+  const Vector4d demand(1.0, 1.0, 0, 0);
+  EXPECT_GT(mixer.mix(demand, true).u[0], 2);
+  EXPECT_LE(mixer.mix(demand, false).u[0], 1.0 + kTolerance);
+  EXPECT_NEAR(mixer.mix(demand, true).u[1], 1.0, kTolerance);
+}
+
+class MixerOnAnyVehicle : public testing::TestWithParam<const char*> {};
+
+TEST_P(MixerOnAnyVehicle, NeverAsksForMoreThanTheRotorsHave) {
+  const base::Vehicle vehicle = load(GetParam());
+  const Mixer mixer(vehicle);
+  const double low = std::pow(vehicle.rotor.omega_idle_rad_s, 2);
+  const double high = std::pow(vehicle.rotor.omega_max_rad_s, 2);
+  base::NormalRandom random(7);
+  for (int i = 0; i < 5000; ++i) {
+    const Vector4d demand(15 + 15 * random(), 3 * random(), 3 * random(), random());
+    for (const bool may_lift : {true, false}) {
+      const MixerResult result = mixer.mix(demand, may_lift);
+      EXPECT_GE(result.omega_sq.minCoeff(), low - 1e-6);
+      EXPECT_LE(result.omega_sq.maxCoeff(), high + 1e-6);
+      const Vector4d u = vehicle.mixing_matrix() * result.omega_sq;
+      EXPECT_TRUE(u.isApprox(result.u, 1e-9));
+      // Never more torque than asked for, never in the other direction.
+      for (int axis = 1; axis < 4; ++axis) {
+        EXPECT_LE(std::abs(result.u[axis]), std::abs(demand[axis]) + 1e-6);
+        EXPECT_GE(result.u[axis] * demand[axis], -1e-6);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Vehicles, MixerOnAnyVehicle, testing::Values("iris_paper", "iris_px4"));
+
+TEST(Mixer, MapsIdleAndFullSpeedToZeroAndOne) {
+  const base::Vehicle vehicle = load("iris_paper");
+  const Mixer mixer(vehicle);
+  const double full = std::pow(vehicle.rotor.omega_max_rad_s, 2);
+  EXPECT_TRUE(mixer.motor_outputs(mixer.mix(mixer.idle()).omega_sq).isZero(1e-9));
+  EXPECT_TRUE(mixer.motor_outputs(Vector4d::Constant(full)).isApprox(Vector4d::Ones(), 1e-9));
+}
+
+}  // namespace
+}  // namespace cas::fcu

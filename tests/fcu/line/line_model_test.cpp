@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fcu/line/line_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "base/error.hpp"
+
+namespace cas::fcu {
+namespace {
+
+using namespace std::chrono_literals;
+using base::Duration;
+using base::RunTime;
+
+constexpr RunTime kStart{Duration(1'000'000'000)};
+
+std::vector<std::uint8_t> bytes(std::size_t n) {
+  std::vector<std::uint8_t> out(n);
+  std::iota(out.begin(), out.end(), std::uint8_t{0});
+  return out;
+}
+
+/// Time from a write to the last of its bytes.
+Duration crossing_time(LineModel& line, std::size_t n, RunTime at) {
+  line.write(bytes(n), at);
+  RunTime last = at;
+  std::vector<std::uint8_t> out(4096);
+  while (const auto next = line.next_arrival()) {
+    last = *next;
+    line.read(out, last);
+  }
+  return last - at;
+}
+
+TEST(LineModel, IdealLineDeliversAtOnce) {
+  LineModel line({}, 1);
+  line.write(bytes(72), kStart);
+  std::vector<std::uint8_t> out(100);
+  EXPECT_EQ(line.read(out, kStart), 72U);
+  out.resize(72);
+  EXPECT_EQ(out, bytes(72));
+}
+
+TEST(LineModel, SeventyTwoBytesAt921600BaudTake781Microseconds) {
+  LineModel line(LineConfig::from_preset("baud_921600"), 1);
+  EXPECT_NEAR(base::to_seconds(crossing_time(line, 72, kStart)), 781.25e-6, 0.1e-6);
+}
+
+TEST(LineModel, AnIdleLineSavesUpNoCredit) {
+  LineModel line(LineConfig::from_preset("baud_921600"), 1);
+  crossing_time(line, 72, kStart);
+  EXPECT_NEAR(base::to_seconds(crossing_time(line, 72, kStart + 1s)), 781.25e-6, 0.1e-6);
+}
+
+TEST(LineModel, BytesArriveOneByOne) {
+  LineConfig config;
+  config.baud = 10'000;  // 1 ms a byte
+  LineModel line(config, 1);
+  line.write(bytes(10), kStart);
+  std::vector<std::uint8_t> out(100);
+  EXPECT_EQ(line.read(out, kStart + 999us), 0U);
+  EXPECT_EQ(line.read(out, kStart + 3500us), 3U);
+  EXPECT_EQ(line.read(out, kStart + 10ms), 7U);
+}
+
+TEST(LineModel, WritesFollowEachOtherOnABusyLine) {
+  LineConfig config;
+  config.baud = 10'000;
+  LineModel line(config, 1);
+  line.write(bytes(5), kStart);
+  EXPECT_NEAR(base::to_seconds(crossing_time(line, 5, kStart + 1ms)), 9e-3, 1e-6);
+}
+
+TEST(LineModel, ASlowClockStretchesTheBytes) {
+  LineConfig config;
+  config.baud = 100'000;
+  config.clock_drift_ppm = 10'000;
+  LineModel line(config, 1);
+  EXPECT_NEAR(base::to_seconds(crossing_time(line, 100, kStart)), 10.1e-3, 1e-6);
+}
+
+TEST(LineModel, HoldsTheWriterBackWhenItsBufferIsFull) {
+  LineConfig config;
+  config.baud = 10'000;
+  config.send_buffer_bytes = 8;
+  LineModel line(config, 1);
+  EXPECT_EQ(line.write(bytes(20), kStart), 8U);
+  EXPECT_EQ(line.room(kStart), 0U);
+  EXPECT_EQ(line.write(bytes(1), kStart), 0U);
+  ASSERT_TRUE(line.room_at(kStart).has_value());
+  EXPECT_EQ(*line.room_at(kStart), kStart + 1ms);
+  EXPECT_EQ(line.write(bytes(20), kStart + 3ms), 3U);
+  EXPECT_EQ(line.stats().refused, 12U + 1U + 17U);
+}
+
+TEST(LineModel, LosesWhatOverrunsTheReceiver) {
+  LineConfig config;
+  config.baud = 10'000;
+  config.receive_fifo_bytes = 4;
+  LineModel line(config, 1);
+  line.write(bytes(10), kStart);
+  std::vector<std::uint8_t> out(100);
+  EXPECT_EQ(line.read(out, kStart + 7ms), 4U);
+  EXPECT_EQ(out[3], 3);
+  EXPECT_EQ(line.read(out, kStart + 10ms), 3U);
+  EXPECT_EQ(out[0], 7);
+  EXPECT_EQ(line.stats().overrun, 3U);
+}
+
+TEST(LineModel, UsbDeliversOnMillisecondFrames) {
+  LineModel line(LineConfig::from_preset("usb"), 1);
+  line.write(bytes(72), kStart + 300us);
+  EXPECT_EQ(*line.next_arrival(), kStart + 1ms);
+}
+
+TEST(LineModel, DelaysAndJittersWithinBoundsAndInOrder) {
+  LineConfig config;
+  config.extra_delay = 10ms;
+  config.jitter = 5ms;
+  LineModel line(config, 3);
+  RunTime before{};
+  Duration least = 1s, most{};
+  for (int i = 0; i < 500; ++i) {
+    const RunTime at = kStart + i * 20ms;
+    line.write(bytes(1), at);
+    const RunTime arrival = *line.next_arrival();
+    EXPECT_GE(arrival, before);
+    before = arrival;
+    least = std::min(least, arrival - at);
+    most = std::max(most, arrival - at);
+    std::vector<std::uint8_t> out(10);
+    line.read(out, arrival);
+  }
+  EXPECT_GE(least, 10ms);
+  EXPECT_LE(most, 15ms);
+  EXPECT_GT(most - least, 4ms);
+}
+
+TEST(LineModel, FlipsBitsAtTheGivenRate) {
+  LineConfig config;
+  config.bit_error_rate = 1e-3;
+  LineModel line(config, 5);
+  const std::vector<std::uint8_t> zeros(1000, 0);
+  std::vector<std::uint8_t> out(1000);
+  std::size_t flipped = 0;
+  for (int i = 0; i < 100; ++i) {
+    line.write(zeros, kStart);
+    line.read(out, kStart);
+    for (const std::uint8_t b : out) flipped += static_cast<std::size_t>(std::popcount(b));
+  }
+  // 800 000 bits: 800 expected, deviation 28.
+  EXPECT_NEAR(static_cast<double>(flipped), 800, 120);
+  EXPECT_EQ(line.stats().flipped, flipped);
+}
+
+TEST(LineModel, LosesBytesInBursts) {
+  LineConfig config;
+  config.burst_begin = 0.001;
+  config.burst_end = 0.05;  // 20 bytes on average
+  LineModel line(config, 9);
+  std::vector<std::uint8_t> out(1 << 20);
+  std::size_t arrived = 0;
+  for (int i = 0; i < 200; ++i) {
+    line.write(bytes(1000), kStart);
+    arrived += line.read(out, kStart);
+  }
+  const double share = 1 - static_cast<double>(arrived) / 200'000;
+  EXPECT_NEAR(share, 0.001 / (0.001 + 0.05), 0.005);
+  EXPECT_EQ(line.stats().lost + arrived, 200'000U);
+}
+
+TEST(LineModel, StallsAndCatchesUp) {
+  LineConfig config;
+  config.stall_every = 100ms;
+  config.stall_length = 20ms;
+  LineModel line(config, 11);
+  int late = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const RunTime at = kStart + i * 2ms;
+    if (crossing_time(line, 1, at) > 1ms) ++late;
+  }
+  // A sixth of the time, as 20 ms follow 100 ms of flow.
+  EXPECT_NEAR(late / 5000.0, 1.0 / 6, 0.04);
+}
+
+TEST(LineModel, HangingUpLosesWhatIsUnderWayAndTakesNothing) {
+  LineModel line(LineConfig::from_preset("baud_115200"), 1);
+  line.write(bytes(50), kStart);
+  line.hang_up();
+  EXPECT_EQ(line.write(bytes(50), kStart), 0U);
+  EXPECT_FALSE(line.next_arrival().has_value());
+  line.restore();
+  EXPECT_EQ(line.write(bytes(50), kStart), 50U);
+}
+
+TEST(LineModel, SameSeedAndCallsGiveTheSameBytesAtTheSameTimes) {
+  LineConfig config = LineConfig::from_preset("baud_460800");
+  config.jitter = 3ms;
+  config.bit_error_rate = 1e-3;
+  config.packet_loss = 0.1;
+  LineModel a(config, 21);
+  LineModel b(config, 21);
+  std::vector<std::uint8_t> out_a(4096), out_b(4096);
+  for (int i = 0; i < 300; ++i) {
+    const RunTime at = kStart + i * 2ms;
+    a.write(bytes(60), at);
+    b.write(bytes(60), at);
+    ASSERT_EQ(a.next_arrival(), b.next_arrival());
+    const std::size_t n = a.read(out_a, at);
+    ASSERT_EQ(n, b.read(out_b, at));
+    ASSERT_TRUE(
+        std::equal(out_a.begin(), out_a.begin() + static_cast<std::ptrdiff_t>(n), out_b.begin()));
+  }
+}
+
+TEST(LineConfig, NamesTheKnownPresetsWhenOneIsUnknown) {
+  try {
+    LineConfig::from_preset("rs485");
+    FAIL();
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("baud_921600"), std::string::npos);
+  }
+}
+
+TEST(LineConfig, OverridesAPresetKeyByKey) {
+  const LineConfig line = LineConfig::parse(
+      base::ConfigNode::parse("{preset: baud_921600, extra_delay_us: 250, packet_loss: 0.01}"));
+  EXPECT_EQ(line.baud, 921600);
+  EXPECT_EQ(line.extra_delay, Duration(250us));
+  EXPECT_EQ(line.packet_loss, 0.01);
+  EXPECT_THROW(LineConfig::parse(base::ConfigNode::parse("{bauds: 3}")), base::ConfigError);
+}
+
+}  // namespace
+}  // namespace cas::fcu
