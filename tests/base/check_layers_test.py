@@ -47,7 +47,7 @@ class CheckLayersTest(unittest.TestCase):
             ("casd/topology/topology.cpp", '"mavlink_gen/parser/parser.hpp"'),
             ("casd/casctl/screen.cpp", "<ncursesw/curses.h>"),
             ("fcu/control/pid.cpp", "<Eigen/Core>"),
-            ("hils/composition.cpp", '"fcu/flight_controller.hpp"'),
+            ("hils/programs/composition.cpp", '"fcu/flight_controller.hpp"'),
             ("tests/casd/routing/router_test.cpp", '"casd/routing/router.hpp"'),
         ]:
             with self.subTest(name=name, include=include):
@@ -72,7 +72,7 @@ class CheckLayersTest(unittest.TestCase):
             ("casd/routing/router.cpp", '"fcu/control/pid.hpp"'),
             ("casd/casctl/main.cpp", '"casd/routing/router.hpp"'),
             ("fcu/control/pid.cpp", '"casd/routing/router.hpp"'),
-            ("fcu/control/pid.cpp", '"hils/scenario.hpp"'),
+            ("fcu/control/pid.cpp", '"hils/scenario/scenario.hpp"'),
             ("base/time/clock.cpp", '"tests/base/x.hpp"'),
             ("base/time/clock.cpp", '"clock.hpp"'),
             ("base/time/clock.cpp", "<unheard_of/x.hpp>"),

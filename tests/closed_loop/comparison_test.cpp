@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The experiment of [HILS] Sect. 4 on the virtual clock, in small.
-#include "hils/comparison.hpp"
+#include "hils/compare/comparison.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <string>
 
-#include "hils/comparison_report.hpp"
-#include "hils/comparison_table.hpp"
+#include "hils/compare/comparison_report.hpp"
+#include "hils/compare/comparison_table.hpp"
 
 namespace cas::hils {
 namespace {

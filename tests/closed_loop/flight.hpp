@@ -10,11 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include "hils/judgement.hpp"
-#include "hils/measurement.hpp"
-#include "hils/report.hpp"
-#include "hils/scenario.hpp"
-#include "hils/virtual_run.hpp"
+#include "hils/measure/judgement.hpp"
+#include "hils/measure/measurement.hpp"
+#include "hils/report/report.hpp"
+#include "hils/scenario/scenario.hpp"
+#include "hils/virtual/virtual_run.hpp"
 
 namespace cas::hils::test {
 

@@ -7,7 +7,7 @@
 #include "base/config/vehicle.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "fcu/estimation/sensor_figures.hpp"
-#include "hils/composition.hpp"
+#include "hils/programs/composition.hpp"
 #include "libsim/core/load/sim_config.hpp"
 #include "tests/closed_loop/flight.hpp"
 

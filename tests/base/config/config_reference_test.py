@@ -15,7 +15,7 @@ ROOT = ROOT if ROOT.is_dir() else ROOT.parents[2]
 
 # Section of a page -> the files that read its keys.
 SECTIONS = {
-    ("config", "Scenario"): ["hils/scenario*.cpp", "hils/flight_step.cpp"],
+    ("config", "Scenario"): ["hils/scenario*.cpp", "hils/flight/flight_step.cpp"],
     ("config", "Simulation"): ["libsim/core/load/sim_config.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp",
                                  "base/config/sensor_set.cpp"],
     ("config", "Topology"): ["casd/topology*.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp"],

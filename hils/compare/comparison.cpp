@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/compare/comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "hils/programs/realtime_run.hpp"
+#include "hils/report/report.hpp"
+#include "hils/virtual/virtual_run.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+bool has_line(Architecture architecture) {
+  return architecture != Architecture::kDirect && architecture != Architecture::kSitl;
+}
+
+/// The hold that comes before the measured one.
+FlightStep* warm_up_of(std::vector<FlightStep>& steps) {
+  for (std::size_t i = 1; i < steps.size(); ++i) {
+    if (steps[i].measure && steps[i - 1].kind == StepKind::kHold) return &steps[i - 1];
+  }
+  return nullptr;
+}
+
+std::string folder_of(const Variant& variant, std::uint64_t seed) {
+  std::string name(to_string(variant.architecture));
+  if (variant.baud > 0) name += fmt::format("_{}", variant.baud);
+  return fmt::format("{}_seed{}", name, seed);
+}
+
+RunRequest request_of(const Scenario& scenario, const Variant& variant, std::uint64_t seed,
+                      const std::filesystem::path& out) {
+  return {.scenario = scenario,
+          .architecture = variant.architecture,
+          .seed = seed,
+          .line_preset = variant.baud > 0 ? fmt::format("baud_{}", variant.baud) : "ideal",
+          .out = out / "runs" / folder_of(variant, seed)};
+}
+
+void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
+             VariantResult& result) {
+  std::filesystem::create_directories(request.out);
+  const bool on_virtual_clock = plan.virtual_clock || request.architecture == Architecture::kDirect;
+  const RunRecord record =
+      (on_virtual_clock ? run_on_virtual_clock(request) : run_in_real_time(request)).front();
+  const Measurement figures = measure(request, record);
+  const Verdict verdict = judge(figures, request.scenario.limits);
+  if (!plan.virtual_clock) write_text(request.out / "summary.json", summary_json(figures, verdict));
+  if (result.runs.empty()) {
+    result.curves = run_curves(result.variant.name(), request.scenario, record);
+  }
+  result.runs.push_back(figures);
+  result.verdicts.push_back(verdict);
+  if (keep) return;
+  std::filesystem::remove(record.truth_csv);
+  std::filesystem::remove(record.flight_tlog);
+}
+
+}  // namespace
+
+std::string Variant::name() const {
+  std::string name(to_string(architecture));
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return baud > 0 ? fmt::format("{} {}", name, baud) : name;
+}
+
+std::vector<Variant> make_variants(const std::vector<Architecture>& architectures,
+                                   const std::vector<unsigned>& bauds) {
+  std::vector<Variant> variants;
+  for (const Architecture architecture : architectures) {
+    if (!has_line(architecture)) variants.push_back({.architecture = architecture});
+  }
+  for (const unsigned baud : bauds) {
+    for (const Architecture architecture : architectures) {
+      if (has_line(architecture)) variants.push_back({.architecture = architecture, .baud = baud});
+    }
+  }
+  return variants;
+}
+
+Scenario comparison_scenario(const Scenario& scenario, const ComparisonPlan& plan) {
+  if (scenario.flies_several()) {
+    throw base::ConfigError(scenario.file.string() + ": a comparison flies one vehicle");
+  }
+  Scenario result = scenario;
+  FlightStep* const warm_up = warm_up_of(result.steps);
+  if (warm_up == nullptr) {
+    throw base::ConfigError(scenario.file.string() +
+                            ": a comparison needs a hold before the measured one, to warm up");
+  }
+  warm_up->duration = base::from_seconds(plan.warm_up_s);
+  for (FlightStep& step : result.steps) {
+    if (step.measure) step.duration = base::from_seconds(plan.hold_s);
+  }
+  result.ground_station = true;
+  if (result.wake_up.p50_us <= 0) result.wake_up = kUsualWakeUp;
+  result.limits = {};  // whether a run counts is judged, not how good it is
+  return result;
+}
+
+std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
+                                          const std::filesystem::path& out, bool keep) {
+  const Scenario scenario = comparison_scenario(plan.scenario, plan);
+  std::vector<VariantResult> results;
+  for (const Variant& variant : plan.variants) results.push_back({.variant = variant});
+  std::size_t done = 0;
+  const std::size_t all = plan.seeds.size() * plan.variants.size();
+  for (const std::uint64_t seed : plan.seeds) {
+    for (VariantResult& result : results) {
+      fmt::print(stderr, "[{}/{}] {} seed {}\n", ++done, all, result.variant.name(), seed);
+      run_one(plan, request_of(scenario, result.variant, seed, out), keep, result);
+    }
+  }
+  return results;
+}
+
+}  // namespace cas::hils

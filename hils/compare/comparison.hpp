@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hils/measure/judgement.hpp"
+#include "hils/measure/measurement.hpp"
+#include "hils/report/run_curves.hpp"
+#include "hils/run/run_request.hpp"
+
+namespace cas::hils {
+
+/// One way to connect simulator and controller: an architecture, and a line where it has one.
+struct Variant {
+  Architecture architecture = Architecture::kTcas;
+  unsigned baud = 0;         ///< 0: no byte-clocked line
+  std::string name() const;  ///< "TCAS 460800"
+};
+
+/// Which runs a comparison is made of.
+struct ComparisonPlan {
+  Scenario scenario;
+  std::vector<Variant> variants;
+  std::vector<std::uint64_t> seeds;
+  double warm_up_s = 10;
+  double hold_s = 60;
+  bool virtual_clock = false;
+};
+
+/// The five architectures: those with a line once for each baud rate, the others once.
+std::vector<Variant> make_variants(const std::vector<Architecture>& architectures,
+                                   const std::vector<unsigned>& bauds);
+
+/// The scenario with the times of the plan and the cross traffic that all variants get alike: a
+/// ground station. @throws base::ConfigError when no hold precedes the measured one
+Scenario comparison_scenario(const Scenario& scenario, const ComparisonPlan& plan);
+
+/// How late threads wake on the virtual clock where the scenario does not say: what
+/// clock_nanosleep showed on a shared two-core machine.
+inline constexpr WakeUpFigures kUsualWakeUp{.p50_us = 100, .p99_us = 1000};
+
+/// What a variant came to, run by run in the order of the seeds.
+struct VariantResult {
+  Variant variant;
+  std::vector<Measurement> runs{};
+  std::vector<Verdict> verdicts{};
+  RunCurves curves{};  ///< of the first seed
+};
+
+/// All runs, interleaved: every variant with the first seed, then with the next. Runs leave their
+/// files in OUT/runs; with `keep` also truth.csv and the flight log.
+/// @throws RunStopped, base::ConfigError
+std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
+                                          const std::filesystem::path& out, bool keep);
+
+}  // namespace cas::hils

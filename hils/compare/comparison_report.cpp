@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/compare/comparison_report.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "hils/compare/comparison_rows.hpp"
+#include "hils/compare/comparison_table.hpp"
+#include "hils/report/html_page.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+
+std::string markdown_table(const Rows& rows) {
+  std::string text;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    text += "|";
+    for (const std::string& cell : rows[r]) text += " " + cell + " |";
+    text += "\n";
+    if (r > 0) continue;
+    text += "|";
+    for (std::size_t i = 0; i < rows[r].size(); ++i) text += i == 0 ? "---|" : "---:|";
+    text += "\n";
+  }
+  return text;
+}
+
+Json estimate_json(const std::optional<Estimate>& estimate) {
+  if (!estimate) return nullptr;
+  return {
+      {"mean", estimate->mean}, {"half_width_95", estimate->half_width}, {"runs", estimate->count}};
+}
+
+Json figures_json(const VariantResult& result) {
+  Json groups = Json::object();
+  for (const ColumnGroup& group : comparison_groups()) {
+    Json columns = Json::object();
+    for (const Column& column : group.columns) {
+      columns[column.key] = estimate_json(estimate_of(result, column));
+    }
+    groups[group.key] = std::move(columns);
+  }
+  return groups;
+}
+
+Json variant_json(const VariantResult& result) {
+  Json json{{"name", result.variant.name()},
+            {"architecture", to_string(result.variant.architecture)},
+            {"baud", result.variant.baud},
+            {"validity", validity_words(result)}};
+  json["figures"] = figures_json(result);
+  json["sent"] = sent_of(result);
+  json["losses"] = losses_of(result);
+  Json runs = Json::array();
+  for (std::size_t i = 0; i < result.runs.size(); ++i) {
+    runs.push_back({{"seed", result.runs[i].seed},
+                    {"valid", result.verdicts[i].valid},
+                    {"remarks", result.verdicts[i].failures}});
+  }
+  json["runs"] = std::move(runs);
+  return json;
+}
+
+}  // namespace
+
+std::string comparison_headline(const ComparisonPlan& plan) {
+  return fmt::format(
+      "{}: {} seeds ({} to {}), interleaved; {:g} s warm-up, then {:g} s measured; {}; cross "
+      "traffic: telemetry, a ground station that loads the parameters every 20 s",
+      plan.scenario.name, plan.seeds.size(), plan.seeds.front(), plan.seeds.back(), plan.warm_up_s,
+      plan.hold_s, plan.virtual_clock ? "virtual clock" : "real time");
+}
+
+std::string validity_words(const VariantResult& result) {
+  std::size_t valid = 0;
+  std::size_t flown = 0;
+  std::string reason;
+  for (std::size_t i = 0; i < result.runs.size(); ++i) {
+    valid += result.verdicts[i].valid ? 1 : 0;
+    flown += result.runs[i].flight_failure.empty() ? 1 : 0;
+    if (reason.empty() && !result.verdicts[i].failures.empty()) {
+      reason = result.verdicts[i].failures.front();
+    }
+  }
+  return fmt::format("{} of {} runs valid, {} flown to the end{}{}", valid, result.runs.size(),
+                     flown, reason.empty() ? "" : "; first remark: ", reason);
+}
+
+std::string comparison_markdown(const ComparisonPlan& plan,
+                                const std::vector<VariantResult>& results) {
+  std::string text = comparison_headline(plan) + "\n\n";
+  for (const VariantResult& result : results) {
+    text += fmt::format("- {}: {}\n", result.variant.name(), validity_words(result));
+  }
+  for (const ColumnGroup& group : comparison_groups()) {
+    if (!has_figures(group, results)) continue;
+    text += fmt::format("\n{}\n\n{}", group.title, markdown_table(group_rows(group, results)));
+  }
+  text += "\nLost packets, by cause, of all valid runs\n\n" + markdown_table(loss_rows(results));
+  const Rows pairs = difference_rows(results);
+  if (pairs.size() > 1) {
+    text += "\nPaired differences by seed: mean and 95 % interval\n\n" + markdown_table(pairs);
+  }
+  return text;
+}
+
+std::string comparison_json(const ComparisonPlan& plan, const std::vector<VariantResult>& results) {
+  Json json{{"schema", kSchema},
+            {"scenario", plan.scenario.name},
+            {"virtual_clock", plan.virtual_clock},
+            {"warm_up_s", plan.warm_up_s},
+            {"hold_s", plan.hold_s},
+            {"seeds", plan.seeds}};
+  json["variants"] = Json::array();
+  for (const VariantResult& result : results) json["variants"].push_back(variant_json(result));
+  json["differences"] = Json::array();
+  for (const auto& [a, b] : comparison_pairs(results)) {
+    Json pair{{"of", results[a].variant.name()}, {"less", results[b].variant.name()}};
+    for (const ColumnGroup& group : comparison_groups()) {
+      for (const Column& column : group.columns) {
+        pair[group.key][column.key] = estimate_json(difference_of(results[a], results[b], column));
+      }
+    }
+    json["differences"].push_back(std::move(pair));
+  }
+  return json.dump(2) + "\n";
+}
+
+std::vector<std::pair<std::string, Plot>> comparison_plots(
+    const std::vector<VariantResult>& results) {
+  struct Picture {
+    const char* name;
+    const char* title;
+    const char* unit;
+    Series RunCurves::*curve;
+    Series RunCurves::*reference;
+  };
+  constexpr std::array<Picture, 7> kPictures{
+      {{"fig16_imu", "Fig. 16 HIL_SENSOR received, share of nominal", "%", &RunCurves::sensor_rate,
+        nullptr},
+       {"fig16_gps", "Fig. 16 HIL_GPS received, share of nominal", "%", &RunCurves::gps_rate,
+        nullptr},
+       {"fig16_controls", "Fig. 16 Controls received, share of nominal", "%",
+        &RunCurves::controls_rate, nullptr},
+       {"fig17_x", "Fig. 17 North", "m", &RunCurves::x, &RunCurves::x_reference},
+       {"fig17_y", "Fig. 17 East", "m", &RunCurves::y, &RunCurves::y_reference},
+       {"fig17_z", "Fig. 17 Height", "m", &RunCurves::z, &RunCurves::z_reference},
+       {"fig17_yaw", "Fig. 17 Heading", "rad", &RunCurves::yaw, nullptr}}};
+  std::vector<std::pair<std::string, Plot>> plots;
+  for (const Picture& picture : kPictures) {
+    Plot plot{.title = picture.title, .x_label = "simulated time, s", .y_label = picture.unit};
+    for (const VariantResult& result : results) {
+      plot.series.push_back(result.curves.*picture.curve);
+    }
+    if (picture.reference != nullptr && !results.empty()) {
+      plot.series.push_back(results.front().curves.*picture.reference);
+    }
+    plots.emplace_back(picture.name, std::move(plot));
+  }
+  return plots;
+}
+
+std::string comparison_html(const ComparisonPlan& plan, const std::vector<VariantResult>& results) {
+  HtmlPage page("Comparison: " + plan.scenario.name);
+  std::vector<std::string> remarks;
+  bool all_valid = true;
+  for (const VariantResult& result : results) {
+    remarks.push_back(result.variant.name() + ": " + validity_words(result));
+    for (const Verdict& verdict : result.verdicts) all_valid = all_valid && verdict.valid;
+  }
+  page.verdict(all_valid ? HtmlPage::Mood::kGood : HtmlPage::Mood::kNeutral,
+               all_valid ? "All runs valid" : "Not all runs valid", comparison_headline(plan),
+               remarks);
+  for (const ColumnGroup& group : comparison_groups()) {
+    if (!has_figures(group, results)) continue;
+    const Rows rows = group_rows(group, results);
+    std::vector<std::size_t> quiet;
+    for (std::size_t i = results.size(); i + 1 < rows.size(); ++i) quiet.push_back(i);
+    page.table(group.title, rows, quiet);
+  }
+  page.table("Lost packets, by cause, of all valid runs", loss_rows(results));
+  page.table("Paired differences by seed: mean and 95 % interval", difference_rows(results));
+  page.heading("First seed");
+  for (const auto& [name, plot] : comparison_plots(results)) page.figure(to_svg(plot));
+  return page.finish();
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hils/compare/comparison.hpp"
+#include "hils/measure/statistics.hpp"
+
+namespace cas::hils {
+
+/// A figure of one run; nothing where the run has none.
+using Figure = std::function<std::optional<double>(const Measurement&)>;
+
+/// One column of a table: a figure and how it is written.
+struct Column {
+  std::string key;    ///< for comparison.json: "sensor_hz"
+  std::string title;  ///< for people: "IMU Hz"
+  int digits = 4;
+  Figure figure;
+};
+
+/// Columns that stand in one table.
+struct ColumnGroup {
+  std::string key;
+  std::string title;
+  std::vector<Column> columns;
+};
+
+/// All tables of a comparison: Tables 4 and 5 of [HILS] first, then what it left out.
+const std::vector<ColumnGroup>& comparison_groups();
+
+/// Mean and interval over the valid runs that have the figure.
+std::optional<Estimate> estimate_of(const VariantResult& result, const Column& column);
+/// Of the differences a - b over the seeds that are valid in both.
+std::optional<Estimate> difference_of(const VariantResult& a, const VariantResult& b,
+                                      const Column& column);
+/// The pairs that are worth a difference: TCAS less each other one at the same baud rate, and less
+/// SITL.
+std::vector<std::pair<std::size_t, std::size_t>> comparison_pairs(
+    const std::vector<VariantResult>& results);
+
+/// "499.9731 +- 0.0012", or "-" for nothing.
+std::string to_text(const std::optional<Estimate>& estimate, int digits);
+
+/// Losses by message and cause, summed over the valid runs: "HIL_SENSOR: too old ...", count.
+std::map<std::string, std::uint64_t> losses_of(const VariantResult& result);
+/// Packets sent of all three messages in the valid runs.
+std::uint64_t sent_of(const VariantResult& result);
+
+}  // namespace cas::hils

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/firmware_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/config/install_paths.hpp"
+#include "base/rpc/client.hpp"
+#include "hils/programs/casd_calls.hpp"
+#include "hils/firmware/firmware_configs.hpp"
+#include "hils/measure/judgement.hpp"
+#include "hils/programs/progress.hpp"
+#include "hils/firmware/pty_relay.hpp"
+#include "hils/report/report.hpp"
+#include "hils/run/run_directory.hpp"
+#include "hils/programs/supervisor.hpp"
+
+namespace cas::hils {
+namespace {
+
+using base::rpc::Json;
+
+constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
+constexpr base::Duration kStopPatience = std::chrono::seconds(5);
+constexpr base::Duration kPollPeriod = std::chrono::milliseconds(50);
+
+std::filesystem::path program(const std::string& name) {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
+}
+
+/// casd, hilsim and the firmware, in this order: the firmware finds somebody to talk to.
+class FirmwareBench {
+ public:
+  FirmwareBench(const FirmwareScenario& scenario, const FirmwarePlaces& places)
+      : scenario_(scenario), places_(places) {
+    if (scenario.firmware.on_serial_line) cable_.emplace(places.casd_tty(), places.firmware_tty());
+  }
+
+  void start() {
+    casd_ = &supervisor_.start(options("casd", {program("casd"), places_.casd_config()}),
+                               kReadyTimeout);
+    std::vector<std::string> hilsim{program("hilsim"), places_.simulator_config(),
+                                    "--control",       places_.simulator_control(),
+                                    "--output",        places_.out,
+                                    "--stats",         places_.run / "hilsim_stats.json"};
+    for (const std::filesystem::path& folder : base::plugin_dirs()) {
+      hilsim.insert(hilsim.end(), {"--plugin-dir", folder});
+    }
+    hilsim_ = &supervisor_.start(options("hilsim", hilsim), kReadyTimeout);
+    firmware_ = &supervisor_.start(firmware_options(), kReadyTimeout);
+  }
+
+  /// The firmware's own way to end says nothing about the flight.
+  void stop() {
+    supervisor_.stop(*firmware_, kStopPatience);
+    supervisor_.stop(*hilsim_, kStopPatience);
+    supervisor_.stop(*casd_, kStopPatience);
+  }
+
+  Supervisor& supervisor() { return supervisor_; }
+
+  /// Bytes that the serial line lost because a program did not read them.
+  std::uint64_t lost_bytes() const { return cable_ ? cable_->lost_bytes() : 0; }
+
+ private:
+  ChildProcess::Options options(const std::string& name, std::vector<std::string> arguments) const {
+    ChildProcess::Options options;
+    options.name = name;
+    options.arguments = std::move(arguments);
+    options.log_file = places_.run / (name + ".log");
+    options.notify_socket = places_.sockets / (name + ".notify");
+    return options;
+  }
+
+  ChildProcess::Options firmware_options() const {
+    const auto config = base::find_config("firmware/quad_x.parm").parent_path().parent_path();
+    const std::map<std::string, std::string> own{{"CAS_FCU_TTY", places_.firmware_tty().string()},
+                                                 {"CAS_CONFIG", config.string()}};
+    const auto text = [&own](const std::string& written) { return with_variables(written, own); };
+    std::vector<std::string> arguments;
+    for (const std::string& word : scenario_.firmware.command) arguments.push_back(text(word));
+    ChildProcess::Options options = this->options("firmware", arguments);
+    options.says_ready = false;
+    options.cwd = scenario_.firmware.cwd.empty()
+                      ? places_.run / "firmware"
+                      : std::filesystem::path(text(scenario_.firmware.cwd));
+    std::filesystem::create_directories(options.cwd);
+    for (const auto& [name, value] : scenario_.firmware.environment) {
+      options.environment.push_back(name + "=" + text(value));
+    }
+    return options;
+  }
+
+  const FirmwareScenario& scenario_;
+  const FirmwarePlaces& places_;
+  Supervisor supervisor_;
+  std::optional<PtyRelay> cable_;
+  ChildProcess* casd_ = nullptr;
+  ChildProcess* hilsim_ = nullptr;
+  ChildProcess* firmware_ = nullptr;
+};
+
+/// Gives the commands of the plan and looks at the true position.
+class FirmwarePilot {
+ public:
+  FirmwarePilot(const FirmwareScenario& scenario, const FirmwarePlaces& places,
+                Supervisor& supervisor)
+      : scenario_(scenario),
+        supervisor_(supervisor),
+        simulator_("unix:" + places.simulator_control().string()),
+        casd_("unix:" + places.command_port().string()),
+        plan_(scenario.steps) {}
+
+  FirmwareFigures fly() {
+    while (!plan_.done() && plan_.failure().empty()) {
+      const base::SimTime now = look();
+      const VehicleReport vehicle = relative_report();
+      const std::optional<FlightStep> command = plan_.update(now, vehicle);
+      measure();
+      progress_.show(now, plan_, vehicle, figures_.real_time_factor);
+      if (command) {
+        const std::string refusal = give(casd_, *command, scenario_.not_hil);
+        plan_.on_outcome(look(), refusal);
+      } else {
+        supervisor_.wait(kPollPeriod);
+      }
+    }
+    figures_.stages = plan_.stages();
+    figures_.flight_failure = plan_.failure();
+    return figures_;
+  }
+
+ private:
+  base::SimTime look() {
+    const Json status = simulator_.call("sim.status", Json::object());
+    const Json& p = status.at("vehicles").at(0).at("p_W");
+    p_W_ = {p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>()};
+    if (!ground_m_) ground_m_ = p_W_.z();
+    figures_.real_time_factor = status.value("real_time_factor", 0.0);
+    figures_.simulated_s = status.at("time_s").get<double>();
+    return base::SimTime(base::from_seconds(figures_.simulated_s));
+  }
+
+  /// The plan counts from where the vehicle was armed; a stock estimator's origin may be a little
+  /// off that place.
+  VehicleReport relative_report() {
+    VehicleReport vehicle = vehicle_report(casd_);
+    const FlightStep* step = plan_.current();
+    if (step != nullptr && step->kind == StepKind::kArm) armed_at_N_ = vehicle.p_N;
+    vehicle.p_N -= armed_at_N_;
+    return vehicle;
+  }
+
+  void measure() {
+    const FlightStep* step = plan_.current();
+    if (step != nullptr && step->kind == StepKind::kTakeoff) altitude_m_ = step->altitude_m;
+    if (step == nullptr || !step->measure) return;
+    if (figures_.looks == 0) hold_begin_W_ = p_W_;
+    ++figures_.looks;
+    height_sum_m_ += p_W_.z() - *ground_m_;
+    figures_.height_error_m = std::abs(height_sum_m_ / figures_.looks - altitude_m_);
+    figures_.drift_m = std::max(figures_.drift_m, (p_W_ - hold_begin_W_).head<2>().norm());
+  }
+
+  const FirmwareScenario& scenario_;
+  Supervisor& supervisor_;
+  base::rpc::Client simulator_;
+  base::rpc::Client casd_;
+  FlightPlan plan_;
+  Progress progress_;
+  FirmwareFigures figures_;
+  Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d armed_at_N_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d hold_begin_W_ = Eigen::Vector3d::Zero();
+  std::optional<double> ground_m_;
+  double altitude_m_ = 0;
+  double height_sum_m_ = 0;
+};
+
+std::string summary(const FirmwareScenario& scenario, const FirmwareFigures& figures,
+                    const std::vector<std::string>& missed) {
+  Json json{{"schema", 1},
+            {"scenario", scenario.name},
+            {"passed", missed.empty()},
+            {"missed", missed},
+            {"height_error_m", figures.height_error_m},
+            {"drift_m", figures.drift_m},
+            {"simulated_s", figures.simulated_s},
+            {"real_time_factor", figures.real_time_factor},
+            {"stages", Json::array()}};
+  for (const Stage& stage : figures.stages) {
+    json["stages"].push_back({{"step", to_string(stage.step.kind)},
+                              {"begin_s", base::to_seconds(stage.begin)},
+                              {"end_s", base::to_seconds(stage.end)}});
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::vector<std::string> misses(const FirmwareScenario& scenario, const FirmwareFigures& figures) {
+  std::vector<std::string> missed;
+  if (!figures.flight_failure.empty()) missed.push_back(figures.flight_failure);
+  const auto check = [&](const char* what, double value, const std::optional<double>& limit) {
+    if (!limit) return;
+    if (figures.looks == 0) {
+      missed.push_back(fmt::format("{} was not measured: the hold was not reached", what));
+    } else if (value > *limit) {
+      missed.push_back(fmt::format("{} {:.2f} m, limit {:.2f} m", what, value, *limit));
+    }
+  };
+  check("height error", figures.height_error_m, scenario.height_error_m);
+  check("drift", figures.drift_m, scenario.drift_m);
+  return missed;
+}
+
+int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out) {
+  const RunDirectory sockets;
+  const FirmwarePlaces places{.out = out, .run = out / "run", .sockets = sockets.path()};
+  write_firmware_configs(scenario, places);
+  FirmwareBench bench(scenario, places);
+  FirmwareFigures figures;
+  try {
+    bench.start();
+    figures = FirmwarePilot(scenario, places, bench.supervisor()).fly();
+  } catch (const base::rpc::ConnectionError& error) {
+    bench.supervisor().wait(std::chrono::milliseconds(500));  // a program that died is noticed
+    throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
+  }
+  bench.stop();
+
+  const std::vector<std::string> missed = misses(scenario, figures);
+  write_text(out / "summary.json", summary(scenario, figures, missed));
+  fmt::print("{}: {}\n", missed.empty() ? "PASSED" : "FAILED", scenario.name);
+  for (const std::string& sentence : missed) fmt::print("  - {}\n", sentence);
+  fmt::print("  {:.1f} s simulated at {:.2f} x real time; height error {:.2f} m, drift {:.2f} m\n",
+             figures.simulated_s, figures.real_time_factor, figures.height_error_m,
+             figures.drift_m);
+  if (const std::uint64_t lost = bench.lost_bytes(); lost > 0) {
+    fmt::print("  the serial line lost {} bytes that were not read in time\n", lost);
+  }
+  fmt::print("Results: {}\n", out.string());
+  return missed.empty() ? kExitPassed : kExitLimitsMissed;
+}
+
+}  // namespace cas::hils

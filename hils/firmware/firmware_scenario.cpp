@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/firmware_scenario.hpp"
+
+#include <cstdlib>
+
+#include "base/error.hpp"
+#include "base/config/install_paths.hpp"
+
+namespace cas::hils {
+namespace {
+
+constexpr int kSchema = 1;
+
+Firmware parse_firmware(const base::ConfigNode& node) {
+  Firmware firmware;
+  firmware.command = node.require<std::vector<std::string>>("command");
+  if (firmware.command.empty()) node.at("command").fail("names no program");
+  firmware.cwd = node.get<std::string>("cwd", "");
+  if (const auto variables = node.find("environment")) {
+    for (const auto& [name, value] : variables->entries()) {
+      firmware.environment[name] = value.as<std::string>();
+    }
+  }
+  firmware.on_serial_line = node.get("on_serial_line", false);
+  return firmware;
+}
+
+std::optional<double> limit(const base::ConfigNode& limits, std::string_view key) {
+  if (!limits.has(key)) return std::nullopt;
+  return limits.require_in(key, 0, 1000);
+}
+
+/// The loops that casd will know with this topology.
+casd::GainMap gains_of(const std::filesystem::path& topology) {
+  const auto gains = base::ConfigNode::load(topology).find("gains");
+  return gains ? casd::GainMap::load(base::find_config(*gains)) : casd::GainMap::shipped();
+}
+
+}  // namespace
+
+std::string with_variables(const std::string& text,
+                           const std::map<std::string, std::string>& more) {
+  std::string result;
+  std::size_t at = 0;
+  for (std::size_t begin = text.find("${"); begin != std::string::npos;
+       begin = text.find("${", at)) {
+    const std::size_t end = text.find('}', begin);
+    if (end == std::string::npos) break;
+    const std::string inside = text.substr(begin + 2, end - begin - 2);
+    const std::size_t colon = inside.find(":-");
+    const std::string name = inside.substr(0, colon);
+    const std::string fallback = colon == std::string::npos ? "" : inside.substr(colon + 2);
+    const auto own = more.find(name);
+    const char* value = own == more.end() ? std::getenv(name.c_str()) : own->second.c_str();
+    if (value == nullptr && colon != std::string::npos) value = fallback.c_str();
+    if (value == nullptr) {
+      throw base::ConfigError("set the environment variable " + name +
+                              ": it says where the firmware is ('" + text + "')");
+    }
+    result += text.substr(at, begin - at) + value;
+    at = end + 1;
+  }
+  return result + text.substr(at);
+}
+
+bool FirmwareScenario::is(const std::filesystem::path& file) {
+  return base::ConfigNode::load(file).has("firmware");
+}
+
+FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
+  const base::ConfigNode root = base::ConfigNode::load(file);
+  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
+  FirmwareScenario scenario;
+  scenario.name = root.get<std::string>("name", file.stem().string());
+  scenario.description = root.get<std::string>("description", "");
+  scenario.world = base::find_config(root.at("world"));
+  scenario.topology = base::find_config(root.at("topology"));
+  scenario.firmware = parse_firmware(root.at("firmware"));
+  scenario.not_hil = root.get("not_hil", false);
+  scenario.steps = parse_flight(root.at("steps"), gains_of(scenario.topology));
+  if (const auto limits = root.find("limits")) {
+    scenario.height_error_m = limit(*limits, "height_error_m");
+    scenario.drift_m = limit(*limits, "drift_m");
+  }
+  root.reject_unused();
+  return scenario;
+}
+
+}  // namespace cas::hils

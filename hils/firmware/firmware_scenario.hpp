@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
+#include "hils/flight/flight_step.hpp"
+
+namespace cas::hils {
+
+/// A stock flight controller that is started as a program of this machine. In each text ${NAME} is
+/// a variable of the environment, with which the user says where the firmware is.
+struct Firmware {
+  std::vector<std::string> command;  ///< argv, the program first
+  std::string cwd;                   ///< where it runs; empty: a folder in the results
+  std::map<std::string, std::string> environment;
+  bool on_serial_line =
+      false;  ///< ${CAS_FCU_TTY} is the end of a pseudo-terminal, casd has the other
+};
+
+/// A flight of stock firmware: a shipped world and topology, as one would start them by hand, the
+/// firmware, and the steps of a flight.
+struct FirmwareScenario {
+  std::string name;
+  std::string description;
+  std::filesystem::path world;
+  std::filesystem::path topology;
+  Firmware firmware;
+  bool not_hil = false;  ///< arm although it does not say that it is in HIL
+  std::vector<FlightStep> steps;
+  std::optional<double> height_error_m;  ///< most of the true height's mean in measured holds
+  std::optional<double> drift_m;         ///< farthest from where the hold began, true, horizontal
+
+  /// Whether a scenario file is one of these: it has the key `firmware`.
+  static bool is(const std::filesystem::path& file);
+  /// @throws base::ConfigError with file, line and key path
+  static FirmwareScenario load(const std::filesystem::path& file);
+};
+
+/// Puts the environment's variables in for ${NAME} and ${NAME:-fallback}. `more` goes before the
+/// environment.
+/// @throws base::ConfigError that names the missing variable
+std::string with_variables(const std::string& text, const std::map<std::string, std::string>& more);
+
+}  // namespace cas::hils

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
+#include "fcu/line/line_config.hpp"
+#include "hils/flight/flight_facts.hpp"
+#include "hils/flight/flight_plan.hpp"
+#include "hils/flight/vehicle_names.hpp"
+
+namespace cas::hils {
+
+/// The serial line gets other properties while it lasts.
+struct LineFault {
+  fcu::LineConfig line;
+};
+/// The serial line's plug is pulled; put back at the end.
+struct UnplugFault {};
+/// casd is killed, and started again at the end.
+struct RestartFault {};
+/// The ground station sends so many packets a second.
+struct FloodFault {
+  double packets_hz = 0;
+};
+using BenchFaultKind = std::variant<LineFault, UnplugFault, RestartFault, FloodFault>;
+
+/// A fault of the bench, not of the vehicle: when it begins, how long it lasts, what it does.
+struct BenchFault {
+  std::string name;
+  std::size_t vehicle = 0;  ///< whom its condition asks, and whose line it is
+  std::optional<base::SimTime> at;
+  std::optional<Condition> when;
+  base::Duration lasting{};
+  BenchFaultKind kind;
+
+  /// What happens to casd or the ground station happens to every vehicle.
+  bool is_everybodys() const;
+};
+
+/// A fault that plugin `fault` plays, as it reads it.
+struct VehicleFault {
+  base::ConfigNode script;
+  std::optional<std::size_t> vehicle{};  ///< nothing: each of them has it
+};
+
+/// The faults of a scenario: those of the bench, and those of the vehicles.
+struct ScenarioFaults {
+  std::vector<BenchFault> bench;
+  std::vector<VehicleFault> vehicle;
+  bool empty() const { return bench.empty() && vehicle.empty(); }
+};
+
+/// Reads the list `faults` of a scenario. Every entry has at_s or when, and one effect; the bench's
+/// are `line`, `unplug`, `restart` and `flood_hz`, all others are plugin fault's. One that names no
+/// vehicle befalls each of them, by its own condition.
+///
+/// @param line  the scenario's line, whose keys those of a line fault override
+/// @param names  vehicles that a fault may name
+/// @throws base::ConfigError
+ScenarioFaults parse_scenario_faults(const base::ConfigNode& faults, const base::ConfigNode& line,
+                                     const VehicleNames& names = only_vehicle());
+
+/// Decides when faults of the bench begin and end. Each happens once in a run. Pure.
+class BenchFaultScript {
+ public:
+  BenchFaultScript() = default;
+  explicit BenchFaultScript(std::vector<BenchFault> faults);
+
+  struct Event {
+    const BenchFault* fault = nullptr;
+    bool begins = false;
+  };
+  /// What begins or ends now.
+  std::vector<Event> update(base::SimTime now, std::span<const VehicleReport> vehicles,
+                            std::string_view phase);
+
+  /// One fault as it went.
+  struct Span {
+    std::string name;
+    base::SimTime begin;
+    std::optional<base::SimTime> end;
+    std::optional<std::size_t> vehicle{};  ///< nothing: it was everybody's
+  };
+  const std::vector<Span>& history() const { return history_; }
+  /// What befell one vehicle.
+  std::vector<Span> history_of(std::size_t vehicle) const;
+
+ private:
+  struct Entry {
+    BenchFault fault;
+    std::optional<std::size_t> span;  ///< its place in the history, once it has begun
+    bool over = false;
+  };
+  static bool is_due(const BenchFault& fault, base::SimTime now,
+                     std::span<const VehicleReport> vehicles, std::string_view phase);
+
+  std::vector<Entry> entries_;
+  std::vector<Span> history_;
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "hils/flight/flight_step.hpp"
+
+namespace cas::hils {
+
+/// What casd knows of the vehicle.
+struct VehicleReport {
+  bool heard = false;  ///< its HEARTBEAT has come
+  bool armed = false;
+  bool in_air = false;
+  bool on_ground = false;
+  bool has_position = false;
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
+  double roll_rad = 0;
+  double pitch_rad = 0;
+  double yaw_rad = 0;
+  std::optional<Motion> truth{};  ///< what the simulator knows, where it is at hand
+
+  /// Motion by the vehicle's own estimate.
+  Motion estimate() const;
+};
+
+/// One step of the flight as it went.
+struct Stage {
+  FlightStep step;
+  base::SimTime begin;
+  base::SimTime end;
+  base::SimTime accepted;  ///< when the vehicle confirmed the command; else the begin
+  Eigen::Vector3d reference_m = Eigen::Vector3d::Zero();  ///< north, east, up from the start
+  double reference_yaw_rad = 0;
+};
+
+/// Takes a vehicle through the steps of a scenario. It says which command is to be given and when
+/// a step is done; it gives none itself and reads no clock. FleetPlan keeps several in step.
+///
+///   update() -> command -> on_outcome() -> update() until the step's condition holds -> next step
+class FlightPlan {
+ public:
+  /// A vehicle that flies alone waits for nobody.
+  static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+
+  /// @param start_yaw_rad  heading of the vehicle where it stands, which it keeps until it is told
+  explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0);
+
+  /// Looks at the vehicle. @return the step whose command is to be given now, if any
+  /// @param others_through  so many steps the other vehicles are through with: the next one begins
+  std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle,
+                                   std::size_t others_through = kNobody);
+  /// The vehicle's answer to the last command: `refusal` is empty when it was accepted. A refused
+  /// command is given again each second until the step's time is over.
+  void on_outcome(base::SimTime now, const std::string& refusal);
+
+  bool done() const { return current_ == steps_.size(); }
+  /// Steps that the vehicle has done, and whether it has begun with the next one.
+  std::size_t completed() const { return current_; }
+  bool begun() const { return begun_; }
+  /// Steps that nobody needs to wait for: those done, and the one that others do.
+  std::size_t through() const { return current_ + (stands_by() ? 1 : 0); }
+  bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
+  /// Why the flight cannot go on; empty as long as it can.
+  const std::string& failure() const { return failure_; }
+  const std::vector<Stage>& stages() const { return stages_; }
+  /// The step under way, for progress lines.
+  const FlightStep* current() const { return done() ? nullptr : &steps_[current_]; }
+  /// What the vehicle is about, for conditions and the simulator's `flight_phase`: the step under
+  /// way by its name or word, "done" after the last, nothing before the first.
+  std::string_view phase() const;
+  base::Duration elapsed_in_step(base::SimTime now) const { return now - step_begin_; }
+  /// The stage of the measured step; nothing before it is over.
+  std::optional<Stage> measured() const;
+
+ private:
+  enum class Phase { kBegin, kCommanding, kWaiting };
+
+  bool needs_command(const FlightStep& step, const VehicleReport& vehicle) const;
+  bool reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle,
+               std::size_t others_through);
+  void check_time(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
+  bool condition_holds(const FlightStep& step, base::SimTime now,
+                       const VehicleReport& vehicle) const;
+  bool hangs_still(base::SimTime now, const VehicleReport& vehicle);
+  void begin_step(base::SimTime now, const FlightStep& step);
+  void end_step(base::SimTime now);
+
+  std::vector<FlightStep> steps_;
+  std::size_t current_ = 0;
+  Phase phase_ = Phase::kBegin;
+  base::SimTime step_begin_;
+  base::SimTime retry_at_;
+  base::SimTime accepted_;
+  std::optional<base::SimTime> still_since_;
+  bool begun_ = false;
+  bool airborne_ = false;  ///< between takeoff and land: disarming is a crash
+  Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
+  double reference_yaw_rad_ = 0;
+  std::string last_refusal_;
+  std::string failure_;
+  std::vector<Stage> stages_;
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/flight/flight_step.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "hils/flight/flight_rehearsal.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+constexpr double kMaxStepSeconds = 86'400;
+constexpr double kMaxDistanceM = 10'000;
+constexpr double kRadiansPerDegree = M_PI / 180.0;
+
+constexpr std::array<std::pair<StepKind, std::string_view>, 12> kWords{{
+    {StepKind::kArm, "arm"},
+    {StepKind::kTakeoff, "takeoff"},
+    {StepKind::kGoto, "goto"},
+    {StepKind::kHold, "hold"},
+    {StepKind::kTrajectory, "trajectory"},
+    {StepKind::kSetGain, "setgain"},
+    {StepKind::kSetParam, "setparam"},
+    {StepKind::kWaitUntil, "wait_until"},
+    {StepKind::kLand, "land"},
+    {StepKind::kDisarm, "disarm"},
+    {StepKind::kEndTrajectory, "end of trajectory"},  // from here on: no word of a scenario
+    {StepKind::kStandBy, "stand by"},
+}};
+constexpr std::size_t kScenarioWords = 10;
+
+constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{{
+    {fcu::PatternShape::kCircle, "circle"},
+    {fcu::PatternShape::kFigureEight, "figure_eight"},
+    {fcu::PatternShape::kSteps, "step"},
+}};
+
+StepKind parse_kind(const base::ConfigNode& node, std::string_view word) {
+  std::string known;
+  for (const auto& [kind, name] : std::span(kWords).first(kScenarioWords)) {
+    if (name == word) return kind;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  node.fail("there is no step '" + std::string(word) + "'; steps are " + known);
+}
+
+std::optional<double> optional_number(const base::ConfigNode& node, std::string_view key) {
+  const std::optional<base::ConfigNode> child = node.find(key);
+  if (!child) return std::nullopt;
+  return child->as<double>();
+}
+
+void parse_goto(const base::ConfigNode& body, FlightStep& step) {
+  step.place_m = {body.require_in("north_m", -kMaxDistanceM, kMaxDistanceM),
+                  body.require_in("east_m", -kMaxDistanceM, kMaxDistanceM),
+                  body.require_in("up_m", 0.5, kMaxDistanceM)};
+  step.yaw_rad = body.get_in("yaw_deg", 0, -180, 180) * kRadiansPerDegree;
+}
+
+void parse_gain(const base::ConfigNode& body, FlightStep& step) {
+  step.loop = body.require<std::string>("loop");
+  step.p = optional_number(body, "p");
+  step.i = optional_number(body, "i");
+  step.d = optional_number(body, "d");
+  if (!step.p && !step.i && !step.d) body.fail("a setgain step names at least one of p, i and d");
+}
+
+/// The scenario does not say which autopilot flies: what one of them has is taken.
+void check_gain(const base::ConfigNode& body, const FlightStep& step, const casd::GainMap& gains) {
+  if (gains.empty()) return;
+  std::optional<std::string> refusal;
+  std::vector<std::string> known;
+  for (const casd::Autopilot autopilot : {casd::Autopilot::kPx4, casd::Autopilot::kArduPilot}) {
+    for (const casd::GainLoop& loop : gains.loops(autopilot)) {
+      if (std::ranges::find(known, loop.name) == known.end()) known.push_back(loop.name);
+      if (loop.name != step.loop) continue;
+      refusal = casd::unsupported(loop, {.p = step.p, .i = step.i, .d = step.d});
+      if (!refusal) return;
+    }
+  }
+  if (refusal) body.fail(*refusal);
+  body.at("loop").fail(
+      fmt::format("there is no loop '{}'; loops are {}", step.loop, fmt::join(known, ", ")));
+}
+
+fcu::PatternShape parse_shape(const base::ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  for (const auto& [shape, name] : kShapes) {
+    if (name == word) return shape;
+  }
+  node.fail("a trajectory is a circle, a figure_eight or a step");
+}
+
+/// A step goes north at once after half of its time, the others go on for `duration_s`.
+void parse_trajectory(const base::ConfigNode& body, FlightStep& step) {
+  Trajectory& trajectory = step.trajectory;
+  trajectory.shape = parse_shape(body.at("shape"));
+  trajectory.size_m = body.require_in("size_m", 0.1, 50);
+  const double duration_s = body.require_in("duration_s", 2, 240);
+  step.duration = base::from_seconds(duration_s);
+  if (trajectory.shape == fcu::PatternShape::kSteps) {
+    trajectory.period_s = duration_s / 2;
+  } else {
+    trajectory.speed_m_s = body.require_in("speed_m_s", 0.1, 10);
+  }
+  step.params = {{"CAS_TRJ_SIZE", trajectory.size_m},
+                 {"CAS_TRJ_SPEED", trajectory.speed_m_s},
+                 {"CAS_TRJ_PERIOD", trajectory.period_s},
+                 {"CAS_TRJ_SHAPE", static_cast<double>(trajectory.shape)}};
+}
+
+void parse_params(const base::ConfigNode& body, FlightStep& step) {
+  for (const auto& [name, value] : body.entries()) {
+    if (name == "name" || name == "timeout_s" || name == "vehicle") continue;
+    step.params.emplace_back(name, value.as<double>());
+  }
+  if (step.params.empty()) body.fail("a setparam step names at least one parameter");
+}
+
+void parse_body(const base::ConfigNode& body, const VehicleNames& names, FlightStep& step) {
+  step.vehicle = parse_vehicle_key(body, names);
+  if (step.kind == StepKind::kTakeoff) step.altitude_m = body.require_in("altitude_m", 0.5, 1000);
+  if (step.kind == StepKind::kGoto) parse_goto(body, step);
+  if (step.kind == StepKind::kSetGain) parse_gain(body, step);
+  if (step.kind == StepKind::kSetParam) parse_params(body, step);
+  if (step.kind == StepKind::kTrajectory) parse_trajectory(body, step);
+  if (step.kind == StepKind::kWaitUntil) {
+    step.until = parse_condition(body, "condition");
+    if (!step.until) body.fail("wait_until needs a condition, such as 'altitude > 2'");
+  }
+  if (step.kind == StepKind::kHold) {
+    step.duration = base::from_seconds(body.require_in("duration_s", 0.1, kMaxStepSeconds));
+  }
+  if (step.kind == StepKind::kHold || step.kind == StepKind::kTrajectory) {
+    step.measure = body.get("measure", false);
+  }
+  step.name = body.get<std::string>("name", "");
+  const double timeout_s =
+      body.get_in("timeout_s", base::to_seconds(step.timeout), 0.1, kMaxStepSeconds);
+  step.timeout = base::from_seconds(timeout_s);
+}
+
+FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains,
+                      const VehicleNames& names) {
+  FlightStep step;
+  if (node.is_scalar()) {
+    step.kind = parse_kind(node, node.as<std::string>());
+    parse_body(base::ConfigNode::empty(node.path()), names, step);
+    return step;
+  }
+  if (!node.is_map()) node.fail("a step is a word or a map with one key, such as 'hold: {...}'");
+  const auto entries = node.entries();
+  if (entries.size() != 1) node.fail("a step is a map with exactly one key");
+  step.kind = parse_kind(node, entries.front().first);
+  const base::ConfigNode& body = entries.front().second;
+  if (!body.is_map()) body.fail("the step takes a map");
+  parse_body(body, names, step);
+  if (step.kind == StepKind::kSetGain) check_gain(body, step, gains);
+  return step;
+}
+
+/// The step itself, or what a vehicle does that it does not concern. The phase stays the same.
+FlightStep as_seen_by(std::size_t vehicle, const FlightStep& step) {
+  if (!step.vehicle || *step.vehicle == vehicle) return step;
+  FlightStep other;
+  other.kind = StepKind::kStandBy;
+  other.name = phase_of(step);
+  other.vehicle = step.vehicle;
+  other.measure = step.measure;
+  return other;
+}
+
+}  // namespace
+
+std::string_view to_string(StepKind kind) {
+  for (const auto& [candidate, name] : kWords) {
+    if (candidate == kind) return name;
+  }
+  return "?";
+}
+
+std::string_view phase_of(const FlightStep& step) {
+  return step.name.empty() ? to_string(step.kind) : std::string_view(step.name);
+}
+
+bool is_command(StepKind kind) {
+  return kind != StepKind::kHold && kind != StepKind::kWaitUntil && kind != StepKind::kStandBy;
+}
+
+std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
+                                     const VehicleNames& names) {
+  if (!steps.is_list()) steps.fail("steps is a list");
+  std::vector<FlightStep> flight;
+  std::vector<FlightRehearsal> rehearsals;
+  for (const std::string& name : names) rehearsals.emplace_back(names.size() > 1 ? name : "");
+  for (const base::ConfigNode& node : steps.items()) {
+    const FlightStep& step = flight.emplace_back(parse_step(node, gains, names));
+    for (std::size_t i = 0; i < rehearsals.size(); ++i) {
+      rehearsals[i].play(as_seen_by(i, step), node);
+    }
+    if (step.kind != StepKind::kTrajectory) continue;
+    FlightStep end;
+    end.kind = StepKind::kEndTrajectory;
+    end.vehicle = step.vehicle;
+    end.params = {{"CAS_TRJ_SHAPE", 0}};
+    flight.push_back(end);
+  }
+  for (const FlightRehearsal& rehearsal : rehearsals) rehearsal.finish(steps);
+  return flight;
+}
+
+std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight) {
+  std::vector<FlightStep> steps;
+  for (const FlightStep& step : flight) steps.push_back(as_seen_by(vehicle, step));
+  return steps;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "base/config/config.hpp"
+#include "casd/station/gain_map.hpp"
+#include "fcu/flight/pattern.hpp"
+#include "hils/flight/flight_facts.hpp"
+#include "hils/flight/vehicle_names.hpp"
+
+namespace cas::hils {
+
+/// What a step of a flight asks for.
+enum class StepKind {
+  kArm,            ///< done when the vehicle says that it is armed
+  kTakeoff,        ///< done when it hangs still at the height
+  kGoto,           ///< done when it hangs still at the place
+  kHold,           ///< done when `duration` of simulated time has passed
+  kTrajectory,     ///< done when it has been flown for `duration`
+  kEndTrajectory,  ///< done when the vehicle has confirmed; follows each trajectory by itself
+  kSetGain,        ///< done when the vehicle has confirmed the gains
+  kSetParam,       ///< done when the vehicle has confirmed the parameters
+  kWaitUntil,      ///< done when the condition holds
+  kLand,           ///< done when the vehicle says that it stands on the ground
+  kDisarm,         ///< done when it says that it is disarmed
+  kStandBy,        ///< another vehicle's step: done when the others have done it
+};
+
+std::string_view to_string(StepKind kind);
+
+/// A path about the place where the vehicle hangs, flown by the controller itself.
+struct Trajectory {
+  fcu::PatternShape shape = fcu::PatternShape::kNone;
+  double size_m = 0;
+  double speed_m_s = 1;
+  double period_s = 10;
+
+  fcu::Pattern pattern() const { return {shape, size_m, speed_m_s, period_s}; }
+};
+
+/// One step of a flight. Positions are in N with height up, relative to where the vehicle was
+/// armed.
+struct FlightStep {
+  StepKind kind = StepKind::kHold;
+  std::string
+      name{};  ///< for reports, and `phase` in conditions; the step's word where none is given
+  std::optional<std::size_t> vehicle{};  ///< who does it, by its place; nothing: all of them
+  base::Duration timeout = std::chrono::seconds(30);  ///< simulated time until the step has failed
+  double altitude_m = 0;                              ///< takeoff
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< goto: north, east, up
+  double yaw_rad = 0;                                 ///< goto
+  base::Duration duration{};                          ///< hold, trajectory
+  bool measure = false;                 ///< hold, trajectory: the window of all figures
+  Trajectory trajectory{};              ///< trajectory
+  std::string loop{};                   ///< setgain
+  std::optional<double> p{}, i{}, d{};  ///< setgain
+  std::vector<std::pair<std::string, double>> params{};  ///< setparam, trajectory and its end
+  std::optional<Condition> until{};                      ///< wait_until
+};
+
+/// The step's name, or the word for what it is.
+std::string_view phase_of(const FlightStep& step);
+/// Whether the vehicle is told something.
+bool is_command(StepKind kind);
+
+/// Reads the list `steps`: each entry is a word (`arm`) or a map with one key (`takeoff:
+/// {altitude_m: 2.5}`). Checks that the flight is possible: armed before takeoff, exactly one
+/// measured step, landed at the end, and that loops and gains of setgain are known.
+///
+/// With several vehicles each must be able to fly what it is told, and all of them are in the air
+/// in the measured step.
+///
+/// @param gains  loops of casd's gain map; when it is empty, any loop is taken
+/// @param names  vehicles that a step may name
+/// @throws base::ConfigError
+std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
+                                     const VehicleNames& names = only_vehicle());
+
+/// The flight as one vehicle sees it: in the steps of others it stands by.
+std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight);
+
+}  // namespace cas::hils

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/judgement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+namespace cas::hils {
+
+namespace {
+
+using Sentences = std::vector<std::string>;
+using NamedRate = std::pair<std::string_view, const RateFigures*>;
+
+std::array<NamedRate, 3> named_rates(const StreamFigures& rates) {
+  return {NamedRate{"HIL_SENSOR", &rates.sensor}, NamedRate{"HIL_GPS", &rates.gps},
+          NamedRate{"HIL_CONTROLS", &rates.controls}};
+}
+
+void check_account(std::string_view name, const RateFigures& rate, Sentences& reasons) {
+  if (rate.duplicated > 0) {
+    reasons.push_back(fmt::format("the account of {} does not close: {} packets arrived twice",
+                                  name, rate.duplicated));
+  }
+  if (rate.unexplained > 0) {
+    reasons.push_back(
+        fmt::format("the account of {} does not close: {} packets arrived that were never sent",
+                    name, rate.unexplained));
+  }
+  if (!rate.drained) {
+    reasons.push_back(fmt::format(
+        "the account of {} does not close: the stream ended before its packets could arrive",
+        name));
+  }
+}
+
+/// Why the figures mean nothing; empty when they do.
+Sentences reasons_against(const Measurement& figures) {
+  Sentences reasons;
+  const double factor = figures.pace.real_time_factor;
+  if (!figures.virtual_clock && factor < kLeastRealTimeFactor) {
+    reasons.push_back(fmt::format(
+        "the machine was too busy: the simulation ran at {:.3f} of real time, and {:.2f} is needed",
+        factor, kLeastRealTimeFactor));
+  }
+  for (const auto& [name, rate] : named_rates(figures.rates)) {
+    check_account(name, *rate, reasons);
+  }
+  for (const PathAccount& path : figures.paths) {
+    if (!path.closes()) {
+      reasons.push_back(
+          fmt::format("the account of {} does not close: {}", path.message, path.open));
+    }
+  }
+  return reasons;
+}
+
+void check_rate(std::string_view name, const RateFigures& rate, const Limits& limits,
+                Sentences& failures) {
+  if (rate.sent == 0) {
+    failures.push_back(fmt::format("no {} was sent", name));
+    return;
+  }
+  if (limits.lost && rate.lost > *limits.lost) {
+    failures.push_back(fmt::format("{} of {} {} were lost; the limit is {}", rate.lost, rate.sent,
+                                   name, *limits.lost));
+  }
+  const double delivered =
+      100.0 * static_cast<double>(rate.received) / static_cast<double>(rate.sent);
+  if (limits.delivered_pct && !(delivered >= *limits.delivered_pct)) {
+    failures.push_back(fmt::format("{:.3f} % of {} arrived; the limit is {:g} %", delivered, name,
+                                   *limits.delivered_pct));
+  }
+  if (limits.rate_error_pct && std::abs(rate.error_pct) > *limits.rate_error_pct) {
+    failures.push_back(
+        fmt::format("{} arrived at {:.2f} Hz instead of {:g} Hz; the limit is {:g} %", name,
+                    rate.received_hz, rate.nominal_hz, *limits.rate_error_pct));
+  }
+}
+
+void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
+               const std::map<std::string, double>& limits, Sentences& failures) {
+  if (limits.empty()) return;
+  if (!rms || rms->samples == 0) {
+    failures.push_back(fmt::format("there is no {} to compare with the reference", what));
+    return;
+  }
+  const std::map<std::string, double> values{
+      {"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
+  for (const auto& [axis, limit] : limits) {
+    const double value = values.at(axis);
+    if (value <= limit) continue;  // not-a-number fails
+    failures.push_back(fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what,
+                                   axis, value, limit));
+  }
+}
+
+void check_most(std::string_view what, const StepResponse& response, std::optional<double> value,
+                std::optional<double> limit, Sentences& failures) {
+  if (!limit || (value && *value <= *limit)) return;
+  failures.push_back(value
+                         ? fmt::format("{} of step '{}' is {:.3f}; the limit is {:g}", what,
+                                       response.name, *value, *limit)
+                         : fmt::format("step '{}' ends before there is a {}", response.name, what));
+}
+
+void check_responses(const std::vector<StepResponse>& responses,
+                     const std::map<std::string, ResponseLimits>& limits, Sentences& failures) {
+  for (const auto& [name, limit] : limits) {
+    const auto found = std::ranges::find(responses, name, &StepResponse::name);
+    if (found == responses.end()) {
+      failures.push_back(fmt::format("step '{}' was not flown", name));
+      continue;
+    }
+    check_most("rise time", *found, found->rise_s, limit.rise_s, failures);
+    check_most("overshoot", *found, found->overshoot_pct, limit.overshoot_pct, failures);
+    check_most("settling time", *found, found->settling_s, limit.settling_s, failures);
+  }
+}
+
+Sentences missed_limits(const Measurement& figures, const Limits& limits) {
+  Sentences failures;
+  if (!figures.flight_failure.empty()) {
+    failures.push_back("the flight was not completed: " + figures.flight_failure);
+  }
+  for (const auto& [name, rate] : named_rates(figures.rates)) {
+    check_rate(name, *rate, limits, failures);
+  }
+  if (limits.latency_p99_us && figures.sensor_to_control.count == 0) {
+    failures.push_back("the loop's delay has a limit, but no packet to measure it by");
+  } else if (limits.latency_p99_us && !(figures.sensor_to_control.p99 <= *limits.latency_p99_us)) {
+    failures.push_back(
+        fmt::format("the loop takes {:.0f} us in 99 % of the cases; the limit is "
+                    "{:g} us",
+                    figures.sensor_to_control.p99, *limits.latency_p99_us));
+  }
+  check_responses(figures.responses, limits.responses, failures);
+  if (figures.over_hold) {
+    check_rms("true position", figures.rms, limits.rms, failures);
+    check_rms("estimate", figures.rms_estimate, limits.rms_estimate, failures);
+  }
+  return failures;
+}
+
+/// Why the machine may be to blame for a missed limit; empty when it kept up.
+std::string doubt_about_machine(const Measurement& figures) {
+  if (figures.virtual_clock) return {};
+  if (figures.pace.worst_stall_ms > kStallMs) {
+    return fmt::format(
+        "the machine stood still for {:.0f} ms during the measurement, so what follows is no "
+        "verdict on the vehicle",
+        figures.pace.worst_stall_ms);
+  }
+  if (figures.cpu_pressure.value_or(0) > kBusyShare) {
+    return fmt::format(
+        "the machine was busy: during {:.0f} % of the measurement something waited for a "
+        "processor, so what follows is no verdict on the vehicle",
+        100 * *figures.cpu_pressure);
+  }
+  return {};
+}
+
+}  // namespace
+
+Verdict judge(const Measurement& figures, const Limits& limits) {
+  Verdict verdict;
+  verdict.failures = reasons_against(figures);
+  if (!verdict.failures.empty()) return verdict;
+  verdict.failures = missed_limits(figures, limits);
+  verdict.passed = verdict.failures.empty();
+  verdict.valid = true;
+  if (verdict.passed) return verdict;
+  const std::string doubt = doubt_about_machine(figures);
+  if (!doubt.empty()) {
+    verdict.valid = false;
+    verdict.failures.insert(verdict.failures.begin(), doubt);
+  }
+  return verdict;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/measurement.hpp"
+
+#include <algorithm>
+
+#include "base/time/clock.hpp"
+#include "hils/measure/averaging_meter.hpp"
+#include "hils/measure/flight_reference.hpp"
+#include "mavlink/common/hil_gps.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using mavlink::common::HilGps;
+using mavlink::common::HilSensor;
+
+constexpr std::uint64_t kTailUsec = 500'000;  ///< left out where there is no hold to measure
+
+StreamWindow whole_stream(const RunRecord& record) {
+  std::uint64_t last = 0;
+  for (const base::LedgerEntry& entry : record.simulator) last = std::max(last, entry.time_usec);
+  return {.begin_usec = 0, .end_usec = last > kTailUsec ? last - kTailUsec : 0};
+}
+
+StreamWindow window_of(const Stage& hold) {
+  return {.begin_usec = base::to_time_usec(hold.begin), .end_usec = base::to_time_usec(hold.end)};
+}
+
+/// The reference in the axes of truth.csv: the plan's places count from where the vehicle stood.
+ReferenceAt reference_in_truth(const Stage& stage, std::span<const PoseSample> truth) {
+  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
+  return [&stage, start](std::int64_t time_us) {
+    Pose pose = reference_at(stage, time_us);
+    pose.x_m += start.x_m;
+    pose.y_m += start.y_m;
+    pose.z_m += start.z_m;
+    return pose;
+  };
+}
+
+std::int64_t microseconds(base::SimTime t) {
+  return static_cast<std::int64_t>(base::to_time_usec(t));
+}
+
+void measure_hold(const RunRecord& record, Measurement& figures) {
+  const Stage& hold = *record.hold;
+  const std::int64_t begin = microseconds(hold.begin);
+  const std::int64_t end = microseconds(hold.end);
+  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
+  figures.rms = rms_about(between(truth, begin, end), reference_in_truth(hold, truth));
+  const std::vector<PoseSample> estimate =
+      read_estimate(record.flight_tlog, record.system, record.log_clock);
+  const auto in_hold = between(estimate, begin, end);
+  if (!in_hold.empty())
+    figures.rms_estimate =
+        rms_about(in_hold, [&hold](std::int64_t time_us) { return reference_at(hold, time_us); });
+}
+
+/// The meter starts with the stream and is read at the end of the window.
+double meter_hz(const std::vector<base::LedgerEntry>& ledger, std::uint32_t message_id,
+                StreamWindow window) {
+  std::vector<std::int64_t> arrivals;
+  for (const base::LedgerEntry& entry : ledger) {
+    if (entry.direction == base::LedgerEntry::Direction::kReceived &&
+        entry.message_id == message_id && entry.time_usec <= window.end_usec) {
+      arrivals.push_back(entry.at_ns);
+    }
+  }
+  return arrivals.empty() ? 0 : averaging_meter_hz(arrivals, arrivals.back());
+}
+
+/// What can be told because controls bear the stamp of the sample they were made from.
+void measure_echoes(const std::vector<base::LedgerEntry>& simulator,
+                    const std::vector<base::LedgerEntry>& controller, std::uint32_t controls_id,
+                    Measurement& figures) {
+  using enum base::LedgerEntry::Direction;
+  const StreamWindow window = figures.window;
+  figures.sensor_to_control =
+      summarise(echo_delays_ns(simulator, HilSensor::kId, controls_id, window));
+  figures.age_by_stamp = summarise(
+      delays_ns({simulator, kSent, HilSensor::kId}, {controller, kSent, controls_id}, window));
+  figures.age_by_arrival = summarise(
+      delays_ns({controller, kReceived, HilSensor::kId}, {controller, kSent, controls_id}, window));
+}
+
+void measure_stream(const Scenario& scenario, const RunRecord& record, Measurement& figures) {
+  const std::uint32_t controls_id = controls_message_id(record);
+  const auto& [simulator, controller] = std::tie(record.simulator, record.controller);
+  const StreamWindow window = figures.window;
+  figures.rates.sensor =
+      account(simulator, controller, HilSensor::kId, window, scenario.rates.sensor_hz);
+  figures.rates.gps = account(simulator, controller, HilGps::kId, window, scenario.rates.gps_hz);
+  figures.rates.controls =
+      account(controller, simulator, controls_id, window, scenario.rates.controls_hz);
+  if (!record.foreign_stamps) measure_echoes(simulator, controller, controls_id, figures);
+  figures.sensor_uplink = summarise(hop_delays_ns(simulator, controller, HilSensor::kId, window));
+  figures.controls_downlink = summarise(hop_delays_ns(controller, simulator, controls_id, window));
+  figures.meter = {.sensor_hz = meter_hz(controller, HilSensor::kId, window),
+                   .gps_hz = meter_hz(controller, HilGps::kId, window),
+                   .controls_hz = meter_hz(simulator, controls_id, window)};
+  const RelayLedgers* relay = record.relay ? &*record.relay : nullptr;
+  for (const PacketPath& path :
+       {PacketPath{"HIL_SENSOR", HilSensor::kId, true}, PacketPath{"HIL_GPS", HilGps::kId, true},
+        PacketPath{"controls", controls_id, false}}) {
+    figures.paths.push_back(
+        account_path(path, simulator, controller, record.from_device ? nullptr : relay, window));
+  }
+  figures.pace = pace(simulator, HilSensor::kId, window);
+}
+
+}  // namespace
+
+Measurement measure(const RunRequest& request, const RunRecord& record) {
+  const Scenario& scenario = request.scenario;
+  Measurement figures;
+  figures.scenario = scenario.name;
+  figures.vehicle = record.vehicle;
+  figures.architecture = request.architecture;
+  figures.seed = request.seed;
+  figures.virtual_clock = record.virtual_clock;
+  figures.flight_failure = record.flight_failure;
+  figures.simulated_s = record.simulated_s;
+  figures.wall_s = record.wall_s;
+  figures.cpu_s = record.cpu_s;
+  figures.cpu_pressure = record.cpu_pressure;
+  figures.from_device = record.from_device;
+  figures.lost_by_sequence = record.lost_by_sequence;
+  figures.stages = record.stages;
+  figures.faults = record.faults;
+  figures.responses = step_responses(record.stages, read_truth(record.truth_csv));
+  figures.over_hold = record.hold.has_value();
+  figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);
+  measure_stream(scenario, record, figures);
+  if (record.virtual_clock && record.wall_s > 0) {
+    figures.pace.real_time_factor = record.simulated_s / record.wall_s;
+  }
+  if (record.hold) measure_hold(record, figures);
+  return figures;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hils/flight/bench_fault.hpp"
+#include "hils/flight/flight_plan.hpp"
+#include "hils/measure/hop_account.hpp"
+#include "hils/measure/packet_account.hpp"
+#include "hils/measure/run_record.hpp"
+#include "hils/run/run_request.hpp"
+#include "hils/measure/step_response.hpp"
+#include "hils/measure/trajectory.hpp"
+
+namespace cas::hils {
+
+/// The three HIL messages of a run.
+struct StreamFigures {
+  RateFigures sensor;
+  RateFigures gps;
+  RateFigures controls;
+};
+
+/// What QGroundControl's averaging meter would have shown at the end of the window, Hz.
+struct MeterReadings {
+  double sensor_hz = 0;
+  double gps_hz = 0;
+  double controls_hz = 0;
+};
+
+/// The figures of one vehicle of a run.
+struct Measurement {
+  std::string scenario;
+  std::string vehicle;  ///< its name
+  Architecture architecture = Architecture::kTcas;
+  std::uint64_t seed = 0;
+  bool virtual_clock = false;
+  bool from_device = false;            ///< of a real controller: packets are followed to its port
+  std::uint64_t lost_by_sequence = 0;  ///< then: gaps in the sequence from the controller
+  std::string flight_failure;
+  double simulated_s = 0;
+  double wall_s = 0;
+  std::vector<std::pair<std::string, double>> cpu_s;
+  std::vector<Stage> stages;
+
+  StreamWindow window;     ///< of rates and delays
+  bool over_hold = false;  ///< the window is the measured hold, else all that there was
+  StreamFigures rates;
+  DelayFigures sensor_to_control;  ///< HIL_SENSOR leaves -> its echo arrives, simulator's ledger
+  DelayFigures sensor_uplink;      ///< HIL_SENSOR, simulator to controller
+  DelayFigures controls_downlink;  ///< controls, controller to simulator
+  DelayFigures age_by_stamp;       ///< of the sample at use: since the simulator made it
+  DelayFigures age_by_arrival;     ///< likewise, since it came to the controller
+  MeterReadings meter;
+  std::vector<PathAccount> paths;  ///< hop by hop: sensor, GPS, controls
+  PaceFigures pace;
+  std::optional<double> cpu_pressure;
+  std::vector<BenchFaultScript::Span> faults;  ///< of the bench
+  std::vector<StepResponse> responses;         ///< to the steps of the flight
+  std::optional<RmsFigures> rms;               ///< truth against reference during the hold
+  std::optional<RmsFigures> rms_estimate;      ///< estimate against reference during the hold
+};
+
+/// Works out the figures of a vehicle. @throws base::ConfigError when its files cannot be read
+Measurement measure(const RunRequest& request, const RunRecord& record);
+
+}  // namespace cas::hils

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/measure/ledger.hpp"
+#include "hils/flight/bench_fault.hpp"
+#include "hils/measure/clock_map.hpp"
+#include "hils/flight/flight_plan.hpp"
+#include "hils/measure/hop_account.hpp"
+#include "hils/run/run_places.hpp"
+
+namespace cas::hils {
+
+/// What a finished run left behind of one vehicle, whatever its architecture.
+struct RunRecord {
+  std::string vehicle;                        ///< its name
+  std::uint8_t system = 1;                    ///< its MAVLink system
+  std::vector<base::LedgerEntry> simulator;   ///< HIL packets at the simulator's end
+  std::vector<base::LedgerEntry> controller;  ///< HIL packets at the controller's end
+  std::optional<RelayLedgers> relay;          ///< at casd's two links, where it kept them
+  bool from_device = false;  ///< the controller's end is casd's port: a real one keeps no ledger
+  std::uint64_t lost_by_sequence = 0;  ///< then: gaps in the sequence from the controller
+  bool foreign_stamps = false;  ///< controls are stamped by another clock: nothing is an echo
+  std::filesystem::path truth_csv;
+  std::filesystem::path flight_tlog;
+  std::vector<Stage> stages;
+  std::optional<Stage> hold;  ///< the measured one; nothing when the flight did not get there
+  std::vector<BenchFaultScript::Span> faults;  ///< of the bench, as they went
+  ClockMap log_clock;                          ///< clock of the flight log -> simulated time
+  std::string flight_failure;                  ///< a sentence; empty when every step was done
+  bool virtual_clock = false;                  ///< time was computed, not waited for
+  double simulated_s = 0;                      ///< length of the whole run
+  double wall_s = 0;
+  std::vector<std::pair<std::string, double>> cpu_s;  ///< processor time by program
+  std::optional<double> cpu_pressure;  ///< share of the hold in which some task had to wait
+};
+
+/// A record for each vehicle of a scenario, with its names and where its files are.
+std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& places);
+
+/// Adds the faults that the vehicle's plugin `fault` played to those of the bench.
+void add_vehicle_faults(const RunPlaces& places, RunRecord& record);
+
+/// HIL_ACTUATOR_CONTROLS where the controller answered with it, else HIL_CONTROLS.
+std::uint32_t controls_message_id(const RunRecord& record);
+
+}  // namespace cas::hils

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/trajectory.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "base/earth/frames.hpp"
+#include "hils/measure/tlog_reader.hpp"
+#include "mavlink/common/attitude.hpp"
+#include "mavlink/common/local_position_ned.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+/// Columns of truth.csv in the recorder's order, as far as they are read here.
+enum Column : std::size_t {
+  kTime = 0,
+  kX,
+  kY,
+  kZ,
+  kRoll = 7,
+  kPitch,
+  kYaw,
+  kOmega = 13,
+  kColumns = 17,
+};
+
+std::optional<std::vector<double>> parse_row(std::string_view line) {
+  std::vector<double> values;
+  while (true) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
+    if (error != std::errc{}) return std::nullopt;
+    values.push_back(value);
+    line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+    if (line.empty()) break;
+    if (line.front() != ',') return std::nullopt;
+    line.remove_prefix(1);
+  }
+  if (values.size() < kColumns) return std::nullopt;
+  return values;
+}
+
+PoseSample to_sample(const std::vector<double>& row) {
+  return {.time_us = std::llround(row[kTime] * 1e6),
+          .pose = {.x_m = row[kX],
+                   .y_m = row[kY],
+                   .z_m = row[kZ],
+                   .roll_rad = row[kRoll],
+                   .pitch_rad = row[kPitch],
+                   .yaw_rad = row[kYaw]},
+          .omega_rad_s = {row[kOmega], row[kOmega + 1], row[kOmega + 2], row[kOmega + 3]}};
+}
+
+}  // namespace
+
+std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw base::ConfigError("cannot read " + file.string());
+  std::vector<PoseSample> samples;
+  std::string line;
+  std::getline(in, line);  // header
+  for (int number = 2; std::getline(in, line); ++number) {
+    const std::optional<std::vector<double>> row = parse_row(line);
+    if (!row) {
+      throw base::ConfigError(file.string() + ":" + std::to_string(number) +
+                              ": not a row of truth.csv");
+    }
+    samples.push_back(to_sample(*row));
+  }
+  return samples;
+}
+
+std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::uint8_t system,
+                                      const ClockMap& clock) {
+  std::vector<PoseSample> samples;
+  std::optional<mavlink::common::Attitude> attitude;
+  read_tlog(tlog, [&](std::int64_t stamp_us, const mav::PacketView& packet) {
+    if (packet.source.system != system) return;
+    if (const auto newer = mav::decode<mavlink::common::Attitude>(packet)) attitude = newer;
+    const auto position = mav::decode<mavlink::common::LocalPositionNed>(packet);
+    if (!position || !attitude) return;
+    samples.push_back({.time_us = clock.to_sim_us(stamp_us),
+                       .pose = {.x_m = position->x,
+                                .y_m = position->y,
+                                .z_m = -position->z,
+                                .roll_rad = attitude->roll,
+                                .pitch_rad = attitude->pitch,
+                                .yaw_rad = attitude->yaw}});
+  });
+  return samples;
+}
+
+std::span<const PoseSample> between(std::span<const PoseSample> samples, std::int64_t begin_us,
+                                    std::int64_t end_us) {
+  const auto first = std::ranges::lower_bound(samples, begin_us, {}, &PoseSample::time_us);
+  const auto last = std::ranges::lower_bound(samples, end_us, {}, &PoseSample::time_us);
+  if (last <= first) return {};
+  return {first, last};
+}
+
+RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& reference_at) {
+  RmsFigures sums;
+  for (const PoseSample& sample : samples) {
+    const Pose reference = reference_at(sample.time_us);
+    const double dx = sample.pose.x_m - reference.x_m;
+    const double dy = sample.pose.y_m - reference.y_m;
+    const double dz = sample.pose.z_m - reference.z_m;
+    const double dyaw = base::wrap_angle(sample.pose.yaw_rad - reference.yaw_rad);
+    sums.x_m += dx * dx;
+    sums.y_m += dy * dy;
+    sums.z_m += dz * dz;
+    sums.yaw_rad += dyaw * dyaw;
+  }
+  const double n = static_cast<double>(std::max<std::size_t>(samples.size(), 1));
+  return {.x_m = std::sqrt(sums.x_m / n),
+          .y_m = std::sqrt(sums.y_m / n),
+          .z_m = std::sqrt(sums.z_m / n),
+          .yaw_rad = std::sqrt(sums.yaw_rad / n),
+          .samples = samples.size()};
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/bench_programs.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "base/config/install_paths.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
+constexpr base::Duration kStopPatience = std::chrono::seconds(10);
+
+std::filesystem::path program_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
+
+}  // namespace
+
+void BenchPrograms::start(bool paused) {
+  if (emulate_) {
+    for (const VehiclePlaces& vehicle : places_.vehicles) start_emulator(vehicle);
+  }
+  start_casd();
+  std::vector<std::string> arguments{"--control", places_.simulator_control(), "--output",
+                                     places_.out};
+  if (paused) arguments.push_back("--paused");
+  for (const std::filesystem::path& folder : base::plugin_dirs()) {
+    arguments.insert(arguments.end(), {"--plugin-dir", folder});
+  }
+  hilsim_ = &supervisor_.start(options("hilsim", "hilsim", places_.simulator_config(), arguments),
+                               kReadyTimeout);
+}
+
+void BenchPrograms::start_emulator(const VehiclePlaces& places) {
+  const std::vector<std::string> arguments{"--link",    places.fcu_link(),
+                                           "--ledger",  places.controller_ledger(),
+                                           "--control", places.fcu_control()};
+  emulators_.push_back(&supervisor_.start(
+      options(places.emulator(), "fcu_emulator", places.fcu_config(), arguments), kReadyTimeout));
+}
+
+void BenchPrograms::stop() {
+  std::vector<ChildProcess*> programs{hilsim_, casd_};
+  programs.insert(programs.end(), emulators_.begin(), emulators_.end());
+  for (ChildProcess* child : programs) {
+    if (child == nullptr) continue;
+    if (!supervisor_.stop(*child, kStopPatience)) {
+      throw RunStopped(
+          child->name() + " did not end in good order; its last lines:" + child->log_tail(), false);
+    }
+  }
+  join_logs();
+}
+
+void BenchPrograms::kill_casd() {
+  if (casd_ != nullptr) supervisor_.kill(*casd_);
+  casd_ = nullptr;
+  earlier_logs_.push_back(places_.run / fmt::format("flight_{}.tlog", earlier_logs_.size() + 1));
+  std::filesystem::rename(places_.flight_tlog(), earlier_logs_.back());
+}
+
+/// A new casd starts a new log: they become one again.
+void BenchPrograms::join_logs() {
+  if (earlier_logs_.empty()) return;
+  const std::filesystem::path last = places_.run / "flight_last.tlog";
+  std::filesystem::rename(places_.flight_tlog(), last);
+  earlier_logs_.push_back(last);
+  std::ofstream whole(places_.flight_tlog(), std::ios::binary);
+  for (const std::filesystem::path& part : earlier_logs_) {
+    if (std::filesystem::is_empty(part)) continue;  // to insert nothing counts as a failure
+    whole << std::ifstream(part, std::ios::binary).rdbuf();
+  }
+  if (!whole.flush()) {
+    throw RunStopped(places_.flight_tlog().string() + " cannot be written", false);
+  }
+}
+
+void BenchPrograms::start_casd() {
+  if (casd_ != nullptr) return;
+  casd_ = &supervisor_.start(
+      options("casd", "casd", places_.casd_config(), {"--ledger", places_.casd_ledger()}),
+      kReadyTimeout);
+}
+
+ChildProcess::Options BenchPrograms::options(const std::string& name, const std::string& program,
+                                             const std::filesystem::path& config,
+                                             const std::vector<std::string>& further) const {
+  ChildProcess::Options options;
+  options.name = name;
+  options.arguments = {(program_folder() / program).string(), config.string(), "--stats",
+                       (places_.run / (name + "_stats.json")).string()};
+  options.arguments.insert(options.arguments.end(), further.begin(), further.end());
+  options.log_file = places_.run / (name + ".log");
+  options.notify_socket = places_.sockets / (name + ".notify");
+  return options;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hils/programs/composition.hpp"
+#include "hils/programs/supervisor.hpp"
+
+namespace cas::hils {
+
+/// The programs of a run in real time: hilsim, casd and a controller for each vehicle.
+class BenchPrograms {
+ public:
+  /// @param emulate  whether the controller is fcu_emulator
+  BenchPrograms(Supervisor& supervisor, const RunPlaces& places, bool emulate)
+      : supervisor_(supervisor), places_(places), emulate_(emulate) {}
+
+  /// The controllers first (they make the PTYs), then casd, then the simulator, which starts the
+  /// stream. @throws RunStopped, base::ConfigError
+  /// @param paused  the simulator waits at time zero
+  void start(bool paused = false);
+  /// The simulator first, so that what it sent still arrives. @throws RunStopped on bad ends
+  void stop();
+
+  /// A fault: casd is gone at once.
+  void kill_casd();
+  void start_casd();
+
+ private:
+  void start_emulator(const VehiclePlaces& places);
+  void join_logs();
+  ChildProcess::Options options(const std::string& name, const std::string& program,
+                                const std::filesystem::path& config,
+                                const std::vector<std::string>& further) const;
+
+  Supervisor& supervisor_;
+  const RunPlaces& places_;
+  bool emulate_;
+  std::vector<ChildProcess*> emulators_;
+  ChildProcess* casd_ = nullptr;
+  ChildProcess* hilsim_ = nullptr;
+  std::vector<std::filesystem::path> earlier_logs_;  ///< flight logs of casds that were killed
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/rpc/client.hpp"
+#include "hils/flight/flight_plan.hpp"
+
+namespace cas::hils {
+
+/// The vehicle that casd is asked about, by its MAVLink system; nothing: the only one there is.
+using AskedVehicle = std::optional<std::uint8_t>;
+
+/// What casd knows of the vehicle now; not heard when there is none yet.
+VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {});
+
+/// Has casd give a step's commands. @return why one was refused; empty when all were accepted
+std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
+                 AskedVehicle vehicle = {});
+
+}  // namespace cas::hils

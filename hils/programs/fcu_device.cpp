@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/fcu_device.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <variant>
+
+#include "base/rpc/client.hpp"
+#include "hils/programs/fcu_check.hpp"
+#include "hils/programs/fcu_probe.hpp"
+#include "mavlink/common/hil_actuator_controls.hpp"
+#include "mavlink/common/hil_controls.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using nlohmann::json;
+
+std::uint64_t sequence_gaps(const std::filesystem::path& casd_stats) {
+  std::ifstream in(casd_stats);
+  const json stats = json::parse(in, nullptr, false);
+  if (!stats.is_object()) return 0;
+  for (const json& link : stats.value("links", json::array())) {
+    if (link.value("name", "") == "fcu") {
+      return link.value("rx", json::object()).value("lost", std::uint64_t{0});
+    }
+  }
+  return 0;
+}
+
+bool is_control(const base::LedgerEntry& entry) {
+  return entry.message_id == mavlink::common::HilControls::kId ||
+         entry.message_id == mavlink::common::HilActuatorControls::kId;
+}
+
+/// Stamp of the newest HIL_SENSOR that had been sent by then.
+std::int64_t sensor_stamp_at(const std::vector<base::LedgerEntry>& simulator, std::int64_t at_ns) {
+  std::int64_t stamp = 0;
+  for (const base::LedgerEntry& entry : simulator) {
+    if (entry.at_ns > at_ns) break;
+    if (entry.message_id == mavlink::common::HilSensor::kId) {
+      stamp = static_cast<std::int64_t>(entry.time_usec);
+    }
+  }
+  return stamp;
+}
+
+}  // namespace
+
+void refuse_emulator_faults(const RunRequest& request) {
+  if (request.fcu_device.empty()) return;
+  if (request.scenario.flies_several()) {
+    throw base::ConfigError(request.scenario.file.string() +
+                            ": --fcu flies one vehicle, and the scenario has several");
+  }
+  for (const BenchFault& fault : request.scenario.faults.bench) {
+    if (std::holds_alternative<LineFault>(fault.kind) ||
+        std::holds_alternative<UnplugFault>(fault.kind)) {
+      throw base::ConfigError("fault '" + fault.name +
+                              "' needs the emulated line: a real port cannot play it");
+    }
+  }
+}
+
+void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
+  base::rpc::Client casd("unix:" + places.command_port().string());
+  const FcuFacts facts = probe_fcu(casd, supervisor, request.fcu_device);
+  const base::Vehicle vehicle = base::Vehicle::load(request.scenario.vehicles.front().vehicle);
+  const std::vector<FcuFinding> findings = check_fcu(facts, request.scenario.rates, vehicle);
+  fmt::print(stderr, "{}\n{}", request.fcu_device, findings_text(findings));
+  if (!may_fly(findings)) {
+    throw RunStopped("the controller is not ready; the steps are in docs/pixhawk.md", false);
+  }
+}
+
+void stand_in_for_controller(const RunPlaces& places, RunRecord& record) {
+  using Direction = base::LedgerEntry::Direction;
+  record.from_device = true;
+  record.lost_by_sequence = sequence_gaps(places.casd_stats());
+  if (!record.relay) return;
+  for (const casd::LinkLedgerEntry& entry : record.relay->controller.sent()) {
+    record.controller.push_back(
+        {Direction::kReceived, entry.message_id, entry.time_usec, entry.at_ns});
+  }
+  for (const casd::LinkLedgerEntry& entry : record.relay->controller.received()) {
+    record.controller.push_back({Direction::kSent, entry.message_id, entry.time_usec, entry.at_ns});
+  }
+  align_control_stamps(record);
+}
+
+void align_control_stamps(RunRecord& record) {
+  constexpr std::int64_t kEcho_us = 1'000'000;  // nearer than this a stamp is taken for an echo
+  const auto first = std::ranges::find_if(record.controller, is_control);
+  if (first == record.controller.end()) return;
+  const std::int64_t offset =
+      sensor_stamp_at(record.simulator, first->at_ns) - static_cast<std::int64_t>(first->time_usec);
+  if (std::abs(offset) < kEcho_us) return;
+  record.foreign_stamps = true;
+  for (auto* ledger : {&record.controller, &record.simulator}) {
+    for (base::LedgerEntry& entry : *ledger) {
+      if (is_control(entry)) entry.time_usec += static_cast<std::uint64_t>(offset);
+    }
+  }
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "hils/programs/composition.hpp"
+#include "hils/measure/measurement.hpp"
+#include "hils/run/run_request.hpp"
+#include "hils/programs/supervisor.hpp"
+
+namespace cas::hils {
+
+/// Faults of the emulated line cannot be played on a real port. @throws base::ConfigError
+void refuse_emulator_faults(const RunRequest& request);
+
+/// Looks at a real controller before the flight and tells what is to be set.
+/// @throws RunStopped when it must not be flown
+void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request);
+
+/// Fills in what a real controller does not tell: it keeps no ledger, so casd's port stands for its
+/// end, and gaps between sequence numbers for what is lost beyond.
+void stand_in_for_controller(const RunPlaces& places, RunRecord& record);
+
+/// A stock autopilot stamps its controls by its own clock. Moves these stamps to simulated time, by
+/// one constant offset, at both ends alike; does nothing when they echo the sensors'.
+void align_control_stamps(RunRecord& record);
+
+}  // namespace cas::hils

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/ground_station.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/manual_control.hpp"
+#include "mavlink/common/param_request_list.hpp"
+#include "mavlink/common/table.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace mv = mavlink::common;
+
+constexpr mav::Source kGroundStation{255, 190};  ///< the ids that ground stations use
+constexpr base::Duration kHeartbeatPeriod = std::chrono::seconds(1);
+constexpr base::Duration kSticksPeriod = std::chrono::milliseconds(40);  ///< as QGroundControl
+
+mv::Heartbeat heartbeat() {
+  mv::Heartbeat message;
+  message.type = mv::MavType::kGcs;
+  message.autopilot = mv::MavAutopilot::kInvalid;
+  message.system_status = mv::MavState::kActive;
+  message.mavlink_version = 3;
+  return message;
+}
+
+/// On-screen sticks that nobody touches.
+mv::ManualControl centred_sticks(std::uint8_t vehicle_system) {
+  mv::ManualControl message;
+  message.target = vehicle_system;
+  message.z = 500;
+  return message;
+}
+
+}  // namespace
+
+GroundStation::GroundStation(const std::vector<std::uint8_t>& systems, base::Duration list_period,
+                             Send send)
+    : list_period_(list_period),
+      send_(std::move(send)),
+      encode_(kGroundStation),
+      parser_(mv::table()) {
+  for (const std::uint8_t system : systems) vehicles_.push_back({.system = system});
+}
+
+void GroundStation::on_bytes(std::span<const std::uint8_t> bytes) {
+  parser_.feed(bytes, [this](const mav::PacketView& packet) { on_packet(packet); });
+}
+
+void GroundStation::on_packet(const mav::PacketView& packet) {
+  if (packet.message_id != mv::Heartbeat::kId) return;
+  const auto sender = std::ranges::find(vehicles_, packet.source.system, &Vehicle::system);
+  if (sender != vehicles_.end()) sender->heard = true;
+}
+
+void GroundStation::tick(base::RunTime now) {
+  send_flood(std::exchange(last_tick_, now), now);
+  if (now >= next_heartbeat_) {
+    send_(encode_(heartbeat()));
+    next_heartbeat_ = now + kHeartbeatPeriod;
+  }
+  for (Vehicle& vehicle : vehicles_) {
+    if (vehicle.heard) attend(vehicle, now);
+  }
+}
+
+void GroundStation::attend(Vehicle& vehicle, base::RunTime now) {
+  if (now >= vehicle.next_sticks) {
+    send_(encode_(centred_sticks(vehicle.system)));
+    vehicle.next_sticks = now + kSticksPeriod;
+  }
+  if (vehicle.next_list && now < *vehicle.next_list) return;
+  mv::ParamRequestList request;
+  request.target_system = vehicle.system;
+  request.target_component = 1;
+  send_(encode_(request));
+  vehicle.next_list = now + list_period_;
+}
+
+/// On a grid, so that short ticks lose nothing; after a stall no more than a moment's worth.
+void GroundStation::send_flood(base::RunTime last, base::RunTime now) {
+  constexpr base::Duration kMostAtOnce = std::chrono::milliseconds(100);
+  const base::RunTime begin = std::max(last, now - kMostAtOnce);
+  const std::int64_t end = flood_.index_at(now.time_since_epoch());
+  for (std::int64_t i = flood_.index_at(begin.time_since_epoch()); i < end; ++i) {
+    const auto turn = static_cast<std::size_t>(i) % vehicles_.size();
+    send_(encode_(centred_sticks(vehicles_[turn].system)));
+  }
+}
+
+}  // namespace cas::hils

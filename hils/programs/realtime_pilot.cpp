@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/realtime_pilot.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "hils/programs/flight_calls.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using base::rpc::Json;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr base::Duration kPollPeriod = milliseconds(50);
+constexpr base::Duration kStreamLook = seconds(1);
+/// The stream goes on for this long after the flight, so that the pipe is drained.
+constexpr base::Duration kDrain = seconds(1);
+
+std::int64_t log_clock_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+Json to_json(const fcu::LineConfig& line) {
+  const auto us = [](base::Duration d) { return 1e6 * base::to_seconds(d); };
+  return {{"preset", line.preset},
+          {"baud", line.baud},
+          {"clock_drift_ppm", line.clock_drift_ppm},
+          {"extra_delay_us", us(line.extra_delay)},
+          {"jitter_us", us(line.jitter)},
+          {"batch_us", us(line.batch)},
+          {"stall_every_us", us(line.stall_every)},
+          {"stall_length_us", us(line.stall_length)},
+          {"bit_error_rate", line.bit_error_rate},
+          {"burst_begin", line.burst_begin},
+          {"burst_end", line.burst_end},
+          {"burst_loss", line.burst_loss},
+          {"packet_loss", line.packet_loss},
+          {"send_buffer_bytes", line.send_buffer_bytes},
+          {"receive_fifo_bytes", line.receive_fifo_bytes},
+          {"receive_trigger_bytes", line.receive_trigger_bytes}};
+}
+
+/// "up 500 + 5, down 400 Hz, 0 dropped".
+std::string stream_words(const Json& status, const Json& messages) {
+  double sensor = 0, gps = 0, controls = 0, dropped = 0;
+  for (const Json& message : messages) {
+    if (!message.is_object() || message.value("direction", "") != "tx") continue;
+    const std::string name = message.value("name", "");
+    const double hz = message.value("hz", 0.0);
+    if (name == "HIL_SENSOR") sensor += hz;
+    if (name == "HIL_GPS") gps += hz;
+    if (name == "HIL_CONTROLS" || name == "HIL_ACTUATOR_CONTROLS") controls += hz;
+  }
+  for (const Json& link : status.value("links", Json::array())) {
+    const Json tx = link.value("tx", Json::object());
+    for (const Json& count : tx.value("dropped", Json::object())) dropped += count.get<double>();
+  }
+  return fmt::format("up {:.0f} + {:.0f}, down {:.0f} Hz, {:.0f} dropped", sensor, gps, controls,
+                     dropped);
+}
+
+std::string address(const std::filesystem::path& socket) { return "unix:" + socket.string(); }
+
+}  // namespace
+
+RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
+                             const RunPlaces& places, const RunRequest& request,
+                             GroundStationThread* ground_station)
+    : supervisor_(supervisor),
+      programs_(programs),
+      places_(places),
+      ground_station_(ground_station),
+      simulator_(address(places.simulator_control())),
+      casd_(address(places.command_port())),
+      line_(line_of(request)),
+      plan_(request.scenario),
+      faults_(request.scenario.faults.bench),
+      vehicles_(request.scenario.vehicles.size()) {
+  for (const std::uint8_t system : request.scenario.systems()) {
+    asked_.push_back(request.scenario.flies_several() ? AskedVehicle(system) : std::nullopt);
+  }
+}
+
+void RealtimePilot::fly(std::vector<RunRecord>& records) {
+  ClockMap log_clock;
+  while (true) {
+    const base::SimTime now = simulated_time();
+    log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
+    look();
+    const std::vector<FleetPlan::Command> commands = plan_.update(now, vehicles_);
+    tell_phase();
+    play_faults(now);
+    watch_machine();
+    if (plan_.ended()) break;
+    show(now);
+    for (const FleetPlan::Command& command : commands) {
+      const std::string refusal = give(command);
+      plan_.on_outcome(command.vehicle, simulated_time(), refusal);
+    }
+    if (commands.empty()) supervisor_.wait(kPollPeriod);
+  }
+  supervisor_.wait(kDrain);
+  fill(records, log_clock);
+}
+
+void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
+  const double simulated_s = base::to_seconds(simulated_time());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    RunRecord& record = records[i];
+    record.log_clock = log_clock;
+    record.simulated_s = simulated_s;
+    record.flight_failure = plan_.failure_of(i);
+    record.stages = plan_.plan(i).stages();
+    record.hold = plan_.plan(i).measured();
+    record.faults = faults_.history_of(i);
+    record.cpu_pressure = pressure_.share();
+  }
+}
+
+base::SimTime RealtimePilot::simulated_time() {
+  const Json status = simulator_.call("sim.status", Json::object());
+  real_time_factor_ = status.value("real_time_factor", 0.0);
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    Motion truth = to_motion(status.at("vehicles").at(i));
+    if (i == start_m_.size()) start_m_.push_back(truth.p_m);
+    truth.p_m -= start_m_[i];
+    vehicles_[i].truth = truth;
+  }
+  return base::SimTime(base::from_seconds(status.at("time_s").get<double>()));
+}
+
+void RealtimePilot::look() {
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    VehicleReport report;
+    if (casd_) report = vehicle_report(*casd_, asked_[i]);
+    report.truth = vehicles_[i].truth;
+    vehicles_[i] = report;
+  }
+}
+
+void RealtimePilot::show(base::SimTime now) {
+  watch_stream();
+  const std::size_t leader = plan_.leader();
+  progress_.show(now, plan_.plan(leader), vehicles_[leader], real_time_factor_, stream_);
+}
+
+/// The simulator's fault scripts ask for it.
+void RealtimePilot::tell_phase() {
+  if (plan_.phase() == phase_) return;
+  phase_ = plan_.phase();
+  simulator_.call("sim.phase", {{"name", phase_}});
+}
+
+/// @return why the vehicle refused, or nothing
+std::string RealtimePilot::give(const FleetPlan::Command& command) {
+  if (!casd_) return "casd is away";
+  return hils::give(*casd_, command.step, false, asked_[command.vehicle]);
+}
+
+void RealtimePilot::play_faults(base::SimTime now) {
+  for (const auto& [fault, begins] : faults_.update(now, vehicles_, plan_.phase())) {
+    play(*fault, begins);
+  }
+}
+
+void RealtimePilot::play(const BenchFault& fault, bool begins) {
+  const VehiclePlaces& vehicle = places_.vehicles[fault.vehicle];
+  if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
+    base::rpc::Client fcu(address(vehicle.fcu_control()));
+    fcu.call("line.set", to_json(begins ? line->line : line_));
+  } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
+    if (!begins) return;  // the emulator plugs itself in again
+    base::rpc::Client fcu(address(vehicle.fcu_control()));
+    fcu.call("line.hangup", {{"ms", 1e3 * base::to_seconds(fault.lasting)}});
+  } else if (std::holds_alternative<RestartFault>(fault.kind)) {
+    casd_.reset();
+    if (begins) return programs_.kill_casd();
+    programs_.start_casd();
+    casd_.emplace(address(places_.command_port()));
+  } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
+    if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
+  }
+}
+
+/// Once a second, and only when somebody looks.
+void RealtimePilot::watch_stream() {
+  const base::RunTime now = base::steady_now();
+  if (!progress_.shows() || !casd_ || now < next_stream_look_) return;
+  next_stream_look_ = now + kStreamLook;
+  stream_ = stream_words(casd_->call("casd.status", Json::object()),
+                         casd_->call("message.list", Json::object()));
+}
+
+/// Looks at the machine's load during the measured step.
+void RealtimePilot::watch_machine() {
+  const FlightStep* step = plan_.plan(plan_.leader()).current();
+  const bool measuring = step != nullptr && step->measure;
+  if (measuring && !measuring_) pressure_.start();
+  if (!measuring && measuring_) pressure_.stop();
+  measuring_ = measuring;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/supervisor.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+
+#include <chrono>
+#include <cstdint>
+
+#include "base/error.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+/// What a program gets between SIGTERM and SIGKILL when the run has been stopped.
+constexpr int kLastPatienceMs = 3000;
+
+sigset_t stop_signals() {
+  sigset_t set;
+  ::sigemptyset(&set);
+  ::sigaddset(&set, SIGINT);
+  ::sigaddset(&set, SIGTERM);
+  ::sigaddset(&set, SIGHUP);
+  return set;
+}
+
+base::Descriptor open_signals() {
+  const sigset_t set = stop_signals();
+  if (::pthread_sigmask(SIG_BLOCK, &set, nullptr) != 0) {
+    throw base::ConfigError("cannot block signals");
+  }
+  base::Descriptor fd(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+  if (!fd) throw base::ConfigError("cannot open a signalfd");
+  return fd;
+}
+
+}  // namespace
+
+Supervisor::Supervisor()
+    : signals_(open_signals()), wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (!wake_) throw base::ConfigError("cannot open an eventfd");
+  watcher_ = std::thread([this] { watch(); });
+}
+
+Supervisor::~Supervisor() {
+  {
+    const std::scoped_lock lock(mutex_);
+    closing_ = true;
+  }
+  wake();
+  watcher_.join();
+  for (const auto& child : children_) child->terminate();
+  for (const auto& child : children_) {
+    pollfd end{child->pidfd(), POLLIN, 0};
+    if (!child->poll_exit()) ::poll(&end, 1, kLastPatienceMs);
+    child->poll_exit();
+  }
+}
+
+ChildProcess& Supervisor::start(ChildProcess::Options options, base::Duration timeout) {
+  check();
+  // Here, not on the watcher: the child's life hangs on the thread that forks it.
+  auto owned = std::make_unique<ChildProcess>(std::move(options));
+  ChildProcess& child = *owned;
+  {
+    const std::scoped_lock lock(mutex_);
+    children_.push_back(std::move(owned));
+  }
+  wake();
+  std::unique_lock lock(mutex_);
+  const bool in_time =
+      changed_.wait_for(lock, timeout, [&] { return child.ready() || !stopped_.empty(); });
+  if (!stopped_.empty()) throw RunStopped(stopped_, interrupted_);
+  if (!in_time) {
+    throw RunStopped(child.name() + " was not ready within " +
+                         std::to_string(static_cast<int>(base::to_seconds(timeout))) +
+                         " s; its last lines:" + child.log_tail(),
+                     false);
+  }
+  return child;
+}
+
+void Supervisor::check() const {
+  const std::scoped_lock lock(mutex_);
+  if (!stopped_.empty()) throw RunStopped(stopped_, interrupted_);
+}
+
+void Supervisor::wait(base::Duration time) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, time, [this] { return !stopped_.empty(); });
+  if (!stopped_.empty()) throw RunStopped(stopped_, interrupted_);
+}
+
+bool Supervisor::stop(ChildProcess& child, base::Duration patience) {
+  std::unique_lock lock(mutex_);
+  expected_to_end_.insert(&child);
+  child.terminate();
+  const auto ended = [&] { return child.poll_exit().has_value(); };
+  if (!changed_.wait_for(lock, patience, ended)) {
+    child.kill();
+    changed_.wait(lock, ended);
+    return false;
+  }
+  return child.poll_exit()->code == 0;
+}
+
+void Supervisor::kill(ChildProcess& child) {
+  std::unique_lock lock(mutex_);
+  expected_to_end_.insert(&child);
+  child.kill();
+  changed_.wait(lock, [&] { return child.poll_exit().has_value(); });
+}
+
+std::vector<std::pair<std::string, double>> Supervisor::cpu_s() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<std::pair<std::string, double>> times;
+  for (const auto& child : children_) {
+    if (const auto& exit = child->poll_exit()) times.emplace_back(child->name(), exit->cpu_s);
+  }
+  return times;
+}
+
+/// Waits for signals, ends of programs and notifications, until closing.
+void Supervisor::watch() {
+  while (true) {
+    std::vector<pollfd> fds{{signals_.get(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
+    std::vector<ChildProcess*> watched;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (closing_) return;
+      for (const auto& child : children_) {
+        if (ended_.contains(child.get())) continue;
+        watched.push_back(child.get());
+        fds.push_back({child->pidfd(), POLLIN, 0});
+        fds.push_back({child->notify_fd(), POLLIN, 0});
+      }
+    }
+    ::poll(fds.data(), fds.size(), -1);
+    if (fds[0].revents != 0) on_signal();
+    std::uint64_t ignored = 0;
+    [[maybe_unused]] const auto drained = ::read(wake_.get(), &ignored, sizeof(ignored));
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t i = 0; i < watched.size(); ++i) {
+      watched[i]->take_notifications();
+      if (fds[2 + 2 * i].revents != 0) on_exit(*watched[i]);
+    }
+    changed_.notify_all();
+  }
+}
+
+void Supervisor::wake() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(wake_.get(), &one, sizeof(one));
+}
+
+void Supervisor::on_signal() {
+  signalfd_siginfo info{};
+  if (::read(signals_.get(), &info, sizeof(info)) != sizeof(info)) return;
+  const std::scoped_lock lock(mutex_);
+  stop_run("interrupted", true);
+}
+
+void Supervisor::on_exit(ChildProcess& child) {
+  const auto& exit = child.poll_exit();
+  if (!exit) return;
+  ended_.insert(&child);
+  if (expected_to_end_.contains(&child)) return;
+  stop_run(child.name() + " " + exit->words +
+               " before the run was over; its last lines:" + child.log_tail(),
+           false);
+}
+
+void Supervisor::stop_run(const std::string& sentence, bool interrupted) {
+  if (stopped_.empty() || interrupted) {
+    stopped_ = sentence;
+    interrupted_ = interrupted;
+  }
+  for (const auto& child : children_) {
+    expected_to_end_.insert(child.get());
+    child->terminate();
+  }
+  changed_.notify_all();
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/os/descriptor.hpp"
+#include "hils/programs/child_process.hpp"
+
+namespace cas::hils {
+
+/// A run that could not go on: a program died, did not get ready, or the user pressed Ctrl-C.
+class RunStopped : public std::runtime_error {
+ public:
+  RunStopped(const std::string& sentence, bool interrupted)
+      : std::runtime_error(sentence), interrupted_(interrupted) {}
+  bool interrupted() const { return interrupted_; }
+
+ private:
+  bool interrupted_;
+};
+
+/// Starts the programs of a run and watches over them.
+///
+/// A thread waits on the pidfds and on SIGINT and SIGTERM (blocked in every thread, read from a
+/// signalfd). When one of them comes, it ends all programs: whoever talks to them then sees the
+/// connection go, and `check()` says why.
+class Supervisor {
+ public:
+  /// Blocks SIGINT, SIGTERM and SIGHUP for the process: construct before other threads start.
+  Supervisor();
+  /// Ends whatever still runs.
+  ~Supervisor();
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  /// Starts a program and waits until it is ready. @throws RunStopped, base::ConfigError
+  ChildProcess& start(ChildProcess::Options options, base::Duration timeout);
+
+  /// Throws RunStopped when the run has been stopped.
+  void check() const;
+  /// Waits for `time` or until the run is stopped, whichever comes first. @throws RunStopped
+  void wait(base::Duration time);
+
+  /// Ends one program in good order: SIGTERM, then SIGKILL after `patience`. Its end is expected
+  /// from now on. @return false when it had to be killed or ended with an error
+  bool stop(ChildProcess& child, base::Duration patience);
+
+  /// Ends one program at once, as a crash would. Its end is expected.
+  void kill(ChildProcess& child);
+
+  /// Processor time by program, for those that have ended.
+  std::vector<std::pair<std::string, double>> cpu_s() const;
+
+ private:
+  void watch();
+  void wake();
+  void on_signal();
+  void on_exit(ChildProcess& child);
+  void stop_run(const std::string& sentence, bool interrupted);
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::unique_ptr<ChildProcess>> children_;
+  std::set<const ChildProcess*> expected_to_end_;
+  std::set<const ChildProcess*> ended_;  ///< whose end the watcher has seen
+  std::string stopped_;                  ///< why; empty while all is well
+  bool interrupted_ = false;
+  bool closing_ = false;
+  base::Descriptor signals_;
+  base::Descriptor wake_;
+  std::thread watcher_;
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/report/html_report.hpp"
+
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <thread>
+
+#include "base/time/clock.hpp"
+#include "hils/report/html_page.hpp"
+#include "hils/report/paper_figures.hpp"
+#include "hils/report/report.hpp"
+#include "hils/report/version.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
+
+std::string upper(std::string_view word) {
+  std::string result(word);
+  for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return result;
+}
+
+std::string word_of(const Verdict& verdict) {
+  if (!verdict.valid) return "Not valid";
+  return verdict.passed ? "Passed" : "Failed";
+}
+
+void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verdict) {
+  const auto mood = !verdict.valid   ? HtmlPage::Mood::kNeutral
+                    : verdict.passed ? HtmlPage::Mood::kGood
+                                     : HtmlPage::Mood::kBad;
+  const std::string pace =
+      figures.virtual_clock
+          ? fmt::format("{:.1f} s on the virtual clock in {:.2f} s", figures.simulated_s,
+                        figures.wall_s)
+          : fmt::format("real-time factor {:.4f}, longest stall {:.1f} ms",
+                        figures.pace.real_time_factor, figures.pace.worst_stall_ms);
+  page.verdict(mood, word_of(verdict),
+               fmt::format("{}, {}, seed {}; {}", figures.scenario,
+                           upper(to_string(figures.architecture)), figures.seed, pace),
+               verdict.failures);
+}
+
+std::vector<std::string> rate_cells(const RateFigures& rate) {
+  return {fmt::format("{:g}", rate.nominal_hz), fmt::format("{}", rate.sent),
+          fmt::format("{}", rate.received),     fmt::format("{}", rate.lost),
+          fixed(rate.received_hz, 4),           fixed(rate.error_pct, 4)};
+}
+
+void add_rates(HtmlPage& page, const Measurement& figures) {
+  Rows rows{{"Message", "nominal Hz", "sent", "received", "lost", "received Hz", "error %"}};
+  for (const auto& [name, rate] :
+       {std::pair{"HIL_SENSOR", &figures.rates.sensor}, std::pair{"HIL_GPS", &figures.rates.gps},
+        std::pair{"controls", &figures.rates.controls}}) {
+    rows.push_back({name});
+    for (std::string& cell : rate_cells(*rate)) rows.back().push_back(std::move(cell));
+  }
+  page.table("Every packet followed by message and stamp, from sender to receiver", rows);
+
+  Rows paper{{"Name", "IMU Hz", "error %", "GPS Hz", "error %", "control Hz", "error %"}};
+  const StreamFigures& rates = figures.rates;
+  paper.push_back({upper(to_string(figures.architecture)), fixed(rates.sensor.received_hz, 4),
+                   fixed(rates.sensor.error_pct, 4), fixed(rates.gps.received_hz, 4),
+                   fixed(rates.gps.error_pct, 4), fixed(rates.controls.received_hz, 4),
+                   fixed(rates.controls.error_pct, 4)});
+  for (const PaperRates& row : kPaperTable4) {
+    paper.push_back({fmt::format("[HILS] {}", row.name), fixed(row.sensor_hz, 4),
+                     fixed(row.sensor_error_pct, 4), fixed(row.gps_hz, 4),
+                     fixed(row.gps_error_pct, 4), fixed(row.controls_hz, 4),
+                     fixed(row.controls_error_pct, 4)});
+  }
+  page.table("Rates at the receiver, beside Table 4 of [HILS]", paper, {1, 2, 3});
+}
+
+void add_rms(HtmlPage& page, const Measurement& figures) {
+  if (!figures.rms) return;
+  Rows rows{{"Name", "X m", "Y m", "Z m", "yaw rad"}};
+  const auto add = [&rows](const std::string& name, double x, double y, double z, double yaw) {
+    rows.push_back({name, fixed(x, 4), fixed(y, 4), fixed(z, 4), fixed(yaw, 4)});
+  };
+  const std::string name = upper(to_string(figures.architecture));
+  const RmsFigures& rms = *figures.rms;
+  add(name + ", true", rms.x_m, rms.y_m, rms.z_m, rms.yaw_rad);
+  if (figures.rms_estimate) {
+    const RmsFigures& own = *figures.rms_estimate;
+    add(name + ", its own estimate", own.x_m, own.y_m, own.z_m, own.yaw_rad);
+  }
+  std::vector<std::size_t> quiet;
+  for (const PaperRms& row : kPaperTable5) {
+    quiet.push_back(rows.size() - 1);
+    add(fmt::format("[HILS] {}", row.name), row.x_m, row.y_m, row.z_m, row.yaw_rad);
+  }
+  page.table("RMS error of the hover, beside Table 5 of [HILS]", rows, quiet);
+}
+
+void add_delays(HtmlPage& page, const Measurement& figures) {
+  Rows rows{{"Delay, us", "packets", "median", "99 %", "longest"}};
+  for (const auto& [name, delay] :
+       {std::pair{"sensor out to control back", &figures.sensor_to_control},
+        std::pair{"sensor to the controller", &figures.sensor_uplink},
+        std::pair{"control to the simulator", &figures.controls_downlink},
+        std::pair{"age of the sample at use, since it was made", &figures.age_by_stamp},
+        std::pair{"age of the sample at use, since it arrived", &figures.age_by_arrival}}) {
+    rows.push_back({name, fmt::format("{}", delay->count), fixed(delay->p50, 0),
+                    fixed(delay->p99, 0), fixed(delay->max, 0)});
+  }
+  page.table("Delays", rows);
+}
+
+void add_hops(HtmlPage& page, const Measurement& figures) {
+  Rows rows{{"Hop", "in", "out", "median us", "90 %", "99 %", "longest", "jitter"}};
+  for (const PathAccount& path : figures.paths) {
+    for (const HopFigures& hop : path.hops) {
+      rows.push_back({path.message + ": " + hop.name, fmt::format("{}", hop.in),
+                      fmt::format("{}", hop.out), fixed(hop.delay.p50, 0), fixed(hop.delay.p90, 0),
+                      fixed(hop.delay.p99, 0), fixed(hop.delay.max, 0), fixed(hop.jitter_us, 0)});
+    }
+  }
+  page.table("Each packet from hop to hop", rows);
+  Rows losses{{"Lost", "packets"}};
+  for (const PathAccount& path : figures.paths) {
+    for (const auto& [cause, count] : path.losses) {
+      losses.push_back({path.message + " " + cause, fmt::format("{}", count)});
+    }
+  }
+  if (losses.size() > 1) page.table("Losses by cause", losses);
+  if (figures.from_device) {
+    page.paragraph(
+        fmt::format("The controller keeps no ledger: packets are followed from the simulator to "
+                    "casd's port and "
+                    "back. Beyond it only gaps in its sequence numbers tell of losses: {} packets.",
+                    figures.lost_by_sequence));
+  }
+}
+
+void add_faults(HtmlPage& page, const Measurement& figures) {
+  if (figures.faults.empty()) return;
+  Rows rows{{"Fault", "begin s", "end s"}};
+  for (const auto& fault : figures.faults) {
+    rows.push_back({fault.name, fixed(base::to_seconds(fault.begin), 2),
+                    fault.end ? fixed(base::to_seconds(*fault.end), 2) : "-"});
+  }
+  page.table("Faults", rows);
+}
+
+void add_responses(HtmlPage& page, const Measurement& figures) {
+  if (figures.responses.empty()) return;
+  Rows rows{{"Step", "size m", "rise s", "overshoot %", "settling s", "integrated error m s"}};
+  for (const StepResponse& response : figures.responses) {
+    rows.push_back({response.name, fixed(response.size, 2),
+                    response.rise_s ? fixed(*response.rise_s, 2) : "-",
+                    fixed(response.overshoot_pct, 1),
+                    response.settling_s ? fixed(*response.settling_s, 2) : "-",
+                    fixed(response.integrated_error, 3)});
+  }
+  page.table("Responses to steps of the reference", rows);
+}
+
+void add_machine(HtmlPage& page, const Measurement& figures) {
+  utsname system{};
+  ::uname(&system);
+  Rows rows{{"Ran with", ""}};
+  rows.push_back({"CAS", std::string(kVersion)});
+  rows.push_back({"Compiler", __VERSION__});
+  rows.push_back({"System", fmt::format("{} {} {}, {} processors", system.sysname, system.release,
+                                        system.machine, std::thread::hardware_concurrency())});
+  for (const auto& [program, seconds] : figures.cpu_s) {
+    rows.push_back({"Processor time of " + program,
+                    fmt::format("{:.2f} s in {:.1f} s", seconds, figures.wall_s)});
+  }
+  page.table("Machine and versions", rows);
+}
+
+std::string content_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// What each vehicle did, in a row.
+void add_overview(HtmlPage& page, const RunResult& run) {
+  if (!run.has_several()) return;
+  Rows rows{{"Vehicle", "verdict", "HIL_SENSOR lost", "HIL_GPS lost", "controls lost", "RMS X m",
+             "Y m", "Z m"}};
+  for (const VehicleResult& vehicle : run.vehicles) {
+    const StreamFigures& rates = vehicle.figures.rates;
+    const std::optional<RmsFigures>& rms = vehicle.figures.rms;
+    rows.push_back({vehicle.figures.vehicle, word_of(vehicle.verdict),
+                    fmt::format("{}", rates.sensor.lost), fmt::format("{}", rates.gps.lost),
+                    fmt::format("{}", rates.controls.lost), rms_text(rms, &RmsFigures::x_m),
+                    rms_text(rms, &RmsFigures::y_m), rms_text(rms, &RmsFigures::z_m)});
+  }
+  page.table("Vehicles", rows);
+}
+
+/// @param who  in front of the headings: "left: ", or nothing
+void add_vehicle(HtmlPage& page, const std::string& who, const Measurement& figures,
+                 const NamedPlots& plots) {
+  page.heading(who + "Communication");
+  add_rates(page, figures);
+  add_delays(page, figures);
+  add_hops(page, figures);
+  page.heading(who + "Flight");
+  add_rms(page, figures);
+  add_responses(page, figures);
+  add_faults(page, figures);
+  for (const auto& [name, plot] : plots) page.figure(to_svg(plot));
+}
+
+}  // namespace
+
+std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plots,
+                        const std::vector<std::filesystem::path>& config_files) {
+  const Measurement whole = run.whole();
+  HtmlPage page(fmt::format("{} ({})", whole.scenario, upper(to_string(whole.architecture))));
+  add_verdict(page, whole, run.verdict);
+  add_overview(page, run);
+  for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
+    const Measurement& figures = run.vehicles[i].figures;
+    add_vehicle(page, run.has_several() ? figures.vehicle + ": " : "", figures, plots[i]);
+  }
+  page.heading("Configuration");
+  add_machine(page, whole);
+  for (const std::filesystem::path& file : config_files) {
+    page.folded(file.filename().string(), content_of(file));
+  }
+  return page.finish();
+}
+
+}  // namespace cas::hils

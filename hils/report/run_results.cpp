@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/report/run_results.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "hils/report/html_report.hpp"
+#include "hils/report/junit_report.hpp"
+#include "hils/report/plot.hpp"
+#include "hils/report/report.hpp"
+#include "hils/run/run_places.hpp"
+#include "hils/report/run_plots.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+void write_plots(const std::filesystem::path& folder, const NamedPlots& plots) {
+  std::filesystem::create_directories(folder);
+  for (const auto& [name, plot] : plots) write_text(folder / (name + ".svg"), to_svg(plot));
+}
+
+/// The scenario, what it names, and what was made of it; each file once.
+std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
+  const RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
+  std::vector<std::filesystem::path> files{request.scenario.file};
+  for (const ScenarioVehicle& vehicle : request.scenario.vehicles) {
+    if (std::ranges::find(files, vehicle.vehicle) == files.end()) files.push_back(vehicle.vehicle);
+  }
+  files.push_back(places.simulator_config());
+  files.push_back(places.casd_config());
+  for (const VehiclePlaces& vehicle : places.vehicles) files.push_back(vehicle.fcu_config());
+  return files;
+}
+
+}  // namespace
+
+void write_results(const RunRequest& request, const RunResult& run) {
+  const std::filesystem::path& out = request.out;
+  write_text(out / "summary.json", summary_json(run));
+  write_text(out / "junit.xml", junit_report(run));
+  std::vector<NamedPlots> plots;
+  for (const VehicleResult& vehicle : run.vehicles) {
+    plots.push_back(run_plots(request.scenario, vehicle.record, vehicle.figures));
+    const std::filesystem::path folder = out / "plots";
+    write_plots(run.has_several() ? folder / vehicle.figures.vehicle : folder, plots.back());
+  }
+  write_text(out / "report.html", html_report(run, plots, quoted_files(request)));
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hils/scenario/scenario.hpp"
+
+namespace cas::hils {
+
+/// Where the pieces of one vehicle of a run are, and what they are called. With several vehicles
+/// the names of files bear the vehicle's and those of links its number.
+struct VehiclePlaces {
+  std::filesystem::path out;            ///< results: truth.csv
+  std::filesystem::path run;            ///< effective configuration, ledgers
+  std::filesystem::path sockets;        ///< short-lived: control socket, the PTY's link
+  std::string suffix{};                 ///< behind the names of files: "_NAME"
+  std::string tty = "fcu0";             ///< the PTY's link
+  std::string simulator_link = "sim";   ///< casd's link to the simulator
+  std::string controller_link = "fcu";  ///< casd's link to the controller
+  std::uint16_t simulator_port = 0;     ///< hilsim's end of the simulator's link
+  std::uint16_t casd_port = 0;          ///< casd's end of it
+
+  std::string emulator() const { return "fcu_emulator" + suffix; }
+  std::filesystem::path fcu_config() const { return run / ("fcu" + suffix + ".yaml"); }
+  std::filesystem::path simulator_ledger() const { return csv("simulator_ledger"); }
+  std::filesystem::path controller_ledger() const { return csv("controller_ledger"); }
+  std::filesystem::path truth_csv() const { return out / ("truth" + suffix + ".csv"); }
+  std::filesystem::path fcu_link() const { return sockets / tty; }
+  std::filesystem::path fcu_control() const { return sockets / ("fcu" + suffix); }
+
+ private:
+  std::filesystem::path csv(const char* name) const { return run / (name + suffix + ".csv"); }
+};
+
+/// Where the pieces of one run are.
+struct RunPlaces {
+  std::filesystem::path out;      ///< results: flight.tlog, summary.json
+  std::filesystem::path run;      ///< effective configurations, ledgers, figures, program output
+  std::filesystem::path sockets;  ///< short-lived: control sockets
+  std::uint16_t ground_station_port = 0;  ///< where casd's link "gcs" sends; 0: no such link
+  std::vector<VehiclePlaces> vehicles;    ///< in the order of the scenario
+
+  /// Places below `out`; no port is chosen yet.
+  static RunPlaces of(const Scenario& scenario, const std::filesystem::path& out,
+                      const std::filesystem::path& sockets);
+  /// Gives each vehicle's link two ports that are free now. @throws base::ConfigError
+  void choose_ports();
+
+  std::filesystem::path simulator_config() const { return run / "hilsim.yaml"; }
+  std::filesystem::path casd_config() const { return run / "casd.yaml"; }
+  std::filesystem::path casd_stats() const { return run / "casd_stats.json"; }
+  std::filesystem::path simulator_stats() const { return run / "hilsim_stats.json"; }
+  std::filesystem::path casd_ledger() const { return run / "casd_ledger.csv"; }
+  std::filesystem::path flight_tlog() const { return out / "flight.tlog"; }
+  std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
+  std::filesystem::path command_port() const { return sockets / "casd"; }
+};
+
+}  // namespace cas::hils

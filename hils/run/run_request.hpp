@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "hils/scenario/scenario.hpp"
+
+namespace cas::hils {
+
+/// One run of a scenario.
+struct RunRequest {
+  Scenario scenario;
+  Architecture architecture = Architecture::kTcas;
+  std::uint64_t seed = 1;
+  std::string line_preset{};  ///< instead of the scenario's; empty: the scenario's
+  std::string fcu_device{};   ///< a real controller's serial port; empty: the emulator
+  unsigned fcu_baud = 921600;
+  bool lockstep = false;      ///< the processes run on the stream's time
+  std::filesystem::path out;  ///< folder of the results; what the programs were given is in out/run
+};
+
+}  // namespace cas::hils

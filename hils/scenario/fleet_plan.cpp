@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/scenario/fleet_plan.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace cas::hils {
+
+FleetPlan::FleetPlan(const Scenario& scenario) : names_(scenario.names()) {
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    plans_.emplace_back(steps_for(i, scenario.steps), scenario.vehicles[i].start_yaw_rad());
+  }
+}
+
+/// What one vehicle ends another may wait for: look until nothing more ends at this moment.
+std::vector<FleetPlan::Command> FleetPlan::update(base::SimTime now,
+                                                  std::span<const VehicleReport> vehicles) {
+  std::vector<Command> commands;
+  std::size_t before = 0;
+  do {
+    before = progress();
+    for (std::size_t i = 0; i < plans_.size(); ++i) {
+      std::optional<FlightStep> step = plans_[i].update(now, vehicles[i], others_through(i));
+      if (step) commands.push_back({.vehicle = i, .step = std::move(*step)});
+    }
+  } while (plans_.size() > 1 && progress() != before);
+  return commands;
+}
+
+void FleetPlan::on_outcome(std::size_t vehicle, base::SimTime now, const std::string& refusal) {
+  plans_[vehicle].on_outcome(now, refusal);
+}
+
+bool FleetPlan::ended() const {
+  return std::ranges::all_of(plans_, &FlightPlan::done) ||
+         std::ranges::any_of(plans_, [](const auto& plan) { return !plan.failure().empty(); });
+}
+
+std::size_t FleetPlan::leader() const {
+  const std::size_t step = plans_[slowest()].completed();
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    if (plans_[i].completed() == step && !plans_[i].stands_by()) return i;
+  }
+  return 0;
+}
+
+std::string FleetPlan::failure_of(std::size_t vehicle) const {
+  if (!plans_[vehicle].failure().empty()) return plans_[vehicle].failure();
+  const auto failed =
+      std::ranges::find_if(plans_, [](const FlightPlan& plan) { return !plan.failure().empty(); });
+  if (failed == plans_.end()) return {};
+  return "it ended with that of " + names_[static_cast<std::size_t>(failed - plans_.begin())];
+}
+
+std::size_t FleetPlan::slowest() const {
+  const auto least = std::ranges::min_element(plans_, {}, &FlightPlan::completed);
+  return static_cast<std::size_t>(least - plans_.begin());
+}
+
+std::size_t FleetPlan::others_through(std::size_t vehicle) const {
+  std::size_t least = FlightPlan::kNobody;
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    if (i != vehicle) least = std::min(least, plans_[i].through());
+  }
+  return least;
+}
+
+std::size_t FleetPlan::progress() const {
+  std::size_t sum = 0;
+  for (const FlightPlan& plan : plans_) sum += 2 * plan.completed() + (plan.begun() ? 1 : 0);
+  return sum;
+}
+
+}  // namespace cas::hils

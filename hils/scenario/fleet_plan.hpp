@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hils/flight/flight_plan.hpp"
+#include "hils/scenario/scenario.hpp"
+
+namespace cas::hils {
+
+/// Takes the vehicles of a scenario through its steps together: a step begins for all of them at
+/// the same moment, when each is through with the one before. One vehicle alone is a fleet, too.
+///
+///   update() -> commands -> on_outcome() of each -> update() ...
+class FleetPlan {
+ public:
+  explicit FleetPlan(const Scenario& scenario);
+
+  /// A command that is to be given now.
+  struct Command {
+    std::size_t vehicle = 0;
+    FlightStep step;
+  };
+  /// Looks at all vehicles, in the order of the scenario.
+  std::vector<Command> update(base::SimTime now, std::span<const VehicleReport> vehicles);
+  /// A vehicle's answer to its last command, as FlightPlan takes it.
+  void on_outcome(std::size_t vehicle, base::SimTime now, const std::string& refusal);
+
+  /// Every vehicle is through, or one of them cannot go on.
+  bool ended() const;
+  /// What the flight is about: the step that not all of them have done.
+  std::string_view phase() const { return plans_[slowest()].phase(); }
+  /// The first vehicle that does something in the step under way, for progress lines.
+  std::size_t leader() const;
+  const FlightPlan& plan(std::size_t vehicle) const { return plans_[vehicle]; }
+  /// Why a vehicle's flight is not complete, be it another's fault; empty when it is, or while it
+  /// goes on.
+  std::string failure_of(std::size_t vehicle) const;
+
+ private:
+  std::size_t slowest() const;
+  std::size_t others_through(std::size_t vehicle) const;
+  std::size_t progress() const;
+
+  VehicleNames names_;
+  std::vector<FlightPlan> plans_;
+};
+
+}  // namespace cas::hils

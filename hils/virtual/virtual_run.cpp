@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/virtual/virtual_run.hpp"
+
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/random.hpp"
+#include "casd/topology/topology.hpp"
+#include "hils/programs/composition.hpp"
+#include "hils/programs/ground_station.hpp"
+#include "hils/programs/progress.hpp"
+#include "hils/report/report.hpp"
+#include "hils/measure/run_record.hpp"
+#include "hils/programs/supervisor.hpp"
+#include "hils/virtual/tlog_writer.hpp"
+#include "hils/virtual/virtual_controller.hpp"
+#include "hils/virtual/virtual_pilot.hpp"
+#include "hils/virtual/virtual_relay.hpp"
+#include "hils/virtual/virtual_simulator.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+/// Time zero of the virtual clock in flight.tlog: 2026-01-01T00:00:00Z, so that a log is the same
+/// whenever it is made.
+constexpr std::int64_t kLogEpochUs = 1'767'225'600'000'000;
+/// The stream goes on for this long after the flight, so that the pipe is drained.
+constexpr base::Duration kDrain = std::chrono::seconds(1);
+/// Stands for a port in a topology whose links are not opened.
+constexpr std::uint16_t kAnyPort = 1;
+constexpr base::Duration kShowPeriod = std::chrono::seconds(1);
+
+std::int64_t log_clock_us(base::Duration since_start) {
+  return kLogEpochUs + since_start.count() / 1000;
+}
+
+/// Lets Ctrl-C end the run in good order while it lives.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    raised_ = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int) { raised_ = 1; };
+    ::sigaction(SIGINT, &action, &before_int_);
+    ::sigaction(SIGTERM, &action, &before_term_);
+  }
+  ~InterruptGuard() {
+    ::sigaction(SIGINT, &before_int_, nullptr);
+    ::sigaction(SIGTERM, &before_term_, nullptr);
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  static bool raised() { return raised_ != 0; }
+
+ private:
+  static inline volatile sig_atomic_t raised_ = 0;
+  struct sigaction before_int_ {};
+  struct sigaction before_term_ {};
+};
+
+/// One vehicle's part of the bench: casd's links for it, and its controller behind a line.
+class Seat {
+ public:
+  Seat(VirtualRelay& relay, const VehiclePlaces& places)
+      : to_simulator_(relay.link(places.simulator_link)),
+        to_controller_(relay.link(places.controller_link)),
+        controller_(
+            fcu::FcuConfig::load(places.fcu_config()),
+            [this, &relay](auto bytes, auto now) { relay.receive(to_controller_, bytes, now); }),
+        line_(controller_.line().config()) {
+    relay.connect(to_controller_,
+                  [this](auto bytes, auto now) { return controller_.write(bytes, now); });
+  }
+
+  casd::LinkId to_simulator() const { return to_simulator_; }
+  casd::LinkId to_controller() const { return to_controller_; }
+  VirtualController& controller() { return controller_; }
+  const VirtualController& controller() const { return controller_; }
+
+  /// The line as the fault has it; as it was, when that ends.
+  void set_line(const LineFault& fault, bool begins) {
+    controller_.line().configure(begins ? fault.line : line_);
+  }
+  void unplug(bool begins) { begins ? controller_.line().hang_up() : controller_.line().restore(); }
+
+ private:
+  casd::LinkId to_simulator_;
+  casd::LinkId to_controller_;
+  VirtualController controller_;
+  fcu::LineConfig line_;  ///< as it is without faults
+};
+
+/// The whole bench as one discrete-event simulation.
+class VirtualBench {
+ public:
+  VirtualBench(const RunRequest& request, const RunPlaces& places)
+      : scenario_(request.scenario),
+        stats_file_(places.simulator_stats()),
+        log_(places.flight_tlog()),
+        topology_(casd::Topology::load(places.casd_config())),
+        relay_(topology_,
+               WakeUp(request.scenario.wake_up, base::derive_seed(request.seed, "wake_up"))),
+        seats_(seats(places)),
+        simulator_(sim::SimConfig::load(places.simulator_config()),
+                   {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, ways_out()),
+        pilot_(relay_.commander(), scenario_, casd::GainMap::load(topology_.gains),
+               [this](std::size_t vehicle) { return simulator_.motion(vehicle); }),
+        faults_(scenario_.faults.bench) {
+    for (std::size_t i = 0; i < seats_.size(); ++i) {
+      relay_.connect(seats_[i]->to_simulator(), [this, i](auto bytes, auto now) {
+        simulator_.wire(i).write(bytes, now);
+        return bytes.size();
+      });
+    }
+    if (scenario_.ground_station) connect_ground_station();
+    relay_.on_packet([this](casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
+      const bool from_controller = std::ranges::any_of(
+          seats_, [from](const auto& seat) { return seat->to_controller() == from; });
+      if (from_controller) log_.write(log_clock_us(now.time_since_epoch()), packet.bytes);
+    });
+  }
+
+  void fly() {
+    const base::RunTime begin = base::steady_now();
+    std::optional<base::RunTime> end;
+    for (base::RunTime now{}; !end || now < *end; now = next_event(now)) {
+      advance(now);
+      if (!end && pilot_.plan().ended()) end = now + kDrain;
+      if (InterruptGuard::raised()) throw RunStopped("interrupted", true);
+      show(now, begin);
+    }
+    progress_.clear();
+    simulator_.finish();
+    write_text(stats_file_, simulator_.stats_json());
+    log_.close();
+  }
+
+  void fill(std::size_t vehicle, RunRecord& record) const {
+    const FlightPlan& plan = pilot_.plan().plan(vehicle);
+    const Seat& seat = *seats_[vehicle];
+    record.simulator = simulator_.wire(vehicle).ledger();
+    record.controller = seat.controller().ledger();
+    record.relay = RelayLedgers{.simulator = relay_.ledger(seat.to_simulator()),
+                                .controller = relay_.ledger(seat.to_controller())};
+    record.stages = plan.stages();
+    record.hold = plan.measured();
+    record.log_clock.add(kLogEpochUs, 0);
+    record.faults = faults_.history_of(vehicle);
+    record.flight_failure = pilot_.plan().failure_of(vehicle);
+    record.simulated_s = base::to_seconds(simulator_.time());
+  }
+
+ private:
+  std::vector<std::unique_ptr<Seat>> seats(const RunPlaces& places) {
+    std::vector<std::unique_ptr<Seat>> seats;
+    for (const VehiclePlaces& vehicle : places.vehicles) {
+      seats.push_back(std::make_unique<Seat>(relay_, vehicle));
+    }
+    return seats;
+  }
+
+  /// What the simulator sends goes into casd by the vehicle's link.
+  std::vector<VirtualSimulator::OnBytes> ways_out() {
+    std::vector<VirtualSimulator::OnBytes> ways;
+    for (const auto& seat : seats_) {
+      ways.emplace_back([this, link = seat->to_simulator()](auto bytes, auto now) {
+        relay_.receive(link, bytes, now);
+      });
+    }
+    return ways;
+  }
+
+  void connect_ground_station() {
+    const casd::LinkId link = relay_.link("gcs");
+    ground_station_.emplace(scenario_.systems(), kParameterListPeriod,
+                            [this, link](auto bytes) { relay_.receive(link, bytes, now_); });
+    relay_.connect(link, [this](auto bytes, auto) {
+      ground_station_->on_bytes(bytes);
+      return bytes.size();
+    });
+  }
+
+  /// Everything that is due at `now`, in an order that never changes.
+  void advance(base::RunTime now) {
+    now_ = now;
+    if (now >= simulator_.next_event()) simulator_.step(now);
+    relay_.run(now);
+    for (const auto& seat : seats_) seat->controller().run(now);
+    pilot_.set_now(now);
+    if (now >= pilot_.next_event()) {
+      pilot_.run(now);
+      simulator_.set_flight_phase(pilot_.plan().phase());
+      play_faults(now);
+    }
+    if (ground_station_ && now >= next_ground_tick_) {
+      ground_station_->tick(now);
+      next_ground_tick_ = now + GroundStation::kTickPeriod;
+    }
+  }
+
+  void play_faults(base::RunTime now) {
+    const base::SimTime time(now.time_since_epoch());
+    for (const auto& [fault, begins] :
+         faults_.update(time, pilot_.vehicles(), pilot_.plan().phase())) {
+      Seat& seat = *seats_[fault->vehicle];
+      if (const auto* line = std::get_if<LineFault>(&fault->kind)) {
+        seat.set_line(*line, begins);
+      } else if (std::holds_alternative<UnplugFault>(fault->kind)) {
+        seat.unplug(begins);
+      } else if (std::holds_alternative<RestartFault>(fault->kind)) {
+        begins ? relay_.kill() : relay_.restart();
+      } else if (const auto* flood = std::get_if<FloodFault>(&fault->kind)) {
+        if (ground_station_) ground_station_->flood(begins ? flood->packets_hz : 0);
+      }
+    }
+  }
+
+  base::RunTime next_event(base::RunTime now) const {
+    base::RunTime next =
+        std::min({simulator_.next_event(), relay_.next_event(), pilot_.next_event()});
+    for (const auto& seat : seats_) next = std::min(next, seat->controller().next_event(now));
+    if (ground_station_) next = std::min(next, next_ground_tick_);
+    return std::max(next, now + base::Duration(1));  // time always goes on
+  }
+
+  void show(base::RunTime now, base::RunTime begin) {
+    if (now < next_show_) return;
+    next_show_ = now + kShowPeriod;
+    const double wall_s = std::max(base::to_seconds(base::steady_now() - begin), 1e-9);
+    const std::size_t leader = pilot_.plan().leader();
+    progress_.show(base::SimTime(now.time_since_epoch()), pilot_.plan().plan(leader),
+                   pilot_.vehicles()[leader], base::to_seconds(now) / wall_s);
+  }
+
+  const Scenario& scenario_;
+  std::filesystem::path stats_file_;
+  TlogWriter log_;
+  casd::Topology topology_;
+  VirtualRelay relay_;
+  std::vector<std::unique_ptr<Seat>> seats_;
+  VirtualSimulator simulator_;
+  VirtualPilot pilot_;
+  BenchFaultScript faults_;
+  std::optional<GroundStation> ground_station_;
+  Progress progress_;
+  base::RunTime now_{};
+  base::RunTime next_ground_tick_{};
+  base::RunTime next_show_{};
+};
+
+}  // namespace
+
+std::vector<RunRecord> run_on_virtual_clock(const RunRequest& request) {
+  const InterruptGuard interrupts;
+  const base::RunTime begin = base::steady_now();
+  RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
+  if (request.scenario.ground_station) places.ground_station_port = kAnyPort;
+  write_configs(request, Transport::kBus, places);
+
+  VirtualBench bench(request, places);
+  bench.fly();
+  const double wall_s = base::to_seconds(base::steady_now() - begin);
+  std::vector<RunRecord> records = records_of(request.scenario, places);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    bench.fill(i, records[i]);
+    add_vehicle_faults(places, records[i]);
+    records[i].virtual_clock = true;
+    records[i].wall_s = wall_s;
+  }
+  return records;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/flight/bench_fault.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace cas::hils {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+base::SimTime at(base::Duration since_start) { return base::SimTime(since_start); }
+
+ScenarioFaults faults_of(const std::string& text, const VehicleNames& names = only_vehicle()) {
+  const auto line = base::ConfigNode::parse("{preset: baud_460800}", "line");
+  return parse_scenario_faults(base::ConfigNode::parse(text, "scenario.yaml"), line, names);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    faults_of(text);
+  } catch (const base::ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(ScenarioFaults, BelongToTheBenchOrToTheVehicle) {
+  const ScenarioFaults faults = faults_of(
+      "[{at_s: 1, for_s: 2, unplug: fcu}, {at_s: 3, drop: gps},"
+      " {when: altitude > 2, for_s: 1, restart: casd}, {at_s: 1, for_s: 1, flood_hz: 500}]");
+  EXPECT_EQ(faults.bench.size(), 3U);
+  ASSERT_EQ(faults.vehicle.size(), 1U);
+  EXPECT_EQ(faults.vehicle[0].script.require<std::string>("drop"), "gps");
+}
+
+TEST(ScenarioFaults, OverrideTheLineOfTheScenario) {
+  const ScenarioFaults faults = faults_of("[{at_s: 1, for_s: 2, line: {packet_loss: 0.5}}]");
+  const auto& line = std::get<LineFault>(faults.bench.at(0).kind).line;
+  EXPECT_DOUBLE_EQ(line.baud, 460800);
+  EXPECT_DOUBLE_EQ(line.packet_loss, 0.5);
+}
+
+struct BadFault {
+  const char* name;
+  const char* text;
+  const char* sentence;
+};
+
+class BadFaults : public testing::TestWithParam<BadFault> {};
+
+TEST_P(BadFaults, AreRefusedWithALineAndAReason) {
+  const std::string error = error_of(GetParam().text);
+  EXPECT_NE(error.find(GetParam().sentence), std::string::npos) << error;
+  EXPECT_NE(error.find("scenario.yaml:1"), std::string::npos) << error;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadFaults,
+    testing::Values(
+        BadFault{"NoTime", "[{for_s: 1, unplug: fcu}]", "needs at_s or when"},
+        BadFault{"NoLength", "[{at_s: 1, unplug: fcu}]", "for_s"},
+        BadFault{"TwoEffects", "[{at_s: 1, for_s: 1, unplug: fcu, flood_hz: 9}]", "second effect"},
+        BadFault{"UnknownFact", "[{when: height_of > 2, for_s: 1, restart: casd}]", "height_of"},
+        BadFault{"UnknownProgram", "[{at_s: 1, for_s: 1, restart: hilsim}]", "takes only casd"},
+        BadFault{"UnknownLineKey", "[{at_s: 1, for_s: 1, line: {bauds: 9}}]", "bauds"},
+        BadFault{"UnknownVehicle", "[{at_s: 1, for_s: 1, unplug: fcu, vehicle: left}]",
+                 "[0].vehicle: there is no vehicle 'left'; vehicles are iris0"},
+        BadFault{"UnknownEffect", "[{at_s: 1, explode: imu}]", "needs one of"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(ScenarioFaults, BefallTheVehicleThatTheyNameOrEachOfThem) {
+  const ScenarioFaults faults = faults_of(
+      "[{at_s: 1, for_s: 2, unplug: fcu, vehicle: right}, {at_s: 1, for_s: 1, line: {}},"
+      " {at_s: 1, for_s: 1, restart: casd}, {at_s: 3, drop: gps, vehicle: left},"
+      " {at_s: 4, drop: imu}]",
+      {"left", "right"});
+  std::vector<std::size_t> bench;
+  for (const BenchFault& fault : faults.bench) bench.push_back(fault.vehicle);
+  EXPECT_EQ(bench, (std::vector<std::size_t>{1, 0, 1, 0}));
+  ASSERT_EQ(faults.vehicle.size(), 2U);
+  EXPECT_EQ(faults.vehicle[0].vehicle, 0U);
+  EXPECT_FALSE(faults.vehicle[1].vehicle);
+}
+
+TEST(BenchFaultScript, AsksTheVehicleThatTheFaultIsAbout) {
+  BenchFaultScript script(
+      faults_of("[{when: altitude > 2, for_s: 9, unplug: fcu}, {at_s: 1, for_s: 1, restart: casd}]",
+                {"left", "right"})
+          .bench);
+  std::vector<VehicleReport> vehicles(2);
+  vehicles[1].p_N = {0, 0, -3};
+  const auto events = script.update(at(seconds(1)), vehicles, "hold");
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].fault->vehicle, 1U);
+  EXPECT_EQ(script.history_of(0).size(), 1U);  // what befalls casd befalls both
+  EXPECT_EQ(script.history_of(1).size(), 2U);
+}
+
+TEST(BenchFaultScript, BeginsAndEndsEachFaultOnce) {
+  BenchFaultScript script(faults_of("[{at_s: 1, for_s: 2, unplug: fcu}]").bench);
+  const std::vector<VehicleReport> alone(1);
+  EXPECT_TRUE(script.update(at(milliseconds(900)), alone, "hold").empty());
+  const auto begun = script.update(at(seconds(1)), alone, "hold");
+  ASSERT_EQ(begun.size(), 1U);
+  EXPECT_TRUE(begun[0].begins);
+  EXPECT_TRUE(script.update(at(seconds(2)), alone, "hold").empty());
+  const auto ended = script.update(at(seconds(3)), alone, "hold");
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_FALSE(ended[0].begins);
+  EXPECT_TRUE(script.update(at(seconds(9)), alone, "hold").empty());
+  ASSERT_EQ(script.history().size(), 1U);
+  EXPECT_EQ(script.history()[0].begin, at(seconds(1)));
+  EXPECT_EQ(script.history()[0].end, at(seconds(3)));
+}
+
+TEST(BenchFaultScript, AsksTheEstimateOrTheTruth) {
+  BenchFaultScript script(
+      faults_of("[{name: a, when: altitude > 2 and phase == hold, for_s: 1, unplug: fcu},"
+                " {name: b, when: altitude > 2, of: truth, for_s: 1, restart: casd}]")
+          .bench);
+  std::vector<VehicleReport> vehicles(1);
+  VehicleReport& vehicle = vehicles.front();
+  vehicle.p_N = {0, 0, -3};
+  EXPECT_TRUE(script.update(at(seconds(1)), vehicles, "takeoff").empty());
+  ASSERT_EQ(script.update(at(seconds(2)), vehicles, "hold").size(), 1U);
+  vehicle.truth = Motion{.p_m = {0, 0, 2.5}};
+  const auto events = script.update(at(milliseconds(2500)), vehicles, "hold");
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].fault->name, "b");
+}
+
+}  // namespace
+}  // namespace cas::hils

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/flight/flight_plan.hpp"
+
+#include <gtest/gtest.h>
+
+namespace cas::hils {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+base::SimTime at(base::Duration since_start) { return base::SimTime(since_start); }
+
+std::vector<FlightStep> hover() {
+  return {{.kind = StepKind::kArm, .timeout = seconds(10)},
+          {.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5},
+          {.kind = StepKind::kHold, .duration = seconds(5), .measure = true},
+          {.kind = StepKind::kLand, .timeout = seconds(10)},
+          {.kind = StepKind::kDisarm, .timeout = seconds(10)}};
+}
+
+VehicleReport on_ground() { return {.heard = true, .on_ground = true, .has_position = true}; }
+
+VehicleReport hovering() {
+  VehicleReport report{.heard = true, .armed = true, .in_air = true, .has_position = true};
+  report.p_N = {0, 0, -2.5};
+  return report;
+}
+
+TEST(FlightPlan, WaitsForTheVehicleToBeHeard) {
+  FlightPlan plan(hover());
+  EXPECT_FALSE(plan.update(at(seconds(0)), {}));
+  const auto command = plan.update(at(seconds(1)), on_ground());
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->kind, StepKind::kArm);
+}
+
+TEST(FlightPlan, GivesARefusedCommandAgainAfterASecond) {
+  FlightPlan plan(hover());
+  ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
+  plan.on_outcome(at(seconds(0)), "estimator not ready");
+  EXPECT_FALSE(plan.update(at(milliseconds(900)), on_ground()));
+  EXPECT_TRUE(plan.update(at(seconds(1)), on_ground()));
+}
+
+TEST(FlightPlan, FailsWithTheLastRefusalWhenTheTimeIsOver) {
+  FlightPlan plan(hover());
+  ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
+  plan.on_outcome(at(milliseconds(9500)), "estimator not ready");
+  plan.update(at(milliseconds(10'100)), on_ground());
+  EXPECT_EQ(plan.failure(), "arm was not done within 10 s: estimator not ready");
+}
+
+TEST(FlightPlan, TakesTheVehicleThroughAllSteps) {
+  FlightPlan plan(hover());
+  ASSERT_EQ(plan.update(at(seconds(0)), on_ground())->kind, StepKind::kArm);
+  plan.on_outcome(at(seconds(0)), "");
+  VehicleReport vehicle = on_ground();
+  vehicle.armed = true;
+  ASSERT_EQ(plan.update(at(seconds(1)), vehicle)->kind, StepKind::kTakeoff);
+  plan.on_outcome(at(seconds(1)), "");
+  EXPECT_FALSE(plan.update(at(seconds(3)), hovering()));  // still for no time yet
+  EXPECT_FALSE(plan.update(at(seconds(4)), hovering()));  // hold begins
+  EXPECT_FALSE(plan.update(at(seconds(8)), hovering()));
+  ASSERT_EQ(plan.update(at(seconds(9)), hovering())->kind, StepKind::kLand);
+  plan.on_outcome(at(seconds(9)), "");
+  vehicle = on_ground();
+  vehicle.armed = true;
+  ASSERT_EQ(plan.update(at(seconds(12)), vehicle)->kind, StepKind::kDisarm);
+  plan.on_outcome(at(seconds(12)), "");
+  EXPECT_FALSE(plan.update(at(seconds(13)), on_ground()));
+  EXPECT_TRUE(plan.done());
+  const auto hold = plan.measured();
+  ASSERT_TRUE(hold);
+  EXPECT_EQ(hold->begin, at(seconds(4)));
+  EXPECT_EQ(hold->end, at(seconds(9)));
+  EXPECT_EQ(hold->reference_m, Eigen::Vector3d(0, 0, 2.5));
+}
+
+TEST(FlightPlan, StartsTheStillnessAnewWhenTheVehicleMoves) {
+  FlightPlan plan({{.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5}});
+  plan.update(at(seconds(0)), hovering());
+  plan.on_outcome(at(seconds(0)), "");
+  plan.update(at(seconds(1)), hovering());
+  VehicleReport moving = hovering();
+  moving.v_N = {1, 0, 0};
+  plan.update(at(milliseconds(1900)), moving);
+  plan.update(at(milliseconds(2100)), hovering());
+  EXPECT_FALSE(plan.done());
+  plan.update(at(milliseconds(3100)), hovering());
+  EXPECT_TRUE(plan.done());
+}
+
+TEST(FlightPlan, FailsWhenTheVehicleDisarmsInTheAir) {
+  FlightPlan plan({{.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5},
+                   {.kind = StepKind::kHold, .duration = seconds(5)},
+                   {.kind = StepKind::kLand}});
+  plan.update(at(seconds(0)), hovering());
+  plan.on_outcome(at(seconds(0)), "");
+  plan.update(at(seconds(1)), hovering());
+  plan.update(at(seconds(2)), hovering());
+  plan.update(at(seconds(3)), on_ground());
+  EXPECT_EQ(plan.failure(), "the vehicle disarmed itself during hold");
+}
+
+FlightStep wait_until(const std::string& text) {
+  const auto steps = base::ConfigNode::parse("{condition: '" + text + "'}", "step");
+  FlightStep step{.kind = StepKind::kWaitUntil, .timeout = seconds(10)};
+  step.until = parse_condition(steps, "condition");
+  return step;
+}
+
+TEST(FlightPlan, WaitsUntilTheConditionHolds) {
+  FlightPlan plan({wait_until("altitude > 2 and armed")});
+  EXPECT_FALSE(plan.update(at(seconds(0)), on_ground()));
+  EXPECT_FALSE(plan.done());
+  plan.update(at(seconds(1)), hovering());
+  EXPECT_TRUE(plan.done());
+}
+
+TEST(FlightPlan, FailsWhenTheConditionIsNeverMet) {
+  FlightPlan plan({wait_until("altitude > 50")});
+  plan.update(at(seconds(0)), hovering());
+  plan.update(at(milliseconds(10'100)), hovering());
+  EXPECT_EQ(plan.failure(), "wait_until was not done within 10 s");
+}
+
+TEST(FlightPlan, CountsATrajectoryFromTheVehiclesAnswer) {
+  FlightStep step{.kind = StepKind::kTrajectory, .duration = seconds(20)};
+  step.params = {{"CAS_TRJ_SHAPE", 2}};
+  FlightPlan plan({step});
+  ASSERT_EQ(plan.update(at(seconds(0)), hovering())->params.size(), 1U);
+  plan.on_outcome(at(seconds(2)), "");
+  plan.update(at(seconds(21)), hovering());
+  EXPECT_FALSE(plan.done());
+  plan.update(at(seconds(22)), hovering());
+  ASSERT_TRUE(plan.done());
+  EXPECT_EQ(plan.stages()[0].accepted, at(seconds(2)));
+}
+
+TEST(FlightPlan, NamesThePhaseByTheStepsNameOrWord) {
+  FlightPlan plan({{.kind = StepKind::kHold, .duration = seconds(1)},
+                   {.kind = StepKind::kHold, .name = "gusty", .duration = seconds(1)}});
+  EXPECT_EQ(plan.phase(), "");
+  plan.update(at(seconds(0)), hovering());
+  EXPECT_EQ(plan.phase(), "hold");
+  plan.update(at(seconds(1)), hovering());
+  EXPECT_EQ(plan.phase(), "gusty");
+  plan.update(at(seconds(2)), hovering());
+  EXPECT_EQ(plan.phase(), "done");
+}
+
+TEST(FlightPlan, SkipsDisarmWhenTheVehicleHasDisarmedItself) {
+  FlightPlan plan({{.kind = StepKind::kDisarm}});
+  EXPECT_FALSE(plan.update(at(seconds(0)), on_ground()));
+  EXPECT_TRUE(plan.done());
+}
+
+}  // namespace
+}  // namespace cas::hils

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/judgement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "hils/programs/cpu_pressure.hpp"
+#include "hils/report/report.hpp"
+
+namespace cas::hils {
+namespace {
+
+RateFigures complete(double hz, std::uint64_t n) {
+  return {.nominal_hz = hz, .sent = n, .received = n, .received_hz = hz, .drained = true};
+}
+
+Measurement good() {
+  Measurement figures;
+  figures.scenario = "hover";
+  figures.over_hold = true;
+  figures.window = {10'000'000, 40'000'000};
+  figures.rates = {complete(500, 15001), complete(5, 151), complete(400, 12001)};
+  figures.pace = {.real_time_factor = 1.0, .worst_stall_ms = 2};
+  figures.rms = RmsFigures{.x_m = 0.1, .y_m = 0.1, .z_m = 0.05, .yaw_rad = 0.01, .samples = 3000};
+  figures.sensor_to_control = {.count = 12001, .p50 = 1500, .p99 = 2500, .max = 9000};
+  return figures;
+}
+
+Limits hover_limits() {
+  Limits limits;
+  limits.lost = 0;
+  limits.rate_error_pct = 0.5;
+  limits.rms = {{"x_m", 0.25}, {"y_m", 0.25}, {"z_m", 0.15}, {"yaw_rad", 0.05}};
+  return limits;
+}
+
+TEST(Judgement, PassesAGoodRun) {
+  const Verdict verdict = judge(good(), hover_limits());
+  EXPECT_TRUE(verdict.passed);
+  EXPECT_EQ(verdict.exit_code(), kExitPassed);
+  EXPECT_TRUE(verdict.failures.empty());
+}
+
+struct MissCase {
+  const char* name;
+  void (*spoil)(Measurement&);
+  const char* sentence;
+};
+
+class MissedLimit : public testing::TestWithParam<MissCase> {};
+
+TEST_P(MissedLimit, IsOneSentenceAndExitCodeOne) {
+  Measurement figures = good();
+  GetParam().spoil(figures);
+  const Verdict verdict = judge(figures, hover_limits());
+  EXPECT_TRUE(verdict.valid);
+  EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
+  ASSERT_EQ(verdict.failures.size(), 1U);
+  EXPECT_EQ(verdict.failures.front(), GetParam().sentence);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, MissedLimit,
+    testing::Values(
+        MissCase{"Loss", [](Measurement& m) { m.rates.gps.lost = 2; },
+                 "2 of 151 HIL_GPS were lost; the limit is 0"},
+        MissCase{"Rate",
+                 [](Measurement& m) {
+                   m.rates.controls.received_hz = 390;
+                   m.rates.controls.error_pct = 2.5;
+                 },
+                 "HIL_CONTROLS arrived at 390.00 Hz instead of 400 Hz; the limit is 0.5 %"},
+        MissCase{"Height", [](Measurement& m) { m.rms->z_m = 0.2; },
+                 "RMS error of the true position in z_m is 0.2000; the limit is 0.15"},
+        MissCase{"NotANumber",
+                 [](Measurement& m) { m.rms->x_m = std::numeric_limits<double>::quiet_NaN(); },
+                 "RMS error of the true position in x_m is nan; the limit is 0.25"},
+        MissCase{"Flight",
+                 [](Measurement& m) { m.flight_failure = "arm was not done within 10 s"; },
+                 "the flight was not completed: arm was not done within 10 s"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Judgement, AnUnmeasuredDelayMeetsNoLimit) {
+  Limits limits = hover_limits();
+  limits.latency_p99_us = 5000;
+  Measurement figures = good();
+  EXPECT_EQ(judge(figures, limits).exit_code(), kExitPassed);
+  figures.sensor_to_control = {};
+  const Verdict verdict = judge(figures, limits);
+  EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
+  ASSERT_EQ(verdict.failures.size(), 1U);
+  EXPECT_EQ(verdict.failures.front(),
+            "the loop's delay has a limit, but no packet to measure it by");
+}
+
+TEST(Judgement, GivesNoVerdictOnABusyMachine) {
+  Measurement figures = good();
+  figures.pace.real_time_factor = 0.95;
+  figures.rms->z_m = 1;
+  const Verdict verdict = judge(figures, hover_limits());
+  EXPECT_FALSE(verdict.valid);
+  EXPECT_FALSE(verdict.passed);
+  EXPECT_EQ(verdict.exit_code(), kExitInvalid);
+  ASSERT_EQ(verdict.failures.size(), 1U);
+}
+
+TEST(Judgement, GivesNoVerdictOnAMissAfterAStall) {
+  Measurement figures = good();
+  figures.pace.worst_stall_ms = 170;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitPassed);
+  figures.rates.sensor.lost = 3;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitInvalid);
+}
+
+TEST(Judgement, GivesNoVerdictOnAMissWhileOthersWantedTheProcessor) {
+  Measurement figures = good();
+  figures.cpu_pressure = 0.9;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitPassed);
+  figures.rates.sensor.lost = 3;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitInvalid);
+  figures.cpu_pressure = 0.05;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitLimitsMissed);
+}
+
+TEST(CpuPressure, ReadsTheKernelsTotal) {
+  EXPECT_EQ(parse_cpu_pressure("some avg10=87.49 avg60=89.17 avg300=88.17 total=5929389308"),
+            std::chrono::microseconds(5'929'389'308));
+  EXPECT_FALSE(parse_cpu_pressure("full avg10=0.00 total=0"));
+  EXPECT_FALSE(parse_cpu_pressure("some avg10=0.00"));
+}
+
+TEST(Judgement, GivesNoVerdictWhenTheAccountDoesNotClose) {
+  Measurement figures = good();
+  figures.rates.sensor.unexplained = 1;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitInvalid);
+}
+
+TEST(Judgement, DoesNotAskAVirtualClockForRealTime) {
+  Measurement figures = good();
+  figures.virtual_clock = true;
+  figures.pace.real_time_factor = 0.2;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitPassed);
+}
+
+TEST(Summary, HasTheFieldsThatProgramsReadOff) {
+  const Measurement figures = good();
+  const auto summary = nlohmann::json::parse(summary_json(figures, judge(figures, hover_limits())));
+  for (const char* key : {"schema", "scenario", "architecture", "valid", "passed", "failures"}) {
+    EXPECT_TRUE(summary.contains(key)) << key;
+  }
+  for (const char* message : {"HIL_SENSOR", "HIL_GPS", "HIL_CONTROLS"}) {
+    for (const char* key : {"nominal_hz", "sent", "received", "lost", "received_hz", "error_pct"}) {
+      EXPECT_TRUE(summary["rates"][message].contains(key)) << message << " " << key;
+    }
+  }
+  EXPECT_EQ(summary["latency_us"]["sensor_to_control"]["p99"], 2500);
+  EXPECT_EQ(summary["rms"]["x_m"], 0.1);
+  EXPECT_TRUE(summary["rms_estimate"].is_null());
+}
+
+TEST(TextReport, ShowsThePapersRowsBelowOurs) {
+  const Measurement figures = good();
+  const std::string text = text_report(figures, judge(figures, hover_limits()));
+  EXPECT_EQ(text.rfind("PASSED: hover, TCAS", 0), 0U) << text;
+  EXPECT_NE(text.find("431.8999"), std::string::npos);
+  EXPECT_NE(text.find("0.0996"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cas::hils

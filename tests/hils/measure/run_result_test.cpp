@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Several vehicles of one run: one verdict, and each under its name.
+#include "hils/measure/run_result.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hils/report/html_report.hpp"
+#include "hils/report/junit_report.hpp"
+#include "hils/report/report.hpp"
+
+namespace cas::hils {
+namespace {
+
+VehicleResult flown(const std::string& name, Verdict verdict) {
+  VehicleResult vehicle;
+  vehicle.figures.scenario = "pair";
+  vehicle.figures.vehicle = name;
+  vehicle.figures.pace.real_time_factor = 1;
+  vehicle.verdict = std::move(verdict);
+  return vehicle;
+}
+
+const Verdict kPassed{.valid = true, .passed = true, .failures = {}};
+const Verdict kMissed{.valid = true, .passed = false, .failures = {"5 of 9 packets were lost"}};
+const Verdict kOpen{.valid = false, .passed = false, .failures = {"the account does not close"}};
+
+RunResult together(const Verdict& left, const Verdict& right) {
+  RunResult run;
+  run.vehicles = {flown("left", left), flown("right", right)};
+  run.verdict = judge_together(run.vehicles);
+  return run;
+}
+
+TEST(SeveralResults, PassWhenEachVehiclePasses) {
+  EXPECT_EQ(together(kPassed, kPassed).verdict.exit_code(), kExitPassed);
+}
+
+TEST(SeveralResults, FailWithTheNameOfWhoMissedALimit) {
+  const Verdict verdict = together(kPassed, kMissed).verdict;
+  EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
+  ASSERT_EQ(verdict.failures.size(), 1U);
+  EXPECT_EQ(verdict.failures[0], "right: 5 of 9 packets were lost");
+}
+
+TEST(SeveralResults, AreWorthNothingWhenOneAccountIsOpen) {
+  EXPECT_EQ(together(kOpen, kPassed).verdict.exit_code(), kExitInvalid);
+}
+
+TEST(SeveralResults, ShowEachVehicleUnderItsName) {
+  const RunResult run = together(kPassed, kMissed);
+  const auto summary = nlohmann::json::parse(summary_json(run));
+  ASSERT_EQ(summary.at("vehicles").size(), 2U);
+  EXPECT_FALSE(summary.at("passed"));
+  EXPECT_TRUE(summary.contains("cpu_s"));
+  EXPECT_EQ(summary.at("vehicles")[0].at("name"), "left");
+  EXPECT_TRUE(summary.at("vehicles")[0].at("passed"));
+  auto alone = nlohmann::json::parse(summary_json(run.vehicles[1].figures, kMissed));
+  alone["name"] = "right";
+  EXPECT_EQ(summary.at("vehicles")[1], alone);  // the keys of a run with one vehicle
+  const std::string text = text_report(run);
+  EXPECT_NE(text.find("== left =="), std::string::npos) << text;
+  EXPECT_NE(text.find("== right =="), std::string::npos) << text;
+  const std::string html = html_report(run, {{}, {}}, {});
+  EXPECT_NE(html.find("<h2>right: Flight</h2>"), std::string::npos) << html;
+}
+
+TEST(SeveralResults, ShowADashForAnRmsThatWasNotMeasured) {
+  EXPECT_EQ(rms_text(std::nullopt, &RmsFigures::x_m), "-");
+  EXPECT_EQ(rms_text(RmsFigures{.x_m = 0.25}, &RmsFigures::x_m), "0.2500");
+}
+
+TEST(SeveralResults, AreASuiteEachForContinuousIntegration) {
+  const std::string xml = junit_report(together(kPassed, kMissed));
+  EXPECT_NE(xml.find("<testsuite name=\"hils.pair.tcas.left\" tests=\"1\" failures=\"0\""),
+            std::string::npos)
+      << xml;
+  EXPECT_NE(xml.find("<testsuite name=\"hils.pair.tcas.right\" tests=\"1\" failures=\"1\""),
+            std::string::npos)
+      << xml;
+}
+
+TEST(OneResult, IsReportedWithoutAName) {
+  RunResult run;
+  run.vehicles = {flown("iris0", kPassed)};
+  run.verdict = kPassed;
+  EXPECT_EQ(text_report(run), text_report(run.vehicles[0].figures, kPassed));
+  EXPECT_EQ(summary_json(run), summary_json(run.vehicles[0].figures, kPassed));
+  EXPECT_EQ(junit_report(run).find("iris0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cas::hils

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/trajectory.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+
+#include "base/error.hpp"
+#include "mavlink/common/attitude.hpp"
+#include "mavlink/common/local_position_ned.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::hils {
+namespace {
+
+class TrajectoryFile : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(file_); }
+  std::filesystem::path file_ =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) +
+       std::to_string(::getpid()));
+};
+
+TEST_F(TrajectoryFile, ReadsTruthInTheRecordersColumns) {
+  std::ofstream(file_) << "time_s,x_m,...\n"
+                          "0,1,2,3,0,0,0,0.1,0.2,0.3,0,0,0,500,500,500,500\n"
+                          "0.01,1.5,2,3e-1,0,0,0,0.1,0.2,-0.3,0,0,0,500,500,500,500\n";
+  const auto samples = read_truth(file_);
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_EQ(samples[1].time_us, 10'000);
+  EXPECT_DOUBLE_EQ(samples[1].pose.x_m, 1.5);
+  EXPECT_DOUBLE_EQ(samples[1].pose.z_m, 0.3);
+  EXPECT_DOUBLE_EQ(samples[1].pose.yaw_rad, -0.3);
+}
+
+TEST_F(TrajectoryFile, NamesTheLineThatIsNoRow) {
+  std::ofstream(file_) << "time_s\n0,1,2,oops\n";
+  try {
+    read_truth(file_);
+    FAIL() << "no error";
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find(":2:"), std::string::npos) << error.what();
+  }
+}
+
+void append(std::ofstream& log, std::uint64_t stamp_us, std::span<const std::uint8_t> packet) {
+  for (int shift = 56; shift >= 0; shift -= 8) log.put(static_cast<char>(stamp_us >> shift & 0xFF));
+  log.write(reinterpret_cast<const char*>(packet.data()),
+            static_cast<std::streamsize>(packet.size()));
+}
+
+TEST_F(TrajectoryFile, ReadsTheEstimateOfOneSystemFromAFlightLog) {
+  mav::Encoder vehicle(mav::Source{1, 1});
+  mav::Encoder other(mav::Source{2, 1});
+  mavlink::common::Attitude attitude;
+  attitude.yaw = 0.5F;
+  mavlink::common::LocalPositionNed position;
+  position.x = 1;
+  position.y = -2;
+  position.z = -2.5F;
+  {
+    std::ofstream log(file_, std::ios::binary);
+    append(log, 900, vehicle(position));  // no attitude known yet
+    append(log, 1000, vehicle(attitude));
+    append(log, 1500, other(position));
+    log << "rubbish";
+    append(log, 2000, vehicle(position));
+  }
+  ClockMap clock;
+  clock.add(1500, 0);
+  const auto samples = read_estimate(file_, 1, clock);
+  ASSERT_EQ(samples.size(), 1U);
+  EXPECT_EQ(samples[0].time_us, 500);
+  EXPECT_DOUBLE_EQ(samples[0].pose.y_m, -2);
+  EXPECT_DOUBLE_EQ(samples[0].pose.z_m, 2.5);
+  EXPECT_DOUBLE_EQ(samples[0].pose.yaw_rad, 0.5);
+}
+
+TEST(ClockMap, InterpolatesBetweenReadingsAndRunsAlikeBeyondThem) {
+  ClockMap clock;
+  clock.add(1000, 0);
+  clock.add(2000, 500);  // the simulation ran at half the pace
+  EXPECT_EQ(clock.to_sim_us(900), -100);
+  EXPECT_EQ(clock.to_sim_us(1500), 250);
+  EXPECT_EQ(clock.to_sim_us(2100), 600);
+}
+
+TEST(Rms, IsTheRootOfTheMeanSquareAboutTheReference) {
+  const std::vector<PoseSample> samples{{0, {.x_m = 3, .z_m = 2.5}}, {1, {.x_m = -4, .z_m = 2.5}}};
+  const RmsFigures rms = rms_about(samples, [](std::int64_t) { return Pose{.z_m = 2.5}; });
+  EXPECT_DOUBLE_EQ(rms.x_m, std::sqrt(12.5));
+  EXPECT_DOUBLE_EQ(rms.z_m, 0);
+}
+
+TEST(Rms, TakesTheShortWayRoundForYaw) {
+  const std::vector<PoseSample> samples{{0, {.yaw_rad = M_PI - 0.1}}};
+  const auto reference = [](std::int64_t) { return Pose{.yaw_rad = -M_PI + 0.1}; };
+  EXPECT_NEAR(rms_about(samples, reference).yaw_rad, 0.2, 1e-12);
+}
+
+TEST(Between, TakesTheBeginAndLeavesTheEnd) {
+  const std::vector<PoseSample> samples{{0, {}}, {10, {}}, {20, {}}, {30, {}}};
+  EXPECT_EQ(between(samples, 10, 30).size(), 2U);
+  EXPECT_TRUE(between(samples, 40, 50).empty());
+}
+
+}  // namespace
+}  // namespace cas::hils

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/progress.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+
+namespace cas::hils {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr std::size_t kColumns = 79;  // of a terminal that is 80 wide
+
+std::string line_of(const FlightStep& step, const VehicleReport& vehicle,
+                    const std::string& stream = {}, std::size_t columns = kColumns) {
+  return progress_line(base::SimTime(milliseconds(12'340)), FlightPlan({step}), vehicle, 1.0,
+                       stream, columns);
+}
+
+FlightStep measured_hold() {
+  FlightStep step;
+  step.kind = StepKind::kHold;
+  step.duration = seconds(30);
+  step.measure = true;
+  return step;
+}
+
+TEST(ProgressLine, TellsTheStepAndThatThePositionIsAnEstimate) {
+  VehicleReport vehicle;
+  vehicle.p_N = {0.5, -12.25, -2.5};
+  const std::string line = line_of(measured_hold(), vehicle);
+  EXPECT_NE(line.find("measured 12.3 of 30.0 s"), std::string::npos) << line;
+  EXPECT_NE(line.find("estimate x +0.50 y -12.25 z 2.50 m  1.00x"), std::string::npos) << line;
+}
+
+TEST(ProgressLine, LeavesOutWhatDoesNotFit) {
+  const std::string stream = "HIL_SENSOR 500.0 Hz, HIL_CONTROLS 400.0 Hz";
+  EXPECT_EQ(line_of(measured_hold(), {}, stream).find("HIL_SENSOR"), std::string::npos);
+  EXPECT_NE(line_of(measured_hold(), {}, stream, 160).find(stream), std::string::npos);
+}
+
+TEST(ProgressLine, NeverReachesTheLastColumn) {
+  FlightStep step = measured_hold();
+  step.kind = StepKind::kTrajectory;
+  step.name = std::string(100, 'n');
+  VehicleReport vehicle;
+  vehicle.p_N = {-12'345.67, 12'345.67, -12'345.67};
+  EXPECT_EQ(line_of(step, vehicle).size(), kColumns);
+  EXPECT_LE(line_of(measured_hold(), vehicle, "words").size(), kColumns);
+}
+
+}  // namespace
+}  // namespace cas::hils

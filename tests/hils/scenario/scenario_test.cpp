@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/scenario/scenario.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "base/error.hpp"
+#include "hils/firmware/firmware_scenario.hpp"
+
+namespace cas::hils {
+namespace {
+
+constexpr const char* kHead = R"(schema: 1
+vehicle: )" CAS_SOURCE_DIR R"(/config/vehicles/iris_paper.yaml
+home: {lat_deg: 47, lon_deg: 8, alt_m: 488}
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+)";
+
+constexpr const char* kFlight = R"(steps:
+  - arm
+  - takeoff: {altitude_m: 2.5}
+  - hold: {duration_s: 30, measure: true}
+  - land
+)";
+
+class ScenarioFile : public testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& text) const {
+    std::ofstream(file_) << text;
+    return file_;
+  }
+  std::string error_of(const std::string& text) const {
+    try {
+      Scenario::load(write(text));
+    } catch (const base::ConfigError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  std::filesystem::path file_ =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) +
+       std::to_string(::getpid()) + ".yaml");
+};
+
+TEST_F(ScenarioFile, ReadsStepsInOrder) {
+  const Scenario scenario = Scenario::load(write(std::string(kHead) + kFlight));
+  ASSERT_EQ(scenario.steps.size(), 4U);
+  EXPECT_EQ(scenario.steps[0].kind, StepKind::kArm);
+  EXPECT_DOUBLE_EQ(scenario.steps[1].altitude_m, 2.5);
+  EXPECT_EQ(scenario.steps[2].duration, std::chrono::seconds(30));
+  EXPECT_TRUE(scenario.steps[2].measure);
+}
+
+TEST_F(ScenarioFile, TakesLimitsOnlyWhereTheyAreGiven) {
+  const Scenario scenario =
+      Scenario::load(write(std::string(kHead) + kFlight + "limits: {lost: 0, rms: {x_m: 0.25}}\n"));
+  EXPECT_EQ(scenario.limits.lost, 0U);
+  EXPECT_FALSE(scenario.limits.rate_error_pct);
+  EXPECT_EQ(scenario.limits.rms.size(), 1U);
+}
+
+constexpr const char* kHeadWithoutVehicle = R"(schema: 1
+home: {lat_deg: 47, lon_deg: 8, alt_m: 488}
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+)";
+
+TEST_F(ScenarioFile, FindsAShippedVehicleFromAFolderOfOnesOwn) {
+  for (const char* vehicle : {"vehicles/iris_paper.yaml", "../vehicles/iris_paper.yaml"}) {
+    const Scenario scenario = Scenario::load(
+        write(std::string(kHeadWithoutVehicle) + "vehicle: " + vehicle + "\n" + kFlight));
+    EXPECT_TRUE(std::filesystem::equivalent(scenario.vehicles.at(0).vehicle,
+                                            CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml"));
+  }
+}
+
+TEST_F(ScenarioFile, SaysWhereAVehicleWasSearched) {
+  const std::string error =
+      error_of(std::string(kHeadWithoutVehicle) + "vehicle: vehicles/no_iris.yaml\n" + kFlight);
+  EXPECT_EQ(error.rfind(file_.string() + ":4: vehicle: there is no file", 0), 0U) << error;
+  EXPECT_NE(error.find("looked in"), std::string::npos) << error;
+}
+
+struct BadScenario {
+  const char* name;
+  const char* rest;      ///< after the head
+  const char* sentence;  ///< part of the error
+};
+
+class BadScenarioFile : public ScenarioFile, public testing::WithParamInterface<BadScenario> {
+ protected:
+  BadScenarioFile() {
+    file_ = std::filesystem::path(testing::TempDir()) /
+            (std::string(GetParam().name) + std::to_string(::getpid()) + ".yaml");
+  }
+};
+
+TEST_P(BadScenarioFile, IsRefusedWithFileLineAndReason) {
+  const std::string error = error_of(std::string(kHead) + GetParam().rest);
+  EXPECT_NE(error.find(GetParam().sentence), std::string::npos) << error;
+  EXPECT_NE(error.find(file_.string() + ":"), std::string::npos) << error;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadScenarioFile,
+    testing::Values(
+        BadScenario{"UnknownStep", "steps: [arm, loop]\n", "there is no step 'loop'"},
+        BadScenario{"TakeoffUnarmed", "steps: [{takeoff: {altitude_m: 2}}]\n", "needs an arm step"},
+        BadScenario{"EndsInTheAir",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
+                    "true}}]\n",
+                    "ends in the air"},
+        BadScenario{"NothingMeasured", "steps: [arm, {takeoff: {altitude_m: 2}}, land]\n",
+                    "no hold is measured"},
+        BadScenario{"DisarmInTheAir", "steps: [arm, {takeoff: {altitude_m: 2}}, disarm]\n",
+                    "would drop the vehicle"},
+        BadScenario{"TwoKeysInAStep", "steps: [{arm: {}, land: {}}]\n", "exactly one key"},
+        BadScenario{"UnknownArchitecture",
+                    "architecture: serial\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: "
+                    "{duration_s: 1, measure: true}}, land]\n",
+                    "there is no architecture 'serial'"},
+        BadScenario{"UnknownShape",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {trajectory: {shape: square, size_m: "
+                    "1, duration_s: 9, measure: true}}, land]\n",
+                    "a circle, a figure_eight or a step"},
+        BadScenario{"TrajectoryOnTheGround",
+                    "steps: [arm, {trajectory: {shape: step, size_m: 1, duration_s: 9}}]\n",
+                    "trajectory needs a takeoff step"},
+        BadScenario{
+            "UnknownSensorSet",
+            "sensors: rtkk\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, "
+            "measure: true}}, land]\n",
+            ":5: sensors: there is no sensor set 'rtkk'; sets are airsim_mpu6000, "},
+        BadScenario{"UnknownLoop", "steps: [arm, {setgain: {loop: velocty, p: 1}}]\n",
+                    ":5: steps[1].setgain.loop: there is no loop 'velocty'; loops are rollrate, "},
+        BadScenario{"GainThatTheLoopLacks", "steps: [arm, {setgain: {loop: roll, i: 1}}]\n",
+                    "loop roll has no I gain"},
+        BadScenario{"GustWithoutWind",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
+                    "true}}, land]\nfaults: [{at_s: 1, gust: {amplitude_m_s: [3, 0, 0], length_m: "
+                    "20}}]\n",
+                    ":6: faults[0].gust: a gust needs 'plugin: wind'"},
+        BadScenario{"WaitForNothing", "steps: [arm, {wait_until: {timeout_s: 3}}]\n",
+                    "wait_until needs a condition"},
+        BadScenario{"UnknownFact", "steps: [arm, {wait_until: {condition: depth > 3}}]\n",
+                    "'depth' is no number"},
+        BadScenario{"UnknownKeyOfAStep",
+                    "steps: [arm, {takeoff: {altitude_m: 2, speed: 3}}, {hold: {duration_s: 1, "
+                    "measure: true}}, land]\n",
+                    "speed"},
+        BadScenario{"ResponseOfNoStep",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
+                    "true}}, land]\nlimits: {responses: {after: {rise_s: 1}}}\n",
+                    "no 'trajectory: {shape: step}' of that name"},
+        BadScenario{"NegativeLimit",
+                    "limits: {rate_error_pct: -1}\nsteps: [arm, {takeoff: {altitude_m: 2}}, "
+                    "{hold: {duration_s: 1, measure: true}}, land]\n",
+                    "rate_error_pct"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(ScenarioFile, RefusesUnknownKeys) {
+  const std::string error = error_of(std::string(kHead) + kFlight + "limit: {lost: 0}\n");
+  EXPECT_NE(error.find("limit"), std::string::npos) << error;
+}
+
+class ShippedScenario : public testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(ShippedScenario, Loads) { EXPECT_NO_THROW(Scenario::load(GetParam())); }
+
+std::vector<std::filesystem::path> shipped() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(CAS_SOURCE_DIR "/config/scenarios")) {
+    const bool is_scenario =
+        entry.path().extension() == ".yaml" && !FirmwareScenario::is(entry.path());
+    if (is_scenario) files.push_back(entry.path());
+  }
+  return files;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedScenario, testing::ValuesIn(shipped()),
+                         [](const auto& test) { return test.param.stem().string(); });
+
+}  // namespace
+}  // namespace cas::hils
