@@ -18,16 +18,16 @@
 
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
-#include "base/rpc/server.hpp"
 #include "base/os/thread.hpp"
+#include "base/rpc/server.hpp"
 #include "casd/app_methods.hpp"
+#include "casd/link_set.hpp"
 #include "casd/port/command_figures.hpp"
 #include "casd/port/command_server.hpp"
-#include "casd/station/gain_map.hpp"
-#include "casd/topology/line_budget.hpp"
-#include "casd/link_set.hpp"
 #include "casd/port/metrics_port.hpp"
+#include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
+#include "casd/topology/line_budget.hpp"
 
 namespace cas::casd {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "base/rpc/server.hpp"
+#include "casd/link_set.hpp"
 #include "casd/port/command_figures.hpp"
 #include "casd/port/command_server.hpp"
-#include "casd/link_set.hpp"
 #include "casd/tlog/tlog.hpp"
 
 namespace cas::casd {

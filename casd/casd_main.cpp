@@ -6,10 +6,10 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "base/os/command_port.hpp"
 #include "base/os/cpu_latency.hpp"
-#include "base/error.hpp"
-#include "base/config/install_paths.hpp"
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
 #include "casd/app.hpp"

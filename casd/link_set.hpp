@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "casd/link/link_loop.hpp"
-#include "casd/signing/link_signing.hpp"
-#include "casd/transport/local_endpoint.hpp"
 #include "casd/counters/monitor.hpp"
+#include "casd/link/link_loop.hpp"
 #include "casd/link/switchboard.hpp"
+#include "casd/signing/link_signing.hpp"
 #include "casd/topology/topology.hpp"
+#include "casd/transport/local_endpoint.hpp"
 
 namespace cas::casd {
 

@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "casd/station/gain_map.hpp"
-#include "casd/topology/line_budget.hpp"
 #include "casd/port/message_decoder.hpp"
 #include "casd/signing/signing_key.hpp"
+#include "casd/station/gain_map.hpp"
+#include "casd/topology/line_budget.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {

@@ -21,7 +21,7 @@ using mavlink::common::HilSensor;
 using mavlink::common::table;
 
 struct FlightController::Impl {
-  Impl(const FcuConfig& config, Sink send);
+  Impl(const FcuConfig& config, PacketSink send);
 
   // The loop of [HILS] Fig. 8.
   void on_sensor(const HilSensor& m, RunTime now);
@@ -124,7 +124,7 @@ base::Duration param_interval(const LineConfig& line) {
 
 }  // namespace
 
-FlightController::Impl::Impl(const FcuConfig& config, Sink send)
+FlightController::Impl::Impl(const FcuConfig& config, PacketSink send)
     : core(config, std::move(send)), ground(param_interval(config.line)), parser(table()) {
   for (const auto& [name, value] : config.params) {
     const ParamSetResult result = core.params.set(name, value);
@@ -203,7 +203,7 @@ void FlightController::Impl::update_status() {
 
 // Interface.
 
-FlightController::FlightController(const FcuConfig& config, Sink send)
+FlightController::FlightController(const FcuConfig& config, PacketSink send)
     : impl_(std::make_unique<Impl>(config, std::move(send))) {}
 FlightController::~FlightController() = default;
 FlightController::FlightController(FlightController&&) noexcept = default;

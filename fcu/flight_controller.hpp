@@ -11,10 +11,11 @@
 #include <string>
 #include <string_view>
 
-#include "base/time/clock.hpp"
 #include "base/measure/histogram.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/core/fcu_config.hpp"
-#include "fcu/flight/flight_mode.hpp"
+#include "fcu/core/outbox.hpp"
+#include "fcu/flight/flight_status.hpp"
 
 namespace cas::mav {
 struct PacketView;
@@ -23,26 +24,6 @@ struct PacketView;
 namespace cas::fcu {
 
 class Estimator;
-
-enum class LandedState : std::uint8_t { kOnGround, kTakingOff, kInAir, kLanding };
-
-/// What the controller believes and wants at its last step.
-struct FlightStatus {
-  bool armed = false;
-  bool estimator_ready = false;
-  FlightMode mode = FlightMode::kHold;
-  LandedState landed = LandedState::kOnGround;
-  std::uint64_t sensor_time_usec = 0;                           ///< stamp of the newest HIL_SENSOR
-  Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();     ///< estimated attitude
-  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();                ///< estimated position, m
-  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();                ///< estimated velocity, m/s
-  Eigen::Vector3d w_D = Eigen::Vector3d::Zero();                ///< estimated body rates, rad/s
-  Eigen::Vector3d position_stddev_m = Eigen::Vector3d::Zero();  ///< the estimator's own opinion
-  Eigen::Vector3d reference_N =
-      Eigen::Vector3d::Zero();  ///< position reference, m (hold: NaN if none)
-  double yaw_reference_rad = 0;
-  Eigen::Vector4d u = Eigen::Vector4d::Zero();  ///< U1 (N), U2, U3, U4 (N m) as sent
-};
 
 /// Counts of one flight controller.
 struct FlightControllerStats {
@@ -65,12 +46,7 @@ struct FlightControllerStats {
 /// Flies on HIL_SENSOR and HIL_GPS alone. Not for use from several threads at once.
 class FlightController {
  public:
-  /// Takes one whole packet for the line.
-  using Sink = std::function<void(std::span<const std::uint8_t>)>;
-  /// Hears of each HIL packet used or sent: message id, its time_usec, sent (or received).
-  using HilObserver = std::function<void(std::uint32_t id, std::uint64_t time_usec, bool sent)>;
-
-  FlightController(const FcuConfig& config, Sink send);
+  FlightController(const FcuConfig& config, PacketSink send);
   ~FlightController();
   FlightController(FlightController&&) noexcept;
   FlightController& operator=(FlightController&&) noexcept;

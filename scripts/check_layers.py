@@ -32,44 +32,112 @@ EXTERNALS = {
 
 # "std" is the C++ library, "system" the C headers of the operating system, "dialect" the generated
 # headers mavlink/<dialect>/, "intrinsics" those of the compiler for one processor. A folder may always
-# include itself. The deepest row counts.
+# include itself, and nothing of its subfolders unless its row names them.
+
+
+def rooms(program, names):
+    return {f"{program}/{name}" for name in names.split()}
+
+
 SYSTEM = {"std", "system"}
-RPC = {"base", "base/rpc", "nlohmann"}  # who calls or offers methods handles their JSON
+BASE = SYSTEM | {"base"} | rooms("base", "config earth measure os time")
+RPC = {"base/rpc", "nlohmann"}  # who calls or offers methods handles their JSON
 MAVLINK = {"mavlink_gen/runtime", "dialect"}
+PROGRAM = {"base/cli", "CLI11"}  # what reads a command line
+API = BASE | {"libsim/api", "Eigen"}
+PLUGIN = API | {"plugins/common"}
 EVERYTHING = None
 
+# Rooms of a program, from the ground floor up: a folder includes what its row allows, and no row allows
+# what stands above it (tests/base/check_layers_test.py).
 LAYERS = {
     # the runtime can be lifted into firmware
     "mavlink_gen/runtime": {"std", "intrinsics"},
     "mavlink_gen/parser": SYSTEM | {"mavlink_gen/runtime", "expat"},
-    "mavlink_gen/generator":
-        SYSTEM | {"mavlink_gen/parser", "mavlink_gen/runtime", "base/cli", "CLI11"},
-    "base": SYSTEM | {"spdlog", "yaml-cpp", "Eigen"},
+    "mavlink_gen/generator": SYSTEM | PROGRAM | {"mavlink_gen/parser", "mavlink_gen/runtime"},
+
+    "base": SYSTEM,
+    "base/time": SYSTEM | {"base"},
+    "base/config": SYSTEM | {"base", "yaml-cpp", "Eigen"},
+    "base/earth": SYSTEM | {"base", "Eigen"},
+    "base/os": SYSTEM | {"base", "base/config", "spdlog"},
+    "base/measure": SYSTEM | rooms("base", "os time") | {"base"},
     "base/cli": {"std", "CLI11"},
-    "base/rpc": SYSTEM | {"base", "Asio", "nlohmann"},
-    "libsim/api": SYSTEM | {"base", "Eigen"},
-    "libsim/core": SYSTEM | RPC | {"libsim/api", "libsim/core/ode", "urdfdom", "sdformat", "expat",
-                                   "Eigen", "Asio"},
+    "base/rpc": SYSTEM | rooms("base", "os time") | {"base", "Asio", "nlohmann"},
+
+    "libsim/api": BASE | {"Eigen"},
+    "libsim/core": SYSTEM,
+    "libsim/core/body": API | {"libsim/core"},
     # the one folder that knows ODE
-    "libsim/core/ode": SYSTEM | {"base", "libsim/api", "libsim/core", "ODE", "Eigen"},
-    "plugins": SYSTEM | {"libsim/api", "base", "plugins/common", "Eigen"},
-    "plugins/mavlink_interface":
-        SYSTEM | MAVLINK | {"libsim/api", "base", "plugins/common", "Eigen", "Asio"},
-    "casd": SYSTEM | RPC | MAVLINK | {"mavlink_gen/parser", "base/cli", "Asio", "CLI11"},
-    "casd/casctl": SYSTEM | RPC | {"base/cli", "CLI11", "ncurses"},
-    "fcu": SYSTEM | RPC | MAVLINK | {"base/cli", "Eigen", "Asio", "CLI11"},
-    # the composition root, and what tests all
-    "hils": EVERYTHING,
+    "libsim/core/ode": API | {"libsim/core", "libsim/core/body", "ODE"},
+    "libsim/core/load":
+        API | {"libsim/core", "libsim/core/body", "urdfdom", "sdformat", "expat"},
+    "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode load"),
+    "libsim/hilsim": API | RPC | PROGRAM | rooms("libsim/core", "load run") | {"Asio"},
+
+    "plugins/common": BASE | {"Eigen"},
+    "plugins": PLUGIN,  # each of plugins/<name>
+    "plugins/mavlink_interface": PLUGIN | MAVLINK | {"Asio"},
+
+    "casd/packet": BASE | MAVLINK,
+    "casd/routing": BASE | MAVLINK | rooms("casd", "packet"),
+    "casd/queue": BASE | rooms("casd", "packet"),
+    "casd/tlog": BASE | MAVLINK,
+    "casd/topology":
+        BASE | MAVLINK | rooms("casd", "packet routing queue tlog") | {"mavlink_gen/parser"},
+    "casd/counters": BASE | MAVLINK | rooms("casd", "packet routing queue topology"),
+    "casd/signing":
+        BASE | MAVLINK | RPC | rooms("casd", "packet topology counters"),
+    "casd/link":
+        BASE | MAVLINK | rooms("casd", "packet routing queue tlog topology counters signing")
+        | {"Asio"},
+    "casd/station": BASE | MAVLINK | rooms("casd", "packet"),
+    "casd/transport":
+        BASE | MAVLINK | rooms("casd", "packet routing tlog counters link station") | {"Asio"},
+    "casd/port":
+        BASE | MAVLINK | RPC
+        | rooms("casd", "packet routing queue topology counters station")
+        | {"mavlink_gen/parser", "Asio"},
+    "casd":
+        BASE | MAVLINK | RPC | PROGRAM | {"Asio"}
+        | rooms("casd", "packet routing queue tlog topology counters signing link station transport port"),
+    "casd/casctl/session": BASE | RPC | {"CLI11"},
+    "casd/casctl/verbs": BASE | RPC | {"casd/casctl/session", "CLI11"},
+    "casd/casctl/doctor": BASE | RPC | rooms("casd/casctl", "session verbs") | {"CLI11"},
+    "casd/casctl/monitor": BASE | RPC | rooms("casd/casctl", "session verbs") | {"CLI11", "ncurses"},
+    "casd/casctl": BASE | RPC | PROGRAM | rooms("casd/casctl", "session verbs doctor monitor"),
+
+    "fcu/line": BASE,
+    "fcu/estimation": BASE | {"Eigen"},
+    "fcu/estimation_bound": BASE | PROGRAM | {"fcu/estimation", "Eigen"},
+    "fcu/control": BASE | rooms("fcu", "estimation") | {"Eigen"},
+    "fcu/params": BASE | rooms("fcu", "estimation control") | {"Eigen"},
+    "fcu/flight": BASE | MAVLINK | rooms("fcu", "estimation control params") | {"Eigen"},
+    "fcu/core":
+        BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen"},
+    "fcu/protocols": BASE | MAVLINK | rooms("fcu", "core flight") | {"Eigen"},
+    "fcu": BASE | MAVLINK | rooms("fcu", "core flight protocols") | {"Eigen"},
+    "fcu/emulator":
+        BASE | MAVLINK | RPC | PROGRAM | rooms("fcu", "core line params") | {"fcu", "Eigen", "Asio"},
+
     "tests": EVERYTHING,
 }
 
-# Single files that may include more than their folder.
-FILES = {
-    "libsim/hilsim/hilsim_main.cpp": {"base/cli", "CLI11"},
-}
-
-# Nothing includes these, apart from themselves and the tests.
-ROOTS = {"hils", "tests"}
+# Above all others: what the rooms of hils include of each other. Of what stands below they may include all.
+BELOW_HILS = set(LAYERS) - {"tests"} | SYSTEM | MAVLINK | {"plugins/fault"} | set(EXTERNALS) - {"gtest"}
+LAYERS |= {name: BELOW_HILS | others for name, others in {
+    "hils/flight": set(),
+    "hils/scenario": rooms("hils", "flight"),
+    "hils/run": rooms("hils", "scenario"),
+    "hils/measure": rooms("hils", "flight scenario run"),
+    "hils/report": rooms("hils", "measure run"),
+    "hils/programs": rooms("hils", "flight scenario run measure"),
+    "hils/virtual": rooms("hils", "flight scenario run measure programs"),
+    "hils/firmware": rooms("hils", "flight run measure report programs"),
+    "hils/compare": rooms("hils", "run measure report programs virtual"),
+    "hils/figures": rooms("hils", "measure report virtual"),
+    "hils": rooms("hils", "flight scenario run measure report programs virtual firmware compare"),
+}.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.
 NOT_IN_HEADERS = ("nlohmann/", "spdlog/", "yaml-cpp/", "boost/asio.hpp")
@@ -84,15 +152,13 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
 def layer_of(path):
-    """The deepest row of the table that `path` (with '/') lies in; a plugin is a layer of its own."""
-    parts = path.split("/")
-    for length in range(len(parts) - 1, 0, -1):
-        folder = "/".join(parts[:length])
-        if folder in LAYERS and folder != "plugins":
-            return folder
-    if parts[0] == "plugins" and len(parts) > 2:
-        return "/".join(parts[:2])
-    return parts[0] if parts[0] in LAYERS else None
+    """The folder of `path` (with '/') if it has a row; a plugin is a layer of its own, the tests are one."""
+    folder = path.rpartition("/")[0]
+    if folder in LAYERS and folder != "plugins":
+        return folder
+    if folder.split("/")[0] == "tests":
+        return "tests"
+    return folder if re.fullmatch("plugins/[^/]+", folder) else None
 
 
 def allowed_in(layer):
@@ -123,14 +189,12 @@ def fault_of(name, bracket, target):
         return f"'{target}' is no include that the table of scripts/check_layers.py knows"
     if layer == "tests" or word == layer:
         return None
-    if word in ROOTS:
-        return f"nothing includes {word}, but '{target}' is from there"
     if name.endswith((".hpp", ".h")) and target.startswith(NOT_IN_HEADERS):
         json = target.startswith("nlohmann/") and name.startswith(JSON_HEADERS)
         if not target.startswith(LIGHT) and not json:
             return f"'{target}' is slow to compile and stays out of headers"
     allowed = allowed_in(layer)
-    if allowed is EVERYTHING or word in allowed or word in FILES.get(name, ()):
+    if allowed is EVERYTHING or word in allowed:
         return None
     return f"{layer} may not include {word} ('{target}')"
 
@@ -151,6 +215,9 @@ def check_file(root, name):
 def check_tree(root):
     """The complaints about all C++ files below `root`, as FILE:LINE: sentence."""
     complaints = []
+    for folder in sorted(LAYERS):
+        if (root / folder).is_dir() and folder != "tests" and not (root / folder / "README.md").is_file():
+            complaints.append(f"{folder}: there is no README.md that says what lives here and what may not")
     for folder, subfolders, files in os.walk(root):
         subfolders[:] = sorted(
             name for name in subfolders if name not in SKIPPED and not name.startswith("."))

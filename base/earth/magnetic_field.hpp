@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 
-#include "base/export.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/export.hpp"
 
 namespace cas::base {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/export.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::base {
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "base/config/config.hpp"
-#include "base/os/descriptor.hpp"
 #include "base/export.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::base {
 

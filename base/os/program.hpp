@@ -5,8 +5,8 @@
 #include <exception>
 #include <string_view>
 
-#include "base/os/command_port.hpp"
 #include "base/error.hpp"
+#include "base/os/command_port.hpp"
 #include "base/os/log.hpp"
 
 namespace cas::base {

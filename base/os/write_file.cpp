@@ -10,8 +10,8 @@
 #include <string>
 #include <system_error>
 
-#include "base/os/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::base {
 namespace {

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "base/time/clock.hpp"
 #include "base/export.hpp"
 #include "base/rpc/message.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::base::rpc {
 

@@ -9,8 +9,8 @@
 #include <cerrno>
 #include <system_error>
 
-#include "base/os/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::base::rpc {
 namespace {

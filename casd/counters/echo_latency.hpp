@@ -8,8 +8,8 @@
 #include <mutex>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/measure/histogram.hpp"
+#include "base/time/clock.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {

@@ -13,16 +13,16 @@
 #include <utility>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/measure/histogram.hpp"
-#include "casd/packet/link_id.hpp"
+#include "base/time/clock.hpp"
 #include "casd/counters/link_ledger.hpp"
 #include "casd/counters/message_counters.hpp"
-#include "casd/packet/packet_port.hpp"
 #include "casd/counters/route_latency.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/packet/packet_port.hpp"
+#include "casd/queue/tx_queue.hpp"
 #include "casd/routing/router.hpp"
 #include "casd/topology/topology.hpp"
-#include "casd/queue/tx_queue.hpp"
 
 namespace cas::casd {
 

@@ -4,11 +4,11 @@
 #include <memory>
 #include <span>
 
-#include "casd/routing/accept_rule.hpp"
-#include "casd/link/delivery_batch.hpp"
-#include "casd/signing/link_signing.hpp"
 #include "casd/counters/monitor.hpp"
+#include "casd/link/delivery_batch.hpp"
 #include "casd/link/switchboard.hpp"
+#include "casd/routing/accept_rule.hpp"
+#include "casd/signing/link_signing.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"
 

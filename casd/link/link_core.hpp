@@ -8,8 +8,8 @@
 #include "casd/link/backoff.hpp"
 #include "casd/link/ingress.hpp"
 #include "casd/link/link.hpp"
-#include "casd/topology/topology.hpp"
 #include "casd/link/tx_port.hpp"
+#include "casd/topology/topology.hpp"
 
 namespace cas::casd {
 

@@ -5,11 +5,11 @@
 #include <memory>
 #include <mutex>
 
-#include "casd/link/delivery_batch.hpp"
 #include "casd/counters/echo_latency.hpp"
 #include "casd/counters/message_taps.hpp"
-#include "casd/routing/router.hpp"
+#include "casd/link/delivery_batch.hpp"
 #include "casd/link/stream_time.hpp"
+#include "casd/routing/router.hpp"
 #include "casd/tlog/tlog.hpp"
 
 namespace cas::casd {

@@ -8,13 +8,13 @@
 #include <optional>
 #include <vector>
 
+#include "casd/counters/monitor.hpp"
+#include "casd/link/link.hpp"
+#include "casd/packet/packet_port.hpp"
+#include "casd/packet/packet_writer.hpp"
 #include "casd/queue/line_check.hpp"
 #include "casd/queue/line_drain.hpp"
 #include "casd/queue/line_pacer.hpp"
-#include "casd/link/link.hpp"
-#include "casd/counters/monitor.hpp"
-#include "casd/packet/packet_port.hpp"
-#include "casd/packet/packet_writer.hpp"
 #include "casd/queue/tx_queue.hpp"
 
 namespace cas::casd {

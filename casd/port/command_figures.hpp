@@ -7,12 +7,12 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "base/time/clock.hpp"
 #include "base/rpc/server.hpp"
+#include "base/time/clock.hpp"
 #include "casd/counters/echo_latency.hpp"
-#include "casd/port/message_decoder.hpp"
 #include "casd/counters/message_taps.hpp"
 #include "casd/counters/monitor.hpp"
+#include "casd/port/message_decoder.hpp"
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {

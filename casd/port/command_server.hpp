@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
-#include "base/time/clock.hpp"
 #include "base/rpc/server.hpp"
-#include "casd/station/gain_map.hpp"
+#include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
+#include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
 
 namespace cas::casd {

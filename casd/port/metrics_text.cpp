@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <string_view>
 
-#include "casd/routing/router.hpp"
 #include "casd/queue/tx_queue.hpp"
+#include "casd/routing/router.hpp"
 
 namespace cas::casd {
 namespace {

@@ -11,9 +11,9 @@
 #include <string_view>
 
 #include "base/time/clock.hpp"
-#include "casd/queue/line_pacer.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/packet/packet_ring.hpp"
+#include "casd/queue/line_pacer.hpp"
 
 namespace cas::casd {
 

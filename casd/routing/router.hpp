@@ -10,10 +10,10 @@
 #include <string_view>
 
 #include "base/time/clock.hpp"
-#include "casd/routing/duplicate_filter.hpp"
-#include "casd/routing/forward_rule.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/packet/packet_info.hpp"
+#include "casd/routing/duplicate_filter.hpp"
+#include "casd/routing/forward_rule.hpp"
 #include "casd/routing/rate_limiter.hpp"
 #include "casd/routing/route_table.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"

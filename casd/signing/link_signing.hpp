@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "casd/counters/monitor.hpp"
-#include "casd/signing/packet_signer.hpp"
 #include "casd/packet/packet_writer.hpp"
+#include "casd/signing/packet_signer.hpp"
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {

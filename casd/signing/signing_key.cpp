@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/rpc/token.hpp"
 #include "base/os/write_file.hpp"
+#include "base/rpc/token.hpp"
 
 namespace cas::casd {
 namespace {

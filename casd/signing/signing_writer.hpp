@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "casd/signing/packet_signer.hpp"
 #include "casd/packet/packet_writer.hpp"
+#include "casd/signing/packet_signer.hpp"
 
 namespace cas::casd {
 

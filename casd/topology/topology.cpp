@@ -5,8 +5,8 @@
 #include <set>
 
 #include "base/config/config_whole.hpp"
-#include "base/os/cpu_latency.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/os/cpu_latency.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/topology_parts.hpp"
 

@@ -10,16 +10,16 @@
 #include <string>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
 #include "base/os/thread.hpp"
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/queue/line_drain.hpp"
+#include "casd/queue/tx_queue.hpp"
 #include "casd/routing/accept_rule.hpp"
 #include "casd/routing/forward_rule.hpp"
-#include "casd/queue/line_drain.hpp"
-#include "casd/packet/link_id.hpp"
 #include "casd/routing/router.hpp"
 #include "casd/tlog/tlog_files.hpp"
-#include "casd/queue/tx_queue.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {

@@ -7,10 +7,10 @@
 #include <span>
 
 #include "casd/link/ingress.hpp"
+#include "casd/link/wake_signal.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/packet/packet_ring.hpp"
 #include "casd/station/station.hpp"
-#include "casd/link/wake_signal.hpp"
 
 namespace cas::casd {
 

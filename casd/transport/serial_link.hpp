@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "casd/link/link_core.hpp"
+#include "casd/link/tx_port.hpp"
 #include "casd/transport/path_watch.hpp"
 #include "casd/transport/serial_port.hpp"
-#include "casd/link/tx_port.hpp"
 
 namespace cas::casd {
 

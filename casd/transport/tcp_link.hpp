@@ -6,8 +6,8 @@
 
 #include "base/os/descriptor.hpp"
 #include "casd/link/link_core.hpp"
-#include "casd/transport/socket_address.hpp"
 #include "casd/link/tx_port.hpp"
+#include "casd/transport/socket_address.hpp"
 
 namespace cas::casd {
 

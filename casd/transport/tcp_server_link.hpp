@@ -9,9 +9,9 @@
 
 #include "base/os/descriptor.hpp"
 #include "casd/link/link_core.hpp"
+#include "casd/link/tx_port.hpp"
 #include "casd/routing/route_table.hpp"
 #include "casd/transport/socket_address.hpp"
-#include "casd/link/tx_port.hpp"
 
 namespace cas::casd {
 

@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "casd/transport/datagram_reader.hpp"
 #include "casd/link/link_core.hpp"
-#include "casd/transport/socket_address.hpp"
 #include "casd/link/tx_port.hpp"
+#include "casd/transport/datagram_reader.hpp"
+#include "casd/transport/socket_address.hpp"
 
 namespace cas::casd {
 

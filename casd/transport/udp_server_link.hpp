@@ -4,11 +4,11 @@
 #include <memory>
 #include <mutex>
 
-#include "casd/transport/datagram_reader.hpp"
 #include "casd/link/link_core.hpp"
+#include "casd/link/tx_port.hpp"
+#include "casd/transport/datagram_reader.hpp"
 #include "casd/transport/peer_table.hpp"
 #include "casd/transport/socket_address.hpp"
-#include "casd/link/tx_port.hpp"
 
 namespace cas::casd {
 

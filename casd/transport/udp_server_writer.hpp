@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "base/os/descriptor.hpp"
-#include "casd/transport/datagram_sender.hpp"
 #include "casd/counters/monitor.hpp"
 #include "casd/packet/packet_writer.hpp"
+#include "casd/transport/datagram_sender.hpp"
 #include "casd/transport/udp_server_link.hpp"
 
 namespace cas::casd {

@@ -7,11 +7,11 @@
 #include "fcu/control/altitude_controller.hpp"
 #include "fcu/control/attitude_controller.hpp"
 #include "fcu/control/control_params.hpp"
-#include "fcu/estimation/estimator.hpp"
 #include "fcu/control/mixer.hpp"
 #include "fcu/control/position_controller.hpp"
 #include "fcu/control/rate_controller.hpp"
 #include "fcu/control/setpoint.hpp"
+#include "fcu/estimation/estimator.hpp"
 
 namespace cas::fcu {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/config/config.hpp"
-#include "base/earth/geodesy.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/earth/geodesy.hpp"
 #include "fcu/line/line_config.hpp"
 
 namespace cas::fcu {

@@ -6,20 +6,20 @@
 
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
+#include "fcu/control/control_cascade.hpp"
+#include "fcu/core/fcu_config.hpp"
+#include "fcu/core/outbox.hpp"
+#include "fcu/estimation/estimator.hpp"
+#include "fcu/estimation/sensor_figures.hpp"
+#include "fcu/estimation/sensor_monitor.hpp"
 #include "fcu/flight/arming_checks.hpp"
 #include "fcu/flight/battery.hpp"
 #include "fcu/flight/commander.hpp"
-#include "fcu/control/control_cascade.hpp"
-#include "fcu/estimation/estimator.hpp"
 #include "fcu/flight/failsafe.hpp"
-#include "fcu/core/fcu_config.hpp"
-#include "fcu/flight_controller.hpp"
-#include "fcu/core/outbox.hpp"
+#include "fcu/flight/flight_status.hpp"
+#include "fcu/flight/status_texts.hpp"
 #include "fcu/params/param_binding.hpp"
 #include "fcu/params/params.hpp"
-#include "fcu/estimation/sensor_figures.hpp"
-#include "fcu/estimation/sensor_monitor.hpp"
-#include "fcu/flight/status_texts.hpp"
 #include "mavlink/common/hil_gps.hpp"
 
 namespace cas::fcu {
@@ -47,7 +47,7 @@ struct VibrationMeter {
 /// Everything the parts of the flight controller share. The protocols read and command it; the
 /// flight loop runs it.
 struct FcuCore {
-  FcuCore(const FcuConfig& configuration, FlightController::Sink send)
+  FcuCore(const FcuConfig& configuration, PacketSink send)
       : config(configuration),
         params(config.vehicle, sensor_figures(config.sensors).params),
         outbox({config.system_id, config.component_id}, std::move(send)),
@@ -106,7 +106,7 @@ struct FcuCore {
   std::uint64_t position_resets_seen = 0;
   bool reboot_wanted = false;
   FlightStatus status;
-  FlightController::HilObserver observer;
+  HilObserver observer;
 };
 
 }  // namespace cas::fcu

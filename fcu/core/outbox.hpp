@@ -10,13 +10,17 @@
 
 namespace cas::fcu {
 
+/// Takes one whole packet for the line.
+using PacketSink = std::function<void(std::span<const std::uint8_t>)>;
+/// Observes each HIL packet used or sent: message id, its time_usec, whether it was sent.
+using HilObserver = std::function<void(std::uint32_t id, std::uint64_t time_usec, bool sent)>;
+
 /// Packs messages, numbers them, counts them and hands them to the line.
 class Outbox {
  public:
-  using Sink = std::function<void(std::span<const std::uint8_t>)>;
   static constexpr std::size_t kIds = 512;  ///< largest message id counted, plus one
 
-  Outbox(mav::Source source, Sink sink) : source_(source), sink_(std::move(sink)) {}
+  Outbox(mav::Source source, PacketSink sink) : source_(source), sink_(std::move(sink)) {}
 
   template <class Message>
   void send(const Message& message) {
@@ -47,7 +51,7 @@ class Outbox {
   }
 
   mav::Source source_;
-  Sink sink_;
+  PacketSink sink_;
   std::uint8_t sequence_ = 0;
   std::array<std::uint8_t, mav::kMaxPacketBytes> buffer_{};
   std::array<std::uint64_t, kIds> counts_{};

@@ -12,17 +12,17 @@
 #include <csignal>
 #include <vector>
 
-#include "base/time/clock.hpp"
-#include "base/os/command_port.hpp"
 #include "base/error.hpp"
 #include "base/measure/ledger.hpp"
+#include "base/os/command_port.hpp"
 #include "base/os/log.hpp"
+#include "base/time/clock.hpp"
 #include "base/time/stream_clock.hpp"
 #include "fcu/emulator/emulator_control.hpp"
 #include "fcu/emulator/emulator_line.hpp"
 #include "fcu/flight_controller.hpp"
-#include "fcu/params/param_file.hpp"
 #include "fcu/line/pty.hpp"
+#include "fcu/params/param_file.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 

@@ -7,8 +7,8 @@
 
 #include "base/config/config.hpp"
 #include "base/earth/frames.hpp"
-#include "base/rpc/server.hpp"
 #include "base/os/write_file.hpp"
+#include "base/rpc/server.hpp"
 
 namespace cas::fcu {
 

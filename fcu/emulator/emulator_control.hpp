@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "base/time/clock.hpp"
 #include "base/measure/histogram.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/emulator/emulator_line.hpp"
 #include "fcu/flight_controller.hpp"
 

@@ -3,8 +3,8 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
-#include "base/error.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
 #include "base/os/program.hpp"

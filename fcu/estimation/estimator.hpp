@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/time/clock.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/estimation/error_covariance.hpp"
 #include "fcu/estimation/estimator_params.hpp"
 #include "fcu/estimation/motion_history.hpp"

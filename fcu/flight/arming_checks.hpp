@@ -6,9 +6,9 @@
 
 #include "base/time/clock.hpp"
 #include "fcu/estimation/estimator.hpp"
+#include "fcu/estimation/sensor_monitor.hpp"
 #include "fcu/flight/flight_mode.hpp"
 #include "fcu/params/param_binding.hpp"
-#include "fcu/estimation/sensor_monitor.hpp"
 
 namespace cas::fcu {
 

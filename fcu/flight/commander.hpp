@@ -9,7 +9,7 @@
 #include "fcu/flight/arming_checks.hpp"
 #include "fcu/flight/auto_tasks.hpp"
 #include "fcu/flight/failsafe.hpp"
-#include "fcu/flight_controller.hpp"
+#include "fcu/flight/flight_status.hpp"
 #include "fcu/flight/flight_task.hpp"
 #include "fcu/flight/land_detector.hpp"
 #include "fcu/flight/manual_task.hpp"

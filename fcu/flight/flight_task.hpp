@@ -4,13 +4,13 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "base/time/clock.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/time/clock.hpp"
+#include "fcu/control/setpoint.hpp"
 #include "fcu/estimation/estimator.hpp"
 #include "fcu/flight/flight_mode.hpp"
 #include "fcu/flight/mover.hpp"
 #include "fcu/params/param_binding.hpp"
-#include "fcu/control/setpoint.hpp"
 
 namespace cas::fcu {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::fcu {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <span>
 
-#include "base/time/clock.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/line/line_config.hpp"
 
 namespace cas::fcu {

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "base/time/clock.hpp"
-#include "fcu/protocols/command.hpp"
 #include "fcu/flight/flight_mode.hpp"
+#include "fcu/protocols/command.hpp"
 
 namespace cas::fcu {
 

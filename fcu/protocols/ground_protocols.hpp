@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/time/clock.hpp"
-#include "fcu/protocols/command_handler.hpp"
-#include "fcu/flight_controller.hpp"
 #include "fcu/flight/flight_mode.hpp"
+#include "fcu/flight/flight_status.hpp"
+#include "fcu/protocols/command_handler.hpp"
 #include "fcu/protocols/mission_protocol.hpp"
 #include "fcu/protocols/param_protocol.hpp"
 #include "fcu/protocols/telemetry.hpp"

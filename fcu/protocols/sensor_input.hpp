@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "base/time/clock.hpp"
 #include "base/measure/histogram.hpp"
+#include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "base/time/clock.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/os/write_file.hpp"
+#include "base/time/clock.hpp"
 #include "hils/compare/comparison.hpp"
 #include "hils/compare/comparison_report.hpp"
 #include "hils/report/report.hpp"
@@ -50,11 +51,13 @@ int compare(const CompareFlags& flags) {
   const double wall_s = base::to_seconds(base::steady_now() - begin);
 
   const std::string tables = comparison_markdown(plan, results);
-  write_text(out / "comparison.md", tables);
-  write_text(out / "comparison.json", comparison_json(plan, results));
-  write_text(out / "comparison.html", comparison_html(plan, results));
+  base::write_file(out / "comparison.md", tables, base::Durability::kCache);
+  base::write_file(out / "comparison.json", comparison_json(plan, results),
+                   base::Durability::kCache);
+  base::write_file(out / "comparison.html", comparison_html(plan, results),
+                   base::Durability::kCache);
   for (const auto& [name, plot] : comparison_plots(results)) {
-    write_text(out / "plots" / (name + ".svg"), to_svg(plot));
+    base::write_file(out / "plots" / (name + ".svg"), to_svg(plot), base::Durability::kCache);
   }
   double simulated_s = 0;
   for (const VariantResult& result : results) {

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <utility>
 
+#include "base/os/write_file.hpp"
 #include "hils/programs/realtime_run.hpp"
 #include "hils/report/report.hpp"
 #include "hils/virtual/virtual_run.hpp"
@@ -50,7 +51,9 @@ void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
       (on_virtual_clock ? run_on_virtual_clock(request) : run_in_real_time(request)).front();
   const Measurement figures = measure(request, record);
   const Verdict verdict = judge(figures, request.scenario.limits);
-  if (!plan.virtual_clock) write_text(request.out / "summary.json", summary_json(figures, verdict));
+  if (!plan.virtual_clock)
+    base::write_file(request.out / "summary.json", summary_json(figures, verdict),
+                     base::Durability::kCache);
   if (result.runs.empty()) {
     result.curves = run_curves(result.variant.name(), request.scenario, record);
   }

@@ -8,14 +8,14 @@
 #include <cmath>
 
 #include "base/config/config.hpp"
-#include "base/earth/frames.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
-#include "fcu/estimation/estimation_bound.hpp"
+#include "base/earth/frames.hpp"
 #include "fcu/estimation/sensor_figures.hpp"
-#include "hils/virtual/direct_flight.hpp"
+#include "fcu/estimation_bound/estimation_bound.hpp"
 #include "hils/figures/flight_batch.hpp"
 #include "hils/figures/flight_hover.hpp"
+#include "hils/virtual/direct_flight.hpp"
 
 namespace cas::hils {
 

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "base/random.hpp"
-#include "hils/virtual/direct_flight.hpp"
 #include "hils/figures/flight_batch.hpp"
 #include "hils/figures/flight_figures.hpp"
 #include "hils/figures/flight_hover.hpp"
+#include "hils/virtual/direct_flight.hpp"
 
 namespace cas::hils {
 

@@ -7,6 +7,7 @@
 
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/os/write_file.hpp"
 #include "hils/report/report.hpp"
 
 namespace cas::hils {
@@ -63,8 +64,9 @@ std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces
 
 void write_firmware_configs(const FirmwareScenario& scenario, const FirmwarePlaces& places) {
   std::filesystem::create_directories(places.run);
-  write_text(places.simulator_config(), world_text(scenario, places));
-  write_text(places.casd_config(), topology_text(scenario, places));
+  base::write_file(places.simulator_config(), world_text(scenario, places),
+                   base::Durability::kCache);
+  base::write_file(places.casd_config(), topology_text(scenario, places), base::Durability::kCache);
 }
 
 }  // namespace cas::hils

@@ -8,15 +8,16 @@
 #include <optional>
 
 #include "base/config/install_paths.hpp"
+#include "base/os/write_file.hpp"
 #include "base/rpc/client.hpp"
-#include "hils/programs/casd_calls.hpp"
 #include "hils/firmware/firmware_configs.hpp"
-#include "hils/measure/judgement.hpp"
-#include "hils/programs/progress.hpp"
 #include "hils/firmware/pty_relay.hpp"
+#include "hils/measure/judgement.hpp"
+#include "hils/programs/casd_calls.hpp"
+#include "hils/programs/progress.hpp"
+#include "hils/programs/supervisor.hpp"
 #include "hils/report/report.hpp"
 #include "hils/run/run_directory.hpp"
-#include "hils/programs/supervisor.hpp"
 
 namespace cas::hils {
 namespace {
@@ -233,7 +234,8 @@ int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& 
   bench.stop();
 
   const std::vector<std::string> missed = misses(scenario, figures);
-  write_text(out / "summary.json", summary(scenario, figures, missed));
+  base::write_file(out / "summary.json", summary(scenario, figures, missed),
+                   base::Durability::kCache);
   fmt::print("{}: {}\n", missed.empty() ? "PASSED" : "FAILED", scenario.name);
   for (const std::string& sentence : missed) fmt::print("  - {}\n", sentence);
   fmt::print("  {:.1f} s simulated at {:.2f} x real time; height error {:.2f} m, drift {:.2f} m\n",

@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "base/error.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 
 namespace cas::hils {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/time/clock.hpp"
 #include "hils/flight/flight_step.hpp"
 
 namespace cas::hils {

@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/line/line_config.hpp"
 #include "hils/flight/flight_facts.hpp"
 #include "hils/flight/flight_plan.hpp"

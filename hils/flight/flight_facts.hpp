@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/time/clock.hpp"
 #include "plugins/fault/expression.hpp"
 
 namespace cas::hils {

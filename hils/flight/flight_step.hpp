@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/time/clock.hpp"
 #include "casd/station/gain_map.hpp"
 #include "fcu/flight/pattern.hpp"
 #include "hils/flight/flight_facts.hpp"

@@ -11,9 +11,9 @@
 #include "hils/measure/hop_account.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/run_record.hpp"
-#include "hils/run/run_request.hpp"
 #include "hils/measure/step_response.hpp"
 #include "hils/measure/trajectory.hpp"
+#include "hils/run/run_request.hpp"
 
 namespace cas::hils {
 

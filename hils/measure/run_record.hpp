@@ -10,8 +10,8 @@
 
 #include "base/measure/ledger.hpp"
 #include "hils/flight/bench_fault.hpp"
-#include "hils/measure/clock_map.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/measure/clock_map.hpp"
 #include "hils/measure/hop_account.hpp"
 #include "hils/run/run_places.hpp"
 

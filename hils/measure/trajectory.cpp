@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/error.hpp"
 #include "base/earth/frames.hpp"
+#include "base/error.hpp"
 #include "hils/measure/tlog_reader.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/local_position_ned.hpp"

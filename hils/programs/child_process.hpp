@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/os/descriptor.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::hils {
 

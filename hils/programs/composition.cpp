@@ -5,9 +5,9 @@
 
 #include <optional>
 
+#include "base/os/write_file.hpp"
 #include "base/random.hpp"
 #include "fcu/line/line_config.hpp"
-#include "hils/report/report.hpp"
 #include "hils/programs/yaml_text.hpp"
 
 namespace cas::hils {
@@ -169,11 +169,13 @@ fcu::LineConfig line_of(const RunRequest& request) {
 
 void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {
   std::filesystem::create_directories(places.run);
-  write_text(places.simulator_config(), simulator_config(request, transport, places));
+  base::write_file(places.simulator_config(), simulator_config(request, transport, places),
+                   base::Durability::kCache);
   for (std::size_t i = 0; i < places.vehicles.size(); ++i) {
-    write_text(places.vehicles[i].fcu_config(), fcu_config(request, i));
+    base::write_file(places.vehicles[i].fcu_config(), fcu_config(request, i),
+                     base::Durability::kCache);
   }
-  write_text(places.casd_config(), casd_config(request, places));
+  base::write_file(places.casd_config(), casd_config(request, places), base::Durability::kCache);
 }
 
 }  // namespace cas::hils

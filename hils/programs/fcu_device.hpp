@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "hils/programs/composition.hpp"
 #include "hils/measure/measurement.hpp"
-#include "hils/run/run_request.hpp"
+#include "hils/programs/composition.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/run/run_request.hpp"
 
 namespace cas::hils {
 

@@ -7,17 +7,17 @@
 #include <string>
 #include <utility>
 
-#include "base/time/clock.hpp"
 #include "base/rpc/client.hpp"
+#include "base/time/clock.hpp"
 #include "casd/tlog/tlog.hpp"
 #include "hils/programs/bench_programs.hpp"
 #include "hils/programs/casd_calls.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/programs/flight_calls.hpp"
 #include "hils/programs/progress.hpp"
+#include "hils/programs/supervisor.hpp"
 #include "hils/run/run_directory.hpp"
 #include "hils/run/run_places.hpp"
-#include "hils/programs/supervisor.hpp"
 
 namespace cas::hils {
 

@@ -7,15 +7,15 @@
 
 #include "base/rpc/client.hpp"
 #include "hils/flight/bench_fault.hpp"
+#include "hils/measure/run_record.hpp"
 #include "hils/programs/bench_programs.hpp"
 #include "hils/programs/casd_calls.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/programs/cpu_pressure.hpp"
-#include "hils/scenario/fleet_plan.hpp"
 #include "hils/programs/ground_station_thread.hpp"
 #include "hils/programs/progress.hpp"
-#include "hils/measure/run_record.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/scenario/fleet_plan.hpp"
 
 namespace cas::hils {
 

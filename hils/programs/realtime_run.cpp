@@ -8,16 +8,16 @@
 #include <utility>
 #include <variant>
 
-#include "base/time/clock.hpp"
 #include "base/rpc/client.hpp"
+#include "base/time/clock.hpp"
 #include "hils/programs/bench_programs.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/programs/fcu_device.hpp"
 #include "hils/programs/ground_station_thread.hpp"
 #include "hils/programs/realtime_pilot.hpp"
+#include "hils/programs/supervisor.hpp"
 #include "hils/run/run_directory.hpp"
 #include "hils/run/run_places.hpp"
-#include "hils/programs/supervisor.hpp"
 
 namespace cas::hils {
 

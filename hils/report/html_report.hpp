@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "hils/report/run_plots.hpp"
 #include "hils/measure/run_result.hpp"
+#include "hils/report/run_plots.hpp"
 
 namespace cas::hils {
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "base/os/write_file.hpp"
 #include "hils/report/paper_figures.hpp"
 
 namespace cas::hils {
@@ -170,10 +169,6 @@ std::string text_report(const RunResult& run) {
     text += fmt::format("\n== {} ==\n", vehicle.figures.vehicle) + figures_text(vehicle.figures);
   }
   return text;
-}
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  base::write_file(file, text, base::Durability::kCache);
 }
 
 }  // namespace cas::hils

@@ -29,7 +29,4 @@ std::string_view verdict_word(const Verdict& verdict);
 /// One RMS error, such as &RmsFigures::x_m; a dash where the measured step was not reached.
 std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*axis);
 
-/// Writes a text file beside its place and renames it. @throws base::ConfigError
-void write_text(const std::filesystem::path& file, const std::string& text);
-
 }  // namespace cas::hils

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hils/measure/measurement.hpp"
-#include "hils/report/plot.hpp"
 #include "hils/measure/trajectory.hpp"
+#include "hils/report/plot.hpp"
 
 namespace cas::hils {
 

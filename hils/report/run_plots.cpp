@@ -7,8 +7,8 @@
 #include <map>
 
 #include "base/time/clock.hpp"
-#include "hils/report/run_curves.hpp"
 #include "hils/measure/trajectory.hpp"
+#include "hils/report/run_curves.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 

@@ -5,12 +5,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/os/write_file.hpp"
 #include "hils/report/html_report.hpp"
 #include "hils/report/junit_report.hpp"
 #include "hils/report/plot.hpp"
 #include "hils/report/report.hpp"
-#include "hils/run/run_places.hpp"
 #include "hils/report/run_plots.hpp"
+#include "hils/run/run_places.hpp"
 
 namespace cas::hils {
 
@@ -18,7 +19,8 @@ namespace {
 
 void write_plots(const std::filesystem::path& folder, const NamedPlots& plots) {
   std::filesystem::create_directories(folder);
-  for (const auto& [name, plot] : plots) write_text(folder / (name + ".svg"), to_svg(plot));
+  for (const auto& [name, plot] : plots)
+    base::write_file(folder / (name + ".svg"), to_svg(plot), base::Durability::kCache);
 }
 
 /// The scenario, what it names, and what was made of it; each file once.
@@ -38,15 +40,16 @@ std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
 
 void write_results(const RunRequest& request, const RunResult& run) {
   const std::filesystem::path& out = request.out;
-  write_text(out / "summary.json", summary_json(run));
-  write_text(out / "junit.xml", junit_report(run));
+  base::write_file(out / "summary.json", summary_json(run), base::Durability::kCache);
+  base::write_file(out / "junit.xml", junit_report(run), base::Durability::kCache);
   std::vector<NamedPlots> plots;
   for (const VehicleResult& vehicle : run.vehicles) {
     plots.push_back(run_plots(request.scenario, vehicle.record, vehicle.figures));
     const std::filesystem::path folder = out / "plots";
     write_plots(run.has_several() ? folder / vehicle.figures.vehicle : folder, plots.back());
   }
-  write_text(out / "report.html", html_report(run, plots, quoted_files(request)));
+  base::write_file(out / "report.html", html_report(run, plots, quoted_files(request)),
+                   base::Durability::kCache);
 }
 
 }  // namespace cas::hils

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "hils/run/run_request.hpp"
 #include "hils/measure/run_result.hpp"
+#include "hils/run/run_request.hpp"
 
 namespace cas::hils {
 

@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "base/os/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::hils {
 

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_step.hpp"
 #include "hils/scenario/scenario_limits.hpp"

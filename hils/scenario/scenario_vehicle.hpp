@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/config/config.hpp"
-#include "hils/scenario/scenario_limits.hpp"
 #include "hils/flight/vehicle_names.hpp"
+#include "hils/scenario/scenario_limits.hpp"
 
 namespace cas::hils {
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "base/time/clock.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::hils {
 

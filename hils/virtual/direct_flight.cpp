@@ -10,10 +10,10 @@
 #include <string>
 
 #include "base/config/config.hpp"
-#include "base/earth/frames.hpp"
-#include "base/earth/geodesy.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/sensor_set.hpp"
+#include "base/earth/frames.hpp"
+#include "base/earth/geodesy.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
 #include "mavlink_gen/runtime/codec.hpp"

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/measure/ledger.hpp"
-#include "fcu/emulator/emulator_line.hpp"
+#include "base/time/clock.hpp"
 #include "fcu/core/fcu_config.hpp"
+#include "fcu/emulator/emulator_line.hpp"
 #include "fcu/flight_controller.hpp"
 
 namespace cas::hils {

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
+#include "casd/counters/link_ledger.hpp"
 #include "casd/queue/line_drain.hpp"
 #include "casd/queue/line_pacer.hpp"
-#include "casd/counters/link_ledger.hpp"
-#include "casd/routing/router.hpp"
-#include "casd/topology/topology.hpp"
 #include "casd/queue/tx_queue.hpp"
+#include "casd/routing/router.hpp"
 #include "casd/station/vehicle_commander.hpp"
+#include "casd/topology/topology.hpp"
 #include "hils/scenario/wake_up.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 

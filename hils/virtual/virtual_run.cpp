@@ -10,15 +10,15 @@
 #include <optional>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/os/write_file.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 #include "casd/topology/topology.hpp"
+#include "hils/measure/run_record.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/programs/ground_station.hpp"
 #include "hils/programs/progress.hpp"
-#include "hils/report/report.hpp"
-#include "hils/measure/run_record.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/virtual/tlog_writer.hpp"
 #include "hils/virtual/virtual_controller.hpp"
@@ -140,7 +140,7 @@ class VirtualBench {
     }
     progress_.clear();
     simulator_.finish();
-    write_text(stats_file_, simulator_.stats_json());
+    base::write_file(stats_file_, simulator_.stats_json(), base::Durability::kCache);
     log_.close();
   }
 

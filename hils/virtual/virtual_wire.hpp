@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/measure/ledger.hpp"
+#include "base/time/clock.hpp"
 #include "hils/flight/flight_facts.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/topic_bus.hpp"

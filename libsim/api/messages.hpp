@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/time/clock.hpp"
-#include "base/earth/geodesy.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/earth/geodesy.hpp"
+#include "base/time/clock.hpp"
 
 /// What travels on the topic bus. Each type declares its name and version: a topic is refused when
 /// publisher and subscriber were built against different declarations.

@@ -8,9 +8,9 @@
 #include <memory>
 #include <string>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/topic_bus.hpp"
 #include "libsim/api/world.hpp"
 

@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "base/os/log.hpp"
-#include "base/rpc/server.hpp"
 #include "base/os/thread.hpp"
+#include "base/rpc/server.hpp"
 #include "libsim/hilsim/sim_report.hpp"
 
 namespace cas::sim {

@@ -12,19 +12,19 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "base/os/command_port.hpp"
 #include "base/os/cpu_latency.hpp"
-#include "base/error.hpp"
-#include "base/config/install_paths.hpp"
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
-#include "libsim/hilsim/control_server.hpp"
 #include "libsim/core/load/sim_config.hpp"
 #include "libsim/core/run/sim_loop.hpp"
-#include "libsim/hilsim/sim_report.hpp"
 #include "libsim/core/run/sim_runner.hpp"
+#include "libsim/hilsim/control_server.hpp"
+#include "libsim/hilsim/sim_report.hpp"
 
 namespace {
 

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/common/gauss_markov.hpp"
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::sim {
 

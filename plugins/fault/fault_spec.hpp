@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/fault/expression.hpp"
 

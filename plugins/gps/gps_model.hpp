@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/common/gauss_markov.hpp"
 

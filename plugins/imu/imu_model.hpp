@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdint>
 
-#include "base/time/clock.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"
 #include "plugins/common/gauss_markov.hpp"

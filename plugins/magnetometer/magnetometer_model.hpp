@@ -4,10 +4,10 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"
 #include "plugins/common/gauss_markov.hpp"

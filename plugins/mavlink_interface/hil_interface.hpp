@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/time/clock.hpp"
-#include "base/measure/ledger.hpp"
-#include "base/time/rate_gate.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/measure/ledger.hpp"
+#include "base/time/clock.hpp"
+#include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/codec.hpp"

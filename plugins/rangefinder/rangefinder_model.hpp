@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <string_view>
 
-#include "base/time/clock.hpp"
 #include "base/error.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::sim {
 

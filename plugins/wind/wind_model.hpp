@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/wind/dryden.hpp"
 

@@ -9,8 +9,8 @@
 
 #include "base/measure/histogram.hpp"
 #include "fcu/control/control_cascade.hpp"
-#include "fcu/estimation/estimator.hpp"
 #include "fcu/control/mixer.hpp"
+#include "fcu/estimation/estimator.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
 

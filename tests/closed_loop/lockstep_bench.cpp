@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "base/rpc/message.hpp"
-#include "hils/run/run_directory.hpp"
 #include "hils/measure/tlog_reader.hpp"
+#include "hils/run/run_directory.hpp"
 
 namespace cas::test {
 

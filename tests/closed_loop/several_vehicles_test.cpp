@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "hils/report/report.hpp"
 #include "hils/measure/run_result.hpp"
+#include "hils/report/report.hpp"
 #include "tests/closed_loop/flight.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <limits>
 
+#include "base/config/vehicle.hpp"
 #include "base/earth/atmosphere.hpp"
 #include "base/earth/magnetic_field.hpp"
-#include "base/config/vehicle.hpp"
 
 namespace cas::test {
 

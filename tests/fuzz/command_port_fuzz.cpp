@@ -18,9 +18,9 @@
 
 #include "base/os/log.hpp"
 #include "base/rpc/server.hpp"
+#include "casd/counters/echo_latency.hpp"
 #include "casd/port/command_figures.hpp"
 #include "casd/port/command_server.hpp"
-#include "casd/counters/echo_latency.hpp"
 #include "tests/casd/fake_vehicle.hpp"
 
 namespace {

@@ -10,8 +10,8 @@
 #include <memory>
 
 #include "casd/casctl/monitor/monitor_model.hpp"
-#include "casd/casctl/session/table.hpp"
 #include "casd/casctl/monitor/terminal.hpp"
+#include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
 namespace {

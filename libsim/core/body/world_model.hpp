@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/core/body/shape.hpp"
 
 namespace cas::sim {

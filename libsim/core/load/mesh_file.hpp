@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <filesystem>
 
-#include "libsim/core/export.hpp"
 #include "libsim/core/body/shape.hpp"
+#include "libsim/core/export.hpp"
 
 namespace cas::sim {
 

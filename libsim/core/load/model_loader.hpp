@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "libsim/core/export.hpp"
 #include "libsim/core/body/rigid_body.hpp"
 #include "libsim/core/body/shape.hpp"
+#include "libsim/core/export.hpp"
 
 namespace cas::sim {
 

@@ -3,8 +3,8 @@
 #include <set>
 #include <sstream>
 
-#include "base/error.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/sdf_headers.hpp"
 #include "libsim/core/load/uri.hpp"

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <utility>
 
-#include "base/os/cpu_latency.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/sensor_set.hpp"
+#include "base/os/cpu_latency.hpp"
 
 namespace cas::sim {
 

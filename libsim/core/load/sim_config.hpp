@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/config/config.hpp"
+#include "base/config/vehicle.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/os/thread.hpp"
-#include "base/config/vehicle.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/core/export.hpp"
 
 namespace cas::sim {

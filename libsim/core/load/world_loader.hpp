@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "libsim/core/body/world_model.hpp"
 #include "libsim/core/export.hpp"
 #include "libsim/core/load/sim_config.hpp"
-#include "libsim/core/body/world_model.hpp"
 
 namespace cas::sim {
 

@@ -8,9 +8,9 @@
 #include <span>
 
 #include "libsim/api/world.hpp"
-#include "libsim/core/export.hpp"
 #include "libsim/core/body/rigid_body.hpp"
 #include "libsim/core/body/shape.hpp"
+#include "libsim/core/export.hpp"
 
 namespace cas::sim {
 

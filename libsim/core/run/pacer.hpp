@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "base/time/clock.hpp"
 #include "base/measure/histogram.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/core/export.hpp"
 #include "libsim/core/load/sim_config.hpp"
 

@@ -7,8 +7,8 @@
 #include <exception>
 #include <string_view>
 
-#include "base/error.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 
 namespace cas::sim {
 

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/measure/histogram.hpp"
+#include "base/time/clock.hpp"
 #include "libsim/core/export.hpp"
 #include "libsim/core/run/pacer.hpp"
 #include "libsim/core/run/sim_runner.hpp"

@@ -10,9 +10,9 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "libsim/core/load/model_loader.hpp"
+#include "libsim/core/load/world_loader.hpp"
 #include "libsim/core/run/plugin_host.hpp"
 #include "libsim/core/run/sim_world.hpp"
-#include "libsim/core/load/world_loader.hpp"
 
 namespace cas::sim {
 

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "libsim/api/world.hpp"
-#include "libsim/core/export.hpp"
-#include "libsim/core/load/model_loader.hpp"
-#include "libsim/core/ode/contact_solver.hpp"
 #include "libsim/core/body/rest_detector.hpp"
 #include "libsim/core/body/rigid_body.hpp"
-#include "libsim/core/load/sim_config.hpp"
 #include "libsim/core/body/world_model.hpp"
+#include "libsim/core/export.hpp"
+#include "libsim/core/load/model_loader.hpp"
+#include "libsim/core/load/sim_config.hpp"
+#include "libsim/core/ode/contact_solver.hpp"
 
 namespace cas::sim {
 

@@ -11,14 +11,14 @@ import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else __file__).resolve()
-ROOT = ROOT if ROOT.is_dir() else ROOT.parents[2]
+ROOT = ROOT if ROOT.is_dir() else ROOT.parents[3]
 
 # Section of a page -> the files that read its keys.
 SECTIONS = {
-    ("config", "Scenario"): ["hils/scenario*.cpp", "hils/flight/flight_step.cpp"],
+    ("config", "Scenario"): ["hils/scenario/*.cpp", "hils/flight/flight_step.cpp"],
     ("config", "Simulation"): ["libsim/core/load/sim_config.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp",
                                  "base/config/sensor_set.cpp"],
-    ("config", "Topology"): ["casd/topology*.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp"],
+    ("config", "Topology"): ["casd/topology/*.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp"],
     ("config", "Controller"): ["fcu/core/fcu_config.cpp", "fcu/line/line_config.cpp"],
     ("config", "Vehicle"): ["base/config/vehicle.cpp"],
     ("plugins", "imu"): ["plugins/imu/*.cpp"],
@@ -33,7 +33,7 @@ SECTIONS = {
 
 # Whose words a section names besides.
 FURTHER = {("config", "Simulation"): ["plugins/mavlink_interface/*.cpp"],
-           ("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/*.cpp", "casd/*.cpp"]}
+           ("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/core/*.cpp", "casd/station/*.cpp"]}
 
 # Functions that take a key, by the beginning of their names.
 READERS = r"(?:at|find|has|get|require|optional|parse|positive|non_negative|microseconds|ms|kib|handed_on|place|offer)"
@@ -95,10 +95,11 @@ def read_keys(globs):
 
 
 def words_near(globs):
-    """All words in quotes in the folders of the parsers: keys, words of enumerations, and what helpers read."""
+    """All words in quotes in the programs of the parsers: keys, words of enumerations, and what helpers read."""
     words = set()
-    for folder in {pathlib.PurePath(pattern).parent for pattern in globs}:
-        for file in (ROOT / folder).glob("*.cpp"):
+    parts = [pathlib.PurePath(pattern).parts for pattern in globs]
+    for folder in {"/".join(part[:2] if part[0] == "plugins" else part[:1]) for part in parts}:
+        for file in (ROOT / folder).rglob("*.cpp"):
             words.update(re.findall(r'"([A-Za-z]\w*)"', file.read_text()))
     return words
 

@@ -16,8 +16,8 @@
 #include <string_view>
 #include <utility>
 
-#include "base/time/clock.hpp"
 #include "base/rpc/message.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::base::rpc {
 

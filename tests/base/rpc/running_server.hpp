@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "base/rpc/server.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::base::rpc {
 

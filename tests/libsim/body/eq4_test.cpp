@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/earth/frames.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/earth/frames.hpp"
 #include "libsim/core/body/rigid_body.hpp"
 
 namespace cas::sim {

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "base/error.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/error.hpp"
 #include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/time/clock.hpp"
 #include "base/random.hpp"
+#include "base/time/clock.hpp"
 
 namespace airspeed {
 

@@ -5,10 +5,10 @@
 
 #include "base/cli/parse.hpp"
 #include "base/config/config.hpp"
+#include "base/config/sensor_set.hpp"
 #include "base/error.hpp"
 #include "base/os/program.hpp"
-#include "base/config/sensor_set.hpp"
-#include "fcu/estimation/estimation_bound.hpp"
+#include "fcu/estimation_bound/estimation_bound.hpp"
 
 namespace {
 
