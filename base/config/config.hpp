@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -13,6 +12,13 @@
 
 #include "base/error.hpp"
 #include "base/export.hpp"
+
+// Eigen's vectors by name alone: most readers of a configuration use none, and its headers cost
+// three seconds a file.
+namespace Eigen {
+template <typename Scalar, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
+class Matrix;
+}
 
 namespace cas::base {
 
@@ -45,7 +51,8 @@ class CAS_BASE_EXPORT ConfigNode {
   bool has(std::string_view key) const { return find(key).has_value(); }
 
   /// The value of a mandatory key. T: bool, int, unsigned, std::int64_t, std::uint64_t, double,
-  /// std::string, std::vector<double>, std::vector<std::string>, Eigen::Vector3d, Eigen::Vector4d.
+  /// std::string, std::vector<double>, std::vector<std::string>, and where <Eigen/Core> is included
+  /// Eigen::Vector3d, Eigen::Vector4d.
   /// @throws ConfigError when it is missing or of another kind
   template <class T>
   T require(std::string_view key) const {
@@ -109,7 +116,9 @@ extern template CAS_BASE_EXPORT std::string ConfigNode::as<std::string>() const;
 extern template CAS_BASE_EXPORT std::vector<double> ConfigNode::as<std::vector<double>>() const;
 extern template CAS_BASE_EXPORT std::vector<std::string> ConfigNode::as<std::vector<std::string>>()
     const;
-extern template CAS_BASE_EXPORT Eigen::Vector3d ConfigNode::as<Eigen::Vector3d>() const;
-extern template CAS_BASE_EXPORT Eigen::Vector4d ConfigNode::as<Eigen::Vector4d>() const;
+extern template CAS_BASE_EXPORT Eigen::Matrix<double, 3, 1, 0, 3, 1>
+ConfigNode::as<Eigen::Matrix<double, 3, 1, 0, 3, 1>>() const;
+extern template CAS_BASE_EXPORT Eigen::Matrix<double, 4, 1, 0, 4, 1>
+ConfigNode::as<Eigen::Matrix<double, 4, 1, 0, 4, 1>>() const;
 
 }  // namespace cas::base

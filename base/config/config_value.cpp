@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Values of ConfigNode: from a scalar's text to numbers, words and vectors.
+#include <Eigen/Core>
 #include <charconv>
 #include <cmath>
 #include <iterator>
