@@ -13,6 +13,7 @@
 #include "fcu/estimation/estimator.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
+#include "tests/support/paths.hpp"
 
 namespace {
 
@@ -25,7 +26,7 @@ const base::Geodetic kHome{47.397742, 8.545594, 488.0};
 const Vector3d kField_D{0.21, 0.01, 0.43};
 
 base::Vehicle iris() {
-  return base::Vehicle::load(CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml");
+  return base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/iris_paper.yaml");
 }
 
 // The estimator.

@@ -15,6 +15,7 @@
 #include "plugins/motor/rotor_model.hpp"
 #include "plugins/rangefinder/rangefinder_model.hpp"
 #include "plugins/wind/wind_model.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::sim {
 namespace {
@@ -23,12 +24,12 @@ const base::Geodetic kHome{47.397742, 8.545594, 488.0};
 constexpr double kStep = 1e-3;
 
 base::ConfigNode preset(const char* sensor) {
-  const std::string file = std::string(CAS_SOURCE_DIR) + "/config/sensors/pixhawk.yaml";
+  const std::string file = cas::test::source_dir() + "/config/sensors/pixhawk.yaml";
   return base::ConfigNode::load(file).at(sensor);
 }
 
 base::Vehicle iris() {
-  return base::Vehicle::load(std::filesystem::path(CAS_SOURCE_DIR) /
+  return base::Vehicle::load(std::filesystem::path(cas::test::source_dir()) /
                              "config/vehicles/iris_px4.yaml");
 }
 

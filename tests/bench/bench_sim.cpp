@@ -11,6 +11,7 @@
 #include "libsim/core/run/sim_runner.hpp"
 #include "tests/libsim/support/crate.hpp"
 #include "tests/libsim/support/four_rotors.hpp"
+#include "tests/support/paths.hpp"
 
 namespace {
 
@@ -121,9 +122,9 @@ std::string vehicles(int count, const std::string& plugins) {
   std::string list;
   for (int i = 0; i < count; ++i) {
     const std::string n = std::to_string(i);
-    list += "  - {name: v" + n +
-            ", vehicle: " CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml, pose: {x_m: " +
-            std::to_string(5 * i) + ", z_m: 100000}, plugins: [" + plugins + "]}\n";
+    list += "  - {name: v" + n + ", vehicle: " + cas::test::source_dir() +
+            "/config/vehicles/iris_paper.yaml, pose: {x_m: " + std::to_string(5 * i) +
+            ", z_m: 100000}, plugins: [" + plugins + "]}\n";
   }
   return list;
 }
@@ -137,7 +138,7 @@ std::unique_ptr<SimRunner> simulation(int count, const std::string& plugins) {
               vehicles(count, plugins),
           "bench")),
       SimOptions{.output_dir = std::filesystem::temp_directory_path(),
-                 .plugin_dirs = {std::filesystem::path(CAS_BINARY_DIR) / "plugins"}});
+                 .plugin_dirs = {std::filesystem::path(cas::test::binary_dir()) / "plugins"}});
   runner->start();
   return runner;
 }

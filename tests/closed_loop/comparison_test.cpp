@@ -10,12 +10,13 @@
 
 #include "hils/compare/comparison_report.hpp"
 #include "hils/compare/comparison_table.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::hils {
 namespace {
 
 ComparisonPlan small_plan(std::vector<Architecture> architectures) {
-  return {.scenario = Scenario::load(CAS_SOURCE_DIR "/config/scenarios/hover.yaml"),
+  return {.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml"),
           .variants = make_variants(architectures, {460800}),
           .seeds = {1},
           .warm_up_s = 1,

@@ -15,6 +15,7 @@
 #include "hils/report/report.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/virtual/virtual_run.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::hils::test {
 
@@ -59,6 +60,8 @@ class Flight {
   std::string simulator_stats_;
 };
 
-inline Scenario hover() { return Scenario::load(CAS_SOURCE_DIR "/config/scenarios/hover.yaml"); }
+inline Scenario hover() {
+  return Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
+}
 
 }  // namespace cas::hils::test

@@ -10,6 +10,7 @@
 #include "base/rpc/message.hpp"
 #include "hils/measure/tlog_reader.hpp"
 #include "hils/run/run_directory.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 
@@ -17,8 +18,8 @@ namespace {
 
 using base::rpc::Json;
 
-const std::string kPrograms = std::string(CAS_BINARY_DIR) + "/bin/";
-const std::string kConfig = std::string(CAS_SOURCE_DIR) + "/config/";
+const std::string kPrograms = cas::test::binary_dir() + "/bin/";
+const std::string kConfig = cas::test::source_dir() + "/config/";
 
 std::string endpoint(int port) { return "127.0.0.1:" + std::to_string(port); }
 
@@ -47,7 +48,7 @@ LockstepBench::LockstepBench(std::uint64_t seed) {
   start(casd_program_, {kPrograms + "casd", write_casd(ports[0], ports[1])});
   start(hilsim_, {kPrograms + "hilsim", write_simulator(seed, ports[0], ports[1]), "--paused",
                   "--control", path("sim.sock"), "--output", folder_.path().string(),
-                  "--plugin-dir", std::string(CAS_BINARY_DIR) + "/plugins"});
+                  "--plugin-dir", cas::test::binary_dir() + "/plugins"});
   simulator_.emplace("unix:" + path("sim.sock"));
   casd_.emplace("unix:" + path("casd.sock"));
 }

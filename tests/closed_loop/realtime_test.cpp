@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wait_until.hpp"
 
@@ -15,8 +16,9 @@ namespace {
 
 using test::ChildProcess;
 
-constexpr const char* kScenario = R"(schema: 1
-vehicle: )" CAS_SOURCE_DIR R"(/config/vehicles/iris_paper.yaml
+const std::string kScenario = R"(schema: 1
+vehicle: )" + cas::test::source_dir() +
+                              R"(/config/vehicles/iris_paper.yaml
 home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
 rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
 line: {preset: baud_921600}
@@ -30,13 +32,15 @@ steps:
   - land: {timeout_s: 60}
 )";
 
-constexpr const char* kTwoVehicles = R"(schema: 1
+const std::string kTwoVehicles = R"(schema: 1
 vehicles:
   - name: left
-    vehicle: )" CAS_SOURCE_DIR R"(/config/vehicles/iris_paper.yaml
+    vehicle: )" + cas::test::source_dir() +
+                                 R"(/config/vehicles/iris_paper.yaml
     pose: {x_m: 0, y_m: 0}
   - name: right
-    vehicle: )" CAS_SOURCE_DIR R"(/config/vehicles/iris_paper.yaml
+    vehicle: )" + cas::test::source_dir() +
+                                 R"(/config/vehicles/iris_paper.yaml
     pose: {x_m: 3, y_m: 0}
 home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
 rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
@@ -57,7 +61,8 @@ TEST(RealTime, TheFlightTellsTheSimulatorItsPhase) {
   const test::TemporaryFolder folder;
   const std::filesystem::path scenario = folder.write("short.yaml", kScenario);
   const std::filesystem::path out = folder / "out";
-  ChildProcess hils({CAS_BINARY_DIR "/bin/hils", "run", scenario.string(), "--out", out.string()});
+  ChildProcess hils(
+      {cas::test::binary_dir() + "/bin/hils", "run", scenario.string(), "--out", out.string()});
   EXPECT_EQ(hils.wait_exit(std::chrono::seconds(120)), 0) << hils.output();
   const auto stats = nlohmann::json::parse(std::ifstream(out / "run" / "hilsim_stats.json"));
   const auto& events = stats.at("plugins").at("fault@iris0").at("events");
@@ -73,11 +78,12 @@ TEST(RealTime, FliesAControllerThatIsThereAlready) {
   const std::filesystem::path scenario = folder.write("short.yaml", kScenario);
   const std::filesystem::path out = folder / "out";
   const std::filesystem::path port = folder / "board";
-  ChildProcess board({CAS_BINARY_DIR "/bin/fcu_emulator",
-                      CAS_SOURCE_DIR "/config/fcu/iris_paper.yaml", "--link", port.string()});
+  ChildProcess board({cas::test::binary_dir() + "/bin/fcu_emulator",
+                      cas::test::source_dir() + "/config/fcu/iris_paper.yaml", "--link",
+                      port.string()});
   ASSERT_TRUE(test::wait_until([&] { return std::filesystem::exists(port); }));
-  ChildProcess hils({CAS_BINARY_DIR "/bin/hils", "run", scenario.string(), "--fcu", port.string(),
-                     "--out", out.string()});
+  ChildProcess hils({cas::test::binary_dir() + "/bin/hils", "run", scenario.string(), "--fcu",
+                     port.string(), "--out", out.string()});
   EXPECT_EQ(hils.wait_exit(std::chrono::seconds(120)), 0) << hils.output();
   const auto summary = nlohmann::json::parse(std::ifstream(out / "summary.json"));
   EXPECT_TRUE(summary.at("from_device"));
@@ -87,7 +93,7 @@ TEST(RealTime, FliesAControllerThatIsThereAlready) {
 TEST(RealTime, RefusesAPortWithNobodyBehindIt) {
   const test::TemporaryFolder folder;
   const std::filesystem::path scenario = folder.write("short.yaml", kScenario);
-  ChildProcess hils({CAS_BINARY_DIR "/bin/hils", "run", scenario.string(), "--fcu",
+  ChildProcess hils({cas::test::binary_dir() + "/bin/hils", "run", scenario.string(), "--fcu",
                      (folder / "nothing").string(), "--out", (folder / "out").string()});
   EXPECT_EQ(hils.wait_exit(std::chrono::seconds(60)), 3) << hils.output();
   EXPECT_NE(hils.output().find("cannot be opened"), std::string::npos) << hils.output();
@@ -98,7 +104,8 @@ TEST(RealTime, TwoVehiclesFlyThroughOneCasd) {
   const test::TemporaryFolder folder;
   const std::filesystem::path scenario = folder.write("two.yaml", kTwoVehicles);
   const std::filesystem::path out = folder / "out";
-  ChildProcess hils({CAS_BINARY_DIR "/bin/hils", "run", scenario.string(), "--out", out.string()});
+  ChildProcess hils(
+      {cas::test::binary_dir() + "/bin/hils", "run", scenario.string(), "--out", out.string()});
   EXPECT_EQ(hils.wait_exit(std::chrono::seconds(150)), 0) << hils.output();
   const auto summary = nlohmann::json::parse(std::ifstream(out / "summary.json"));
   const auto& vehicles = summary.at("vehicles");

@@ -13,6 +13,7 @@
 #include "hils/report/report.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/virtual/virtual_run.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::hils {
 namespace {
@@ -28,7 +29,7 @@ Flown fly(const std::string& name) {
       std::filesystem::path(testing::TempDir()) / ("scenario_" + name + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   const RunRequest request{
-      .scenario = Scenario::load(CAS_SOURCE_DIR "/config/scenarios/" + name + ".yaml"),
+      .scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/" + name + ".yaml"),
       .architecture = Architecture::kTcas,
       .seed = 1,
       .out = folder};

@@ -10,6 +10,7 @@
 #include "hils/programs/composition.hpp"
 #include "libsim/core/load/sim_config.hpp"
 #include "tests/closed_loop/flight.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::hils {
 namespace {
@@ -24,8 +25,8 @@ void replace(std::string& text, const std::string& from, const std::string& to) 
 
 /// The shipped hover with a shorter hold and `lines` at its end.
 Scenario short_hover(const std::string& lines) {
-  std::string text = test::content(CAS_SOURCE_DIR "/config/scenarios/hover.yaml");
-  replace(text, "../vehicles", CAS_SOURCE_DIR "/config/vehicles");
+  std::string text = test::content(cas::test::source_dir() + "/config/scenarios/hover.yaml");
+  replace(text, "../vehicles", cas::test::source_dir() + "/config/vehicles");
   replace(text, "duration_s: 30", "duration_s: 8");
   const std::filesystem::path file =
       std::filesystem::path(testing::TempDir()) / ("hover" + std::to_string(::getpid()) + ".yaml");
@@ -87,7 +88,8 @@ INSTANTIATE_TEST_SUITE_P(All, SensorSet,
 
 TEST(SensorSets, AllThatAreShippedAreFlown) {
   std::size_t shipped = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(CAS_SOURCE_DIR "/config/sensors")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(cas::test::source_dir() + "/config/sensors")) {
     shipped += entry.path().extension() == ".yaml" ? 1 : 0;
   }
   EXPECT_EQ(shipped, 10U);

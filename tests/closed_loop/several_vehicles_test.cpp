@@ -7,6 +7,7 @@
 #include "hils/measure/run_result.hpp"
 #include "hils/report/report.hpp"
 #include "tests/closed_loop/flight.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -15,7 +16,9 @@ namespace {
 constexpr std::size_t kLeft = 0;
 constexpr std::size_t kRight = 1;
 
-Scenario shipped() { return Scenario::load(CAS_SOURCE_DIR "/config/scenarios/two_vehicles.yaml"); }
+Scenario shipped() {
+  return Scenario::load(cas::test::source_dir() + "/config/scenarios/two_vehicles.yaml");
+}
 
 /// The shipped scenario with a shorter measured stretch.
 Scenario two_vehicles() {

@@ -8,13 +8,14 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/udp_peer.hpp"
 
 namespace cas::test {
 namespace {
 
-const std::filesystem::path kConfig = std::filesystem::path(CAS_SOURCE_DIR) / "config";
+const std::filesystem::path kConfig = std::filesystem::path(cas::test::source_dir()) / "config";
 
 std::string content(const std::filesystem::path& file) {
   std::stringstream text;
@@ -39,7 +40,7 @@ class FirmwareFlight : public testing::Test {
     folder_.write("world.yaml", world);
     folder_.write("topology.yaml", topology);
     const auto scenario = folder_.write("scenario.yaml", scenario_text);
-    const std::string command = std::string(CAS_BINARY_DIR) + "/bin/hils run " + scenario.string() +
+    const std::string command = cas::test::binary_dir() + "/bin/hils run " + scenario.string() +
                                 " --out " + (folder_ / "out").string() + " > " +
                                 (folder_ / "log").string() + " 2>&1";
     const int status = std::system(command.c_str());
@@ -62,7 +63,7 @@ class FirmwareFlight : public testing::Test {
       }
       if (!in_firmware) kept += line + "\n";
     }
-    return kept + "firmware: {command: [\"" + std::string(CAS_BINARY_DIR) +
+    return kept + "firmware: {command: [\"" + cas::test::binary_dir() +
            "/tests/scripted_firmware\", " + firmware + "}\n";
   }
 

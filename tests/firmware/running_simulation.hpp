@@ -9,6 +9,7 @@
 
 #include "libsim/core/run/sim_loop.hpp"
 #include "libsim/core/run/sim_runner.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 
@@ -27,8 +28,8 @@ class RunningSimulation {
   RunningSimulation(const std::string& world_file, const std::string& interface,
                     const std::string& overrides, std::optional<double> speed = std::nullopt)
       : interface_(interface) {
-    sim::SimConfig config =
-        sim::SimConfig::load(std::filesystem::path(CAS_SOURCE_DIR) / "config/worlds" / world_file);
+    sim::SimConfig config = sim::SimConfig::load(std::filesystem::path(cas::test::source_dir()) /
+                                                 "config/worlds" / world_file);
     for (sim::PluginConfig& plugin : config.vehicles.at(0).plugins) {
       if (plugin.plugin != interface) continue;
       plugin.params = base::ConfigNode::parse(overrides, "test").merged_over(plugin.params);
@@ -37,8 +38,9 @@ class RunningSimulation {
     config.pace.speed = speed.value_or(1.0);
     runner_ = std::make_unique<sim::SimRunner>(
         std::move(config),
-        sim::SimOptions{.output_dir = ".",
-                        .plugin_dirs = {std::filesystem::path(CAS_BINARY_DIR) / "plugins"}});
+        sim::SimOptions{
+            .output_dir = ".",
+            .plugin_dirs = {std::filesystem::path(cas::test::binary_dir()) / "plugins"}});
     runner_->start();
     loop_ = std::make_unique<sim::SimLoop>(*runner_, runner_->config().pace);
     endpoint_ = endpoint();

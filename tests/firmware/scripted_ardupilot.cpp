@@ -11,6 +11,7 @@
 #include "base/config/vehicle.hpp"
 #include "base/earth/atmosphere.hpp"
 #include "base/earth/magnetic_field.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 
@@ -29,8 +30,8 @@ constexpr double kYear = 2026.5;
 
 fcu::FcuConfig controller_config(const ScriptedArdupilot::Options& options) {
   fcu::FcuConfig config;
-  config.vehicle = base::Vehicle::load(std::filesystem::path(CAS_SOURCE_DIR) / "config/vehicles" /
-                                       (options.vehicle + ".yaml"));
+  config.vehicle = base::Vehicle::load(std::filesystem::path(cas::test::source_dir()) /
+                                       "config/vehicles" / (options.vehicle + ".yaml"));
   config.sensors = config.vehicle.sensors;
   config.actuators = fcu::ActuatorMessage::kHilActuatorControls;
   return config;

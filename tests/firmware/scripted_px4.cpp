@@ -8,6 +8,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "mavlink_gen/runtime/crc.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 
@@ -26,8 +27,8 @@ constexpr base::Duration kStreamPatience = std::chrono::seconds(1);
 
 fcu::FcuConfig controller_config(const ScriptedPx4::Options& options) {
   fcu::FcuConfig config;
-  config.vehicle = base::Vehicle::load(std::filesystem::path(CAS_SOURCE_DIR) / "config/vehicles" /
-                                       (options.vehicle + ".yaml"));
+  config.vehicle = base::Vehicle::load(std::filesystem::path(cas::test::source_dir()) /
+                                       "config/vehicles" / (options.vehicle + ".yaml"));
   config.sensors = config.vehicle.sensors;
   config.actuators = fcu::ActuatorMessage::kHilActuatorControls;
   config.control_rate_hz = 250;

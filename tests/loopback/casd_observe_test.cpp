@@ -8,6 +8,7 @@
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/loopback/casd_bench.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 namespace {
@@ -43,7 +44,7 @@ class CasdObserve : public testing::Test {
   void start(const std::string& more) {
     const auto file = bench.folder.write(
         "topology.yaml", bench.expand("command_port: {port: 0}\n" + more + kHilTopology));
-    casd.emplace(std::vector<std::string>{CAS_BINARY_DIR "/bin/casd", file});
+    casd.emplace(std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", file});
     const auto ready = casd->wait_ready();
     ASSERT_TRUE(ready) << casd->output();
     status = *ready;
@@ -123,7 +124,8 @@ TEST_F(CasdObserve, RefusesABadDialectAtTheStartAndAtAReload) {
                  {{"link", "sim"}, {"message", "LAB_THING"}, {"system", 1}, {"component", 200}})
                 .at("id"),
             54321);
-  ChildProcess second({CAS_BINARY_DIR "/bin/casd", (bench.folder / "topology.yaml").string()});
+  ChildProcess second(
+      {cas::test::binary_dir() + "/bin/casd", (bench.folder / "topology.yaml").string()});
   EXPECT_EQ(second.wait_exit(), 78);
   EXPECT_NE(second.output().find("lab.xml"), std::string::npos) << second.output();
 }

@@ -8,11 +8,12 @@
 #include "base/rpc/client.hpp"
 #include "tests/loopback/casd_bench.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 namespace {
 
-const std::string kCasd = CAS_BINARY_DIR "/bin/casd";
+const std::string kCasd = cas::test::binary_dir() + "/bin/casd";
 
 /// The word after `name` in READY's status line.
 std::string endpoint_in(const std::string& status, const std::string& name) {

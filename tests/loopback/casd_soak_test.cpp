@@ -11,6 +11,7 @@
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/loopback/casd_bench.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 namespace {
@@ -122,7 +123,7 @@ links:
   - {name: fcu, type: serial, device: "$FCU", baud: 921600}
   - {name: gcs, type: udp_server, local: "127.0.0.1:0"}
 )"));
-  ChildProcess casd({CAS_BINARY_DIR "/bin/casd", file});
+  ChildProcess casd({cas::test::binary_dir() + "/bin/casd", file});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
   Load load(bench, *status);

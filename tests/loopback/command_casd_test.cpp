@@ -9,6 +9,7 @@
 #include "base/rpc/client.hpp"
 #include "tests/loopback/scripted_vehicle.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
@@ -35,13 +36,14 @@ class CommandCasdTest : public testing::Test {
                               "command_port: {port: 0}\n"
                               "links:\n"
                               "  - {name: fcu, type: serial, baud: 921600, device: '" +
-                                  (folder_ / "fcu0").string() + "'}\n" +
-                                  "gains: " CAS_SOURCE_DIR "/config/gains.yaml\n" + more);
+                                  (folder_ / "fcu0").string() + "'}\n" + "gains: " +
+                                  cas::test::source_dir() + "/config/gains.yaml\n" + more);
     run_casd();
   }
   void run_casd() {
-    casd_ = std::make_unique<ChildProcess>(std::vector<std::string>{
-        CAS_BINARY_DIR "/bin/casd", topology_.string(), "--stats", (folder_ / "stats").string()});
+    casd_ = std::make_unique<ChildProcess>(
+        std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", topology_.string(),
+                                 "--stats", (folder_ / "stats").string()});
     const std::optional<std::string> status = casd_->wait_ready();
     ASSERT_TRUE(status.has_value()) << casd_->output();
     const std::size_t at = status->find("command_port ") + 13;
@@ -53,7 +55,8 @@ class CommandCasdTest : public testing::Test {
   }
   /// Runs the real casctl. @return its exit code
   int casctl(std::vector<std::string> arguments, std::string* output = nullptr) {
-    arguments.insert(arguments.begin(), {CAS_BINARY_DIR "/bin/casctl", "--address", address_});
+    arguments.insert(arguments.begin(),
+                     {cas::test::binary_dir() + "/bin/casctl", "--address", address_});
     ChildProcess child(arguments);
     const std::optional<int> code = child.wait_exit();
     if (output != nullptr) *output = child.output();
@@ -159,7 +162,7 @@ TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
                                       "links:\n"
                                       "  - {name: fcu, type: serial, device: '" +
                                           (folder_ / "nowhere").string() + "'}\n");
-  ChildProcess casd({CAS_BINARY_DIR "/bin/casd", topology.string()});
+  ChildProcess casd({cas::test::binary_dir() + "/bin/casd", topology.string()});
   const std::optional<std::string> status = casd.wait_ready();
   ASSERT_TRUE(status.has_value()) << casd.output();
   const std::size_t at = status->find("command_port ") + 13;
@@ -175,7 +178,7 @@ TEST_F(CommandCasdTest, RefusesAnOpenAddressWithoutAToken) {
                                       "command_port: {address: 0.0.0.0, port: 0}\n"
                                       "links:\n"
                                       "  - {name: a, type: udp, local: '127.0.0.1:0'}\n");
-  ChildProcess casd({CAS_BINARY_DIR "/bin/casd", topology.string()});
+  ChildProcess casd({cas::test::binary_dir() + "/bin/casd", topology.string()});
   EXPECT_EQ(casd.wait_exit(), 71);
   EXPECT_NE(casd.output().find("needs a token"), std::string::npos) << casd.output();
 }
@@ -215,9 +218,9 @@ TEST_F(CommandCasdTest, IsDrivenFromItsPageByPythonAlone) {
   EXPECT_TRUE(wait_until([this] {
     return !client_->call("vehicle.state", json::object()).at("statustexts").empty();
   }));
-  ChildProcess python({"/usr/bin/env", "python3",
-                       CAS_SOURCE_DIR "/tests/loopback/protocol_client.py",
-                       CAS_SOURCE_DIR "/docs/protocol.md", address_, folder_.path().string()});
+  ChildProcess python(
+      {"/usr/bin/env", "python3", cas::test::source_dir() + "/tests/loopback/protocol_client.py",
+       cas::test::source_dir() + "/docs/protocol.md", address_, folder_.path().string()});
   EXPECT_EQ(python.wait_exit(std::chrono::seconds(60)), 0) << python.output();
 }
 

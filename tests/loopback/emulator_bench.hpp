@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wait_until.hpp"
 
@@ -25,11 +26,11 @@ class EmulatorBench {
  public:
   /// Starts controller and daemon. `line` is the controller's, `baud` what casd is told of it.
   void start(const std::string& line = "{preset: ideal}", int baud = 0) {
-    const std::string fcu = folder
-                                .write("fcu.yaml", "schema: 1\nvehicle: " CAS_SOURCE_DIR
-                                                   "/config/vehicles/iris_paper.yaml\nline: " +
-                                                       line + "\n")
-                                .string();
+    const std::string fcu =
+        folder
+            .write("fcu.yaml", "schema: 1\nvehicle: " + cas::test::source_dir() +
+                                   "/config/vehicles/iris_paper.yaml\nline: " + line + "\n")
+            .string();
     fcu_ = run({"fcu_emulator", fcu, "--link", device()});
     start_casd(device(), baud);
   }
@@ -42,7 +43,8 @@ class EmulatorBench {
                    "command_port: {unix: '" +
                        socket() +
                        "', port: 0}\n"
-                       "gains: " CAS_SOURCE_DIR
+                       "gains: " +
+                       cas::test::source_dir() +
                        "/config/gains.yaml\n"
                        "links:\n"
                        "  - {name: sim, type: udp, local: '127.0.0.1:0'}\n"
@@ -70,20 +72,21 @@ class EmulatorBench {
                    "pace: realtime\n"
                    "vehicles:\n"
                    "  - name: iris0\n"
-                   "    vehicle: " CAS_SOURCE_DIR
-                   "/config/vehicles/iris_paper.yaml\n"
-                   "    plugins: [{plugin: motor}, {plugin: imu}, {plugin: gps},"
-                   " {plugin: magnetometer}, {plugin: barometer},"
-                   " {plugin: mavlink_interface, transport: udp,"
-                   " local: '127.0.0.1:0', remote: '" +
+                   "    vehicle: " +
+                       cas::test::source_dir() +
+                       "/config/vehicles/iris_paper.yaml\n"
+                       "    plugins: [{plugin: motor}, {plugin: imu}, {plugin: gps},"
+                       " {plugin: magnetometer}, {plugin: barometer},"
+                       " {plugin: mavlink_interface, transport: udp,"
+                       " local: '127.0.0.1:0', remote: '" +
                        port + "'}]\n")
             .string();
-    hilsim_ = run({"hilsim", world, "--plugin-dir", CAS_BINARY_DIR "/plugins"});
+    hilsim_ = run({"hilsim", world, "--plugin-dir", cas::test::binary_dir() + "/plugins"});
   }
 
   /// Runs the real casctl.
   Said casctl(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {CAS_BINARY_DIR "/bin/casctl", "--address",
+    arguments.insert(arguments.begin(), {cas::test::binary_dir() + "/bin/casctl", "--address",
                                          "unix:" + socket(), "--timeout", "30"});
     ChildProcess child(arguments);
     const int code = child.wait_exit(std::chrono::seconds(60)).value_or(-1);
@@ -105,7 +108,7 @@ class EmulatorBench {
 
  private:
   std::unique_ptr<ChildProcess> run(std::vector<std::string> command) {
-    command[0] = CAS_BINARY_DIR "/bin/" + command[0];
+    command[0] = cas::test::binary_dir() + "/bin/" + command[0];
     auto child = std::make_unique<ChildProcess>(command);
     EXPECT_TRUE(child->wait_ready()) << child->output();
     return child;

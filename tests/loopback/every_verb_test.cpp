@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "tests/loopback/emulator_bench.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 namespace {
@@ -58,7 +59,7 @@ const std::vector<Verb>& verbs() {
 
 /// The verbs that `casctl --help` lists.
 std::set<std::string> verbs_of_the_help() {
-  ChildProcess casctl({CAS_BINARY_DIR "/bin/casctl", "--help"});
+  ChildProcess casctl({cas::test::binary_dir() + "/bin/casctl", "--help"});
   casctl.wait_exit();
   std::istringstream lines(casctl.output());
   std::set<std::string> words;

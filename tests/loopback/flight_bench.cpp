@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/support/paths.hpp"
 #include "tests/support/udp_peer.hpp"
 #include "tests/support/wait_until.hpp"
 
@@ -12,8 +13,8 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kPrograms = CAS_BINARY_DIR "/bin/";
-const std::string kConfig = CAS_SOURCE_DIR "/config/";
+const std::string kPrograms = cas::test::binary_dir() + "/bin/";
+const std::string kConfig = cas::test::source_dir() + "/config/";
 
 std::string replaced(std::string text, const std::string& word, const std::string& by) {
   for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + by.size())) {

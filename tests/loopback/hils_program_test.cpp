@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
@@ -15,7 +16,7 @@ constexpr int kExitUsage = 2;
 
 /// What `hils run` says against these arguments.
 std::string refusal(const std::vector<std::string>& arguments) {
-  std::vector<std::string> command{CAS_BINARY_DIR "/bin/hils", "run"};
+  std::vector<std::string> command{cas::test::binary_dir() + "/bin/hils", "run"};
   command.insert(command.end(), arguments.begin(), arguments.end());
   ChildProcess hils(command);
   EXPECT_EQ(hils.wait_exit(), kExitUsage) << hils.output();

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
@@ -14,7 +15,8 @@ namespace {
 class Manual : public testing::TestWithParam<const char*> {
  protected:
   static std::string printed(const std::string& form) {
-    ChildProcess program({CAS_BINARY_DIR "/bin/" + std::string(GetParam()), "--manual", form});
+    ChildProcess program(
+        {cas::test::binary_dir() + "/bin/" + std::string(GetParam()), "--manual", form});
     EXPECT_EQ(program.wait_exit(), 0) << program.output();
     return program.output();
   }

@@ -11,6 +11,7 @@
 
 #include "mavlink_gen/generator/json.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
+#include "tests/support/paths.hpp"
 
 namespace {
 
@@ -24,7 +25,7 @@ Dialect load(const std::filesystem::path& file) {
 }
 
 Dialect every_construct() {
-  return load(CAS_SOURCE_DIR "/tests/mavlink_gen/dialects/every_construct.xml");
+  return load(cas::test::source_dir() + "/tests/mavlink_gen/dialects/every_construct.xml");
 }
 
 const Entry* entry(const Dialect& dialect, const char* enum_name, const std::string& name) {
@@ -104,8 +105,8 @@ TEST(DialectLoader, ExtensionsFollowUnsortedAndUnpadded) {
 }
 
 TEST(OurDialect, IsTheFactsOfTheMessagesWeSpeak) {
-  const auto dialect = load(CAS_SOURCE_DIR "/mavlink_gen/dialects/common.xml");
-  std::ifstream file(CAS_SOURCE_DIR "/tests/golden/mavlink_messages.json");
+  const auto dialect = load(cas::test::source_dir() + "/mavlink_gen/dialects/common.xml");
+  std::ifstream file(cas::test::source_dir() + "/tests/golden/mavlink_messages.json");
   const auto facts = nlohmann::json::parse(file);
   ASSERT_EQ(dialect.messages.size(), facts["messages"].size());
   for (std::size_t i = 0; i < dialect.messages.size(); ++i) {

@@ -18,14 +18,15 @@
 #include "mavlink_gen/generator/subset.hpp"
 #include "mavlink_gen/parser/dialect_loader.hpp"
 #include "tests/mavlink_gen/temporary_folder.hpp"
+#include "tests/support/paths.hpp"
 
 namespace {
 
 using namespace cas::mav;
 using test::TemporaryFolder;
 
-const std::string kDialects = CAS_SOURCE_DIR "/tests/mavlink_gen/dialects/";
-const std::string kCommon = CAS_SOURCE_DIR "/mavlink_gen/dialects/common.xml";
+const std::string kDialects = cas::test::source_dir() + "/tests/mavlink_gen/dialects/";
+const std::string kCommon = cas::test::source_dir() + "/mavlink_gen/dialects/common.xml";
 
 xml::Dialect load(const std::string& file) {
   xml::Diagnostics diagnostics;
@@ -40,7 +41,7 @@ struct Outcome {
 };
 
 Outcome run(const std::string& arguments) {
-  const std::string command = std::string(CAS_MAVLINK_GEN) + ' ' + arguments + " 2>&1";
+  const std::string command = cas::test::binary_dir() + "/bin/mavlink_gen " + arguments + " 2>&1";
   Outcome outcome;
   auto* pipe = ::popen(command.c_str(), "r");
   char buffer[4096];

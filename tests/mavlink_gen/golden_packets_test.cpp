@@ -8,6 +8,7 @@
 
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
+#include "tests/support/paths.hpp"
 
 namespace {
 
@@ -88,7 +89,7 @@ void expect_both_ways(const Packet& packet) {
 }
 
 TEST(GoldenPackets, DecodeToTheirValuesAndEncodeToTheirBytes) {
-  std::ifstream file(CAS_SOURCE_DIR "/tests/golden/mavlink_packets.jsonl");
+  std::ifstream file(cas::test::source_dir() + "/tests/golden/mavlink_packets.jsonl");
   ASSERT_TRUE(file.is_open());
   int packets = 0;
   for (std::string line; std::getline(file, line);) {

@@ -14,6 +14,7 @@
 #include "plugins/rangefinder/rangefinder_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 #include "tests/plugins/statistics.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::sim {
 namespace {
@@ -201,7 +202,7 @@ TEST(Step, DoesNotChangeWhatTheImuSeesOfAMotion) {
 class Preset : public testing::TestWithParam<const char*> {};
 
 TEST_P(Preset, IsReadByEverySensor) {
-  const std::string file = std::string(CAS_SOURCE_DIR) + "/config/sensors/" + GetParam() + ".yaml";
+  const std::string file = cas::test::source_dir() + "/config/sensors/" + GetParam() + ".yaml";
   const base::ConfigNode preset = base::sensor_set(base::ConfigNode::parse("a: " + file).at("a"));
   constexpr double kStep = 1e-3;
   EXPECT_GT(parse_imu_params(preset.at("imu"), kStep).rate_hz, 0);

@@ -11,6 +11,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "libsim/api/plugin.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::test {
 
@@ -18,7 +19,7 @@ inline const base::Geodetic kHome{47.397742, 8.545594, 488.0};
 inline constexpr double kGravity = 9.80665;
 
 inline base::Vehicle load_vehicle(const std::string& name) {
-  return base::Vehicle::load(std::filesystem::path(CAS_SOURCE_DIR) / "config/vehicles" /
+  return base::Vehicle::load(std::filesystem::path(cas::test::source_dir()) / "config/vehicles" /
                              (name + ".yaml"));
 }
 
@@ -115,7 +116,7 @@ class PluginHarness {
 
   /// Loads lib<name>.so and configures it with a YAML text.
   sim::Plugin& add(const std::string& name, const std::string& yaml) {
-    const std::string file = std::string(CAS_BINARY_DIR) + "/plugins/lib" + name + ".so";
+    const std::string file = cas::test::binary_dir() + "/plugins/lib" + name + ".so";
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr) throw std::runtime_error(dlerror());
     const auto entry =

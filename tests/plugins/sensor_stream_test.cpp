@@ -10,6 +10,7 @@
 
 #include "tests/plugins/plugin_harness.hpp"
 #include "tests/plugins/recording_port.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::sim {
 namespace {
@@ -28,7 +29,7 @@ void run_set(const std::string& set, base::Duration step, RecordingPort& wire) {
   test::PluginHarness harness(step);
   harness.world.body.p_WB.z() = 1;
   const base::ConfigNode figures =
-      base::ConfigNode::load(std::string(CAS_SOURCE_DIR) + "/config/sensors/" + set + ".yaml");
+      base::ConfigNode::load(cas::test::source_dir() + "/config/sensors/" + set + ".yaml");
   for (const char* sensor : kSensors) harness.add(sensor, figures.at(sensor).dump());
   harness.add("mavlink_interface", "{transport: bus}");
   const auto listening =
@@ -77,8 +78,8 @@ TEST_P(SensorStream, NeverLooksDead) {
 }
 
 TEST_P(SensorStream, CountsAreThoseOfItsRatesAtAnyStep) {
-  const base::ConfigNode figures = base::ConfigNode::load(
-      std::string(CAS_SOURCE_DIR) + "/config/sensors/" + GetParam() + ".yaml");
+  const base::ConfigNode figures =
+      base::ConfigNode::load(cas::test::source_dir() + "/config/sensors/" + GetParam() + ".yaml");
   const auto samples = [&](const char* sensor) {
     return static_cast<std::size_t>(10 * figures.at(sensor).require<double>("rate_hz"));
   };

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "tests/base/config/scoped_environment.hpp"
 #include "tests/base/temporary_folder.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::base {
 namespace {
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 TEST(InstallPaths, TheBuildTreeFindsTheShippedConfiguration) {
   const ScopedEnvironment no_path("CAS_CONFIG_PATH", nullptr);
   ASSERT_FALSE(config_dirs().empty());
-  EXPECT_TRUE(fs::equivalent(config_dirs().front(), fs::path(CAS_SOURCE_DIR) / "config"));
+  EXPECT_TRUE(fs::equivalent(config_dirs().front(), fs::path(cas::test::source_dir()) / "config"));
   EXPECT_TRUE(fs::exists(find_config("vehicles/iris_paper.yaml")));
 }
 
@@ -66,7 +67,7 @@ ConfigNode vehicle_key(const fs::path& file) { return ConfigNode::load(file).at(
 TEST(InstallPaths, AKeyNamesAFileBesideItsOwnBeforeAShippedOne) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("mine.yaml", "vehicle: vehicles/iris_paper.yaml\n");
-  const fs::path shipped = fs::path(CAS_SOURCE_DIR) / "config/vehicles/iris_paper.yaml";
+  const fs::path shipped = fs::path(cas::test::source_dir()) / "config/vehicles/iris_paper.yaml";
   EXPECT_TRUE(fs::equivalent(find_config(vehicle_key(file)), shipped));
   const fs::path own = folder.write("vehicles/iris_paper.yaml", "");
   EXPECT_EQ(find_config(vehicle_key(file)), own);

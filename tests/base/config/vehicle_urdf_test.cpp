@@ -8,6 +8,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/config/vehicle.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::base {
 namespace {
@@ -98,7 +99,7 @@ TEST_P(VehicleUrdf, TheBodyHasAShapeToTouchTheGroundWith) {
 /// Every vehicle file of the project, so that a new one is tested too.
 std::vector<std::filesystem::path> shipped_vehicles() {
   std::vector<std::filesystem::path> files;
-  const auto folder = std::filesystem::path(CAS_SOURCE_DIR) / "config/vehicles";
+  const auto folder = std::filesystem::path(cas::test::source_dir()) / "config/vehicles";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() == ".yaml") files.push_back(entry.path());
   }

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "tests/casd/port/command_port_bench.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::casd {
 namespace {
@@ -41,7 +42,7 @@ Ended shell(const std::string& command) {
 
 /// Runs the real program.
 Ended casctl(const std::string& arguments) {
-  return shell("'" CAS_BINARY_DIR "/bin/casctl' " + arguments);
+  return shell("'" + cas::test::binary_dir() + "/bin/casctl' " + arguments);
 }
 
 class CasctlTest : public testing::Test {
@@ -234,8 +235,8 @@ TEST_F(CasctlTest, LeavesTheFileOfBeforeWhenSavingFails) {
   // Writes beyond 0 bytes fail, as on a full disk.
   if (!started_) bench_.start();
   started_ = true;
-  const Ended full = shell("trap '' XFSZ; ulimit -f 0; '" CAS_BINARY_DIR "/bin/casctl' --address " +
-                           bench_.address() + " param save " + file);
+  const Ended full = shell("trap '' XFSZ; ulimit -f 0; '" + cas::test::binary_dir() +
+                           "/bin/casctl' --address " + bench_.address() + " param save " + file);
   EXPECT_EQ(full.code, 1) << full.out;
   EXPECT_NE(full.out.find("cannot be written"), std::string::npos) << full.out;
   std::ifstream in(file);

@@ -12,6 +12,7 @@
 #include "casd/station/gain_map.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::casd::test {
 
@@ -25,7 +26,7 @@ struct CommandPortBench::Impl {
       });
     });
     command_server.emplace(
-        server, *commander, GainMap::load(CAS_SOURCE_DIR "/config/gains.yaml"),
+        server, *commander, GainMap::load(cas::test::source_dir() + "/config/gains.yaml"),
         CommandServerHooks{.now = base::steady_now,
                            .link_name = [](LinkId) { return "fcu"; },
                            .audit = [this](const std::string& line) { audit.push_back(line); }});

@@ -2,6 +2,7 @@
 #include <bit>
 
 #include "tests/casd/station/commander_bench.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::casd {
 namespace {
@@ -101,7 +102,7 @@ TEST_F(VehicleCommanderTest, SetsTheGivenGainsAndAnswersWithAll) {
   vehicle_.params["MC_ROLLRATE_I"] = {.value = 0.2};
   vehicle_.params["MC_ROLLRATE_D"] = {.value = 0.003};
   meet();
-  const GainMap map = GainMap::load(CAS_SOURCE_DIR "/config/gains.yaml");
+  const GainMap map = GainMap::load(cas::test::source_dir() + "/config/gains.yaml");
   const GainLoop* loop = map.find(Autopilot::kPx4, "rollrate");
   ASSERT_NE(loop, nullptr);
   commander_.set_gains(1, *loop, {.p = 0.18, .i = {}, .d = {}}, now_, done());
@@ -114,7 +115,7 @@ TEST_F(VehicleCommanderTest, SetsTheGivenGainsAndAnswersWithAll) {
 
 TEST_F(VehicleCommanderTest, RefusesAGainThatTheLoopDoesNotHave) {
   meet();
-  const GainMap map = GainMap::load(CAS_SOURCE_DIR "/config/gains.yaml");
+  const GainMap map = GainMap::load(cas::test::source_dir() + "/config/gains.yaml");
   commander_.set_gains(1, *map.find(Autopilot::kPx4, "roll"), {.p = 6.0, .i = 0.1, .d = 0.1}, now_,
                        done());
   const Outcome outcome = finish();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/station/gain_map.hpp"
+#include "tests/support/paths.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@ GainMap parse(const std::string& text) {
 }
 
 TEST(GainMap, TheShippedFileNamesEveryLoopForBothAutopilots) {
-  const GainMap map = GainMap::load(CAS_SOURCE_DIR "/config/gains.yaml");
+  const GainMap map = GainMap::load(cas::test::source_dir() + "/config/gains.yaml");
   for (const Autopilot autopilot : {Autopilot::kPx4, Autopilot::kArduPilot}) {
     for (const char* loop : {"rollrate", "pitchrate", "yawrate", "roll", "pitch", "yaw", "position",
                              "velocity", "altitude", "climb"}) {
@@ -22,7 +23,7 @@ TEST(GainMap, TheShippedFileNamesEveryLoopForBothAutopilots) {
 }
 
 TEST(GainMap, HasNothingForAnotherAutopilot) {
-  const GainMap map = GainMap::load(CAS_SOURCE_DIR "/config/gains.yaml");
+  const GainMap map = GainMap::load(cas::test::source_dir() + "/config/gains.yaml");
   EXPECT_TRUE(map.loops(Autopilot::kOther).empty());
   EXPECT_EQ(map.find(Autopilot::kOther, "roll"), nullptr);
 }

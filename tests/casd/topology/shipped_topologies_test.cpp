@@ -6,6 +6,7 @@
 
 #include "casd/station/gain_map.hpp"
 #include "casd/topology/topology.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::casd {
 namespace {
@@ -18,7 +19,7 @@ bool has_serial_link(const Topology& topology) {
 TEST(ShippedTopologies, AreReadAndNameTheShippedGains) {
   int count = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(CAS_SOURCE_DIR "/config/topologies")) {
+       std::filesystem::directory_iterator(cas::test::source_dir() + "/config/topologies")) {
     const Topology topology = Topology::load(entry.path());
     EXPECT_FALSE(topology.links.empty()) << entry.path();
     // Only where no wire leads to motors.

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "base/random.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -16,7 +17,7 @@ constexpr double kHover_n = 15.2;
 constexpr double kTolerance = 1e-9;  // of numbers of order one to ten
 
 base::Vehicle load(const char* name) {
-  return base::Vehicle::load(std::string(CAS_SOURCE_DIR) + "/config/vehicles/" + name + ".yaml");
+  return base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/" + name + ".yaml");
 }
 
 TEST(Mixer, PassesWhatTheRotorsCanDo) {

@@ -10,6 +10,7 @@
 #include "mavlink/common/ping.hpp"
 #include "mavlink/common/timesync.hpp"
 #include "tests/fcu/support/emulator_bench.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -85,9 +86,9 @@ TEST_F(Line, WrongSettingsAreRefusedInWords) {
 }
 
 TEST_F(Line, ATakenControlSocketEndsTheProgramWithExitCode71) {
-  cas::test::ChildProcess second({CAS_BINARY_DIR "/bin/fcu_emulator", bench_.config_file().string(),
-                                  "--link", bench_.link().string() + ".second", "--control",
-                                  bench_.control_socket().string()});
+  cas::test::ChildProcess second(
+      {cas::test::binary_dir() + "/bin/fcu_emulator", bench_.config_file().string(), "--link",
+       bench_.link().string() + ".second", "--control", bench_.control_socket().string()});
   EXPECT_EQ(second.wait_exit(), 71);
   EXPECT_NE(second.output().find("is in use by another program"), std::string::npos)
       << second.output();

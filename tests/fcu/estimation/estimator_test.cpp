@@ -10,6 +10,7 @@
 #include "fcu/estimation_bound/estimation_bound.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
 #include "tests/fcu/support/flight_statistics.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -125,7 +126,7 @@ TEST(Estimator, HoverStaysWithinItsMultiplesOfTheBound) {
   }
   const FlightStatistics rms = pooled.rms();
   const base::Vehicle vehicle =
-      base::Vehicle::load(std::string(CAS_SOURCE_DIR) + "/config/vehicles/iris_paper.yaml");
+      base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/iris_paper.yaml");
   const EstimationBound bound = flight_bound(sensor_figures(vehicle.sensors));
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_LE(rms.estimate_m[axis], 1.3 * bound.position_m[axis]) << axis;

@@ -13,12 +13,13 @@
 #include "base/error.hpp"
 #include "fcu/params/param_binding.hpp"
 #include "fcu/params/param_file.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::fcu {
 namespace {
 
 base::Vehicle iris() {
-  return base::Vehicle::load(std::string(CAS_SOURCE_DIR) + "/config/vehicles/iris_paper.yaml");
+  return base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/iris_paper.yaml");
 }
 
 TEST(Params, AreSortedUniqueAndFitTheWire) {

@@ -13,6 +13,7 @@
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink/common/statustext.hpp"
 #include "mavlink/common/table.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::fcu::test {
 
@@ -25,7 +26,7 @@ constexpr double kYear = 2026.5;
 constexpr std::int64_t kStep_us = 1000;
 
 base::Vehicle load_vehicle(const std::string& name) {
-  return base::Vehicle::load(std::string(CAS_SOURCE_DIR) + "/config/vehicles/" + name + ".yaml");
+  return base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/" + name + ".yaml");
 }
 
 }  // namespace

@@ -17,16 +17,18 @@
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink/common/sys_status.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::fcu::test {
 
 using namespace mavlink::common;  // NOLINT
 
 EmulatorBench::EmulatorBench(const std::string& config) : link_(folder_ / "fcu0") {
-  folder_.write("fcu.yaml", "schema: 1\nvehicle: " CAS_SOURCE_DIR
-                            "/config/vehicles/iris_paper.yaml\n"
-                            "home_hint: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}\n" +
-                                config);
+  folder_.write("fcu.yaml",
+                "schema: 1\nvehicle: " + cas::test::source_dir() +
+                    "/config/vehicles/iris_paper.yaml\n"
+                    "home_hint: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}\n" +
+                    config);
   start();
 }
 
@@ -36,8 +38,8 @@ EmulatorBench::~EmulatorBench() {
 
 void EmulatorBench::start() {
   process_ = std::make_unique<cas::test::ChildProcess>(std::vector<std::string>{
-      CAS_BINARY_DIR "/bin/fcu_emulator", config_file().string(), "--link", link_.string(),
-      "--control", control_socket().string(), "--params", params_file().string()});
+      cas::test::binary_dir() + "/bin/fcu_emulator", config_file().string(), "--link",
+      link_.string(), "--control", control_socket().string(), "--params", params_file().string()});
   if (!process_->wait_ready()) throw std::runtime_error("no emulator: " + process_->output());
   open();
 }

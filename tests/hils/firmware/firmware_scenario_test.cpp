@@ -7,11 +7,12 @@
 #include "hils/firmware/firmware_configs.hpp"
 #include "hils/firmware/firmware_run.hpp"
 #include "tests/base/temporary_folder.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::hils {
 namespace {
 
-const std::filesystem::path kScenarios = CAS_SOURCE_DIR "/config/scenarios";
+const std::filesystem::path kScenarios = cas::test::source_dir() + "/config/scenarios";
 
 TEST(FirmwareScenario, TheShippedOnesAreRead) {
   for (const char* name : {"px4_sitl", "px4_hitl", "ardupilot"}) {
@@ -31,10 +32,10 @@ TEST(FirmwareScenario, FindsTheShippedWorldAndTopologyFromAFolderOfOnesOwn) {
   const auto copy = folder.path() / "mine.yaml";
   std::filesystem::copy_file(kScenarios / "px4_sitl.yaml", copy);
   const FirmwareScenario scenario = FirmwareScenario::load(copy);
-  EXPECT_TRUE(
-      std::filesystem::equivalent(scenario.world, CAS_SOURCE_DIR "/config/worlds/px4_sitl.yaml"));
-  EXPECT_TRUE(std::filesystem::equivalent(scenario.topology,
-                                          CAS_SOURCE_DIR "/config/topologies/px4_sitl.yaml"));
+  EXPECT_TRUE(std::filesystem::equivalent(
+      scenario.world, cas::test::source_dir() + "/config/worlds/px4_sitl.yaml"));
+  EXPECT_TRUE(std::filesystem::equivalent(
+      scenario.topology, cas::test::source_dir() + "/config/topologies/px4_sitl.yaml"));
 }
 
 TEST(FirmwareScenario, NamesShippedFilesByTheirWholePathInWhatItWrites) {
@@ -42,7 +43,7 @@ TEST(FirmwareScenario, NamesShippedFilesByTheirWholePathInWhatItWrites) {
   for (const char* kind : {"worlds", "topologies"}) {
     std::filesystem::create_directories(folder.path() / kind);
     std::filesystem::copy_file(
-        std::filesystem::path(CAS_SOURCE_DIR "/config") / kind / "px4_sitl.yaml",
+        std::filesystem::path(cas::test::source_dir() + "/config") / kind / "px4_sitl.yaml",
         folder.path() / kind / "px4_sitl.yaml");
   }
   FirmwareScenario scenario;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/fcu_check.hpp"
+#include "tests/support/paths.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ FcuFacts ready() {
 }
 
 base::Vehicle vehicle(const std::string& name) {
-  return base::Vehicle::load(CAS_SOURCE_DIR "/config/vehicles/" + name + ".yaml");
+  return base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/" + name + ".yaml");
 }
 
 TEST(FcuCheck, LetsAReadyControllerFly) {

@@ -13,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "hils/run/run_directory.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::hils {
 namespace {
@@ -22,7 +23,7 @@ using std::chrono::seconds;
 class SupervisorTest : public testing::Test {
  protected:
   ChildProcess::Options child(const std::string& name, const std::string& mode) const {
-    return options(name, {NOTIFY_CHILD, mode});
+    return options(name, {cas::test::binary_dir() + "/tests/notify_child", mode});
   }
   ChildProcess::Options script(const std::string& name, const std::string& body) const {
     return options(name, {"/bin/sh", "-c", body});

@@ -10,12 +10,14 @@
 
 #include "base/error.hpp"
 #include "hils/firmware/firmware_scenario.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::hils {
 namespace {
 
-constexpr const char* kHead = R"(schema: 1
-vehicle: )" CAS_SOURCE_DIR R"(/config/vehicles/iris_paper.yaml
+const std::string kHead = R"(schema: 1
+vehicle: )" + cas::test::source_dir() +
+                          R"(/config/vehicles/iris_paper.yaml
 home: {lat_deg: 47, lon_deg: 8, alt_m: 488}
 rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
 )";
@@ -75,8 +77,9 @@ TEST_F(ScenarioFile, FindsAShippedVehicleFromAFolderOfOnesOwn) {
   for (const char* vehicle : {"vehicles/iris_paper.yaml", "../vehicles/iris_paper.yaml"}) {
     const Scenario scenario = Scenario::load(
         write(std::string(kHeadWithoutVehicle) + "vehicle: " + vehicle + "\n" + kFlight));
-    EXPECT_TRUE(std::filesystem::equivalent(scenario.vehicles.at(0).vehicle,
-                                            CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml"));
+    EXPECT_TRUE(
+        std::filesystem::equivalent(scenario.vehicles.at(0).vehicle,
+                                    cas::test::source_dir() + "/config/vehicles/iris_paper.yaml"));
   }
 }
 
@@ -176,7 +179,7 @@ TEST_P(ShippedScenario, Loads) { EXPECT_NO_THROW(Scenario::load(GetParam())); }
 std::vector<std::filesystem::path> shipped() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
-       std::filesystem::directory_iterator(CAS_SOURCE_DIR "/config/scenarios")) {
+       std::filesystem::directory_iterator(cas::test::source_dir() + "/config/scenarios")) {
     const bool is_scenario =
         entry.path().extension() == ".yaml" && !FirmwareScenario::is(entry.path());
     if (is_scenario) files.push_back(entry.path());

@@ -10,12 +10,14 @@
 #include "hils/programs/lockstep_run.hpp"
 #include "hils/programs/realtime_run.hpp"
 #include "hils/scenario/scenario.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
 namespace {
 
-const std::string kVehicle = "vehicle: " CAS_SOURCE_DIR "/config/vehicles/iris_paper.yaml";
+const std::string kVehicle =
+    "vehicle: " + cas::test::source_dir() + "/config/vehicles/iris_paper.yaml";
 const std::string kHead = R"(schema: 1
 home: {lat_deg: 47, lon_deg: 8, alt_m: 488}
 rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}

@@ -7,6 +7,7 @@
 #include "base/config/vehicle.hpp"
 #include "base/earth/frames.hpp"
 #include "libsim/core/body/rigid_body.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::sim {
 namespace {
@@ -15,7 +16,7 @@ constexpr double kGravity = 9.80665;  // m/s^2
 constexpr double kStep = 1e-3;        // s
 
 base::Vehicle iris() {
-  return base::Vehicle::load(std::filesystem::path(CAS_SOURCE_DIR) /
+  return base::Vehicle::load(std::filesystem::path(cas::test::source_dir()) /
                              "config/vehicles/iris_paper.yaml");
 }
 

@@ -15,6 +15,7 @@
 
 #include "tests/base/temporary_folder.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::sim {
 namespace {
@@ -24,14 +25,15 @@ using testing::HasSubstr;
 using Row = std::vector<double>;
 
 /// Stands on the ground for 4 s; every sensor is next to noiseless.
-constexpr const char* kWorld = R"(schema: 1
+const std::string kWorld = R"(schema: 1
 world: {gravity_m_s2: 9.80665, ground: true}
 home: {lat_deg: 47.4, lon_deg: 8.5, alt_m: 488}
 decimal_year: 2026.5
 pace: free_run
 vehicles:
   - name: iris0
-    vehicle: )" CAS_SOURCE_DIR R"(/config/vehicles/iris_paper.yaml
+    vehicle: )" + cas::test::source_dir() +
+                           R"(/config/vehicles/iris_paper.yaml
     sensors: ideal
     plugins:
       - {plugin: wind}
@@ -66,7 +68,7 @@ class FaultScript : public testing::Test {
     folder_ = new base::TemporaryFolder();
     const std::string world = folder_->write("world.yaml", kWorld).string();
     const std::string stats = (folder_->path() / "stats.json").string();
-    ChildProcess hilsim({std::string(CAS_BINARY_DIR) + "/bin/hilsim", world, "--duration", "4",
+    ChildProcess hilsim({cas::test::binary_dir() + "/bin/hilsim", world, "--duration", "4",
                          "--stats", stats, "--output", folder_->path().string()});
     exit_code_ = hilsim.wait_exit().value_or(-1);
     output_ = hilsim.output();

@@ -11,6 +11,7 @@
 #include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::sim {
 namespace {
@@ -21,7 +22,7 @@ using cas::test::ChildProcess;
 using cas::test::wait_until;
 using testing::HasSubstr;
 
-const std::string kHilsim = std::string(CAS_BINARY_DIR) + "/bin/hilsim";
+const std::string kHilsim = cas::test::binary_dir() + "/bin/hilsim";
 
 class Hilsim : public testing::Test {
  protected:

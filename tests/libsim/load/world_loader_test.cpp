@@ -9,6 +9,7 @@
 #include "libsim/core/run/sim_runner.hpp"
 #include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::sim {
 namespace {
@@ -133,7 +134,8 @@ TEST(ShippedWorlds, LoadWithVehiclesAndPlugins) {
     SCOPED_TRACE(entry.path());
     const SimRunner runner(
         SimConfig::load(entry.path()),
-        {.output_dir = ".", .plugin_dirs = {std::filesystem::path(CAS_BINARY_DIR) / "plugins"}});
+        {.output_dir = ".",
+         .plugin_dirs = {std::filesystem::path(cas::test::binary_dir()) / "plugins"}});
     EXPECT_FALSE(runner.vehicle_names().empty());
     ++files;
   }

@@ -8,6 +8,7 @@
 #include "libsim/core/run/sim_runner.hpp"
 #include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
+#include "tests/support/paths.hpp"
 
 // Counts what is taken from the heap anywhere in the process, libraries and plugins included.
 namespace {
@@ -45,7 +46,7 @@ __attribute__((visibility("default"))) void* aligned_alloc(std::size_t alignment
 namespace cas::sim {
 namespace {
 
-const std::filesystem::path kPlugins = std::filesystem::path(CAS_BINARY_DIR) / "plugins";
+const std::filesystem::path kPlugins = std::filesystem::path(cas::test::binary_dir()) / "plugins";
 const std::string kAllSensors =
     "[{plugin: motor}, {plugin: imu}, {plugin: gps}, {plugin: magnetometer}, {plugin: barometer}, "
     "{plugin: mavlink_interface, transport: bus, system_id: 1, component_id: 200}]";

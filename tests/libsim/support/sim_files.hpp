@@ -4,12 +4,13 @@
 #include <string>
 
 #include "libsim/core/load/sim_config.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::sim::test {
 
-inline const std::filesystem::path kSourceDir = CAS_SOURCE_DIR;
+inline const std::filesystem::path kSourceDir = cas::test::source_dir();
 inline const std::filesystem::path kFakePluginDir =
-    std::filesystem::path(CAS_BINARY_DIR) / "tests" / "fake_plugins";
+    std::filesystem::path(cas::test::binary_dir()) / "tests" / "fake_plugins";
 inline const std::string kIris = (kSourceDir / "config/vehicles/iris_paper.yaml").string();
 
 /// The keys that every simulation has, apart from `world` and `vehicles`.

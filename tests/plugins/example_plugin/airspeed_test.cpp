@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "airspeed_model.hpp"
+#include "base/clock.hpp"  // the short name of base/time/clock.hpp is installed as well
 
 /// 10 m/s from ahead in sea-level air: 61.25 Pa; from behind: nothing.
 int main() {
