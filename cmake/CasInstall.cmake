@@ -19,6 +19,7 @@ foreach(folder base libsim/api libsim/core mavlink_gen/runtime)
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas/${folder} COMPONENT dev
           FILES_MATCHING PATTERN "*.hpp" PATTERN "ode" EXCLUDE)
 endforeach()
+include(CasForward)
 install(DIRECTORY ${CAS_MAVLINK_INCLUDE_DIR}/mavlink DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas
         COMPONENT dev)
 

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What makes the sanitizer builds quick; every other build compiles each file as it stands.
+# What makes builds quick.
 #
-# cas_precompile(<target> <header> ...): headers that most files of the target include are parsed once. A forgotten
-# #include still shows in the other builds.
+# cas_precompile(<target> <header> ...): headers that most files of the target include are parsed once. With
+# CAS_PRECOMPILE=OFF each file is compiled as it stands, so that a forgotten #include shows (scripts/test --full).
 #
 # cas_sanitize_unoptimised(<target> ...): the sanitizers make optimising slow; what computes little does without.
+option(CAS_PRECOMPILE "Parse the headers that most files of a target include once" ON)
+
 function(cas_precompile target)
-  if(CAS_SANITIZE)
+  if(CAS_PRECOMPILE)
     list(TRANSFORM ARGN REPLACE "(.+)" "<\\1>")
     target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()

@@ -5,18 +5,24 @@
 # under ThreadSanitizer.
 add_custom_target(tsan_tests)
 
-# Headers that the sanitizer builds parse once for all tests, for tests that are compiled with and without
+# Headers that are parsed once for all tests, under a sanitizer for tests that are compiled with and without
 # optimisation; once for each program would cost more than it saves.
-if(CAS_SANITIZE)
+if(CAS_PRECOMPILE)
   file(WRITE ${CMAKE_BINARY_DIR}/test_headers_main.cpp "int main() {}\n")
-  foreach(target cas_test_headers cas_test_headers_optimised)
+  set(test_headers cas_test_headers_optimised)
+  if(CAS_SANITIZE)
+    list(APPEND test_headers cas_test_headers)
+  endif()
+  foreach(target IN LISTS test_headers)
     add_executable(${target} EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/test_headers_main.cpp)
     target_link_libraries(${target} PRIVATE cas_options GTest::gtest Eigen3::Eigen)
     target_compile_options(${target} PRIVATE -O1)
     cas_precompile(${target} gtest/gtest.h Eigen/Dense nlohmann/json.hpp
                    algorithm cmath filesystem functional map optional string vector)
   endforeach()
-  cas_sanitize_unoptimised(cas_test_headers)
+  if(CAS_SANITIZE)
+    cas_sanitize_unoptimised(cas_test_headers)
+  endif()
 endif()
 
 function(cas_add_test name)
@@ -28,18 +34,18 @@ function(cas_add_test name)
     set(ARG_TIMEOUT 120)
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE cas_options ${ARG_LIBRARIES} GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE cas_options ${ARG_LIBRARIES} cas_test_paths GTest::gtest_main)
   # Tests are compiled more often than they run: only those that compute much themselves are worth optimising
   # under a sanitizer.
   target_compile_options(${name} PRIVATE -O1)
-  if(CAS_SANITIZE AND name MATCHES "^(libsim|plugins|fcu|closed_loop)")
-    target_precompile_headers(${name} REUSE_FROM cas_test_headers_optimised)
-  elseif(CAS_SANITIZE)
+  set(headers cas_test_headers_optimised)
+  if(CAS_SANITIZE AND NOT name MATCHES "^(libsim|plugins|fcu|closed_loop)")
     cas_sanitize_unoptimised(${name})
-    target_precompile_headers(${name} REUSE_FROM cas_test_headers)
+    set(headers cas_test_headers)
   endif()
-  target_compile_definitions(${name} PRIVATE CAS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                             CAS_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  if(CAS_PRECOMPILE)
+    target_precompile_headers(${name} REUSE_FROM ${headers})
+  endif()
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(ARG_PROGRAMS)
     add_dependencies(${name} ${ARG_PROGRAMS})
