@@ -7,8 +7,7 @@
 #include "base/error.hpp"
 #include "fcu/core/fcu_core.hpp"
 #include "fcu/protocols/ground_protocols.hpp"
-#include "fcu/protocols/hil_answer.hpp"
-#include "fcu/protocols/sensor_input.hpp"
+#include "fcu/protocols/hil_messages.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"
@@ -176,7 +175,7 @@ void FlightController::Impl::tick(RunTime now) {
 
 void FlightController::Impl::watch_sensors(RunTime now) {
   const bool lost =
-      core.sensors.seen(SensorMonitor::kImu) && !core.sensors.alive(SensorMonitor::kImu, now);
+      core.sensors.seen(SensorHealth::kImu) && !core.sensors.alive(SensorHealth::kImu, now);
   if (lost && !sensors_lost) core.commander.on_sensors_lost();
   sensors_lost = lost;
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/earth/frames.hpp"
-#include "fcu/control/thrust_setpoint.hpp"
+#include "fcu/control/position_controller.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -18,8 +18,7 @@ using Eigen::Vector3d;
 using Eigen::Vector4d;
 
 ControlCascade::ControlCascade(const base::Vehicle& vehicle)
-    : mass_kg_(vehicle.mass_kg),
-      u1_max_(vehicle.scales.u1_max_n),
+    : u1_max_(vehicle.scales.u1_max_n),
       torque_max_(vehicle.scales.u2_max_nm, vehicle.scales.u3_max_nm, vehicle.scales.u4_max_nm),
       mixer_(vehicle) {}
 

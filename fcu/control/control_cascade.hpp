@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 
 #include "base/config/vehicle.hpp"
-#include "fcu/control/altitude_controller.hpp"
 #include "fcu/control/attitude_controller.hpp"
 #include "fcu/control/control_params.hpp"
 #include "fcu/control/mixer.hpp"
@@ -48,7 +47,6 @@ class ControlCascade {
   void follow_attitude(const EstimatorState& estimate, double dt);
 
   ControlParams params_;
-  double mass_kg_;
   double u1_max_;
   Eigen::Vector3d torque_max_;
   PositionController position_;

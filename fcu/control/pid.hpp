@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 namespace cas::fcu {
 
 /// Gains of one loop, in units of its output (u) and of its error (e).
@@ -30,7 +32,14 @@ class Pid {
   /// @param error             setpoint minus measurement
   /// @param measurement_rate  d(measurement)/dt
   /// @param dt                s
-  double update(double error, double measurement_rate, double dt, Saturation saturation = {});
+  double update(double error, double measurement_rate, double dt, Saturation saturation = {}) {
+    if (!(next_ == gains_) || !started_) take_gains(error, measurement_rate);
+    const double step = gains_.i * error * dt;
+    const bool winding_up = (step > 0 && saturation.up) || (step < 0 && saturation.down);
+    if (!winding_up) integral_ += step;
+    integral_ = std::clamp(integral_, -gains_.i_limit, gains_.i_limit);
+    return gains_.p * error + integral_ - gains_.d * measurement_rate;
+  }
 
   /// @param integral  part of the output that the integrator starts with
   void reset(double integral = 0) { integral_ = integral; }
@@ -38,7 +47,15 @@ class Pid {
   double integral() const { return integral_; }
 
  private:
-  void take_gains(double error, double measurement_rate);
+  void take_gains(double error, double measurement_rate) {
+    // Without an integrator nothing would ever take the offset away again.
+    if (started_ && next_.i > 0) {
+      integral_ += (gains_.p - next_.p) * error - (gains_.d - next_.d) * measurement_rate;
+    }
+    gains_ = next_;
+    started_ = true;
+    if (gains_.i == 0) integral_ = 0;
+  }
 
   PidGains gains_;
   PidGains next_;

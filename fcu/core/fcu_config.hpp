@@ -11,7 +11,7 @@
 #include "base/config/config.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/earth/geodesy.hpp"
-#include "fcu/line/line_config.hpp"
+#include "fcu/line/line_model.hpp"
 
 namespace cas::fcu {
 

@@ -62,10 +62,10 @@ FailsafeInput FcuCore::failsafe_input(base::RunTime now) const {
   in.pitch_rad = rpy.y();
   in.position_valid = estimator.position_valid() && estimator.heading_valid();
   in.height_valid = estimator.height_valid();
-  in.imu_alive = sensors.alive(SensorMonitor::kImu, now);
-  in.mag_alive = sensors.alive(SensorMonitor::kMag, now);
-  in.baro_alive = sensors.alive(SensorMonitor::kBaro, now);
-  in.gps_alive = sensors.alive(SensorMonitor::kGps, now);
+  in.imu_alive = sensors.alive(SensorHealth::kImu, now);
+  in.mag_alive = sensors.alive(SensorHealth::kMag, now);
+  in.baro_alive = sensors.alive(SensorHealth::kBaro, now);
+  in.gps_alive = sensors.alive(SensorHealth::kGps, now);
   in.ground_station_seen = ground_station_seen;
   in.ground_station_alive =
       base::to_seconds(now - ground_station_last) < flight.ground_station_timeout_s;

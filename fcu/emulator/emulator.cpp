@@ -19,8 +19,8 @@
 #include "base/time/clock.hpp"
 #include "base/time/stream_clock.hpp"
 #include "fcu/emulator/emulator_control.hpp"
-#include "fcu/emulator/emulator_line.hpp"
 #include "fcu/flight_controller.hpp"
+#include "fcu/line/line_model.hpp"
 #include "fcu/line/pty.hpp"
 #include "fcu/params/param_file.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -306,7 +306,5 @@ void Emulator::run() {
   impl_->io.run();
   impl_->finish();
 }
-
-void Emulator::stop() { impl_->io.stop(); }
 
 }  // namespace cas::fcu

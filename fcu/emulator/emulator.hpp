@@ -32,9 +32,8 @@ class Emulator {
 
   /// "pty /dev/pts/N link PATH"
   std::string endpoints() const;
-  /// Runs until stop() or a signal (SIGINT, SIGTERM); then writes what is to be written.
+  /// Runs until a signal (SIGINT, SIGTERM); then writes what is to be written.
   void run();
-  void stop();
 
  private:
   struct Impl;

@@ -7,8 +7,8 @@
 
 #include "base/measure/histogram.hpp"
 #include "base/time/clock.hpp"
-#include "fcu/emulator/emulator_line.hpp"
 #include "fcu/flight_controller.hpp"
+#include "fcu/line/line_model.hpp"
 
 namespace boost::asio {
 class io_context;

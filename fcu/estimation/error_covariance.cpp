@@ -39,18 +39,26 @@ void ErrorCovariance::predict(const Eigen::Matrix3d& R_ND, const Eigen::Vector3d
 
   // Rows: F P. Position before velocity before theta, so that each uses the old values.
   p_.middleRows<3>(kPosition) += dt * p_.middleRows<3>(kVelocity);
-  p_.middleRows<3>(kVelocity).noalias() -= f_dt * p_.middleRows<3>(kTheta);
-  p_.middleRows<3>(kVelocity).noalias() -= r_dt * p_.middleRows<3>(kAccelBias);
-  p_.middleRows<3>(kTheta).noalias() -= r_dt * p_.middleRows<3>(kGyroBias);
+  subtract_rows(kVelocity, f_dt, kTheta);
+  subtract_rows(kVelocity, r_dt, kAccelBias);
+  subtract_rows(kTheta, r_dt, kGyroBias);
   // Columns: (F P) F'.
   p_.middleCols<3>(kPosition) += dt * p_.middleCols<3>(kVelocity);
-  p_.middleCols<3>(kVelocity).noalias() -= p_.middleCols<3>(kTheta) * f_dt.transpose();
-  p_.middleCols<3>(kVelocity).noalias() -= p_.middleCols<3>(kAccelBias) * r_dt.transpose();
-  p_.middleCols<3>(kTheta).noalias() -= p_.middleCols<3>(kGyroBias) * r_dt.transpose();
+  subtract_columns(kVelocity, f_dt, kTheta);
+  subtract_columns(kVelocity, r_dt, kAccelBias);
+  subtract_columns(kTheta, r_dt, kGyroBias);
 
   p_.block<3, 3>(kTheta, kTheta).noalias() += R_ND * q_theta.asDiagonal() * R_ND.transpose();
   p_.block<3, 3>(kVelocity, kVelocity).noalias() +=
       R_ND * q_velocity.asDiagonal() * R_ND.transpose();
+}
+
+void ErrorCovariance::subtract_rows(int to, const Eigen::Matrix3d& factor, int from) {
+  p_.middleRows<3>(to).noalias() -= factor * p_.middleRows<3>(from);
+}
+
+void ErrorCovariance::subtract_columns(int to, const Eigen::Matrix3d& factor, int from) {
+  p_.middleCols<3>(to).noalias() -= p_.middleCols<3>(from) * factor.transpose();
 }
 
 void ErrorCovariance::add_walk(int block, double variance) {

@@ -47,6 +47,10 @@ class ErrorCovariance {
   Vector update(const Vector& ph, double innovation_variance);
 
  private:
+  /// Three rows (columns) of P at `to`, less `factor` times those at `from`: one product each, so
+  /// that its 3x22 expression is compiled once.
+  void subtract_rows(int to, const Eigen::Matrix3d& factor, int from);
+  void subtract_columns(int to, const Eigen::Matrix3d& factor, int from);
   void keep_positive();
 
   Matrix p_ = Matrix::Zero();

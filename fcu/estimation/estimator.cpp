@@ -2,6 +2,7 @@
 #include "fcu/estimation/estimator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/earth/atmosphere.hpp"
@@ -18,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr double kLongestStep_s = 0.1;       // a longer gap in the samples is not integrated
 constexpr double kFusionTimeout_s = 5.0;     // dead reckoning is trusted this long
-constexpr double kRejectionTimeout_s = 4.0;  // then the fixes are believed again
+constexpr double kRejectionTimeout_s = 4.0;  // then the measurements are believed again
 constexpr double kRestRate_rad_s = 0.15;     // larger rates are not rest
 constexpr double kRestForce_m_s2 = 1.0;      // larger deviations from gravity are not rest
 constexpr int kRestSamples = 10;             // IMU samples per rest measurement
@@ -26,6 +27,22 @@ constexpr double kRestVelocity_m_s = 0.01;
 constexpr double kFlightForce_g = 2.5;       // specific force of the hardest manoeuvre
 constexpr double kVelocityUsable_m_s = 1.0;  // larger deviations: no velocity
 constexpr double kPositionUsable_m = 10.0;   // larger deviations: no position
+
+constexpr double kHeadingUnknown_rad = 1.8;   // uniform over the circle
+constexpr double kVelocityInitial_m_s = 0.5;  // 1 sigma of the velocity at the start
+constexpr int kUsableFix = 3;                 // GPS_FIX_TYPE_3D_FIX
+constexpr int kVelocityRejections = 5;        // in a row, then the fixes are believed
+constexpr double kOriginDeviation_m = 0.05;   // horizontal, for a final origin
+constexpr double kOriginPatience_s = 12.0;    // ... or what is reached by then
+
+double square(double x) { return x * x; }
+
+/// The matrix that turns a vector u into v x u.
+Matrix3d cross_matrix(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
 
 /// Rotation vector to quaternion.
 Quaterniond exp_map(const Vector3d& theta) {
@@ -48,6 +65,46 @@ void Estimator::set_origin(const base::Geodetic& origin) {
 void Estimator::set_field_from_model(const base::Geodetic& place) {
   state_.earth_field_N = base::magnetic_field_N(place, decimal_year_);
   field_known_ = true;
+}
+
+// Alignment.
+
+void Estimator::align(const ImuInput& imu) {
+  alignment_.on_accelerometer(imu.time, imu.accel_D);
+  const bool with_heading = alignment_.has_heading() && field_known_;
+  if (!alignment_.complete(with_heading)) return;
+  state_.time = imu.time;
+  state_.q_ND = alignment_.attitude(state_.earth_field_N, with_heading);
+  state_.gyro_bias_D.setZero();
+  state_.accel_bias_D.setZero();
+  heading_aligned_ = with_heading;
+  start_covariance();
+  history_.clear();
+  aligned_ = true;
+}
+
+/// If the first fix comes after the alignment, the declination is known late: the heading is then
+/// taken from the present tilt and one magnetometer sample. Position and velocity stay as they are.
+void Estimator::align_heading(const Vector3d& field_D) {
+  const Vector3d rpy = base::euler_rpy(state_.q_ND);
+  state_.q_ND = attitude_from_field(rpy.x(), rpy.y(), field_D, state_.earth_field_N);
+  covariance_.reset_block(ErrorCovariance::kTheta + 2, 1, square(params_.tilt_initial_rad));
+  history_.clear();
+  heading_aligned_ = true;
+}
+
+void Estimator::start_covariance() {
+  using C = ErrorCovariance;
+  const double tilt = square(params_.tilt_initial_rad);
+  const double heading = square(heading_aligned_ ? params_.tilt_initial_rad : kHeadingUnknown_rad);
+  covariance_.set_block(C::kTheta, Vector3d(tilt, tilt, heading));
+  covariance_.reset_block(C::kVelocity, 3, square(kVelocityInitial_m_s));
+  covariance_.reset_block(C::kPosition, 3, square(params_.gps_position_noise_m));
+  covariance_.reset_block(C::kGyroBias, 3, square(params_.gyro_bias_initial_rad_s));
+  covariance_.reset_block(C::kAccelBias, 3, square(params_.accel_bias_initial_m_s2));
+  covariance_.reset_block(C::kEarthField, 3, square(params_.earth_field_initial_gauss));
+  covariance_.reset_block(C::kBodyField, 3, square(params_.body_field_initial_gauss));
+  covariance_.reset_block(C::kBaroOffset, 1, square(params_.baro_offset_initial_m));
 }
 
 // Prediction.
@@ -151,7 +208,7 @@ void Estimator::fuse_rest(base::SimTime now) {
     fuse_scalar(Vector::Unit(ErrorCovariance::kGyroBias + axis), rate[axis],
                 noise * noise / rest_samples_);
     fuse_scalar(Vector::Unit(ErrorCovariance::kVelocity + axis), -state_.v_N[axis],
-                kRestVelocity_m_s * kRestVelocity_m_s);
+                square(kRestVelocity_m_s));
   }
   apply_errors();
   rest_samples_ = 0;
@@ -165,8 +222,7 @@ double Estimator::rest_s() const {
 void Estimator::on_magnetometer(base::SimTime time, const Vector3d& field_D) {
   if (!field_D.allFinite()) return;
   if (!aligned_) {
-    ++alignment_.mag_samples;
-    alignment_.mag += field_D;
+    alignment_.on_magnetometer(field_D);
     return;
   }
   if (!field_known_) return;
@@ -176,10 +232,8 @@ void Estimator::on_magnetometer(base::SimTime time, const Vector3d& field_D) {
   using C = ErrorCovariance;
   const Matrix3d R_ND = state_.q_ND.toRotationMatrix();
   const Vector3d innovation = R_ND * (field_D - state_.body_field_D) - state_.earth_field_N;
-  const Vector3d& m = state_.earth_field_N;
-  const double variance = params_.mag_noise_gauss * params_.mag_noise_gauss;
-  Matrix3d cross;
-  cross << 0, -m.z(), m.y(), m.z(), 0, -m.x(), -m.y(), m.x(), 0;
+  const double variance = square(params_.mag_noise_gauss);
+  const Matrix3d cross = cross_matrix(state_.earth_field_N);
   std::array<Vector, 3> rows;
   bool good = true;
   mag_.test_ratio = 0;
@@ -218,7 +272,7 @@ void Estimator::on_barometer(base::SimTime time, double pressure_pa) {
   Vector h = Vector::Zero();
   h[ErrorCovariance::kPosition + 2] = -1;
   h[ErrorCovariance::kBaroOffset] = 1;
-  const double variance = params_.baro_noise_m * params_.baro_noise_m;
+  const double variance = square(params_.baro_noise_m);
   baro_.test_ratio = 0;
   const bool good = passes(h, innovation, variance, params_.baro_gate, baro_);
   const bool patient = to_seconds(time - baro_.last_fused) < kRejectionTimeout_s;
@@ -232,6 +286,157 @@ void Estimator::on_barometer(base::SimTime time, double pressure_pa) {
   apply_errors();
   ++baro_.fused;
   baro_.last_fused = time;
+}
+
+// Position fixes: late by their own stamp, gated, with an origin found at rest.
+
+void Estimator::on_gps(const GpsInput& fix) {
+  if (fix.fix_type < kUsableFix || !fix.velocity_N.allFinite()) return;
+  if (!field_known_) set_field_from_model(fix.place);
+  if (!aligned_) return;
+  if (gps_position_.fused + gps_position_.rejected == 0) accept_first_fix(fix);
+  const Vector3d measured_N = projection_->to_local(fix.place);
+  fuse_gps_velocity(fix);
+  fuse_gps_position(fix, measured_N);
+  if (!origin_final_) settle_origin();
+}
+
+void Estimator::accept_first_fix(const GpsInput& fix) {
+  first_fix_ = state_.time;
+  using C = ErrorCovariance;
+  if (!projection_) {
+    projection_ = base::LocalProjection(fix.place);
+    // The pressure altitude was compared with altitude zero so far.
+    state_.baro_offset_m -= fix.place.alt_m - -state_.p_N.z();
+    state_.p_N.setZero();
+  } else {
+    const Vector3d p_N = projection_->to_local(fix.place);
+    state_.baro_offset_m -= -p_N.z() + state_.p_N.z();
+    state_.p_N = p_N;
+  }
+  const double horizontal = square(params_.gps_position_noise_m);
+  const double vertical = square(params_.gps_height_noise_m);
+  covariance_.set_block(C::kPosition, Vector3d(horizontal, horizontal, vertical) * 1e4);
+  covariance_.reset_block(C::kBaroOffset, 1, square(params_.baro_offset_initial_m));
+  history_.clear();
+}
+
+ErrorCovariance::Vector Estimator::velocity_row(int axis, double age_s) const {
+  // v(then) = v - age a, and the error of a is -[f]x theta - R d_accel_bias.
+  using C = ErrorCovariance;
+  Vector h = Vector::Zero();
+  h[C::kVelocity + axis] = 1;
+  if (age_s > 0) {
+    const Matrix3d R_ND = state_.q_ND.toRotationMatrix();
+    const Vector3d f = state_.a_N - Vector3d(0, 0, params_.gravity_m_s2);
+    const Matrix3d cross = cross_matrix(f);
+    h.segment<3>(C::kTheta) = age_s * cross.row(axis).transpose();
+    h.segment<3>(C::kAccelBias) = age_s * R_ND.row(axis).transpose();
+  }
+  return h;
+}
+
+ErrorCovariance::Vector Estimator::position_row(int axis, double age_s) const {
+  // p(then) = p - age v + age^2 / 2 a.
+  using C = ErrorCovariance;
+  Vector h = Vector::Zero();
+  h[C::kPosition + axis] = 1;
+  if (age_s > 0) {
+    h = velocity_row(axis, age_s) * (-0.5 * age_s);
+    h[C::kVelocity + axis] = -age_s;
+    h[C::kPosition + axis] = 1;
+  }
+  return h;
+}
+
+void Estimator::fuse_gps_velocity(const GpsInput& fix) {
+  const MotionHistory::Change change = history_.since(fix.time);
+  const double variance = square(params_.gps_velocity_noise_m_s);
+  const Vector3d innovation = fix.velocity_N - (state_.v_N - change.velocity);
+  bool good = true;
+  gps_velocity_.test_ratio = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    good = passes(velocity_row(axis, change.age_s), innovation[axis], variance,
+                  params_.gps_velocity_gate, gps_velocity_) &&
+           good;
+  }
+  if (!good) {
+    ++gps_velocity_.rejected;
+    if (++velocity_rejections_ < kVelocityRejections) return;
+    // It is the prediction that is wrong: a blow that the accelerometer missed.
+    const double doubt = innovation.squaredNorm();
+    covariance_.add_walk(ErrorCovariance::kVelocity, doubt);
+    covariance_.add_walk(ErrorCovariance::kPosition, doubt);
+  }
+  velocity_rejections_ = 0;
+  gps_velocity_.nis = 0;
+  gps_velocity_.dimension = 3;
+  for (int axis = 0; axis < 3; ++axis) {
+    gps_velocity_.nis += fuse_scalar(velocity_row(axis, change.age_s), innovation[axis], variance);
+  }
+  apply_errors();
+  ++gps_velocity_.fused;
+  gps_velocity_.last_fused = state_.time;
+}
+
+void Estimator::fuse_gps_position(const GpsInput& fix, const Vector3d& measured_N) {
+  const MotionHistory::Change change = history_.since(fix.time);
+  const Vector3d v_then = state_.v_N - change.velocity;
+  const Vector3d p_then = state_.p_N - v_then * change.age_s - change.position;
+  const Vector3d innovation = measured_N - p_then;
+  const double horizontal = square(params_.gps_position_noise_m);
+  const double vertical = square(params_.gps_height_noise_m);
+  const Vector3d variance(horizontal, horizontal, vertical);
+  bool good = true;
+  gps_position_.test_ratio = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    good = passes(position_row(axis, change.age_s), innovation[axis], variance[axis],
+                  params_.gps_position_gate, gps_position_) &&
+           good;
+  }
+  if (!good) {
+    ++gps_position_.rejected;
+    if (to_seconds(state_.time - gps_position_.last_fused) > kRejectionTimeout_s) {
+      reset_to_fix(fix, measured_N);
+    }
+    return;
+  }
+  gps_position_.nis = 0;
+  gps_position_.dimension = 3;
+  for (int axis = 0; axis < 3; ++axis) {
+    gps_position_.nis +=
+        fuse_scalar(position_row(axis, change.age_s), innovation[axis], variance[axis]);
+  }
+  apply_errors();
+  ++gps_position_.fused;
+  gps_position_.last_fused = state_.time;
+}
+
+void Estimator::reset_to_fix(const GpsInput& fix, const Vector3d& measured_N) {
+  using C = ErrorCovariance;
+  last_position_reset_N_ = measured_N - state_.p_N;
+  ++position_resets_;
+  state_.p_N.head<2>() = measured_N.head<2>();
+  state_.v_N = fix.velocity_N;
+  last_position_reset_N_.z() = 0;
+  const double horizontal = square(params_.gps_position_noise_m);
+  const double velocity = square(params_.gps_velocity_noise_m_s);
+  covariance_.reset_block(C::kPosition, 2, horizontal);
+  covariance_.reset_block(C::kVelocity, 3, velocity);
+  gps_position_.last_fused = state_.time;
+  gps_velocity_.last_fused = state_.time;
+}
+
+void Estimator::settle_origin() {
+  const double waited = to_seconds(state_.time - first_fix_);
+  const double deviation = covariance_.deviation(ErrorCovariance::kPosition).head<2>().maxCoeff();
+  if (deviation > kOriginDeviation_m && waited < kOriginPatience_s) return;
+  origin_final_ = true;
+  if (origin_given_) return;
+  // The place the vehicle stands at, as well as it is known by now, becomes the origin.
+  const base::Geodetic origin = projection_->to_geodetic(state_.p_N);
+  projection_ = base::LocalProjection(origin);
+  state_.p_N.setZero();
 }
 
 // Validity.

@@ -8,6 +8,7 @@
 
 #include "base/earth/geodesy.hpp"
 #include "base/time/clock.hpp"
+#include "fcu/estimation/alignment.hpp"
 #include "fcu/estimation/error_covariance.hpp"
 #include "fcu/estimation/estimator_params.hpp"
 #include "fcu/estimation/motion_history.hpp"
@@ -68,11 +69,11 @@ class Estimator {
 
   void set_params(const EstimatorParams& params) { params_ = params; }
   const EstimatorParams& params() const { return params_; }
-  /// Fixes the origin of N (instead of the first fixes) . Only before the first fix.
+  /// Fixes the origin of N (instead of the first fixes). Only before the first fix.
   void set_origin(const base::Geodetic& origin);
   /// Says that the vehicle stands still on the ground, as far as the controller knows.
   void set_at_rest(bool at_rest) { at_rest_ = at_rest; }
-  /// For how long the vehicle has been at rest by word and by its samples, s.
+  /// Time, in s, for which both set_at_rest(true) and the IMU have indicated rest.
   double rest_s() const;
 
   /// Measurements, each with its own time; what is not finite is left out.
@@ -104,17 +105,8 @@ class Estimator {
 
  private:
   using Vector = ErrorCovariance::Vector;
-  struct Alignment {
-    base::SimTime start;
-    int imu_samples = 0;
-    int mag_samples = 0;
-    Eigen::Vector3d accel = Eigen::Vector3d::Zero();
-    Eigen::Vector3d gyro = Eigen::Vector3d::Zero();
-    Eigen::Vector3d mag = Eigen::Vector3d::Zero();
-  };
 
   void align(const ImuInput& imu);
-  void finish_alignment();
   void start_covariance();
   void align_heading(const Eigen::Vector3d& field_D);
   void set_field_from_model(const base::Geodetic& place);
@@ -146,7 +138,6 @@ class Estimator {
   int rest_samples_ = 0;
   std::optional<base::SimTime> rest_since_;
   base::SimTime first_fix_;
-  base::SimTime last_walk_;
   bool aligned_ = false;
   bool heading_aligned_ = false;
   bool field_known_ = false;

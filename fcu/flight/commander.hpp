@@ -5,23 +5,106 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "fcu/flight/arming_checks.hpp"
-#include "fcu/flight/auto_tasks.hpp"
+#include "base/time/clock.hpp"
+#include "fcu/estimation/estimator.hpp"
+#include "fcu/estimation/sensor_health.hpp"
 #include "fcu/flight/failsafe.hpp"
 #include "fcu/flight/flight_status.hpp"
-#include "fcu/flight/flight_task.hpp"
-#include "fcu/flight/land_detector.hpp"
-#include "fcu/flight/manual_task.hpp"
+#include "fcu/flight/flight_tasks.hpp"
 #include "fcu/flight/mission_task.hpp"
-#include "fcu/flight/offboard_task.hpp"
-#include "fcu/flight/status_texts.hpp"
+#include "fcu/params/param_binding.hpp"
 #include "mavlink/common/enums.hpp"
 
 namespace cas::fcu {
 
+/// What the controller has to say in words, until it is sent as STATUSTEXT.
+class StatusTexts {
+ public:
+  using Severity = mavlink::common::MavSeverity;
+  struct Line {
+    Severity severity = Severity::kInfo;
+    std::string text;
+  };
+
+  void add(Severity severity, std::string text) {
+    if (lines_.size() < kMostLines) lines_.push_back({severity, std::move(text)});
+  }
+  void info(std::string text) { add(Severity::kInfo, std::move(text)); }
+  void warn(std::string text) { add(Severity::kWarning, std::move(text)); }
+  void critical(std::string text) { add(Severity::kCritical, std::move(text)); }
+
+  std::vector<Line> take() { return std::exchange(lines_, {}); }
+  bool empty() const { return lines_.empty(); }
+
+ private:
+  static constexpr std::size_t kMostLines = 64;
+  std::vector<Line> lines_;
+};
+
+/// What must hold before the rotors may turn.
+struct ArmingInput {
+  const Estimator& estimator;
+  const SensorHealth& sensors;
+  const FlightParams& params;
+  FlightMode mode;
+  bool has_sticks = false;
+  double sticks_throttle = 0;  ///< 0..1
+  double battery = 1;          ///< 0..1 of full
+  base::RunTime now;
+};
+
+/// The first thing that speaks against arming, in words; nothing when all is well.
+std::optional<std::string> reason_not_to_arm(const ArmingInput& in);
+
+/// Finds out that the vehicle stands on the ground, in two steps.
+///
+/// Contact: wants down, does not go down, and thrust is already low. Then the thrust is taken away.
+/// Landed: with a third of the hover thrust and less nothing moves. In the air either would make
+/// the vehicle fall, which ends the suspicion.
+class LandDetector {
+ public:
+  /// How sure it is.
+  enum class Stage { kAir, kContact, kLanded };
+
+  /// What it looks at in one control step.
+  struct Input {
+    double thrust_ratio = 1;        ///< thrust over hover thrust
+    double vertical_speed_m_s = 0;  ///< down, of the estimate
+    double horizontal_speed_m_s = 0;
+    bool descending = false;  ///< the setpoint wants down (or nothing)
+  };
+
+  void reset() { *this = LandDetector{}; }
+
+  /// @param dt  s
+  Stage update(const Input& in, double dt) {
+    constexpr double kVerticalSpeed_m_s = 0.3;
+    constexpr double kHorizontalSpeed_m_s = 1.0;
+    const bool still = in.descending && -kVerticalSpeed_m_s < in.vertical_speed_m_s &&
+                       in.vertical_speed_m_s < kVerticalSpeed_m_s &&
+                       in.horizontal_speed_m_s < kHorizontalSpeed_m_s;
+    const bool suspected =
+        still && (contact_s_ > kContactTime_s || in.thrust_ratio < kContactThrust);
+    contact_s_ = suspected ? contact_s_ + dt : 0;
+    landed_s_ = suspected && in.thrust_ratio < kLandedThrust ? landed_s_ + dt : 0;
+    if (landed_s_ > kLandedTime_s) return Stage::kLanded;
+    return contact_s_ > kContactTime_s ? Stage::kContact : Stage::kAir;
+  }
+
+ private:
+  static constexpr double kContactThrust = 0.75;
+  static constexpr double kContactTime_s = 0.25;
+  static constexpr double kLandedThrust = 0.35;
+  static constexpr double kLandedTime_s = 0.3;
+  double contact_s_ = 0;
+  double landed_s_ = 0;
+};
+
 /// Who asked for a change of state.
-enum class Initiator { kCommand, kFailsafe, kInternal };
+enum class Initiator { kCommand, kFailsafe };
 
 /// Arms and disarms, holds the mode, decides which task flies, takes off and lands, and acts when
 /// something is lost.

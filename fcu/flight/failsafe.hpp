@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "fcu/flight/flight_mode.hpp"
+#include "fcu/flight/flight_status.hpp"
 #include "fcu/params/param_binding.hpp"
 
 namespace cas::fcu {

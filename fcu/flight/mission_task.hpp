@@ -6,8 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "fcu/flight/auto_tasks.hpp"
-#include "fcu/flight/flight_task.hpp"
+#include "fcu/flight/flight_tasks.hpp"
 #include "mavlink/common/enums.hpp"
 
 namespace cas::fcu {

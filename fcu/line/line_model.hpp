@@ -6,12 +6,41 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
+#include "base/config/config.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
-#include "fcu/line/line_config.hpp"
 
 namespace cas::fcu {
+
+/// What a serial line does to the bytes of one direction. Everything that is zero is switched off.
+struct LineConfig {
+  std::string preset = "ideal";  ///< ideal | usb | baud_921600 | baud_460800 | baud_115200
+  double baud = 0;               ///< byte clock, 10 bits a byte; 0 = no byte clock
+  double clock_drift_ppm = 0;    ///< sender's clock against its nominal rate; positive is slow
+  base::Duration extra_delay{};  ///< added to every byte
+  base::Duration jitter{};       ///< uniform 0..jitter added per write, order is kept
+  base::Duration batch{};  ///< bytes arrive in batches, one each time this has passed (USB: 1 ms)
+  base::Duration stall_every{};       ///< mean time between stalls (exponential)
+  base::Duration stall_length{};      ///< how long nothing moves in a stall
+  double bit_error_rate = 0;          ///< probability that one bit is flipped
+  double burst_begin = 0;             ///< Gilbert-Elliott: probability per byte, good -> bad
+  double burst_end = 1;               ///< Gilbert-Elliott: probability per byte, bad -> good
+  double burst_loss = 1;              ///< probability that a byte is lost while bad
+  double packet_loss = 0;             ///< probability that one write is lost as a whole
+  std::size_t send_buffer_bytes = 0;  ///< room before the writer is held back; 0 = endless
+  std::size_t receive_fifo_bytes =
+      0;  ///< bytes that may wait to be read; more overrun; 0 = endless
+  /// A receiver is woken after this many bytes of a longer write: the trigger level of its FIFO.
+  std::size_t receive_trigger_bytes = 128;
+
+  /// The figures behind a preset's name. @throws base::ConfigError for an unknown name
+  static LineConfig from_preset(const std::string& name);
+  /// Reads a `line:` block: a preset and the keys that override it (durations as *_us).
+  static LineConfig parse(const base::ConfigNode& node);
+};
 
 /// One direction of a serial line as a function of time: it never reads a clock.
 ///
@@ -85,6 +114,42 @@ class LineModel {
   std::uint64_t bits_to_next_error_ = 0;
   bool error_planned_ = false;
   Stats stats_;
+};
+
+/// Both directions of the emulated controller's serial line. Downwards only whole packets enter: a
+/// packet without room in the send buffer is dropped and counted, as a controller's driver does.
+class EmulatorLine {
+ public:
+  EmulatorLine(const LineConfig& config, std::uint64_t seed);
+
+  // Towards the controller.
+  std::size_t up_room(base::RunTime now) const;
+  void receive(std::span<const std::uint8_t> bytes, base::RunTime now) { up_.write(bytes, now); }
+  std::size_t up(std::span<std::uint8_t> out, base::RunTime now) { return up_.read(out, now); }
+
+  // From the controller.
+  void send(std::span<const std::uint8_t> packet, base::RunTime now);
+  std::size_t down(std::span<std::uint8_t> out, base::RunTime now) { return down_.read(out, now); }
+  /// Nobody takes what comes out: nothing more goes in.
+  void hold(bool held) { held_ = held; }
+
+  /// When something arrives at either end, or room appears for what waits to come up.
+  std::optional<base::RunTime> next_event(base::RunTime now) const;
+
+  void configure(const LineConfig& config);
+  const LineConfig& config() const { return up_.config(); }
+  void hang_up();
+  void restore();
+
+  const LineModel::Stats& up_stats() const { return up_.stats(); }
+  const LineModel::Stats& down_stats() const { return down_.stats(); }
+  std::uint64_t dropped_packets() const { return dropped_packets_; }
+
+ private:
+  LineModel up_;
+  LineModel down_;
+  bool held_ = false;
+  std::uint64_t dropped_packets_ = 0;
 };
 
 }  // namespace cas::fcu

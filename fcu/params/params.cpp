@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/params/params.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -9,7 +10,196 @@
 #include "base/error.hpp"
 
 namespace cas::fcu {
+
 namespace {
+
+constexpr double kStandardGravity_m_s2 = 9.80665;
+
+Param param(std::string name, ParamType type, double initial, double low, double high) {
+  return {.name = std::move(name),
+          .type = type,
+          .value = initial,
+          .initial = initial,
+          .start = initial,
+          .low = low,
+          .high = high};
+}
+Param real(std::string name, double initial, double low, double high) {
+  return param(std::move(name), ParamType::kReal32, initial, low, high);
+}
+Param integer(std::string name, int initial, int low, int high) {
+  return param(std::move(name), ParamType::kInt32, initial, low, high);
+}
+
+/// Rate loops: crossover in rad/s -> full-scale torque per rad/s for this airframe.
+void add_rate_loops(std::vector<Param>& list, const base::Vehicle& vehicle) {
+  constexpr double kTiltCrossover_rad_s = 20;
+  constexpr double kYawCrossover_rad_s = 7;
+  const Eigen::Vector3d& inertia = vehicle.inertia_kg_m2;
+  const auto& scales = vehicle.scales;
+  const double roll = kTiltCrossover_rad_s * inertia.x() / scales.u2_max_nm;
+  const double pitch = kTiltCrossover_rad_s * inertia.y() / scales.u3_max_nm;
+  const double yaw = kYawCrossover_rad_s * inertia.z() / scales.u4_max_nm;
+  const struct {
+    const char* axis;
+    const char* limit;
+    double p, i, d, max_deg_s;
+  } loops[] = {{"ROLL", "MC_RR_INT_LIM", roll, 1.5 * roll, 0.012 * roll, 220},
+               {"PITCH", "MC_PR_INT_LIM", pitch, 1.5 * pitch, 0.012 * pitch, 220},
+               {"YAW", "MC_YR_INT_LIM", yaw, 0.8 * yaw, 0.0, 200}};
+  for (const auto& loop : loops) {
+    const std::string prefix = std::string("MC_") + loop.axis + "RATE_";
+    list.push_back(real(prefix + "P", loop.p, 0, 5));
+    list.push_back(real(prefix + "I", loop.i, 0, 10));
+    list.push_back(real(prefix + "D", loop.d, 0, 0.5));
+    list.push_back(real(prefix + "FF", 0, 0, 5));
+    list.push_back(real(prefix + "K", 1, 0.01, 5));
+    list.push_back(real(prefix + "MAX", loop.max_deg_s, 0, 1800));
+    list.push_back(real(loop.limit, 0.3, 0, 1));
+  }
+}
+
+void add_attitude(std::vector<Param>& list) {
+  list.push_back(real("MC_ROLL_P", 7.0, 0, 20));
+  list.push_back(real("MC_PITCH_P", 7.0, 0, 20));
+  list.push_back(real("MC_YAW_P", 2.8, 0, 10));
+  list.push_back(real("MC_YAW_WEIGHT", 0.4, 0.05, 1));
+  list.push_back(real("IMU_GYRO_CUTOFF", 60, 0, 1000));
+  list.push_back(real("IMU_DGYRO_CUTOFF", 30, 0, 1000));
+}
+
+void add_position(std::vector<Param>& list, const base::Vehicle& vehicle) {
+  const double hover = vehicle.mass_kg * kStandardGravity_m_s2 / vehicle.scales.u1_max_n;
+  list.push_back(real("MPC_XY_P", 1.5, 0, 5));
+  list.push_back(real("MPC_Z_P", 1.3, 0, 5));
+  list.push_back(real("MPC_XY_VEL_P_ACC", 4.0, 0, 15));
+  list.push_back(real("MPC_XY_VEL_I_ACC", 0.7, 0, 60));
+  list.push_back(real("MPC_XY_VEL_D_ACC", 0.2, 0, 5));
+  list.push_back(real("MPC_Z_VEL_P_ACC", 5.0, 0, 15));
+  list.push_back(real("MPC_Z_VEL_I_ACC", 2.0, 0, 60));
+  list.push_back(real("MPC_Z_VEL_D_ACC", 0.0, 0, 5));
+  list.push_back(real("MPC_XY_VEL_MAX", 12, 0.5, 30));
+  list.push_back(real("MPC_XY_CRUISE", 5, 0.5, 20));
+  list.push_back(real("MPC_VEL_MANUAL", 5, 0.5, 20));
+  list.push_back(real("MPC_Z_VEL_MAX_UP", 3, 0.5, 8));
+  list.push_back(real("MPC_Z_VEL_MAX_DN", 1.5, 0.5, 4));
+  list.push_back(real("MPC_Z_V_AUTO_UP", 2, 0.3, 8));
+  list.push_back(real("MPC_Z_V_AUTO_DN", 1.2, 0.3, 4));
+  list.push_back(real("MPC_ACC_HOR", 3, 0.5, 15));
+  list.push_back(real("MPC_ACC_UP_MAX", 3, 0.5, 10));
+  list.push_back(real("MPC_ACC_DOWN_MAX", 2, 0.5, 8));
+  list.push_back(real("MPC_JERK_AUTO", 8, 1, 80));
+  list.push_back(real("MPC_TKO_SPEED", 1.2, 0.3, 5));
+  list.push_back(real("MPC_LAND_SPEED", 0.6, 0.1, 3));
+  list.push_back(real("MPC_LAND_ALT2", 3, 0, 30));
+  list.push_back(real("MPC_TILTMAX_AIR", 45, 10, 80));
+  list.push_back(real("MPC_MAN_TILT_MAX", 35, 1, 70));
+  list.push_back(real("MPC_MAN_Y_MAX", 120, 0, 400));
+  list.push_back(real("MPC_HOLD_DZ", 0.1, 0, 1));
+  list.push_back(real("MPC_THR_HOVER", hover, 0.1, 0.9));
+  list.push_back(real("MPC_THR_MIN", 0.08, 0.02, 0.5));
+  list.push_back(real("MPC_THR_MAX", 1.0, 0.3, 1));
+  list.push_back(real("MPC_YAWRAUTO_MAX", 60, 0, 360));
+}
+
+/// What the estimator assumes: the data sheet's figures, axes of D as the IMU's.
+void add_estimator(std::vector<Param>& list, const EstimatorParams& p) {
+  const char* axes[] = {"X", "Y", "Z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    // Of one sample: rad/s and m/s^2.
+    list.push_back(
+        real(std::string("CAS_GYR_NOISE_") + axes[axis], p.gyro_noise_rad_s[axis], 1e-6, 1));
+    list.push_back(
+        real(std::string("CAS_ACC_NOISE_") + axes[axis], p.accel_noise_m_s2[axis], 1e-5, 20));
+  }
+  // Random walks, per square root of a second.
+  list.push_back(real("CAS_GYR_B_WALK", p.gyro_bias_walk_rad_s, 0, 0.1));
+  list.push_back(real("CAS_ACC_B_WALK", p.accel_bias_walk_m_s2, 0, 1));
+  list.push_back(real("CAS_MAG_E_WALK", p.earth_field_walk_gauss, 0, 0.1));
+  list.push_back(real("CAS_MAG_B_WALK", p.body_field_walk_gauss, 0, 0.1));
+  list.push_back(real("CAS_BARO_WALK", p.baro_offset_walk_m, 0, 1));
+  list.push_back(real("EKF2_GPS_P_NOISE", p.gps_position_noise_m, 0.001, 10));
+  list.push_back(real("CAS_GPS_Z_NOISE", p.gps_height_noise_m, 0.001, 20));
+  list.push_back(real("EKF2_GPS_V_NOISE", p.gps_velocity_noise_m_s, 0.001, 5));
+  list.push_back(real("EKF2_BARO_NOISE", p.baro_noise_m, 0.001, 15));
+  list.push_back(real("EKF2_MAG_NOISE", p.mag_noise_gauss, 0.0001, 1));
+  list.push_back(real("EKF2_GPS_DELAY", 1000 * p.gps_delay_s, 0, 500));
+  list.push_back(real("EKF2_GPS_P_GATE", 5, 1, 20));
+  list.push_back(real("EKF2_GPS_V_GATE", 5, 1, 20));
+  list.push_back(real("EKF2_BARO_GATE", 5, 1, 20));
+  list.push_back(real("EKF2_MAG_GATE", 5, 1, 20));
+  list.push_back(real("EKF2_ANGERR_INIT", p.tilt_initial_rad, 0.01, 0.5));
+  list.push_back(real("EKF2_GBIAS_INIT", p.gyro_bias_initial_rad_s, 0, 0.5));
+  list.push_back(real("EKF2_ABIAS_INIT", p.accel_bias_initial_m_s2, 0, 2));
+  list.push_back(real("CAS_MAG_E_INIT", p.earth_field_initial_gauss, 0, 0.2));
+  list.push_back(real("CAS_MAG_B_INIT", p.body_field_initial_gauss, 0, 0.2));
+}
+
+void add_safety(std::vector<Param>& list) {
+  list.push_back(integer("COM_ARM_WO_GPS", 0, 0, 1));
+  list.push_back(real("COM_DISARM_LAND", 2.0, -1, 20));
+  list.push_back(real("COM_DISARM_PRFLT", 10.0, -1, 60));
+  list.push_back(real("COM_SPOOLUP_TIME", 1.0, 0, 5));
+  list.push_back(real("COM_OF_LOSS_T", 1.0, 0, 60));
+  list.push_back(integer("COM_OBL_RC_ACT", 5, 0, 7));
+  list.push_back(real("COM_RC_LOSS_T", 0.5, 0.1, 35));
+  list.push_back(integer("COM_RC_IN_MODE", 3, 0, 4));
+  list.push_back(integer("COM_DL_LOSS_T", 10, 5, 300));
+  list.push_back(integer("COM_LOW_BAT_ACT", 3, 0, 3));
+  list.push_back(integer("NAV_DLL_ACT", 0, 0, 6));
+  list.push_back(integer("NAV_RCL_ACT", 2, 0, 6));
+  list.push_back(real("FD_FAIL_R", 70, 60, 180));
+  list.push_back(real("FD_FAIL_P", 70, 60, 180));
+  list.push_back(real("FD_FAIL_TTRI", 0.3, 0.02, 5));
+  list.push_back(integer("CBRK_FLIGHTTERM", 0, 0, 121212));
+  list.push_back(real("BAT_LOW_THR", 0.15, 0, 1));
+  list.push_back(real("BAT_CRIT_THR", 0.07, 0, 1));
+  list.push_back(real("BAT_EMERGEN_THR", 0.05, 0, 1));
+  list.push_back(integer("BAT1_N_CELLS", 4, 1, 16));
+  list.push_back(real("SIM_BAT_DRAIN", 900, 1, 86400));
+  list.push_back(real("SIM_BAT_MIN_PCT", 50, 0, 100));
+  list.push_back(real("RTL_RETURN_ALT", 15, 0, 150));
+  list.push_back(real("RTL_DESCEND_ALT", 5, 0, 100));
+  list.push_back(real("RTL_LAND_DELAY", 0, -1, 300));
+  list.push_back(real("MIS_TAKEOFF_ALT", 2.5, 0, 80));
+  list.push_back(real("NAV_ACC_RAD", 1.0, 0.05, 200));
+  list.push_back(real("NAV_MC_ALT_RAD", 0.8, 0.05, 200));
+}
+
+void add_system(std::vector<Param>& list, const base::Vehicle& vehicle) {
+  list.push_back(integer("MAV_SYS_ID", vehicle.system_id, 1, 250));
+  list.push_back(integer("MAV_COMP_ID", 1, 1, 250));
+  list.push_back(integer("MAV_TYPE", 2, 0, 50));
+  list.push_back(integer("SYS_AUTOSTART", 10016, 0, 9999999));
+  list.push_back(integer("SYS_HITL", 1, 0, 2));
+  // Nonzero: a sensor is there and calibrated, as ground stations read it.
+  list.push_back(integer("CAL_GYRO0_ID", 1310988, 0, 2147483647));
+  list.push_back(integer("CAL_ACC0_ID", 1310988, 0, 2147483647));
+  list.push_back(integer("CAL_MAG0_ID", 197388, 0, 2147483647));
+  list.push_back(integer("CAL_BARO0_ID", 6620172, 0, 2147483647));
+  // The message that carries the answer: 0 HIL_CONTROLS (U1..U4), 1 HIL_ACTUATOR_CONTROLS (motors).
+  list.push_back(integer("CAS_HIL_ACT", 0, 0, 1));
+  // Time of a sensor message: 0 its own stamp, 1 its arrival.
+  list.push_back(integer("CAS_STAMP_MODE", 0, 0, 1));
+  // Built-in pattern flown in Hold: 0 none, 1 circle, 2 figure eight, 3 steps.
+  list.push_back(integer("CAS_TRJ_SHAPE", 0, 0, 3));
+  list.push_back(real("CAS_TRJ_SIZE", 2.0, 0.1, 50));
+  list.push_back(real("CAS_TRJ_SPEED", 2.0, 0.1, 10));
+  list.push_back(real("CAS_TRJ_PERIOD", 10.0, 1, 120));
+}
+
+/// All parameters with their defaults for an airframe, unsorted. Where PX4 has the same loop or
+/// limit, the name and the unit are PX4's.
+std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& estimator) {
+  std::vector<Param> list;
+  add_rate_loops(list, vehicle);
+  add_attitude(list);
+  add_position(list, vehicle);
+  add_estimator(list, estimator);
+  add_safety(list);
+  add_system(list, vehicle);
+  return list;
+}
 
 double representable(ParamType type, double value) {
   if (type == ParamType::kInt32) return std::nearbyint(value);

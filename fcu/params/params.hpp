@@ -68,7 +68,4 @@ class ParamStore {
   std::uint64_t revision_ = 0;
 };
 
-/// All parameters with their defaults for an airframe, unsorted.
-std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& estimator);
-
 }  // namespace cas::fcu

@@ -26,6 +26,57 @@ using mavlink::common::MavModeFlag;
 using mavlink::common::MavResult;
 using mavlink::common::SetMode;
 
+// Gyro calibration.
+
+namespace {
+
+constexpr double kRest_s = 2.0;       // of samples at rest: the bias is then known
+constexpr double kPatience_s = 20.0;  // moved or without data for this long: failed
+constexpr double kTellPeriod_s = 0.5;
+
+}  // namespace
+
+MavResult GyroCalibration::on_command(const Command& command, FcuCore& core, RunTime now) {
+  const auto& p = command.param;
+  const bool nothing_asked = std::all_of(
+      p.begin(), p.end(), [](double value) { return !std::isfinite(value) || value == 0; });
+  if (nothing_asked) {  // that is how ground stations cancel
+    cancelled_ = running_.has_value();
+    return MavResult::kAccepted;
+  }
+  if (p[0] != 1) return MavResult::kUnsupported;
+  if (core.commander.armed() || running_) return MavResult::kTemporarilyRejected;
+  core.restart_estimate();
+  running_ = command;
+  cancelled_ = false;
+  begin_ = told_ = now;
+  core.texts.info("[cal] calibration started: 2 gyro");
+  return MavResult::kInProgress;
+}
+
+std::optional<GyroCalibration::Progress> GyroCalibration::end(Result result, FcuCore& core) {
+  const bool good = result == MavResult::kAccepted;
+  core.texts.info(good ? "[cal] calibration done: gyro"
+                       : "[cal] calibration failed: gyro not at rest, or cancelled");
+  const Progress progress{*running_, result, good ? 100 : 0};
+  running_.reset();
+  return progress;
+}
+
+std::optional<GyroCalibration::Progress> GyroCalibration::update(FcuCore& core, RunTime now) {
+  if (!running_) return std::nullopt;
+  if (cancelled_) return end(MavResult::kCancelled, core);
+  const double rest_s = core.estimator.rest_s();
+  if (core.estimator.aligned() && rest_s >= kRest_s) return end(MavResult::kAccepted, core);
+  if (base::to_seconds(now - begin_) > kPatience_s) return end(MavResult::kFailed, core);
+  if (base::to_seconds(now - told_) < kTellPeriod_s) return std::nullopt;
+  told_ = now;
+  return Progress{*running_, MavResult::kInProgress,
+                  static_cast<int>(100 * std::min(rest_s / kRest_s, 0.99))};
+}
+
+// Commands.
+
 namespace {
 
 constexpr std::uint32_t kHighestMessageId = 0xFFFFFF;

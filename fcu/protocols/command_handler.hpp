@@ -4,8 +4,7 @@
 #include <optional>
 
 #include "base/time/clock.hpp"
-#include "fcu/protocols/command.hpp"
-#include "fcu/protocols/gyro_calibration.hpp"
+#include "fcu/protocols/flight_commands.hpp"
 #include "fcu/protocols/telemetry.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
@@ -15,6 +14,33 @@
 namespace cas::fcu {
 
 struct FcuCore;
+
+/// MAV_CMD_PREFLIGHT_CALIBRATION for the gyro: the estimate begins anew at rest, and its biases
+/// with it. It takes seconds, so it is answered IN_PROGRESS until it has succeeded, failed or been
+/// cancelled.
+class GyroCalibration {
+ public:
+  using Result = mavlink::common::MavResult;
+
+  struct Progress {
+    Command command;  ///< the one that began it
+    Result result{};
+    int percent = 0;
+  };
+
+  /// Begins or cancels. What else the command could calibrate does not exist here: UNSUPPORTED.
+  Result on_command(const Command& command, FcuCore& core, base::RunTime now);
+  /// What is to be told to the sender of the command that runs, if anything.
+  std::optional<Progress> update(FcuCore& core, base::RunTime now);
+
+ private:
+  std::optional<Progress> end(Result result, FcuCore& core);
+
+  std::optional<Command> running_;
+  bool cancelled_ = false;
+  base::RunTime begin_;
+  base::RunTime told_;
+};
 
 /// Carries out commands and acknowledges each one. A repetition of a command whose answer was lost
 /// (`confirmation` above 0) gets the same answer again and does nothing twice.

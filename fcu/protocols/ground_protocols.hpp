@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/time/clock.hpp"
-#include "fcu/flight/flight_mode.hpp"
 #include "fcu/flight/flight_status.hpp"
 #include "fcu/protocols/command_handler.hpp"
 #include "fcu/protocols/mission_protocol.hpp"

@@ -25,7 +25,6 @@ class ParamProtocol {
   void on_set(const mavlink::common::ParamSet& request, FcuCore& core, int version);
   /// Goes on with a list.
   void update(FcuCore& core, base::RunTime now);
-  bool listing() const { return next_.has_value(); }
 
  private:
   void send_value(std::size_t index, FcuCore& core, int version) const;

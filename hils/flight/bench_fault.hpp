@@ -10,7 +10,7 @@
 
 #include "base/config/config.hpp"
 #include "base/time/clock.hpp"
-#include "fcu/line/line_config.hpp"
+#include "fcu/line/line_model.hpp"
 #include "hils/flight/flight_facts.hpp"
 #include "hils/flight/flight_plan.hpp"
 #include "hils/flight/vehicle_names.hpp"

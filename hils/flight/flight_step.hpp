@@ -11,7 +11,7 @@
 #include "base/config/config.hpp"
 #include "base/time/clock.hpp"
 #include "casd/station/gain_map.hpp"
-#include "fcu/flight/pattern.hpp"
+#include "fcu/flight/trajectory.hpp"
 #include "hils/flight/flight_facts.hpp"
 #include "hils/flight/vehicle_names.hpp"
 

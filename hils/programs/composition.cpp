@@ -7,7 +7,7 @@
 
 #include "base/os/write_file.hpp"
 #include "base/random.hpp"
-#include "fcu/line/line_config.hpp"
+#include "fcu/line/line_model.hpp"
 #include "hils/programs/yaml_text.hpp"
 
 namespace cas::hils {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "fcu/line/line_config.hpp"
+#include "fcu/line/line_model.hpp"
 #include "hils/run/run_places.hpp"
 #include "hils/run/run_request.hpp"
 

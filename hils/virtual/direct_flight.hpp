@@ -10,7 +10,7 @@
 
 #include "base/time/clock.hpp"
 #include "fcu/flight_controller.hpp"
-#include "fcu/line/line_config.hpp"
+#include "fcu/line/line_model.hpp"
 #include "hils/virtual/virtual_controller.hpp"
 #include "hils/virtual/virtual_simulator.hpp"
 

@@ -8,7 +8,7 @@
 #include "base/measure/ledger.hpp"
 #include "base/time/clock.hpp"
 #include "fcu/core/fcu_config.hpp"
-#include "fcu/emulator/emulator_line.hpp"
+#include "fcu/line/line_model.hpp"
 #include "fcu/flight_controller.hpp"
 
 namespace cas::hils {

@@ -19,7 +19,7 @@ SECTIONS = {
     ("config", "Simulation"): ["libsim/core/load/sim_config.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp",
                                  "base/config/sensor_set.cpp"],
     ("config", "Topology"): ["casd/topology/*.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp"],
-    ("config", "Controller"): ["fcu/core/fcu_config.cpp", "fcu/line/line_config.cpp"],
+    ("config", "Controller"): ["fcu/core/fcu_config.cpp", "fcu/line/line_model.cpp"],
     ("config", "Vehicle"): ["base/config/vehicle.cpp"],
     ("plugins", "imu"): ["plugins/imu/*.cpp"],
     ("plugins", "gps"): ["plugins/gps/*.cpp"],

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/earth/frames.hpp"
-#include "fcu/control/thrust_setpoint.hpp"
+#include "fcu/control/position_controller.hpp"
 
 namespace cas::fcu {
 namespace {

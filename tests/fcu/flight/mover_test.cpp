@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fcu/flight/mover.hpp"
+#include "fcu/flight/trajectory.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "fcu/flight/pattern.hpp"
 
 namespace cas::fcu {
 namespace {

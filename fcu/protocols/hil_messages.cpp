@@ -1,20 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fcu/protocols/sensor_input.hpp"
+#include "fcu/protocols/hil_messages.hpp"
 
 #include "fcu/core/fcu_core.hpp"
+#include "fcu/protocols/wire_units.hpp"
+#include "mavlink/common/hil_actuator_controls.hpp"
+#include "mavlink/common/hil_controls.hpp"
 
 namespace cas::fcu {
 
 using base::RunTime;
 using base::SimTime;
 using Eigen::Vector3d;
+using mavlink::common::HilActuatorControls;
+using mavlink::common::HilControls;
 using mavlink::common::HilGps;
 using mavlink::common::HilSensor;
 using mavlink::common::HilSensorUpdatedFlags;
+using mavlink::common::MavMode;
+using mavlink::common::MavModeFlag;
+
+// HIL_SENSOR and HIL_GPS in.
 
 namespace {
 
 using F = HilSensorUpdatedFlags;
+
 constexpr F kAccel = F::kXacc | F::kYacc | F::kZacc;
 constexpr F kGyro = F::kXgyro | F::kYgyro | F::kZgyro;
 constexpr F kMag = F::kXmag | F::kYmag | F::kZmag;
@@ -36,34 +46,33 @@ void SensorInput::note_age(std::uint64_t time_usec, RunTime now) {
   age_.add(base::Duration(delay - smallest_delay_ns_));
 }
 
-bool SensorInput::accept_time(std::uint64_t time_usec, FcuCore& core) {
-  if (time_usec > base::kLatestTimeUsec) {
-    ++stale_;
-    return false;
-  }
-  if (started_ && time_usec <= last_usec_) {
-    if (last_usec_ - time_usec < kRestart_us) {
-      ++stale_;
-      return false;
-    }
-    // The simulation began anew: so does the estimate. The rotors stop with it.
-    core.texts.warn("Sensor time went back: estimator restarted");
-    core.commander.disarm(true);
-    core.restart_estimate();
-    gate_set_ = false;
-    last_time_ = {};
-    started_ = false;
-    smallest_delay_ns_ = std::numeric_limits<std::int64_t>::max();
-  }
-  last_usec_ = time_usec;
-  return true;
+/// The time stood still or went back a little, or is none.
+bool SensorInput::is_stale(std::uint64_t time_usec) const {
+  if (time_usec > base::kLatestTimeUsec) return true;
+  return started_ && time_usec <= last_usec_ && !is_new_run(time_usec);
+}
+
+/// The time went back so far that the simulation has begun anew.
+bool SensorInput::is_new_run(std::uint64_t time_usec) const {
+  return started_ && time_usec <= last_usec_ && last_usec_ - time_usec >= kRestart_us;
+}
+
+/// A new simulation: the estimate begins anew and the rotors stop.
+void SensorInput::begin_new_run(FcuCore& core) {
+  core.texts.warn("Sensor time went back: estimator restarted");
+  core.commander.disarm(true);
+  core.restart_estimate();
+  gate_set_ = false;
+  last_time_ = {};
+  started_ = false;
+  smallest_delay_ns_ = std::numeric_limits<std::int64_t>::max();
 }
 
 void SensorInput::feed_estimator(const HilSensor& m, SimTime time, FcuCore& core, RunTime now) {
   const F flags = m.fields_updated;
   if (all(flags, kAccel) && all(flags, kGyro)) {
     const ImuInput imu{time, vec(m.xgyro, m.ygyro, m.zgyro), vec(m.xacc, m.yacc, m.zacc)};
-    core.sensors.on_sample(SensorMonitor::kImu, imu.gyro_D + imu.accel_D, now);
+    core.sensors.on_sample(SensorHealth::kImu, imu.gyro_D + imu.accel_D, now);
     core.vibration.update(imu.accel_D);
     core.estimator.on_imu(imu);
     const double dt = started_ ? base::to_seconds(time - last_time_) : 0.0;
@@ -71,19 +80,24 @@ void SensorInput::feed_estimator(const HilSensor& m, SimTime time, FcuCore& core
   }
   if (all(flags, kMag)) {
     const Vector3d field = vec(m.xmag, m.ymag, m.zmag);
-    core.sensors.on_sample(SensorMonitor::kMag, field, now);
+    core.sensors.on_sample(SensorHealth::kMag, field, now);
     core.estimator.on_magnetometer(time, field);
   }
   if (all(flags, F::kAbsPressure)) {
     core.last_pressure_hpa = static_cast<double>(m.abs_pressure);
     core.last_temperature_degc = static_cast<double>(m.temperature);
-    core.sensors.on_sample(SensorMonitor::kBaro, Vector3d(core.last_pressure_hpa, 0, 0), now);
+    core.sensors.on_sample(SensorHealth::kBaro, Vector3d(core.last_pressure_hpa, 0, 0), now);
     core.estimator.on_barometer(time, 100 * core.last_pressure_hpa);
   }
 }
 
 bool SensorInput::on_sensor(const HilSensor& m, FcuCore& core, RunTime now) {
-  if (!accept_time(m.time_usec, core)) return false;
+  if (is_stale(m.time_usec)) {
+    ++stale_;
+    return false;
+  }
+  if (is_new_run(m.time_usec)) begin_new_run(core);
+  last_usec_ = m.time_usec;
   note_age(m.time_usec, now);
   if (core.observer) core.observer(HilSensor::kId, m.time_usec, false);
   core.status.sensor_time_usec = m.time_usec;
@@ -127,9 +141,63 @@ void SensorInput::on_gps(const HilGps& m, FcuCore& core, RunTime now) {
   fix.place = {m.lat * 1e-7, m.lon * 1e-7, m.alt * 1e-3};
   fix.velocity_N = Vector3d(m.vn, m.ve, m.vd) * 0.01;
   if (fix.fix_type >= 3) {
-    core.sensors.on_sample(SensorMonitor::kGps, fix.velocity_N, now);
+    core.sensors.on_sample(SensorHealth::kGps, fix.velocity_N, now);
   }
   core.estimator.on_gps(fix);
+}
+
+// HIL_CONTROLS or HIL_ACTUATOR_CONTROLS out.
+
+namespace {
+
+/// MAV_MODE_FLAG bits of the answer: HIL always, armed as it is.
+std::uint8_t answer_mode(bool armed) {
+  const MavModeFlag flags =
+      armed ? MavModeFlag::kHilEnabled | MavModeFlag::kSafetyArmed : MavModeFlag::kHilEnabled;
+  return static_cast<std::uint8_t>(flags);
+}
+
+float scaled(double value, double full, double low) {
+  return output(full > 0 ? value / full : 0.0, low, 1.0);
+}
+
+void send_controls(const Eigen::Vector4d& u, std::uint64_t time_usec, FcuCore& core) {
+  const auto& scales = core.config.vehicle.scales;
+  HilControls answer;
+  answer.time_usec = time_usec;
+  answer.roll_ailerons = scaled(u[1], scales.u2_max_nm, -1);
+  answer.pitch_elevator = scaled(u[2], scales.u3_max_nm, -1);
+  answer.yaw_rudder = scaled(u[3], scales.u4_max_nm, -1);
+  answer.throttle = scaled(u[0], scales.u1_max_n, 0);
+  answer.mode = static_cast<MavMode>(answer_mode(core.commander.armed()));
+  core.outbox.send(answer);
+}
+
+void send_motor_outputs(const Eigen::Vector4d& omega_sq, std::uint64_t time_usec, FcuCore& core) {
+  const bool armed = core.commander.armed();
+  HilActuatorControls answer;
+  answer.time_usec = time_usec;
+  if (armed) {
+    const Eigen::Vector4d motors = core.cascade.mixer().motor_outputs(omega_sq);
+    for (std::size_t i = 0; i < 4; ++i) {
+      answer.controls[i] = output(motors[static_cast<int>(i)], 0, 1);
+    }
+  }
+  answer.mode = static_cast<MavModeFlag>(answer_mode(armed));
+  core.outbox.send(answer);
+}
+
+}  // namespace
+
+void send_answer(const MixerResult& output, std::uint64_t time_usec, FcuCore& core) {
+  const bool by_motor = core.params.get_int("CAS_HIL_ACT") != 0;
+  if (by_motor) {
+    send_motor_outputs(output.omega_sq, time_usec, core);
+  } else {
+    send_controls(output.u, time_usec, core);
+  }
+  const std::uint32_t id = by_motor ? HilActuatorControls::kId : HilControls::kId;
+  if (core.observer) core.observer(id, time_usec, true);
 }
 
 }  // namespace cas::fcu

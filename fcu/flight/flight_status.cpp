@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fcu/flight/flight_mode.hpp"
+#include "fcu/flight/flight_status.hpp"
 
 #include <array>
 
 namespace cas::fcu {
+
 namespace {
 
 struct ModeEntry {

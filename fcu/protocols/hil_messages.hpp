@@ -13,6 +13,7 @@
 namespace cas::fcu {
 
 struct FcuCore;
+struct MixerResult;
 
 /// From HIL_SENSOR and HIL_GPS to the estimator; says when a control step is due.
 class SensorInput {
@@ -31,7 +32,9 @@ class SensorInput {
 
  private:
   void note_age(std::uint64_t time_usec, base::RunTime now);
-  bool accept_time(std::uint64_t time_usec, FcuCore& core);
+  bool is_stale(std::uint64_t time_usec) const;
+  bool is_new_run(std::uint64_t time_usec) const;
+  void begin_new_run(FcuCore& core);
   void feed_estimator(const mavlink::common::HilSensor& m, base::SimTime time, FcuCore& core,
                       base::RunTime now);
 
@@ -46,5 +49,11 @@ class SensorInput {
   std::uint64_t missed_controls_ = 0;
   base::Histogram age_;
 };
+
+/// Sends U1..U4 as shares of their full scales (HIL_CONTROLS), or the four motor outputs
+/// (HIL_ACTUATOR_CONTROLS) where CAS_HIL_ACT says so.
+///
+/// @param time_usec  stamp of the HIL_SENSOR that the answer was computed from; it is echoed
+void send_answer(const MixerResult& output, std::uint64_t time_usec, FcuCore& core);
 
 }  // namespace cas::fcu

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fcu/flight/mover.hpp"
+#include "fcu/flight/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,11 @@
 #include "base/earth/frames.hpp"
 
 namespace cas::fcu {
-namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+namespace {
 
 constexpr double kApproach_per_s = 1.5;    // rate of the final approach, 1/s
 constexpr double kVelocityGain_per_s = 6;  // how quickly the wanted speed is taken up, 1/s
@@ -109,5 +110,41 @@ TrajectorySetpoint Mover::update(double dt) {
 }
 
 bool Mover::arrived() const { return (target_N_ - p_N_).norm() < 0.05 && v_N_.norm() < 0.1; }
+
+Pattern::Phase Pattern::phase_at(double time_s, double full_rate) const {
+  // The rate rises as s^2 (3 - 2 s): no jump of acceleration at either end.
+  if (time_s <= 0) return {};
+  if (time_s >= kStart_s) return {full_rate * (time_s - 0.5 * kStart_s), full_rate, 0};
+  const double s = time_s / kStart_s;
+  return {full_rate * kStart_s * s * s * s * (1 - 0.5 * s), full_rate * s * s * (3 - 2 * s),
+          full_rate / kStart_s * 6 * s * (1 - s)};
+}
+
+TrajectorySetpoint Pattern::at(double time_s, const Vector3d& centre_N, double yaw_rad) const {
+  TrajectorySetpoint out{centre_N, Vector3d::Zero(), Vector3d::Zero(), yaw_rad, 0};
+  if (shape_ == PatternShape::kCircle) {
+    // Starts at the centre's north; the way there is the position loop's.
+    const auto [angle, rate, acceleration] = phase_at(time_s, speed_m_s_ / size_m_);
+    const Vector3d radial(std::cos(angle), std::sin(angle), 0);
+    const Vector3d tangent(-std::sin(angle), std::cos(angle), 0);
+    out.p_N += size_m_ * radial;
+    out.v_N = size_m_ * rate * tangent;
+    out.a_N = size_m_ * (acceleration * tangent - rate * rate * radial);
+  } else if (shape_ == PatternShape::kFigureEight) {
+    // x = size sin(a), y = size / 2 sin(2 a): fastest at the crossing, size sqrt(2) rate.
+    const auto [angle, rate, acceleration] =
+        phase_at(time_s, speed_m_s_ / (size_m_ * std::sqrt(2.0)));
+    const Vector3d shape(std::sin(angle), 0.5 * std::sin(2 * angle), 0);
+    const Vector3d first(std::cos(angle), std::cos(2 * angle), 0);
+    const Vector3d second(-std::sin(angle), -2 * std::sin(2 * angle), 0);
+    out.p_N += size_m_ * shape;
+    out.v_N = size_m_ * rate * first;
+    out.a_N = size_m_ * (acceleration * first + rate * rate * second);
+  } else if (shape_ == PatternShape::kSteps) {
+    const bool away = std::fmod(time_s, 2 * period_s_) >= period_s_;
+    if (away) out.p_N.x() += size_m_;
+  }
+  return out;
+}
 
 }  // namespace cas::fcu

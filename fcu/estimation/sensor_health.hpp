@@ -9,7 +9,7 @@
 namespace cas::fcu {
 
 /// Tells living sensors from dead and frozen ones.
-class SensorMonitor {
+class SensorHealth {
  public:
   enum Sensor { kImu, kMag, kBaro, kGps, kSensors };
 

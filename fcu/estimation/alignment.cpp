@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fcu/estimation/alignment.hpp"
+
+#include <cmath>
+
+#include "base/earth/frames.hpp"
+
+namespace cas::fcu {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kShortest_s = 0.5;
+constexpr double kWithoutHeading_s = 2.0;
+constexpr int kMagSamples = 10;  // 0.1 s at 100 Hz
+
+}  // namespace
+
+void Alignment::on_accelerometer(base::SimTime time, const Vector3d& accel_D) {
+  if (accel_samples_ == 0) start_ = time;
+  last_ = time;
+  ++accel_samples_;
+  accel_sum_ += accel_D;
+}
+
+void Alignment::on_magnetometer(const Vector3d& field_D) {
+  ++mag_samples_;
+  mag_sum_ += field_D;
+}
+
+bool Alignment::has_heading() const { return mag_samples_ >= kMagSamples; }
+
+bool Alignment::complete(bool heading_usable) const {
+  return base::to_seconds(last_ - start_) >= (heading_usable ? kShortest_s : kWithoutHeading_s);
+}
+
+Quaterniond Alignment::attitude(const Vector3d& earth_field_N, bool with_heading) const {
+  const Vector3d f_D = accel_sum_ / accel_samples_;
+  const double roll = std::atan2(-f_D.y(), -f_D.z());
+  const double pitch = std::atan2(f_D.x(), std::hypot(f_D.y(), f_D.z()));
+  if (!with_heading) return base::quaternion_rpy(roll, pitch, 0);
+  return attitude_from_field(roll, pitch, mag_sum_ / mag_samples_, earth_field_N);
+}
+
+Quaterniond attitude_from_field(double roll_rad, double pitch_rad, const Vector3d& field_D,
+                                const Vector3d& earth_field_N) {
+  const Vector3d level = base::quaternion_rpy(roll_rad, pitch_rad, 0) * field_D;
+  const double yaw =
+      std::atan2(earth_field_N.y(), earth_field_N.x()) - std::atan2(level.y(), level.x());
+  return base::quaternion_rpy(roll_rad, pitch_rad, base::wrap_angle(yaw));
+}
+
+}  // namespace cas::fcu
