@@ -6,12 +6,12 @@
 #include <string>
 
 #include "mavlink_gen/parser/dialect_loader.hpp"
-#include "tests/mavlink_gen/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 
 using namespace cas::mav::xml;
-using cas::mav::test::TemporaryFolder;
+using cas::test::TemporaryFolder;
 
 /// A dialect with one fault. '@' in the text marks the place that the diagnostic must name.
 struct BadDialect {

@@ -17,13 +17,13 @@
 #include "mavlink_gen/generator/output_files.hpp"
 #include "mavlink_gen/generator/subset.hpp"
 #include "mavlink_gen/parser/dialect_loader.hpp"
-#include "tests/mavlink_gen/temporary_folder.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 
 using namespace cas::mav;
-using test::TemporaryFolder;
+using cas::test::TemporaryFolder;
 
 const std::string kDialects = cas::test::source_dir() + "/tests/mavlink_gen/dialects/";
 const std::string kCommon = cas::test::source_dir() + "/mavlink_gen/dialects/common.xml";

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "base/cli/man_page.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base::cli {
 namespace {
@@ -32,7 +32,7 @@ Command sample() {
 
 /// What bash offers behind these words.
 std::string completed(const std::string& words, int position) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto script =
       folder.write("complete.bash", bash_completion("kite", sample()) + "COMP_WORDS=(" + words +
                                         ")\nCOMP_CWORD=" + std::to_string(position) +

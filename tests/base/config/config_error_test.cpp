@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "base/config/config.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
 namespace {
@@ -171,7 +171,7 @@ TEST(ConfigFiles, AMissingFileIsNamed) {
 }
 
 TEST(ConfigFiles, AFolderIsNamed) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_EQ(message_of([&] { ConfigNode::load(folder.path()); }),
             folder.path().string() + ": is a folder, not a file");
 }

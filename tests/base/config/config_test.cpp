@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
 namespace {
@@ -91,7 +91,7 @@ TEST(Config, AnAnchorsCopiesAreReadApart) {
 }
 
 TEST(Config, ResolvesPathsAgainstTheFile) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const ConfigNode node = ConfigNode::load(folder.write("sub/v.yaml", "urdf: ../x.urdf\n"));
   EXPECT_EQ(node.resolve(node.require<std::string>("urdf")), folder.path() / "x.urdf");
   EXPECT_EQ(node.resolve("/abs/x"), "/abs/x");

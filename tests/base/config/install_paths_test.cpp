@@ -5,8 +5,8 @@
 
 #include "base/error.hpp"
 #include "tests/base/config/scoped_environment.hpp"
-#include "tests/base/temporary_folder.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
 namespace {
@@ -21,7 +21,7 @@ TEST(InstallPaths, TheBuildTreeFindsTheShippedConfiguration) {
 }
 
 TEST(InstallPaths, TheEnvironmentComesFirst) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   folder.write("vehicles/iris_paper.yaml", "");
   const std::string path = "/nowhere::" + folder.path().string();
   const ScopedEnvironment variable("CAS_CONFIG_PATH", path.c_str());
@@ -31,13 +31,13 @@ TEST(InstallPaths, TheEnvironmentComesFirst) {
 }
 
 TEST(InstallPaths, AnExistingFileIsTakenAsItStands) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path file = folder.write("mine.yaml", "");
   EXPECT_EQ(find_config(file), file);
 }
 
 TEST(InstallPaths, AMissingFileSaysWhereItWasSearched) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const ScopedEnvironment variable("CAS_CONFIG_PATH", folder.path().c_str());
   try {
     find_config("vehicles/none.yaml");
@@ -65,7 +65,7 @@ TEST(InstallPaths, AMissingFileIsToldTheNearestShippedOne) {
 ConfigNode vehicle_key(const fs::path& file) { return ConfigNode::load(file).at("vehicle"); }
 
 TEST(InstallPaths, AKeyNamesAFileBesideItsOwnBeforeAShippedOne) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path file = folder.write("mine.yaml", "vehicle: vehicles/iris_paper.yaml\n");
   const fs::path shipped = fs::path(cas::test::source_dir()) / "config/vehicles/iris_paper.yaml";
   EXPECT_TRUE(fs::equivalent(find_config(vehicle_key(file)), shipped));
@@ -74,13 +74,13 @@ TEST(InstallPaths, AKeyNamesAFileBesideItsOwnBeforeAShippedOne) {
 }
 
 TEST(InstallPaths, ACopyOfAShippedFileFindsWhatItNames) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path copy = folder.write("a/mine.yaml", "vehicle: ../vehicles/iris_paper.yaml\n");
   EXPECT_EQ(find_config(vehicle_key(copy)).filename(), "iris_paper.yaml");
 }
 
 TEST(InstallPaths, AKeyThatNamesNoFileSaysWhereItWasSearched) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const ScopedEnvironment variable("CAS_CONFIG_PATH", folder.path().c_str());
   const fs::path file = folder.write("a/mine.yaml", "schema: 1\nvehicle: vehicles/none.yaml\n");
   try {
@@ -105,7 +105,7 @@ TEST(InstallPaths, NeitherAFolderNorNothingIsAFile) {
 }
 
 TEST(InstallPaths, PluginFoldersOfTheEnvironmentComeFirstAndOnce) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.path().string() + ":" + folder.path().string() + ":/nowhere";
   const ScopedEnvironment variable("CAS_PLUGIN_PATH", path.c_str());
   const std::vector<fs::path> folders = plugin_dirs();

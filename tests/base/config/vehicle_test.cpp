@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "base/config/install_paths.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
 namespace {
@@ -112,7 +112,7 @@ struct WrongCase {
 class WrongVehicle : public testing::TestWithParam<WrongCase> {};
 
 TEST_P(WrongVehicle, IsRefusedWithItsPlace) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto file = folder.write("v.yaml", changed(GetParam().from, GetParam().to));
   try {
     Vehicle::load(file);

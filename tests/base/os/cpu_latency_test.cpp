@@ -7,14 +7,14 @@
 #include <fstream>
 
 #include "base/error.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
 namespace {
 
 // A file in the device's place: what the kernel would be told.
 TEST(CpuLatencyRequest, WritesMicrosecondsAsTheKernelReadsThem) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto device = folder.path() / "cpu_dma_latency";
   std::ofstream(device).close();
   const CpuLatencyRequest request(250, device);
@@ -28,7 +28,7 @@ TEST(CpuLatencyRequest, WritesMicrosecondsAsTheKernelReadsThem) {
 }
 
 TEST(CpuLatencyRequest, WithoutTheDeviceWarnsAndGoesOn) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   testing::internal::CaptureStderr();
   const CpuLatencyRequest request(0, folder.path() / "none");
   EXPECT_FALSE(request.in_force());
@@ -37,7 +37,7 @@ TEST(CpuLatencyRequest, WithoutTheDeviceWarnsAndGoesOn) {
 }
 
 TEST(CpuLatencyRequest, AsksForNothingUnlessTold) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   testing::internal::CaptureStderr();
   EXPECT_FALSE(CpuLatencyRequest(std::nullopt, folder.path() / "none").in_force());
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");

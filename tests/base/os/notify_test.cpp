@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "tests/base/config/scoped_environment.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
 namespace {
@@ -49,7 +49,7 @@ TEST(Notify, WithoutAServiceManagerDoesNothing) {
 }
 
 TEST(Notify, SendsTheStateToAPath) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = (folder.path() / "notify").string();
   const NotifySocket manager(path);
   const ScopedEnvironment variable("NOTIFY_SOCKET", path.c_str());

@@ -8,7 +8,7 @@
 #include <iterator>
 
 #include "base/error.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
 namespace {
@@ -25,7 +25,7 @@ std::ptrdiff_t files_in(const fs::path& folder) {
 }
 
 TEST(WriteFile, MakesAndReplacesAFileAndLeavesNothingBesideIt) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.txt";
   write_file(file, "one\n");
   EXPECT_EQ(text_of(file), "one\n");
@@ -35,7 +35,7 @@ TEST(WriteFile, MakesAndReplacesAFileAndLeavesNothingBesideIt) {
 }
 
 TEST(WriteFile, ReplacesTheFileAndNotItsContent) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.txt";
   write_file(file, "before");
   std::ifstream reader(file);
@@ -44,7 +44,7 @@ TEST(WriteFile, ReplacesTheFileAndNotItsContent) {
 }
 
 TEST(WriteFile, KeepsTheModeOfAFile) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "secret";
   write_file(file, "one");
   ::chmod(file.c_str(), 0600);
@@ -55,7 +55,7 @@ TEST(WriteFile, KeepsTheModeOfAFile) {
 }
 
 TEST(WriteFile, LeavesASymlinkWhereItIs) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_file(folder.path() / "behind", "one");
   fs::create_symlink("behind", folder.path() / "link");
   write_file(folder.path() / "link", "two");
@@ -69,7 +69,7 @@ TEST(WriteFile, WritesIntoWhatIsNoFile) {
 }
 
 TEST(WriteFile, SaysWhichFileCannotBeWrittenAndWhy) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "none" / "a.txt";
   try {
     write_file(file, "one");

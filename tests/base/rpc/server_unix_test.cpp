@@ -11,7 +11,7 @@
 #include "base/rpc/client.hpp"
 #include "base/rpc/server.hpp"
 #include "tests/base/rpc/running_server.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base::rpc {
 namespace {
@@ -33,7 +33,7 @@ void leave_stale_socket(const fs::path& path) {
 }
 
 TEST(UnixServer, AnswersAndRemovesItsFile) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "rpc";
   {
     RunningServer server;
@@ -45,7 +45,7 @@ TEST(UnixServer, AnswersAndRemovesItsFile) {
 }
 
 TEST(UnixServer, TheFileIsForItsOwnerAlone) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "rpc";
   const mode_t before = ::umask(0);
   RunningServer server;
@@ -57,7 +57,7 @@ TEST(UnixServer, TheFileIsForItsOwnerAlone) {
 }
 
 TEST(UnixServer, AStaleFileIsReplaced) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "rpc";
   leave_stale_socket(path);
   RunningServer server;
@@ -66,7 +66,7 @@ TEST(UnixServer, AStaleFileIsReplaced) {
 }
 
 TEST(UnixServer, AFileInUseIsRefused) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "rpc";
   RunningServer first;
   listen_unix(first, path);
@@ -76,7 +76,7 @@ TEST(UnixServer, AFileInUseIsRefused) {
 }
 
 TEST(UnixServer, AFileOfAnotherKindIsNeverRemoved) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const fs::path path = folder.write("precious", "data");
   RunningServer server;
   EXPECT_THROW(listen_unix(server, path), ConfigError);

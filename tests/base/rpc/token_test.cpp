@@ -7,14 +7,14 @@
 #include "base/error.hpp"
 #include "base/rpc/client.hpp"
 #include "tests/base/rpc/running_server.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base::rpc {
 namespace {
 
 constexpr const char* kToken = "correct horse battery staple";
 
-std::filesystem::path write_token(const TemporaryFolder& folder, const std::string& text,
+std::filesystem::path write_token(const test::TemporaryFolder& folder, const std::string& text,
                                   mode_t mode) {
   const std::filesystem::path file = folder.write("token", text);
   ::chmod(file.c_str(), mode);
@@ -22,20 +22,20 @@ std::filesystem::path write_token(const TemporaryFolder& folder, const std::stri
 }
 
 TEST(Token, IsTheFirstLineOfItsFile) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_EQ(read_token(write_token(folder, std::string(kToken) + "\r\nmore", 0600)), kToken);
   EXPECT_EQ(read_token(write_token(folder, kToken, 0400)), kToken);
 }
 
 TEST(Token, AFileThatOthersMayReadIsRefused) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   for (const mode_t mode : {0640U, 0604U, 0620U, 0777U}) {
     EXPECT_THROW(read_token(write_token(folder, kToken, mode)), ConfigError) << mode;
   }
 }
 
 TEST(Token, AShortOrMissingOneIsRefused) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_THROW(read_token(write_token(folder, "short", 0600)), ConfigError);
   EXPECT_THROW(read_token(write_token(folder, "\n" + std::string(kToken), 0600)), ConfigError);
   EXPECT_THROW(read_token(folder.path() / "none"), ConfigError);
@@ -53,7 +53,7 @@ TEST(Token, OnlyTheSameTextIsTheSame) {
 }
 
 TEST(TokenServer, TcpClientsMustKnowIt) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   RunningServer server;
   const auto file = write_token(folder, kToken, 0600);
   server.run([&] { server.server().require_token(file); });
@@ -69,7 +69,7 @@ TEST(TokenServer, TcpClientsMustKnowIt) {
 }
 
 TEST(TokenServer, AWrongTokenEndsTheConnection) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   RunningServer server;
   const auto file = write_token(folder, kToken, 0600);
   server.run([&] { server.server().require_token(file); });
@@ -79,7 +79,7 @@ TEST(TokenServer, AWrongTokenEndsTheConnection) {
 }
 
 TEST(TokenServer, AnAddressThatOtherHostsReachNeedsOne) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   boost::asio::io_context io;
   Server server(io);
   EXPECT_THROW(server.listen_tcp("0.0.0.0", 0), ConfigError);

@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "hils/firmware/firmware_configs.hpp"
 #include "hils/firmware/firmware_run.hpp"
-#include "tests/base/temporary_folder.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
 namespace {
@@ -28,7 +28,7 @@ TEST(FirmwareScenario, TheShippedOnesAreRead) {
 }
 
 TEST(FirmwareScenario, FindsTheShippedWorldAndTopologyFromAFolderOfOnesOwn) {
-  const base::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto copy = folder.path() / "mine.yaml";
   std::filesystem::copy_file(kScenarios / "px4_sitl.yaml", copy);
   const FirmwareScenario scenario = FirmwareScenario::load(copy);
@@ -39,7 +39,7 @@ TEST(FirmwareScenario, FindsTheShippedWorldAndTopologyFromAFolderOfOnesOwn) {
 }
 
 TEST(FirmwareScenario, NamesShippedFilesByTheirWholePathInWhatItWrites) {
-  const base::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   for (const char* kind : {"worlds", "topologies"}) {
     std::filesystem::create_directories(folder.path() / kind);
     std::filesystem::copy_file(

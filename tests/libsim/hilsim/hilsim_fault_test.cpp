@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/base/temporary_folder.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
 namespace {
@@ -65,7 +65,7 @@ vehicles:
 class FaultScript : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new base::TemporaryFolder();
+    folder_ = new cas::test::TemporaryFolder();
     const std::string world = folder_->write("world.yaml", kWorld).string();
     const std::string stats = (folder_->path() / "stats.json").string();
     ChildProcess hilsim({cas::test::binary_dir() + "/bin/hilsim", world, "--duration", "4",
@@ -109,7 +109,7 @@ class FaultScript : public testing::Test {
     return std::sqrt(sum / static_cast<double>(rows.size()));
   }
 
-  static inline base::TemporaryFolder* folder_ = nullptr;
+  static inline cas::test::TemporaryFolder* folder_ = nullptr;
   static inline int exit_code_ = -1;
   static inline std::string output_;
   static inline std::map<std::string, double> events_;

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/client.hpp"
-#include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
 namespace {
@@ -48,7 +48,7 @@ class Hilsim : public testing::Test {
   std::string stats() const { return (folder_.path() / "stats.json").string(); }
   Json read_stats() const { return Json::parse(std::ifstream(stats())); }
 
-  base::TemporaryFolder folder_;
+  cas::test::TemporaryFolder folder_;
 };
 
 TEST_F(Hilsim, AnswersOnItsControlSocket) {

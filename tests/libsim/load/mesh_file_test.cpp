@@ -6,8 +6,8 @@
 
 #include "base/error.hpp"
 #include "libsim/core/body/shape.hpp"
-#include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
 namespace {
@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 class MeshFile : public testing::Test {
  protected:
-  base::TemporaryFolder folder_;
+  cas::test::TemporaryFolder folder_;
 };
 
 TEST_F(MeshFile, ReadsTextStl) {

@@ -8,8 +8,8 @@
 
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
-#include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
 namespace {
@@ -44,7 +44,7 @@ class ModelLoader : public testing::Test {
   std::string refuse(const std::string& inside) {
     return test::refusal([&] { load(inside); });
   }
-  base::TemporaryFolder folder_;
+  cas::test::TemporaryFolder folder_;
 };
 
 TEST_F(ModelLoader, ShippedVehiclesAgreeWithTheirFiles) {

@@ -7,9 +7,9 @@
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/run/sim_runner.hpp"
-#include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
 namespace {
@@ -92,7 +92,7 @@ TEST(SdfWorld, ColladaMeshesCollide) {
 }
 
 TEST(SdfWorld, RefusesWhatIsNoWorld) {
-  const base::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   const auto load = [&](const std::string& text) {
     return test::refusal([&] { load_sdf_world(folder.write("w.sdf", text), {}); });
   };
@@ -104,7 +104,7 @@ TEST(SdfWorld, RefusesWhatIsNoWorld) {
 }
 
 TEST(SdfWorld, LeavesOutAStepOfZero) {
-  const base::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   const WorldModel world = load_sdf_world(
       folder.write("w.sdf",
                    "<sdf version='1.6'><world name='w'><physics name='p' type='ode'>"

@@ -6,9 +6,9 @@
 #include <cstdlib>
 
 #include "libsim/core/run/sim_runner.hpp"
-#include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 // Counts what is taken from the heap anywhere in the process, libraries and plugins included.
 namespace {
@@ -61,7 +61,7 @@ std::uint64_t count_in_steps(SimRunner& runner, int warm_up, int steps) {
   return allocations;
 }
 
-SimRunner make(const std::string& vehicles, const base::TemporaryFolder& folder) {
+SimRunner make(const std::string& vehicles, const cas::test::TemporaryFolder& folder) {
   return SimRunner(test::config(vehicles),
                    {.output_dir = folder.path(), .plugin_dirs = {kPlugins, test::kFakePluginDir}});
 }
@@ -76,7 +76,7 @@ TEST(Allocation, TheCounterCounts) {
 }
 
 TEST(Allocation, AStepInFlightTakesNothingFromTheHeap) {
-  const base::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   SimRunner runner = make(test::vehicle("a", "{z_m: 500}", kAllSensors) +
                               test::vehicle("b", "{x_m: 5, z_m: 500}", kAllSensors),
                           folder);
@@ -85,7 +85,7 @@ TEST(Allocation, AStepInFlightTakesNothingFromTheHeap) {
 }
 
 TEST(Allocation, AStepOnTheGroundTakesNothingFromTheHeap) {
-  const base::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   SimRunner runner = make(test::vehicle("a", "{z_m: 0.1}", kAllSensors), folder);
   runner.start();
   EXPECT_EQ(count_in_steps(runner, 2000, 5000), 0u);
@@ -93,7 +93,7 @@ TEST(Allocation, AStepOnTheGroundTakesNothingFromTheHeap) {
 
 TEST(Allocation, AStepInContactTakesNothingFromTheHeap) {
   // Lifts off and lands, over and over: the contact solver is at work.
-  const base::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   SimRunner runner =
       make(test::vehicle("a", "{}",
                          "[{plugin: fake_counter}, {plugin: fake_hover, newton: 15.19, "

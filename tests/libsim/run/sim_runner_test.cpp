@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "libsim/api/messages.hpp"
-#include "tests/base/temporary_folder.hpp"
 #include "tests/libsim/support/sim_files.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
 namespace {
@@ -113,7 +113,7 @@ TEST(SimRunner, ResetFliesTheSameFlightAgain) {
 }
 
 TEST(SimRunner, FinishTellsPluginsOnce) {
-  const base::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   SimRunner runner(test::config(test::vehicle("iris0", "{}", "[{plugin: fake_counter}]")),
                    {.output_dir = folder.path(), .plugin_dirs = {test::kFakePluginDir}});
   runner.start();
