@@ -8,9 +8,8 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/ardupilot_json/json_link.hpp"
-#include "plugins/ardupilot_json/json_state.hpp"
+#include "plugins/ardupilot_json/json_messages.hpp"
 #include "plugins/ardupilot_json/servo_clock.hpp"
-#include "plugins/ardupilot_json/servo_packet.hpp"
 
 namespace cas::sim {
 namespace {
@@ -20,8 +19,7 @@ constexpr int kMostPackets = 1024;     // at once: a sender that never pauses is
 
 std::unique_ptr<JsonLink> open_link(const base::ConfigNode& node) {
   const auto local = node.find("local");
-  const SocketAddress address =
-      local ? SocketAddress::parse(*local) : SocketAddress::loopback(kPort);
+  const InetAddress address = local ? InetAddress::parse(*local) : InetAddress::loopback(kPort);
   try {
     return std::make_unique<JsonLink>(address);
   } catch (const std::system_error& error) {

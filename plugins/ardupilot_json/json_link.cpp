@@ -8,7 +8,7 @@
 
 namespace cas::sim {
 
-JsonLink::JsonLink(const SocketAddress& local) {
+JsonLink::JsonLink(const InetAddress& local) {
   socket_ = socket(local.family(), SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (socket_ >= 0 && bind(socket_, local.data(), local.size()) == 0) return;
   const int error = errno;
@@ -19,7 +19,7 @@ JsonLink::JsonLink(const SocketAddress& local) {
 JsonLink::~JsonLink() { close(socket_); }
 
 std::optional<std::span<const std::uint8_t>> JsonLink::receive() {
-  SocketAddress source;
+  InetAddress source;
   socklen_t size = source.size();
   const ssize_t bytes =
       recvfrom(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT, source.data(), &size);

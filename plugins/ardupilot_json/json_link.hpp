@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "plugins/common/socket_address.hpp"
+#include "plugins/common/inet_address.hpp"
 
 namespace cas::sim {
 
@@ -17,7 +17,7 @@ namespace cas::sim {
 class JsonLink {
  public:
   /// @throws std::system_error when the address cannot be bound
-  explicit JsonLink(const SocketAddress& local);
+  explicit JsonLink(const InetAddress& local);
   ~JsonLink();
   JsonLink(const JsonLink&) = delete;
   JsonLink& operator=(const JsonLink&) = delete;
@@ -33,7 +33,7 @@ class JsonLink {
 
  private:
   int socket_ = -1;
-  std::optional<SocketAddress> peer_;
+  std::optional<InetAddress> peer_;
   std::array<std::uint8_t, 512> buffer_{};
 };
 

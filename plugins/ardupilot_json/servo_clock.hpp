@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "base/time/clock.hpp"
-#include "plugins/ardupilot_json/servo_packet.hpp"
+#include "plugins/ardupilot_json/json_messages.hpp"
 
 namespace cas::sim {
 

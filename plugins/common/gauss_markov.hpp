@@ -8,6 +8,14 @@
 
 namespace cas::sim {
 
+/// Three independent normal deviates, drawn in the order x, y, z.
+inline Eigen::Vector3d normal3(base::NormalRandom& random) {
+  const double x = random();
+  const double y = random();
+  const double z = random();
+  return {x, y, z};
+}
+
 /// A slow drift, per axis: x' = -x / tau + walk * n with white noise n of density 1.
 template <int N>
 struct GaussMarkovParams {

@@ -10,7 +10,7 @@
 #include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
-#include "plugins/fault/fault_schedule.hpp"
+#include "plugins/fault/fault_spec.hpp"
 #include "plugins/fault/sensor_tap.hpp"
 
 namespace cas::sim {

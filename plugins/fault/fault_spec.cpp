@@ -4,13 +4,15 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
-namespace {
 
 using base::ConfigNode;
+
+namespace {
 
 constexpr double kLongestRun = 1e6;  // s
 
@@ -172,6 +174,23 @@ std::vector<FaultSpec> parse_faults(const ConfigNode& node) {
     faults.push_back(parse_fault(item, faults.size() + 1));
   }
   return faults;
+}
+
+// Schedule.
+
+FaultSchedule::FaultSchedule(std::vector<FaultSpec> faults)
+    : faults_(std::move(faults)), states_(faults_.size()), since_(faults_.size()) {}
+
+void FaultSchedule::reset() { states_.assign(faults_.size(), State::kWaiting); }
+
+bool FaultSchedule::begins(const FaultSpec& fault, base::SimTime now, const Facts& facts) {
+  return fault.at ? now >= *fault.at : fault.when->evaluate(facts);
+}
+
+bool FaultSchedule::ends(std::size_t fault, base::SimTime now, const Facts& facts) const {
+  const FaultSpec& spec = faults_[fault];
+  if (spec.lasting) return now - since_[fault] >= *spec.lasting;
+  return spec.until && spec.until->evaluate(facts);
 }
 
 }  // namespace cas::sim

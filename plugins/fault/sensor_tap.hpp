@@ -12,7 +12,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/topic_bus.hpp"
 #include "plugins/common/delay_line.hpp"
-#include "plugins/common/normal3.hpp"
+#include "plugins/common/gauss_markov.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
 namespace cas::sim {

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "base/config/config_whole.hpp"
+#include "plugins/common/gauss_markov.hpp"
 #include "plugins/common/noise_params.hpp"
-#include "plugins/common/normal3.hpp"
 
 namespace cas::sim {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "base/earth/frames.hpp"
 #include "base/earth/magnetic_field.hpp"
+#include "plugins/common/gauss_markov.hpp"
 #include "plugins/common/noise_params.hpp"
-#include "plugins/common/normal3.hpp"
 
 namespace cas::sim {
 namespace {

@@ -7,13 +7,13 @@
 
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
-#include "plugins/mavlink_interface/packet_port.hpp"
+#include "plugins/mavlink_interface/hil_port.hpp"
 
 namespace cas::sim {
 
 /// Packets over the topic bus of the process: `wire_out` to whoever composes the run, `wire_in`
 /// back. Its clock is the simulation's.
-class BusPort final : public PacketPort {
+class BusPort final : public HilPort {
  public:
   explicit BusPort(PluginContext& context)
       : out_(context.bus().advertise<WirePacket>(context.topic("wire_out"))),

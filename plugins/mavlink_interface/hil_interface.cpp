@@ -36,7 +36,7 @@ std::string MessageCounts::json() const {
   return text + "}";
 }
 
-HilInterface::HilInterface(const HilInterfaceParams& params, PacketPort& port,
+HilInterface::HilInterface(const HilInterfaceParams& params, HilPort& port,
                            base::PacketLedger* ledger)
     : params_(params),
       port_(port),

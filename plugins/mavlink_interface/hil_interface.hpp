@@ -19,7 +19,7 @@
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"
-#include "plugins/mavlink_interface/packet_port.hpp"
+#include "plugins/mavlink_interface/hil_port.hpp"
 
 namespace cas::sim {
 
@@ -68,7 +68,7 @@ class MessageCounts {
 class HilInterface {
  public:
   /// @param ledger  remembers HIL packets; may be null. Port and ledger must outlive the object.
-  HilInterface(const HilInterfaceParams& params, PacketPort& port, base::PacketLedger* ledger);
+  HilInterface(const HilInterfaceParams& params, HilPort& port, base::PacketLedger* ledger);
   HilInterface(const HilInterface&) = delete;
   HilInterface& operator=(const HilInterface&) = delete;
 
@@ -117,9 +117,9 @@ class HilInterface {
   void on_controls(const Controls& controls, const MotorCommand& command, base::RunTime at);
 
   HilInterfaceParams params_;
-  PacketPort& port_;
+  HilPort& port_;
   base::PacketLedger* ledger_;
-  PacketPort::OnBytes on_bytes_;
+  HilPort::OnBytes on_bytes_;
 
   // Out.
   mav::Encoder encode_;

@@ -44,13 +44,13 @@ HilInterfaceParams parse_params(const base::ConfigNode& node, const base::Vehicl
   return params;
 }
 
-std::unique_ptr<PacketPort> open_tcp_server(const base::ConfigNode& node) {
+std::unique_ptr<HilPort> open_tcp_server(const base::ConfigNode& node) {
   const int instance = base::get_whole_in<int>(node, "instance", 0, 0, kMostInstances);
   const auto local = node.find("local");
   if (local && node.has("instance")) local->fail("stands for the port; so does instance");
-  const SocketAddress address =
-      local ? SocketAddress::parse(*local)
-            : SocketAddress::loopback(static_cast<std::uint16_t>(kSimulatorApiPort + instance));
+  const InetAddress address =
+      local ? InetAddress::parse(*local)
+            : InetAddress::loopback(static_cast<std::uint16_t>(kSimulatorApiPort + instance));
   try {
     return std::make_unique<TcpServerPort>(address);
   } catch (const std::system_error& error) {
@@ -58,7 +58,7 @@ std::unique_ptr<PacketPort> open_tcp_server(const base::ConfigNode& node) {
   }
 }
 
-std::unique_ptr<PacketPort> open_port(PluginContext& context, const base::ConfigNode& node) {
+std::unique_ptr<HilPort> open_port(PluginContext& context, const base::ConfigNode& node) {
   const base::ConfigNode transport = node.at("transport");
   const auto word = transport.as<std::string>();
   if (word == "udp") return std::make_unique<UdpPort>(node.at("local"), node.find("remote"));
@@ -149,7 +149,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   }
 
   HilInterfaceParams params_;
-  std::unique_ptr<PacketPort> port_;
+  std::unique_ptr<HilPort> port_;
   std::filesystem::path ledger_file_;
   std::optional<base::PacketLedger> ledger_;
   std::unique_ptr<HilInterface> interface_;

@@ -24,7 +24,7 @@ bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || 
 
 }  // namespace
 
-TcpServerPort::TcpServerPort(const SocketAddress& local) {
+TcpServerPort::TcpServerPort(const InetAddress& local) {
   const auto fail = [this] {
     const int error = errno;
     if (listener_ >= 0) close(listener_);
@@ -43,7 +43,7 @@ TcpServerPort::~TcpServerPort() {
 }
 
 void TcpServerPort::accept_client() {
-  SocketAddress source;
+  InetAddress source;
   socklen_t size = source.size();
   client_ = accept4(listener_, source.data(), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (client_ < 0) return;

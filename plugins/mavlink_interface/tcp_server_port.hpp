@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "plugins/common/socket_address.hpp"
-#include "plugins/mavlink_interface/packet_port.hpp"
+#include "plugins/common/inet_address.hpp"
+#include "plugins/mavlink_interface/hil_port.hpp"
 
 namespace cas::sim {
 
@@ -16,10 +16,10 @@ namespace cas::sim {
 ///
 /// Never blocks: a packet that the connection does not take is dropped whole and counted, so that
 /// the byte stream stays intact.
-class TcpServerPort final : public PacketPort {
+class TcpServerPort final : public HilPort {
  public:
   /// @throws std::system_error when the address cannot be bound
-  explicit TcpServerPort(const SocketAddress& local);
+  explicit TcpServerPort(const InetAddress& local);
   ~TcpServerPort() override;
   TcpServerPort(const TcpServerPort&) = delete;
   TcpServerPort& operator=(const TcpServerPort&) = delete;

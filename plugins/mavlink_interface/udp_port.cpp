@@ -72,14 +72,14 @@ struct UdpPort::Batch {
   std::array<std::array<std::uint8_t, kBytes>, kDatagrams> bytes;
   std::array<iovec, kDatagrams> vectors;
   std::array<mmsghdr, kDatagrams> headers{};
-  std::array<SocketAddress, kDatagrams> sources;
+  std::array<InetAddress, kDatagrams> sources;
   alignas(cmsghdr) std::array<std::array<char, 64>, kDatagrams> control;
 };
 
 UdpPort::UdpPort(const base::ConfigNode& local, const std::optional<base::ConfigNode>& remote)
     : batch_(std::make_unique<Batch>()) {
-  const SocketAddress address = SocketAddress::parse(local);
-  if (remote) peer_ = SocketAddress::parse(*remote);
+  const InetAddress address = InetAddress::parse(local);
+  if (remote) peer_ = InetAddress::parse(*remote);
   if (peer_ && peer_->family() != address.family()) {
     remote->fail("is of another address family than local");
   }
@@ -143,7 +143,7 @@ int UdpPort::read_batch(const OnBytes& on_bytes) {
   return count;
 }
 
-bool UdpPort::is_from_peer(const SocketAddress& source) {
+bool UdpPort::is_from_peer(const InetAddress& source) {
   if (!peer_) peer_ = source;
   return source == *peer_;
 }

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "base/config/config.hpp"
-#include "plugins/common/socket_address.hpp"
-#include "plugins/mavlink_interface/packet_port.hpp"
+#include "plugins/common/inet_address.hpp"
+#include "plugins/mavlink_interface/hil_port.hpp"
 
 namespace cas::sim {
 
@@ -16,7 +16,7 @@ namespace cas::sim {
 /// Everything happens on the simulation's thread, without a thread of its own: a step applies what
 /// has arrived before it, so a second thread could only add a wake-up. The moment of arrival is the
 /// kernel's (SO_TIMESTAMPNS), so it does not depend on when the step looks.
-class UdpPort final : public PacketPort {
+class UdpPort final : public HilPort {
  public:
   /// @param remote  only source that is listened to; nothing: the first that sends, from then on
   UdpPort(const base::ConfigNode& local, const std::optional<base::ConfigNode>& remote);
@@ -36,10 +36,10 @@ class UdpPort final : public PacketPort {
 
   /// @return datagrams read
   int read_batch(const OnBytes& on_bytes);
-  bool is_from_peer(const SocketAddress& source);
+  bool is_from_peer(const InetAddress& source);
 
   int socket_ = -1;
-  std::optional<SocketAddress> peer_;
+  std::optional<InetAddress> peer_;
   std::unique_ptr<Batch> batch_;
   std::uint64_t sent_datagrams_ = 0;
   std::uint64_t received_datagrams_ = 0;

@@ -9,9 +9,8 @@
 #include "libsim/api/plugin.hpp"
 #include "plugins/common/noise_params.hpp"
 #include "plugins/recorder/csv_writer.hpp"
+#include "plugins/recorder/flight_csv.hpp"
 #include "plugins/recorder/flight_ulog.hpp"
-#include "plugins/recorder/sensor_csv.hpp"
-#include "plugins/recorder/truth_row.hpp"
 
 namespace cas::sim {
 namespace {

@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "base/earth/frames.hpp"
-#include "plugins/ardupilot_json/json_state.hpp"
+#include "plugins/ardupilot_json/json_messages.hpp"
 #include "plugins/ardupilot_json/servo_clock.hpp"
-#include "plugins/ardupilot_json/servo_packet.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 
 namespace cas::sim {

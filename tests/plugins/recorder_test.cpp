@@ -12,7 +12,7 @@
 #include "base/earth/frames.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/recorder/csv_writer.hpp"
-#include "plugins/recorder/truth_row.hpp"
+#include "plugins/recorder/flight_csv.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 #include "tests/plugins/ulog_reader.hpp"
 

@@ -9,7 +9,7 @@
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
-#include "plugins/mavlink_interface/packet_port.hpp"
+#include "plugins/mavlink_interface/hil_port.hpp"
 
 namespace cas::test {
 
@@ -17,7 +17,7 @@ namespace mv = mavlink::common;
 using std::chrono::milliseconds;
 
 /// Keeps what is sent as decoded packets; hands over what the test puts in.
-class RecordingPort final : public sim::PacketPort {
+class RecordingPort final : public sim::HilPort {
  public:
   bool send(std::span<const std::uint8_t> packet) override {
     if (refuses) return false;

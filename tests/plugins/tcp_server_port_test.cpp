@@ -25,7 +25,7 @@ class Client {
     const std::string endpoint = port.endpoint();
     const auto number =
         static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
-    const SocketAddress to = SocketAddress::loopback(number);
+    const InetAddress to = InetAddress::loopback(number);
     EXPECT_EQ(::connect(socket_, to.data(), to.size()), 0);
   }
   ~Client() { close(socket_); }
@@ -49,7 +49,7 @@ std::size_t poll_bytes(TcpServerPort& port) {
 }
 
 TEST(TcpServerPort, ServesOneClientAfterTheOther) {
-  TcpServerPort port(SocketAddress::loopback(0));
+  TcpServerPort port(InetAddress::loopback(0));
   EXPECT_FALSE(port.connected());
   EXPECT_FALSE(port.send(kThree));
   for (std::uint64_t visit = 1; visit <= 3; ++visit) {
@@ -74,7 +74,7 @@ TEST(TcpServerPort, ServesOneClientAfterTheOther) {
 }
 
 TEST(TcpServerPort, DropsWholePacketsWhenTheClientDoesNotRead) {
-  TcpServerPort port(SocketAddress::loopback(0));
+  TcpServerPort port(InetAddress::loopback(0));
   Client client(port);
   ASSERT_TRUE(test::wait_until([&] {
     poll_bytes(port);
@@ -94,15 +94,15 @@ TEST(TcpServerPort, DropsWholePacketsWhenTheClientDoesNotRead) {
 }
 
 TEST(TcpServerPort, RefusesAnAddressThatIsTaken) {
-  TcpServerPort port(SocketAddress::loopback(0));
+  TcpServerPort port(InetAddress::loopback(0));
   const std::string endpoint = port.endpoint();
   const auto number =
       static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
-  EXPECT_THROW(TcpServerPort(SocketAddress::loopback(number)), std::system_error);
+  EXPECT_THROW(TcpServerPort(InetAddress::loopback(number)), std::system_error);
 }
 
 /// A port whose connection the test makes and breaks.
-class SwitchedPort final : public PacketPort {
+class SwitchedPort final : public HilPort {
  public:
   bool send(std::span<const std::uint8_t>) override { return is_connected; }
   void poll(const OnBytes& on_bytes) override {

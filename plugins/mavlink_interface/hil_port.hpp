@@ -11,12 +11,12 @@
 namespace cas::sim {
 
 /// The way packets take out of and into the simulator. Never blocks apart from `wait`.
-class PacketPort {
+class HilPort {
  public:
   /// Bytes of one datagram, with the moment at which they reached this machine.
   using OnBytes = std::function<void(std::span<const std::uint8_t>, base::RunTime)>;
 
-  virtual ~PacketPort() = default;
+  virtual ~HilPort() = default;
   /// @return false when the packet was not taken (counted by the port)
   virtual bool send(std::span<const std::uint8_t> packet) = 0;
   /// Hands over all that has arrived.

@@ -13,13 +13,13 @@
 namespace cas::sim {
 
 /// An IPv4 or IPv6 address with port.
-class SocketAddress {
+class InetAddress {
  public:
-  SocketAddress() = default;
+  InetAddress() = default;
   /// "127.0.0.1:14560", "[::1]:14560" or "host:14560". @throws base::ConfigError through `node`
-  static SocketAddress parse(const base::ConfigNode& node);
+  static InetAddress parse(const base::ConfigNode& node);
   /// A port of this machine's IPv4 loopback.
-  static SocketAddress loopback(std::uint16_t port);
+  static InetAddress loopback(std::uint16_t port);
 
   std::string text() const;
   int family() const { return storage_.ss_family; }
@@ -27,7 +27,7 @@ class SocketAddress {
   sockaddr* data() { return reinterpret_cast<sockaddr*>(&storage_); }
   socklen_t size() const { return size_; }
   void set_size(socklen_t size) { size_ = size; }
-  friend bool operator==(const SocketAddress& a, const SocketAddress& b);
+  friend bool operator==(const InetAddress& a, const InetAddress& b);
 
  private:
   sockaddr_storage storage_{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/common/socket_address.hpp"
+#include "plugins/common/inet_address.hpp"
 
 #include <arpa/inet.h>
 #include <netdb.h>
@@ -14,7 +14,7 @@
 
 namespace cas::sim {
 
-SocketAddress SocketAddress::parse(const base::ConfigNode& node) {
+InetAddress InetAddress::parse(const base::ConfigNode& node) {
   const auto text = node.as<std::string>();
   const std::optional<base::HostPort> parts = base::parse_host_port(text);
   if (!parts) node.fail("must be an address and port, HOST:PORT");
@@ -24,14 +24,14 @@ SocketAddress SocketAddress::parse(const base::ConfigNode& node) {
   addrinfo* found = nullptr;
   const int error = getaddrinfo(parts->host.c_str(), parts->port.c_str(), &hints, &found);
   if (error != 0) node.fail(std::string("is no address: ") + gai_strerror(error));
-  SocketAddress address;
+  InetAddress address;
   std::memcpy(&address.storage_, found->ai_addr, found->ai_addrlen);
   address.size_ = found->ai_addrlen;
   freeaddrinfo(found);
   return address;
 }
 
-std::string SocketAddress::text() const {
+std::string InetAddress::text() const {
   std::array<char, NI_MAXHOST> host{};
   std::array<char, NI_MAXSERV> port{};
   if (getnameinfo(data(), size_, host.data(), host.size(), port.data(), port.size(),
@@ -48,7 +48,7 @@ std::string SocketAddress::text() const {
   return text;
 }
 
-bool operator==(const SocketAddress& a, const SocketAddress& b) {
+bool operator==(const InetAddress& a, const InetAddress& b) {
   if (a.family() != b.family()) return false;
   if (a.family() == AF_INET) {
     const auto& left = reinterpret_cast<const sockaddr_in&>(a.storage_);
@@ -61,8 +61,8 @@ bool operator==(const SocketAddress& a, const SocketAddress& b) {
          std::memcmp(&left.sin6_addr, &right.sin6_addr, sizeof left.sin6_addr) == 0;
 }
 
-SocketAddress SocketAddress::loopback(std::uint16_t port) {
-  SocketAddress address;
+InetAddress InetAddress::loopback(std::uint16_t port) {
+  InetAddress address;
   auto& v4 = reinterpret_cast<sockaddr_in&>(address.storage_);
   v4.sin_family = AF_INET;
   v4.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -72,7 +72,7 @@ SocketAddress SocketAddress::loopback(std::uint16_t port) {
 }
 
 std::string bound_address(int socket) {
-  SocketAddress bound;
+  InetAddress bound;
   socklen_t size = bound.size();
   if (getsockname(socket, bound.data(), &size) != 0) return "?";
   bound.set_size(size);

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "libsim/api/messages.hpp"
+#include "libsim/api/world.hpp"
 
 namespace cas::sim {
 
@@ -26,5 +28,23 @@ std::optional<ServoPacket> parse_servo_packet(std::span<const std::uint8_t> byte
 /// Outputs of rotors 1..4 from channels 1..4: (pwm - 1000) / 1000, held to 0..1. All at or below
 /// 1000 us is disarmed: armed rotors idle above that.
 MotorCommand to_motor_command(const ServoPacket& packet);
+
+/// The true motion of a vehicle on ArduPilot's terms: forward-right-down and north-east-down, SI.
+struct JsonState {
+  double timestamp_s = 0;
+  Eigen::Vector3d gyro_D = Eigen::Vector3d::Zero();   ///< rad/s
+  Eigen::Vector3d accel_D = Eigen::Vector3d::Zero();  ///< specific force, m/s^2
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();      ///< from home, m
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();      ///< m/s
+  Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();
+  std::optional<double> range_m;  ///< of a rangefinder, when there is one
+};
+
+JsonState to_json_state(base::SimTime time, const BodyState& body, const Environment& air);
+
+/// One line as ArduPilot's parser wants it. That is no JSON parser: it searches for keys as
+/// substrings, so no further key may contain one of them, and takes '[' only directly behind the
+/// colon. The line begins and ends with '\n'.
+std::string to_text(const JsonState& state);
 
 }  // namespace cas::sim
