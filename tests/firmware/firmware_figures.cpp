@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "tests/firmware/ardupilot_peer.hpp"
-#include "tests/firmware/px4_hitl_bench.hpp"
+#include "tests/firmware/px4_hitl_fixture.hpp"
 #include "tests/firmware/px4_sitl_peer.hpp"
 #include "tests/firmware/running_simulation.hpp"
 
@@ -45,13 +45,13 @@ void lockstep_over_json(double seconds) {
 
 /// How even HIL_SENSOR arrives at the end of the serial line.
 void evenness(const char* name, unsigned baud, double seconds) {
-  Px4HitlBench bench({.mode = Px4Mode::kHitl}, baud);
-  bench.run_until([&] { return bench.px4().samples() > 500; });
-  bench.arrivals().clear();
+  Px4HitlFixture hitl({.mode = Px4Mode::kHitl}, baud);
+  hitl.run_until([&] { return hitl.px4().samples() > 500; });
+  hitl.arrivals().clear();
   const base::RunTime start = base::steady_now();
-  bench.run_until([&] { return seconds_since(start) > seconds; }, base::from_seconds(seconds + 10));
+  hitl.run_until([&] { return seconds_since(start) > seconds; }, base::from_seconds(seconds + 10));
   std::vector<double> deviation_us;
-  const auto& at = bench.arrivals();
+  const auto& at = hitl.arrivals();
   double shortest_us = 1e9;
   for (std::size_t i = 1; i < at.size(); ++i) {
     constexpr double kNominal_us = 4000;

@@ -2,7 +2,7 @@
 // Whole flights of PX4 in HITL mode, in real time.
 #include <gtest/gtest.h>
 
-#include "tests/firmware/px4_hitl_bench.hpp"
+#include "tests/firmware/px4_hitl_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -10,16 +10,16 @@ namespace {
 class Px4HitlFlight : public testing::TestWithParam<Px4Release> {};
 
 TEST_P(Px4HitlFlight, TakesOffHoversAndLands) {
-  Px4HitlBench bench({.release = GetParam(), .mode = Px4Mode::kHitl});
-  ASSERT_TRUE(bench.run_until([&] { return bench.pilot().ended(); }, std::chrono::seconds(120)))
-      << bench.pilot().story();
-  EXPECT_EQ(bench.pilot().stage(), Pilot::Stage::kDone) << bench.pilot().story();
-  EXPECT_NEAR(bench.pilot().hover_altitude_m(), 5, 0.7);
-  EXPECT_TRUE(bench.px4().complaints().empty()) << bench.px4().complaints().front();
+  Px4HitlFixture hitl({.release = GetParam(), .mode = Px4Mode::kHitl});
+  ASSERT_TRUE(hitl.run_until([&] { return hitl.pilot().ended(); }, std::chrono::seconds(120)))
+      << hitl.pilot().story();
+  EXPECT_EQ(hitl.pilot().stage(), Pilot::Stage::kDone) << hitl.pilot().story();
+  EXPECT_NEAR(hitl.pilot().hover_altitude_m(), 5, 0.7);
+  EXPECT_TRUE(hitl.px4().complaints().empty()) << hitl.px4().complaints().front();
   // At most 200 a second.
-  EXPECT_LE(static_cast<double>(bench.px4().answers()),
-            200.5 * base::to_seconds(bench.now().time_since_epoch()) + 1);
-  EXPECT_LT(bench.simulation().look().p_W.z(), 0.3) << "on the ground again";
+  EXPECT_LE(static_cast<double>(hitl.px4().answers()),
+            200.5 * base::to_seconds(hitl.now().time_since_epoch()) + 1);
+  EXPECT_LT(hitl.simulation().look().p_W.z(), 0.3) << "on the ground again";
 }
 
 INSTANTIATE_TEST_SUITE_P(Releases, Px4HitlFlight,

@@ -2,7 +2,7 @@
 // Stock PX4 in HITL mode on a serial line behind casd, in real time.
 #include <gtest/gtest.h>
 
-#include "tests/firmware/px4_hitl_bench.hpp"
+#include "tests/firmware/px4_hitl_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -16,12 +16,12 @@ struct LineCase {
 class Px4HitlLine : public testing::TestWithParam<LineCase> {};
 
 TEST_P(Px4HitlLine, SamplesFlowAndDisarmedOutputsMoveNothing) {
-  Px4HitlBench bench({.release = GetParam().release, .mode = Px4Mode::kHitl}, GetParam().baud);
-  ASSERT_TRUE(bench.run_until([&] { return bench.px4().samples() > 250; }));
-  EXPECT_TRUE(bench.px4().complaints().empty()) << bench.px4().complaints().front();
+  Px4HitlFixture hitl({.release = GetParam().release, .mode = Px4Mode::kHitl}, GetParam().baud);
+  ASSERT_TRUE(hitl.run_until([&] { return hitl.px4().samples() > 250; }));
+  EXPECT_TRUE(hitl.px4().complaints().empty()) << hitl.px4().complaints().front();
 
   // PX4's own clock and -0.1 on its motors while disarmed move nothing.
-  const SimTruth truth = bench.simulation().look();
+  const SimTruth truth = hitl.simulation().look();
   EXPECT_NE(truth.stats.find("\"HIL_ACTUATOR_CONTROLS\":"), std::string::npos) << truth.stats;
   EXPECT_LT(truth.p_W.z(), 0.2);
 }
@@ -32,15 +32,15 @@ INSTANTIATE_TEST_SUITE_P(Lines, Px4HitlLine,
                          [](const auto& test) { return test.param.name; });
 
 TEST(Px4Hitl, AStreamThatEndsIsNoticedAndComesBack) {
-  Px4HitlBench bench({.mode = Px4Mode::kHitl});
-  ASSERT_TRUE(bench.run_until([&] { return bench.px4().samples() > 50; }));
-  auto& loop = bench.simulation().loop();
+  Px4HitlFixture hitl({.mode = Px4Mode::kHitl});
+  ASSERT_TRUE(hitl.run_until([&] { return hitl.px4().samples() > 50; }));
+  auto& loop = hitl.simulation().loop();
   loop.post([&] { loop.pause(); });
-  ASSERT_TRUE(bench.run_until([&] { return !bench.px4().complaints().empty(); }));
-  EXPECT_EQ(bench.px4().complaints().front(), "BARO #0 failed: TIMEOUT!");
+  ASSERT_TRUE(hitl.run_until([&] { return !hitl.px4().complaints().empty(); }));
+  EXPECT_EQ(hitl.px4().complaints().front(), "BARO #0 failed: TIMEOUT!");
   loop.post([&] { loop.resume(); });
-  const std::uint64_t samples = bench.px4().samples();
-  EXPECT_TRUE(bench.run_until([&] { return bench.px4().samples() > samples + 50; }));
+  const std::uint64_t samples = hitl.px4().samples();
+  EXPECT_TRUE(hitl.run_until([&] { return hitl.px4().samples() > samples + 50; }));
 }
 
 }  // namespace

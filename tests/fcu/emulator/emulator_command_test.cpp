@@ -10,13 +10,13 @@
 #include "mavlink/common/set_mode.hpp"
 #include "mavlink/common/statustext.hpp"
 #include "mavlink_gen/runtime/message.hpp"
-#include "tests/fcu/support/emulator_bench.hpp"
+#include "tests/fcu/support/emulator_fixture.hpp"
 
 namespace cas::fcu {
 namespace {
 
 using namespace mavlink::common;  // NOLINT
-using test::EmulatorBench;
+using test::EmulatorFixture;
 
 class Commands : public testing::Test {
  protected:
@@ -24,7 +24,7 @@ class Commands : public testing::Test {
   std::string text() {
     std::string whole;
     for (int piece = 0;; ++piece) {
-      const auto m = bench_.next<Statustext>();
+      const auto m = emulator_.next<Statustext>();
       if (!m) return "nothing said";
       whole += mav::text(m->text);
       const bool last = m->id == 0 || mav::text(m->text).size() < m->text.size();
@@ -32,16 +32,17 @@ class Commands : public testing::Test {
     }
   }
   std::optional<MavResult> result(const CommandInt& m) {
-    bench_.send(m);
-    const auto ack = bench_.next<CommandAck>([&](const auto& a) { return a.command == m.command; });
+    emulator_.send(m);
+    const auto ack =
+        emulator_.next<CommandAck>([&](const auto& a) { return a.command == m.command; });
     return ack ? std::optional(ack->result) : std::nullopt;
   }
-  EmulatorBench bench_;
+  EmulatorFixture emulator_;
 };
 
 TEST_F(Commands, AcknowledgementsNameTheirCommandAndSender) {
-  bench_.send(bench_.command(MavCmd::kRequestAutopilotCapabilities, {1}), 2, {42, 7});
-  const auto ack = bench_.next<CommandAck>();
+  emulator_.send(emulator_.command(MavCmd::kRequestAutopilotCapabilities, {1}), 2, {42, 7});
+  const auto ack = emulator_.next<CommandAck>();
   ASSERT_TRUE(ack);
   EXPECT_EQ(ack->command, MavCmd::kRequestAutopilotCapabilities);
   EXPECT_EQ(ack->result, MavResult::kAccepted);
@@ -60,7 +61,7 @@ class CommandResult : public Commands, public testing::WithParamInterface<Answer
 
 TEST_P(CommandResult, IsTheRightOne) {
   const Answer& answer = GetParam();
-  EXPECT_EQ(bench_.result(answer.command, answer.params), answer.result);
+  EXPECT_EQ(emulator_.result(answer.command, answer.params), answer.result);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -92,18 +93,18 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST_F(Commands, ArmingIsRefusedWithAReasonAndAcceptedWhenAllIsThere) {
-  EXPECT_EQ(bench_.result(MavCmd::kComponentArmDisarm, {1}), MavResult::kTemporarilyRejected);
+  EXPECT_EQ(emulator_.result(MavCmd::kComponentArmDisarm, {1}), MavResult::kTemporarilyRejected);
   EXPECT_EQ(text(), "Arming denied: no accelerometer and gyro data");
   // Attitude is there after a second; the position still settles.
-  bench_.stand_still(1.5);
-  EXPECT_EQ(bench_.result(MavCmd::kComponentArmDisarm, {1}), MavResult::kTemporarilyRejected);
+  emulator_.stand_still(1.5);
+  EXPECT_EQ(emulator_.result(MavCmd::kComponentArmDisarm, {1}), MavResult::kTemporarilyRejected);
   EXPECT_EQ(text(), "Arming denied: waiting for the position estimate to settle");
-  bench_.settle();
+  emulator_.settle();
   // As a ground station does: again, while the answer is "not now".
   std::optional<MavResult> result;
   const bool armed = cas::test::wait_until([&] {
-    bench_.stand_still(0.05);
-    result = bench_.result(MavCmd::kComponentArmDisarm, {1});
+    emulator_.stand_still(0.05);
+    result = emulator_.result(MavCmd::kComponentArmDisarm, {1});
     return result != MavResult::kTemporarilyRejected;
   });
   EXPECT_TRUE(armed);
@@ -111,13 +112,13 @@ TEST_F(Commands, ArmingIsRefusedWithAReasonAndAcceptedWhenAllIsThere) {
 }
 
 TEST_F(Commands, GyroCalibrationIsInProgressUntilTheBiasIsKnown) {
-  bench_.settle();
-  ASSERT_EQ(bench_.result(MavCmd::kPreflightCalibration, {1}), MavResult::kInProgress);
-  EXPECT_EQ(bench_.result(MavCmd::kPreflightCalibration, {1}), MavResult::kTemporarilyRejected);
+  emulator_.settle();
+  ASSERT_EQ(emulator_.result(MavCmd::kPreflightCalibration, {1}), MavResult::kInProgress);
+  EXPECT_EQ(emulator_.result(MavCmd::kPreflightCalibration, {1}), MavResult::kTemporarilyRejected);
   std::optional<CommandAck> last;
   EXPECT_TRUE(cas::test::wait_until([&] {
-    bench_.stand_still(0.5);
-    last = bench_.next<CommandAck>({}, {}, std::chrono::milliseconds(20));
+    emulator_.stand_still(0.5);
+    last = emulator_.next<CommandAck>({}, {}, std::chrono::milliseconds(20));
     return last && last->result == MavResult::kAccepted;
   }));
   EXPECT_EQ(last->command, MavCmd::kPreflightCalibration);
@@ -125,19 +126,20 @@ TEST_F(Commands, GyroCalibrationIsInProgressUntilTheBiasIsKnown) {
 }
 
 TEST_F(Commands, GyroCalibrationIsCancelledByNothingAsked) {
-  ASSERT_EQ(bench_.result(MavCmd::kPreflightCalibration, {1}), MavResult::kInProgress);
-  EXPECT_EQ(bench_.result(MavCmd::kPreflightCalibration), MavResult::kAccepted);
-  EXPECT_TRUE(bench_.next<CommandAck>([](const auto& m) {
+  ASSERT_EQ(emulator_.result(MavCmd::kPreflightCalibration, {1}), MavResult::kInProgress);
+  EXPECT_EQ(emulator_.result(MavCmd::kPreflightCalibration), MavResult::kAccepted);
+  EXPECT_TRUE(emulator_.next<CommandAck>([](const auto& m) {
     return m.command == MavCmd::kPreflightCalibration && m.result == MavResult::kCancelled;
   }));
 }
 
 TEST_F(Commands, ARepetitionGetsTheSameAnswerAndDoesNothingTwice) {
-  bench_.settle();
-  CommandLong m = bench_.command(MavCmd::kPreflightCalibration, {1});
+  emulator_.settle();
+  CommandLong m = emulator_.command(MavCmd::kPreflightCalibration, {1});
   const auto answer = [&] {
-    bench_.send(m);
-    return bench_.next<CommandAck>([&](const auto& a) { return a.command == m.command; })->result;
+    emulator_.send(m);
+    return emulator_.next<CommandAck>([&](const auto& a) { return a.command == m.command; })
+        ->result;
   };
   ASSERT_EQ(answer(), MavResult::kInProgress);
   m.confirmation = 1;  // the station did not hear it
@@ -147,8 +149,8 @@ TEST_F(Commands, ARepetitionGetsTheSameAnswerAndDoesNothingTwice) {
 }
 
 TEST_F(Commands, IntegersCarryThePlaceExactly) {
-  bench_.settle();
-  const base::Geodetic place = base::LocalProjection(bench_.home()).to_geodetic({30, -20, -1});
+  emulator_.settle();
+  const base::Geodetic place = base::LocalProjection(emulator_.home()).to_geodetic({30, -20, -1});
   CommandInt m;
   m.target_system = 1;
   m.target_component = 1;
@@ -158,8 +160,9 @@ TEST_F(Commands, IntegersCarryThePlaceExactly) {
   m.y = static_cast<std::int32_t>(std::llround(place.lon_deg * 1e7));
   m.z = 489;
   ASSERT_EQ(result(m), MavResult::kAccepted);
-  bench_.send(bench_.command(MavCmd::kRequestMessage, {static_cast<float>(HomePosition::kId)}));
-  const auto home = bench_.next<HomePosition>();
+  emulator_.send(
+      emulator_.command(MavCmd::kRequestMessage, {static_cast<float>(HomePosition::kId)}));
+  const auto home = emulator_.next<HomePosition>();
   ASSERT_TRUE(home);
   EXPECT_NEAR(home->latitude, m.x, 1);
   EXPECT_NEAR(home->longitude, m.y, 1);
@@ -175,27 +178,27 @@ TEST_F(Commands, SetModeAndDoSetModeChangeTheModeInTheHeartbeat) {
   m.target_system = 1;
   m.base_mode = MavModeFlag::kCustomModeEnabled;
   m.custom_mode = 4U << 16U | 6U << 24U;  // AUTO, LAND
-  bench_.send(m);
+  emulator_.send(m);
   const auto shows = [&](std::uint32_t custom) {
-    return bench_.next<Heartbeat>([=](const auto& beat) { return beat.custom_mode == custom; })
+    return emulator_.next<Heartbeat>([=](const auto& beat) { return beat.custom_mode == custom; })
         .has_value();
   };
   EXPECT_TRUE(shows(4U << 16U | 6U << 24U));
-  ASSERT_EQ(bench_.result(MavCmd::kDoSetMode, {1, 4, 3}), MavResult::kAccepted);
+  ASSERT_EQ(emulator_.result(MavCmd::kDoSetMode, {1, 4, 3}), MavResult::kAccepted);
   EXPECT_TRUE(shows(4U << 16U | 3U << 24U));
-  ASSERT_EQ(bench_.result(MavCmd::kDoSetMode, {1, 3, 0}), MavResult::kAccepted);
+  ASSERT_EQ(emulator_.result(MavCmd::kDoSetMode, {1, 3, 0}), MavResult::kAccepted);
   EXPECT_TRUE(shows(3U << 16U));
 }
 
 TEST_F(Commands, PrearmChecksSayWhatIsMissing) {
-  ASSERT_EQ(bench_.result(MavCmd::kRunPrearmChecks), MavResult::kAccepted);
+  ASSERT_EQ(emulator_.result(MavCmd::kRunPrearmChecks), MavResult::kAccepted);
   EXPECT_EQ(text(), "Preflight Fail: no accelerometer and gyro data");
 }
 
 TEST_F(Commands, ARebootForgetsTheFlightAndComesBack) {
-  bench_.settle();
-  ASSERT_EQ(bench_.result(MavCmd::kPreflightRebootShutdown, {1}), MavResult::kAccepted);
-  EXPECT_TRUE(bench_.next<Heartbeat>(
+  emulator_.settle();
+  ASSERT_EQ(emulator_.result(MavCmd::kPreflightRebootShutdown, {1}), MavResult::kAccepted);
+  EXPECT_TRUE(emulator_.next<Heartbeat>(
       [](const auto& beat) { return beat.system_status == MavState::kBoot; }));
 }
 

@@ -13,13 +13,13 @@
 #include "mavlink/common/mission_set_current.hpp"
 #include "mavlink/common/statustext.hpp"
 #include "mavlink_gen/runtime/message.hpp"
-#include "tests/fcu/support/emulator_bench.hpp"
+#include "tests/fcu/support/emulator_fixture.hpp"
 
 namespace cas::fcu {
 namespace {
 
 using namespace mavlink::common;  // NOLINT
-using test::EmulatorBench;
+using test::EmulatorFixture;
 
 class Mission : public testing::Test {
  protected:
@@ -42,21 +42,21 @@ class Mission : public testing::Test {
     m.target_component = 1;
     m.count = n;
     m.mission_type = type;
-    bench_.send(m);
+    emulator_.send(m);
   }
   std::optional<std::uint16_t> requested() {
-    const auto m = bench_.next<MissionRequestInt>();
+    const auto m = emulator_.next<MissionRequestInt>();
     return m ? std::optional(m->seq) : std::nullopt;
   }
   std::optional<MavMissionResult> ack() {
-    const auto m = bench_.next<MissionAck>();
+    const auto m = emulator_.next<MissionAck>();
     return m ? std::optional(m->type) : std::nullopt;
   }
   void upload(std::uint16_t n) {
     count(n);
     for (std::uint16_t seq = 0; seq < n; ++seq) {
       ASSERT_EQ(requested(), seq);
-      bench_.send(item(seq));
+      emulator_.send(item(seq));
     }
     ASSERT_EQ(ack(), MavMissionResult::kAccepted);
   }
@@ -65,8 +65,8 @@ class Mission : public testing::Test {
     m.target_system = 1;
     m.target_component = 1;
     m.mission_type = type;
-    bench_.send(m);
-    return bench_.next<MissionCount>();
+    emulator_.send(m);
+    return emulator_.next<MissionCount>();
   }
   template <class Request>
   std::optional<MissionItemInt> download(std::uint16_t seq) {
@@ -74,10 +74,10 @@ class Mission : public testing::Test {
     m.target_system = 1;
     m.target_component = 1;
     m.seq = seq;
-    bench_.send(m);
-    return bench_.next<MissionItemInt>();
+    emulator_.send(m);
+    return emulator_.next<MissionItemInt>();
   }
-  EmulatorBench bench_;
+  EmulatorFixture emulator_;
 };
 
 TEST_F(Mission, ComesBackAsItWasUploaded) {
@@ -102,19 +102,19 @@ TEST_F(Mission, ALostItemIsAskedForAgain) {
   count(2);
   ASSERT_EQ(requested(), 0);
   EXPECT_EQ(requested(), 0);  // nothing came: once more
-  bench_.send(item(0));
+  emulator_.send(item(0));
   ASSERT_EQ(requested(), 1);
-  bench_.send(item(0));  // an old answer
-  bench_.send(item(1));
+  emulator_.send(item(0));  // an old answer
+  emulator_.send(item(1));
   EXPECT_EQ(ack(), MavMissionResult::kAccepted);
 }
 
 TEST_F(Mission, AnItemOutOfOrderIsAskedForAgain) {
   count(3);
   ASSERT_EQ(requested(), 0);
-  bench_.send(item(2));
+  emulator_.send(item(2));
   ASSERT_EQ(requested(), 0);
-  for (std::uint16_t seq = 0; seq < 3; ++seq) bench_.send(item(seq));
+  for (std::uint16_t seq = 0; seq < 3; ++seq) emulator_.send(item(seq));
   EXPECT_EQ(ack(), MavMissionResult::kAccepted);
 }
 
@@ -122,13 +122,13 @@ TEST_F(Mission, ABadItemEndsTheUploadAndKeepsTheOldMission) {
   upload(2);
   count(1);
   ASSERT_EQ(requested(), 0);
-  bench_.send(item(0, MavCmd::kDoSetHome));
+  emulator_.send(item(0, MavCmd::kDoSetHome));
   EXPECT_EQ(ack(), MavMissionResult::kUnsupported);
   count(1);
   ASSERT_EQ(requested(), 0);
   MissionItemInt bad = item(0);
   bad.frame = MavFrame::kBodyNed;
-  bench_.send(bad);
+  emulator_.send(bad);
   EXPECT_EQ(ack(), MavMissionResult::kUnsupportedFrame);
   EXPECT_EQ(download_count()->count, 2);
 }
@@ -141,9 +141,9 @@ TEST_F(Mission, TooManyItemsFindNoSpace) {
 TEST_F(Mission, AStrangersItemIsNotTaken) {
   count(1);
   ASSERT_EQ(requested(), 0);
-  bench_.send(item(0), 2, {77, 1});
+  emulator_.send(item(0), 2, {77, 1});
   ASSERT_EQ(requested(), 0);
-  bench_.send(item(0));
+  emulator_.send(item(0));
   EXPECT_EQ(ack(), MavMissionResult::kAccepted);
 }
 
@@ -153,7 +153,7 @@ TEST_F(Mission, AnItemThatIsNotThereIsAnInvalidSequence) {
   m.target_system = 1;
   m.target_component = 1;
   m.seq = 7;
-  bench_.send(m);
+  emulator_.send(m);
   EXPECT_EQ(ack(), MavMissionResult::kInvalidSequence);
 }
 
@@ -162,7 +162,7 @@ TEST_F(Mission, IsCleared) {
   MissionClearAll m;
   m.target_system = 1;
   m.target_component = 1;
-  bench_.send(m);
+  emulator_.send(m);
   EXPECT_EQ(ack(), MavMissionResult::kAccepted);
   EXPECT_EQ(download_count()->count, 0);
 }
@@ -180,13 +180,13 @@ TEST_F(Mission, CurrentItemIsSetAndTold) {
   m.target_system = 1;
   m.target_component = 1;
   m.seq = 2;
-  bench_.send(m);
-  const auto current = bench_.next<MissionCurrent>([](const auto& c) { return c.seq == 2; });
+  emulator_.send(m);
+  const auto current = emulator_.next<MissionCurrent>([](const auto& c) { return c.seq == 2; });
   ASSERT_TRUE(current);
   EXPECT_EQ(current->total, 3);
   m.seq = 9;
-  bench_.send(m);
-  const auto text = bench_.next<Statustext>();
+  emulator_.send(m);
+  const auto text = emulator_.next<Statustext>();
   ASSERT_TRUE(text);
   EXPECT_EQ(mav::text(text->text), "No mission item 9");
 }
@@ -200,7 +200,7 @@ TEST_P(MissionType, OtherThanAMissionIsEmptyAndRefused) {
   EXPECT_EQ(none->count, 0);
   EXPECT_EQ(none->mission_type, GetParam());
   count(2, GetParam());
-  const auto refusal = bench_.next<MissionAck>();
+  const auto refusal = emulator_.next<MissionAck>();
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->type, MavMissionResult::kUnsupported);
   EXPECT_EQ(refusal->mission_type, GetParam());

@@ -14,25 +14,25 @@
 #include "mavlink/common/statustext.hpp"
 #include "mavlink/common/system_time.hpp"
 #include "mavlink_gen/runtime/message.hpp"
-#include "tests/fcu/support/emulator_bench.hpp"
+#include "tests/fcu/support/emulator_fixture.hpp"
 
 namespace cas::fcu {
 namespace {
 
 using namespace mavlink::common;  // NOLINT
-using test::EmulatorBench;
+using test::EmulatorFixture;
 
 float bytes_of(std::int32_t value) { return std::bit_cast<float>(value); }
 std::int32_t integer_of(float field) { return std::bit_cast<std::int32_t>(field); }
 
 class Parameters : public testing::Test {
  protected:
-  explicit Parameters(const std::string& config = "") : bench_(config) {}
+  explicit Parameters(const std::string& config = "") : emulator_(config) {}
   void request_list() {
     ParamRequestList m;
     m.target_system = 1;
     m.target_component = 1;
-    bench_.send(m);
+    emulator_.send(m);
   }
   std::optional<ParamValue> read(const std::string& name, std::int16_t index = -1) {
     ParamRequestRead m;
@@ -40,7 +40,7 @@ class Parameters : public testing::Test {
     m.target_component = 1;
     m.param_index = index;
     mav::set_text(m.param_id, name);
-    bench_.send(m);
+    emulator_.send(m);
     return value();
   }
   std::optional<ParamValue> set(const std::string& name, float field,
@@ -51,12 +51,12 @@ class Parameters : public testing::Test {
     mav::set_text(m.param_id, name);
     m.param_value = field;
     m.param_type = type;
-    bench_.send(m);
+    emulator_.send(m);
     return value();
   }
-  std::optional<ParamValue> value() { return bench_.next<ParamValue>(); }
+  std::optional<ParamValue> value() { return emulator_.next<ParamValue>(); }
   static std::string name(const ParamValue& m) { return std::string(mav::text(m.param_id)); }
-  EmulatorBench bench_;
+  EmulatorFixture emulator_;
 };
 
 TEST_F(Parameters, ListIsWholeSortedAndBeginsWithTheHash) {
@@ -99,14 +99,14 @@ TEST_F(ParametersOnASlowLine, AStationWhoseCacheIsRightEndsTheList) {
   mav::set_text(known.param_id, "_HASH_CHECK");
   known.param_value = hash->param_value;
   known.param_type = MavParamType::kUint32;
-  bench_.send(known);
-  EXPECT_LT(bench_.until_ping<ParamValue>().size(), hash->param_count);
+  emulator_.send(known);
+  EXPECT_LT(emulator_.until_ping<ParamValue>().size(), hash->param_count);
   // For the time of several values, none comes.
   const auto system_time = static_cast<float>(SystemTime::kId);
-  bench_.send(bench_.command(MavCmd::kSetMessageInterval, {system_time, 300'000}));
-  EXPECT_TRUE(bench_.next<SystemTime>());
+  emulator_.send(emulator_.command(MavCmd::kSetMessageInterval, {system_time, 300'000}));
+  EXPECT_TRUE(emulator_.next<SystemTime>());
   int values = 0;
-  EXPECT_TRUE(bench_.next<SystemTime>({}, [&](const mav::PacketView& packet) {
+  EXPECT_TRUE(emulator_.next<SystemTime>({}, [&](const mav::PacketView& packet) {
     values += packet.message_id == ParamValue::kId ? 1 : 0;
   }));
   EXPECT_EQ(values, 0);
@@ -166,7 +166,7 @@ TEST_F(Parameters, ARefusalAnswersWithTheValueInForceAndSaysWhy) {
     const auto answer = set("MC_ROLL_P", field, type);
     ASSERT_TRUE(answer);
     EXPECT_EQ(answer->param_value, before) << reason;
-    const auto text = bench_.next<Statustext>();
+    const auto text = emulator_.next<Statustext>();
     ASSERT_TRUE(text);
     EXPECT_NE(mav::text(text->text).find(reason), std::string_view::npos) << mav::text(text->text);
   };
@@ -181,17 +181,17 @@ TEST_F(Parameters, UnknownNamesAndIndicesAreNotAnswered) {
   m.target_component = 1;
   m.param_index = -1;
   mav::set_text(m.param_id, "MC_ROLL_I");  // PX4's roll loop is P only
-  bench_.send(m);
+  emulator_.send(m);
   m.param_index = 30'000;
-  bench_.send(m);
-  EXPECT_TRUE(bench_.until_ping<ParamValue>().empty());
+  emulator_.send(m);
+  EXPECT_TRUE(emulator_.until_ping<ParamValue>().empty());
   ParamSet set;
   set.target_system = 1;
   set.target_component = 1;
   mav::set_text(set.param_id, "MC_ROLL_I");
   set.param_type = MavParamType::kReal32;
-  bench_.send(set);
-  const auto text = bench_.next<Statustext>();
+  emulator_.send(set);
+  const auto text = emulator_.next<Statustext>();
   ASSERT_TRUE(text);
   EXPECT_EQ(mav::text(text->text), "No parameter MC_ROLL_I");
 }
@@ -199,22 +199,23 @@ TEST_F(Parameters, UnknownNamesAndIndicesAreNotAnswered) {
 TEST_F(Parameters, AreSavedAndReadBackAtStart) {
   ASSERT_EQ(set("MC_ROLL_P", 6.25F)->param_value, 6.25F);
   ASSERT_EQ(integer_of(set("NAV_DLL_ACT", bytes_of(2), MavParamType::kInt32)->param_value), 2);
-  ASSERT_TRUE(cas::test::wait_until([&] { return std::filesystem::exists(bench_.params_file()); }));
-  bench_.restart();
+  ASSERT_TRUE(
+      cas::test::wait_until([&] { return std::filesystem::exists(emulator_.params_file()); }));
+  emulator_.restart();
   EXPECT_EQ(read("MC_ROLL_P")->param_value, 6.25F);
   EXPECT_EQ(integer_of(read("NAV_DLL_ACT")->param_value), 2);
 }
 
 TEST_F(Parameters, SurviveARebootByCommand) {
   ASSERT_EQ(set("MC_ROLL_P", 6.5F)->param_value, 6.5F);
-  ASSERT_EQ(bench_.result(MavCmd::kPreflightRebootShutdown, {1}), MavResult::kAccepted);
+  ASSERT_EQ(emulator_.result(MavCmd::kPreflightRebootShutdown, {1}), MavResult::kAccepted);
   EXPECT_EQ(read("MC_ROLL_P")->param_value, 6.5F);
 }
 
 TEST_F(Parameters, AreResetByPreflightStorage) {
   const float initial = read("MC_ROLL_P")->param_value;
   ASSERT_EQ(set("MC_ROLL_P", 5.5F)->param_value, 5.5F);
-  ASSERT_EQ(bench_.result(MavCmd::kPreflightStorage, {2}), MavResult::kAccepted);
+  ASSERT_EQ(emulator_.result(MavCmd::kPreflightStorage, {2}), MavResult::kAccepted);
   EXPECT_EQ(read("MC_ROLL_P")->param_value, initial);
 }
 

@@ -21,27 +21,27 @@
 #include "mavlink/common/system_time.hpp"
 #include "mavlink/common/timesync.hpp"
 #include "mavlink_gen/runtime/message.hpp"
-#include "tests/fcu/support/emulator_bench.hpp"
+#include "tests/fcu/support/emulator_fixture.hpp"
 
 namespace cas::fcu {
 namespace {
 
 using namespace mavlink::common;  // NOLINT
-using test::EmulatorBench;
+using test::EmulatorFixture;
 
 class Wire : public testing::Test {
  protected:
   template <class Message>
   MavResult request() {
-    return bench_.result(MavCmd::kRequestMessage, {static_cast<float>(Message::kId)}).value();
+    return emulator_.result(MavCmd::kRequestMessage, {static_cast<float>(Message::kId)}).value();
   }
-  EmulatorBench bench_;
+  EmulatorFixture emulator_;
 };
 
 TEST_F(Wire, HeartbeatIsThatOfAPx4QuadrotorInHil) {
-  const auto beat = bench_.next<Heartbeat>();
+  const auto beat = emulator_.next<Heartbeat>();
   ASSERT_TRUE(beat);
-  EXPECT_EQ(bench_.source(), (mav::Source{1, 1}));
+  EXPECT_EQ(emulator_.source(), (mav::Source{1, 1}));
   EXPECT_EQ(beat->type, MavType::kQuadrotor);
   EXPECT_EQ(beat->autopilot, MavAutopilot::kPx4);
   EXPECT_TRUE(has(beat->base_mode, MavModeFlag::kCustomModeEnabled));
@@ -53,21 +53,22 @@ TEST_F(Wire, HeartbeatIsThatOfAPx4QuadrotorInHil) {
 }
 
 TEST_F(Wire, HeartbeatComesWithoutSensors) {
-  const auto first = bench_.next<Heartbeat>();
-  const auto second = bench_.next<Heartbeat>();
+  const auto first = emulator_.next<Heartbeat>();
+  const auto second = emulator_.next<Heartbeat>();
   EXPECT_TRUE(first && second);
 }
 
 TEST_F(Wire, HeartbeatSaysStandbyWhenTheEstimateStands) {
-  bench_.settle();
-  EXPECT_TRUE(bench_.next<Heartbeat>(
+  emulator_.settle();
+  EXPECT_TRUE(emulator_.next<Heartbeat>(
       [](const Heartbeat& m) { return m.system_status == MavState::kStandby; }));
 }
 
 TEST_F(Wire, VersionsCapabilitiesAndModesAreToldOnRequest) {
   using C = MavProtocolCapability;
-  bench_.send(bench_.command(MavCmd::kRequestMessage, {static_cast<float>(AutopilotVersion::kId)}));
-  const auto version = bench_.next<AutopilotVersion>();
+  emulator_.send(
+      emulator_.command(MavCmd::kRequestMessage, {static_cast<float>(AutopilotVersion::kId)}));
+  const auto version = emulator_.next<AutopilotVersion>();
   ASSERT_TRUE(version);
   for (const C c : {C::kMissionInt, C::kCommandInt, C::kParamEncodeBytewise, C::kMavlink2,
                     C::kSetPositionTargetLocalNed, C::kSetAttitudeTarget}) {
@@ -79,19 +80,20 @@ TEST_F(Wire, VersionsCapabilitiesAndModesAreToldOnRequest) {
   EXPECT_NE(version->flight_sw_version, 0U);
   EXPECT_NE(version->uid, 0U);
 
-  bench_.send(bench_.command(MavCmd::kRequestAutopilotCapabilities, {1}));
-  EXPECT_TRUE(bench_.next<AutopilotVersion>());
+  emulator_.send(emulator_.command(MavCmd::kRequestAutopilotCapabilities, {1}));
+  EXPECT_TRUE(emulator_.next<AutopilotVersion>());
 
-  bench_.send(bench_.command(MavCmd::kRequestProtocolVersion, {1}));
-  const auto protocol = bench_.next<ProtocolVersion>();
+  emulator_.send(emulator_.command(MavCmd::kRequestProtocolVersion, {1}));
+  const auto protocol = emulator_.next<ProtocolVersion>();
   ASSERT_TRUE(protocol);
   EXPECT_EQ(protocol->max_version, 200);
   EXPECT_EQ(protocol->min_version, 100);
 
-  bench_.send(bench_.command(MavCmd::kRequestMessage, {static_cast<float>(AvailableModes::kId)}));
+  emulator_.send(
+      emulator_.command(MavCmd::kRequestMessage, {static_cast<float>(AvailableModes::kId)}));
   std::vector<std::uint32_t> modes;
   for (int i = 0; i < 9; ++i) {
-    const auto mode = bench_.next<AvailableModes>();
+    const auto mode = emulator_.next<AvailableModes>();
     ASSERT_TRUE(mode);
     EXPECT_EQ(mode->number_modes, 9);
     EXPECT_EQ(mode->mode_index, i + 1);
@@ -103,14 +105,14 @@ TEST_F(Wire, VersionsCapabilitiesAndModesAreToldOnRequest) {
 
 TEST_F(Wire, AMessageThatHasNothingToSayYetIsRejectedForNow) {
   EXPECT_EQ(request<HomePosition>(), MavResult::kTemporarilyRejected);
-  bench_.settle();
+  emulator_.settle();
   EXPECT_EQ(request<HomePosition>(), MavResult::kAccepted);
 }
 
 TEST_F(Wire, MessagesThatAreNotOursAreUnsupported) {
   for (const float id : {259.0F, 280.0F, 397.0F, 395.0F, 12345.0F}) {
-    EXPECT_EQ(bench_.result(MavCmd::kRequestMessage, {id}), MavResult::kUnsupported) << id;
-    EXPECT_EQ(bench_.result(MavCmd::kSetMessageInterval, {id, 1e5F}), MavResult::kUnsupported)
+    EXPECT_EQ(emulator_.result(MavCmd::kRequestMessage, {id}), MavResult::kUnsupported) << id;
+    EXPECT_EQ(emulator_.result(MavCmd::kSetMessageInterval, {id, 1e5F}), MavResult::kUnsupported)
         << id;
   }
 }
@@ -118,55 +120,55 @@ TEST_F(Wire, MessagesThatAreNotOursAreUnsupported) {
 TEST_F(Wire, IntervalsAreSetToldAndGivenBack) {
   const auto id = static_cast<float>(SystemTime::kId);
   const auto interval = [&] {
-    bench_.send(bench_.command(MavCmd::kGetMessageInterval, {id}));
-    return bench_.next<MessageInterval>()->interval_us;
+    emulator_.send(emulator_.command(MavCmd::kGetMessageInterval, {id}));
+    return emulator_.next<MessageInterval>()->interval_us;
   };
   const int usual = interval();
   EXPECT_EQ(usual, 1'000'000);
-  EXPECT_EQ(bench_.result(MavCmd::kSetMessageInterval, {id, 20'000}), MavResult::kAccepted);
+  EXPECT_EQ(emulator_.result(MavCmd::kSetMessageInterval, {id, 20'000}), MavResult::kAccepted);
   EXPECT_EQ(interval(), 20'000);
   // By the stream's own clock, whatever the machine does to ours.
   std::vector<double> gaps_ms;
-  auto last = bench_.next<SystemTime>()->time_boot_ms;
+  auto last = emulator_.next<SystemTime>()->time_boot_ms;
   for (int i = 0; i < 15; ++i) {
-    const auto now = bench_.next<SystemTime>()->time_boot_ms;
+    const auto now = emulator_.next<SystemTime>()->time_boot_ms;
     gaps_ms.push_back(static_cast<double>(now - last));
     last = now;
   }
   std::sort(gaps_ms.begin(), gaps_ms.end());
   EXPECT_NEAR(gaps_ms[7], 20, 5);
-  EXPECT_EQ(bench_.result(MavCmd::kSetMessageInterval, {id, -1}), MavResult::kAccepted);
+  EXPECT_EQ(emulator_.result(MavCmd::kSetMessageInterval, {id, -1}), MavResult::kAccepted);
   EXPECT_EQ(interval(), -1);
-  EXPECT_EQ(bench_.result(MavCmd::kSetMessageInterval, {id, 0}), MavResult::kAccepted);
+  EXPECT_EQ(emulator_.result(MavCmd::kSetMessageInterval, {id, 0}), MavResult::kAccepted);
   EXPECT_EQ(interval(), usual);
 }
 
 TEST_F(Wire, TimesyncIsAnsweredWithOurTimeAndTheirs) {
   Timesync request;
   request.ts1 = 123'456'789;
-  bench_.send(request);
-  const auto first = bench_.next<Timesync>();
+  emulator_.send(request);
+  const auto first = emulator_.next<Timesync>();
   ASSERT_TRUE(first);
   EXPECT_EQ(first->ts1, 123'456'789);
   EXPECT_GT(first->tc1, 0);
   request.ts1 = 5;
-  bench_.send(request);
-  const auto second = bench_.next<Timesync>();
+  emulator_.send(request);
+  const auto second = emulator_.next<Timesync>();
   ASSERT_TRUE(second);
   EXPECT_GT(second->tc1, first->tc1);
   // An answer of somebody else is no request.
   Timesync answer;
   answer.tc1 = 9;
-  bench_.send(answer);
-  EXPECT_TRUE(bench_.until_ping<Timesync>().empty());
+  emulator_.send(answer);
+  EXPECT_TRUE(emulator_.until_ping<Timesync>().empty());
 }
 
 TEST_F(Wire, PingIsAnsweredToItsSender) {
   Ping ping;
   ping.time_usec = 77;
   ping.seq = 4000;
-  bench_.send(ping, 2, {42, 7});
-  const auto answer = bench_.next<Ping>();
+  emulator_.send(ping, 2, {42, 7});
+  const auto answer = emulator_.next<Ping>();
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->time_usec, 77U);
   EXPECT_EQ(answer->seq, 4000U);
@@ -175,52 +177,53 @@ TEST_F(Wire, PingIsAnsweredToItsSender) {
   // A PING with a target is an answer: it is not answered again.
   ping.target_system = 1;
   ping.target_component = 1;
-  bench_.send(ping);
-  EXPECT_TRUE(bench_.until_ping<Ping>().empty());
+  emulator_.send(ping);
+  EXPECT_TRUE(emulator_.until_ping<Ping>().empty());
 }
 
 TEST_F(Wire, Mavlink1IsAnsweredWithMavlink1) {
-  bench_.send(Ping{1, 2, 0, 0}, 1);
-  ASSERT_TRUE(bench_.next<Ping>());
-  EXPECT_EQ(bench_.version(), 1);
-  bench_.send(bench_.command(MavCmd::kRequestMessage, {static_cast<float>(SysStatus::kId)}), 1);
-  ASSERT_TRUE(bench_.next<CommandAck>());
-  EXPECT_EQ(bench_.version(), 1);
-  bench_.send(Ping{1, 3, 0, 0}, 2);
-  ASSERT_TRUE(bench_.next<Ping>());
-  EXPECT_EQ(bench_.version(), 2);
+  emulator_.send(Ping{1, 2, 0, 0}, 1);
+  ASSERT_TRUE(emulator_.next<Ping>());
+  EXPECT_EQ(emulator_.version(), 1);
+  emulator_.send(emulator_.command(MavCmd::kRequestMessage, {static_cast<float>(SysStatus::kId)}),
+                 1);
+  ASSERT_TRUE(emulator_.next<CommandAck>());
+  EXPECT_EQ(emulator_.version(), 1);
+  emulator_.send(Ping{1, 3, 0, 0}, 2);
+  ASSERT_TRUE(emulator_.next<Ping>());
+  EXPECT_EQ(emulator_.version(), 2);
 }
 
 TEST_F(Wire, WhatIsForOthersIsLeftAlone) {
-  CommandLong m = bench_.command(MavCmd::kRequestMessage, {static_cast<float>(SysStatus::kId)});
+  CommandLong m = emulator_.command(MavCmd::kRequestMessage, {static_cast<float>(SysStatus::kId)});
   m.target_system = 2;
-  bench_.send(m);
+  emulator_.send(m);
   m.target_system = 1;
   m.target_component = 100;  // a camera
-  bench_.send(m);
-  EXPECT_TRUE(bench_.until_ping<CommandAck>().empty());
+  emulator_.send(m);
+  EXPECT_TRUE(emulator_.until_ping<CommandAck>().empty());
   m.target_system = 0;  // everybody
   m.target_component = 0;
-  bench_.send(m);
-  EXPECT_FALSE(bench_.until_ping<CommandAck>().empty());
+  emulator_.send(m);
+  EXPECT_FALSE(emulator_.until_ping<CommandAck>().empty());
 }
 
 /// Answers to one second of sensors, in chunks that no buffer between the programs is too small
 /// for.
 template <class Answer>
-std::vector<Answer> answers_of_a_second(EmulatorBench& bench) {
+std::vector<Answer> answers_of_a_second(EmulatorFixture& emulator) {
   std::vector<Answer> all;
   for (int chunk = 0; chunk < 10; ++chunk) {
-    bench.stand_still(0.1);
-    for (const Answer& answer : bench.until_ping<Answer>()) all.push_back(answer);
+    emulator.stand_still(0.1);
+    for (const Answer& answer : emulator.until_ping<Answer>()) all.push_back(answer);
   }
   return all;
 }
 
 TEST_F(Wire, AnswersComeAt400HzOfTheSensorsClockWithItsStamps) {
-  bench_.stand_still(0.1);
-  bench_.until_ping<HilControls>();
-  const auto answers = answers_of_a_second<HilControls>(bench_);
+  emulator_.stand_still(0.1);
+  emulator_.until_ping<HilControls>();
+  const auto answers = answers_of_a_second<HilControls>(emulator_);
   ASSERT_NEAR(static_cast<double>(answers.size()), 400, 1);
   for (std::size_t i = 1; i < answers.size(); ++i) {
     const std::uint64_t gap_us = answers[i].time_usec - answers[i - 1].time_usec;
@@ -237,9 +240,9 @@ TEST_F(Wire, AnswersAreMotorOutputsByParameter) {
   mav::set_text(by_motor.param_id, "CAS_HIL_ACT");
   by_motor.param_value = std::bit_cast<float>(std::int32_t{1});
   by_motor.param_type = MavParamType::kInt32;
-  bench_.send(by_motor);
-  bench_.until_ping<HilControls>();
-  const auto answers = answers_of_a_second<HilActuatorControls>(bench_);
+  emulator_.send(by_motor);
+  emulator_.until_ping<HilControls>();
+  const auto answers = answers_of_a_second<HilActuatorControls>(emulator_);
   ASSERT_NEAR(static_cast<double>(answers.size()), 400, 1);
   for (const float output : answers.back().controls) EXPECT_EQ(output, 0);
   EXPECT_EQ(static_cast<int>(answers.back().mode), 32);
@@ -250,23 +253,23 @@ TEST_F(Wire, GarbageIsSurvivedAndCounted) {
   std::vector<std::uint8_t> noise(20'000);
   base::NormalRandom random(3);
   for (auto& byte : noise) byte = static_cast<std::uint8_t>(256 * random.uniform());
-  bench_.send_bytes(noise);
+  emulator_.send_bytes(noise);
   // A whole packet with a wrong checksum, and the beginning of one that never ends.
   std::array<std::uint8_t, mav::kMaxPacketBytes> buffer{};
   const std::size_t size = mav::encode(Ping{1, 2, 0, 0}, {255, 190}, 0, buffer);
   buffer[12] ^= 0x40U;
-  bench_.send_bytes(std::span(buffer).first(size));
-  bench_.send_bytes(std::span(buffer).first(9));
+  emulator_.send_bytes(std::span(buffer).first(size));
+  emulator_.send_bytes(std::span(buffer).first(9));
   // The line may take a few whole packets to be in step again.
   bool answered = false;
   for (std::uint32_t i = 0; i < 200 && !answered; ++i) {
-    bench_.send(Ping{0, 70'000 + i, 0, 0});
-    bench_.read();
-    answered = i >= 20 && bench_.next<Ping>().has_value();
+    emulator_.send(Ping{0, 70'000 + i, 0, 0});
+    emulator_.read();
+    answered = i >= 20 && emulator_.next<Ping>().has_value();
   }
   EXPECT_TRUE(answered);
-  EXPECT_GE(bench_.call("fcu.stats")["crc_errors"].get<int>(), 1);
-  EXPECT_EQ(bench_.garbage(), 0U);
+  EXPECT_GE(emulator_.call("fcu.stats")["crc_errors"].get<int>(), 1);
+  EXPECT_EQ(emulator_.garbage(), 0U);
 }
 
 }  // namespace

@@ -24,13 +24,13 @@ namespace cas::fcu::test {
 
 /// The program fcu_emulator on a pseudo-terminal of its own, with a ground station (255/190) and a
 /// simulator (1/200) at the other end of the line: both are this object.
-class EmulatorBench {
+class EmulatorFixture {
  public:
   /// @param config  further lines of the configuration file
-  explicit EmulatorBench(const std::string& config = "");
-  ~EmulatorBench();
-  EmulatorBench(const EmulatorBench&) = delete;
-  EmulatorBench& operator=(const EmulatorBench&) = delete;
+  explicit EmulatorFixture(const std::string& config = "");
+  ~EmulatorFixture();
+  EmulatorFixture(const EmulatorFixture&) = delete;
+  EmulatorFixture& operator=(const EmulatorFixture&) = delete;
 
   // Towards the controller.
   void send_bytes(std::span<const std::uint8_t> bytes);

@@ -20,11 +20,11 @@ namespace cas::test {
 ///   hilsim --UDP--> casd --PTY--> PX4;  pilot --UDP--> casd
 ///
 /// Runs on the thread that calls run_until(); casd and the simulation have their own.
-class Px4HitlBench {
+class Px4HitlFixture {
  public:
   /// @param baud  of casd's link: 0 is USB
-  explicit Px4HitlBench(const ScriptedPx4::Options& options, unsigned baud = 921600,
-                        const Pilot::Plan& plan = {.not_hil = false});
+  explicit Px4HitlFixture(const ScriptedPx4::Options& options, unsigned baud = 921600,
+                          const Pilot::Plan& plan = {.not_hil = false});
 
   template <class Condition>
   bool run_until(Condition&& condition, base::Duration patience = std::chrono::seconds(60)) {

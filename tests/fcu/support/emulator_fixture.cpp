@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/fcu/support/emulator_bench.hpp"
+#include "tests/fcu/support/emulator_fixture.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -23,7 +23,7 @@ namespace cas::fcu::test {
 
 using namespace mavlink::common;  // NOLINT
 
-EmulatorBench::EmulatorBench(const std::string& config) : link_(folder_ / "fcu0") {
+EmulatorFixture::EmulatorFixture(const std::string& config) : link_(folder_ / "fcu0") {
   folder_.write("fcu.yaml",
                 "schema: 1\nvehicle: " + cas::test::source_dir() +
                     "/config/vehicles/iris_paper.yaml\n"
@@ -32,11 +32,11 @@ EmulatorBench::EmulatorBench(const std::string& config) : link_(folder_ / "fcu0"
   start();
 }
 
-EmulatorBench::~EmulatorBench() {
+EmulatorFixture::~EmulatorFixture() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-void EmulatorBench::start() {
+void EmulatorFixture::start() {
   process_ = std::make_unique<cas::test::ChildProcess>(std::vector<std::string>{
       cas::test::binary_dir() + "/bin/fcu_emulator", config_file().string(), "--link",
       link_.string(), "--control", control_socket().string(), "--params", params_file().string()});
@@ -44,7 +44,7 @@ void EmulatorBench::start() {
   open();
 }
 
-void EmulatorBench::restart() {
+void EmulatorFixture::restart() {
   ::close(fd_);
   fd_ = -1;
   process_->signal(SIGTERM);
@@ -53,7 +53,7 @@ void EmulatorBench::restart() {
   start();
 }
 
-void EmulatorBench::open() {
+void EmulatorFixture::open() {
   fd_ = ::open(link_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0) throw std::runtime_error("cannot open " + link_.string());
   termios settings{};
@@ -63,7 +63,7 @@ void EmulatorBench::open() {
   hung_up_ = false;
 }
 
-bool EmulatorBench::reopen() {
+bool EmulatorFixture::reopen() {
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;
   if (!cas::test::wait_until([&] { return std::filesystem::exists(link_); })) return false;
@@ -71,7 +71,7 @@ bool EmulatorBench::reopen() {
   return true;
 }
 
-void EmulatorBench::send_bytes(std::span<const std::uint8_t> bytes) {
+void EmulatorFixture::send_bytes(std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
     const ssize_t gone = ::write(fd_, bytes.data(), bytes.size());
     if (gone > 0) {
@@ -85,7 +85,7 @@ void EmulatorBench::send_bytes(std::span<const std::uint8_t> bytes) {
   }
 }
 
-bool EmulatorBench::read() {
+bool EmulatorFixture::read() {
   std::array<std::uint8_t, 4096> buffer;
   bool any = false;
   while (fd_ >= 0) {
@@ -98,12 +98,12 @@ bool EmulatorBench::read() {
   return any;
 }
 
-void EmulatorBench::forget() {
+void EmulatorFixture::forget() {
   read();
   stream_.packets().clear();
 }
 
-CommandLong EmulatorBench::command(MavCmd id, std::array<float, 7> p) const {
+CommandLong EmulatorFixture::command(MavCmd id, std::array<float, 7> p) const {
   CommandLong m;
   m.target_system = 1;
   m.target_component = 1;
@@ -118,13 +118,13 @@ CommandLong EmulatorBench::command(MavCmd id, std::array<float, 7> p) const {
   return m;
 }
 
-std::optional<MavResult> EmulatorBench::result(MavCmd id, std::array<float, 7> params) {
+std::optional<MavResult> EmulatorFixture::result(MavCmd id, std::array<float, 7> params) {
   send(command(id, params));
   const auto ack = next<CommandAck>([&](const auto& m) { return m.command == id; });
   return ack ? std::optional(ack->result) : std::nullopt;
 }
 
-void EmulatorBench::stand_still(double seconds) {
+void EmulatorFixture::stand_still(double seconds) {
   constexpr std::uint64_t kPeriod_us = 2000;
   constexpr int kUnansweredSensors = 40;  // their 2 kB of answers fit into a terminal's 4 kB
   constexpr double kGravity_m_s2 = 9.80665;
@@ -170,7 +170,7 @@ void EmulatorBench::stand_still(double seconds) {
 
 // Waits until all that was sent is dealt with and its answers are read: what a full terminal has no
 // room for, the controller drops. The packets stay where next() finds them.
-void EmulatorBench::keep_up() {
+void EmulatorFixture::keep_up() {
   Ping ping;
   ping.seq = ++pings_;
   send(ping);
@@ -185,7 +185,7 @@ void EmulatorBench::keep_up() {
   if (!answered) throw std::runtime_error("the controller answers no PING");
 }
 
-void EmulatorBench::settle() {
+void EmulatorFixture::settle() {
   const auto ready = [](const SysStatus& m) {
     return has(m.onboard_control_sensors_health, MavSysStatusSensor::kPrearmCheck);
   };
@@ -199,11 +199,11 @@ void EmulatorBench::settle() {
   throw std::runtime_error("never ready to arm");
 }
 
-base::rpc::Json EmulatorBench::call(const std::string& method) {
+base::rpc::Json EmulatorFixture::call(const std::string& method) {
   return call(method, base::rpc::Json::object());
 }
 
-base::rpc::Json EmulatorBench::call(const std::string& method, const base::rpc::Json& params) {
+base::rpc::Json EmulatorFixture::call(const std::string& method, const base::rpc::Json& params) {
   return base::rpc::Client("unix:" + control_socket().string()).call(method, params);
 }
 

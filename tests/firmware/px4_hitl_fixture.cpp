@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/firmware/px4_hitl_bench.hpp"
+#include "tests/firmware/px4_hitl_fixture.hpp"
 
 #include <poll.h>
 #include <unistd.h>
@@ -10,8 +10,8 @@
 
 namespace cas::test {
 
-Px4HitlBench::Px4HitlBench(const ScriptedPx4::Options& options, unsigned baud,
-                           const Pilot::Plan& plan)
+Px4HitlFixture::Px4HitlFixture(const ScriptedPx4::Options& options, unsigned baud,
+                               const Pilot::Plan& plan)
     : line_(folder_ / "fcu0"), boot_(base::steady_now()) {
   const std::uint16_t simulation_port = free_udp_port();
   start_casd(baud, simulation_port);
@@ -27,7 +27,7 @@ Px4HitlBench::Px4HitlBench(const ScriptedPx4::Options& options, unsigned baud,
       1.0);
 }
 
-void Px4HitlBench::start_casd(unsigned baud, std::uint16_t simulation_port) {
+void Px4HitlFixture::start_casd(unsigned baud, std::uint16_t simulation_port) {
   const std::string pace = baud > 0 ? ", baud: " + std::to_string(baud) : "";
   const std::string yaml = R"(schema: 1
 links:
@@ -49,14 +49,14 @@ routes:
   if (!wait_until([&] { return casd_->settled(); })) throw std::runtime_error("links hang");
 }
 
-std::uint16_t Px4HitlBench::port_of_link(const std::string& name) const {
+std::uint16_t Px4HitlFixture::port_of_link(const std::string& name) const {
   for (const casd::LinkStatus& status : casd_->monitor().links()) {
     if (status.name == name) return port_of(status.endpoint);
   }
   throw std::runtime_error("no link " + name);
 }
 
-void Px4HitlBench::pump() {
+void Px4HitlFixture::pump() {
   pollfd waiting{line_.master(), POLLIN, 0};
   ::poll(&waiting, 1, 1);
   std::array<std::uint8_t, 4096> bytes;
