@@ -92,7 +92,7 @@ double FlightController::Impl::time_step(std::uint64_t time_usec) {
 }
 
 void FlightController::Impl::settle_frame() {
-  // While disarmed, the place the vehicle stands at is known better with every fix.
+  // While disarmed, every fix improves the estimate of the place that becomes home.
   if (!core.commander.armed() && core.estimator.origin_final()) core.set_home_here();
   // When the estimate jumps, the references jump with it: the vehicle stays where it is.
   if (core.estimator.position_resets() == core.position_resets_seen) return;
@@ -112,7 +112,7 @@ ControlSetpoint FlightController::Impl::next_setpoint(double dt, RunTime now) {
 
 namespace {
 
-/// Time between two values of a parameter list: what the line has left beside the HIL stream.
+/// Time between two values of a parameter list: half of the bandwidth that the HIL stream leaves.
 base::Duration param_interval(const LineConfig& line) {
   constexpr double kBytesPerValue = 40;
   constexpr double kHilAndStreams_b_s = 28'000;

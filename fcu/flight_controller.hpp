@@ -53,7 +53,7 @@ class FlightController {
 
   /// Bytes off the line; finds the packets in them and calls on_packet for each.
   void on_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
-  /// Likewise, each packet at the time that `now_of` has for it: in lockstep the stream's.
+  /// The same, with the time of each packet from `now_of`: in lockstep the stream's.
   using PacketClock = std::function<base::RunTime(const mav::PacketView&)>;
   void on_bytes(std::span<const std::uint8_t> bytes, const PacketClock& now_of);
   /// One intact packet.
@@ -71,7 +71,7 @@ class FlightController {
 
   /// Sets a parameter as PARAM_SET would. @return false when unknown or out of range
   bool set_param(std::string_view name, double value);
-  /// All parameters that differ from what the configuration begins with, as "NAME VALUE" lines.
+  /// All parameters that differ from those of the configuration, as "NAME VALUE" lines.
   std::string params_text() const;
   /// Whether a reboot was asked for since the last call; the shell makes a new controller.
   bool take_reboot_request();

@@ -7,7 +7,7 @@
 
 namespace cas::fcu {
 
-/// Gains and limits of the control loops. Torques are fractions of full scale, thrust likewise.
+/// Gains and limits of the control loops. Torques and thrust are fractions of full scale.
 struct ControlParams {
   // Rates: full-scale torque per rad/s.
   PidGains rate_roll, rate_pitch, rate_yaw;

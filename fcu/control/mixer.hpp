@@ -9,7 +9,7 @@
 
 namespace cas::fcu {
 
-/// What the rotors can give of a demand.
+/// The part of a demand that the rotors achieve.
 struct MixerResult {
   Eigen::Vector4d u = Eigen::Vector4d::Zero();         ///< U1 (N), U2, U3, U4 (N m) achieved
   Eigen::Vector4d omega_sq = Eigen::Vector4d::Zero();  ///< squared rotor speeds, rad^2/s^2
@@ -20,7 +20,7 @@ struct MixerResult {
 /// Brings U1..U4 within what the rotors can do: roll and pitch first, then thrust, yaw last.
 ///
 /// Roll and pitch are kept whole as long as the span between slowest and fastest rotor suffices;
-/// thrust moves as far as they need (on the ground only downwards); yaw gets what is left.
+/// thrust moves as far as they need (on the ground only downwards); yaw gets the rest.
 class Mixer {
  public:
   explicit Mixer(const base::Vehicle& vehicle);

@@ -35,7 +35,7 @@ Eigen::Vector2d PositionController::update(const TrajectorySetpoint& setpoint,
                                            const Eigen::Vector3d& p_N, const Eigen::Vector3d& v_N,
                                            const Eigen::Vector3d& a_N,
                                            const Eigen::Vector2d& saturated_N, double dt) {
-  // Position: what it adds to the fed-forward velocity is limited together with it.
+  // Position: its share and the fed-forward velocity are limited together.
   Eigen::Vector2d wanted = zero_where_unset(setpoint.v_N);
   for (int axis = 0; axis < 2; ++axis) {
     if (std::isfinite(setpoint.p_N[axis])) wanted[axis] += p_ * (setpoint.p_N[axis] - p_N[axis]);

@@ -11,7 +11,7 @@
 namespace cas::fcu {
 
 /// Horizontal position and velocity loops of [HILS] Fig. 8: P on position, PID with feed-forward on
-/// velocity. Works on the x and y components of what it is given.
+/// velocity. Works on the x and y components of its arguments.
 class PositionController {
  public:
   void set_params(const ControlParams& params);
@@ -53,14 +53,14 @@ class AltitudeController {
   Pid velocity_;
 };
 
-/// What the vehicle may be asked for.
+/// Bounds of the wanted thrust.
 struct ThrustLimits {
   double min_n = 0;     ///< along -Dz
   double max_n = 0;     ///< along -Dz
   double tilt_rad = 0;  ///< of -Dz from up
 };
 
-/// Attitude and thrust that give an acceleration, and what the limits took away.
+/// Attitude and thrust that give an acceleration, and the force that the limits took away.
 struct ThrustSetpoint {
   AttitudeSetpoint attitude;
   bool thrust_at_max = false;

@@ -13,8 +13,9 @@ inline constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 /// Three of them.
 inline Eigen::Vector3d unset3() { return Eigen::Vector3d::Constant(kUnset); }
 
-/// What the motion controllers follow. A component that is NaN is not controlled (position) or not
-/// fed forward (velocity, acceleration); velocity without position is followed by itself.
+/// Setpoint of the position and velocity loops. A component that is NaN is not controlled
+/// (position) or not fed forward (velocity, acceleration); velocity without position is followed by
+/// itself.
 struct TrajectorySetpoint {
   Eigen::Vector3d p_N = unset3();  ///< m
   Eigen::Vector3d v_N = unset3();  ///< m/s
@@ -23,7 +24,7 @@ struct TrajectorySetpoint {
   double yaw_rate_rad_s = kUnset;  ///< about Nz
 };
 
-/// What the attitude controller follows.
+/// Setpoint of the attitude controller.
 struct AttitudeSetpoint {
   Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();  ///< turns vectors from D into N
   double yaw_rate_rad_s = 0;                                 ///< about Nz, fed forward

@@ -100,7 +100,7 @@ struct FcuCore {
   std::optional<Sticks> sticks(base::RunTime now) const;
   /// Forgets the estimate and begins anew, as at start.
   void restart_estimate();
-  /// Home is where the vehicle stands.
+  /// Sets home to the present position.
   void set_home_here();
   /// Time since the start, as MAVLink's time_boot_ms has it.
   std::uint32_t time_boot_ms(base::RunTime now) const {

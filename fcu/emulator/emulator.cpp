@@ -159,7 +159,8 @@ void Emulator::Impl::wait_readable() {
 }
 
 void Emulator::Impl::read_master() {
-  // Only what the line has room for: the rest stays in the terminal and holds the peer back.
+  // Read no more than the line has room for: the rest stays in the terminal and holds the peer
+  // back.
   std::array<std::uint8_t, 4096> buffer;
   const RunTime now = base::steady_now();
   const std::size_t room = std::min(line.up_room(now), buffer.size());
@@ -212,7 +213,7 @@ void Emulator::Impl::write_master() {
   const ssize_t n = ::write(master.native_handle(), outgoing.data(), outgoing.size());
   if (n > 0) outgoing.erase(outgoing.begin(), outgoing.begin() + n);
   if (outgoing.empty()) return;
-  // Nobody reads: the terminal is full. What cannot leave is dropped packet by packet at the line.
+  // The peer does not read and the terminal is full: the line drops whole packets from now on.
   line.hold(true);
   wait_writable();
 }

@@ -32,7 +32,7 @@ class Emulator {
 
   /// "pty /dev/pts/N link PATH"
   std::string endpoints() const;
-  /// Runs until a signal (SIGINT, SIGTERM); then writes what is to be written.
+  /// Runs until a signal (SIGINT, SIGTERM); then writes the files of the options.
   void run();
 
  private:

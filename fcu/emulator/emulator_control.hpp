@@ -16,7 +16,7 @@ class io_context;
 
 namespace cas::fcu {
 
-/// What the control socket sees of the emulator.
+/// The emulator as the control socket sees it.
 class EmulatorView {
  public:
   virtual ~EmulatorView() = default;

@@ -25,7 +25,7 @@ class ErrorCovariance {
 
   /// Forgets a block of `size` states: given variance, no correlations.
   void reset_block(int block, int size, double variance);
-  /// Likewise for three states, each with its own variance.
+  /// The same for three states, each with its own variance.
   void set_block(int block, const Eigen::Vector3d& variance);
 
   /// Carries the covariance over one IMU step.

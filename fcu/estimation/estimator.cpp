@@ -33,7 +33,7 @@ constexpr double kVelocityInitial_m_s = 0.5;  // 1 sigma of the velocity at the 
 constexpr int kUsableFix = 3;                 // GPS_FIX_TYPE_3D_FIX
 constexpr int kVelocityRejections = 5;        // in a row, then the fixes are believed
 constexpr double kOriginDeviation_m = 0.05;   // horizontal, for a final origin
-constexpr double kOriginPatience_s = 12.0;    // ... or what is reached by then
+constexpr double kOriginPatience_s = 12.0;    // ... or the deviation reached by then
 
 double square(double x) { return x * x; }
 
@@ -433,7 +433,7 @@ void Estimator::settle_origin() {
   if (deviation > kOriginDeviation_m && waited < kOriginPatience_s) return;
   origin_final_ = true;
   if (origin_given_) return;
-  // The place the vehicle stands at, as well as it is known by now, becomes the origin.
+  // The present estimate of the resting position becomes the origin.
   const base::Geodetic origin = projection_->to_geodetic(state_.p_N);
   projection_ = base::LocalProjection(origin);
   state_.p_N.setZero();

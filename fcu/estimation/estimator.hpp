@@ -71,12 +71,12 @@ class Estimator {
   const EstimatorParams& params() const { return params_; }
   /// Fixes the origin of N (instead of the first fixes). Only before the first fix.
   void set_origin(const base::Geodetic& origin);
-  /// Says that the vehicle stands still on the ground, as far as the controller knows.
+  /// Tells whether the controller takes the vehicle to be at rest on the ground.
   void set_at_rest(bool at_rest) { at_rest_ = at_rest; }
   /// Time, in s, for which both set_at_rest(true) and the IMU have indicated rest.
   double rest_s() const;
 
-  /// Measurements, each with its own time; what is not finite is left out.
+  /// Measurements, each with its own time; values that are not finite are ignored.
   void on_imu(const ImuInput& imu);
   void on_magnetometer(base::SimTime time, const Eigen::Vector3d& field_D_gauss);
   void on_barometer(base::SimTime time, double pressure_pa);
@@ -112,7 +112,7 @@ class Estimator {
   void set_field_from_model(const base::Geodetic& place);
   void predict(const ImuInput& imu);
   void fuse_rest(base::SimTime time);
-  /// @return the normalised innovation squared, after what was fused since apply_errors()
+  /// @return the normalised innovation squared, after the measurements fused since apply_errors()
   double fuse_scalar(const Vector& h, double innovation, double variance);
   bool passes(const Vector& h, double innovation, double variance, double gate,
               FusionHealth& health);

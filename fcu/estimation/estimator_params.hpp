@@ -5,7 +5,7 @@
 
 namespace cas::fcu {
 
-/// What the estimator assumes of its sensors. Deviations are 1 sigma.
+/// The estimator's assumptions about its sensors. Deviations are 1 sigma.
 struct EstimatorParams {
   // Noise of one IMU sample, axes of D.
   Eigen::Vector3d gyro_noise_rad_s{0.0117, 0.0136, 0.0021};

@@ -27,7 +27,8 @@ struct SensorFigures {
   double baro_offset_walk_m = 0;
 };
 
-/// @param sensors  a map by plugin name, see base::sensor_set(); what it lacks keeps the default
+/// @param sensors  a map by plugin name, see base::sensor_set(); a missing sensor keeps the
+/// defaults
 SensorFigures sensor_figures(const base::ConfigNode& sensors);
 
 }  // namespace cas::fcu

@@ -214,7 +214,8 @@ void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
 }
 
 void Commander::settle_on_ground(const TaskContext& context) {
-  // Level, and less thrust with every step: what stands stays, what hangs would sink and be seen.
+  // Level, with less thrust at every step: on the ground nothing moves; in the air the vehicle
+  // would sink, which ends the contact.
   constexpr double kThrustFall_per_s = 1.5;
   contact_thrust_ = std::max(0.0, contact_thrust_ - kThrustFall_per_s * context.dt);
   AttitudeSetpoint level;

@@ -20,7 +20,7 @@
 
 namespace cas::fcu {
 
-/// What the controller has to say in words, until it is sent as STATUSTEXT.
+/// Messages in words that wait to be sent as STATUSTEXT.
 class StatusTexts {
  public:
   using Severity = mavlink::common::MavSeverity;
@@ -44,7 +44,7 @@ class StatusTexts {
   std::vector<Line> lines_;
 };
 
-/// What must hold before the rotors may turn.
+/// Inputs of the arming checks.
 struct ArmingInput {
   const Estimator& estimator;
   const SensorHealth& sensors;
@@ -56,10 +56,10 @@ struct ArmingInput {
   base::RunTime now;
 };
 
-/// The first thing that speaks against arming, in words; nothing when all is well.
+/// The first failed arming check, in words; nothing when all pass.
 std::optional<std::string> reason_not_to_arm(const ArmingInput& in);
 
-/// Finds out that the vehicle stands on the ground, in two steps.
+/// Detects that the vehicle is on the ground, in two steps.
 ///
 /// Contact: wants down, does not go down, and thrust is already low. Then the thrust is taken away.
 /// Landed: with a third of the hover thrust and less nothing moves. In the air either would make
@@ -69,7 +69,7 @@ class LandDetector {
   /// How sure it is.
   enum class Stage { kAir, kContact, kLanded };
 
-  /// What it looks at in one control step.
+  /// Measurements of one control step.
   struct Input {
     double thrust_ratio = 1;        ///< thrust over hover thrust
     double vertical_speed_m_s = 0;  ///< down, of the estimate
@@ -103,7 +103,7 @@ class LandDetector {
   double landed_s_ = 0;
 };
 
-/// Who asked for a change of state.
+/// Who asked for a change of mode.
 enum class Initiator { kCommand, kFailsafe };
 
 /// Arms and disarms, holds the mode, decides which task flies, takes off and lands, and acts when

@@ -9,7 +9,7 @@
 
 namespace cas::fcu {
 
-/// What the failsafes look at.
+/// Inputs of the failsafes.
 struct FailsafeInput {
   double roll_rad = 0;
   double pitch_rad = 0;
@@ -27,7 +27,7 @@ struct FailsafeInput {
   double battery = 1;  ///< 0..1 of full
 };
 
-/// What is to be done about it.
+/// The action of a failsafe.
 struct FailsafeDecision {
   enum class Action { kNone, kMode, kDisarm, kTerminate };
   Action action = Action::kNone;

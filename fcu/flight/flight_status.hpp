@@ -9,7 +9,7 @@
 
 namespace cas::fcu {
 
-/// What the controller does with the vehicle. Names and wire numbers are PX4's.
+/// Flight modes. Names and wire numbers are PX4's.
 enum class FlightMode : std::uint8_t {
   kStabilized,  ///< pilot: tilt, yaw rate, thrust
   kAltitude,    ///< pilot: tilt, yaw rate, climb rate
@@ -38,7 +38,7 @@ bool needs_position(FlightMode mode);
 
 enum class LandedState : std::uint8_t { kOnGround, kTakingOff, kInAir, kLanding };
 
-/// What the controller believes and wants at its last step.
+/// Estimate, references and state of the controller at its last step.
 struct FlightStatus {
   bool armed = false;
   bool estimator_ready = false;

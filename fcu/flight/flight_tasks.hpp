@@ -48,11 +48,11 @@ class FlightTask {
   virtual ControlSetpoint update(const TaskContext& context) = 0;
   /// The estimate was moved by this much, m.
   virtual void shift(const Eigen::Vector3d& by_N) { static_cast<void>(by_N); }
-  /// Has done what it was there for.
+  /// The task is finished.
   virtual bool done(const TaskContext&) const { return false; }
   /// Wants the vehicle on the ground to leave it.
   virtual bool wants_takeoff(const TaskContext&) const { return false; }
-  /// Wants down: landing is expected.
+  /// Is going down: a landing is expected.
   virtual bool descending(const TaskContext&) const { return false; }
 };
 
@@ -84,7 +84,7 @@ class HoldTask final : public FlightTask {
   int pattern_param_ = 0;
 };
 
-/// Climbs straight up from where it stands.
+/// Climbs straight up from the ground.
 class TakeoffTask final : public FlightTask {
  public:
   void activate(const TaskContext& context) override;

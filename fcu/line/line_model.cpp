@@ -207,7 +207,7 @@ void LineModel::drop_overrun(RunTime now) {
                        [](RunTime t, const Byte& byte) { return t < byte.arrival; }) -
       on_line_.begin());
   if (arrived <= config_.receive_fifo_bytes) return;
-  // The FIFO holds the oldest; what came when it was full is gone.
+  // The FIFO holds the oldest bytes; those that came when it was full are lost.
   const auto first = on_line_.begin() + static_cast<std::ptrdiff_t>(config_.receive_fifo_bytes);
   const auto last = on_line_.begin() + static_cast<std::ptrdiff_t>(arrived);
   stats_.overrun += arrived - config_.receive_fifo_bytes;

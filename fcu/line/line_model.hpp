@@ -15,7 +15,7 @@
 
 namespace cas::fcu {
 
-/// What a serial line does to the bytes of one direction. Everything that is zero is switched off.
+/// Properties of one direction of a serial line. Zero switches an effect off.
 struct LineConfig {
   std::string preset = "ideal";  ///< ideal | usb | baud_921600 | baud_460800 | baud_115200
   double baud = 0;               ///< byte clock, 10 bits a byte; 0 = no byte clock
@@ -80,7 +80,7 @@ class LineModel {
   void configure(const LineConfig& config) { config_ = config; }
   const LineConfig& config() const { return config_; }
 
-  /// Cuts the line: what is under way is lost, writes take nothing until restore().
+  /// Cuts the line: bytes on their way are lost, writes take nothing until restore().
   void hang_up();
   void restore() { hung_up_ = false; }
 
@@ -130,7 +130,7 @@ class EmulatorLine {
   // From the controller.
   void send(std::span<const std::uint8_t> packet, base::RunTime now);
   std::size_t down(std::span<std::uint8_t> out, base::RunTime now) { return down_.read(out, now); }
-  /// Nobody takes what comes out: nothing more goes in.
+  /// The reader has stopped: further packets are dropped while `held`.
   void hold(bool held) { held_ = held; }
 
   /// When something arrives at either end, or room appears for what waits to come up.

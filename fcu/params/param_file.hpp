@@ -20,7 +20,7 @@ class ParamFile {
 
   /// Reads "NAME VALUE" lines.
   static std::vector<Entry> parse(const std::string& lines);
-  /// What was saved last and is whole; nothing where no file is. @throws base::ConfigError when
+  /// The newest intact save; empty without a file. @throws base::ConfigError when
   /// both the file and its backup are damaged
   std::vector<Entry> load() const;
   /// @return false when it could not be written (the old file is still there)

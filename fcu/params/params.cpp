@@ -102,7 +102,7 @@ void add_position(std::vector<Param>& list, const base::Vehicle& vehicle) {
   list.push_back(real("MPC_YAWRAUTO_MAX", 60, 0, 360));
 }
 
-/// What the estimator assumes: the data sheet's figures, axes of D as the IMU's.
+/// The estimator's assumptions: figures of the data sheets; axes of D.
 void add_estimator(std::vector<Param>& list, const EstimatorParams& p) {
   const char* axes[] = {"X", "Y", "Z"};
   for (int axis = 0; axis < 3; ++axis) {

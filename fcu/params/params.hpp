@@ -32,7 +32,7 @@ enum class ParamSetResult { kOk, kUnknown, kOutOfRange, kNotANumber };
 /// thrust) are computed from the vehicle file.
 class ParamStore {
  public:
-  /// @param estimator  what the sensors' data sheets say
+  /// @param estimator  figures of the sensors' data sheets
   explicit ParamStore(const base::Vehicle& vehicle, const EstimatorParams& estimator = {});
 
   std::size_t size() const { return params_.size(); }
@@ -50,9 +50,9 @@ class ParamStore {
   /// Counts up with every change.
   std::uint64_t revision() const { return revision_; }
 
-  /// The values of now are those that the configuration begins with.
+  /// Takes the present values as those that the configuration begins with.
   void mark_start();
-  /// What differs from the start, as "NAME VALUE" lines.
+  /// Values that differ from the start, as "NAME VALUE" lines.
   std::string changed_text() const;
 
   /// CRC-32 over names and values in list order, as a ground station's cache compares it.

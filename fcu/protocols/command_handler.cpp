@@ -163,7 +163,7 @@ void CommandHandler::on_set_mode(const SetMode& m, mav::Source from, int version
 void CommandHandler::update(FcuCore& core, RunTime now) {
   if (const auto told = calibration_.update(core, now)) {
     acknowledge(told->command, told->result, core, told->percent);
-    last_.reset();  // what was said before is out of date
+    last_.reset();  // the stored answer is out of date
   }
 }
 

@@ -28,9 +28,9 @@ class GyroCalibration {
     int percent = 0;
   };
 
-  /// Begins or cancels. What else the command could calibrate does not exist here: UNSUPPORTED.
+  /// Begins or cancels. UNSUPPORTED for other calibrations than the gyro's.
   Result on_command(const Command& command, FcuCore& core, base::RunTime now);
-  /// What is to be told to the sender of the command that runs, if anything.
+  /// Progress to report to the sender of the running command, if any.
   std::optional<Progress> update(FcuCore& core, base::RunTime now);
 
  private:
@@ -54,7 +54,7 @@ class CommandHandler {
               base::RunTime now);
   void on_set_mode(const mavlink::common::SetMode& m, mav::Source from, int version, FcuCore& core,
                    base::RunTime now);
-  /// Goes on with what takes time.
+  /// Continues a calibration.
   void update(FcuCore& core, base::RunTime now);
 
  private:

@@ -24,7 +24,7 @@ struct Command {
   int version = 2;
 };
 
-/// A parameter that carries a whole number: 0 for what is none, else the nearest in 0..`highest`.
+/// A parameter that carries a whole number, within 0..`highest`; 0 for NaN and below.
 inline std::uint32_t whole_number(double param, std::uint32_t highest) {
   if (!(param > 0)) return 0;
   return static_cast<std::uint32_t>(std::min(param, static_cast<double>(highest)));

@@ -40,7 +40,7 @@ void on_heartbeat(const Heartbeat& m, FcuCore& core, RunTime now) {
 }
 
 void on_timesync(const Timesync& m, const PacketView& packet, FcuCore& core, RunTime now) {
-  if (m.tc1 != 0) return;  // an answer; we ask nobody
+  if (m.tc1 != 0) return;  // an answer, and we never ask
   Timesync answer;
   answer.tc1 = (now - core.start).count();
   answer.ts1 = m.ts1;
@@ -82,7 +82,7 @@ Vector3d vec(float x, float y, float z) {
 
 double unit(std::int16_t value) { return std::clamp(value / 1000.0, -1.0, 1.0); }
 
-/// Microseconds of a channel to -1..1; what is not a pulse is the middle.
+/// Microseconds of a channel to -1..1; a value that is no pulse is the middle.
 double channel(std::uint16_t pulse_us) {
   if (pulse_us < 800 || pulse_us > 2200) return 0;
   return std::clamp((pulse_us - 1500.0) / 500.0, -1.0, 1.0);

@@ -86,7 +86,7 @@ void ParamProtocol::on_set(const ParamSet& request, FcuCore& core, int version) 
     const ParamSetResult result = core.params.set(name, value);
     if (result != ParamSetResult::kOk) core.texts.warn("Value out of range: " + name);
   }
-  // The answer carries what is now in force, also after a refusal: the sender compares.
+  // The answer carries the value in force, also after a refusal: the sender compares.
   send_value(*index, core, version);
 }
 
