@@ -144,47 +144,56 @@ void MissionTask::next(const TaskContext& context) {
 }
 
 ControlSetpoint MissionTask::update(const TaskContext& context) {
-  ControlSetpoint out;
-  if (!items_.empty() && !finished_ && !started_) start_item(context);
+  const bool flown = !items_.empty() && !finished_;
+  if (flown && !started_) start_item(context);
   if (landing_) return land_.update(context);
 
   MoverLimits limits = mover_limits(context.params);
   if (speed_m_s_ > 0) limits.speed_m_s = speed_m_s_;
   mover_.set_limits(limits);
+  ControlSetpoint out;
   out.trajectory = mover_.update(context.dt);
-  if (items_.empty() || finished_) return out;
+  if (flown) continue_item(context);
+  return out;
+}
 
+void MissionTask::continue_item(const TaskContext& context) {
   const MissionItem& item = items_[current_];
   switch (item.command) {
-    case MavCmd::kNavLand:
-      if (reached(context) && mover_.arrived()) {
-        landing_ = true;
-        reached_ = static_cast<std::uint16_t>(current_);
-        land_.activate(context);
-      }
-      break;
-    case MavCmd::kNavLoiterUnlim:
-      if (reached(context) && waited_s_ == 0) reached_ = static_cast<std::uint16_t>(current_);
-      if (reached(context)) waited_s_ += context.dt;
+    case MavCmd::kNavTakeoff:
+      if (reached(context)) next(context);
       break;
     case MavCmd::kNavWaypoint:
     case MavCmd::kNavLoiterTime:
       if (reached(context)) waited_s_ += context.dt;
-      if (waited_s_ > 0 && !(waited_s_ < item.param[0])) next(context);  // NaN: no wait
+      if (waited_s_ > 0 && waited(item)) next(context);
       break;
     case MavCmd::kNavDelay:
       waited_s_ += context.dt;
-      if (!(waited_s_ < item.param[0])) next(context);
+      if (waited(item)) next(context);
       break;
-    case MavCmd::kNavTakeoff:
-      if (reached(context)) next(context);
+    case MavCmd::kNavLoiterUnlim:
+      if (!reached(context)) break;
+      if (waited_s_ == 0) reached_ = static_cast<std::uint16_t>(current_);
+      waited_s_ += context.dt;
+      break;
+    case MavCmd::kNavLand:
+      if (reached(context) && mover_.arrived()) touch_down(context);
       break;
     case MavCmd::kNavReturnToLaunch:
       break;
     default:
       next(context);
   }
-  return out;
+}
+
+/// The item's wait, param 1 in s, is over; NaN is no wait.
+bool MissionTask::waited(const MissionItem& item) const { return !(waited_s_ < item.param[0]); }
+
+void MissionTask::touch_down(const TaskContext& context) {
+  landing_ = true;
+  reached_ = static_cast<std::uint16_t>(current_);
+  land_.activate(context);
 }
 
 }  // namespace cas::fcu

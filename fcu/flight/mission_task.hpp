@@ -38,9 +38,9 @@ class MissionTask final : public FlightTask {
   bool finished() const { return finished_; }
   /// Number of the item reached since the last call.
   std::optional<std::uint16_t> take_reached();
-  /// The mode that the present item hands over to (return, land at the end).
   const Eigen::Vector3d& target() const { return mover_.target(); }
   double yaw() const { return mover_.target_yaw(); }
+  /// The mode that the present item hands over to (return, land at the end).
   std::optional<FlightMode> wanted_mode() const { return wanted_mode_; }
 
   void activate(const TaskContext& context) override;
@@ -52,7 +52,10 @@ class MissionTask final : public FlightTask {
 
  private:
   void start_item(const TaskContext& context);
+  void continue_item(const TaskContext& context);
   void next(const TaskContext& context);
+  bool waited(const MissionItem& item) const;
+  void touch_down(const TaskContext& context);
   Eigen::Vector3d place(const MissionItem& item, const TaskContext& context) const;
   bool reached(const TaskContext& context) const;
 
