@@ -13,13 +13,13 @@ namespace {
 constexpr int kRx = 0;
 constexpr int kTx = 1;
 constexpr int kFirstDrop = 2;
-constexpr int kFirstVerdict = kFirstDrop + kDropCauses;
+constexpr int kFirstDecision = kFirstDrop + kDropCauses;
 
 std::string direction_name(int direction) {
   if (direction == kRx) return "rx";
   if (direction == kTx) return "tx";
-  if (direction >= kFirstVerdict) {
-    return "drop." + std::string(to_string(static_cast<Route::Verdict>(direction - kFirstVerdict)));
+  if (direction >= kFirstDecision) {
+    return "drop." + std::string(to_string(static_cast<Route::Decision>(direction - kFirstDecision)));
   }
   return "drop." + std::string(to_string(static_cast<DropCause>(direction - kFirstDrop)));
 }
@@ -31,8 +31,8 @@ void for_each_direction(const LinkMonitor& link, Visit&& visit) {
   for (int i = 0; i < kDropCauses; ++i) {
     visit(kFirstDrop + i, link.tx.dropped_messages[static_cast<std::size_t>(i)]);
   }
-  for (int i = 0; i < kVerdicts; ++i) {
-    visit(kFirstVerdict + i, link.rx.refused[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < kDecisions; ++i) {
+    visit(kFirstDecision + i, link.rx.refused[static_cast<std::size_t>(i)]);
   }
 }
 
@@ -65,7 +65,7 @@ std::string LinkMonitor::endpoint() const {
   return endpoint_;
 }
 
-void LinkMonitor::count_refused(Route::Verdict why, const PacketInfo& info, unsigned times) {
+void LinkMonitor::count_refused(Route::Decision why, const PacketInfo& info, unsigned times) {
   MessageCounters& counters = rx.refused[static_cast<std::size_t>(why)];
   for (unsigned i = 0; i < times; ++i) counters.add(info.message_id, info.source, info.received);
 }
@@ -175,8 +175,8 @@ std::vector<LinkStatus> Monitor::links() const {
                  0,
                  0,
                  {}};
-    for (std::size_t i = 0; i < rx.verdicts.size(); ++i) {
-      status.rx.verdicts[i] = rx.verdicts[i].get();
+    for (std::size_t i = 0; i < rx.decisions.size(); ++i) {
+      status.rx.decisions[i] = rx.decisions[i].get();
     }
     status.rx.not_accepted = rx.not_accepted.get();
     status.rx.setup_signing = rx.setup_signing.get();

@@ -62,8 +62,8 @@ struct LinkMonitor {
     Counter not_accepted;                     ///< left out by the link's `accept`
     Counter setup_signing;                    ///< refused: a key never goes on
     std::array<Counter, 7> signatures;        ///< by mav::SignatureVerdict, on links with `signing`
-    std::array<Counter, kVerdicts> verdicts;  ///< by Route::Verdict: where received packets ended
-    std::array<MessageCounters, kVerdicts> refused;  ///< what was not forwarded, by Route::Verdict
+    std::array<Counter, kDecisions> decisions;  ///< by Route::Decision: where received packets ended
+    std::array<MessageCounters, kDecisions> refused;  ///< what was not forwarded, by Route::Decision
     MessageCounters messages;
   } rx;
   struct {
@@ -77,7 +77,7 @@ struct LinkMonitor {
   } tx;
 
   /// A received packet was not forwarded, or not to all that its route names.
-  void count_refused(Route::Verdict why, const PacketInfo& info, unsigned times = 1);
+  void count_refused(Route::Decision why, const PacketInfo& info, unsigned times = 1);
   /// Packets are written. @param done  when the write had returned
   void count_sent(std::span<const PacketRef> packets, base::RunTime now, base::RunTime done);
   /// A packet was not sent.
@@ -105,7 +105,7 @@ struct LinkStatus {
   struct {
     std::uint64_t packets = 0, bytes = 0, crc_errors = 0, lost = 0, unknown = 0, skipped_bytes = 0,
                   kernel_drops = 0, foreign = 0;
-    std::array<std::uint64_t, kVerdicts> verdicts{};  ///< by Route::Verdict
+    std::array<std::uint64_t, kDecisions> decisions{};  ///< by Route::Decision
     std::uint64_t not_accepted = 0, setup_signing = 0;
     std::array<std::uint64_t, 7> signatures{};  ///< by mav::SignatureVerdict
   } rx;
@@ -120,7 +120,7 @@ struct LinkStatus {
 /// One message of one sender on one link, as `message.list` reports it.
 struct MessageStatus {
   std::string link;
-  std::string direction;  ///< "rx", "tx", "drop." and a DropCause or a Route::Verdict
+  std::string direction;  ///< "rx", "tx", "drop." and a DropCause or a Route::Decision
   std::uint32_t id = 0;
   std::string name;  ///< empty when no public dialect has it
   mav::Source source;

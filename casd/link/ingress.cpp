@@ -41,23 +41,23 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std:
   stream.on_packet(packet, [&] { deliver(now); });
   const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   if (monitor_->ledger) monitor_->ledger->received(route.info);
-  monitor_->rx.verdicts[static_cast<std::size_t>(route.verdict)].add();
+  monitor_->rx.decisions[static_cast<std::size_t>(route.decision)].add();
   count_refusals(route);
   switchboard_.taps().on_packet(link_, packet, now);
   switchboard_.echo().on_packet(packet, now);
-  if (route.verdict != Route::Verdict::kDuplicate && switchboard_.tlog().active()) {
+  if (route.decision != Route::Decision::kDuplicate && switchboard_.tlog().active()) {
     switchboard_.tlog().record(packet.bytes, stream.enabled() ? stream.now() : now);
   }
   if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
 }
 
 void Ingress::count_refusals(const Route& route) {
-  using enum Route::Verdict;
+  using enum Route::Decision;
   if (route.thinned != 0) {
     monitor_->count_refused(kRateLimited, route.info,
                             static_cast<unsigned>(std::popcount(route.thinned)));
-  } else if (route.verdict != kForward) {
-    monitor_->count_refused(route.verdict, route.info);
+  } else if (route.decision != kForward) {
+    monitor_->count_refused(route.decision, route.info);
   }
 }
 

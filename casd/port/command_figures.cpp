@@ -30,8 +30,8 @@ json signatures_json(const LinkStatus& link) {
 
 json rx_json(const LinkStatus& link) {
   json verdicts = json::object();
-  for (std::size_t i = 0; i < link.rx.verdicts.size(); ++i) {
-    verdicts[std::string(to_string(static_cast<Route::Verdict>(i)))] = link.rx.verdicts[i];
+  for (std::size_t i = 0; i < link.rx.decisions.size(); ++i) {
+    verdicts[std::string(to_string(static_cast<Route::Decision>(i)))] = link.rx.decisions[i];
   }
   return json{{"packets", link.rx.packets},           {"bytes", link.rx.bytes},
               {"crc_errors", link.rx.crc_errors},     {"lost", link.rx.lost},

@@ -13,18 +13,18 @@ namespace {
 using base::rpc::Reply;
 using nlohmann::json;
 
-int error_code(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kTimeout:
+int error_code(OutcomeKind kind) {
+  switch (kind) {
+    case OutcomeKind::kTimeout:
       return base::rpc::kTimeout;
-    case Verdict::kNoSuchVehicle:
+    case OutcomeKind::kNoSuchVehicle:
       return base::rpc::kNoSuchVehicle;
-    case Verdict::kInterlock:
+    case OutcomeKind::kInterlock:
       return base::rpc::kInterlock;
-    case Verdict::kInvalid:
+    case OutcomeKind::kInvalid:
       return base::rpc::kInvalidParams;
-    case Verdict::kAccepted:
-    case Verdict::kRefused:
+    case OutcomeKind::kAccepted:
+    case OutcomeKind::kRefused:
       break;
   }
   return base::rpc::kRefused;
@@ -41,7 +41,7 @@ json error_data(const Outcome& outcome) {
 }
 
 void answer_error(const Reply& reply, const Outcome& outcome) {
-  reply.error(error_code(outcome.verdict), outcome.message, error_data(outcome));
+  reply.error(error_code(outcome.kind), outcome.message, error_data(outcome));
 }
 
 }  // namespace

@@ -52,10 +52,10 @@ const GainLoop* CommandServer::find_loop(std::uint8_t system, const std::string&
   if (const GainLoop* found = gains_.find(autopilot, loop)) return found;
   const std::string who = std::string(name(autopilot));
   if (gains_.loops(autopilot).empty()) {
-    done(failure(Verdict::kRefused, "casd has no gain map for autopilot " + who +
+    done(failure(OutcomeKind::kRefused, "casd has no gain map for autopilot " + who +
                                         "; name a file under `gains` in its topology"));
   } else {
-    done(failure(Verdict::kRefused, "there is no loop '" + loop + "' for " + who + "; it has " +
+    done(failure(OutcomeKind::kRefused, "there is no loop '" + loop + "' for " + who + "; it has " +
                                         loop_words(gains_.loops(autopilot))));
   }
   return nullptr;

@@ -95,9 +95,9 @@ void add_states(std::string& out, const MetricsSource& source) {
 void add_drops(std::string& out, const MetricsSource& source) {
   Metric received(out, "casd_link_rx_verdicts_total", "counter", "Where received packets ended.");
   for (const LinkStatus& link : source.links) {
-    for (std::size_t i = 0; i < link.rx.verdicts.size(); ++i) {
-      const std::string_view verdict = to_string(static_cast<Route::Verdict>(i));
-      received.add(link_label(link) + ",verdict=" + label_value(verdict), link.rx.verdicts[i]);
+    for (std::size_t i = 0; i < link.rx.decisions.size(); ++i) {
+      const std::string_view decision = to_string(static_cast<Route::Decision>(i));
+      received.add(link_label(link) + ",verdict=" + label_value(decision), link.rx.decisions[i]);
     }
   }
   Metric dropped(out, "casd_link_tx_dropped_total", "counter", "Packets dropped before sending.");

@@ -5,17 +5,17 @@
 
 namespace cas::casd {
 
-std::string_view to_string(Route::Verdict verdict) {
-  switch (verdict) {
-    case Route::Verdict::kForward:
+std::string_view to_string(Route::Decision decision) {
+  switch (decision) {
+    case Route::Decision::kForward:
       return "forwarded";
-    case Route::Verdict::kDuplicate:
+    case Route::Decision::kDuplicate:
       return "duplicate";
-    case Route::Verdict::kNoRule:
+    case Route::Decision::kNoRule:
       return "no_rule";
-    case Route::Verdict::kNoTarget:
+    case Route::Decision::kNoTarget:
       return "no_target";
-    case Route::Verdict::kRateLimited:
+    case Route::Decision::kRateLimited:
       return "rate_limited";
   }
   return "?";
@@ -29,7 +29,7 @@ Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable&
 
 Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,
                         std::uint8_t from_peer) {
-  using enum Route::Verdict;
+  using enum Route::Decision;
   const RoutingPlan& plan = plan_for(from);
   Route route{.info = inspect(packet, table_)};
   route.info.from = from;
@@ -41,7 +41,7 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
 
   // Redundant paths: the second copy ends here.
   if (is_duplicate(from, plan, packet, now)) {
-    route.verdict = kDuplicate;
+    route.decision = kDuplicate;
     return route;
   }
 
@@ -49,14 +49,14 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
   const ForwardTable& rules = plan.rules.from(from);
   route.to = rules.destinations(packet.message_id, packet.source) & ~plan.never_back[from];
   if (route.to == 0) {
-    route.verdict = kNoRule;
+    route.decision = kNoRule;
     return route;
   }
 
   // Addressed packets go only where the target was heard.
   route.to &= routes_.links_to(route.info.target);
   if (route.to == 0) {
-    route.verdict = kNoTarget;
+    route.decision = kNoTarget;
     return route;
   }
 
@@ -66,7 +66,7 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
     route.to =
         links_[from].limiter.admit(rules.limits(), packet.message_id, packet.source, wanted, now);
     route.thinned = wanted & ~route.to;
-    if (route.to == 0) route.verdict = kRateLimited;
+    if (route.to == 0) route.decision = kRateLimited;
   }
   return route;
 }

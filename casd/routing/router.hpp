@@ -35,7 +35,7 @@ struct RoutingPlan {
 
 /// Where a packet goes, and why it may go nowhere.
 struct Route {
-  enum class Verdict : std::uint8_t {
+  enum class Decision : std::uint8_t {
     kForward,     ///< `to` may still be empty: nobody is there who wants it
     kDuplicate,   ///< came over another link of the group already
     kNoRule,      ///< the rules let it go nowhere
@@ -44,12 +44,12 @@ struct Route {
   };
   LinkMask to = 0;
   LinkMask thinned = 0;  ///< links that would have got it, had its turn come
-  Verdict verdict = Verdict::kForward;
+  Decision decision = Decision::kForward;
   PacketInfo info;
 };
-inline constexpr int kVerdicts = 5;
+inline constexpr int kDecisions = 5;
 /// "forwarded", "duplicate", ...
-std::string_view to_string(Route::Verdict verdict);
+std::string_view to_string(Route::Decision decision);
 
 /// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It
 /// moves no bytes and reads no clock.

@@ -113,7 +113,7 @@ void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Do
   request.done = std::move(done);
   if (find(command.id) != active_.end()) {
     if (waiting_.size() >= kMaxWaiting) {
-      request.done(failure(Verdict::kRefused, "too many commands wait for this vehicle"));
+      request.done(failure(OutcomeKind::kRefused, "too many commands wait for this vehicle"));
       return;
     }
     waiting_.push_back(std::move(request));
@@ -127,7 +127,7 @@ void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Do
 void CommandExchange::replace(MavCmd id, base::RunTime now) {
   const auto found = find(id);
   if (found == active_.end()) return;
-  finish(found, failure(Verdict::kRefused, describe(id) + " was replaced by a newer request"), now);
+  finish(found, failure(OutcomeKind::kRefused, describe(id) + " was replaced by a newer request"), now);
 }
 
 void CommandExchange::transmit(Request& request, base::RunTime now) {
@@ -178,21 +178,21 @@ void CommandExchange::tick(base::RunTime now) {
 void CommandExchange::on_deadline(std::list<Request>::iterator request, base::RunTime now) {
   const std::string what = describe(request->command.id);
   if (request->refused) {
-    Outcome outcome = failure(Verdict::kRefused, what + " was " + describe(*request->refused));
+    Outcome outcome = failure(OutcomeKind::kRefused, what + " was " + describe(*request->refused));
     if (*request->refused == MavResult::kFailed) outcome.message = what + " failed";
     if (!request->texts.empty()) outcome.message += ": " + request->texts.back();
     outcome.result = request->refused;
     finish(request, std::move(outcome), now);
   } else if (request->in_progress) {
     finish(request,
-           failure(Verdict::kTimeout, what + " was in progress, then nothing came for " +
+           failure(OutcomeKind::kTimeout, what + " was in progress, then nothing came for " +
                                           seconds_text(timing_.in_progress_timeout) + " s"),
            now);
   } else if (request->sent < timing_.tries) {
     transmit(*request, now);
   } else {
     finish(request,
-           failure(Verdict::kTimeout, what + " was sent " + std::to_string(request->sent) +
+           failure(OutcomeKind::kTimeout, what + " was sent " + std::to_string(request->sent) +
                                           " times and not acknowledged"),
            now);
   }

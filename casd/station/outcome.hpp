@@ -13,7 +13,7 @@
 namespace cas::casd {
 
 /// How a request to a vehicle ended.
-enum class Verdict {
+enum class OutcomeKind {
   kAccepted,       ///< the vehicle acknowledged, or the value asked for is in force
   kRefused,        ///< the vehicle said no, or keeps another value
   kTimeout,        ///< no answer after all tries
@@ -24,18 +24,18 @@ enum class Verdict {
 
 /// How a request ended, in a form for programs and for people.
 struct Outcome {
-  Verdict verdict = Verdict::kAccepted;
+  OutcomeKind kind = OutcomeKind::kAccepted;
   std::string message;                               ///< a sentence; empty when accepted
   std::optional<mavlink::common::MavResult> result;  ///< of the last COMMAND_ACK
   std::vector<std::string> status_texts;             ///< what the vehicle said meanwhile
   std::map<std::string, double> parameters;          ///< values in force, by name
 
-  bool ok() const { return verdict == Verdict::kAccepted; }
+  bool ok() const { return kind == OutcomeKind::kAccepted; }
 };
 
-inline Outcome failure(Verdict verdict, std::string message) {
+inline Outcome failure(OutcomeKind kind, std::string message) {
   Outcome outcome;
-  outcome.verdict = verdict;
+  outcome.kind = kind;
   outcome.message = std::move(message);
   return outcome;
 }

@@ -64,12 +64,12 @@ void ParamExchange::set(const std::string& name, double value, base::RunTime now
 
 void ParamExchange::start(Request request, base::RunTime now) {
   if (request.name.empty() || request.name.size() > kNameBytes) {
-    request.done(failure(Verdict::kInvalid,
+    request.done(failure(OutcomeKind::kInvalid,
                          "'" + request.name + "' is no parameter name: it has 1 to 16 characters"));
     return;
   }
   if (active_.size() >= kMaxActive) {
-    request.done(failure(Verdict::kRefused, "too many parameter requests wait for this vehicle"));
+    request.done(failure(OutcomeKind::kRefused, "too many parameter requests wait for this vehicle"));
     return;
   }
   request.type_known = known_.contains(request.name);
@@ -87,7 +87,7 @@ bool ParamExchange::fits(const Request& request) const {
 
 Outcome ParamExchange::unfit(const Request& request) const {
   const std::string_view type = name(known_.at(request.name).type);
-  return failure(Verdict::kInvalid, request.name + " is " + std::string(type) +
+  return failure(OutcomeKind::kInvalid, request.name + " is " + std::string(type) +
                                         " and cannot hold " + number_text(*request.value));
 }
 
@@ -138,7 +138,7 @@ void ParamExchange::on_answer(std::list<Request>::iterator request, const Parame
     return;
   }
   if (!known_.contains(request->name)) {
-    finish(request, failure(Verdict::kRefused, "the vehicle has more parameters than casd holds"));
+    finish(request, failure(OutcomeKind::kRefused, "the vehicle has more parameters than casd holds"));
     return;
   }
   if (!fits(*request)) {
@@ -159,7 +159,7 @@ void ParamExchange::on_set_answer(std::list<Request>::iterator request, const Pa
       transmit(*request, now);
       return;
     }
-    outcome.verdict = Verdict::kRefused;
+    outcome.kind = OutcomeKind::kRefused;
     outcome.message = "the vehicle keeps " + request->name + " = " + number_text(in_force.value) +
                       " (asked: " + number_text(*request->value) + ")" + because(request->texts);
   }
@@ -192,7 +192,7 @@ void ParamExchange::tick(base::RunTime now) {
     std::string sentence = due->name + (reading ? " was asked for " : " was sent ") +
                            std::to_string(due->sent) + " times without an answer";
     if (reading) sentence += "; does this vehicle have it?";
-    finish(due, failure(Verdict::kTimeout, sentence + because(due->texts)));
+    finish(due, failure(OutcomeKind::kTimeout, sentence + because(due->texts)));
   }
   if (listing_ && (now >= listing_->deadline || now >= listing_->give_up)) tick_listing(now);
 }
@@ -200,7 +200,7 @@ void ParamExchange::tick(base::RunTime now) {
 void ParamExchange::list(base::RunTime now, Done done) {
   if (listing_) {
     if (listing_->done.size() >= kMaxActive) {
-      done(failure(Verdict::kRefused, "too many parameter requests wait for this vehicle"));
+      done(failure(OutcomeKind::kRefused, "too many parameter requests wait for this vehicle"));
       return;
     }
     listing_->done.push_back(std::move(done));
@@ -221,7 +221,7 @@ void ParamExchange::on_listed(const ParamValue& message, const std::string& name
   const bool too_many = listing.values.size() >= kMaxKnown && !listing.values.contains(name);
   if (message.param_count > kMaxKnown || too_many) {
     const std::size_t claimed = std::max<std::size_t>(message.param_count, kMaxKnown + 1);
-    give_up_listing(Verdict::kRefused, "the vehicle claims to have " + std::to_string(claimed) +
+    give_up_listing(OutcomeKind::kRefused, "the vehicle claims to have " + std::to_string(claimed) +
                                            " parameters or more; casd holds " +
                                            std::to_string(kMaxKnown));
     return;
@@ -246,12 +246,12 @@ void ParamExchange::tick_listing(base::RunTime now) {
   const std::string sent = "the vehicle sent " + std::to_string(listing.received) + " of " +
                            std::to_string(listing.have.size()) + " parameters";
   if (now >= listing.give_up) {
-    give_up_listing(Verdict::kTimeout, sent + " in " + seconds_text(timing_.list_timeout) +
+    give_up_listing(OutcomeKind::kTimeout, sent + " in " + seconds_text(timing_.list_timeout) +
                                            " s; the rest would take too long");
     return;
   }
   if (++listing.idle_rounds >= timing_.tries) {
-    give_up_listing(Verdict::kTimeout, sent + ", then no more");
+    give_up_listing(OutcomeKind::kTimeout, sent + ", then no more");
     return;
   }
   listing.deadline = now + timing_.answer_timeout;
@@ -267,8 +267,8 @@ void ParamExchange::tick_listing(base::RunTime now) {
   }
 }
 
-void ParamExchange::give_up_listing(Verdict verdict, const std::string& why) {
-  Outcome outcome = failure(verdict, why);
+void ParamExchange::give_up_listing(OutcomeKind kind, const std::string& why) {
+  Outcome outcome = failure(kind, why);
   outcome.parameters = listing_->values;
   finish_listing(std::move(outcome));
 }

@@ -100,7 +100,7 @@ class ParamExchange {
   void on_listed(const mavlink::common::ParamValue& message, const std::string& name, double value,
                  base::RunTime now);
   void tick_listing(base::RunTime now);
-  void give_up_listing(Verdict verdict, const std::string& why);
+  void give_up_listing(OutcomeKind kind, const std::string& why);
   void finish_listing(Outcome outcome);
 
   Send send_;

@@ -192,7 +192,7 @@ std::vector<const VehicleState*> VehicleCommander::vehicles() const {
 std::variant<std::uint8_t, Outcome> VehicleCommander::resolve(
     std::optional<std::uint8_t> asked) const {
   if (vehicles_.empty()) {
-    return failure(Verdict::kNoSuchVehicle,
+    return failure(OutcomeKind::kNoSuchVehicle,
                    "no vehicle has been heard yet; is its link up and does it send HEARTBEAT?");
   }
   std::string known;
@@ -200,11 +200,11 @@ std::variant<std::uint8_t, Outcome> VehicleCommander::resolve(
     known += (known.empty() ? "" : ", ") + std::to_string(system);
   }
   if (asked && !vehicles_.contains(*asked)) {
-    return failure(Verdict::kNoSuchVehicle,
+    return failure(OutcomeKind::kNoSuchVehicle,
                    "no vehicle " + std::to_string(*asked) + " has been heard; known: " + known);
   }
   if (!asked && vehicles_.size() > 1) {
-    return failure(Verdict::kInvalid, "name the vehicle; known: " + known);
+    return failure(OutcomeKind::kInvalid, "name the vehicle; known: " + known);
   }
   return asked ? *asked : vehicles_.begin()->first;
 }
@@ -213,7 +213,7 @@ VehicleCommander::Vehicle* VehicleCommander::known(std::uint8_t system, const Do
   const auto found = vehicles_.find(system);
   if (found != vehicles_.end()) return found->second.get();
   done(
-      failure(Verdict::kNoSuchVehicle, "no vehicle " + std::to_string(system) + " has been heard"));
+      failure(OutcomeKind::kNoSuchVehicle, "no vehicle " + std::to_string(system) + " has been heard"));
   return nullptr;
 }
 

@@ -75,7 +75,7 @@ bool VehicleCommander::interlocked(const Vehicle& vehicle, bool not_hil, base::R
       "software and never says so, allow it: commanding.allow_not_hil: true and --not-hil";
   why += not_hil ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
                  : kRemedy;
-  done(failure(Verdict::kInterlock, vehicle_text(state) + why));
+  done(failure(OutcomeKind::kInterlock, vehicle_text(state) + why));
   return true;
 }
 
@@ -87,7 +87,7 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
   start(system, command, now,
         [this, system, command, done = explained(*vehicle, std::move(done))](const Outcome& armed) {
           const VehicleState* state = find(system);
-          if (armed.verdict != Verdict::kRefused || !waits_for_sticks(*state)) return done(armed);
+          if (armed.kind != OutcomeKind::kRefused || !waits_for_sticks(*state)) return done(armed);
           // Nobody holds sticks that this mode wants: in HOLD the vehicle flies by itself.
           set_mode(system, "HOLD", now_, [this, system, command, done](const Outcome& held) {
             if (!held.ok()) return done(held);
@@ -103,7 +103,7 @@ Done VehicleCommander::explained(const Vehicle& vehicle, Done done) {
   const std::uint64_t texts_before = vehicle.state.status_text_count();
   return [this, system, texts_before, done = std::move(done)](const Outcome& outcome) {
     const VehicleState* state = find(system);
-    if (outcome.verdict != Verdict::kRefused || state == nullptr) return done(outcome);
+    if (outcome.kind != OutcomeKind::kRefused || state == nullptr) return done(outcome);
     Outcome told = outcome;
     for (const std::string& complaint : complaints(*state, now_, texts_before)) {
       if (told.message.find(complaint) == std::string::npos) told.message += "; " + complaint;

@@ -20,7 +20,7 @@ void VehicleCommander::run_steps(std::shared_ptr<Steps> steps) {
   }
   const auto& step = steps->todo[steps->next++];
   step(now_, [this, steps](const Outcome& outcome) {
-    steps->total.verdict = outcome.verdict;
+    steps->total.kind = outcome.kind;
     steps->total.message = outcome.message;
     for (const auto& [name, value] : outcome.parameters) steps->total.parameters[name] = value;
     for (const std::string& text : outcome.status_texts) steps->total.status_texts.push_back(text);
@@ -61,7 +61,7 @@ void VehicleCommander::set_gains(std::uint8_t system, const GainLoop& loop,
                                  const GainValues& values, base::RunTime now, Done done) {
   now_ = now;
   if (const std::optional<std::string> why = unsupported(loop, values)) {
-    done(failure(Verdict::kRefused, *why));
+    done(failure(OutcomeKind::kRefused, *why));
     return;
   }
   const auto steps = std::make_shared<Steps>();

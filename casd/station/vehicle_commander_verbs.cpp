@@ -51,7 +51,7 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
   Vehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   if (!(altitude_m > 0 && altitude_m <= kFarthest_m)) {
-    done(failure(Verdict::kInvalid, "a takeoff altitude is above 0 m and at most 100 km"));
+    done(failure(OutcomeKind::kInvalid, "a takeoff altitude is above 0 m and at most 100 km"));
     return;
   }
   if (vehicle->state.autopilot() == Autopilot::kArduPilot) {
@@ -118,7 +118,7 @@ void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base
   const std::optional<std::uint32_t> mode = custom_mode(state.autopilot(), word);
   if (!mode) {
     const std::string words = mode_words(state.autopilot());
-    done(failure(Verdict::kInvalid, "'" + std::string(word) + "' is no mode of " +
+    done(failure(OutcomeKind::kInvalid, "'" + std::string(word) + "' is no mode of " +
                                         std::string(name(state.autopilot())) +
                                         (words.empty() ? std::string() : "; it has " + words)));
     return;
@@ -132,7 +132,7 @@ void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::Ru
   if (vehicle == nullptr) return;
   const std::optional<HomeAmsl> home = vehicle->state.home();
   if (!home) {
-    done(failure(Verdict::kRefused, vehicle_text(vehicle->state) +
+    done(failure(OutcomeKind::kRefused, vehicle_text(vehicle->state) +
                                         " has not told its home position yet; wait for its "
                                         "position estimate"));
     return;
@@ -141,7 +141,7 @@ void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::Ru
   const double east_m = target.east_m - home->y_m;
   const double down_m = target.down_m - home->z_m;
   if (!(std::hypot(north_m, east_m, down_m) <= kFarthest_m)) {
-    done(failure(Verdict::kInvalid, "a place to go to lies within 100 km of home"));
+    done(failure(OutcomeKind::kInvalid, "a place to go to lies within 100 km of home"));
     return;
   }
   const base::LocalProjection projection({home->lat_deg, home->lon_deg, home->alt_m});

@@ -113,7 +113,7 @@ void VirtualPilot::set_gain(std::uint8_t system, const FlightStep& step, base::R
   const casd::GainLoop* loop =
       state == nullptr ? nullptr : gains_.find(state->autopilot(), step.loop);
   if (loop == nullptr) {
-    return done(casd::failure(casd::Verdict::kInvalid, "there is no loop '" + step.loop + "'"));
+    return done(casd::failure(casd::OutcomeKind::kInvalid, "there is no loop '" + step.loop + "'"));
   }
   commander_.set_gains(system, *loop, {.p = step.p, .i = step.i, .d = step.d}, now,
                        std::move(done));

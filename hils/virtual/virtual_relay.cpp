@@ -185,7 +185,7 @@ void VirtualRelay::take(casd::LinkId from, std::span<const std::uint8_t> bytes, 
 void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
   const casd::Route route = router_.on_packet(from, packet, now);
   if (from != casd::kLocalLink) ports_[from].ledger.received(route.info);
-  if (route.verdict != casd::Route::Verdict::kForward) return;
+  if (route.decision != casd::Route::Decision::kForward) return;
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     if ((route.to & casd::bit(static_cast<casd::LinkId>(i))) == 0) continue;
     ports_[i].queue.push(route.info, packet.bytes);

@@ -26,7 +26,7 @@ TEST(CasdAccept, AReadOnlyLinkHearsEverythingAndSaysNothing) {
   bench.fcu.write(bench.from_fcu(hil_controls(1)));
   ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 1; }));
   EXPECT_EQ(bench.at_fcu.packets().size(), 0U);
-  EXPECT_EQ(bench.status("sim").rx.verdicts[0], 0U);
+  EXPECT_EQ(bench.status("sim").rx.decisions[0], 0U);
 }
 
 TEST(CasdAccept, LimitsALinkToNamedMessagesAndSystems) {

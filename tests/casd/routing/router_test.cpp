@@ -13,7 +13,7 @@
 namespace cas::casd::test {
 namespace {
 
-using enum Route::Verdict;
+using enum Route::Decision;
 using mavlink::common::Heartbeat;
 
 /// Links 0..n-1, each of which may send to each other one.
@@ -37,7 +37,7 @@ TEST(Router, BroadcastGoesToAllButTheSource) {
   Router router = make_router(3);
   const auto heartbeat = packet(Heartbeat{}, {1, 1});
   const Route route = router.on_packet(0, view(heartbeat), at({}));
-  EXPECT_EQ(route.verdict, kForward);
+  EXPECT_EQ(route.decision, kForward);
   EXPECT_EQ(route.to, bit(1) | bit(2));
   EXPECT_EQ(route.info.traffic, TrafficClass::kCommand);
 }
@@ -45,7 +45,7 @@ TEST(Router, BroadcastGoesToAllButTheSource) {
 TEST(Router, AddressedPacketGoesWhereItsTargetWasHeard) {
   Router router = make_router(3);
   const auto command = packet(command_to(1, 1), {255, 190});
-  EXPECT_EQ(router.on_packet(0, view(command), at({})).verdict, kNoTarget);
+  EXPECT_EQ(router.on_packet(0, view(command), at({})).decision, kNoTarget);
   router.on_packet(2, view(packet(Heartbeat{}, {1, 1})), at({}));
   const Route route = router.on_packet(0, view(command), at({}));
   EXPECT_EQ(route.to, bit(2));
@@ -72,7 +72,7 @@ TEST(Router, RoutesExpire) {
   router.on_packet(1, view(packet(Heartbeat{}, {1, 1})), at({}));
   const base::Duration later = Router::kRouteLifetime + milliseconds(1);
   router.tick(1, at(later));
-  EXPECT_EQ(router.on_packet(0, view(packet(command_to(1, 1), {255, 190})), at(later)).verdict,
+  EXPECT_EQ(router.on_packet(0, view(packet(command_to(1, 1), {255, 190})), at(later)).decision,
             kNoTarget);
 }
 
@@ -83,7 +83,7 @@ TEST(Router, NewPlanIsInForceAtTheNextPacket) {
   router.replace(all_to_all(2));
   EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).to, bit(1));
   router.replace(std::make_shared<RoutingPlan>());
-  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).verdict, kNoRule);
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).decision, kNoRule);
 }
 
 TEST(Router, PacketThatComesOverBothPathsOfAGroupGoesOnOnce) {
@@ -93,7 +93,7 @@ TEST(Router, PacketThatComesOverBothPathsOfAGroupGoesOnOnce) {
   Router router(plan, mav::public_table());
   const auto first = packet(Heartbeat{}, {1, 1}, 7);
   EXPECT_EQ(router.on_packet(0, view(first), at({})).to, bit(2));  // not to the twin
-  EXPECT_EQ(router.on_packet(1, view(first), at(milliseconds(3))).verdict, kDuplicate);
+  EXPECT_EQ(router.on_packet(1, view(first), at(milliseconds(3))).decision, kDuplicate);
   const auto second = packet(Heartbeat{}, {1, 1}, 8);
   EXPECT_EQ(router.on_packet(1, view(second), at(milliseconds(4))).to, bit(2));
   // Both paths are known as ways to it.
@@ -116,7 +116,7 @@ TEST(Router, OldCopyIsNoDuplicate) {
   Router router(plan, mav::public_table());
   const auto heartbeat = packet(Heartbeat{}, {1, 1}, 7);
   router.on_packet(0, view(heartbeat), at({}));
-  EXPECT_EQ(router.on_packet(1, view(heartbeat), at(std::chrono::seconds(1))).verdict, kForward);
+  EXPECT_EQ(router.on_packet(1, view(heartbeat), at(std::chrono::seconds(1))).decision, kForward);
 }
 
 TEST(Router, TellsWhichLinksARateRuleTookAway) {
@@ -135,7 +135,7 @@ TEST(Router, TellsWhichLinksARateRuleTookAway) {
   const Route second = router.on_packet(0, view(heartbeat), at({}));
   EXPECT_EQ(second.thinned, bit(2));
   EXPECT_EQ(second.to, bit(1));
-  EXPECT_EQ(second.verdict, kForward);
+  EXPECT_EQ(second.decision, kForward);
 }
 
 /// The rules of the routing guide and of our topology, written as slowly and plainly as they read.

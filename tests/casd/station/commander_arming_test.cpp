@@ -13,7 +13,7 @@ using test::VehicleCommanderTest;
 
 TEST_F(VehicleCommanderTest, ArmsWhenTheVehicleAccepts) {
   meet();
-  EXPECT_EQ(arm().verdict, Verdict::kAccepted);
+  EXPECT_EQ(arm().kind, OutcomeKind::kAccepted);
   ASSERT_EQ(vehicle_.commands.size(), 1U);
   EXPECT_EQ(vehicle_.commands[0].command, MavCmd::kComponentArmDisarm);
   EXPECT_EQ(vehicle_.commands[0].param1, 1.0F);
@@ -32,7 +32,7 @@ TEST_F(VehicleCommanderTest, ReportsARefusalWithItsStatusText) {
   vehicle_.script.result = MavResult::kTemporarilyRejected;
   vehicle_.script.text = "Arming denied: no global position";
   const Outcome outcome = arm();
-  EXPECT_EQ(outcome.verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome.result, MavResult::kTemporarilyRejected);
   EXPECT_EQ(outcome.status_texts, std::vector<std::string>{vehicle_.script.text});
   EXPECT_NE(outcome.message.find("temporarily rejected: Arming denied"), std::string::npos)
@@ -61,13 +61,13 @@ TEST(VehicleCommanderInLockstep, AnswersARefusalWhileTimeStands) {
   commander.arm(1, {}, kNow, [&](const Outcome& o) { outcome = o; });
   hear();
   ASSERT_TRUE(outcome.has_value()) << "without a tick";
-  EXPECT_EQ(outcome->verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome->kind, OutcomeKind::kRefused);
 }
 
 TEST_F(VehicleCommanderTest, RepeatsWithARisingConfirmationUntilHeard) {
   meet();
   vehicle_.script.deaf_for = 2;
-  EXPECT_EQ(arm().verdict, Verdict::kAccepted);
+  EXPECT_EQ(arm().kind, OutcomeKind::kAccepted);
   ASSERT_EQ(vehicle_.commands.size(), 3U);
   EXPECT_EQ(vehicle_.commands[0].confirmation, 0);
   EXPECT_EQ(vehicle_.commands[1].confirmation, 1);
@@ -78,7 +78,7 @@ TEST_F(VehicleCommanderTest, GivesUpAfterFiveTries) {
   meet();
   vehicle_.script.answers = 0;
   const RunTime start = now_;
-  EXPECT_EQ(arm().verdict, Verdict::kTimeout);
+  EXPECT_EQ(arm().kind, OutcomeKind::kTimeout);
   EXPECT_EQ(vehicle_.commands.size(), 5U);
   EXPECT_LT(now_ - start, 5s);
 }
@@ -86,14 +86,14 @@ TEST_F(VehicleCommanderTest, GivesUpAfterFiveTries) {
 TEST_F(VehicleCommanderTest, TakesALateAnswer) {
   meet();
   vehicle_.script.delay = 1200ms;
-  EXPECT_EQ(arm().verdict, Verdict::kAccepted);
+  EXPECT_EQ(arm().kind, OutcomeKind::kAccepted);
   EXPECT_EQ(vehicle_.commands.size(), 2U);
 }
 
 TEST_F(VehicleCommanderTest, HearsTwoAnswersAsOne) {
   meet();
   vehicle_.script.answers = 2;
-  EXPECT_EQ(arm().verdict, Verdict::kAccepted);
+  EXPECT_EQ(arm().kind, OutcomeKind::kAccepted);
   run_for(2s);  // the second answer would end the request again
 }
 
@@ -101,7 +101,7 @@ TEST_F(VehicleCommanderTest, WaitsThroughInProgress) {
   meet();
   vehicle_.script.in_progress_first = true;
   vehicle_.script.delay = 8s;
-  EXPECT_EQ(arm().verdict, Verdict::kAccepted);
+  EXPECT_EQ(arm().kind, OutcomeKind::kAccepted);
   EXPECT_EQ(vehicle_.commands.size(), 1U);
 }
 
@@ -113,18 +113,18 @@ TEST_F(VehicleCommanderTest, DisarmReplacesAnArmThatIsUnderWay) {
   run_for(100ms);
   vehicle_.script.answers = 1;
   commander_.disarm(1, false, now_, done());
-  EXPECT_EQ(finish().verdict, Verdict::kAccepted);
+  EXPECT_EQ(finish().kind, OutcomeKind::kAccepted);
   ASSERT_TRUE(armed.has_value());
-  EXPECT_EQ(armed->verdict, Verdict::kRefused);
+  EXPECT_EQ(armed->kind, OutcomeKind::kRefused);
   EXPECT_EQ(vehicle_.commands.back().param1, 0.0F);
 }
 
 TEST_F(VehicleCommanderTest, RefusesToArmWithoutTheHilFlag) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
   meet();
-  EXPECT_EQ(arm().verdict, Verdict::kInterlock);
-  EXPECT_EQ(arm({.force = true}).verdict, Verdict::kInterlock);
-  EXPECT_EQ(arm({.not_hil = true}).verdict, Verdict::kInterlock);  // no consent
+  EXPECT_EQ(arm().kind, OutcomeKind::kInterlock);
+  EXPECT_EQ(arm({.force = true}).kind, OutcomeKind::kInterlock);
+  EXPECT_EQ(arm({.not_hil = true}).kind, OutcomeKind::kInterlock);  // no consent
   EXPECT_TRUE(vehicle_.commands.empty());
 }
 
@@ -132,7 +132,7 @@ TEST_F(VehicleCommanderTest, RefusesToArmOnAnOldHeartbeat) {
   meet();
   beating_ = false;
   run_for(5s);
-  EXPECT_EQ(arm().verdict, Verdict::kInterlock);
+  EXPECT_EQ(arm().kind, OutcomeKind::kInterlock);
   EXPECT_TRUE(vehicle_.commands.empty());
 }
 
@@ -152,7 +152,7 @@ TEST_P(SpinningCommand, GoesThroughTheInterlock) {
   command.id = GetParam().id;
   command.params[0] = GetParam().param1;
   commander_.command(1, command, false, now_, done());
-  EXPECT_EQ(finish().verdict, Verdict::kInterlock);
+  EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
   EXPECT_TRUE(vehicle_.commands.empty());
 }
 
@@ -173,8 +173,8 @@ class ConsentingCommanderTest : public VehicleCommanderTest {
 TEST_F(ConsentingCommanderTest, ArmsWithoutHilOnlyWhenAskedTo) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
   meet();
-  EXPECT_EQ(arm().verdict, Verdict::kInterlock);
-  EXPECT_EQ(arm({.not_hil = true}).verdict, Verdict::kAccepted);
+  EXPECT_EQ(arm().kind, OutcomeKind::kInterlock);
+  EXPECT_EQ(arm({.not_hil = true}).kind, OutcomeKind::kAccepted);
 }
 
 }  // namespace

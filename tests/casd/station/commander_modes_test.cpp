@@ -20,7 +20,7 @@ TEST_F(VehicleCommanderTest, AnswersAnUnknownModeWithTheModesThereAre) {
   meet();
   commander_.set_mode(1, "WARP", now_, done());
   const Outcome outcome = finish();
-  EXPECT_EQ(outcome.verdict, Verdict::kInvalid);
+  EXPECT_EQ(outcome.kind, OutcomeKind::kInvalid);
   EXPECT_NE(outcome.message.find("POSCTL"), std::string::npos);
 }
 

@@ -47,7 +47,7 @@ TEST_F(VehicleCommanderTest, SaysWhichValueTheVehicleKeeps) {
   meet();
   commander_.set_param(1, "MC_ROLL_P", 99, now_, done());
   const Outcome outcome = finish();
-  EXPECT_EQ(outcome.verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome.parameters.at("MC_ROLL_P"), 12);
   EXPECT_NE(outcome.message.find("keeps MC_ROLL_P = 12 (asked: 99)"), std::string::npos)
       << outcome.message;
@@ -57,7 +57,7 @@ TEST_F(VehicleCommanderTest, RefusesAFractionInAnIntegerParameter) {
   vehicle_.params["SYS_HITL"] = {.value = 0, .type = MavParamType::kInt32};
   meet();
   commander_.set_param(1, "SYS_HITL", 0.5, now_, done());
-  EXPECT_EQ(finish().verdict, Verdict::kInvalid);
+  EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
   EXPECT_TRUE(vehicle_.param_sets.empty());
 }
 
@@ -73,7 +73,7 @@ TEST_F(VehicleCommanderTest, RepeatsALostParamSet) {
 TEST_F(VehicleCommanderTest, GivesUpOnAParameterThatTheVehicleDoesNotHave) {
   meet();
   commander_.read_param(1, "NOPE", now_, done());
-  EXPECT_EQ(finish().verdict, Verdict::kTimeout);
+  EXPECT_EQ(finish().kind, OutcomeKind::kTimeout);
   EXPECT_EQ(vehicle_.param_reads, 5);
 }
 
@@ -94,7 +94,7 @@ TEST_F(VehicleCommanderTest, ListsAllParametersAndFetchesTheLostOnes) {
 TEST_F(VehicleCommanderTest, EndsAListThatNeverComes) {
   meet();
   commander_.list_params(1, now_, done());
-  EXPECT_EQ(finish().verdict, Verdict::kTimeout);
+  EXPECT_EQ(finish().kind, OutcomeKind::kTimeout);
 }
 
 TEST_F(VehicleCommanderTest, SetsTheGivenGainsAndAnswersWithAll) {
@@ -119,7 +119,7 @@ TEST_F(VehicleCommanderTest, RefusesAGainThatTheLoopDoesNotHave) {
   commander_.set_gains(1, *map.find(Autopilot::kPx4, "roll"), {.p = 6.0, .i = 0.1, .d = 0.1}, now_,
                        done());
   const Outcome outcome = finish();
-  EXPECT_EQ(outcome.verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome.message, "loop roll has no I and no D gain; it has P");
   EXPECT_TRUE(vehicle_.param_sets.empty());
 }

@@ -75,9 +75,9 @@ TEST_F(VehicleCommanderTest, RefusesPlacesNoVehicleReaches) {
   vehicle_.say(home, now_);
   run_for(50ms);
   commander_.go_to(1, {.north_m = 1e300, .yaw_deg = {}}, now_, done());
-  EXPECT_EQ(finish().verdict, Verdict::kInvalid);
+  EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
   commander_.takeoff(1, 1e300, now_, done());
-  EXPECT_EQ(finish().verdict, Verdict::kInvalid);
+  EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
   EXPECT_TRUE(vehicle_.commands.empty());
   EXPECT_TRUE(vehicle_.int_commands.empty());
 }
@@ -85,7 +85,7 @@ TEST_F(VehicleCommanderTest, RefusesPlacesNoVehicleReaches) {
 TEST_F(VehicleCommanderTest, SaysWhyItCannotGoWithoutHome) {
   meet();
   commander_.go_to(1, {}, now_, done());
-  EXPECT_EQ(finish().verdict, Verdict::kRefused);
+  EXPECT_EQ(finish().kind, OutcomeKind::kRefused);
 }
 
 }  // namespace

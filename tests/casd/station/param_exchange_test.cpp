@@ -52,7 +52,7 @@ TEST_F(ParamList, OfAVehicleThatAnswersOneAtATimeEndsAtItsDeadline) {
   }
   ASSERT_TRUE(outcome_.has_value()) << "it would have gone on for more than an hour";
   EXPECT_LE(now_ - start, 121s);
-  EXPECT_EQ(outcome_->verdict, Verdict::kTimeout);
+  EXPECT_EQ(outcome_->kind, OutcomeKind::kTimeout);
   EXPECT_NE(outcome_->message.find("of 8000 parameters in 120 s"), std::string::npos)
       << outcome_->message;
   EXPECT_GT(outcome_->parameters.size(), 200U) << "what came is not lost";
@@ -62,7 +62,7 @@ TEST_F(ParamList, OfAnAbsurdCountIsRefusedAtOnce) {
   list();
   answer("P0", 0, 65535);
   ASSERT_TRUE(outcome_.has_value());
-  EXPECT_EQ(outcome_->verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome_->kind, OutcomeKind::kRefused);
   EXPECT_NE(outcome_->message.find("65535 parameters"), std::string::npos) << outcome_->message;
 }
 
@@ -70,7 +70,7 @@ TEST_F(ParamList, OfNamesWithoutEndIsRefused) {
   list();
   for (int i = 0; i < 10'000 && !outcome_; ++i) answer("N" + std::to_string(i), 0, 2);
   ASSERT_TRUE(outcome_.has_value());
-  EXPECT_EQ(outcome_->verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome_->kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome_->parameters.size(), 8192U);
 }
 
@@ -90,7 +90,7 @@ TEST_F(ParamList, IsAskedForByABoundedNumberOfClients) {
   int refused = 0;
   for (int i = 0; i < 100; ++i) {
     exchange_.list(now_, [&](const Outcome& outcome) {
-      if (outcome.verdict == Verdict::kRefused) ++refused;
+      if (outcome.kind == OutcomeKind::kRefused) ++refused;
     });
   }
   EXPECT_EQ(refused, 36);

@@ -33,10 +33,10 @@ TEST_F(VehicleCommanderTest, SendsOneHeartbeatASecond) {
 }
 
 TEST_F(VehicleCommanderTest, ResolvesTheOnlyVehicle) {
-  EXPECT_EQ(std::get<Outcome>(commander_.resolve({})).verdict, Verdict::kNoSuchVehicle);
+  EXPECT_EQ(std::get<Outcome>(commander_.resolve({})).kind, OutcomeKind::kNoSuchVehicle);
   meet();
   EXPECT_EQ(std::get<std::uint8_t>(commander_.resolve({})), 1);
-  EXPECT_EQ(std::get<Outcome>(commander_.resolve(7)).verdict, Verdict::kNoSuchVehicle);
+  EXPECT_EQ(std::get<Outcome>(commander_.resolve(7)).kind, OutcomeKind::kNoSuchVehicle);
 }
 
 TEST_F(VehicleCommanderTest, AsksForTheVehicleWhenThereAreTwo) {
@@ -46,7 +46,7 @@ TEST_F(VehicleCommanderTest, AsksForTheVehicleWhenThereAreTwo) {
   parser_.feed(second.take(now_)->view(), [this](const mav::PacketView& packet) {
     commander_.on_packet(kLink, packet, now_);
   });
-  EXPECT_EQ(std::get<Outcome>(commander_.resolve({})).verdict, Verdict::kInvalid);
+  EXPECT_EQ(std::get<Outcome>(commander_.resolve({})).kind, OutcomeKind::kInvalid);
   EXPECT_EQ(std::get<std::uint8_t>(commander_.resolve(2)), 2);
 }
 

@@ -110,7 +110,7 @@ TEST_F(Stock, ARefusalToArmTellsWhatIsSickAndWhatWasSaidSinceItWasAsked) {
   vehicle_.say_text("Preflight Fail: No valid GPS", now_ + milliseconds(100));  // while it is asked
   const auto outcome = arm();
   ASSERT_TRUE(outcome);
-  EXPECT_EQ(outcome->verdict, Verdict::kRefused);
+  EXPECT_EQ(outcome->kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome->message.find("Compass"), std::string::npos) << outcome->message;
   EXPECT_NE(outcome->message.find("No valid GPS"), std::string::npos) << outcome->message;
   EXPECT_NE(outcome->message.find("GPS not healthy"), std::string::npos) << outcome->message;
@@ -164,7 +164,7 @@ TEST_F(Stock, FirmwareInSoftwareIsArmedByConsentOnly) {
   beat();
   const auto refused = arm();
   ASSERT_TRUE(refused);
-  EXPECT_EQ(refused->verdict, Verdict::kInterlock);
+  EXPECT_EQ(refused->kind, OutcomeKind::kInterlock);
   EXPECT_NE(refused->message.find("--not-hil"), std::string::npos) << refused->message;
   beat();
   const auto armed = arm(true);
