@@ -110,7 +110,7 @@ struct App::Impl {
   }
 
   std::string link_name(LinkId id) const {
-    for (const LinkStatus& link : links.monitor().links()) {
+    for (const LinkStatus& link : links.figures().links()) {
       if (link.id == id) return link.name;
     }
     return "?";
@@ -131,7 +131,7 @@ struct App::Impl {
   void run() {
     start_log(links.topology().log);
     warn_of_narrow_lines();
-    if (!options.ledger_file.empty()) links.monitor().keep_ledgers();
+    if (!options.ledger_file.empty()) links.figures().keep_ledgers();
     links.start();
     station_events.assign(links.local().descriptor());
     do_wait_signal();
@@ -146,7 +146,7 @@ struct App::Impl {
     station_events.release();
     links.stop();
     if (!options.ledger_file.empty()) {
-      write_link_ledgers(options.ledger_file, links.monitor().ledgers());
+      write_link_ledgers(options.ledger_file, links.figures().ledgers());
     }
     links.tlog().stop();
     if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
@@ -221,7 +221,7 @@ struct App::Impl {
     second_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
       const base::RunTime now = base::steady_now();
-      links.monitor().sample(now);
+      links.figures().sample(now);
       links.local().tick(now);
       figures.publish();
       feed_watchdog(now);
@@ -243,7 +243,7 @@ struct App::Impl {
   void summarise(base::RunTime now) {
     next_summary = now + kSummaryPeriod;
     std::string line;
-    for (const LinkStatus& link : links.monitor().links()) {
+    for (const LinkStatus& link : links.figures().links()) {
       line += (line.empty() ? "" : "; ") + link.name + " " + std::string(to_string(link.state)) +
               " rx " + std::to_string(link.rx.packets) + " tx " + std::to_string(link.tx.packets);
     }

@@ -90,7 +90,7 @@ void add_app_methods(base::rpc::Server& server, AppHooks hooks) {
 }
 
 FiguresSource make_figures_source(LinkSet& links, const CommandServer& commands) {
-  return {.monitor = &links.monitor(),
+  return {.figures = &links.figures(),
           .topology = [&links]() -> const Topology& { return links.topology(); },
           .now = base::steady_now,
           .started = base::steady_now(),

@@ -59,7 +59,7 @@ void LinkSet::reload(Topology topology) {
 }
 
 bool LinkSet::settled() const {
-  const auto links = monitor_.links();
+  const auto links = figures_.links();
   return std::none_of(links.begin(), links.end(),
                       [](const LinkStatus& link) { return link.state == LinkState::kOpening; });
 }
@@ -75,7 +75,7 @@ bool LinkSet::alive(base::RunTime now) {
 
 std::string LinkSet::endpoints() const {
   std::string text;
-  for (const LinkStatus& link : monitor_.links()) {
+  for (const LinkStatus& link : figures_.links()) {
     const std::string where =
         link.state == LinkState::kUp ? link.endpoint : std::string(to_string(link.state));
     text += (text.empty() ? "" : " ") + link.name + " " + where;
@@ -124,12 +124,12 @@ LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfi
                                        LinkId id, const SigningKeys& keys) {
   Opening opening;
   opening.running = {.config = config, .id = id, .port = {}, .loop = loop_for(topology, config)};
-  opening.monitor = monitor_.make_link(config.name, config.type);
+  opening.counters = figures_.make_link(config.name, config.type);
   opening.link = make_link({.id = id,
                             .config = config,
                             .switchboard = switchboard_,
-                            .monitor = opening.monitor,
-                            .signing = keys.for_link(config, opening.monitor),
+                            .counters = opening.counters,
+                            .signing = keys.for_link(config, opening.counters),
                             .wake = [loop = opening.running.loop.get()] { loop->wake(); },
                             .blocking = topology.threads == ThreadModel::kBlocking,
                             .drain = LineDrain(topology.drain_tick)});
@@ -148,7 +148,7 @@ void LinkSet::commit(Change change) {
   keys_.begin();
   for (Opening& opening : change.openings) {
     Running& running = opening.running;
-    monitor_.add_link(running.id, std::move(opening.monitor));
+    figures_.add_link(running.id, std::move(opening.counters));
     running.loop->add(std::move(opening.link));
     const std::string name = running.config.name;
     running_.emplace(name, std::move(running));
@@ -165,7 +165,7 @@ void LinkSet::close(const std::string& name) {
   }
   // Its thread has let go of the slot.
   switchboard_.router().forget(running.id);
-  monitor_.remove_link(running.id);
+  figures_.remove_link(running.id);
   running_.erase(found);
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 #include "casd/link/link_loop.hpp"
 #include "casd/link/switchboard.hpp"
 #include "casd/signing/link_signing.hpp"
@@ -16,7 +16,7 @@
 
 namespace cas::casd {
 
-/// All links of a topology at work: slots, threads, router, monitor, and casd's own station.
+/// All links of a topology at work: slots, threads, router, figures, and casd's own station.
 ///
 ///   topology --> slots --> RoutingPlan --> Router        (rules, replaced as a whole)
 ///                  |-----> Link on its LinkLoop          (one thread each, or one for all)
@@ -39,7 +39,7 @@ class LinkSet {
   void reload(Topology topology);
 
   const Topology& topology() const { return topology_; }
-  Monitor& monitor() { return monitor_; }
+  LinkFigures& figures() { return figures_; }
   LocalEndpoint& local() { return *local_; }
   TlogWriter& tlog() { return switchboard_.tlog(); }
   MessageTaps& taps() { return switchboard_.taps(); }
@@ -64,7 +64,7 @@ class LinkSet {
   /// A link that is made but not in force: nobody hears it, and it does nothing yet.
   struct Opening {
     Running running;
-    std::shared_ptr<LinkMonitor> monitor;
+    std::shared_ptr<LinkCounters> counters;
     std::unique_ptr<Link> link;
   };
   /// All that a topology needs beside the links that stay.
@@ -86,7 +86,7 @@ class LinkSet {
 
   Topology topology_;
   Switchboard switchboard_;
-  Monitor monitor_;
+  LinkFigures figures_;
   SigningKeys keys_;
   std::shared_ptr<LocalEndpoint> local_;
   std::shared_ptr<LinkLoop> common_loop_;  ///< threads: single, blocking

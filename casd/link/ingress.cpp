@@ -10,11 +10,11 @@ namespace cas::casd {
 
 Parser make_parser() { return Parser(mav::public_table()); }
 
-Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor,
+Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkCounters> counters,
                  AcceptRule accept, std::shared_ptr<LinkSigning> signing)
     : link_(link),
       switchboard_(switchboard),
-      monitor_(std::move(monitor)),
+      counters_(std::move(counters)),
       accept_(std::move(accept)),
       signing_(std::move(signing)) {}
 
@@ -31,17 +31,17 @@ void Ingress::take_datagram(Parser& parser, std::span<const std::uint8_t> bytes,
 
 void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std::uint8_t peer) {
   if (batch_.full()) deliver(now);
-  monitor_->rx.packets.add();
-  monitor_->rx.messages.add(packet.message_id, packet.source, now);
+  counters_->rx.packets.add();
+  counters_->rx.messages.add(packet.message_id, packet.source, now);
   if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
-    monitor_->rx.lost.add(lost);
+    counters_->rx.lost.add(lost);
   }
-  if (!accept_.accepts(packet)) return monitor_->rx.not_accepted.add();
+  if (!accept_.accepts(packet)) return counters_->rx.not_accepted.add();
   StreamTime& stream = switchboard_.stream_time();
   stream.on_packet(packet, [&] { deliver(now); });
   const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
-  if (monitor_->ledger) monitor_->ledger->received(route.info);
-  monitor_->rx.decisions[static_cast<std::size_t>(route.decision)].add();
+  if (counters_->ledger) counters_->ledger->received(route.info);
+  counters_->rx.decisions[static_cast<std::size_t>(route.decision)].add();
   count_refusals(route);
   switchboard_.taps().on_packet(link_, packet, now);
   switchboard_.echo().on_packet(packet, now);
@@ -54,10 +54,10 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std:
 void Ingress::count_refusals(const Route& route) {
   using enum Route::Decision;
   if (route.thinned != 0) {
-    monitor_->count_refused(kRateLimited, route.info,
+    counters_->count_refused(kRateLimited, route.info,
                             static_cast<unsigned>(std::popcount(route.thinned)));
   } else if (route.decision != kForward) {
-    monitor_->count_refused(route.decision, route.info);
+    counters_->count_refused(route.decision, route.info);
   }
 }
 
@@ -72,13 +72,13 @@ void Ingress::tick(base::RunTime now) { switchboard_.router().tick(link_, now); 
 void Ingress::count_parser(const Parser& parser, const Parser::Stats& before) {
   const Parser::Stats& after = parser.stats();
   if (after.crc_errors != before.crc_errors) {
-    monitor_->rx.crc_errors.add(after.crc_errors - before.crc_errors);
+    counters_->rx.crc_errors.add(after.crc_errors - before.crc_errors);
   }
   if (after.skipped_bytes != before.skipped_bytes) {
-    monitor_->rx.skipped_bytes.add(after.skipped_bytes - before.skipped_bytes);
+    counters_->rx.skipped_bytes.add(after.skipped_bytes - before.skipped_bytes);
   }
   if (after.unknown_ids != before.unknown_ids) {
-    monitor_->rx.unknown.add(after.unknown_ids - before.unknown_ids);
+    counters_->rx.unknown.add(after.unknown_ids - before.unknown_ids);
   }
 }
 

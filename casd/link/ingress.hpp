@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 #include "casd/link/delivery_batch.hpp"
 #include "casd/link/switchboard.hpp"
 #include "casd/routing/accept_rule.hpp"
@@ -23,7 +23,7 @@ Parser make_parser();
 class Ingress {
  public:
   /// @param signing  empty: signatures are not looked at
-  Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkMonitor> monitor,
+  Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkCounters> counters,
           AcceptRule accept = {}, std::shared_ptr<LinkSigning> signing = nullptr);
 
   /// Bytes of a stream. Packets are collected until deliver().
@@ -57,7 +57,7 @@ class Ingress {
   template <class OnPacket>
   void parse(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
     const Parser::Stats before = parser.stats();
-    monitor_->rx.bytes.add(bytes.size());
+    counters_->rx.bytes.add(bytes.size());
     parser.feed(
         bytes, [&](const mav::PacketView& packet) { admit(packet, on_packet); },
         [&](const mav::PacketView& packet) {
@@ -76,7 +76,7 @@ class Ingress {
 
   LinkId link_;
   Switchboard& switchboard_;
-  std::shared_ptr<LinkMonitor> monitor_;
+  std::shared_ptr<LinkCounters> counters_;
   AcceptRule accept_;
   std::shared_ptr<LinkSigning> signing_;
   mav::SequenceTracker sequence_;

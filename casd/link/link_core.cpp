@@ -20,25 +20,25 @@ double line_bytes_s(const LinkConfig& config) {
 
 LinkCore::LinkCore(LinkContext context)
     : context_(std::move(context)),
-      ingress_(context_.id, context_.switchboard, context_.monitor, context_.config.accept,
+      ingress_(context_.id, context_.switchboard, context_.counters, context_.config.accept,
                context_.signing) {}
 
 void LinkCore::went_up(const std::string& endpoint) {
-  if (was_up_) context_.monitor->reconnects.add();
+  if (was_up_) context_.counters->reconnects.add();
   was_up_ = true;
   last_reason_.clear();
   backoff_.reset();
-  context_.monitor->set_endpoint(endpoint);
-  context_.monitor->state.store(LinkState::kUp, std::memory_order_relaxed);
+  context_.counters->set_endpoint(endpoint);
+  context_.counters->state.store(LinkState::kUp, std::memory_order_relaxed);
   base::log::info("link " + context_.config.name + ": up, " + endpoint);
 }
 
 void LinkCore::went_down(const std::string& reason, base::RunTime now) {
   backoff_.failed(now);
-  context_.monitor->state.store(LinkState::kDown, std::memory_order_relaxed);
+  context_.counters->state.store(LinkState::kDown, std::memory_order_relaxed);
   if (reason == last_reason_) return;
   last_reason_ = reason;
-  context_.monitor->set_endpoint(reason);
+  context_.counters->set_endpoint(reason);
   base::log::warn("link " + context_.config.name + ": down, " + reason);
 }
 

@@ -18,7 +18,7 @@ struct LinkContext {
   LinkId id = kNoLink;
   LinkConfig config;
   Switchboard& switchboard;
-  std::shared_ptr<LinkMonitor> monitor;
+  std::shared_ptr<LinkCounters> counters;
   std::shared_ptr<LinkSigning> signing;  ///< empty: none
   std::function<void()> wake;            ///< wakes the thread of the link's loop
   bool blocking = false;                 ///< threads: blocking
@@ -33,9 +33,9 @@ class LinkCore {
   const LinkConfig& config() const { return context_.config; }
   LinkId id() const { return context_.id; }
   bool blocking() const { return context_.blocking; }
-  LinkMonitor& monitor() { return *context_.monitor; }
-  std::uint64_t received() const { return context_.monitor->rx.packets.get(); }
-  std::shared_ptr<LinkMonitor> shared_monitor() const { return context_.monitor; }
+  LinkCounters& counters() { return *context_.counters; }
+  std::uint64_t received() const { return context_.counters->rx.packets.get(); }
+  std::shared_ptr<LinkCounters> shared_counters() const { return context_.counters; }
   const std::function<void()>& wake() const { return context_.wake; }
   Ingress& ingress() { return ingress_; }
   Backoff& backoff() { return backoff_; }

@@ -12,10 +12,10 @@ std::int64_t ns(base::RunTime time) { return time.time_since_epoch().count(); }
 
 }  // namespace
 
-TxPort::TxPort(const TxPortOptions& options, std::shared_ptr<LinkMonitor> monitor,
+TxPort::TxPort(const TxPortOptions& options, std::shared_ptr<LinkCounters> counters,
                std::function<void()> wake)
     : options_(options),
-      monitor_(std::move(monitor)),
+      counters_(std::move(counters)),
       wake_(std::move(wake)),
       line_check_(options.flow_control),
       queue_(options.queue,
@@ -86,8 +86,8 @@ void TxPort::enqueue(std::span<const PacketRef> packets) {
     }
   }
   if (!queue_.empty()) backlog_.store(true, std::memory_order_release);
-  monitor_->tx.queue_high_water.set(queue_.high_water());
-  monitor_->tx.queued.set(queue_.count());
+  counters_->tx.queue_high_water.set(queue_.high_water());
+  counters_->tx.queued.set(queue_.count());
 }
 
 // Whoever finds packets waiting and nobody writing writes them. The look at the queue comes after
@@ -114,7 +114,7 @@ void TxPort::drop_all(DropCause cause) {
   busy_.store(false, std::memory_order_relaxed);
   busy_since_ns_.store(0, std::memory_order_relaxed);
   due_ns_.store(0, std::memory_order_relaxed);
-  monitor_->tx.queued.set(0);
+  counters_->tx.queued.set(0);
 }
 
 // Held to the line's rate, to the cap, or to what is less.
@@ -129,7 +129,7 @@ void TxPort::pace(bool has_rate) {
 
 void TxPort::count_drop(const PacketInfo& info, DropCause cause) {
   const bool by_cap = cause == DropCause::kAge && capped_.load(std::memory_order_relaxed);
-  monitor_->count_dropped(info, by_cap ? DropCause::kBandwidth : cause);
+  counters_->count_dropped(info, by_cap ? DropCause::kBandwidth : cause);
 }
 
 bool TxPort::anything_queued() {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 #include "casd/link/link.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/packet/packet_writer.hpp"
@@ -47,7 +47,7 @@ struct TxPortOptions {
 class TxPort final : public PacketPort {
  public:
   /// @param wake  called when the link's thread must call carry_on(); from any thread
-  TxPort(const TxPortOptions& options, std::shared_ptr<LinkMonitor> monitor,
+  TxPort(const TxPortOptions& options, std::shared_ptr<LinkCounters> counters,
          std::function<void()> wake);
 
   void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
@@ -96,7 +96,7 @@ class TxPort final : public PacketPort {
   void wait_for_line();
 
   const TxPortOptions options_;
-  const std::shared_ptr<LinkMonitor> monitor_;
+  const std::shared_ptr<LinkCounters> counters_;
   const std::function<void()> wake_;
 
   // Guarded by writer_mutex_.

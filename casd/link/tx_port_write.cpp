@@ -29,7 +29,7 @@ std::size_t TxPort::write_direct(std::span<const PacketRef> packets, base::RunTi
 
 std::size_t TxPort::write_some(std::span<const PacketRef> packets, base::RunTime now) {
   const WriteResult result = writer_->write(packets);
-  monitor_->tx.write_calls.add();
+  counters_->tx.write_calls.add();
   std::size_t gone = result.packets;
   if (result.part_of_next > 0) {
     const auto rest = packets[gone].bytes.subspan(result.part_of_next);
@@ -103,7 +103,7 @@ bool TxPort::take_batch(base::RunTime now) {
     batch_infos_.push_back(next->info);
     batch_.push_back({&batch_infos_.back(), {batch_bytes_.data() + offset, next->bytes.size()}});
   }
-  monitor_->tx.queued.set(queue_.count());
+  counters_->tx.queued.set(queue_.count());
   if (batch_.empty()) backlog_.store(false, std::memory_order_release);
   return !batch_.empty();
 }
@@ -149,7 +149,7 @@ void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
   }
   pacer_.sent(bytes, now);
   line_check_.wrote(now);
-  monitor_->count_sent(written, now, base::steady_now());
+  counters_->count_sent(written, now, base::steady_now());
 }
 
 void TxPort::wait_for_room(base::RunTime now) {

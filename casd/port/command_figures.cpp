@@ -147,7 +147,7 @@ CommandFigures::CommandFigures(base::rpc::Server& server, FiguresSource source)
 
 LinkId CommandFigures::require_link(const std::string& name) const {
   std::string known;
-  for (const LinkStatus& link : source_.monitor->links()) {
+  for (const LinkStatus& link : source_.figures->links()) {
     if (link.name == name) return link.id;
     known += (known.empty() ? "" : ", ") + link.name;
   }
@@ -170,7 +170,7 @@ json CommandFigures::status() const {
 json CommandFigures::links() const {
   const Topology& topology = source_.topology();
   json all = json::array();
-  for (const LinkStatus& link : source_.monitor->links()) {
+  for (const LinkStatus& link : source_.figures->links()) {
     json entry{{"name", link.name},
                {"type", to_string(link.type)},
                {"state", to_string(link.state)},
@@ -193,7 +193,7 @@ json CommandFigures::messages(const std::string* link) const {
   std::optional<std::string> only;
   if (link != nullptr) only = *link;
   json all = json::array();
-  for (const MessageStatus& message : source_.monitor->messages(source_.now(), only)) {
+  for (const MessageStatus& message : source_.figures->messages(source_.now(), only)) {
     all.push_back(message_json(message, message_name(message.id)));
   }
   return all;
@@ -246,7 +246,7 @@ json CommandFigures::routes() const {
 /// never became a message.
 json CommandFigures::drops() const {
   json unreadable = json::array();
-  for (const LinkStatus& link : source_.monitor->links()) {
+  for (const LinkStatus& link : source_.figures->links()) {
     const auto add = [&](const char* cause, std::uint64_t count) {
       if (count == 0) return;
       unreadable.push_back({{"link", link.name}, {"cause", cause}, {"count", count}});
@@ -257,7 +257,7 @@ json CommandFigures::drops() const {
     add("not_accepted", link.rx.not_accepted);
   }
   json dropped = json::array();
-  for (const MessageStatus& message : source_.monitor->messages(source_.now())) {
+  for (const MessageStatus& message : source_.figures->messages(source_.now())) {
     if (message.direction.rfind("drop.", 0) != 0) continue;
     json entry = message_json(message, message_name(message.id));
     entry.erase("direction");
@@ -271,7 +271,7 @@ void CommandFigures::publish() {
   publish_link_changes();
   if (server_.has_subscribers("messages")) server_.publish("messages", messages(nullptr));
   std::uint64_t dropped = 0;
-  for (const LinkStatus& link : source_.monitor->links()) {
+  for (const LinkStatus& link : source_.figures->links()) {
     for (const std::uint64_t count : link.tx.dropped) dropped += count;
     dropped += link.rx.crc_errors + link.rx.kernel_drops;
   }
@@ -279,7 +279,7 @@ void CommandFigures::publish() {
 }
 
 void CommandFigures::publish_link_changes() {
-  for (const LinkStatus& link : source_.monitor->links()) {
+  for (const LinkStatus& link : source_.figures->links()) {
     const std::string state(to_string(link.state));
     std::string& last = last_states_[link.name];
     if (last == state) continue;

@@ -11,7 +11,7 @@
 #include "base/time/clock.hpp"
 #include "casd/counters/echo_latency.hpp"
 #include "casd/counters/message_taps.hpp"
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 #include "casd/port/message_decoder.hpp"
 #include "casd/topology/topology.hpp"
 
@@ -21,7 +21,7 @@ class CommandParams;
 
 /// What the figures are taken from.
 struct FiguresSource {
-  const Monitor* monitor = nullptr;
+  const LinkFigures* figures = nullptr;
   /// The topology in force; it changes on a reload.
   std::function<const Topology&()> topology;
   std::function<base::RunTime()> now;
@@ -48,7 +48,7 @@ class CommandFigures {
   std::string metrics() const;
   /// Another dialect is in force.
   void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
-  /// After each Monitor::sample: tells subscribers.
+  /// After each LinkFigures::sample: tells subscribers.
   void publish();
 
  private:

@@ -25,7 +25,7 @@ json times_json(const Figures& figures) {
 
 json CommandFigures::latency() const {
   json all = json::array();
-  for (const LinkStatus& link : source_.monitor->links()) {
+  for (const LinkStatus& link : source_.figures->links()) {
     json entry{{"p50", microseconds(link.tx.forwarding_p50)},
                {"p99", microseconds(link.tx.forwarding_p99)},
                {"max", microseconds(link.tx.forwarding_max)}};
@@ -57,7 +57,7 @@ json CommandFigures::echo() const {
 
 /// "casd" is its own station.
 std::string CommandFigures::link_name(LinkId id) const {
-  for (const LinkStatus& link : source_.monitor->links()) {
+  for (const LinkStatus& link : source_.figures->links()) {
     if (link.id == id) return link.name;
   }
   return "casd";
@@ -67,8 +67,8 @@ std::string CommandFigures::metrics() const {
   const base::RunTime now = source_.now();
   MetricsSource all{.uptime_s = base::to_seconds(now - source_.started),
                     .clients = server_.clients(),
-                    .links = source_.monitor->links(),
-                    .messages = source_.monitor->messages(now)};
+                    .links = source_.figures->links(),
+                    .messages = source_.figures->messages(now)};
   for (MessageStatus& message : all.messages) message.name = message_name(message.id);
   return metrics_text(all);
 }

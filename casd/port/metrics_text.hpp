@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 
 namespace cas::casd {
 

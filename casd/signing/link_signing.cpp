@@ -10,14 +10,14 @@
 namespace cas::casd {
 
 LinkSigning::LinkSigning(const SigningConfig& config, std::shared_ptr<PacketSigner> signer,
-                         std::shared_ptr<LinkMonitor> monitor)
-    : config_(config), signer_(std::move(signer)), monitor_(std::move(monitor)) {}
+                         std::shared_ptr<LinkCounters> counters)
+    : config_(config), signer_(std::move(signer)), counters_(std::move(counters)) {}
 
 std::optional<mav::PacketView> LinkSigning::admit(const mav::PacketView& packet) {
   using enum mav::SignatureVerdict;
   // A key that is set up over this link would end up on another one, in the clear.
   if (packet.message_id == mavlink::common::SetupSigning::kId) {
-    monitor_->rx.setup_signing.add();
+    counters_->rx.setup_signing.add();
     return std::nullopt;
   }
   if (!config_.verify) return packet;
@@ -28,7 +28,7 @@ std::optional<mav::PacketView> LinkSigning::admit(const mav::PacketView& packet)
       std::find(allowed.begin(), allowed.end(), packet.message_id) == allowed.end()) {
     verdict = signer_->verify(packet);
   }
-  monitor_->rx.signatures[static_cast<std::size_t>(verdict)].add();
+  counters_->rx.signatures[static_cast<std::size_t>(verdict)].add();
   if (!mav::accepted(verdict)) return std::nullopt;
 
   const int crc_extra = fitting_crc_extra(packet);
@@ -56,10 +56,10 @@ void SigningKeys::begin() {
 }
 
 std::shared_ptr<LinkSigning> SigningKeys::for_link(const LinkConfig& config,
-                                                   std::shared_ptr<LinkMonitor> monitor) const {
+                                                   std::shared_ptr<LinkCounters> counters) const {
   if (!config.signing) return nullptr;
   return std::make_shared<LinkSigning>(*config.signing, signers_.at(config.signing->key_file),
-                                       std::move(monitor));
+                                       std::move(counters));
 }
 
 }  // namespace cas::casd

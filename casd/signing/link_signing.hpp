@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 #include "casd/packet/packet_writer.hpp"
 #include "casd/signing/packet_signer.hpp"
 #include "casd/topology/topology.hpp"
@@ -23,7 +23,7 @@ namespace cas::casd {
 class LinkSigning {
  public:
   LinkSigning(const SigningConfig& config, std::shared_ptr<PacketSigner> signer,
-              std::shared_ptr<LinkMonitor> monitor);
+              std::shared_ptr<LinkCounters> counters);
 
   /// Judges a packet that came in; on the link's thread.
   /// @return the packet without signature, valid until the next call; nothing when it is refused
@@ -36,7 +36,7 @@ class LinkSigning {
  private:
   const SigningConfig config_;
   const std::shared_ptr<PacketSigner> signer_;
-  const std::shared_ptr<LinkMonitor> monitor_;
+  const std::shared_ptr<LinkCounters> counters_;
   std::array<std::uint8_t, mav::kMaxPacketBytes> stripped_{};
 };
 
@@ -49,7 +49,7 @@ class SigningKeys {
   void begin();
   /// @return nothing for a link without `signing`
   std::shared_ptr<LinkSigning> for_link(const LinkConfig& config,
-                                        std::shared_ptr<LinkMonitor> monitor) const;
+                                        std::shared_ptr<LinkCounters> counters) const;
 
  private:
   std::map<std::filesystem::path, std::shared_ptr<PacketSigner>> signers_;

@@ -9,8 +9,8 @@ namespace cas::casd {
 
 LocalEndpoint::LocalEndpoint(Switchboard& switchboard, mav::Source self)
     : self_(self),
-      monitor_(std::make_shared<LinkMonitor>("casd", LinkType::kUdp)),
-      ingress_(kLocalLink, switchboard, monitor_),
+      counters_(std::make_shared<LinkCounters>("casd", LinkType::kUdp)),
+      ingress_(kLocalLink, switchboard, counters_),
       waiting_(kQueueBytes),
       dispatching_(kQueueBytes) {}
 

@@ -43,7 +43,7 @@ class LocalEndpoint final : public PacketPort {
   bool concerns_us(const PacketInfo& info) const;
 
   mav::Source self_;
-  std::shared_ptr<LinkMonitor> monitor_;
+  std::shared_ptr<LinkCounters> counters_;
   Ingress ingress_;
   WakeSignal signal_;
   std::mutex mutex_;

@@ -143,7 +143,7 @@ void TcpServerLink::accept(base::RunTime now) {
   }
   const std::string name = to_text(from);
   if (static_cast<int>(clients_.size()) >= core_.config().max_peers) {
-    core_.monitor().rx.foreign.add();
+    core_.counters().rx.foreign.add();
     base::log::warn("link " + core_.config().name + ": no room for " + name);
     return;
   }
@@ -153,13 +153,13 @@ void TcpServerLink::accept(base::RunTime now) {
   client->fd = socket.get();
   client->name = name;
   client->port =
-      std::make_shared<TxPort>(core_.port_options(), core_.shared_monitor(), core_.wake());
+      std::make_shared<TxPort>(core_.port_options(), core_.shared_counters(), core_.wake());
   client->port->attach(
       std::make_unique<StreamWriter>(std::move(socket), StreamWriter::Kind::kSocket));
   slots_ |= bit(client->slot);
   fan_out_->set_client(client->slot, client->port);
   clients_.push_back(std::move(client));
-  core_.monitor().peers.set(clients_.size());
+  core_.counters().peers.set(clients_.size());
   base::log::info("link " + core_.config().name + ": " + name + " connected");
 }
 
@@ -196,7 +196,7 @@ void TcpServerLink::remove(std::size_t index, const std::string& reason) {
   slots_ &= ~bit(client.slot);
   base::log::info("link " + core_.config().name + ": " + client.name + " " + reason);
   clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));
-  core_.monitor().peers.set(clients_.size());
+  core_.counters().peers.set(clients_.size());
 }
 
 }  // namespace cas::casd

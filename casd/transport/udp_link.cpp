@@ -89,7 +89,7 @@ SocketAddress source_towards(const SocketAddress& remote, int fd, const std::str
 
 UdpLink::UdpLink(LinkContext context)
     : core_(std::move(context)),
-      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_monitor(), core_.wake())),
+      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_counters(), core_.wake())),
       parser_(make_parser()) {}
 
 void UdpLink::watch(PollSet& set, base::RunTime) {
@@ -179,7 +179,7 @@ void UdpLink::read(base::RunTime now) {
     }
     core_.ingress().deliver(now);
     if (reader_.kernel_drops() != drops_seen_) {
-      core_.monitor().rx.kernel_drops.add(reader_.kernel_drops() - drops_seen_);
+      core_.counters().rx.kernel_drops.add(reader_.kernel_drops() - drops_seen_);
       drops_seen_ = reader_.kernel_drops();
     }
     if (count < static_cast<int>(DatagramReader::kBatch)) return;

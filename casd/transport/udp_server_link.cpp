@@ -14,7 +14,7 @@ UdpServerLink::UdpServerLink(LinkContext context)
       newest_only_(core_.config().type == LinkType::kUdp),
       peers_(std::make_shared<SharedPeers>(newest_only_ ? 1 : core_.config().max_peers,
                                            core_.config().expiry)),
-      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_monitor(), core_.wake())),
+      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_counters(), core_.wake())),
       parser_(make_parser()) {}
 
 void UdpServerLink::watch(PollSet& set, base::RunTime) {
@@ -50,7 +50,7 @@ void UdpServerLink::open(base::RunTime now) {
   drops_seen_ = 0;
   reader_.reset();
   port_->attach(std::make_unique<UdpServerWriter>(std::move(socket), core_.id(), peers_,
-                                                  core_.shared_monitor()));
+                                                  core_.shared_counters()));
   core_.went_up(to_text(local_address(fd_)));
 }
 
@@ -62,7 +62,7 @@ void UdpServerLink::read(base::RunTime now) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) take_datagram(i, now);
     core_.ingress().deliver(now);
     if (reader_.kernel_drops() != drops_seen_) {
-      core_.monitor().rx.kernel_drops.add(reader_.kernel_drops() - drops_seen_);
+      core_.counters().rx.kernel_drops.add(reader_.kernel_drops() - drops_seen_);
       drops_seen_ = reader_.kernel_drops();
     }
     if (count < static_cast<int>(DatagramReader::kBatch)) return;
@@ -74,7 +74,7 @@ void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
   std::optional<std::uint8_t> peer = peers_->table.find(reader_.sender(index));
   const auto on_packet = [&](const mav::PacketView& packet) {
     if (!peer) peer = admit(index, now);
-    if (!peer) return core_.monitor().rx.foreign.add();
+    if (!peer) return core_.counters().rx.foreign.add();
     peers_->table.heard(*peer, packet.source, now);
     core_.ingress().take_packet(packet, now, *peer);
   };
@@ -85,7 +85,7 @@ std::optional<std::uint8_t> UdpServerLink::admit(std::size_t index, base::RunTim
   const std::scoped_lock lock(peers_->mutex);
   if (newest_only_) peers_->table.clear();
   const auto peer = peers_->table.add(reader_.sender(index), reader_.sender_size(index), now);
-  core_.monitor().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
+  core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
   return peer;
 }
 
@@ -94,7 +94,7 @@ void UdpServerLink::on_second(base::RunTime now) {
   if (newest_only_) return;  // the one peer stays: it may only listen
   const std::scoped_lock lock(peers_->mutex);
   peers_->table.expire(now);
-  core_.monitor().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
+  core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
 }
 
 void UdpServerLink::close(const std::string& reason, base::RunTime now) {

@@ -9,11 +9,11 @@ namespace cas::casd {
 
 UdpServerWriter::UdpServerWriter(base::Descriptor descriptor, LinkId own,
                                  std::shared_ptr<SharedPeers> peers,
-                                 std::shared_ptr<LinkMonitor> monitor)
+                                 std::shared_ptr<LinkCounters> counters)
     : descriptor_(std::move(descriptor)),
       own_(own),
       peers_(std::move(peers)),
-      monitor_(std::move(monitor)) {}
+      counters_(std::move(counters)) {}
 
 WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
   const std::scoped_lock lock(peers_->mutex);
@@ -42,7 +42,7 @@ void UdpServerWriter::send_to_each(const PacketRef& packet, LinkMask peers) {
     const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
                                 MSG_DONTWAIT | MSG_NOSIGNAL);
     // This peer's loss; on with the next.
-    if (sent <= 0) monitor_->count_dropped(*packet.info, DropCause::kQueueFull);
+    if (sent <= 0) counters_->count_dropped(*packet.info, DropCause::kQueueFull);
     done += sent > 0 ? static_cast<unsigned>(sent) : 1;
   }
 }
@@ -65,7 +65,7 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
                                      peers_->table.address_size(peer));
     if (result.error == 0) continue;
     for (std::size_t i = result.packets; i < of_peer_.size(); ++i) {
-      monitor_->count_dropped(*of_peer_[i].info, DropCause::kQueueFull);
+      counters_->count_dropped(*of_peer_[i].info, DropCause::kQueueFull);
     }
   }
 }

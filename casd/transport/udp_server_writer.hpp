@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/os/descriptor.hpp"
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 #include "casd/packet/packet_writer.hpp"
 #include "casd/transport/datagram_sender.hpp"
 #include "casd/transport/udp_server_link.hpp"
@@ -17,7 +17,7 @@ namespace cas::casd {
 class UdpServerWriter final : public PacketWriter {
  public:
   UdpServerWriter(base::Descriptor descriptor, LinkId own, std::shared_ptr<SharedPeers> peers,
-                  std::shared_ptr<LinkMonitor> monitor);
+                  std::shared_ptr<LinkCounters> counters);
 
   WriteResult write(std::span<const PacketRef> packets) override;
   std::ptrdiff_t write_rest(std::span<const std::uint8_t>) override { return 0; }
@@ -30,7 +30,7 @@ class UdpServerWriter final : public PacketWriter {
   base::Descriptor descriptor_;
   LinkId own_;
   std::shared_ptr<SharedPeers> peers_;
-  std::shared_ptr<LinkMonitor> monitor_;
+  std::shared_ptr<LinkCounters> counters_;
   DatagramSender sender_;
   std::vector<LinkMask> masks_;
   std::vector<PacketRef> of_peer_;

@@ -50,7 +50,7 @@ routes:
 }
 
 std::uint16_t Px4HitlFixture::port_of_link(const std::string& name) const {
-  for (const casd::LinkStatus& status : casd_->monitor().links()) {
+  for (const casd::LinkStatus& status : casd_->figures().links()) {
     if (status.name == name) return port_of(status.endpoint);
   }
   throw std::runtime_error("no link " + name);

@@ -37,7 +37,7 @@ class FuzzedPort {
     server_.listen_unix(folder_ / "port");
     topology_.links.push_back({});
     topology_.links.back().name = "fcu";
-    monitor_.add_link(0, "fcu", LinkType::kSerial);
+    figures_.add_link(0, "fcu", LinkType::kSerial);
     vehicle_.params = {{"MC_ROLLRATE_P", {.value = 0.15}}};
     vehicle_.say_heartbeat(now_);
     turn();
@@ -105,7 +105,7 @@ class FuzzedPort {
                                 vehicle_.handle(mav::view_packet(packet), now_);
                               }};
   Topology topology_;
-  Monitor monitor_;
+  LinkFigures figures_;
   MessageTaps taps_;
   EchoLatency echo_;
   CommandServer commands_{server_,
@@ -115,7 +115,7 @@ class FuzzedPort {
                            .link_name = [](LinkId) { return std::string("fcu"); },
                            .audit = [](const std::string&) {}}};
   CommandFigures figures_{server_,
-                          {.monitor = &monitor_,
+                          {.figures = &figures_,
                            .topology = [this]() -> const Topology& { return topology_; },
                            .now = [this] { return now_; },
                            .started = now_,

@@ -67,7 +67,7 @@ routes:
       }));
     }
   }
-  EXPECT_LE(bench.links().monitor().messages(base::steady_now(), "gcs").size(), 2048U);
+  EXPECT_LE(bench.links().figures().messages(base::steady_now(), "gcs").size(), 2048U);
   bench.sim.send(bench.from_sim(hil_sensor(1)));
   bench.fcu.write(bench.from_fcu(hil_controls(1)));
   EXPECT_TRUE(bench.collect_until([&] {

@@ -56,7 +56,7 @@ void CasdBench::start(const std::string& yaml) {
   links_ = std::make_unique<casd::LinkSet>(parse(yaml));
   links_->start();
   if (!wait_until([&] { return links_->settled(); })) throw std::runtime_error("links hang");
-  for (const auto& link : links_->monitor().links()) {
+  for (const auto& link : links_->figures().links()) {
     if (link.name == "sim" && link.state == casd::LinkState::kUp) sim.set_remote(port("sim"));
   }
 }
@@ -78,7 +78,7 @@ casd::Topology CasdBench::parse(const std::string& yaml) const {
 }
 
 casd::LinkStatus CasdBench::status(const std::string& link) const {
-  for (const casd::LinkStatus& status : links_->monitor().links()) {
+  for (const casd::LinkStatus& status : links_->figures().links()) {
     if (status.name == link) return status;
   }
   throw std::runtime_error("no link " + link);

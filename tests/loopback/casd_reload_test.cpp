@@ -92,7 +92,7 @@ TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
     EXPECT_THROW(bench.links().reload(topology), base::ConfigError);
   }
   EXPECT_EQ(bench.links().topology().links.size(), 2U);
-  EXPECT_EQ(bench.links().monitor().links().size(), 2U);
+  EXPECT_EQ(bench.links().figures().links().size(), 2U);
   EXPECT_EQ(bench.port("sim"), before);
   bench.sim.send(bench.from_sim(hil_sensor(1)));
   bench.fcu.write(bench.from_fcu(hil_controls(1)));
@@ -101,7 +101,7 @@ TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
   }));
 
   bench.links().reload(topology);  // now there is room
-  EXPECT_EQ(bench.links().monitor().links().size(), 6U);
+  EXPECT_EQ(bench.links().figures().links().size(), 6U);
   EXPECT_TRUE(wait_until([&] { return bench.links().settled(); }));
 }
 

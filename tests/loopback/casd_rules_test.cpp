@@ -13,7 +13,7 @@ namespace {
 std::uint64_t counted(CasdBench& bench, const std::string& link, const std::string& direction,
                       std::uint32_t message) {
   std::uint64_t sum = 0;
-  for (const auto& entry : bench.links().monitor().messages(base::steady_now(), link)) {
+  for (const auto& entry : bench.links().figures().messages(base::steady_now(), link)) {
     if (entry.direction == direction && entry.id == message) sum += entry.count;
   }
   return sum;

@@ -57,7 +57,7 @@ class FakeWriter final : public PacketWriter {
 class TxPortTest : public testing::Test {
  protected:
   void open(const TxPortOptions& options) {
-    port = std::make_unique<TxPort>(options, monitor, [this] { ++wakes; });
+    port = std::make_unique<TxPort>(options, counters, [this] { ++wakes; });
     port->attach(std::make_unique<FakeWriter>(line));
   }
   /// Packets of the same class, in one batch, read at `now`; their message ids count up.
@@ -70,11 +70,11 @@ class TxPortTest : public testing::Test {
     port->deliver(packets, now);
   }
   std::uint64_t dropped(DropCause cause) const {
-    return monitor->tx.dropped[static_cast<std::size_t>(cause)].get();
+    return counters->tx.dropped[static_cast<std::size_t>(cause)].get();
   }
 
   FakeLine line;
-  std::shared_ptr<LinkMonitor> monitor = std::make_shared<LinkMonitor>("line", LinkType::kSerial);
+  std::shared_ptr<LinkCounters> counters = std::make_shared<LinkCounters>("line", LinkType::kSerial);
   std::unique_ptr<TxPort> port;
   std::uint32_t next_id = 1;
   int wakes = 0;
@@ -84,7 +84,7 @@ TEST_F(TxPortTest, WritesAtOnceWhileThereIsRoom) {
   open({});
   deliver(TrafficClass::kHil, 3, at({}));
   EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 2, 3}));
-  EXPECT_EQ(monitor->tx.write_calls.get(), 1U);
+  EXPECT_EQ(counters->tx.write_calls.get(), 1U);
   EXPECT_EQ(wakes, 0);
 }
 
@@ -95,7 +95,7 @@ TEST_F(TxPortTest, WhatCannotBeSignedIsDroppedAndNotSent) {
   std::filesystem::permissions(
       config.key_file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   open({.signing = std::make_shared<LinkSigning>(
-            config, std::make_shared<PacketSigner>(config.key_file), monitor)});
+            config, std::make_shared<PacketSigner>(config.key_file), counters)});
   const auto whole = packet(mavlink::common::Heartbeat{}, {1, 1});
   auto damaged = whole;
   while (fitting_crc_extra(view(damaged)) >= 0) ++damaged.bytes[damaged.size - 1];
@@ -109,7 +109,7 @@ TEST_F(TxPortTest, WhatCannotBeSignedIsDroppedAndNotSent) {
   deliver_both(true);
   deliver_both(false);
   EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 1}));
-  EXPECT_EQ(monitor->tx.packets.get(), 2U);
+  EXPECT_EQ(counters->tx.packets.get(), 2U);
   EXPECT_EQ(dropped(DropCause::kUnsignable), 2U);
 
   line.room = 0;  // they wait together, and are judged together
@@ -117,7 +117,7 @@ TEST_F(TxPortTest, WhatCannotBeSignedIsDroppedAndNotSent) {
   EXPECT_EQ(dropped(DropCause::kUnsignable), 2U);
   line.room = 1'000'000;
   port->carry_on(at({}));
-  EXPECT_EQ(monitor->tx.packets.get(), 3U);
+  EXPECT_EQ(counters->tx.packets.get(), 3U);
   EXPECT_EQ(dropped(DropCause::kUnsignable), 3U);
 }
 
@@ -209,7 +209,7 @@ TEST_F(TxPortTest, CountsWhatACapMadeTooOldAsBandwidthByMessage) {
   EXPECT_EQ(dropped(DropCause::kAge), 0U);
   EXPECT_EQ(line.written.size() + dropped(DropCause::kBandwidth), 10U);
   std::uint64_t by_message = 0;
-  monitor->tx.dropped_messages[static_cast<std::size_t>(DropCause::kBandwidth)].for_each(
+  counters->tx.dropped_messages[static_cast<std::size_t>(DropCause::kBandwidth)].for_each(
       [&](const MessageCounters::Entry& entry) { by_message += entry.count; });
   EXPECT_EQ(by_message, dropped(DropCause::kBandwidth));
   EXPECT_GT(by_message, 0U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 
 #include <utility>
 
@@ -25,7 +25,7 @@ std::string direction_name(int direction) {
 }
 
 template <class Visit>
-void for_each_direction(const LinkMonitor& link, Visit&& visit) {
+void for_each_direction(const LinkCounters& link, Visit&& visit) {
   visit(kRx, link.rx.messages);
   visit(kTx, link.tx.messages);
   for (int i = 0; i < kDropCauses; ++i) {
@@ -55,22 +55,22 @@ std::string_view to_string(LinkState state) {
   return "?";
 }
 
-void LinkMonitor::set_endpoint(std::string text) {
+void LinkCounters::set_endpoint(std::string text) {
   const std::scoped_lock lock(mutex_);
   endpoint_ = std::move(text);
 }
 
-std::string LinkMonitor::endpoint() const {
+std::string LinkCounters::endpoint() const {
   const std::scoped_lock lock(mutex_);
   return endpoint_;
 }
 
-void LinkMonitor::count_refused(Route::Decision why, const PacketInfo& info, unsigned times) {
+void LinkCounters::count_refused(Route::Decision why, const PacketInfo& info, unsigned times) {
   MessageCounters& counters = rx.refused[static_cast<std::size_t>(why)];
   for (unsigned i = 0; i < times; ++i) counters.add(info.message_id, info.source, info.received);
 }
 
-void LinkMonitor::count_sent(std::span<const PacketRef> packets, base::RunTime now,
+void LinkCounters::count_sent(std::span<const PacketRef> packets, base::RunTime now,
                              base::RunTime done) {
   std::size_t bytes = 0;
   const std::scoped_lock lock(tx.mutex);
@@ -86,7 +86,7 @@ void LinkMonitor::count_sent(std::span<const PacketRef> packets, base::RunTime n
   tx.bytes.add(bytes);
 }
 
-void LinkMonitor::count_dropped(const PacketInfo& info, DropCause cause) {
+void LinkCounters::count_dropped(const PacketInfo& info, DropCause cause) {
   const auto index = static_cast<std::size_t>(cause);
   const std::scoped_lock lock(tx.mutex);
   tx.dropped[index].add();
@@ -94,24 +94,24 @@ void LinkMonitor::count_dropped(const PacketInfo& info, DropCause cause) {
   if (ledger) ledger->dropped(info, cause, base::steady_now());
 }
 
-std::shared_ptr<LinkMonitor> Monitor::make_link(const std::string& name, LinkType type) const {
-  auto link = std::make_shared<LinkMonitor>(name, type);
+std::shared_ptr<LinkCounters> LinkFigures::make_link(const std::string& name, LinkType type) const {
+  auto link = std::make_shared<LinkCounters>(name, type);
   if (keeps_ledgers_) link->ledger = std::make_unique<LinkLedger>();
   return link;
 }
 
-std::shared_ptr<LinkMonitor> Monitor::add_link(LinkId id, const std::string& name, LinkType type) {
+std::shared_ptr<LinkCounters> LinkFigures::add_link(LinkId id, const std::string& name, LinkType type) {
   auto link = make_link(name, type);
   add_link(id, link);
   return link;
 }
 
-void Monitor::keep_ledgers() {
+void LinkFigures::keep_ledgers() {
   keeps_ledgers_ = true;
   for (const auto& [id, link] : links_) link->ledger = std::make_unique<LinkLedger>();
 }
 
-std::map<std::string, const LinkLedger*> Monitor::ledgers() const {
+std::map<std::string, const LinkLedger*> LinkFigures::ledgers() const {
   std::map<std::string, const LinkLedger*> ledgers;
   for (const auto& [id, link] : links_) {
     if (link->ledger) ledgers[link->name] = link->ledger.get();
@@ -119,12 +119,12 @@ std::map<std::string, const LinkLedger*> Monitor::ledgers() const {
   return ledgers;
 }
 
-void Monitor::remove_link(LinkId id) {
+void LinkFigures::remove_link(LinkId id) {
   links_.erase(id);
   std::erase_if(rates_, [id](const auto& entry) { return std::get<0>(entry.first) == id; });
 }
 
-void Monitor::sample(base::RunTime now) {
+void LinkFigures::sample(base::RunTime now) {
   for (const auto& [id, link] : links_) {
     for_each_direction(*link, [&, link_id = id](int direction, const MessageCounters& counters) {
       sample_counters(link_id, direction, counters, now);
@@ -132,7 +132,7 @@ void Monitor::sample(base::RunTime now) {
   }
 }
 
-void Monitor::sample_counters(LinkId id, int direction, const MessageCounters& counters,
+void LinkFigures::sample_counters(LinkId id, int direction, const MessageCounters& counters,
                               base::RunTime now) {
   constexpr double kGain = 0.5;  // of the newest second: settles within a few
   counters.for_each([&](const MessageCounters::Entry& entry) {
@@ -148,7 +148,7 @@ void Monitor::sample_counters(LinkId id, int direction, const MessageCounters& c
   });
 }
 
-std::vector<LinkStatus> Monitor::links() const {
+std::vector<LinkStatus> LinkFigures::links() const {
   std::vector<LinkStatus> all;
   for (const auto& [id, link] : links_) {
     LinkStatus status;
@@ -202,12 +202,12 @@ std::vector<LinkStatus> Monitor::links() const {
   return all;
 }
 
-std::vector<MessageStatus> Monitor::messages(base::RunTime now,
+std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
                                              const std::optional<std::string>& link) const {
   std::vector<MessageStatus> all;
-  for (const auto& [id, monitor] : links_) {
-    if (link && monitor->name != *link) continue;
-    const auto add = [&, link_id = id, name = monitor->name](int direction,
+  for (const auto& [id, own] : links_) {
+    if (link && own->name != *link) continue;
+    const auto add = [&, link_id = id, name = own->name](int direction,
                                                              const MessageCounters& counters) {
       counters.for_each([&](const MessageCounters::Entry& entry) {
         const auto rate = rates_.find({link_id, direction, key_of(entry)});
@@ -222,7 +222,7 @@ std::vector<MessageStatus> Monitor::messages(base::RunTime now,
                        .age_s = base::to_seconds(now - entry.last)});
       });
     };
-    for_each_direction(*monitor, add);
+    for_each_direction(*own, add);
   }
   return all;
 }

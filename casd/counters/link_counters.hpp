@@ -44,8 +44,8 @@ class Counter {
 
 /// What one link counts. `rx` fields are written by the link's thread, `tx` fields under
 /// `tx.mutex`, which is held for the counting only; everybody may read.
-struct LinkMonitor {
-  LinkMonitor(std::string link_name, LinkType link_type)
+struct LinkCounters {
+  LinkCounters(std::string link_name, LinkType link_type)
       : name(std::move(link_name)), type(link_type) {}
 
   const std::string name;
@@ -71,7 +71,7 @@ struct LinkMonitor {
     std::array<Counter, kDropCauses> dropped;
     std::array<MessageCounters, kDropCauses> dropped_messages;
     MessageCounters messages;
-    base::Histogram forwarding;  ///< read to written; read it through Monitor
+    base::Histogram forwarding;  ///< read to written; read it through LinkFigures
     RouteLatency routes;         ///< the same by receiving link
     mutable std::mutex mutex;
   } tx;
@@ -131,12 +131,12 @@ struct MessageStatus {
 
 /// The figures of all links. The hot path only counts; rates are formed here, from two looks at the
 /// counters. `sample`, `links` and `messages` belong to one thread (casd's main thread).
-class Monitor {
+class LinkFigures {
  public:
   /// The counters of a link that is not in the figures yet.
-  std::shared_ptr<LinkMonitor> make_link(const std::string& name, LinkType type) const;
-  void add_link(LinkId id, std::shared_ptr<LinkMonitor> link) { links_[id] = std::move(link); }
-  std::shared_ptr<LinkMonitor> add_link(LinkId id, const std::string& name, LinkType type);
+  std::shared_ptr<LinkCounters> make_link(const std::string& name, LinkType type) const;
+  void add_link(LinkId id, std::shared_ptr<LinkCounters> link) { links_[id] = std::move(link); }
+  std::shared_ptr<LinkCounters> add_link(LinkId id, const std::string& name, LinkType type);
   void remove_link(LinkId id);
   /// The links remember each HIL packet, those that are added later too; before they start.
   void keep_ledgers();
@@ -161,7 +161,7 @@ class Monitor {
   void sample_counters(LinkId id, int direction, const MessageCounters& counters,
                        base::RunTime now);
 
-  std::map<LinkId, std::shared_ptr<LinkMonitor>> links_;
+  std::map<LinkId, std::shared_ptr<LinkCounters>> links_;
   std::map<RateKey, Rate> rates_;
   bool keeps_ledgers_ = false;
 };

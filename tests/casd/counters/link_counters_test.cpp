@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/counters/monitor.hpp"
+#include "casd/counters/link_counters.hpp"
 
 #include <gtest/gtest.h>
 
@@ -43,15 +43,15 @@ TEST(MessageCounters, SayWhenThereAreTooManyKinds) {
   EXPECT_GT(counted, 1900U);
 }
 
-TEST(Monitor, FormsRatesFromTwoLooks) {
-  Monitor monitor;
-  const auto link = monitor.add_link(3, "fcu", LinkType::kSerial);
-  monitor.sample(at({}));
+TEST(LinkFigures, FormsRatesFromTwoLooks) {
+  LinkFigures figures;
+  const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
+  figures.sample(at({}));
   for (int second = 1; second <= 5; ++second) {
     for (int i = 0; i < 400; ++i) link->rx.messages.add(91, {1, 1}, at(seconds(second)));
-    monitor.sample(at(seconds(second)));
+    figures.sample(at(seconds(second)));
   }
-  const auto messages = monitor.messages(at(seconds(5) + milliseconds(500)));
+  const auto messages = figures.messages(at(seconds(5) + milliseconds(500)));
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(messages[0].link, "fcu");
   EXPECT_EQ(messages[0].direction, "rx");
@@ -61,31 +61,31 @@ TEST(Monitor, FormsRatesFromTwoLooks) {
   EXPECT_NEAR(messages[0].age_s, 0.5, 1e-9);
 }
 
-TEST(Monitor, ShowsLinksWithTheirStateAndForgetsThem) {
-  Monitor monitor;
-  const auto link = monitor.add_link(3, "fcu", LinkType::kSerial);
+TEST(LinkFigures, ShowsLinksWithTheirStateAndForgetsThem) {
+  LinkFigures figures;
+  const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
   link->state = LinkState::kUp;
   link->set_endpoint("/dev/ttyACM0");
   link->tx.dropped[0].add(7);
-  const auto links = monitor.links();
+  const auto links = figures.links();
   ASSERT_EQ(links.size(), 1U);
   EXPECT_EQ(links[0].id, 3);
   EXPECT_EQ(links[0].endpoint, "/dev/ttyACM0");
   EXPECT_EQ(links[0].tx.dropped[0], 7U);
-  monitor.remove_link(3);
-  EXPECT_TRUE(monitor.links().empty());
+  figures.remove_link(3);
+  EXPECT_TRUE(figures.links().empty());
 }
 
-TEST(Monitor, SaysWhatItsTablesHadNoRoomFor) {
-  Monitor monitor;
-  const auto link = monitor.add_link(3, "fcu", LinkType::kSerial);
+TEST(LinkFigures, SaysWhatItsTablesHadNoRoomFor) {
+  LinkFigures figures;
+  const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
   PacketInfo info;
   for (; info.message_id < 5000; ++info.message_id) {
     link->rx.messages.add(info.message_id, {1, 1}, at({}));
     link->count_dropped(info, DropCause::kClosed);
   }
-  EXPECT_EQ(monitor.messages(at({})).size() + monitor.links()[0].uncounted, 10'000U);
-  EXPECT_GT(monitor.links()[0].uncounted, 0U);
+  EXPECT_EQ(figures.messages(at({})).size() + figures.links()[0].uncounted, 10'000U);
+  EXPECT_GT(figures.links()[0].uncounted, 0U);
 }
 
 TEST(TlogWriter, WritesTimeAndPacketAsGroundStationsReadThem) {
