@@ -9,7 +9,7 @@
 #include "casd/link_set.hpp"
 #include "casd/port/command_figures.hpp"
 #include "casd/port/command_server.hpp"
-#include "casd/tlog/tlog.hpp"
+#include "casd/tlog/tlog_writer.hpp"
 
 namespace cas::casd {
 

@@ -95,7 +95,7 @@ std::set<std::string> LinkSet::unchanged(const Topology& topology) const {
 LinkSet::Change LinkSet::prepare(const Topology& topology, const std::set<std::string>& kept) {
   Change change;
   change.keys = keys_;
-  change.keys.read(topology);
+  change.keys.read(topology.links);
   LinkSlots slots;
   auto ports = std::make_shared<PortTable>();
   LinkMask taken = 0;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "casd/port/message_decoder.hpp"
-#include "casd/signing/signing_key.hpp"
+#include "casd/signing/packet_signer.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/counters/echo_latency.hpp"
 
-#include "casd/packet/hil_stamp.hpp"
+#include "casd/packet/packet_info.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_sensor.hpp"

@@ -19,7 +19,8 @@ std::string direction_name(int direction) {
   if (direction == kRx) return "rx";
   if (direction == kTx) return "tx";
   if (direction >= kFirstDecision) {
-    return "drop." + std::string(to_string(static_cast<Route::Decision>(direction - kFirstDecision)));
+    return "drop." +
+           std::string(to_string(static_cast<Route::Decision>(direction - kFirstDecision)));
   }
   return "drop." + std::string(to_string(static_cast<DropCause>(direction - kFirstDrop)));
 }
@@ -71,7 +72,7 @@ void LinkCounters::count_refused(Route::Decision why, const PacketInfo& info, un
 }
 
 void LinkCounters::count_sent(std::span<const PacketRef> packets, base::RunTime now,
-                             base::RunTime done) {
+                              base::RunTime done) {
   std::size_t bytes = 0;
   const std::scoped_lock lock(tx.mutex);
   for (const PacketRef& packet : packets) {
@@ -100,7 +101,8 @@ std::shared_ptr<LinkCounters> LinkFigures::make_link(const std::string& name, Li
   return link;
 }
 
-std::shared_ptr<LinkCounters> LinkFigures::add_link(LinkId id, const std::string& name, LinkType type) {
+std::shared_ptr<LinkCounters> LinkFigures::add_link(LinkId id, const std::string& name,
+                                                    LinkType type) {
   auto link = make_link(name, type);
   add_link(id, link);
   return link;
@@ -133,7 +135,7 @@ void LinkFigures::sample(base::RunTime now) {
 }
 
 void LinkFigures::sample_counters(LinkId id, int direction, const MessageCounters& counters,
-                              base::RunTime now) {
+                                  base::RunTime now) {
   constexpr double kGain = 0.5;  // of the newest second: settles within a few
   counters.for_each([&](const MessageCounters::Entry& entry) {
     const auto [found, fresh] = rates_.try_emplace({id, direction, key_of(entry)});
@@ -203,12 +205,12 @@ std::vector<LinkStatus> LinkFigures::links() const {
 }
 
 std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
-                                             const std::optional<std::string>& link) const {
+                                                 const std::optional<std::string>& link) const {
   std::vector<MessageStatus> all;
   for (const auto& [id, own] : links_) {
     if (link && own->name != *link) continue;
     const auto add = [&, link_id = id, name = own->name](int direction,
-                                                             const MessageCounters& counters) {
+                                                         const MessageCounters& counters) {
       counters.for_each([&](const MessageCounters::Entry& entry) {
         const auto rate = rates_.find({link_id, direction, key_of(entry)});
         const mav::MessageInfo* known = mav::public_table().find(entry.message_id);
@@ -225,6 +227,39 @@ std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
     for_each_direction(*own, add);
   }
   return all;
+}
+
+void MessageCounters::add(std::uint32_t message_id, mav::Source source, base::RunTime now) {
+  constexpr std::uint64_t kUsed = std::uint64_t{1} << 63U;
+  const std::uint64_t key = kUsed | std::uint64_t{message_id} << 16U |
+                            std::uint64_t{source.system} << 8U | source.component;
+  Slot* slot = find(key);
+  if (slot == nullptr) {
+    uncounted_.store(uncounted_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    return;
+  }
+  slot->count.store(slot->count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  slot->last_ns.store(now.time_since_epoch().count(), std::memory_order_relaxed);
+}
+
+MessageCounters::Slot* MessageCounters::find(std::uint64_t key) {
+  Slot* slots = slots_.load(std::memory_order_relaxed);
+  if (slots == nullptr) {
+    slots = new Slot[kSlots];
+    slots_.store(slots, std::memory_order_release);
+  }
+  constexpr std::uint64_t kMultiplier = 0x9E3779B97F4A7C15ULL;  // spreads neighbouring keys
+  std::size_t at = (key * kMultiplier) >> 53U;                  // 11 bits: kSlots
+  static_assert(kSlots == std::size_t{1} << 11U);
+  for (std::size_t i = 0; i < kProbes; ++i, at = (at + 1) % kSlots) {
+    const std::uint64_t found = slots[at].key.load(std::memory_order_relaxed);
+    if (found == key) return &slots[at];
+    if (found == 0) {
+      slots[at].key.store(key, std::memory_order_release);
+      return &slots[at];
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace cas::casd

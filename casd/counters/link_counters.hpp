@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -10,19 +11,19 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "base/measure/histogram.hpp"
 #include "base/time/clock.hpp"
 #include "casd/counters/link_ledger.hpp"
-#include "casd/counters/message_counters.hpp"
-#include "casd/counters/route_latency.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/queue/tx_queue.hpp"
 #include "casd/routing/router.hpp"
-#include "casd/topology/topology.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
 
@@ -42,6 +43,91 @@ class Counter {
   std::atomic<std::uint64_t> value_{0};
 };
 
+/// Counts packets by message, system and component: an open hash table of fixed size. One writer at
+/// a time, any number of readers, no lock; memory is taken at the first packet.
+class MessageCounters {
+ public:
+  struct Entry {
+    std::uint32_t message_id = 0;
+    mav::Source source;
+    std::uint64_t count = 0;
+    base::RunTime last;
+  };
+
+  MessageCounters() = default;
+  ~MessageCounters() { delete[] slots_.load(std::memory_order_acquire); }
+  MessageCounters(const MessageCounters&) = delete;
+  MessageCounters& operator=(const MessageCounters&) = delete;
+
+  void add(std::uint32_t message_id, mav::Source source, base::RunTime now);
+  /// Packets that found the table full: more kinds than any real network has.
+  std::uint64_t uncounted() const { return uncounted_.load(std::memory_order_relaxed); }
+
+  /// Calls visit(const Entry&) for each kind that was ever seen.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    const Slot* slots = slots_.load(std::memory_order_acquire);
+    if (slots == nullptr) return;
+    for (std::size_t i = 0; i < kSlots; ++i) {
+      const std::uint64_t key = slots[i].key.load(std::memory_order_acquire);
+      if (key == 0) continue;
+      const base::RunTime last{base::Duration(slots[i].last_ns.load(std::memory_order_relaxed))};
+      visit(Entry{static_cast<std::uint32_t>((key >> 16U) & 0xFFFFFFU),
+                  {static_cast<std::uint8_t>(key >> 8U), static_cast<std::uint8_t>(key)},
+                  slots[i].count.load(std::memory_order_relaxed),
+                  last});
+    }
+  }
+
+ private:
+  static constexpr std::size_t kSlots = 2048;
+  static constexpr std::size_t kProbes = 64;
+  struct Slot {
+    std::atomic<std::uint64_t> key{0};  ///< used bit, message, system, component
+    std::atomic<std::uint64_t> count{0};
+    std::atomic<std::int64_t> last_ns{0};
+  };
+  Slot* find(std::uint64_t key);
+
+  std::atomic<Slot*> slots_{nullptr};
+  std::atomic<std::uint64_t> uncounted_{0};
+};
+
+/// Forwarding times of one sending link by the link that a packet came from. Memory is taken with
+/// the first packet of a route. Callers lock.
+class RouteLatency {
+ public:
+  struct Figures {
+    LinkId from = kNoLink;
+    std::uint64_t count = 0;
+    base::Duration p50{}, p99{}, max{};
+  };
+
+  void add(LinkId from, base::Duration time) {
+    if (from >= times_.size()) return;
+    auto& route = times_[from];
+    if (!route) route = std::make_unique<base::Histogram>();
+    route->add(time);
+  }
+
+  std::vector<Figures> figures() const {
+    std::vector<Figures> all;
+    for (std::size_t from = 0; from < times_.size(); ++from) {
+      if (const auto& route = times_[from]) {
+        all.push_back({.from = static_cast<LinkId>(from),
+                       .count = route->count(),
+                       .p50 = route->quantile(0.50),
+                       .p99 = route->quantile(0.99),
+                       .max = route->max()});
+      }
+    }
+    return all;
+  }
+
+ private:
+  std::array<std::unique_ptr<base::Histogram>, kMaxLinks> times_;
+};
+
 /// What one link counts. `rx` fields are written by the link's thread, `tx` fields under
 /// `tx.mutex`, which is held for the counting only; everybody may read.
 struct LinkCounters {
@@ -59,11 +145,13 @@ struct LinkCounters {
 
   struct {
     Counter packets, bytes, crc_errors, lost, unknown, skipped_bytes, kernel_drops, foreign;
-    Counter not_accepted;                     ///< left out by the link's `accept`
-    Counter setup_signing;                    ///< refused: a key never goes on
-    std::array<Counter, 7> signatures;        ///< by mav::SignatureVerdict, on links with `signing`
-    std::array<Counter, kDecisions> decisions;  ///< by Route::Decision: where received packets ended
-    std::array<MessageCounters, kDecisions> refused;  ///< what was not forwarded, by Route::Decision
+    Counter not_accepted;               ///< left out by the link's `accept`
+    Counter setup_signing;              ///< refused: a key never goes on
+    std::array<Counter, 7> signatures;  ///< by mav::SignatureVerdict, on links with `signing`
+    std::array<Counter, kDecisions>
+        decisions;  ///< by Route::Decision: where received packets ended
+    std::array<MessageCounters, kDecisions>
+        refused;  ///< what was not forwarded, by Route::Decision
     MessageCounters messages;
   } rx;
   struct {

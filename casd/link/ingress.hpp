@@ -7,7 +7,7 @@
 #include "casd/counters/link_counters.hpp"
 #include "casd/link/delivery_batch.hpp"
 #include "casd/link/switchboard.hpp"
-#include "casd/routing/accept_rule.hpp"
+#include "casd/routing/routing_rules.hpp"
 #include "casd/signing/link_signing.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"

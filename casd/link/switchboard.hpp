@@ -10,7 +10,7 @@
 #include "casd/link/delivery_batch.hpp"
 #include "casd/link/stream_time.hpp"
 #include "casd/routing/router.hpp"
-#include "casd/tlog/tlog.hpp"
+#include "casd/tlog/tlog_writer.hpp"
 
 namespace cas::casd {
 

@@ -11,10 +11,7 @@
 #include "casd/counters/link_counters.hpp"
 #include "casd/link/link.hpp"
 #include "casd/packet/packet_port.hpp"
-#include "casd/packet/packet_writer.hpp"
-#include "casd/queue/line_check.hpp"
-#include "casd/queue/line_drain.hpp"
-#include "casd/queue/line_pacer.hpp"
+#include "casd/queue/line_timing.hpp"
 #include "casd/queue/tx_queue.hpp"
 
 namespace cas::casd {

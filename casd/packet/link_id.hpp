@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace cas::casd {
 
@@ -16,5 +17,25 @@ inline constexpr LinkId kLocalLink = 63;
 inline constexpr LinkId kNoLink = 255;
 
 constexpr LinkMask bit(LinkId link) { return LinkMask{1} << link; }
+
+enum class LinkType : std::uint8_t { kUdp, kUdpServer, kSerial, kTcp, kTcpServer, kTlog };
+/// The word of a topology: "udp", "udp_server", ...
+constexpr std::string_view to_string(LinkType type) {
+  switch (type) {
+    case LinkType::kUdp:
+      return "udp";
+    case LinkType::kUdpServer:
+      return "udp_server";
+    case LinkType::kSerial:
+      return "serial";
+    case LinkType::kTcp:
+      return "tcp";
+    case LinkType::kTcpServer:
+      return "tcp_server";
+    case LinkType::kTlog:
+      return "tlog";
+  }
+  return "?";
+}
 
 }  // namespace cas::casd

@@ -1,9 +1,98 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/packet/packet_info.hpp"
 
-#include "casd/packet/hil_stamp.hpp"
+#include <array>
+
+#include "mavlink/common/hil_actuator_controls.hpp"
+#include "mavlink/common/hil_controls.hpp"
+#include "mavlink/common/hil_gps.hpp"
+#include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::casd {
+namespace {
+
+constexpr std::uint32_t kTabled = 512;
+using ClassTable = std::array<TrafficClass, kTabled>;
+
+constexpr void mark(ClassTable& table, std::uint32_t first, std::uint32_t last,
+                    TrafficClass traffic) {
+  for (std::uint32_t id = first; id <= last; ++id) table[id] = traffic;
+}
+
+constexpr ClassTable make_class_table() {
+  ClassTable table{};
+  for (TrafficClass& entry : table) entry = TrafficClass::kTelemetry;
+  constexpr auto kCommand = TrafficClass::kCommand;
+  mark(table, 0, 0, kCommand);                // HEARTBEAT
+  mark(table, 2, 2, kCommand);                // SYSTEM_TIME
+  mark(table, 4, 7, kCommand);                // PING, CHANGE_OPERATOR_CONTROL, its ACK, AUTH_KEY
+  mark(table, 11, 11, kCommand);              // SET_MODE
+  mark(table, 20, 23, kCommand);              // PARAM_*
+  mark(table, 37, 55, kCommand);              // MISSION_* and its relatives
+  mark(table, 66, 70, kCommand);              // data streams, MANUAL_CONTROL, RC override
+  mark(table, 73, 77, kCommand);              // MISSION_ITEM_INT, COMMAND_INT, _LONG, _ACK
+  mark(table, 80, 80, kCommand);              // COMMAND_CANCEL
+  mark(table, 82, 82, kCommand);              // SET_ATTITUDE_TARGET
+  mark(table, 84, 84, kCommand);              // SET_POSITION_TARGET_LOCAL_NED
+  mark(table, 86, 86, kCommand);              // SET_POSITION_TARGET_GLOBAL_INT
+  mark(table, 110, 111, kCommand);            // FILE_TRANSFER_PROTOCOL, TIMESYNC
+  mark(table, 117, 122, kCommand);            // LOG_* transfer
+  mark(table, 126, 126, kCommand);            // SERIAL_CONTROL
+  mark(table, 148, 148, kCommand);            // AUTOPILOT_VERSION
+  mark(table, 242, 243, kCommand);            // HOME_POSITION, SET_HOME_POSITION
+  mark(table, 253, 253, kCommand);            // STATUSTEXT
+  mark(table, 256, 256, kCommand);            // SETUP_SIGNING
+  mark(table, 300, 300, kCommand);            // PROTOCOL_VERSION
+  mark(table, 320, 324, kCommand);            // PARAM_EXT_*
+  mark(table, 90, 93, TrafficClass::kHil);    // HIL_STATE .. HIL_ACTUATOR_CONTROLS
+  mark(table, 107, 107, TrafficClass::kHil);  // HIL_SENSOR
+  mark(table, 114, 115, TrafficClass::kHil);  // HIL_OPTICAL_FLOW, HIL_STATE_QUATERNION
+  mark(table, 113, 113, TrafficClass::kGps);  // HIL_GPS
+  mark(table, 232, 232, TrafficClass::kGps);  // GPS_INPUT
+  mark(table, 132, 132, TrafficClass::kGps);  // DISTANCE_SENSOR
+  return table;
+}
+
+constexpr ClassTable kClasses = make_class_table();
+
+}  // namespace
+
+TrafficClass classify(std::uint32_t message_id) {
+  return message_id < kTabled ? kClasses[message_id] : TrafficClass::kTelemetry;
+}
+
+std::string_view to_string(TrafficClass traffic) {
+  switch (traffic) {
+    case TrafficClass::kCommand:
+      return "command";
+    case TrafficClass::kHil:
+      return "hil";
+    case TrafficClass::kGps:
+      return "gps";
+    case TrafficClass::kTelemetry:
+      return "telemetry";
+  }
+  return "?";
+}
+
+std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {
+  using namespace mavlink::common;  // NOLINT: four of its messages
+  switch (packet.message_id) {
+    case HilSensor::kId:
+    case HilGps::kId:
+    case HilControls::kId:
+    case HilActuatorControls::kId:
+      break;
+    default:
+      return std::nullopt;
+  }
+  // It leads the payload of all four, little-endian; zeros at the end may be cut off.
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof value && i < packet.payload.size(); ++i) {
+    value |= std::uint64_t{packet.payload[i]} << (8 * i);
+  }
+  return value;
+}
 
 PacketInfo inspect(const mav::PacketView& packet, const mav::MessageTable& table) {
   PacketInfo info;

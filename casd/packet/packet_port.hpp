@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "base/time/clock.hpp"
@@ -19,6 +20,31 @@ class PacketPort {
  public:
   virtual ~PacketPort() = default;
   virtual void deliver(std::span<const PacketRef> packets, base::RunTime now) = 0;
+};
+
+/// What became of an attempt to write packets.
+struct WriteResult {
+  std::size_t packets = 0;       ///< done with: gone as a whole, or unsignable
+  std::size_t part_of_next = 0;  ///< bytes of the next one that are gone too (streams)
+  bool broken = false;           ///< the descriptor is of no more use
+  /// Those of `packets` that can never be written, as rising indices; good until the next write.
+  std::span<const std::size_t> unsignable = {};
+};
+
+/// Writes packets to a descriptor in as few system calls as it can, never blocking. Owns the
+/// descriptor: it is closed with the writer, when no thread can be inside any more.
+class PacketWriter {
+ public:
+  virtual ~PacketWriter() = default;
+  virtual WriteResult write(std::span<const PacketRef> packets) = 0;
+  /// Writes raw bytes: the rest of a packet that was begun. @return bytes gone, -1 when broken
+  virtual std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) = 0;
+  /// Bytes that it adds to each packet.
+  virtual std::size_t added_bytes() const { return 0; }
+  /// Bytes that were written and have not left this machine; 0 where nobody can tell.
+  virtual std::size_t unsent() const { return 0; }
+  /// What to wait on when it takes no more.
+  virtual int descriptor() const = 0;
 };
 
 }  // namespace cas::casd

@@ -13,7 +13,7 @@
 #include "base/time/clock.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/packet/packet_ring.hpp"
-#include "casd/queue/line_pacer.hpp"
+#include "casd/queue/line_timing.hpp"
 
 namespace cas::casd {
 

@@ -13,9 +13,8 @@
 #include "casd/packet/link_id.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/routing/duplicate_filter.hpp"
-#include "casd/routing/forward_rule.hpp"
-#include "casd/routing/rate_limiter.hpp"
 #include "casd/routing/route_table.hpp"
+#include "casd/routing/routing_rules.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"
 
 namespace cas::casd {

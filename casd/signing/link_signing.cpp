@@ -2,12 +2,91 @@
 #include "casd/signing/link_signing.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <memory>
 #include <utility>
+#include <vector>
 
-#include "casd/signing/signing_writer.hpp"
 #include "mavlink/common/all.hpp"
 
 namespace cas::casd {
+namespace {
+
+/// Signs packets and hands them to the writer behind it. A packet that was not taken is signed
+/// again at its next turn: its time must not lie behind what was sent meanwhile. One whose checksum
+/// fits no message cannot be signed: it is named in the result and not written.
+class SigningWriter final : public PacketWriter {
+ public:
+  SigningWriter(std::unique_ptr<PacketWriter> writer, std::shared_ptr<PacketSigner> signer,
+                std::uint8_t link_id);
+
+  WriteResult write(std::span<const PacketRef> packets) override;
+  /// The caller's rest has no signature; what is written is the rest of the signed packet.
+  std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) override;
+  int descriptor() const override { return writer_->descriptor(); }
+  std::size_t unsent() const override { return writer_->unsent(); }
+  std::size_t added_bytes() const override { return mav::kSignatureBytes; }
+
+ private:
+  void sign(std::span<const PacketRef> packets);
+
+  const std::unique_ptr<PacketWriter> writer_;
+  const std::shared_ptr<PacketSigner> signer_;
+  const std::uint8_t link_id_;
+  std::vector<std::uint8_t> bytes_;
+  std::vector<PacketRef> signed_;
+  std::vector<std::size_t> index_;  ///< of each signed packet among those given
+  std::vector<std::size_t> unsignable_;
+  std::vector<std::uint8_t> rest_;  ///< of a signed packet that was begun
+};
+
+SigningWriter::SigningWriter(std::unique_ptr<PacketWriter> writer,
+                             std::shared_ptr<PacketSigner> signer, std::uint8_t link_id)
+    : writer_(std::move(writer)), signer_(std::move(signer)), link_id_(link_id) {}
+
+WriteResult SigningWriter::write(std::span<const PacketRef> packets) {
+  sign(packets);
+  const WriteResult inner = signed_.empty() ? WriteResult{} : writer_->write(signed_);
+  WriteResult result{.broken = inner.broken};
+  const bool all = inner.packets == signed_.size();
+  result.packets = all ? packets.size() : index_[inner.packets];
+  const auto end = std::lower_bound(unsignable_.begin(), unsignable_.end(), result.packets);
+  result.unsignable = {unsignable_.begin(), end};
+  if (inner.part_of_next > 0) {
+    const auto rest = signed_[inner.packets].bytes.subspan(inner.part_of_next);
+    rest_.assign(rest.begin(), rest.end());
+    // One byte stays due, so that the caller comes back with write_rest().
+    result.part_of_next = packets[result.packets].bytes.size() - 1;
+  }
+  return result;
+}
+
+std::ptrdiff_t SigningWriter::write_rest(std::span<const std::uint8_t> bytes) {
+  const std::ptrdiff_t gone = writer_->write_rest(rest_);
+  if (gone < 0) return gone;
+  rest_.erase(rest_.begin(), rest_.begin() + gone);
+  return rest_.empty() ? static_cast<std::ptrdiff_t>(bytes.size()) : 0;
+}
+
+void SigningWriter::sign(std::span<const PacketRef> packets) {
+  bytes_.resize(packets.size() * mav::kMaxPacketBytes);
+  signed_.clear();
+  index_.clear();
+  unsignable_.clear();
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    const std::span<std::uint8_t, mav::kMaxPacketBytes> out(
+        bytes_.data() + i * mav::kMaxPacketBytes, mav::kMaxPacketBytes);
+    const std::size_t size = signer_->sign(mav::view_packet(packets[i].bytes), link_id_, out);
+    if (size == 0) {  // no message has such a checksum: damaged before it came here
+      unsignable_.push_back(i);
+      continue;
+    }
+    signed_.push_back({packets[i].info, out.first(size)});
+    index_.push_back(i);
+  }
+}
+
+}  // namespace
 
 LinkSigning::LinkSigning(const SigningConfig& config, std::shared_ptr<PacketSigner> signer,
                          std::shared_ptr<LinkCounters> counters)
@@ -43,8 +122,8 @@ std::unique_ptr<PacketWriter> LinkSigning::wrap(std::unique_ptr<PacketWriter> wr
   return std::make_unique<SigningWriter>(std::move(writer), signer_, config_.link_id);
 }
 
-void SigningKeys::read(const Topology& topology) {
-  for (const LinkConfig& link : topology.links) {
+void SigningKeys::read(std::span<const LinkConfig> links) {
+  for (const LinkConfig& link : links) {
     if (!link.signing || signers_.contains(link.signing->key_file)) continue;
     signers_.emplace(link.signing->key_file,
                      std::make_shared<PacketSigner>(link.signing->key_file));

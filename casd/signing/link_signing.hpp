@@ -7,12 +7,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "casd/counters/link_counters.hpp"
-#include "casd/packet/packet_writer.hpp"
+#include "casd/packet/packet_port.hpp"
 #include "casd/signing/packet_signer.hpp"
-#include "casd/topology/topology.hpp"
+#include "casd/topology/link_config.hpp"
 
 namespace cas::casd {
 
@@ -44,7 +45,7 @@ class LinkSigning {
 class SigningKeys {
  public:
   /// Reads the key files that are not read yet. @throws base::ConfigError
-  void read(const Topology& topology);
+  void read(std::span<const LinkConfig> links);
   /// The keys are in force from now on: see PacketSigner::begin().
   void begin();
   /// @return nothing for a link without `signing`

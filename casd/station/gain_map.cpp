@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
 
 namespace cas::casd {

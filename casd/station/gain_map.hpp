@@ -8,8 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "base/config/config.hpp"
 #include "casd/station/vehicle_modes.hpp"
+
+namespace cas::base {
+class ConfigNode;
+}
 
 namespace cas::casd {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "casd/queue/line_pacer.hpp"
+#include "casd/queue/line_timing.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {

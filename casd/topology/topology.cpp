@@ -2,13 +2,17 @@
 #include "casd/topology/topology.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <string>
+#include <string_view>
 
+#include "base/config/config.hpp"
 #include "base/config/config_whole.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/os/cpu_latency.hpp"
 #include "casd/topology/line_budget.hpp"
-#include "casd/topology/topology_parts.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
 namespace {
@@ -70,6 +74,97 @@ TlogConfig parse_log(const base::ConfigNode& node) {
   return log;
 }
 
+std::string listed(const std::vector<LinkConfig>& links) {
+  std::string names;
+  for (const LinkConfig& link : links) names += (names.empty() ? "" : ", ") + link.name;
+  return names;
+}
+
+std::vector<std::string> parse_link_names(const base::ConfigNode& node,
+                                          const std::vector<LinkConfig>& links) {
+  std::vector<std::string> names;
+  for (const base::ConfigNode& entry : one_or_many(node)) {
+    const auto name = entry.as<std::string>();
+    const auto known = [&](const LinkConfig& link) { return link.name == name; };
+    if (name == "any") {
+      for (const LinkConfig& link : links) names.push_back(link.name);
+    } else if (std::any_of(links.begin(), links.end(), known)) {
+      names.push_back(name);
+    } else {
+      entry.fail("there is no link '" + name + "'; links are " + listed(links));
+    }
+  }
+  return names;
+}
+
+RateRule parse_rate(const std::string& message, const base::ConfigNode& node) {
+  RateRule rate{.message_id = parse_message(node, message)};
+  if (!node.is_map()) {
+    rate.max_hz = node.as<double>();
+  } else {
+    rate.max_hz = node.get_in("max_hz", 0, 0, 1e6);
+    rate.every = base::get_whole_in<unsigned>(node, "every", 1, 1, 1'000'000);
+  }
+  if (rate.max_hz <= 0 && rate.every == 1) node.fail("needs max_hz above 0, or every above 1");
+  return rate;
+}
+
+ForwardRule parse_rule(const base::ConfigNode& node) {
+  ForwardRule rule;
+  if (const auto allow = node.find("allow")) rule.allow = parse_messages(*allow);
+  if (const auto block = node.find("block")) rule.block = parse_messages(*block);
+  rule.allow_systems = parse_bytes(node, "allow_systems");
+  rule.block_systems = parse_bytes(node, "block_systems");
+  rule.allow_components = parse_bytes(node, "allow_components");
+  rule.block_components = parse_bytes(node, "block_components");
+  if (const auto rates = node.find("rates")) {
+    for (const auto& [message, entry] : rates->entries()) {
+      rule.rates.push_back(parse_rate(message, entry));
+    }
+  }
+  return rule;
+}
+
+bool is_of_type(const std::vector<LinkConfig>& links, const std::string& name, LinkType type) {
+  return std::any_of(links.begin(), links.end(), [&](const LinkConfig& link) {
+    return link.name == name && link.type == type;
+  });
+}
+
+bool is_server(const std::vector<LinkConfig>& links, const std::string& name) {
+  return is_of_type(links, name, LinkType::kUdpServer) ||
+         is_of_type(links, name, LinkType::kTcpServer);
+}
+
+/// One entry of `routes`; `from` and `to` take a name, a list of names or `any`, so that it stands
+/// for several routes.
+std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
+                                     const std::vector<LinkConfig>& links) {
+  const auto from = parse_link_names(node.at("from"), links);
+  const auto to = parse_link_names(node.at("to"), links);
+  const ForwardRule rule = parse_rule(node);
+  node.reject_unused();
+
+  // `any` and lists leave out the way back to the sender; spelt out, it links a server's peers.
+  const bool single = from.size() == 1 && to.size() == 1;
+  std::vector<RouteConfig> routes;
+  for (const std::string& one : from) {
+    for (const std::string& other : to) {
+      if (is_of_type(links, other, LinkType::kTlog)) {
+        if (single) node.fail("nothing can be sent to '" + other + "', a log that is played");
+        continue;
+      }
+      if (one != other) {
+        routes.push_back({one, other, rule});
+      } else if (single) {
+        if (!is_server(links, one)) node.fail("only peers of a server can talk on one link");
+        routes.push_back({one, other, rule});
+      }
+    }
+  }
+  return routes;
+}
+
 std::vector<LinkConfig> parse_links(const base::ConfigNode& root) {
   std::vector<LinkConfig> links;
   std::set<std::string> names;
@@ -123,6 +218,49 @@ void pace_tight_lines(Topology& topology) {
       if (link.name == budget.link && link.pace) link.pace_pty = true;
     }
   }
+}
+
+// The HIL streams are not casd's business; everything else may be.
+std::vector<std::uint32_t> hil_messages() {
+  std::vector<std::uint32_t> ids;
+  for (const mav::MessageInfo& message : mav::public_table().all()) {
+    if (message.name.starts_with("HIL_")) ids.push_back(message.id);
+  }
+  return ids;
+}
+
+void add_station(std::vector<ForwardRule>& rules, const LinkSlots& slots) {
+  const std::vector<std::uint32_t> hil = hil_messages();
+  for (const auto& [name, link] : slots) {
+    ForwardRule& hears = rules.emplace_back();
+    hears.from = link;
+    hears.to = kLocalLink;
+    hears.block = hil;
+    ForwardRule& talks = rules.emplace_back();
+    talks.from = kLocalLink;
+    talks.to = link;
+  }
+}
+
+// Links of one group never hear each other; a link never hears itself, unless a route says that
+// the peers of a server talk to each other.
+void fill_groups(RoutingPlan& plan, const Topology& topology, const LinkSlots& slots) {
+  std::map<std::string, LinkMask> members;
+  for (const LinkConfig& link : topology.links) {
+    if (!link.group.empty()) members[link.group] |= bit(slots.at(link.name));
+  }
+  for (const LinkConfig& link : topology.links) {
+    const LinkId id = slots.at(link.name);
+    plan.never_back[id] = bit(id);
+    if (link.group.empty()) continue;
+    const auto group = members.find(link.group);
+    plan.never_back[id] = group->second;
+    plan.group[id] = static_cast<std::int8_t>(std::distance(members.begin(), group));
+  }
+  for (const RouteConfig& route : topology.routes) {
+    if (route.from == route.to) plan.never_back[slots.at(route.from)] &= ~bit(slots.at(route.from));
+  }
+  plan.never_back[kLocalLink] = bit(kLocalLink);
 }
 
 }  // namespace
@@ -188,6 +326,31 @@ void Topology::set_lockstep() {
     link.pace = false;
     link.queue.hil_max_age = link.queue.gps_max_age = link.queue.telemetry_max_age = kNever;
   }
+}
+
+LinkSlots slots_in_order(const Topology& topology) {
+  LinkSlots slots;
+  for (const LinkConfig& link : topology.links) {
+    slots.emplace(link.name, static_cast<LinkId>(slots.size()));
+  }
+  return slots;
+}
+
+std::shared_ptr<const RoutingPlan> make_plan(const Topology& topology, const LinkSlots& slots) {
+  auto plan = std::make_shared<RoutingPlan>();
+  std::vector<ForwardRule> rules;
+  for (const RouteConfig& route : topology.routes) {
+    rules.push_back(route.rule);
+    rules.back().from = slots.at(route.from);
+    rules.back().to = slots.at(route.to);
+  }
+  add_station(rules, slots);
+  plan->rules = ForwardRules(rules);
+  fill_groups(*plan, topology, slots);
+  for (const LinkConfig& link : topology.links) {
+    if (link.pass_unknown) plan->pass_unknown |= bit(slots.at(link.name));
+  }
+  return plan;
 }
 
 }  // namespace cas::casd

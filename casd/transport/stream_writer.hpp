@@ -4,7 +4,7 @@
 #include <sys/uio.h>
 
 #include "base/os/descriptor.hpp"
-#include "casd/packet/packet_writer.hpp"
+#include "casd/packet/packet_port.hpp"
 
 namespace cas::casd {
 

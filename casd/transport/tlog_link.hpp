@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "casd/link/link_core.hpp"
-#include "casd/tlog/tlog_reader.hpp"
+#include "casd/tlog/tlog_files.hpp"
 
 namespace cas::casd {
 

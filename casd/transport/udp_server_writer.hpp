@@ -6,7 +6,7 @@
 
 #include "base/os/descriptor.hpp"
 #include "casd/counters/link_counters.hpp"
-#include "casd/packet/packet_writer.hpp"
+#include "casd/packet/packet_port.hpp"
 #include "casd/transport/datagram_sender.hpp"
 #include "casd/transport/udp_server_link.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
-#include "casd/tlog/tlog.hpp"
+#include "casd/tlog/tlog_writer.hpp"
 #include "hils/programs/bench_programs.hpp"
 #include "hils/programs/casd_calls.hpp"
 #include "hils/programs/composition.hpp"

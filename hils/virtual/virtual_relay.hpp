@@ -12,8 +12,7 @@
 
 #include "base/time/clock.hpp"
 #include "casd/counters/link_ledger.hpp"
-#include "casd/queue/line_drain.hpp"
-#include "casd/queue/line_pacer.hpp"
+#include "casd/queue/line_timing.hpp"
 #include "casd/queue/tx_queue.hpp"
 #include "casd/routing/router.hpp"
 #include "casd/station/vehicle_commander.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/earth/frames.hpp"
-#include "casd/packet/hil_stamp.hpp"
+#include "casd/packet/packet_info.hpp"
 #include "mavlink/common/table.hpp"
 
 namespace cas::hils {

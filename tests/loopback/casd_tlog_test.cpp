@@ -5,8 +5,6 @@
 #include <numeric>
 
 #include "casd/tlog/tlog_files.hpp"
-#include "casd/tlog/tlog_reader.hpp"
-#include "casd/tlog/tlog_record.hpp"
 #include "tests/loopback/casd_bench.hpp"
 
 namespace cas::test {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "casd/tlog/tlog.hpp"
+#include "casd/tlog/tlog_writer.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "tests/casd/packets.hpp"
 #include "tests/support/temporary_folder.hpp"

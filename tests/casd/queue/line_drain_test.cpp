@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/queue/line_drain.hpp"
+#include "casd/queue/line_timing.hpp"
 
 #include <gtest/gtest.h>
 

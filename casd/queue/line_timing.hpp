@@ -72,4 +72,65 @@ class LinePacer {
   base::RunTime held_until_{};  ///< by the sensor gap
 };
 
+/// The look at the line before a paced write ([HILS] Sect. 3.3): how many bytes the driver has not
+/// yet put on it. A line slower than its rate, or held by flow control, shows here before anything
+/// is lost.
+///
+/// Not every driver tells the truth. One whose figure stands still above zero for longer than any
+/// line without flow control can need is not believed any more.
+class LineCheck {
+ public:
+  static constexpr base::Duration kPatience = std::chrono::seconds(2);
+
+  /// @param may_stand_still  flow control: the other side may hold the line as long as it likes
+  explicit LineCheck(bool may_stand_still = false) : may_stand_still_(may_stand_still) {}
+
+  /// @return the bytes to wait for: `unsent`, or 0 from a driver that is not believed
+  std::size_t believed(std::size_t unsent, base::RunTime now) {
+    if (unsent == 0 || unsent != last_) since_ = now;
+    last_ = unsent;
+    if (!may_stand_still_ && now - since_ > kPatience) trusted_ = false;
+    return trusted_ ? unsent : 0;
+  }
+  /// Something was written: a figure that does not change may be of new bytes.
+  void wrote(base::RunTime now) { since_ = now; }
+  /// A fresh line.
+  void reset() { *this = LineCheck(may_stand_still_); }
+
+ private:
+  bool may_stand_still_;
+  bool trusted_ = true;
+  std::size_t last_ = 0;
+  base::RunTime since_{};
+};
+
+/// When tcdrain(3) on a UART lets its caller go on (`threads: blocking`). Linux is woken when its
+/// own buffer is empty, that is with one FIFO of bytes still to go, and from then on looks whether
+/// the last bit is out: between two looks it sleeps for the rest of the clock tick and a whole one
+/// (serial core, uart_wait_until_sent; kernels 4.8 to 6.12 sleep a tick longer still).
+class LineDrain {
+ public:
+  static constexpr std::size_t kFifoBytes = 16;  ///< of a 16550
+  /// The fastest tick that Linux is built with, CONFIG_HZ=1000; Debian's has 4 ms.
+  static constexpr base::Duration kDefaultTick = std::chrono::milliseconds(1);
+  /// Ten times as fast as any; between two looks at the line some time has to pass.
+  static constexpr base::Duration kLeastTick = std::chrono::microseconds(100);
+
+  /// @param tick  of the kernel's clock; 0: woken the moment the last bit is out
+  explicit LineDrain(base::Duration tick = kDefaultTick) : tick_(tick) {}
+
+  /// @param written    when the packet was handed over
+  /// @param sent       when its last bit is out
+  /// @param fifo_time  that the line takes for kFifoBytes
+  base::RunTime done(base::RunTime written, base::RunTime sent, base::Duration fifo_time) const {
+    if (tick_ <= base::Duration{}) return std::max(written, sent);
+    base::RunTime look = std::max(written, sent - fifo_time);
+    while (look < sent) look = base::RunTime{(look.time_since_epoch() / tick_ + 2) * tick_};
+    return look;
+  }
+
+ private:
+  base::Duration tick_;
+};
+
 }  // namespace cas::casd

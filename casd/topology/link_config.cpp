@@ -1,15 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/link_config.hpp"
+
 #include <array>
-#include <optional>
-#include <string>
 #include <tuple>
 
+#include "base/config/config.hpp"
 #include "base/config/config_whole.hpp"
 #include "base/os/host_port.hpp"
-#include "casd/topology/topology_parts.hpp"
+#include "mavlink_gen/parser/diagnostics.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
 namespace {
+
+bool is_number(const std::string& text) {
+  return !text.empty() && text.size() <= 8 &&
+         text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+[[noreturn]] void refuse_message(const base::ConfigNode& node, const std::string& text) {
+  std::vector<std::string_view> names;
+  for (const mav::MessageInfo& message : mav::public_table().all()) names.push_back(message.name);
+  const std::string near = mav::xml::suggestion(text, names);
+  node.fail("no public message has the name '" + text + "'" +
+            (near.empty() ? "; give its number if it is private" : near));
+}
 
 constexpr std::array kTypes{LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial,
                             LinkType::kTcp, LinkType::kTcpServer, LinkType::kTlog};
@@ -96,6 +111,35 @@ void parse_queue(const base::ConfigNode& node, TxQueueOptions& queue) {
   queue.telemetry_bytes = kib("telemetry_kib", queue.telemetry_bytes);
 }
 
+AcceptRule parse_accept(const base::ConfigNode& node) {
+  AcceptRule rule;
+  if (!node.is_map()) {
+    const auto word = node.as<std::string>();
+    if (word != "nothing") node.fail("'" + word + "' is neither nothing nor {messages, systems}");
+    rule.read_only = true;
+    return rule;
+  }
+  if (const auto messages = node.find("messages")) rule.messages = parse_messages(*messages);
+  rule.systems = parse_bytes(node, "systems");
+  if (rule.messages.empty() && rule.systems.empty())
+    node.fail("names neither messages nor systems");
+  return rule;
+}
+
+SigningConfig parse_signing(const base::ConfigNode& node) {
+  SigningConfig signing;
+  signing.key_file = node.resolve(node.require<std::string>("key_file"));
+  signing.link_id = base::get_whole_in<std::uint8_t>(node, "link_id", 0, 0, 255);
+  signing.verify = node.get<bool>("verify", true);
+  signing.sign = node.get<bool>("sign", true);
+  if (const auto list = node.find("allow_unsigned")) {
+    if (!signing.verify) list->fail("has no meaning without verify");
+    signing.allow_unsigned = parse_messages(*list);
+  }
+  if (!signing.verify && !signing.sign) node.fail("neither verifies nor signs");
+  return signing;
+}
+
 void parse_common(const base::ConfigNode& node, LinkConfig& link) {
   link.max_bytes_s = node.get_in("max_bytes_s", 0, 0, 1e12);
   link.pass_unknown = link.type != LinkType::kSerial;  // a socket has a checksum of its own
@@ -115,22 +159,40 @@ void parse_common(const base::ConfigNode& node, LinkConfig& link) {
 
 }  // namespace
 
-std::string_view to_string(LinkType type) {
-  switch (type) {
-    case LinkType::kUdp:
-      return "udp";
-    case LinkType::kUdpServer:
-      return "udp_server";
-    case LinkType::kSerial:
-      return "serial";
-    case LinkType::kTcp:
-      return "tcp";
-    case LinkType::kTcpServer:
-      return "tcp_server";
-    case LinkType::kTlog:
-      return "tlog";
+std::vector<base::ConfigNode> one_or_many(const base::ConfigNode& node) {
+  return node.is_list() ? node.items() : std::vector{node};
+}
+
+// Numbers may be of dialects that we do not know.
+std::uint32_t parse_message(const base::ConfigNode& node, const std::string& text) {
+  if (is_number(text)) {
+    const unsigned long id = std::stoul(text);
+    if (id > 0xFFFFFF) node.fail(text + " is beyond the message ids (24 bits)");
+    return static_cast<std::uint32_t>(id);
   }
-  return "?";
+  const mav::MessageInfo* known = mav::public_table().find(text);
+  if (known == nullptr) refuse_message(node, text);
+  return known->id;
+}
+
+std::vector<std::uint32_t> parse_messages(const base::ConfigNode& node) {
+  std::vector<std::uint32_t> ids;
+  for (const base::ConfigNode& entry : one_or_many(node)) {
+    ids.push_back(parse_message(entry, entry.as<std::string>()));
+  }
+  return ids;
+}
+
+std::vector<std::uint8_t> parse_bytes(const base::ConfigNode& node, std::string_view key) {
+  std::vector<std::uint8_t> ids;
+  const auto list = node.find(key);
+  if (!list) return ids;
+  for (const base::ConfigNode& entry : one_or_many(*list)) {
+    const int id = entry.as<int>();
+    if (id < 0 || id > 255) entry.fail(std::to_string(id) + " is not an id (0..255)");
+    ids.push_back(static_cast<std::uint8_t>(id));
+  }
+  return ids;
 }
 
 LinkConfig parse_link(const base::ConfigNode& node) {

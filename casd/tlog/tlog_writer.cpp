@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/tlog/tlog.hpp"
+#include "casd/tlog/tlog_writer.hpp"
 
 #include <cerrno>
 #include <chrono>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/routing/forward_rule.hpp"
+#include "casd/routing/routing_rules.hpp"
 
 #include <gtest/gtest.h>
 
-#include "casd/routing/rate_limiter.hpp"
 #include "tests/casd/packets.hpp"
 
 namespace cas::casd::test {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -8,10 +9,29 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
+
+/// What a link takes in at all (`accept` of a link), before any route is asked. Nothing by default
+/// is left out.
+struct AcceptRule {
+  bool read_only = false;               ///< takes in nothing: its peers may only listen
+  std::vector<std::uint32_t> messages;  ///< only these; empty: all
+  std::vector<std::uint8_t> systems;    ///< only of these senders; empty: all
+
+  bool accepts(const mav::PacketView& packet) const {
+    if (read_only) return false;
+    const auto holds = [](const auto& list, auto value) {
+      return list.empty() || std::find(list.begin(), list.end(), value) != list.end();
+    };
+    return holds(messages, packet.message_id) && holds(systems, packet.source.system);
+  }
+
+  friend bool operator==(const AcceptRule&, const AcceptRule&) = default;
+};
 
 /// Thins out one message of one route.
 struct RateRule {
@@ -82,6 +102,34 @@ class ForwardRules {
 
  private:
   std::array<ForwardTable, kMaxLinks> tables_;
+};
+
+/// Applies the rate rules of one source link. `max_hz` lets a packet pass when its turn on a grid
+/// of that rate has come (so 50 of 500 a second come out evenly, whatever the jitter); `every`
+/// lets each n-th pass, the first one included.
+class RateLimiter {
+ public:
+  RateLimiter() = default;
+  explicit RateLimiter(std::size_t limits) : states_(limits) {}
+
+  /// @return the links of `wanted` that may have this packet
+  LinkMask admit(std::span<const RateLimit> limits, std::uint32_t message_id, mav::Source source,
+                 LinkMask wanted, base::RunTime now);
+
+ private:
+  static constexpr std::size_t kMaxSources = 256;  ///< beyond that, senders share the last state
+
+  // Each sender is thinned out by itself: one vehicle never takes another one's turn.
+  struct State {
+    mav::Source source;
+    unsigned seen = 0;
+    base::RunTime next;
+    bool started = false;
+  };
+  State& state_of(std::size_t limit, mav::Source source);
+  static bool pass(const RateRule& rule, State& state, base::RunTime now);
+
+  std::vector<std::vector<State>> states_;
 };
 
 }  // namespace cas::casd

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/os/thread.hpp"
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/queue/tx_queue.hpp"
+#include "casd/routing/routing_rules.hpp"
+
+namespace cas::base {
+class ConfigNode;
+}
+
+namespace cas::casd {
+
+/// MAVLink 2 signing of a link (`signing`).
+struct SigningConfig {
+  std::filesystem::path key_file;
+  std::uint8_t link_id = 0;  ///< tells the links of one key apart
+  bool verify = true;        ///< refuse what is not signed with the key, take signatures off
+  bool sign = true;          ///< sign what goes out
+  std::vector<std::uint32_t> allow_unsigned;  ///< messages that may come unsigned
+
+  friend bool operator==(const SigningConfig&, const SigningConfig&) = default;
+};
+
+/// One entry of `links`. Keys that a type does not have are refused.
+struct LinkConfig {
+  std::string name;
+  LinkType type = LinkType::kUdp;
+
+  // udp, udp_server, tcp, tcp_server: "HOST:PORT", "[V6]:PORT"; a host may be a name
+  std::string local;      ///< udp: optional; servers: where they listen
+  std::string remote;     ///< udp, tcp: the peer; broadcast and multicast addresses are allowed
+  std::string interface;  ///< network device to bind to; empty: any
+  int max_peers = 64;     ///< servers: peers at one time
+  base::Duration expiry = std::chrono::seconds(30);  ///< udp_server: silence that ends a peer
+
+  // serial
+  std::string device;           ///< path, usually a udev or symlink name
+  unsigned baud = 0;            ///< 0: USB, no rate of its own
+  bool flow_control = false;    ///< RTS/CTS
+  bool pace = true;             ///< hold writes to 98 % of the baud rate
+  base::Duration sensor_gap{};  ///< least time between two HIL_SENSOR; 0: none
+  bool pace_pty = false;        ///< also on a pseudo-terminal: said so, or its routes may fill it
+
+  // tlog
+  std::filesystem::path file;
+  double speed = 1;     ///< recorded seconds per second
+  bool repeat = false;  ///< from the start again at its end
+
+  // all
+  double max_bytes_s = 0;     ///< cap on what is sent; 0: none
+  bool pass_unknown = false;  ///< let packets with unknown message ids pass
+  std::string group;          ///< redundant paths share a group name
+  AcceptRule accept;
+  std::optional<SigningConfig> signing;
+  TxQueueOptions queue;
+  base::ThreadOptions scheduling;  ///< of the link's thread (threads: per_link)
+
+  /// Equal configurations keep their link over a reload.
+  friend bool operator==(const LinkConfig& a, const LinkConfig& b);
+};
+
+/// One entry of `links`. @throws base::ConfigError
+LinkConfig parse_link(const base::ConfigNode& node);
+
+/// One message or a list of them, by name or by number. @throws base::ConfigError
+std::vector<std::uint32_t> parse_messages(const base::ConfigNode& node);
+/// One message by its name or its number; `node` is named in the error. @throws base::ConfigError
+std::uint32_t parse_message(const base::ConfigNode& node, const std::string& text);
+
+/// `key` of `node`: one id from 0 to 255 or a list of them; empty without the key.
+/// @throws base::ConfigError
+std::vector<std::uint8_t> parse_bytes(const base::ConfigNode& node, std::string_view key);
+
+/// The entries of a list; anything else counts as its only entry.
+std::vector<base::ConfigNode> one_or_many(const base::ConfigNode& node);
+
+}  // namespace cas::casd
