@@ -5,7 +5,6 @@
 #include <span>
 
 #include "casd/counters/link_counters.hpp"
-#include "casd/link/delivery_batch.hpp"
 #include "casd/link/switchboard.hpp"
 #include "casd/routing/routing_rules.hpp"
 #include "casd/signing/link_signing.hpp"

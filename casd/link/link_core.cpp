@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/os/log.hpp"
+#include "casd/link/blocking_tx_port.hpp"
 
 namespace cas::casd {
 namespace {
@@ -47,16 +48,19 @@ void LinkCore::on_second(base::RunTime now) {
   ingress_.tick(now);
 }
 
-TxPortOptions LinkCore::port_options() const {
+std::shared_ptr<TxPort> LinkCore::make_port() const {
   const LinkConfig& config = context_.config;
-  return {.queue = config.queue,
-          .line_bytes_s = line_bytes_s(config),
-          .cap_bytes_s = config.max_bytes_s,
-          .sensor_gap = config.sensor_gap,
-          .flow_control = config.flow_control,
-          .signing = context_.signing,
-          .blocking = context_.blocking,
-          .drain = context_.drain};
+  const TxPortOptions options{.queue = config.queue,
+                              .line_bytes_s = line_bytes_s(config),
+                              .cap_bytes_s = config.max_bytes_s,
+                              .sensor_gap = config.sensor_gap,
+                              .flow_control = config.flow_control,
+                              .signing = context_.signing};
+  if (context_.blocking) {
+    return std::make_shared<BlockingTxPort>(options, context_.drain, context_.counters,
+                                            context_.wake);
+  }
+  return std::make_shared<DirectTxPort>(options, context_.counters, context_.wake);
 }
 
 std::string error_text(int error) { return std::generic_category().message(error); }

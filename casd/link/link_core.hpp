@@ -1,17 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "casd/link/backoff.hpp"
+#include "base/time/clock.hpp"
 #include "casd/link/ingress.hpp"
 #include "casd/link/link.hpp"
 #include "casd/link/tx_port.hpp"
-#include "casd/topology/topology.hpp"
+#include "casd/topology/link_config.hpp"
 
 namespace cas::casd {
+
+/// When to try again: after 50 ms, then twice as long each time, up to 1 s.
+class Backoff {
+ public:
+  static constexpr base::Duration kFirst = std::chrono::milliseconds(50);
+  static constexpr base::Duration kLongest = std::chrono::seconds(1);
+
+  bool due(base::RunTime now) const { return now >= next_; }
+  base::RunTime next() const { return next_; }
+  /// An attempt failed.
+  void failed(base::RunTime now) {
+    next_ = now + delay_;
+    delay_ = std::min(2 * delay_, kLongest);
+  }
+  /// It worked, or there is reason to believe that it will.
+  void reset() {
+    delay_ = kFirst;
+    next_ = base::RunTime{};
+  }
+
+ private:
+  base::RunTime next_{};
+  base::Duration delay_ = kFirst;
+};
 
 /// What a link is made from.
 struct LinkContext {
@@ -36,7 +62,6 @@ class LinkCore {
   LinkCounters& counters() { return *context_.counters; }
   std::uint64_t received() const { return context_.counters->rx.packets.get(); }
   std::shared_ptr<LinkCounters> shared_counters() const { return context_.counters; }
-  const std::function<void()>& wake() const { return context_.wake; }
   Ingress& ingress() { return ingress_; }
   Backoff& backoff() { return backoff_; }
 
@@ -51,7 +76,9 @@ class LinkCore {
   /// Routes that fell silent go.
   void on_second(base::RunTime now);
 
-  TxPortOptions port_options() const;
+  /// Makes the sending side of the link, or of one peer of it: blocking or not as the topology
+  /// says.
+  std::shared_ptr<TxPort> make_port() const;
 
  private:
   LinkContext context_;

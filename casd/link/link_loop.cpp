@@ -2,11 +2,13 @@
 #include "casd/link/link_loop.hpp"
 
 #include <poll.h>
+#include <sys/eventfd.h>
 #include <sys/prctl.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <future>
 #include <system_error>
 #include <utility>
@@ -157,6 +159,22 @@ void LinkLoop::run_tasks() {
     tasks.swap(tasks_);
   }
   for (const auto& task : tasks) task();
+}
+
+WakeSignal::WakeSignal() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (!event_) throw base::ConfigError("no event descriptor: too many open files");
+}
+
+void WakeSignal::raise() {
+  if (raised_.exchange(true, std::memory_order_acq_rel)) return;
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(event_.get(), &one, sizeof one);
+}
+
+void WakeSignal::lower() {
+  std::uint64_t count = 0;
+  [[maybe_unused]] const auto taken = ::read(event_.get(), &count, sizeof count);
+  raised_.exchange(false, std::memory_order_acq_rel);
 }
 
 }  // namespace cas::casd

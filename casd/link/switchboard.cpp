@@ -1,11 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/switchboard.hpp"
 
+#include <bit>
 #include <utility>
 
+#include "mavlink_gen/runtime/packet.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
+
+DeliveryBatch::DeliveryBatch() {
+  // The references point into these: they must never move.
+  infos_.reserve(kMaxPackets);
+  bytes_.reserve(kMaxPackets * mav::kMaxPacketBytes);
+}
+
+void DeliveryBatch::add(const PacketInfo& info, std::span<const std::uint8_t> bytes, LinkMask to) {
+  const std::size_t offset = bytes_.size();
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  infos_.push_back(info);
+  const PacketRef packet{&infos_.back(), {bytes_.data() + offset, bytes.size()}};
+  touched_ |= to;
+  for (LinkMask left = to; left != 0; left &= left - 1) {
+    by_link_[static_cast<std::size_t>(std::countr_zero(left))].push_back(packet);
+  }
+}
+
+void DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
+  const auto hand_over = [&](std::size_t link) {
+    if (ports[link]) ports[link]->deliver(by_link_[link], now);
+    by_link_[link].clear();
+  };
+  // casd's own station first: in lockstep it has heard all that came before an answer when the
+  // simulator goes on.
+  if ((touched_ & bit(kLocalLink)) != 0) hand_over(kLocalLink);
+  for (LinkMask left = touched_ & ~bit(kLocalLink); left != 0; left &= left - 1) {
+    hand_over(static_cast<std::size_t>(std::countr_zero(left)));
+  }
+  touched_ = 0;
+  infos_.clear();
+  bytes_.clear();
+}
 
 Switchboard::Switchboard(std::shared_ptr<const RoutingPlan> plan, base::Duration route_lifetime)
     : router_(std::move(plan), mav::public_table(), route_lifetime),

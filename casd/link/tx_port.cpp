@@ -4,38 +4,30 @@
 #include <utility>
 
 #include "casd/signing/link_signing.hpp"
+#include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::casd {
 namespace {
 
 std::int64_t ns(base::RunTime time) { return time.time_since_epoch().count(); }
 
+// Most that is taken from the queue at once: it can no longer be overtaken, so it stays at what a
+// PTY or a socket takes in one go.
+constexpr std::size_t kBatchBytes = 4096;
+constexpr std::size_t kBatchPackets = 64;
+
 }  // namespace
 
-TxPort::TxPort(const TxPortOptions& options, std::shared_ptr<LinkCounters> counters,
-               std::function<void()> wake)
+TxPort::TxPort(const TxPortOptions& options, base::Duration pacer_slack,
+               std::shared_ptr<LinkCounters> counters, std::function<void()> wake)
     : options_(options),
+      pacer_slack_(pacer_slack),
       counters_(std::move(counters)),
       wake_(std::move(wake)),
       line_check_(options.flow_control),
       queue_(options.queue,
              [this](const PacketInfo& info, DropCause cause) { count_drop(info, cause); }) {
   pace(true);
-}
-
-void TxPort::deliver(std::span<const PacketRef> packets, base::RunTime now) {
-  if (options_.blocking) return deliver_blocking(packets);
-  std::size_t done = 0;
-  if (!backlog_.load(std::memory_order_acquire)) {
-    const std::unique_lock lock(writer_mutex_, std::try_to_lock);
-    if (lock && !backlog_.load(std::memory_order_relaxed)) {
-      done = write_direct(packets, now);
-      if (done < packets.size()) enqueue(packets.subspan(done));
-      done = packets.size();
-    }
-  }
-  if (done < packets.size()) enqueue(packets.subspan(done));
-  pump(now);
 }
 
 void TxPort::attach(std::unique_ptr<PacketWriter> writer, bool has_rate) {
@@ -53,15 +45,6 @@ void TxPort::detach(DropCause cause) {
   open_.store(false, std::memory_order_release);
   drop_all(cause);
   writer_.reset();
-}
-
-void TxPort::carry_on(base::RunTime now) {
-  if (options_.blocking) return carry_on_blocking();
-  {
-    const std::scoped_lock lock(writer_mutex_);
-    drain(now);
-  }
-  pump(now);
 }
 
 base::RunTime TxPort::due() const {
@@ -90,21 +73,6 @@ void TxPort::enqueue(std::span<const PacketRef> packets) {
   counters_->tx.queued.set(queue_.count());
 }
 
-// Whoever finds packets waiting and nobody writing writes them. The look at the queue comes after
-// the writer's lock was let go, so between the two of us one sees what the other left.
-void TxPort::pump(base::RunTime now) {
-  while (anything_queued()) {
-    if (wants_room() || held_by_pacer(now) || broken()) return;  // the link's thread carries on
-    const std::unique_lock lock(writer_mutex_, std::try_to_lock);
-    if (!lock) return;
-    drain(now);
-  }
-}
-
-bool TxPort::held_by_pacer(base::RunTime now) const {
-  return due_ns_.load(std::memory_order_relaxed) > ns(now);
-}
-
 void TxPort::drop_all(DropCause cause) {
   const std::scoped_lock lock(queue_mutex_);
   for (; batch_at_ < batch_.size(); ++batch_at_) count_drop(*batch_[batch_at_].info, cause);
@@ -123,8 +91,8 @@ void TxPort::pace(bool has_rate) {
   const double cap = options_.cap_bytes_s;
   const bool capped = cap > 0 && (line == 0 || cap < line);
   capped_.store(capped, std::memory_order_relaxed);
-  pacer_ = LinePacer(capped ? cap : line, options_.blocking ? base::Duration{} : LinePacer::kSlack);
-  if (!options_.blocking) pacer_.set_sensor_gap(options_.sensor_gap);
+  pacer_ = LinePacer(capped ? cap : line, pacer_slack_);
+  pacer_.set_sensor_gap(options_.sensor_gap);
 }
 
 void TxPort::count_drop(const PacketInfo& info, DropCause cause) {
@@ -135,6 +103,197 @@ void TxPort::count_drop(const PacketInfo& info, DropCause cause) {
 bool TxPort::anything_queued() {
   const std::scoped_lock lock(queue_mutex_);
   return !queue_.empty();
+}
+
+std::size_t TxPort::write_some(std::span<const PacketRef> packets, base::RunTime now) {
+  const WriteResult result = writer_->write(packets);
+  counters_->tx.write_calls.add();
+  std::size_t gone = result.packets;
+  if (result.part_of_next > 0) {
+    const auto rest = packets[gone].bytes.subspan(result.part_of_next);
+    tail_.assign(rest.begin(), rest.end());
+    ++gone;
+  }
+  settle(packets.first(gone), result.unsignable, now);
+  if (result.broken) {
+    broken_.store(true, std::memory_order_relaxed);
+    wake_();
+  } else if (gone < packets.size() || !tail_.empty()) {
+    if (gone > 0) busy_since_ns_.store(0, std::memory_order_relaxed);
+    wait_for_room(now);
+  }
+  return gone;
+}
+
+bool TxPort::write_tail(base::RunTime now) {
+  if (tail_.empty()) return true;
+  const std::ptrdiff_t gone = writer_->write_rest(tail_);
+  if (gone < 0) {
+    broken_.store(true, std::memory_order_relaxed);
+    wake_();
+    return false;
+  }
+  if (gone > 0) busy_since_ns_.store(ns(now), std::memory_order_relaxed);
+  tail_.erase(tail_.begin(), tail_.begin() + gone);
+  return tail_.empty();
+}
+
+bool TxPort::take_batch(base::RunTime now) {
+  if (batch_at_ < batch_.size()) return true;
+  batch_.clear();
+  batch_infos_.clear();
+  batch_bytes_.clear();
+  batch_at_ = 0;
+  const std::scoped_lock lock(queue_mutex_);
+  if (queue_.empty()) {
+    backlog_.store(false, std::memory_order_release);
+    return false;
+  }
+  if (!line_ready(now)) {
+    wait_for_line();
+    return false;
+  }
+  const std::size_t most = pacer_.limited() ? 1 : kBatchPackets;
+  batch_infos_.reserve(kBatchPackets);
+  batch_bytes_.reserve(kBatchBytes + mav::kMaxPacketBytes);
+  while (batch_.size() < most && batch_bytes_.size() < kBatchBytes) {
+    const std::optional<QueuedPacket> next = queue_.pop(now, pacer_);
+    if (!next) break;
+    const std::size_t offset = batch_bytes_.size();
+    batch_bytes_.insert(batch_bytes_.end(), next->bytes.begin(), next->bytes.end());
+    batch_infos_.push_back(next->info);
+    batch_.push_back({&batch_infos_.back(), {batch_bytes_.data() + offset, next->bytes.size()}});
+  }
+  counters_->tx.queued.set(queue_.count());
+  if (batch_.empty()) backlog_.store(false, std::memory_order_release);
+  return !batch_.empty();
+}
+
+// The pacer predicts when the line is free; the driver reports bytes still unsent. Wait for the
+// later.
+bool TxPort::line_ready(base::RunTime now) {
+  if (!pacer_.limited()) return true;
+  if (!pacer_.ready(now)) return false;
+  pacer_.holds(line_check_.believed(writer_ ? writer_->unsent() : 0, now), now);
+  return pacer_.ready(now);
+}
+
+// What lies between the packets that cannot be signed is gone.
+void TxPort::settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
+                    base::RunTime now) {
+  std::size_t begin = 0;
+  for (const std::size_t at : unsignable) {
+    if (at > begin) account(done.subspan(begin, at - begin), now);
+    count_drop(*done[at].info, DropCause::kUnsignable);
+    begin = at + 1;
+  }
+  if (done.size() > begin) account(done.subspan(begin), now);
+}
+
+void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
+  std::size_t bytes = 0;
+  for (const PacketRef& packet : written) {
+    bytes += packet.bytes.size() + writer_->added_bytes();
+    if (packet.info->message_id == mavlink::common::HilSensor::kId) pacer_.sent_sensor(now);
+  }
+  pacer_.sent(bytes, now);
+  line_check_.wrote(now);
+  counters_->count_sent(written, now, base::steady_now());
+}
+
+void TxPort::wait_for_room(base::RunTime now) {
+  backlog_.store(true, std::memory_order_release);
+  if (busy_since_ns_.load(std::memory_order_relaxed) == 0) {
+    busy_since_ns_.store(ns(now), std::memory_order_relaxed);
+  }
+  busy_.store(true, std::memory_order_relaxed);
+  wake_();
+}
+
+void TxPort::wait_for_line() {
+  due_ns_.store(ns(pacer_.ready_at()), std::memory_order_relaxed);
+  wake_();
+}
+
+DirectTxPort::DirectTxPort(const TxPortOptions& options, std::shared_ptr<LinkCounters> counters,
+                           std::function<void()> wake)
+    : TxPort(options, LinePacer::kSlack, std::move(counters), std::move(wake)) {}
+
+void DirectTxPort::deliver(std::span<const PacketRef> packets, base::RunTime now) {
+  std::size_t done = 0;
+  if (!backlog_.load(std::memory_order_acquire)) {
+    const std::unique_lock lock(writer_mutex_, std::try_to_lock);
+    if (lock && !backlog_.load(std::memory_order_relaxed)) {
+      done = write_direct(packets, now);
+      if (done < packets.size()) enqueue(packets.subspan(done));
+      done = packets.size();
+    }
+  }
+  if (done < packets.size()) enqueue(packets.subspan(done));
+  pump(now);
+}
+
+void DirectTxPort::carry_on(base::RunTime now) {
+  {
+    const std::scoped_lock lock(writer_mutex_);
+    drain(now);
+  }
+  pump(now);
+}
+
+// No lost wake-up: the queue is looked at again after the writer's lock was let go. A producer that
+// failed to take the lock has queued before that look.
+void DirectTxPort::pump(base::RunTime now) {
+  while (anything_queued()) {
+    if (wants_room() || held_by_pacer(now) || broken()) return;  // the link's thread carries on
+    const std::unique_lock lock(writer_mutex_, std::try_to_lock);
+    if (!lock) return;
+    drain(now);
+  }
+}
+
+bool DirectTxPort::held_by_pacer(base::RunTime now) const {
+  return due_ns_.load(std::memory_order_relaxed) > ns(now);
+}
+
+// The lock is held and nothing waits. @return how many packets are gone (or begun)
+std::size_t DirectTxPort::write_direct(std::span<const PacketRef> packets, base::RunTime now) {
+  if (!writer_) return 0;
+  if (!pacer_.limited()) return write_some(packets, now);
+  std::size_t done = 0;
+  while (done < packets.size() && line_ready(now)) {
+    if (write_some(packets.subspan(done, 1), now) == 0) return done;
+    ++done;
+  }
+  return done;
+}
+
+void DirectTxPort::drain(base::RunTime now) {
+  if (!writer_) return drop_all(DropCause::kClosed);
+  if (broken()) return;
+  busy_.store(false, std::memory_order_relaxed);
+  due_ns_.store(0, std::memory_order_relaxed);
+  if (!write_tail(now)) return wait_for_room(now);
+  drop_late_batch(now);
+  while (take_batch(now)) {
+    const std::span<const PacketRef> rest = std::span(batch_).subspan(batch_at_);
+    batch_at_ += write_some(rest, now);
+    if (batch_at_ < batch_.size() || !tail_.empty()) return;  // wait_for_room() was called
+  }
+  if (!busy_.load(std::memory_order_relaxed)) busy_since_ns_.store(0, std::memory_order_relaxed);
+}
+
+// What was taken from the queue and found no room has aged since.
+void DirectTxPort::drop_late_batch(base::RunTime now) {
+  if (batch_at_ == batch_.size()) return;
+  const auto late = [&](const PacketRef& packet) {
+    if (!queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
+    count_drop(*packet.info, DropCause::kAge);
+    return true;
+  };
+  batch_.erase(batch_.begin(), batch_.begin() + static_cast<std::ptrdiff_t>(batch_at_));
+  batch_at_ = 0;
+  std::erase_if(batch_, late);
 }
 
 }  // namespace cas::casd

@@ -25,39 +25,25 @@ struct TxPortOptions {
   base::Duration sensor_gap{};                ///< least time between two HIL_SENSOR; 0: none
   bool flow_control = false;                  ///< the other side may hold the line
   std::shared_ptr<LinkSigning> signing = {};  ///< may be empty
-  bool blocking = false;  ///< write one packet a turn and wait for the line (threads: blocking)
-  LineDrain drain = LineDrain();  ///< how that wait ends
 };
 
-/// The sending side of a link: one descriptor that several threads write to.
+/// The sending side of a link: one descriptor, the pacer of the line behind it, and the queue of
+/// packets that wait for both. Whether a thread writes at once or waits for the line is decided by
+/// the class derived from it: DirectTxPort, BlockingTxPort.
 ///
-///   receiving link's thread                      destination's own thread
-///   deliver: try the writer's lock
-///     free, nothing waits -> write at once
-///     taken or line busy  -> queue ----------->  carry_on, when the descriptor or the pacer is
-///                                                ready: queue -> write
-///
-/// Who holds the writer's lock looks at the queue again after letting go, so a packet that was
-/// queued meanwhile never waits for a wake-up. Two locks: `writer_mutex_` guards what writes
-/// (descriptor, begun packet, pacer) and is held during the system call; `queue_mutex_` guards the
-/// queue and is held for a copy only.
-class TxPort final : public PacketPort {
+/// Two locks: `writer_mutex_` guards what writes (descriptor, begun packet, pacer) and is held
+/// during the system call; `queue_mutex_` guards the queue and is held for a copy only.
+class TxPort : public PacketPort {
  public:
-  /// @param wake  called when the link's thread must call carry_on(); from any thread
-  TxPort(const TxPortOptions& options, std::shared_ptr<LinkCounters> counters,
-         std::function<void()> wake);
-
-  void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
-
   // The link's thread only:
 
-  /// A fresh descriptor is open. Nothing of before is sent over it.
+  /// Starts writing to a newly opened descriptor; what was queued for the old one is dropped.
   /// @param has_rate  whether the line behind it has the rate of the options
   void attach(std::unique_ptr<PacketWriter> writer, bool has_rate = true);
   /// The descriptor is gone; what waits is dropped.
   void detach(DropCause cause = DropCause::kClosed);
   /// Writes what waits, as far as descriptor and pacer allow.
-  void carry_on(base::RunTime now);
+  virtual void carry_on(base::RunTime now) = 0;
   /// The descriptor took no more: wait for POLLOUT, then carry_on().
   bool wants_room() const { return busy_.load(std::memory_order_relaxed); }
   /// When the pacer allows the next packet; PollSet::kNever when nothing waits for it.
@@ -67,32 +53,33 @@ class TxPort final : public PacketPort {
   /// Since when something waits that cannot be written; nothing while it moves.
   std::optional<base::RunTime> stuck_since() const;
 
- private:
-  void deliver_blocking(std::span<const PacketRef> packets);
-  void carry_on_blocking();
-  void write_or_drop(const PacketRef& packet, base::RunTime now);
-  bool write_one_blocking(const PacketRef& packet, base::RunTime now);
-  std::size_t write_direct(std::span<const PacketRef> packets, base::RunTime now);
+ protected:
+  /// @param pacer_slack  how far ahead of time the line may be given bytes
+  /// @param wake         called when the link's thread must call carry_on(); from any thread
+  TxPort(const TxPortOptions& options, base::Duration pacer_slack,
+         std::shared_ptr<LinkCounters> counters, std::function<void()> wake);
+
+  // Under writer_mutex_:
+
+  /// Writes packets to the descriptor and counts them. @return how many are gone or begun
   std::size_t write_some(std::span<const PacketRef> packets, base::RunTime now);
-  void enqueue(std::span<const PacketRef> packets);
-  void pump(base::RunTime now);
-  void drain(base::RunTime now);
+  /// Writes the rest of a begun packet. @return true when none is left
   bool write_tail(base::RunTime now);
+  /// Fills the batch from the queue. @return false when nothing may be written now
   bool take_batch(base::RunTime now);
-  void drop_late_batch(base::RunTime now);
-  void drop_all(DropCause cause);
-  void pace(bool has_rate);
-  void settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
-              base::RunTime now);
-  void account(std::span<const PacketRef> written, base::RunTime now);
-  void count_drop(const PacketInfo& info, DropCause cause);
-  bool anything_queued();
+  /// Whether the pacer lets the next packet out.
   bool line_ready(base::RunTime now);
-  bool held_by_pacer(base::RunTime now) const;
+  void drop_all(DropCause cause);
+
+  // From any thread:
+  void enqueue(std::span<const PacketRef> packets);
+  bool anything_queued();
+  void count_drop(const PacketInfo& info, DropCause cause);
+  /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
   void wait_for_room(base::RunTime now);
-  void wait_for_line();
 
   const TxPortOptions options_;
+  const base::Duration pacer_slack_;
   const std::shared_ptr<LinkCounters> counters_;
   const std::function<void()> wake_;
 
@@ -118,6 +105,40 @@ class TxPort final : public PacketPort {
   std::atomic<bool> broken_{false};
   std::atomic<std::int64_t> due_ns_{0};         ///< 0: not held by the pacer
   std::atomic<std::int64_t> busy_since_ns_{0};  ///< 0: not busy
+
+ private:
+  void pace(bool has_rate);
+  void settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
+              base::RunTime now);
+  void account(std::span<const PacketRef> written, base::RunTime now);
+  void wait_for_line();
+};
+
+/// Several threads write to one descriptor (threads: per_link, single).
+///
+///   receiving link's thread                      destination's own thread
+///   deliver: try the writer's lock
+///     free, nothing waits -> write at once
+///     taken or line busy  -> queue ----------->  carry_on, when the descriptor or the pacer is
+///                                                ready: queue -> write
+///
+/// Who holds the writer's lock looks at the queue again after letting go, so a packet that was
+/// queued meanwhile never waits for a wake-up.
+class DirectTxPort final : public TxPort {
+ public:
+  /// @param wake  called when the link's thread must call carry_on(); from any thread
+  DirectTxPort(const TxPortOptions& options, std::shared_ptr<LinkCounters> counters,
+               std::function<void()> wake);
+
+  void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
+  void carry_on(base::RunTime now) override;
+
+ private:
+  std::size_t write_direct(std::span<const PacketRef> packets, base::RunTime now);
+  void pump(base::RunTime now);
+  void drain(base::RunTime now);
+  void drop_late_batch(base::RunTime now);
+  bool held_by_pacer(base::RunTime now) const;
 };
 
 }  // namespace cas::casd

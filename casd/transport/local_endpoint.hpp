@@ -7,7 +7,7 @@
 #include <span>
 
 #include "casd/link/ingress.hpp"
-#include "casd/link/wake_signal.hpp"
+#include "casd/link/link_loop.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/packet/packet_ring.hpp"
 #include "casd/station/station.hpp"

@@ -21,7 +21,7 @@ constexpr int kBlockingPatience_ms = 20;
 
 SerialLink::SerialLink(LinkContext context)
     : core_(std::move(context)),
-      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_counters(), core_.wake())),
+      port_(core_.make_port()),
       path_watch_(core_.config().device),
       parser_(make_parser()),
       buffer_(kReadBytes) {

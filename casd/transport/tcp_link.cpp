@@ -41,7 +41,7 @@ void prepare_tcp(int fd) {
 
 TcpLink::TcpLink(LinkContext context)
     : core_(std::move(context)),
-      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_counters(), core_.wake())),
+      port_(core_.make_port()),
       parser_(make_parser()),
       buffer_(kReadBytes) {}
 

@@ -152,8 +152,7 @@ void TcpServerLink::accept(base::RunTime now) {
   client->slot = static_cast<std::uint8_t>(std::countr_one(slots_));
   client->fd = socket.get();
   client->name = name;
-  client->port =
-      std::make_shared<TxPort>(core_.port_options(), core_.shared_counters(), core_.wake());
+  client->port = core_.make_port();
   client->port->attach(
       std::make_unique<StreamWriter>(std::move(socket), StreamWriter::Kind::kSocket));
   slots_ |= bit(client->slot);

@@ -88,9 +88,7 @@ SocketAddress source_towards(const SocketAddress& remote, int fd, const std::str
 }  // namespace
 
 UdpLink::UdpLink(LinkContext context)
-    : core_(std::move(context)),
-      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_counters(), core_.wake())),
-      parser_(make_parser()) {}
+    : core_(std::move(context)), port_(core_.make_port()), parser_(make_parser()) {}
 
 void UdpLink::watch(PollSet& set, base::RunTime) {
   if (fd_ < 0) return set.wake_by(core_.backoff().next());

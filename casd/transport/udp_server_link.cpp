@@ -14,7 +14,7 @@ UdpServerLink::UdpServerLink(LinkContext context)
       newest_only_(core_.config().type == LinkType::kUdp),
       peers_(std::make_shared<SharedPeers>(newest_only_ ? 1 : core_.config().max_peers,
                                            core_.config().expiry)),
-      port_(std::make_shared<TxPort>(core_.port_options(), core_.shared_counters(), core_.wake())),
+      port_(core_.make_port()),
       parser_(make_parser()) {}
 
 void UdpServerLink::watch(PollSet& set, base::RunTime) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/link/look_pace.hpp"
+#include "casd/link/link_loop.hpp"
 
 #include <gtest/gtest.h>
 

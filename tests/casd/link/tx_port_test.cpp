@@ -57,7 +57,7 @@ class FakeWriter final : public PacketWriter {
 class TxPortTest : public testing::Test {
  protected:
   void open(const TxPortOptions& options) {
-    port = std::make_unique<TxPort>(options, counters, [this] { ++wakes; });
+    port = std::make_unique<DirectTxPort>(options, counters, [this] { ++wakes; });
     port->attach(std::make_unique<FakeWriter>(line));
   }
   /// Packets of the same class, in one batch, read at `now`; their message ids count up.
@@ -74,7 +74,8 @@ class TxPortTest : public testing::Test {
   }
 
   FakeLine line;
-  std::shared_ptr<LinkCounters> counters = std::make_shared<LinkCounters>("line", LinkType::kSerial);
+  std::shared_ptr<LinkCounters> counters =
+      std::make_shared<LinkCounters>("line", LinkType::kSerial);
   std::unique_ptr<TxPort> port;
   std::uint32_t next_id = 1;
   int wakes = 0;

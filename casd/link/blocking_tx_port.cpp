@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// threads: blocking, the traditional way of [HILS]: write a packet, wait until the line has it.
+#include "casd/link/blocking_tx_port.hpp"
+
 #include <poll.h>
 #include <time.h>
 
 #include <cerrno>
-
-#include "casd/link/tx_port.hpp"
+#include <utility>
 
 namespace cas::casd {
 namespace {
 
 // A line that takes nothing so long loses the packet.
-constexpr int kBlockingPatience_ms = 1000;
+constexpr int kPatience_ms = 1000;
 
 void sleep_until(base::RunTime when) {
   const std::int64_t total = when.time_since_epoch().count();
@@ -20,11 +20,22 @@ void sleep_until(base::RunTime when) {
   }
 }
 
+// The wait for the line takes the place of sensor gap and slack.
+TxPortOptions without_gap(TxPortOptions options) {
+  options.sensor_gap = {};
+  return options;
+}
+
 }  // namespace
+
+BlockingTxPort::BlockingTxPort(const TxPortOptions& options, LineDrain drain,
+                               std::shared_ptr<LinkCounters> counters, std::function<void()> wake)
+    : TxPort(without_gap(options), base::Duration{}, std::move(counters), std::move(wake)),
+      drain_(drain) {}
 
 // A line without a rate is written to at once; for a paced one the packets wait in the same queue
 // as in the other thread models, and each turn of the loop writes one.
-void TxPort::deliver_blocking(std::span<const PacketRef> packets) {
+void BlockingTxPort::deliver(std::span<const PacketRef> packets, base::RunTime) {
   const std::scoped_lock lock(writer_mutex_);
   if (pacer_.limited()) {
     enqueue(packets);
@@ -37,7 +48,7 @@ void TxPort::deliver_blocking(std::span<const PacketRef> packets) {
 }
 
 // One packet, then the wait until the line is through with it.
-void TxPort::carry_on_blocking() {
+void BlockingTxPort::carry_on(base::RunTime) {
   const std::scoped_lock lock(writer_mutex_);
   const base::RunTime start = base::steady_now();
   busy_.store(false, std::memory_order_relaxed);
@@ -48,21 +59,21 @@ void TxPort::carry_on_blocking() {
   busy_since_ns_.store(0, std::memory_order_relaxed);
   if (pacer_.limited()) {
     const base::Duration fifo_time = pacer_.time_for(LineDrain::kFifoBytes);
-    sleep_until(options_.drain.done(start, pacer_.arrival(0, start), fifo_time));
+    sleep_until(drain_.done(start, pacer_.arrival(0, start), fifo_time));
   }
   if (anything_queued()) due_ns_.store(1, std::memory_order_relaxed);
 }
 
-void TxPort::write_or_drop(const PacketRef& packet, base::RunTime now) {
-  if (write_one_blocking(packet, now)) return;
+void BlockingTxPort::write_or_drop(const PacketRef& packet, base::RunTime now) {
+  if (write_one(packet, now)) return;
   count_drop(*packet.info, writer_ ? DropCause::kStalled : DropCause::kClosed);
 }
 
 // @return true when the packet is gone, or begun with its rest in the tail
-bool TxPort::write_one_blocking(const PacketRef& packet, base::RunTime now) {
+bool BlockingTxPort::write_one(const PacketRef& packet, base::RunTime now) {
   constexpr int kStep_ms = 100;
   bool begun = false;
-  for (int waited_ms = 0; waited_ms < kBlockingPatience_ms; waited_ms += kStep_ms) {
+  for (int waited_ms = 0; waited_ms < kPatience_ms; waited_ms += kStep_ms) {
     if (!writer_ || broken()) return begun;
     if (write_tail(now)) {
       begun = begun || write_some({&packet, 1}, now) == 1;
