@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "casd/station/param_value.hpp"
+#include "casd/station/param_exchange.hpp"
 
 namespace cas::casd {
 

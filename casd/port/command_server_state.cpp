@@ -8,7 +8,7 @@
 #include "casd/port/command_json.hpp"
 #include "casd/port/command_params.hpp"
 #include "casd/port/command_server.hpp"
-#include "casd/station/vehicle_health.hpp"
+#include "casd/station/vehicle_state.hpp"
 
 namespace cas::casd {
 namespace {

@@ -57,55 +57,6 @@ std::string seconds_text(base::Duration d) {
 
 }  // namespace
 
-std::string describe(MavCmd id) {
-  std::string text = "MAV_CMD " + std::to_string(static_cast<unsigned>(id));
-  switch (id) {
-    case MavCmd::kComponentArmDisarm:
-      return text + " (arm or disarm)";
-    case MavCmd::kNavTakeoff:
-      return text + " (take off)";
-    case MavCmd::kNavLand:
-      return text + " (land)";
-    case MavCmd::kNavReturnToLaunch:
-      return text + " (return to launch)";
-    case MavCmd::kDoSetMode:
-      return text + " (set mode)";
-    case MavCmd::kDoReposition:
-      return text + " (reposition)";
-    case MavCmd::kSetMessageInterval:
-      return text + " (set message interval)";
-    case MavCmd::kRequestMessage:
-      return text + " (request message)";
-    case MavCmd::kPreflightRebootShutdown:
-      return text + " (reboot)";
-    case MavCmd::kPreflightStorage:
-      return text + " (store parameters)";
-    default:
-      return text;
-  }
-}
-
-std::string describe(MavResult result) {
-  switch (result) {
-    case MavResult::kAccepted:
-      return "accepted";
-    case MavResult::kTemporarilyRejected:
-      return "temporarily rejected";
-    case MavResult::kDenied:
-      return "denied";
-    case MavResult::kUnsupported:
-      return "not supported by the vehicle";
-    case MavResult::kFailed:
-      return "failed";
-    case MavResult::kInProgress:
-      return "in progress";
-    case MavResult::kCancelled:
-      return "cancelled";
-    default:
-      return "answered with result " + std::to_string(static_cast<unsigned>(result));
-  }
-}
-
 void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Done done) {
   if (newest_counts(command.id)) replace(command.id, now);
   Request request;
@@ -127,7 +78,8 @@ void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Do
 void CommandExchange::replace(MavCmd id, base::RunTime now) {
   const auto found = find(id);
   if (found == active_.end()) return;
-  finish(found, failure(OutcomeKind::kRefused, describe(id) + " was replaced by a newer request"), now);
+  finish(found, failure(OutcomeKind::kRefused, describe(id) + " was replaced by a newer request"),
+         now);
 }
 
 void CommandExchange::transmit(Request& request, base::RunTime now) {
@@ -186,14 +138,14 @@ void CommandExchange::on_deadline(std::list<Request>::iterator request, base::Ru
   } else if (request->in_progress) {
     finish(request,
            failure(OutcomeKind::kTimeout, what + " was in progress, then nothing came for " +
-                                          seconds_text(timing_.in_progress_timeout) + " s"),
+                                              seconds_text(timing_.in_progress_timeout) + " s"),
            now);
   } else if (request->sent < timing_.tries) {
     transmit(*request, now);
   } else {
     finish(request,
            failure(OutcomeKind::kTimeout, what + " was sent " + std::to_string(request->sent) +
-                                          " times and not acknowledged"),
+                                              " times and not acknowledged"),
            now);
   }
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <deque>
 #include <functional>
 #include <list>
@@ -13,30 +11,12 @@
 
 #include "base/time/clock.hpp"
 #include "casd/station/outcome.hpp"
+#include "casd/station/vehicle_command.hpp"
 #include "mavlink/common/command_ack.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
 
 namespace cas::casd {
-
-/// A MAVLink command without its addressee.
-struct VehicleCommand {
-  mavlink::common::MavCmd id{};
-  std::array<float, 7> params{};  ///< 1..7; with a place, 5..7 are unused
-
-  /// Set for COMMAND_INT: latitude and longitude in 1e-7 degree, altitude in m AMSL.
-  struct Place {
-    std::int32_t lat_deg_e7 = 0;
-    std::int32_t lon_deg_e7 = 0;
-    float alt_m = 0;
-  };
-  std::optional<Place> place{};
-};
-
-/// "MAV_CMD 400 (arm or disarm)": what people call a command.
-std::string describe(mavlink::common::MavCmd id);
-/// "denied", "temporarily rejected", ...
-std::string describe(mavlink::common::MavResult result);
 
 /// When a command is sent again and given up.
 struct CommandTiming {

@@ -2,6 +2,11 @@
 #include "casd/station/param_exchange.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "mavlink_gen/runtime/codec.hpp"
@@ -45,6 +50,44 @@ std::string because(const std::vector<std::string>& texts) {
   return texts.empty() ? std::string() : ": " + texts.back();
 }
 
+struct IntegerType {
+  MavParamType type;
+  double low;
+  double high;
+};
+
+constexpr IntegerType kIntegers[] = {
+    {MavParamType::kUint8, 0, 255},           {MavParamType::kInt8, -128, 127},
+    {MavParamType::kUint16, 0, 65535},        {MavParamType::kInt16, -32768, 32767},
+    {MavParamType::kUint32, 0, 4294967295.0}, {MavParamType::kInt32, -2147483648.0, 2147483647.0},
+};
+
+const IntegerType* integer(MavParamType type) {
+  for (const IntegerType& entry : kIntegers) {
+    if (entry.type == type) return &entry;
+  }
+  return nullptr;
+}
+
+/// The low bytes of the float field, read as the type they were written as.
+double integer_from_bytes(MavParamType type, float wire) {
+  const auto bits = std::bit_cast<std::uint32_t>(wire);
+  switch (type) {
+    case MavParamType::kUint8:
+      return static_cast<std::uint8_t>(bits);
+    case MavParamType::kInt8:
+      return static_cast<std::int8_t>(bits);
+    case MavParamType::kUint16:
+      return static_cast<std::uint16_t>(bits);
+    case MavParamType::kInt16:
+      return static_cast<std::int16_t>(bits);
+    case MavParamType::kUint32:
+      return bits;
+    default:
+      return static_cast<std::int32_t>(bits);
+  }
+}
+
 }  // namespace
 
 void ParamExchange::read(const std::string& name, base::RunTime now, Done done) {
@@ -69,7 +112,8 @@ void ParamExchange::start(Request request, base::RunTime now) {
     return;
   }
   if (active_.size() >= kMaxActive) {
-    request.done(failure(OutcomeKind::kRefused, "too many parameter requests wait for this vehicle"));
+    request.done(
+        failure(OutcomeKind::kRefused, "too many parameter requests wait for this vehicle"));
     return;
   }
   request.type_known = known_.contains(request.name);
@@ -88,7 +132,7 @@ bool ParamExchange::fits(const Request& request) const {
 Outcome ParamExchange::unfit(const Request& request) const {
   const std::string_view type = name(known_.at(request.name).type);
   return failure(OutcomeKind::kInvalid, request.name + " is " + std::string(type) +
-                                        " and cannot hold " + number_text(*request.value));
+                                            " and cannot hold " + number_text(*request.value));
 }
 
 void ParamExchange::transmit(Request& request, base::RunTime now) {
@@ -138,7 +182,8 @@ void ParamExchange::on_answer(std::list<Request>::iterator request, const Parame
     return;
   }
   if (!known_.contains(request->name)) {
-    finish(request, failure(OutcomeKind::kRefused, "the vehicle has more parameters than casd holds"));
+    finish(request,
+           failure(OutcomeKind::kRefused, "the vehicle has more parameters than casd holds"));
     return;
   }
   if (!fits(*request)) {
@@ -222,8 +267,8 @@ void ParamExchange::on_listed(const ParamValue& message, const std::string& name
   if (message.param_count > kMaxKnown || too_many) {
     const std::size_t claimed = std::max<std::size_t>(message.param_count, kMaxKnown + 1);
     give_up_listing(OutcomeKind::kRefused, "the vehicle claims to have " + std::to_string(claimed) +
-                                           " parameters or more; casd holds " +
-                                           std::to_string(kMaxKnown));
+                                               " parameters or more; casd holds " +
+                                               std::to_string(kMaxKnown));
     return;
   }
   if (listing.have.size() != message.param_count) listing.have.resize(message.param_count, false);
@@ -247,7 +292,7 @@ void ParamExchange::tick_listing(base::RunTime now) {
                            std::to_string(listing.have.size()) + " parameters";
   if (now >= listing.give_up) {
     give_up_listing(OutcomeKind::kTimeout, sent + " in " + seconds_text(timing_.list_timeout) +
-                                           " s; the rest would take too long");
+                                               " s; the rest would take too long");
     return;
   }
   if (++listing.idle_rounds >= timing_.tries) {
@@ -277,6 +322,61 @@ void ParamExchange::finish_listing(Outcome outcome) {
   const std::vector<Done> done = std::move(listing_->done);
   listing_.reset();
   for (const Done& each : done) each(outcome);
+}
+
+double from_wire(ParamEncoding encoding, MavParamType type, float wire) {
+  if (encoding == ParamEncoding::kCast || integer(type) == nullptr) return wire;
+  return integer_from_bytes(type, wire);
+}
+
+std::optional<float> to_wire(ParamEncoding encoding, MavParamType type, double value) {
+  if (!std::isfinite(value)) return std::nullopt;
+  const IntegerType* range = integer(type);
+  if (range == nullptr) {
+    if (std::abs(value) > static_cast<double>(std::numeric_limits<float>::max())) {
+      return std::nullopt;
+    }
+    return static_cast<float>(value);
+  }
+  if (value < range->low || value > range->high || value != std::floor(value)) {
+    return std::nullopt;
+  }
+  if (encoding == ParamEncoding::kCast) return static_cast<float>(value);
+  return std::bit_cast<float>(static_cast<std::uint32_t>(static_cast<std::int64_t>(value)));
+}
+
+bool same_value(MavParamType type, double asked, double in_force) {
+  if (integer(type) != nullptr) return asked == in_force;
+  return static_cast<float>(asked) == static_cast<float>(in_force);
+}
+
+std::string_view name(MavParamType type) {
+  switch (type) {
+    case MavParamType::kUint8:
+      return "UINT8";
+    case MavParamType::kInt8:
+      return "INT8";
+    case MavParamType::kUint16:
+      return "UINT16";
+    case MavParamType::kInt16:
+      return "INT16";
+    case MavParamType::kUint32:
+      return "UINT32";
+    case MavParamType::kInt32:
+      return "INT32";
+    case MavParamType::kReal32:
+      return "REAL32";
+    default:
+      return "unknown";
+  }
+}
+
+std::string number_text(double value) {
+  char text[48];
+  const bool whole = std::floor(value) == value && std::abs(value) < 1e15;
+  const auto end = whole ? std::to_chars(text, text + sizeof text, value, std::chars_format::fixed)
+                         : std::to_chars(text, text + sizeof text, static_cast<float>(value));
+  return std::string(text, end.ptr);
 }
 
 }  // namespace cas::casd

@@ -33,6 +33,15 @@ bool addressed(const CommandAck& ack, mav::Source self) {
          (ack.target_component == 0 || ack.target_component == self.component);
 }
 
+constexpr base::Duration kFreshHeartbeat = std::chrono::seconds(3);
+
+std::string vehicle_text(const VehicleState& state) {
+  return "vehicle " + std::to_string(state.source().system);
+}
+
+/// Farther from home than any vehicle here flies: a number beyond it is a slip.
+constexpr double kFarthest_m = 100'000;
+
 }  // namespace
 
 VehicleCommander::Vehicle::Vehicle(VehicleCommander& owner, mav::Source source, LinkId link)
@@ -81,9 +90,7 @@ VehicleCommander::Vehicle* VehicleCommander::track(LinkId link, const mav::Packe
 /// What commanding needs to know and a vehicle may not stream by itself.
 void VehicleCommander::ask_on_sight(std::uint8_t system, base::RunTime now) {
   for (const std::uint32_t id : {AutopilotVersion::kId, HomePosition::kId}) {
-    VehicleCommand request{.id = MavCmd::kRequestMessage};
-    request.params[0] = static_cast<float>(id);
-    start(system, request, now, [](const Outcome&) {});
+    start(system, request_command(id), now, [](const Outcome&) {});
   }
   // PX4 streams by itself; ArduPilot sends little more than HEARTBEAT until it is asked.
   if (find(system)->autopilot() != Autopilot::kArduPilot) return;
@@ -212,8 +219,8 @@ std::variant<std::uint8_t, Outcome> VehicleCommander::resolve(
 VehicleCommander::Vehicle* VehicleCommander::known(std::uint8_t system, const Done& done) {
   const auto found = vehicles_.find(system);
   if (found != vehicles_.end()) return found->second.get();
-  done(
-      failure(OutcomeKind::kNoSuchVehicle, "no vehicle " + std::to_string(system) + " has been heard"));
+  done(failure(OutcomeKind::kNoSuchVehicle,
+               "no vehicle " + std::to_string(system) + " has been heard"));
   return nullptr;
 }
 
@@ -223,6 +230,273 @@ void VehicleCommander::start(std::uint8_t system, const VehicleCommand& command,
   if (Vehicle* vehicle = known(system, done)) {
     vehicle->commands.start(command, now, std::move(done));
   }
+}
+
+/// Real propellers may spin: answers `done` and returns true unless the vehicle says that it flies
+/// a simulation, or request and configuration both consent to one that does not.
+bool VehicleCommander::interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now,
+                                   const Done& done) const {
+  const VehicleState& state = vehicle.state;
+  if (not_hil && options_.allow_not_hil) return false;
+  std::string why;
+  if (state.heartbeat_age(now) > kFreshHeartbeat) {
+    why = " has sent no HEARTBEAT for " +
+          std::to_string(static_cast<int>(base::to_seconds(state.heartbeat_age(now)))) +
+          " s, so casd cannot tell whether it is in HIL mode";
+  } else if (!state.hil()) {
+    why = " does not say that it is in HIL mode: real propellers may spin";
+  } else {
+    return false;
+  }
+  constexpr const char* kRemedy =
+      "; put it in HIL mode (PX4: SYS_HITL 1 and a restart), or, for a firmware that runs in "
+      "software and never says so, allow it: commanding.allow_not_hil: true and --not-hil";
+  why += not_hil ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
+                 : kRemedy;
+  done(failure(OutcomeKind::kInterlock, vehicle_text(state) + why));
+  return true;
+}
+
+void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done) {
+  now_ = now;
+  const VehicleCommand command = arm_command(true, options.force);
+  const Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr || interlocked(*vehicle, options.not_hil, now, done)) return;
+  start(system, command, now,
+        [this, system, command, done = explained(*vehicle, std::move(done))](const Outcome& armed) {
+          const VehicleState* state = find(system);
+          if (armed.kind != OutcomeKind::kRefused || !state->waits_for_sticks()) return done(armed);
+          // PX4 will not arm in a stick mode without a transmitter: switch to HOLD and retry.
+          set_mode(system, "HOLD", now_, [this, system, command, done](const Outcome& held) {
+            if (!held.ok()) return done(held);
+            start(system, command, now_, done);
+          });
+        });
+}
+
+/// Adds to a refusal what the vehicle is known to lack. What it said before it was asked may be
+/// over.
+Done VehicleCommander::explained(const Vehicle& vehicle, Done done) {
+  const std::uint8_t system = vehicle.state.source().system;
+  const std::uint64_t texts_before = vehicle.state.status_text_count();
+  return [this, system, texts_before, done = std::move(done)](const Outcome& outcome) {
+    const VehicleState* state = find(system);
+    if (outcome.kind != OutcomeKind::kRefused || state == nullptr) return done(outcome);
+    Outcome told = outcome;
+    for (const std::string& complaint : complaints(*state, now_, texts_before)) {
+      if (told.message.find(complaint) == std::string::npos) told.message += "; " + complaint;
+    }
+    done(told);
+  };
+}
+
+void VehicleCommander::disarm(std::uint8_t system, bool force, base::RunTime now, Done done) {
+  start(system, arm_command(false, force), now, std::move(done));
+}
+
+void VehicleCommander::command(std::uint8_t system, const VehicleCommand& command, bool not_hil,
+                               base::RunTime now, Done done) {
+  now_ = now;
+  Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  if (spins(command) && interlocked(*vehicle, not_hil, now, done)) return;
+  vehicle->commands.start(command, now, std::move(done));
+}
+
+void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::RunTime now,
+                               Done done) {
+  now_ = now;
+  Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  if (!(altitude_m > 0 && altitude_m <= kFarthest_m)) {
+    done(failure(OutcomeKind::kInvalid, "a takeoff altitude is above 0 m and at most 100 km"));
+    return;
+  }
+  if (vehicle->state.autopilot() == Autopilot::kArduPilot) {
+    takeoff_guided(*vehicle, altitude_m, now, std::move(done));
+  } else {
+    takeoff_amsl(*vehicle, altitude_m, now, std::move(done));
+  }
+}
+
+/// PX4: the altitude is above mean sea level. While home is unknown, the parameter
+/// MIS_TAKEOFF_ALT carries the height and NaN says "here".
+void VehicleCommander::takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now,
+                                    Done done) {
+  const std::uint8_t system = vehicle.state.source().system;
+  VehicleCommand command = here_command(vehicle.state, MavCmd::kNavTakeoff);
+  if (const std::optional<HomeAmsl> home = vehicle.state.home()) {
+    command.params[6] = static_cast<float>(home->alt_m + altitude_m);
+    start(system, command, now, std::move(done));
+    return;
+  }
+  set_param(system, "MIS_TAKEOFF_ALT", altitude_m, now,
+            [this, system, command, done = std::move(done)](const Outcome& set) {
+              if (!set.ok()) return done(set);
+              start(system, command, now_, done);
+            });
+}
+
+/// ArduPilot: takes off in GUIDED mode only, to a height above home.
+void VehicleCommander::takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now,
+                                      Done done) {
+  const std::uint8_t system = vehicle.state.source().system;
+  VehicleCommand command{.id = MavCmd::kNavTakeoff};
+  command.params[6] = static_cast<float>(altitude_m);
+  set_mode(system, "GUIDED", now,
+           [this, system, command, done = std::move(done)](const Outcome& guided) {
+             if (!guided.ok()) return done(guided);
+             start(system, command, now_, done);
+           });
+}
+
+void VehicleCommander::land(std::uint8_t system, base::RunTime now, Done done) {
+  if (const Vehicle* vehicle = known(system, done)) {
+    start(system, here_command(vehicle->state, MavCmd::kNavLand), now, std::move(done));
+  }
+}
+
+void VehicleCommander::return_home(std::uint8_t system, base::RunTime now, Done done) {
+  start(system, VehicleCommand{.id = MavCmd::kNavReturnToLaunch}, now, std::move(done));
+}
+
+void VehicleCommander::hold(std::uint8_t system, base::RunTime now, Done done) {
+  if (const Vehicle* vehicle = known(system, done)) {
+    // ArduPilot's LOITER follows the sticks; BRAKE stops and stays without a pilot.
+    const bool ardupilot = vehicle->state.autopilot() == Autopilot::kArduPilot;
+    set_mode(system, ardupilot ? "BRAKE" : "HOLD", now, std::move(done));
+  }
+}
+
+void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base::RunTime now,
+                                Done done) {
+  const Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  const VehicleState& state = vehicle->state;
+  const std::optional<std::uint32_t> mode = custom_mode(state.autopilot(), word);
+  if (!mode) {
+    const std::string words = mode_words(state.autopilot());
+    done(failure(OutcomeKind::kInvalid, "'" + std::string(word) + "' is no mode of " +
+                                            std::string(name(state.autopilot())) +
+                                            (words.empty() ? std::string() : "; it has " + words)));
+    return;
+  }
+  start(system, mode_command(state, *mode), now, std::move(done));
+}
+
+void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::RunTime now,
+                             Done done) {
+  const Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  const std::optional<HomeAmsl> home = vehicle->state.home();
+  if (!home) {
+    done(failure(OutcomeKind::kRefused, vehicle_text(vehicle->state) +
+                                            " has not told its home position yet; wait for its "
+                                            "position estimate"));
+    return;
+  }
+  const double north_m = target.north_m - home->x_m;
+  const double east_m = target.east_m - home->y_m;
+  const double down_m = target.down_m - home->z_m;
+  if (!(std::hypot(north_m, east_m, down_m) <= kFarthest_m)) {
+    done(failure(OutcomeKind::kInvalid, "a place to go to lies within 100 km of home"));
+    return;
+  }
+  start(system, reposition_command(*home, north_m, east_m, down_m, target.yaw_deg), now,
+        std::move(done));
+}
+
+void VehicleCommander::message_interval(std::uint8_t system, std::uint32_t message_id,
+                                        double period_us, base::RunTime now, Done done) {
+  start(system, interval_command(message_id, period_us), now, std::move(done));
+}
+
+void VehicleCommander::reboot(std::uint8_t system, base::RunTime now, Done done) {
+  VehicleCommand command{.id = MavCmd::kPreflightRebootShutdown};
+  command.params[0] = 1;
+  start(system, command, now, std::move(done));
+}
+
+/// Requests that follow one another; the first that fails ends the chain.
+struct VehicleCommander::Steps {
+  std::vector<std::function<void(base::RunTime, Done)>> todo;
+  std::size_t next = 0;
+  Outcome total;
+  Done done;
+};
+
+void VehicleCommander::run_steps(std::shared_ptr<Steps> steps) {
+  if (!steps->total.ok() || steps->next == steps->todo.size()) {
+    steps->done(steps->total);
+    return;
+  }
+  const auto& step = steps->todo[steps->next++];
+  step(now_, [this, steps](const Outcome& outcome) {
+    steps->total.kind = outcome.kind;
+    steps->total.message = outcome.message;
+    for (const auto& [name, value] : outcome.parameters) steps->total.parameters[name] = value;
+    for (const std::string& text : outcome.status_texts) steps->total.status_texts.push_back(text);
+    run_steps(steps);
+  });
+}
+
+void VehicleCommander::read_param(std::uint8_t system, const std::string& name, base::RunTime now,
+                                  Done done) {
+  now_ = now;
+  if (Vehicle* vehicle = known(system, done)) vehicle->params.read(name, now, std::move(done));
+}
+
+void VehicleCommander::set_param(std::uint8_t system, const std::string& name, double value,
+                                 base::RunTime now, Done done) {
+  now_ = now;
+  if (Vehicle* vehicle = known(system, done)) {
+    vehicle->params.set(name, value, now, std::move(done));
+  }
+}
+
+void VehicleCommander::list_params(std::uint8_t system, base::RunTime now, Done done) {
+  now_ = now;
+  if (Vehicle* vehicle = known(system, done)) vehicle->params.list(now, std::move(done));
+}
+
+std::optional<mavlink::common::MavParamType> VehicleCommander::param_type(
+    std::uint8_t system, const std::string& name) const {
+  const auto vehicle = vehicles_.find(system);
+  if (vehicle == vehicles_.end()) return std::nullopt;
+  const auto& known = vehicle->second->params.known();
+  const auto found = known.find(name);
+  if (found == known.end()) return std::nullopt;
+  return found->second.type;
+}
+
+void VehicleCommander::set_gains(std::uint8_t system, const GainLoop& loop,
+                                 const GainValues& values, base::RunTime now, Done done) {
+  now_ = now;
+  if (const std::optional<std::string> why = unsupported(loop, values)) {
+    done(failure(OutcomeKind::kRefused, *why));
+    return;
+  }
+  const auto steps = std::make_shared<Steps>();
+  steps->done = std::move(done);
+  const auto add = [&](const std::optional<std::string>& name, const std::optional<double>& value) {
+    if (!name) return;
+    steps->todo.push_back([this, system, name = *name, value](base::RunTime at, Done next) {
+      if (value) {
+        set_param(system, name, *value, at, std::move(next));
+      } else {
+        read_param(system, name, at, std::move(next));
+      }
+    });
+  };
+  add(loop.p, values.p);
+  add(loop.i, values.i);
+  add(loop.d, values.d);
+  run_steps(steps);
+}
+
+void VehicleCommander::read_gains(std::uint8_t system, const GainLoop& loop, base::RunTime now,
+                                  Done done) {
+  set_gains(system, loop, GainValues{}, now, std::move(done));
 }
 
 }  // namespace cas::casd

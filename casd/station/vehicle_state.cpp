@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/station/vehicle_state.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "base/earth/geodesy.hpp"
@@ -23,6 +25,47 @@ constexpr base::Duration kLinkPatience = std::chrono::milliseconds(2500);
 template <class M>
 void hear(std::optional<Heard<M>>& slot, const mav::PacketView& packet, base::RunTime now) {
   if (const std::optional<M> message = mav::decode<M>(packet)) slot = Heard<M>{*message, now};
+}
+
+constexpr base::Duration kFreshStatus = std::chrono::seconds(5);
+/// PX4 repeats what fails each time it is asked, ArduPilot every 30 s.
+constexpr base::Duration kFreshText = std::chrono::seconds(45);
+
+struct Sensor {
+  MavSysStatusSensor bit;
+  std::string_view name;
+};
+
+constexpr Sensor kNeeded[] = {
+    {MavSysStatusSensor::k3dGyro, "gyroscope"},
+    {MavSysStatusSensor::k3dAccel, "accelerometer"},
+    {MavSysStatusSensor::k3dMag, "magnetometer"},
+    {MavSysStatusSensor::kAbsolutePressure, "barometer"},
+    {MavSysStatusSensor::kGps, "GPS"},
+};
+
+/// How PX4 (1.12, 1.16) and ArduPilot begin the reasons why they will not arm.
+constexpr std::string_view kReasons[] = {"Preflight Fail", "PreArm", "Arm:", "Arming denied"};
+
+bool is_reason(std::string_view text) {
+  return std::any_of(std::begin(kReasons), std::end(kReasons),
+                     [text](std::string_view word) { return text.starts_with(word); });
+}
+
+void add(std::vector<std::string>& all, std::string text) {
+  if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(std::move(text));
+}
+
+void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
+  for (const Sensor& sensor : kNeeded) {
+    const std::string name(sensor.name);
+    if (!has(status.onboard_control_sensors_present, sensor.bit)) {
+      add(all, "no " + name);
+    } else if (has(status.onboard_control_sensors_enabled, sensor.bit) &&
+               !has(status.onboard_control_sensors_health, sensor.bit)) {
+      add(all, name + " not healthy");
+    }
+  }
 }
 
 }  // namespace
@@ -104,6 +147,13 @@ std::string VehicleState::mode() const {
   return mode_name(autopilot(), heartbeat_.message.base_mode, heartbeat_.message.custom_mode);
 }
 
+bool VehicleState::waits_for_sticks() const {
+  if (autopilot() != Autopilot::kPx4) return false;
+  const std::string now = mode();
+  return now == "MANUAL" || now == "ALTCTL" || now == "POSCTL" || now == "STABILIZED" ||
+         now == "ACRO";
+}
+
 MavLandedState VehicleState::landed() const {
   return extended_ ? extended_->message.landed_state : MavLandedState::kUndefined;
 }
@@ -155,6 +205,20 @@ ParamEncoding VehicleState::param_encoding() const {
       static_cast<std::uint64_t>(MavProtocolCapability::kParamEncodeBytewise);
   if (capabilities_ && (*capabilities_ & kBytewise) != 0) return ParamEncoding::kBytewise;
   return autopilot() == Autopilot::kArduPilot ? ParamEncoding::kCast : ParamEncoding::kBytewise;
+}
+
+std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime now,
+                                    std::uint64_t texts_before) {
+  std::vector<std::string> all;
+  const auto& status = vehicle.sys_status();
+  if (status && now - status->at < kFreshStatus) add_sensors(all, status->message);
+  if (vehicle.armed()) return all;
+  std::uint64_t number = vehicle.status_text_count() - vehicle.status_texts().size();
+  for (const StatusText& text : vehicle.status_texts()) {
+    if (number++ < texts_before) continue;
+    if (now - text.at < kFreshText && is_reason(text.text)) add(all, text.text);
+  }
+  return all;
 }
 
 }  // namespace cas::casd

@@ -6,10 +6,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/time/clock.hpp"
-#include "casd/station/param_value.hpp"
-#include "casd/station/station.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/station/param_exchange.hpp"
 #include "casd/station/vehicle_modes.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/extended_sys_state.hpp"
@@ -75,6 +76,8 @@ class VehicleState {
   /// Whether its HEARTBEAT says that it flies a simulation.
   bool hil() const;
   std::string mode() const;
+  /// Whether it is a PX4 in a mode that flies by somebody's sticks.
+  bool waits_for_sticks() const;
   const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
   base::Duration heartbeat_age(base::RunTime now) const { return now - heartbeat_.at; }
 
@@ -117,5 +120,13 @@ class VehicleState {
   std::deque<StatusText> status_texts_;
   std::uint64_t status_text_count_ = 0;
 };
+
+/// What speaks against flying, in words, as far as the vehicle says: sensors that it needs and does
+/// not have or does not trust (SYS_STATUS), and the reasons that its own checks have told lately
+/// ("Preflight Fail: ...", "PreArm: ..."). A vehicle that is armed has got over its reasons not to.
+/// Empty when nothing speaks against it.
+/// @param texts_before  status texts that do not count: so many had come when something was asked
+std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime now,
+                                    std::uint64_t texts_before = 0);
 
 }  // namespace cas::casd

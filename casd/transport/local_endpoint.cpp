@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "casd/station/vehicle_commander.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {

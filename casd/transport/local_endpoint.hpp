@@ -10,9 +10,10 @@
 #include "casd/link/link_loop.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/packet/packet_ring.hpp"
-#include "casd/station/station.hpp"
 
 namespace cas::casd {
+
+class Station;
 
 /// casd's own station as a link of the router. Packets for it wait in a bounded queue for casd's
 /// main thread; packets from it enter the router like any other link's.

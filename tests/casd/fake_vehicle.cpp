@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "casd/station/param_value.hpp"
+#include "casd/station/param_exchange.hpp"
 
 namespace cas::casd::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/station/param_value.hpp"
+#include "casd/station/param_exchange.hpp"
 
 #include <gtest/gtest.h>
 

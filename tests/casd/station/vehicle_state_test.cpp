@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a vehicle that will not arm is told to lack, and how stock firmware is armed.
-#include "casd/station/vehicle_health.hpp"
+#include "casd/station/vehicle_state.hpp"
 
 #include <gtest/gtest.h>
 
