@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/transport/serial_link.hpp"
 
+// asm/termbits.h has termios2 (any baud rate) and clashes with <termios.h>: no termios call here.
+#include <asm/termbits.h>
+#include <fcntl.h>
+#include <linux/serial.h>
 #include <poll.h>
+#include <sys/file.h>
+#include <sys/inotify.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "casd/transport/stream_writer.hpp"
@@ -17,7 +28,88 @@ constexpr std::size_t kReadBytes = 16 * 1024;
 // threads: blocking gives up on the rest of a packet after this silence.
 constexpr int kBlockingPatience_ms = 20;
 
+struct SerialOptions {
+  unsigned baud = 0;  ///< any rate; 0 leaves the driver's
+  bool flow_control = false;
+};
+
+bool make_raw(int fd, const SerialOptions& options) {
+  termios2 settings{};
+  if (::ioctl(fd, TCGETS2, &settings) != 0) return false;
+  settings.c_iflag &= ~static_cast<tcflag_t>(IGNBRK | BRKINT | PARMRK | ISTRIP | INLCR | IGNCR |
+                                             ICRNL | IXON | IXOFF | IXANY);
+  settings.c_oflag &= ~static_cast<tcflag_t>(OPOST);
+  settings.c_lflag &= ~static_cast<tcflag_t>(ECHO | ECHONL | ICANON | ISIG | IEXTEN);
+  settings.c_cflag &= ~static_cast<tcflag_t>(CSIZE | PARENB | CSTOPB | HUPCL | CRTSCTS);
+  settings.c_cflag |= CS8 | CREAD | CLOCAL;
+  if (options.flow_control) settings.c_cflag |= CRTSCTS;
+  if (options.baud > 0) {
+    settings.c_cflag &= ~static_cast<tcflag_t>(CBAUD | (CBAUD << IBSHIFT));
+    settings.c_cflag |= BOTHER | (BOTHER << IBSHIFT);
+    settings.c_ispeed = settings.c_ospeed = options.baud;
+  }
+  settings.c_cc[VMIN] = 1;  // with 0 an empty line reads like one that was hung up
+  settings.c_cc[VTIME] = 0;
+  return ::ioctl(fd, TCSETS2, &settings) == 0;
+}
+
+// USB adapters hold received bytes back for up to 16 ms otherwise. Not every driver knows it.
+void ask_low_latency(int fd) {
+  serial_struct settings{};
+  if (::ioctl(fd, TIOCGSERIAL, &settings) != 0) return;
+  settings.flags |= ASYNC_LOW_LATENCY;
+  ::ioctl(fd, TIOCSSERIAL, &settings);
+}
+
+/// Opens a serial device: raw, exclusive (flock), its old input and output thrown away, low latency
+/// where the driver knows the word. @return nothing, with the reason in `error`
+base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
+                             std::string& error) {
+  const auto failed = [&](const char* what) {
+    error = device + ": " + what + std::generic_category().message(errno);
+    return base::Descriptor();
+  };
+  base::Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!line) return failed("");
+  if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) return failed("in use: ");
+  if (!make_raw(line.get(), options)) return failed("not a terminal: ");
+  ask_low_latency(line.get());
+  ::ioctl(line.get(), TCFLSH, TCIOFLUSH);
+  return line;
+}
+
+// A pseudo-terminal has no line, and its count of unsent bytes no meaning.
+bool is_pseudo_terminal(int fd) {
+  constexpr unsigned kFirstMajor = 136;  // UNIX98_PTY_SLAVE_MAJOR and the seven after it
+  constexpr unsigned kMajors = 8;
+  struct stat status {};
+  if (::fstat(fd, &status) != 0 || !S_ISCHR(status.st_mode)) return false;
+  const unsigned number = major(status.st_rdev);
+  return number >= kFirstMajor && number < kFirstMajor + kMajors;
+}
+
 }  // namespace
+
+void PathWatch::arm() {
+  inotify_.reset();
+  inotify_ = base::Descriptor(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
+  if (!inotify_) return;
+  constexpr std::uint32_t kEvents =
+      IN_CREATE | IN_MOVED_TO | IN_ATTRIB | IN_DELETE_SELF | IN_MOVE_SELF | IN_ONLYDIR;
+  std::error_code ignored;
+  std::filesystem::path folder = std::filesystem::absolute(path_, ignored).parent_path();
+  while (::inotify_add_watch(inotify_.get(), folder.c_str(), kEvents) < 0) {
+    if (folder == folder.parent_path()) return;
+    folder = folder.parent_path();
+  }
+}
+
+bool PathWatch::take_changes() {
+  alignas(inotify_event) std::array<char, 4096> events;
+  bool any = false;
+  while (inotify_ && ::read(inotify_.get(), events.data(), events.size()) > 0) any = true;
+  return any;
+}
 
 SerialLink::SerialLink(LinkContext context)
     : core_(std::move(context)),

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/transport/stream_writer.hpp"
 
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 
 #include <array>
 #include <cerrno>
 
-#include "casd/transport/serial_port.hpp"
-
 namespace cas::casd {
 namespace {
 
 constexpr std::size_t kMaxParts = 64;
+
+// Bytes that the driver has not yet put on the line; 0 where it cannot tell.
+std::size_t unsent_bytes(int fd) {
+  int bytes = 0;
+  return ::ioctl(fd, TIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+}
 
 bool is_transient(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
 

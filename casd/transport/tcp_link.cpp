@@ -4,10 +4,13 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 
+#include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <chrono>
 #include <utility>
 
+#include "base/os/log.hpp"
 #include "casd/transport/stream_writer.hpp"
 
 namespace cas::casd {
@@ -17,9 +20,9 @@ constexpr std::size_t kReadBytes = 64 * 1024;
 constexpr auto kConnectPatience = std::chrono::seconds(3);
 /// A peer that takes nothing so long is given up.
 constexpr auto kStallPatience = std::chrono::seconds(5);
+constexpr const char* kStopped = "stopped reading";
 
-}  // namespace
-
+/// Options of every TCP connection: no delay, dead peers found within seconds.
 void prepare_tcp(int fd) {
   const int on = 1;
   ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -38,6 +41,8 @@ void prepare_tcp(int fd) {
   const int unsent_bytes = 16 * 1024;
   ::setsockopt(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent_bytes, sizeof unsent_bytes);
 }
+
+}  // namespace
 
 TcpLink::TcpLink(LinkContext context)
     : core_(std::move(context)),
@@ -136,6 +141,183 @@ void TcpLink::close(const std::string& reason, base::RunTime now) {
   fd_ = -1;
   port_->detach();
   core_.went_down(reason, now);
+}
+
+void TcpFanOut::deliver(std::span<const PacketRef> packets, base::RunTime now) {
+  constexpr std::size_t kChunk = 256;
+  const std::shared_lock lock(mutex_);
+  if (present_ == 0) return;
+  while (!packets.empty()) {
+    const auto chunk = packets.first(std::min(packets.size(), kChunk));
+    std::array<LinkMask, kChunk> wanted;
+    LinkMask clients = 0;
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+      clients |= wanted[i] = wanted_by(*chunk[i].info);
+    }
+    for (LinkMask left = clients; left != 0; left &= left - 1) {
+      deliver_to(static_cast<std::size_t>(std::countr_zero(left)), chunk, wanted, now);
+    }
+    packets = packets.subspan(chunk.size());
+  }
+}
+
+// In runs of packets that this client is to have.
+void TcpFanOut::deliver_to(std::size_t client, std::span<const PacketRef> packets,
+                           std::span<const LinkMask> wanted, base::RunTime now) {
+  const LinkMask own = bit(static_cast<LinkId>(client));
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i <= packets.size(); ++i) {
+    if (i < packets.size() && (wanted[i] & own) != 0) continue;
+    if (i > begin) clients_[client]->deliver(packets.subspan(begin, i - begin), now);
+    begin = i + 1;
+  }
+}
+
+void TcpFanOut::set_client(std::uint8_t client, std::shared_ptr<TxPort> port) {
+  const std::scoped_lock lock(mutex_);
+  clients_[client] = std::move(port);
+  present_ |= bit(client);
+}
+
+void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
+  const std::scoped_lock lock(mutex_);
+  routes_.forget(client);
+  clients_[client]->detach(cause);
+  clients_[client].reset();
+  present_ &= ~bit(client);
+}
+
+LinkMask TcpFanOut::wanted_by(const PacketInfo& info) const {
+  LinkMask clients = present_ & routes_.links_to(info.target);
+  if (info.from == own_ && info.from_peer < kMaxLinks) clients &= ~bit(info.from_peer);
+  return clients;
+}
+
+TcpServerLink::TcpServerLink(LinkContext context)
+    : core_(std::move(context)),
+      fan_out_(std::make_shared<TcpFanOut>(core_.id(), Router::kRouteLifetime)),
+      buffer_(kReadBytes) {}
+
+TcpServerLink::~TcpServerLink() {
+  for (const auto& client : clients_) fan_out_->remove_client(client->slot, DropCause::kClosed);
+}
+
+void TcpServerLink::watch(PollSet& set, base::RunTime now) {
+  if (!listener_) return set.wake_by(core_.backoff().next());
+  poll_entry_ = set.add(now < accept_again_ ? -1 : listener_.get(), POLLIN);
+  for (const auto& client : clients_) {
+    const bool wants_room = client->port->wants_room();
+    client->poll_entry =
+        set.add(client->fd, static_cast<short>(POLLIN | (wants_room ? POLLOUT : 0)));
+    set.wake_by(client->port->due());
+  }
+  set.wake_by(core_.next_second());
+}
+
+void TcpServerLink::serve(const PollSet& set, base::RunTime now) {
+  if (!listener_) {
+    if (core_.backoff().due(now)) listen(now);
+    return;
+  }
+  for (std::size_t i = clients_.size(); i-- > 0;) {
+    const std::string trouble =
+        serve_client(*clients_[i], set.revents(clients_[i]->poll_entry), now);
+    if (!trouble.empty()) remove(i, trouble);
+  }
+  if ((set.revents(poll_entry_) & POLLIN) != 0) accept(now);
+  if (!core_.second_due(now)) return;
+  core_.on_second(now);
+  for (const auto& client : clients_) fan_out_->routes().expire(client->slot, now);
+}
+
+void TcpServerLink::listen(base::RunTime now) {
+  if (!looking_up_) local_ = AddressLookup(core_.config().local);
+  looking_up_ = local_.state() == AddressLookup::State::kPending;
+  if (looking_up_) return core_.backoff().failed(now);
+  if (local_.state() == AddressLookup::State::kFailed) return core_.went_down(local_.error(), now);
+
+  const SocketAddress& address = local_.address();
+  base::Descriptor socket(
+      ::socket(address.family(), SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const int on = 1;
+  const std::string& interface = core_.config().interface;
+  const bool bound = socket &&
+                     ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
+                     (interface.empty() ||
+                      ::setsockopt(socket.get(), SOL_SOCKET, SO_BINDTODEVICE, interface.c_str(),
+                                   static_cast<socklen_t>(interface.size())) == 0) &&
+                     ::bind(socket.get(), address.get(), address.size) == 0 &&
+                     ::listen(socket.get(), SOMAXCONN) == 0;
+  if (!bound) return core_.went_down(core_.config().local + ": " + error_text(errno), now);
+  listener_ = std::move(socket);
+  core_.went_up(to_text(local_address(listener_.get())));
+}
+
+void TcpServerLink::accept(base::RunTime now) {
+  SocketAddress from;
+  from.size = sizeof from.storage;
+  base::Descriptor socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from.storage),
+                                    &from.size, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!socket) {
+    // Out of descriptors or memory: who waits at the door must not keep us busy.
+    if (errno != EAGAIN && errno != ECONNABORTED) accept_again_ = now + std::chrono::seconds(1);
+    return;
+  }
+  const std::string name = to_text(from);
+  if (static_cast<int>(clients_.size()) >= core_.config().max_peers) {
+    core_.counters().rx.foreign.add();
+    base::log::warn("link " + core_.config().name + ": no room for " + name);
+    return;
+  }
+  prepare_tcp(socket.get());
+  auto client = std::make_unique<Client>();
+  client->slot = static_cast<std::uint8_t>(std::countr_one(slots_));
+  client->fd = socket.get();
+  client->name = name;
+  client->port = core_.make_port();
+  client->port->attach(
+      std::make_unique<StreamWriter>(std::move(socket), StreamWriter::Kind::kSocket));
+  slots_ |= bit(client->slot);
+  fan_out_->set_client(client->slot, client->port);
+  clients_.push_back(std::move(client));
+  core_.counters().peers.set(clients_.size());
+  base::log::info("link " + core_.config().name + ": " + name + " connected");
+}
+
+std::string TcpServerLink::serve_client(Client& client, short events, base::RunTime now) {
+  if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
+    if (std::string trouble = read(client, now); !trouble.empty()) return trouble;
+  }
+  if (client.port->broken()) return "connection lost";
+  if ((events & POLLOUT) != 0 || client.port->due() <= now) client.port->carry_on(now);
+  const auto stuck = client.port->stuck_since();
+  if (stuck && now - *stuck > kStallPatience) return kStopped;
+  return {};
+}
+
+std::string TcpServerLink::read(Client& client, base::RunTime now) {
+  const ssize_t count = ::recv(client.fd, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+  if (count > 0) {
+    const std::span bytes(buffer_.data(), static_cast<std::size_t>(count));
+    core_.ingress().parse_stream(client.parser, bytes, [&](const mav::PacketView& packet) {
+      fan_out_->routes().learn(client.slot, packet.source, now);
+      core_.ingress().take_packet(packet, now, client.slot);
+    });
+    core_.ingress().deliver(now);
+    return {};
+  }
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return {};
+  return count == 0 ? "closed" : error_text(errno);
+}
+
+void TcpServerLink::remove(std::size_t index, const std::string& reason) {
+  const Client& client = *clients_[index];
+  const bool stalled = reason == kStopped;
+  fan_out_->remove_client(client.slot, stalled ? DropCause::kStalled : DropCause::kClosed);
+  slots_ &= ~bit(client.slot);
+  base::log::info("link " + core_.config().name + ": " + client.name + " " + reason);
+  clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));
+  core_.counters().peers.set(clients_.size());
 }
 
 }  // namespace cas::casd

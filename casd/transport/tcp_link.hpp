@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <memory>
+#include <shared_mutex>
+#include <span>
 #include <vector>
 
 #include "base/os/descriptor.hpp"
 #include "casd/link/link_core.hpp"
 #include "casd/link/tx_port.hpp"
+#include "casd/routing/route_table.hpp"
 #include "casd/transport/socket_address.hpp"
 
 namespace cas::casd {
-
-/// Options of every TCP connection: no delay, dead peers found within seconds.
-void prepare_tcp(int fd);
 
 /// A TCP connection that we open, and open again whenever it is gone.
 class TcpLink final : public Link {
@@ -42,6 +43,72 @@ class TcpLink final : public Link {
   base::RunTime connect_deadline_{};
   int fd_ = -1;  ///< owned by the port's writer
   std::size_t poll_entry_ = 0;
+};
+
+/// Hands each packet to the clients that are to have it. Each client has a TxPort of its own, with
+/// its own locks and queue, so that one that stops reading costs the others nothing. The lock here
+/// is shared by all who write and only keeps the table of clients from changing meanwhile.
+class TcpFanOut final : public PacketPort {
+ public:
+  TcpFanOut(LinkId own, base::Duration route_lifetime) : own_(own), routes_(route_lifetime) {}
+
+  void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
+
+  // The link's thread:
+  void set_client(std::uint8_t client, std::shared_ptr<TxPort> port);
+  void remove_client(std::uint8_t client, DropCause cause);
+  RouteTable& routes() { return routes_; }
+
+ private:
+  LinkMask wanted_by(const PacketInfo& info) const;
+  void deliver_to(std::size_t client, std::span<const PacketRef> packets,
+                  std::span<const LinkMask> wanted, base::RunTime now);
+
+  LinkId own_;
+  RouteTable routes_;
+  std::shared_mutex mutex_;
+  std::array<std::shared_ptr<TxPort>, kMaxLinks> clients_;
+  LinkMask present_ = 0;
+};
+
+/// A TCP port for several clients.
+class TcpServerLink final : public Link {
+ public:
+  explicit TcpServerLink(LinkContext context);
+  ~TcpServerLink() override;
+
+  void watch(PollSet& set, base::RunTime now) override;
+  void serve(const PollSet& set, base::RunTime now) override;
+  std::uint64_t received() const override { return core_.received(); }
+  std::shared_ptr<PacketPort> port() override { return fan_out_; }
+
+ private:
+  struct Client {
+    std::uint8_t slot = 0;
+    int fd = -1;  ///< owned by the port's writer
+    std::shared_ptr<TxPort> port;
+    Parser parser = make_parser();
+    std::size_t poll_entry = 0;
+    std::string name;
+  };
+
+  void listen(base::RunTime now);
+  void accept(base::RunTime now);
+  /// @return why the client is to be closed, empty: it stays
+  std::string serve_client(Client& client, short events, base::RunTime now);
+  std::string read(Client& client, base::RunTime now);
+  void remove(std::size_t index, const std::string& reason);
+
+  LinkCore core_;
+  std::shared_ptr<TcpFanOut> fan_out_;
+  AddressLookup local_;
+  bool looking_up_ = false;
+  base::Descriptor listener_;
+  std::size_t poll_entry_ = 0;
+  base::RunTime accept_again_{};
+  std::vector<std::unique_ptr<Client>> clients_;
+  LinkMask slots_ = 0;
+  std::vector<std::uint8_t> buffer_;
 };
 
 }  // namespace cas::casd

@@ -5,12 +5,19 @@
 #include <netinet/in.h>
 #include <unistd.h>
 
+#include <array>
+#include <bit>
 #include <cerrno>
 #include <cstring>
+#include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/os/descriptor.hpp"
-#include "casd/transport/datagram_sender.hpp"
+#include "casd/counters/link_counters.hpp"
+#include "casd/packet/packet_port.hpp"
+#include "casd/transport/udp_socket.hpp"
 
 namespace cas::casd {
 namespace {
@@ -83,6 +90,93 @@ SocketAddress source_towards(const SocketAddress& remote, int fd, const std::str
         reinterpret_cast<const sockaddr_in6&>(bound.storage).sin6_port;
   }
   return source;
+}
+
+/// Sends each packet to the peers that are to have it. What the socket does not take at once is
+/// lost for that peer and counted: a queue per peer would only hold old packets.
+class UdpServerWriter final : public PacketWriter {
+ public:
+  UdpServerWriter(base::Descriptor descriptor, LinkId own, std::shared_ptr<SharedPeers> peers,
+                  std::shared_ptr<LinkCounters> counters);
+
+  WriteResult write(std::span<const PacketRef> packets) override;
+  std::ptrdiff_t write_rest(std::span<const std::uint8_t>) override { return 0; }
+  int descriptor() const override { return descriptor_.get(); }
+
+ private:
+  void send_to_each(const PacketRef& packet, LinkMask peers);
+  void send_by_peer(std::span<const PacketRef> packets);
+
+  base::Descriptor descriptor_;
+  LinkId own_;
+  std::shared_ptr<SharedPeers> peers_;
+  std::shared_ptr<LinkCounters> counters_;
+  DatagramSender sender_;
+  std::vector<LinkMask> masks_;
+  std::vector<PacketRef> of_peer_;
+};
+
+UdpServerWriter::UdpServerWriter(base::Descriptor descriptor, LinkId own,
+                                 std::shared_ptr<SharedPeers> peers,
+                                 std::shared_ptr<LinkCounters> counters)
+    : descriptor_(std::move(descriptor)),
+      own_(own),
+      peers_(std::move(peers)),
+      counters_(std::move(counters)) {}
+
+WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
+  const std::scoped_lock lock(peers_->mutex);
+  if (packets.size() == 1) {
+    send_to_each(packets.front(), peers_->table.for_packet(*packets.front().info, own_));
+  } else {
+    send_by_peer(packets);
+  }
+  return {.packets = packets.size()};
+}
+
+// One packet, many peers: one call for all of them.
+void UdpServerWriter::send_to_each(const PacketRef& packet, LinkMask peers) {
+  std::array<mmsghdr, PeerTable::kMaxPeers> messages{};
+  iovec part{const_cast<std::uint8_t*>(packet.bytes.data()), packet.bytes.size()};
+  unsigned count = 0;
+  for (LinkMask left = peers; left != 0; left &= left - 1) {
+    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
+    msghdr& header = messages[count++].msg_hdr;
+    header.msg_name = const_cast<sockaddr*>(peers_->table.address(peer));
+    header.msg_namelen = peers_->table.address_size(peer);
+    header.msg_iov = &part;
+    header.msg_iovlen = 1;
+  }
+  for (unsigned done = 0; done < count;) {
+    const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
+                                MSG_DONTWAIT | MSG_NOSIGNAL);
+    // This peer's loss; on with the next.
+    if (sent <= 0) counters_->count_dropped(*packet.info, DropCause::kQueueFull);
+    done += sent > 0 ? static_cast<unsigned>(sent) : 1;
+  }
+}
+
+// Many packets: one block for each peer.
+void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
+  masks_.clear();
+  LinkMask wanted = 0;
+  for (const PacketRef& packet : packets) {
+    masks_.push_back(peers_->table.for_packet(*packet.info, own_));
+    wanted |= masks_.back();
+  }
+  for (LinkMask left = wanted; left != 0; left &= left - 1) {
+    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
+    of_peer_.clear();
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      if ((masks_[i] & bit(peer)) != 0) of_peer_.push_back(packets[i]);
+    }
+    const auto result = sender_.send(descriptor_.get(), of_peer_, peers_->table.address(peer),
+                                     peers_->table.address_size(peer));
+    if (result.error == 0) continue;
+    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) {
+      counters_->count_dropped(*of_peer_[i].info, DropCause::kQueueFull);
+    }
+  }
 }
 
 }  // namespace
@@ -190,6 +284,100 @@ bool UdpLink::is_own(std::size_t index) const {
 }
 
 void UdpLink::close(const std::string& reason, base::RunTime now) {
+  fd_ = -1;
+  port_->detach();
+  core_.went_down(reason, now);
+}
+
+UdpServerLink::UdpServerLink(LinkContext context)
+    : core_(std::move(context)),
+      newest_only_(core_.config().type == LinkType::kUdp),
+      peers_(std::make_shared<SharedPeers>(newest_only_ ? 1 : core_.config().max_peers,
+                                           core_.config().expiry)),
+      port_(core_.make_port()),
+      parser_(make_parser()) {}
+
+void UdpServerLink::watch(PollSet& set, base::RunTime) {
+  if (fd_ < 0) return set.wake_by(core_.backoff().next());
+  poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
+  set.wake_by(port_->due());
+  set.wake_by(core_.next_second());
+}
+
+void UdpServerLink::serve(const PollSet& set, base::RunTime now) {
+  if (fd_ < 0) {
+    if (core_.backoff().due(now)) open(now);
+    return;
+  }
+  const short events = set.revents(poll_entry_);
+  if ((events & (POLLIN | POLLERR)) != 0) read(now);
+  if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (core_.second_due(now)) on_second(now);
+}
+
+void UdpServerLink::open(base::RunTime now) {
+  if (!looking_up_) local_ = AddressLookup(core_.config().local);
+  looking_up_ = local_.state() == AddressLookup::State::kPending;
+  if (looking_up_) return core_.backoff().failed(now);
+  if (local_.state() == AddressLookup::State::kFailed) return core_.went_down(local_.error(), now);
+
+  const SocketAddress& address = local_.address();
+  base::Descriptor socket(open_udp_socket(address.family(), core_.config().interface));
+  if (!socket || ::bind(socket.get(), address.get(), address.size) != 0) {
+    return core_.went_down(core_.config().local + ": " + error_text(errno), now);
+  }
+  fd_ = socket.get();
+  drops_seen_ = 0;
+  reader_.reset();
+  port_->attach(std::make_unique<UdpServerWriter>(std::move(socket), core_.id(), peers_,
+                                                  core_.shared_counters()));
+  core_.went_up(to_text(local_address(fd_)));
+}
+
+void UdpServerLink::read(base::RunTime now) {
+  constexpr int kMaxRounds = 4;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const int count = reader_.read(fd_);
+    if (count < 0) return close(error_text(errno), now);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) take_datagram(i, now);
+    core_.ingress().deliver(now);
+    if (reader_.kernel_drops() != drops_seen_) {
+      core_.counters().rx.kernel_drops.add(reader_.kernel_drops() - drops_seen_);
+      drops_seen_ = reader_.kernel_drops();
+    }
+    if (count < static_cast<int>(DatagramReader::kBatch)) return;
+  }
+}
+
+// Only who sends a whole packet becomes a peer.
+void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
+  std::optional<std::uint8_t> peer = peers_->table.find(reader_.sender(index));
+  const auto on_packet = [&](const mav::PacketView& packet) {
+    if (!peer) peer = admit(index, now);
+    if (!peer) return core_.counters().rx.foreign.add();
+    peers_->table.heard(*peer, packet.source, now);
+    core_.ingress().take_packet(packet, now, *peer);
+  };
+  core_.ingress().parse_datagram(parser_, reader_.datagram(index), on_packet);
+}
+
+std::optional<std::uint8_t> UdpServerLink::admit(std::size_t index, base::RunTime now) {
+  const std::scoped_lock lock(peers_->mutex);
+  if (newest_only_) peers_->table.clear();
+  const auto peer = peers_->table.add(reader_.sender(index), reader_.sender_size(index), now);
+  core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
+  return peer;
+}
+
+void UdpServerLink::on_second(base::RunTime now) {
+  core_.on_second(now);
+  if (newest_only_) return;  // the one peer stays: it may only listen
+  const std::scoped_lock lock(peers_->mutex);
+  peers_->table.expire(now);
+  core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
+}
+
+void UdpServerLink::close(const std::string& reason, base::RunTime now) {
   fd_ = -1;
   port_->detach();
   core_.went_down(reason, now);

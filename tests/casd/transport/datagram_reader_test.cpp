@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/transport/datagram_reader.hpp"
+#include "casd/transport/udp_socket.hpp"
 
 #include <gtest/gtest.h>
 

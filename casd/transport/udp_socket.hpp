@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "casd/packet/packet_port.hpp"
 
 namespace cas::casd {
 
@@ -43,5 +47,27 @@ class DatagramReader {
 /// Opens a UDP socket for `family`: non-blocking, close-on-exec, a receive buffer for some 40 ms of
 /// flood, drops counted. @param interface  device to bind to, or empty. @return -1 with errno
 int open_udp_socket(int family, const std::string& interface);
+
+/// Sends packets over a UDP socket, one datagram each, in as few system calls as it can: runs of
+/// equal length go down the kernel's stack as one block that is cut into datagrams at its end (UDP
+/// segmentation offload), everything else in one sendmmsg.
+class DatagramSender {
+ public:
+  struct Result {
+    std::size_t packets = 0;  ///< gone, or refused by the peer alone
+    int error = 0;            ///< why it stopped: EAGAIN, or what broke; 0 when all are gone
+  };
+
+  /// @param to  nullptr for a connected socket
+  Result send(int fd, std::span<const PacketRef> packets, const sockaddr* to, socklen_t to_size);
+
+ private:
+  std::size_t run_length(std::span<const PacketRef> packets) const;
+  int send_run(int fd, std::span<const PacketRef> packets, const sockaddr* to, socklen_t to_size);
+  static std::ptrdiff_t send_each(int fd, std::span<const PacketRef> packets, const sockaddr* to,
+                                  socklen_t to_size);
+
+  bool segmentation_ = true;  ///< until the kernel or the device refuses it
+};
 
 }  // namespace cas::casd
