@@ -13,18 +13,21 @@
 #include <exception>
 #include <future>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
 #include "base/os/thread.hpp"
+#include "base/os/write_file.hpp"
 #include "base/rpc/server.hpp"
-#include "casd/app_methods.hpp"
 #include "casd/link_set.hpp"
-#include "casd/port/command_figures.hpp"
-#include "casd/port/command_server.hpp"
+#include "casd/port/daemon_methods.hpp"
+#include "casd/port/figure_methods.hpp"
 #include "casd/port/metrics_port.hpp"
+#include "casd/port/vehicle_methods.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/line_budget.hpp"
@@ -62,6 +65,37 @@ CommanderOptions commander_options(const Topology& topology) {
   return options;
 }
 
+/// Names and values of the generated dialect and of the topology's own. @throws base::ConfigError
+std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
+  auto decoder = std::make_shared<MessageDecoder>();
+  if (!topology.dialect.empty()) decoder->add_dialect(topology.dialect);
+  return decoder;
+}
+
+/// Where the command port takes its figures from; both outlive it.
+FiguresSource make_figures_source(LinkSet& links, const VehicleMethods& vehicles) {
+  return {.figures = &links.figures(),
+          .topology = [&links]() -> const Topology& { return links.topology(); },
+          .now = base::steady_now,
+          .started = base::steady_now(),
+          .vehicles = [&vehicles] { return vehicles.vehicles(); },
+          .taps = &links.taps(),
+          .echo = &links.echo(),
+          .decoder = load_decoder(links.topology())};
+}
+
+/// Writes the figures of the run as JSON, beside the file and renamed.
+void write_stats(const std::filesystem::path& file, const FigureMethods& figures) {
+  try {
+    // Texts of vehicles may hold any bytes; they must not keep the figures from being written.
+    const std::string text =
+        figures.status().dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+    base::write_file(file, text + "\n", base::Durability::kCache);
+  } catch (const base::ConfigError& error) {
+    base::log::error(error.what());
+  }
+}
+
 }  // namespace
 
 /// Everything here runs on the thread of `io`, apart from the links.
@@ -73,16 +107,17 @@ struct App::Impl {
                   [this](std::span<const std::uint8_t> packet) {
                     links.local().send(packet, base::steady_now());
                   }),
-        commands(server, commander, load_gains(links.topology()),
-                 {.now = [this] { return station_now(); },
-                  .link_name = [this](LinkId id) { return link_name(id); },
-                  .audit = [](const std::string& line) { base::log::info("audit: " + line); }}),
-        figures(server, make_figures_source(links, commands)) {
+        vehicle_methods(
+            server, commander, load_gains(links.topology()),
+            {.now = [this] { return station_now(); },
+             .link_name = [this](LinkId id) { return link_name(id); },
+             .audit = [](const std::string& line) { base::log::info("audit: " + line); }}),
+        figures(server, make_figures_source(links, vehicle_methods)) {
     if (lockstep()) {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
       links.tlog().set_epoch(TlogWriter::kStreamEpoch);
     }
-    add_app_methods(server, {.reload = [this] { return reload(); }, .tlog = links.tlog()});
+    add_daemon_methods(server, {.reload = [this] { return reload(); }, .tlog = links.tlog()});
   }
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
@@ -275,8 +310,8 @@ struct App::Impl {
   base::rpc::Server server{io};
   mutable LinkSet links;
   VehicleCommander commander;
-  CommandServer commands;
-  CommandFigures figures;
+  VehicleMethods vehicle_methods;
+  FigureMethods figures;
   MetricsPort metrics{io, [this] { return figures.metrics(); }};
   std::string command_endpoint;
   std::string metrics_endpoint;  ///< empty: none

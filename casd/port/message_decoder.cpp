@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "casd/port/command_json.hpp"
+#include "casd/port/call_json.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/parser/dialect_loader.hpp"
 

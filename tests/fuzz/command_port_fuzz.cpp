@@ -19,8 +19,8 @@
 #include "base/os/log.hpp"
 #include "base/rpc/server.hpp"
 #include "casd/counters/echo_latency.hpp"
-#include "casd/port/command_figures.hpp"
-#include "casd/port/command_server.hpp"
+#include "casd/port/figure_methods.hpp"
+#include "casd/port/vehicle_methods.hpp"
 #include "tests/casd/fake_vehicle.hpp"
 
 namespace {
@@ -108,20 +108,20 @@ class FuzzedPort {
   LinkFigures figures_;
   MessageTaps taps_;
   EchoLatency echo_;
-  CommandServer commands_{server_,
-                          commander_,
-                          GainMap::shipped(),
-                          {.now = [this] { return now_; },
-                           .link_name = [](LinkId) { return std::string("fcu"); },
-                           .audit = [](const std::string&) {}}};
-  CommandFigures figures_{server_,
-                          {.figures = &figures_,
-                           .topology = [this]() -> const Topology& { return topology_; },
-                           .now = [this] { return now_; },
-                           .started = now_,
-                           .vehicles = [this] { return commands_.vehicles(); },
-                           .taps = &taps_,
-                           .echo = &echo_}};
+  VehicleMethods commands_{server_,
+                           commander_,
+                           GainMap::shipped(),
+                           {.now = [this] { return now_; },
+                            .link_name = [](LinkId) { return std::string("fcu"); },
+                            .audit = [](const std::string&) {}}};
+  FigureMethods figures_{server_,
+                         {.figures = &figures_,
+                          .topology = [this]() -> const Topology& { return topology_; },
+                          .now = [this] { return now_; },
+                          .started = now_,
+                          .vehicles = [this] { return commands_.vehicles(); },
+                          .taps = &taps_,
+                          .echo = &echo_}};
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/rpc/server.hpp"
-#include "casd/port/command_server.hpp"
+#include "casd/port/vehicle_methods.hpp"
 #include "casd/station/gain_map.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
@@ -16,7 +16,7 @@
 
 namespace cas::casd::test {
 
-struct CommandPortBench::Impl {
+struct CommandPortFixture::Impl {
   Impl() : server(io) {}
 
   void build() {
@@ -27,9 +27,9 @@ struct CommandPortBench::Impl {
     });
     command_server.emplace(
         server, *commander, GainMap::load(cas::test::source_dir() + "/config/gains.yaml"),
-        CommandServerHooks{.now = base::steady_now,
-                           .link_name = [](LinkId) { return "fcu"; },
-                           .audit = [this](const std::string& line) { audit.push_back(line); }});
+        VehicleHooks{.now = base::steady_now,
+                     .link_name = [](LinkId) { return "fcu"; },
+                     .audit = [this](const std::string& line) { audit.push_back(line); }});
   }
 
   /// Carries packets both ways every millisecond, heartbeats every second.
@@ -60,7 +60,7 @@ struct CommandPortBench::Impl {
   std::vector<std::unique_ptr<FakeVehicle>> vehicles;
   CommanderOptions options{.ask_on_sight = false};
   std::optional<VehicleCommander> commander;
-  std::optional<CommandServer> command_server;
+  std::optional<VehicleMethods> command_server;
   mav::PacketParser parser{mavlink::common::table()};
   mav::PacketParser from_vehicle{mavlink::common::table()};
   base::RunTime next_beat{};
@@ -71,7 +71,7 @@ struct CommandPortBench::Impl {
   std::thread thread;
 };
 
-CommandPortBench::CommandPortBench() : impl_(std::make_unique<Impl>()) {
+CommandPortFixture::CommandPortBench() : impl_(std::make_unique<Impl>()) {
   // Quick retries keep the tests short.
   impl_->options.command_timing = {.ack_timeout = std::chrono::milliseconds(100),
                                    .text_grace = std::chrono::milliseconds(50)};
@@ -79,21 +79,21 @@ CommandPortBench::CommandPortBench() : impl_(std::make_unique<Impl>()) {
   add_vehicle();
 }
 
-CommandPortBench::~CommandPortBench() { stop(); }
+CommandPortFixture::~CommandPortBench() { stop(); }
 
-FakeVehicle& CommandPortBench::vehicle(std::size_t index) { return *impl_->vehicles.at(index); }
+FakeVehicle& CommandPortFixture::vehicle(std::size_t index) { return *impl_->vehicles.at(index); }
 
-FakeVehicle& CommandPortBench::add_vehicle() {
+FakeVehicle& CommandPortFixture::add_vehicle() {
   const auto system = static_cast<std::uint8_t>(impl_->vehicles.size() + 1);
   impl_->vehicles.push_back(std::make_unique<FakeVehicle>(mav::Source{system, 1}));
   return *impl_->vehicles.back();
 }
 
-void CommandPortBench::allow_not_hil() { impl_->options.allow_not_hil = true; }
+void CommandPortFixture::allow_not_hil() { impl_->options.allow_not_hil = true; }
 
-void CommandPortBench::require_token(const std::string& file) { impl_->server.require_token(file); }
+void CommandPortFixture::require_token(const std::string& file) { impl_->server.require_token(file); }
 
-void CommandPortBench::start() {
+void CommandPortFixture::start() {
   impl_->build();
   impl_->address = "127.0.0.1:" + std::to_string(impl_->server.listen_tcp("127.0.0.1", 0));
   impl_->thread = std::thread([this] {
@@ -103,14 +103,14 @@ void CommandPortBench::start() {
   impl_->heard.get_future().wait();
 }
 
-void CommandPortBench::stop() {
+void CommandPortFixture::stop() {
   impl_->io.stop();
   if (impl_->thread.joinable()) impl_->thread.join();
   impl_->server.close();
 }
 
-const std::string& CommandPortBench::address() const { return impl_->address; }
+const std::string& CommandPortFixture::address() const { return impl_->address; }
 
-const std::vector<std::string>& CommandPortBench::audit() const { return impl_->audit; }
+const std::vector<std::string>& CommandPortFixture::audit() const { return impl_->audit; }
 
 }  // namespace cas::casd::test

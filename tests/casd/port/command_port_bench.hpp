@@ -10,10 +10,10 @@ namespace cas::casd::test {
 
 /// A command port on a free TCP port of this process, with a commander and scripted vehicles behind
 /// it, on a thread of its own in real time. Scripts are set before start().
-class CommandPortBench {
+class CommandPortFixture {
  public:
-  CommandPortBench();
-  ~CommandPortBench();
+  CommandPortFixture();
+  ~CommandPortFixture();
 
   /// The vehicles; system ids 1, 2, ... in order. Not to be touched while it runs.
   FakeVehicle& vehicle(std::size_t index = 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/port/command_server.hpp"
+#include "casd/port/vehicle_methods.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using base::rpc::Client;
 using mavlink::common::MavModeFlag;
 using mavlink::common::MavResult;
 using nlohmann::json;
-using test::CommandPortBench;
+using test::CommandPortFixture;
 
 class CommandServerTest : public testing::Test {
  protected:
@@ -39,7 +39,7 @@ class CommandServerTest : public testing::Test {
     return CallError(0, "", "");
   }
 
-  CommandPortBench bench_;
+  CommandPortFixture bench_;
   std::optional<Client> client_;
 };
 

@@ -15,10 +15,10 @@
 
 namespace cas::casd {
 
-class CommandParams;
+class CallParams;
 
 /// What the command port needs from the rest of casd.
-struct CommandServerHooks {
+struct VehicleHooks {
   std::function<base::RunTime()> now;
   /// Name of a link in the topology.
   std::function<std::string(LinkId)> link_name;
@@ -28,11 +28,11 @@ struct CommandServerHooks {
 
 /// The vehicle half of the command port: methods vehicle.*, gain.* and param.*, answered after the
 /// vehicle has acknowledged, and the topic `statustext`. Everything on the server's thread.
-class CommandServer {
+class VehicleMethods {
  public:
   /// Adds its methods to `server`. All arguments outlive this object; it outlives the server's run.
-  CommandServer(base::rpc::Server& server, VehicleCommander& commander, GainMap gains,
-                CommandServerHooks hooks);
+  VehicleMethods(base::rpc::Server& server, VehicleCommander& commander, GainMap gains,
+                 VehicleHooks hooks);
 
   /// The `vehicles` of casd.status.
   nlohmann::json vehicles() const;
@@ -41,7 +41,7 @@ class CommandServer {
   /// Starts a request to a vehicle.
   using Action = std::function<void(std::uint8_t system, base::RunTime now, Done done)>;
   /// Reads a method's parameters; nothing is sent before they have proved right.
-  using Parse = std::function<Action(CommandParams&)>;
+  using Parse = std::function<Action(CallParams&)>;
   /// Makes the result of an accepted request.
   using Answer = std::function<nlohmann::json(std::uint8_t system, const Outcome&)>;
 
@@ -60,13 +60,11 @@ class CommandServer {
              std::uint8_t system, const Outcome& outcome) const;
   void publish_text(const VehicleState& vehicle, const StatusText& text);
   const GainLoop* find_loop(std::uint8_t system, const std::string& loop, const Done& done) const;
-  nlohmann::json summary(const VehicleState& vehicle) const;
-  nlohmann::json state(const VehicleState& vehicle) const;
 
   base::rpc::Server& server_;
   VehicleCommander& commander_;
   GainMap gains_;
-  CommandServerHooks hooks_;
+  VehicleHooks hooks_;
   std::optional<base::RunTime> last_sticks_;
 };
 

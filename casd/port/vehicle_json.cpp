@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "casd/port/vehicle_json.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "casd/port/command_json.hpp"
-#include "casd/port/command_params.hpp"
-#include "casd/port/command_server.hpp"
-#include "casd/station/vehicle_state.hpp"
+#include "casd/port/call_json.hpp"
 
 namespace cas::casd {
 namespace {
@@ -86,13 +85,7 @@ json complaints_json(const VehicleState& vehicle, base::RunTime now) {
 
 }  // namespace
 
-json CommandServer::vehicles() const {
-  json all = json::array();
-  for (const VehicleState* vehicle : commander_.vehicles()) all.push_back(summary(*vehicle));
-  return all;
-}
-
-json CommandServer::summary(const VehicleState& vehicle) const {
+json summary_json(const VehicleState& vehicle, const std::string& link_name, base::RunTime now) {
   return json{{"system", vehicle.source().system},
               {"component", vehicle.source().component},
               {"autopilot", name(vehicle.autopilot())},
@@ -101,14 +94,13 @@ json CommandServer::summary(const VehicleState& vehicle) const {
               {"hil", vehicle.hil()},
               {"mode", vehicle.mode()},
               {"landed", vehicle.landed_word()},
-              {"link", hooks_.link_name(vehicle.link())},
-              {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(hooks_.now()))},
-              {"complaints", complaints_json(vehicle, hooks_.now())}};
+              {"link", link_name},
+              {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(now))},
+              {"complaints", complaints_json(vehicle, now)}};
 }
 
-json CommandServer::state(const VehicleState& vehicle) const {
-  const base::RunTime now = hooks_.now();
-  json state = summary(vehicle);
+json state_json(const VehicleState& vehicle, const std::string& link_name, base::RunTime now) {
+  json state = summary_json(vehicle, link_name, now);
   if (vehicle.attitude() && is_known(vehicle.attitude()->message)) {
     state["attitude"] = attitude_json(*vehicle.attitude(), now);
   }
@@ -120,18 +112,6 @@ json CommandServer::state(const VehicleState& vehicle) const {
   if (const auto altitude_m = vehicle.altitude_m()) state["altitude_m"] = *altitude_m;
   state["statustexts"] = texts_json(vehicle, now);
   return state;
-}
-
-void CommandServer::add_state_methods() {
-  add(
-      "vehicle.state", false,
-      [](CommandParams&) -> Action {
-        return [](std::uint8_t, base::RunTime, const Done& done) { done(Outcome{}); };
-      },
-      [this](std::uint8_t system, const Outcome&) {
-        const VehicleState* vehicle = commander_.find(system);
-        return vehicle == nullptr ? json() : state(*vehicle);
-      });
 }
 
 }  // namespace cas::casd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/app_methods.hpp"
+#include "casd/port/daemon_methods.hpp"
 
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -7,8 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
-#include "base/os/write_file.hpp"
-#include "casd/port/command_params.hpp"
+#include "casd/port/call_json.hpp"
 
 namespace cas::casd {
 namespace {
@@ -24,7 +23,7 @@ json log_status(const TlogWriter& tlog) {
 }
 
 /// A log goes into a new .tlog file: a client of the port must not overwrite what it likes.
-json start_log(TlogWriter& tlog, CommandParams& params) {
+json start_log(TlogWriter& tlog, CallParams& params) {
   const std::filesystem::path file(params.text("file"));
   const auto at_least = [&params](const std::string& key, double least) {
     const double number = params.optional_number(key).value_or(0);
@@ -46,14 +45,13 @@ json start_log(TlogWriter& tlog, CommandParams& params) {
   return log_status(tlog);
 }
 
-/// A method of the daemon itself. What changes something leaves a line in the audit log; what it
-/// cannot do is a refusal in words.
+/// A method of the daemon itself. Changes are audited; failures are returned as error messages.
 void add_method(base::rpc::Server& server, const std::string& name, bool audited,
-                std::function<json(CommandParams&)> body) {
+                std::function<json(CallParams&)> body) {
   server.add_method(name, [name, audited, body](const json& params, const Reply& reply) {
     std::string what = "done";
     try {
-      CommandParams reader(params);
+      CallParams reader(params);
       reply.result(body(reader));
     } catch (const BadParams& error) {
       what = error.what();
@@ -68,8 +66,8 @@ void add_method(base::rpc::Server& server, const std::string& name, bool audited
 
 }  // namespace
 
-void add_app_methods(base::rpc::Server& server, AppHooks hooks) {
-  add_method(server, "casd.reload", true, [reload = hooks.reload](CommandParams& params) {
+void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
+  add_method(server, "casd.reload", true, [reload = hooks.reload](CallParams& params) {
     params.finish();
     const std::string trouble = reload();
     if (!trouble.empty()) throw base::ConfigError(trouble);
@@ -77,43 +75,16 @@ void add_app_methods(base::rpc::Server& server, AppHooks hooks) {
   });
   TlogWriter& tlog = hooks.tlog;
   add_method(server, "log.start", true,
-             [&tlog](CommandParams& params) { return start_log(tlog, params); });
-  add_method(server, "log.stop", true, [&tlog](CommandParams& params) {
+             [&tlog](CallParams& params) { return start_log(tlog, params); });
+  add_method(server, "log.stop", true, [&tlog](CallParams& params) {
     params.finish();
     tlog.stop();
     return log_status(tlog);
   });
-  add_method(server, "log.status", false, [&tlog](CommandParams& params) {
+  add_method(server, "log.status", false, [&tlog](CallParams& params) {
     params.finish();
     return log_status(tlog);
   });
-}
-
-FiguresSource make_figures_source(LinkSet& links, const CommandServer& commands) {
-  return {.figures = &links.figures(),
-          .topology = [&links]() -> const Topology& { return links.topology(); },
-          .now = base::steady_now,
-          .started = base::steady_now(),
-          .vehicles = [&commands] { return commands.vehicles(); },
-          .taps = &links.taps(),
-          .echo = &links.echo(),
-          .decoder = load_decoder(links.topology())};
-}
-
-std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
-  auto decoder = std::make_shared<MessageDecoder>();
-  if (!topology.dialect.empty()) decoder->add_dialect(topology.dialect);
-  return decoder;
-}
-
-void write_stats(const std::filesystem::path& file, const CommandFigures& figures) {
-  try {
-    // Texts of vehicles may hold any bytes; they must not keep the figures from being written.
-    const std::string text = figures.status().dump(2, ' ', false, json::error_handler_t::replace);
-    base::write_file(file, text + "\n", base::Durability::kCache);
-  } catch (const base::ConfigError& error) {
-    base::log::error(error.what());
-  }
 }
 
 }  // namespace cas::casd

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+
+#include "mavlink/common/enums.hpp"
 
 namespace cas::casd {
 
@@ -21,9 +25,9 @@ std::uint32_t message_id(const nlohmann::json& message);
 
 /// Reads the named parameters of one JSON-RPC call. Missing, mistyped and unknown ones throw
 /// BadParams.
-class CommandParams {
+class CallParams {
  public:
-  explicit CommandParams(const nlohmann::json& params);
+  explicit CallParams(const nlohmann::json& params);
 
   double number(const std::string& key);
   std::optional<double> optional_number(const std::string& key);
@@ -47,5 +51,17 @@ class CommandParams {
   nlohmann::json params_;
   std::set<std::string> asked_;
 };
+
+/// "ACCEPTED", "DENIED", ...: the MAV_RESULT names without their prefix.
+std::string result_word(mavlink::common::MavResult result);
+/// "emergency" ... "debug", by syslog's names.
+std::string_view severity_word(mavlink::common::MavSeverity severity);
+/// "quadrotor", "hexarotor", ..., "type 27".
+std::string type_word(mavlink::common::MavType type);
+
+/// The number whose decimal text is the shortest that a float reads back from: 0.15, not
+/// 0.15000000596046448; an integer stays one. What is not finite is null.
+nlohmann::json number_json(double value);
+nlohmann::json parameters_json(const std::map<std::string, double>& parameters);
 
 }  // namespace cas::casd

@@ -10,14 +10,14 @@
 #include "base/rpc/server.hpp"
 #include "base/time/clock.hpp"
 #include "casd/counters/echo_latency.hpp"
-#include "casd/counters/message_taps.hpp"
 #include "casd/counters/link_counters.hpp"
+#include "casd/counters/message_taps.hpp"
 #include "casd/port/message_decoder.hpp"
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {
 
-class CommandParams;
+class CallParams;
 
 /// What the figures are taken from.
 struct FiguresSource {
@@ -38,9 +38,9 @@ struct FiguresSource {
 
 /// The half of the command port that tells about casd itself: casd.status, link.*, message.* and
 /// the topics `links`, `messages` and `drops`. Everything on the server's thread.
-class CommandFigures {
+class FigureMethods {
  public:
-  CommandFigures(base::rpc::Server& server, FiguresSource source);
+  FigureMethods(base::rpc::Server& server, FiguresSource source);
 
   /// casd.status, also written to --stats FILE.
   nlohmann::json status() const;
@@ -54,7 +54,7 @@ class CommandFigures {
  private:
   nlohmann::json links() const;
   nlohmann::json messages(const std::string* link) const;
-  nlohmann::json value(CommandParams& params) const;
+  nlohmann::json value(CallParams& params) const;
   nlohmann::json routes() const;
   nlohmann::json drops() const;
   nlohmann::json latency() const;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/port/command_figures.hpp"
+#include "casd/port/figure_methods.hpp"
 
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "casd/port/command_json.hpp"
-#include "casd/port/command_params.hpp"
+#include "casd/port/call_json.hpp"
+#include "casd/port/metrics_text.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
@@ -106,7 +106,7 @@ template <class Answer>
 base::rpc::Method method(Answer answer) {
   return [answer](const json& params, const Reply& reply) {
     try {
-      CommandParams reader(params);
+      CallParams reader(params);
       reply.result(answer(reader));
     } catch (const BadParams& error) {
       reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
@@ -114,23 +114,32 @@ base::rpc::Method method(Answer answer) {
   };
 }
 
+template <class Figures>
+json times_json(const Figures& figures) {
+  json times{{"p50", microseconds(figures.p50)},
+             {"p99", microseconds(figures.p99)},
+             {"max", microseconds(figures.max)}};
+  if constexpr (requires { figures.count; }) times["count"] = figures.count;
+  return times;
+}
+
 }  // namespace
 
-CommandFigures::CommandFigures(base::rpc::Server& server, FiguresSource source)
+FigureMethods::FigureMethods(base::rpc::Server& server, FiguresSource source)
     : server_(server), source_(std::move(source)) {
-  const auto plain = [this](const std::string& name, json (CommandFigures::*make)() const) {
-    server_.add_method(name, method([this, make](CommandParams& params) {
+  const auto plain = [this](const std::string& name, json (FigureMethods::*make)() const) {
+    server_.add_method(name, method([this, make](CallParams& params) {
                          params.finish();
                          return (this->*make)();
                        }));
   };
-  plain("casd.status", &CommandFigures::status);
-  plain("link.list", &CommandFigures::links);
-  plain("link.routes", &CommandFigures::routes);
-  plain("link.drops", &CommandFigures::drops);
-  plain("link.latency", &CommandFigures::latency);
-  plain("link.echo", &CommandFigures::echo);
-  server_.add_method("message.list", method([this](CommandParams& params) {
+  plain("casd.status", &FigureMethods::status);
+  plain("link.list", &FigureMethods::links);
+  plain("link.routes", &FigureMethods::routes);
+  plain("link.drops", &FigureMethods::drops);
+  plain("link.latency", &FigureMethods::latency);
+  plain("link.echo", &FigureMethods::echo);
+  server_.add_method("message.list", method([this](CallParams& params) {
                        const std::optional<std::string> link = params.optional_text("link");
                        params.finish();
                        if (link) require_link(*link);
@@ -138,14 +147,14 @@ CommandFigures::CommandFigures(base::rpc::Server& server, FiguresSource source)
                      }));
   if (source_.taps != nullptr) {
     server_.add_method("message.value",
-                       method([this](CommandParams& params) { return value(params); }));
+                       method([this](CallParams& params) { return value(params); }));
   }
   server_.add_topic("links");
   server_.add_topic("messages");
   server_.add_topic("drops");
 }
 
-LinkId CommandFigures::require_link(const std::string& name) const {
+LinkId FigureMethods::require_link(const std::string& name) const {
   std::string known;
   for (const LinkStatus& link : source_.figures->links()) {
     if (link.name == name) return link.id;
@@ -154,7 +163,7 @@ LinkId CommandFigures::require_link(const std::string& name) const {
   throw BadParams("there is no link '" + name + "'; links: " + known);
 }
 
-json CommandFigures::status() const {
+json FigureMethods::status() const {
   const Topology& topology = source_.topology();
   return json{{"schema", 1},
               {"program", "casd"},
@@ -167,7 +176,7 @@ json CommandFigures::status() const {
               {"vehicles", source_.vehicles()}};
 }
 
-json CommandFigures::links() const {
+json FigureMethods::links() const {
   const Topology& topology = source_.topology();
   json all = json::array();
   for (const LinkStatus& link : source_.figures->links()) {
@@ -189,7 +198,7 @@ json CommandFigures::links() const {
   return all;
 }
 
-json CommandFigures::messages(const std::string* link) const {
+json FigureMethods::messages(const std::string* link) const {
   std::optional<std::string> only;
   if (link != nullptr) only = *link;
   json all = json::array();
@@ -200,7 +209,7 @@ json CommandFigures::messages(const std::string* link) const {
 }
 
 /// The newest packet of one message since somebody looks at it.
-json CommandFigures::value(CommandParams& params) const {
+json FigureMethods::value(CallParams& params) const {
   MessageTaps::Key key;
   key.link = require_link(params.text("link"));
   key.message_id = asked_message(params.value("message"));
@@ -218,25 +227,25 @@ json CommandFigures::value(CommandParams& params) const {
   return answer;
 }
 
-std::string CommandFigures::message_name(std::uint32_t id) const {
+std::string FigureMethods::message_name(std::uint32_t id) const {
   if (std::string own = source_.decoder->name(id); !own.empty()) return own;
   const mav::MessageInfo* info = mav::public_table().find(id);
   return info == nullptr ? std::string() : std::string(info->name);
 }
 
 /// By name or id; names of the dialect that was read at run time go first.
-std::uint32_t CommandFigures::asked_message(const json& message) const {
+std::uint32_t FigureMethods::asked_message(const json& message) const {
   if (message.is_string()) {
     if (const auto own = source_.decoder->find(message.get<std::string>())) return *own;
   }
   return message_id(message);
 }
 
-void CommandFigures::set_decoder(std::shared_ptr<const MessageDecoder> decoder) {
+void FigureMethods::set_decoder(std::shared_ptr<const MessageDecoder> decoder) {
   source_.decoder = std::move(decoder);
 }
 
-json CommandFigures::routes() const {
+json FigureMethods::routes() const {
   json all = json::array();
   for (const RouteConfig& route : source_.topology().routes) all.push_back(rule_json(route));
   return all;
@@ -244,7 +253,7 @@ json CommandFigures::routes() const {
 
 /// Everything that did not go on, by link and cause: `dropped` by message too, `unreadable` what
 /// never became a message.
-json CommandFigures::drops() const {
+json FigureMethods::drops() const {
   json unreadable = json::array();
   for (const LinkStatus& link : source_.figures->links()) {
     const auto add = [&](const char* cause, std::uint64_t count) {
@@ -267,7 +276,7 @@ json CommandFigures::drops() const {
   return json{{"unreadable", unreadable}, {"dropped", dropped}};
 }
 
-void CommandFigures::publish() {
+void FigureMethods::publish() {
   publish_link_changes();
   if (server_.has_subscribers("messages")) server_.publish("messages", messages(nullptr));
   std::uint64_t dropped = 0;
@@ -278,7 +287,7 @@ void CommandFigures::publish() {
   if (std::exchange(last_dropped_, dropped) != dropped) server_.publish("drops", drops());
 }
 
-void CommandFigures::publish_link_changes() {
+void FigureMethods::publish_link_changes() {
   for (const LinkStatus& link : source_.figures->links()) {
     const std::string state(to_string(link.state));
     std::string& last = last_states_[link.name];
@@ -289,6 +298,56 @@ void CommandFigures::publish_link_changes() {
                                   {"reconnects", link.reconnects}});
     last = state;
   }
+}
+
+json FigureMethods::latency() const {
+  json all = json::array();
+  for (const LinkStatus& link : source_.figures->links()) {
+    json entry{{"p50", microseconds(link.tx.forwarding_p50)},
+               {"p99", microseconds(link.tx.forwarding_p99)},
+               {"max", microseconds(link.tx.forwarding_max)}};
+    entry["link"] = link.name;
+    entry["routes"] = json::array();
+    for (const RouteLatency::Figures& route : link.tx.routes) {
+      json from = times_json(route);
+      from["from"] = link_name(route.from);
+      entry["routes"].push_back(std::move(from));
+    }
+    all.push_back(std::move(entry));
+  }
+  return all;
+}
+
+/// From a HIL_SENSOR in to the controls that echo its stamp.
+json FigureMethods::echo() const {
+  json all = json::array();
+  if (source_.echo == nullptr) return all;
+  for (const EchoLatency::Figures& vehicle : source_.echo->figures()) {
+    json entry = times_json(vehicle);
+    entry["vehicle"] = vehicle.system;
+    entry["count"] = vehicle.matched;
+    entry["unmatched"] = vehicle.unmatched;
+    all.push_back(std::move(entry));
+  }
+  return all;
+}
+
+/// "casd" is its own station.
+std::string FigureMethods::link_name(LinkId id) const {
+  for (const LinkStatus& link : source_.figures->links()) {
+    if (link.id == id) return link.name;
+  }
+  return "casd";
+}
+
+std::string FigureMethods::metrics() const {
+  const base::RunTime now = source_.now();
+  MetricsSource all{.uptime_s = base::to_seconds(now - source_.started),
+                    .clients = server_.clients(),
+                    .links = source_.figures->links(),
+                    .messages = source_.figures->messages(now)};
+  for (MessageStatus& message : all.messages) message.name = message_name(message.id);
+  return metrics_text(all);
 }
 
 }  // namespace cas::casd

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "casd/station/vehicle_state.hpp"
+
+namespace cas::casd {
+
+/// A vehicle as casd.status lists it.
+/// @param link_name  of the link that its HEARTBEATs come from
+nlohmann::json summary_json(const VehicleState& vehicle, const std::string& link_name,
+                            base::RunTime now);
+
+/// The answer of vehicle.state: the summary, and what of attitude, place and home is known.
+nlohmann::json state_json(const VehicleState& vehicle, const std::string& link_name,
+                          base::RunTime now);
+
+}  // namespace cas::casd
