@@ -26,7 +26,7 @@
 #include "casd/link_set.hpp"
 #include "casd/port/daemon_methods.hpp"
 #include "casd/port/figure_methods.hpp"
-#include "casd/port/metrics_port.hpp"
+#include "casd/port/metrics.hpp"
 #include "casd/port/vehicle_methods.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
@@ -13,11 +15,98 @@
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
 #include "casd/app.hpp"
-#include "casd/topology_text.hpp"
+#include "casd/port/message_decoder.hpp"
+#include "casd/signing/packet_signer.hpp"
+#include "casd/station/gain_map.hpp"
+#include "casd/topology/line_budget.hpp"
+#include "casd/topology/topology.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 
+namespace cas::casd {
 namespace {
 
-using namespace cas;
+std::string message_word(std::uint32_t id) {
+  const mav::MessageInfo* known = mav::public_table().find(id);
+  return known == nullptr ? std::to_string(id) : std::string(known->name);
+}
+
+/// ", blocks A B" for a list that is not empty.
+template <class List, class Word>
+std::string listed(std::string_view what, const List& list, Word word) {
+  if (list.empty()) return {};
+  std::string text = ", " + std::string(what);
+  for (const auto& each : list) text += " " + word(each);
+  return text;
+}
+
+std::string where(const LinkConfig& link) {
+  std::string text;
+  if (!link.local.empty()) text += " at " + link.local;
+  if (!link.remote.empty()) text += " to " + link.remote;
+  if (!link.device.empty()) text += " " + link.device;
+  if (link.baud > 0) {
+    text += " at " + std::to_string(link.baud) + " baud" + (link.pace ? ", paced" : ", not paced");
+  }
+  if (!link.file.empty()) text += " " + link.file.string();
+  return text;
+}
+
+std::string link_line(const LinkConfig& link) {
+  const auto number = [](auto id) { return std::to_string(id); };
+  std::string text = "  " + link.name + ": " + std::string(to_string(link.type)) + where(link);
+  if (!link.group.empty()) text += ", group " + link.group;
+  if (link.accept.read_only) text += ", read-only";
+  text += listed("accepts only", link.accept.messages, message_word);
+  text += listed("accepts only systems", link.accept.systems, number);
+  if (link.signing) {
+    text += std::string(link.signing->verify ? ", verifies" : "") +
+            (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();
+  }
+  return text + "\n";
+}
+
+std::string route_line(const RouteConfig& route) {
+  const auto number = [](auto id) { return std::to_string(id); };
+  const ForwardRule& rule = route.rule;
+  std::string text;
+  if (rule.allow) {
+    text += rule.allow->empty() ? ", nothing" : listed("only", *rule.allow, message_word);
+  }
+  text += listed("not", rule.block, message_word);
+  text += listed("only systems", rule.allow_systems, number);
+  text += listed("not systems", rule.block_systems, number);
+  text += listed("only components", rule.allow_components, number);
+  text += listed("not components", rule.block_components, number);
+  text += listed("thinned out", rule.rates,
+                 [](const RateRule& rate) { return message_word(rate.message_id); });
+  return "  " + route.from + " -> " + route.to +
+         (text.empty() ? ": everything" : ": " + text.substr(2)) + "\n";
+}
+
+/// What a topology comes to, for people: links, routes with their filters, and whether each line
+/// carries what can be expected on it.
+std::string topology_text(const Topology& topology) {
+  std::string text = "system " + std::to_string(topology.self.system) + "/" +
+                     std::to_string(topology.self.component) + ", threads " +
+                     std::string(to_string(topology.threads)) + ", command port " +
+                     topology.command_port.address + ":" +
+                     std::to_string(topology.command_port.port) + "\nlinks\n";
+  for (const LinkConfig& link : topology.links) text += link_line(link);
+  text += "routes\n";
+  for (const RouteConfig& route : topology.routes) text += route_line(route);
+  const std::vector<LineBudget> budgets = line_budgets(topology);
+  if (!budgets.empty()) text += "expected load of the lines\n";
+  return text + describe(budgets);
+}
+
+/// Reads the other files that a topology names (keys, dialect, gains). @throws base::ConfigError
+void check_named_files(const Topology& topology) {
+  for (const LinkConfig& link : topology.links) {
+    if (link.signing) read_signing_key(link.signing->key_file);
+  }
+  if (!topology.dialect.empty()) MessageDecoder().add_dialect(topology.dialect);
+  if (!topology.gains.empty()) GainMap::load(topology.gains);
+}
 
 struct Flags {
   std::string topology;
@@ -30,28 +119,30 @@ struct Flags {
 
 int run(const Flags& flags) {
   const std::filesystem::path file = base::find_config(flags.topology);
-  casd::Topology topology = casd::Topology::load(file);
+  Topology topology = Topology::load(file);
   if (flags.lockstep) topology.set_lockstep();
   if (flags.check) {
-    casd::check_named_files(topology);
+    check_named_files(topology);
     std::printf("%s: %zu links, %zu routes\n", flags.topology.c_str(), topology.links.size(),
                 topology.routes.size());
-    std::fputs(casd::topology_text(topology).c_str(), stdout);
+    std::fputs(topology_text(topology).c_str(), stdout);
     return base::kExitOk;
   }
   if (topology.lock_memory) base::lock_memory();
   const base::CpuLatencyRequest latency(topology.cpu_dma_latency_us);
-  casd::App app({.topology_file = file, .ledger_file = flags.ledger, .stats_file = flags.stats},
-                std::move(topology));
+  App app({.topology_file = file, .ledger_file = flags.ledger, .stats_file = flags.stats},
+          std::move(topology));
   base::bind_command_port([&app] { app.listen(); });
   app.run();
   return base::kExitOk;
 }
 
 }  // namespace
+}  // namespace cas::casd
 
 int main(int argc, char** argv) {
-  Flags flags;
+  using namespace cas;
+  casd::Flags flags;
   CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.", "casd");
   cli.set_version_flag("--version", std::string("casd ") + CAS_VERSION);
   cli.add_option("topology", flags.topology, "Links and routes (YAML)")->required();
@@ -64,5 +155,5 @@ int main(int argc, char** argv) {
   cli.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
   base::cli::add_manual(cli, "casd", CAS_VERSION);
   if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;
-  return base::run_program("casd", flags.log_level, [&] { return run(flags); });
+  return base::run_program("casd", flags.log_level, [&] { return casd::run(flags); });
 }

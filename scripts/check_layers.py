@@ -85,7 +85,7 @@ LAYERS = {
     "casd/tlog": BASE | MAVLINK,
     "casd/topology":
         BASE | MAVLINK | rooms("casd", "packet routing queue tlog") | {"mavlink_gen/parser"},
-    "casd/counters": BASE | MAVLINK | rooms("casd", "packet routing queue topology"),
+    "casd/counters": BASE | MAVLINK | rooms("casd", "packet routing queue"),
     "casd/signing":
         BASE | MAVLINK | RPC | rooms("casd", "packet topology counters"),
     "casd/link":
@@ -96,15 +96,15 @@ LAYERS = {
         BASE | MAVLINK | rooms("casd", "packet routing tlog counters link station") | {"Asio"},
     "casd/port":
         BASE | MAVLINK | RPC
-        | rooms("casd", "packet routing queue topology counters station")
+        | rooms("casd", "packet routing queue tlog topology counters station")
         | {"mavlink_gen/parser", "Asio"},
     "casd":
         BASE | MAVLINK | RPC | PROGRAM | {"Asio"}
         | rooms("casd", "packet routing queue tlog topology counters signing link station transport port"),
     "casd/casctl/session": BASE | RPC | {"CLI11"},
-    "casd/casctl/verbs": BASE | RPC | {"casd/casctl/session", "CLI11"},
-    "casd/casctl/doctor": BASE | RPC | rooms("casd/casctl", "session verbs") | {"CLI11"},
-    "casd/casctl/monitor": BASE | RPC | rooms("casd/casctl", "session verbs") | {"CLI11", "ncurses"},
+    "casd/casctl/verbs": BASE | RPC | {"casd/casctl/session"},
+    "casd/casctl/doctor": BASE | RPC | {"casd/casctl/session"},
+    "casd/casctl/monitor": BASE | RPC | {"casd/casctl/session", "ncurses"},
     "casd/casctl": BASE | RPC | PROGRAM | rooms("casd/casctl", "session verbs doctor monitor"),
 
     "fcu/line": BASE,
@@ -143,7 +143,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
 NOT_IN_HEADERS = ("nlohmann/", "spdlog/", "yaml-cpp/", "boost/asio.hpp")
 LIGHT = ("nlohmann/json_fwd.hpp",)
 # Headers for files that handle JSON anyway.
-JSON_HEADERS = ("casd/casctl/", "casd/port/command_params.hpp")
+JSON_HEADERS = ("casd/casctl/", "casd/port/call_json.hpp")
 
 SUFFIXES = {".hpp", ".cpp", ".h", ".cc"}
 # example_plugin stands for a stranger's source tree.

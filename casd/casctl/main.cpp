@@ -7,24 +7,11 @@
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
 #include "base/rpc/message.hpp"
+#include "casd/casctl/doctor/doctor.hpp"
+#include "casd/casctl/monitor/monitor_screen.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
-
-CLI::App* CommandLine::add_verb(CLI::App& parent, const std::string& name, const std::string& help,
-                                const std::string& example, std::function<int(Session&)> body) {
-  CLI::App* verb = parent.add_subcommand(name, help);
-  verb->fallthrough();
-  verb->footer("Example: " + example);
-  verb->callback([this, body = std::move(body)] {
-    run = [this, body] {
-      Session session(options);
-      return body(session);
-    };
-  });
-  return verb;
-}
-
 namespace {
 
 using base::rpc::CallError;
@@ -32,8 +19,8 @@ using base::rpc::ConnectionError;
 using nlohmann::json;
 
 void add_options(CommandLine& line) {
-  CLI::App& app = line.app;
-  Options& options = line.options;
+  CLI::App& app = line.app();
+  Options& options = line.options();
   app.description("Commands and watches vehicles through a running casd.");
   app.name("casctl");
   app.set_version_flag("--version", std::string("casctl ") + CAS_VERSION);
@@ -84,7 +71,7 @@ std::string hint(int code) {
 }
 
 int run_verb(const CommandLine& line) {
-  const Options& options = line.options;
+  const Options& options = line.options();
   try {
     return line.run();
   } catch (const CallError& error) {
@@ -120,7 +107,7 @@ int main(int argc, char** argv) {
   add_service_verbs(line);
   add_monitor_verb(line);
   add_doctor_verb(line);
-  cas::base::cli::add_manual(line.app, "casctl", CAS_VERSION);
-  if (const auto ended = cas::base::cli::parse(line.app, argc, argv, kUsage)) return *ended;
+  cas::base::cli::add_manual(line.app(), "casctl", CAS_VERSION);
+  if (const auto ended = cas::base::cli::parse(line.app(), argc, argv, kUsage)) return *ended;
   return run_verb(line);
 }

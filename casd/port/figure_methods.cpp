@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "casd/port/call_json.hpp"
-#include "casd/port/metrics_text.hpp"
+#include "casd/port/metrics.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {

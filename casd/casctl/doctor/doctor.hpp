@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "casd/casctl/session/session.hpp"
+#include "casd/casctl/session/command_line.hpp"
 
 namespace cas::casctl {
 
@@ -49,5 +49,7 @@ std::vector<Finding> diagnose(const DoctorFacts& facts);
 
 /// Looks at casd twice, `seconds` apart, and at this machine meanwhile.
 DoctorFacts gather_facts(Session& session, double seconds);
+
+void add_doctor_verb(CommandLine& line);
 
 }  // namespace cas::casctl

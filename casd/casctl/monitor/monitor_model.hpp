@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace cas::casctl {
@@ -120,13 +119,5 @@ class MonitorModel {
   bool note_bad_ = false;
   std::optional<std::string> prompt_;
 };
-
-/// A method call that a line of the prompt stands for: "takeoff 3", "setgain roll 6.5".
-struct PromptCall {
-  std::string method;
-  nlohmann::json params = nlohmann::json::object();
-};
-/// @return the call, or a sentence that says what is wrong
-std::variant<PromptCall, std::string> parse_prompt(const std::string& line);
 
 }  // namespace cas::casctl

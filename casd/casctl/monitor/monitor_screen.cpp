@@ -3,11 +3,13 @@
 
 #include <unistd.h>
 
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <future>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "casd/casctl/monitor/monitor_model.hpp"
 #include "casd/casctl/monitor/terminal.hpp"
@@ -241,8 +243,7 @@ class MonitorScreen {
   std::future<std::pair<std::string, bool>> command_;
 };
 
-}  // namespace
-
+/// The full-screen monitor; returns when the user quits. The terminal is left as it was.
 int run_monitor(const Options& options, double interval_s) {
   if (::isatty(STDOUT_FILENO) == 0) {
     throw std::runtime_error("the output is no terminal; `casctl monitor --once` prints a table");
@@ -254,6 +255,7 @@ int run_monitor(const Options& options, double interval_s) {
   return kDone;
 }
 
+/// What the monitor shows, once, as plain tables.
 int print_monitor(Session& session) {
   const json status = session.call("casd.status");
   const json messages = session.call("message.list");
@@ -270,6 +272,94 @@ int print_monitor(Session& session) {
   }
   table.print(std::cout);
   return kDone;
+}
+
+std::optional<double> number(const std::string& text) {
+  double value = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end.ec != std::errc() || end.ptr != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// A verb of the prompt: the method, and the names of its arguments.
+struct PromptVerb {
+  const char* word;
+  const char* method;
+  std::size_t needed;
+  std::vector<const char*> numbers;  ///< after the word argument, where there is one
+  const char* text = nullptr;        ///< name of the first argument when it is a word
+};
+
+const std::vector<PromptVerb>& verbs() {
+  static const std::vector<PromptVerb> kVerbs{
+      {"arm", "vehicle.arm", 0, {}},
+      {"disarm", "vehicle.disarm", 0, {}},
+      {"takeoff", "vehicle.takeoff", 1, {"altitude_m"}},
+      {"land", "vehicle.land", 0, {}},
+      {"hold", "vehicle.hold", 0, {}},
+      {"rtl", "vehicle.rtl", 0, {}},
+      {"goto", "vehicle.goto", 3, {"north_m", "east_m", "down_m", "yaw_deg"}},
+      {"mode", "vehicle.mode", 1, {}, "mode"},
+      {"setgain", "gain.set", 2, {"p", "i", "d"}, "loop"},
+      {"message-interval", "vehicle.message_interval", 1, {"hz"}, "message"},
+      {"param", "param.set", 2, {"value"}, "name"},
+  };
+  return kVerbs;
+}
+
+std::string usage(const PromptVerb& verb) {
+  std::string text = std::string("usage: ") + verb.word;
+  std::size_t index = 0;
+  const auto add = [&](const char* name) {
+    text += index < verb.needed ? std::string(" ") + name : std::string(" [") + name + "]";
+    ++index;
+  };
+  if (verb.text != nullptr) add(verb.text);
+  for (const char* name : verb.numbers) add(name);
+  return text;
+}
+
+}  // namespace
+
+std::variant<PromptCall, std::string> parse_prompt(const std::string& line) {
+  std::istringstream in(line);
+  std::string word;
+  in >> word;
+  for (const PromptVerb& verb : verbs()) {
+    if (word != verb.word) continue;
+    std::vector<std::string> given;
+    for (std::string argument; in >> argument;) given.push_back(argument);
+    const std::size_t words = verb.text == nullptr ? 0 : 1;
+    if (given.size() < verb.needed || given.size() > words + verb.numbers.size())
+      return usage(verb);
+    PromptCall call{.method = verb.method};
+    if (verb.text != nullptr) call.params[verb.text] = given[0];
+    for (std::size_t i = words; i < given.size(); ++i) {
+      const std::optional<double> value = number(given[i]);
+      if (!value) return "'" + given[i] + "' is no number; " + usage(verb);
+      call.params[verb.numbers[i - words]] = *value;
+    }
+    return call;
+  }
+  return "there is no command '" + word + "'; ? lists them";
+}
+
+void add_monitor_verb(CommandLine& line) {
+  struct Wish {
+    bool once = false;
+    double interval_s = 0.5;
+  };
+  const auto wish = std::make_shared<Wish>();
+  const Verb verb = line.add_verb(
+      "monitor", "Watch links, messages, values and gains on a full screen; command from it",
+      "casctl monitor   or   casctl monitor --once", [wish](Session& session) {
+        if (wish->once) return print_monitor(session);
+        return run_monitor(session.options(), wish->interval_s);
+      });
+  verb.add_flag("--once", wish->once, "Print the messages as a plain table and end");
+  verb.add_option("--interval", wish->interval_s, "Seconds between two looks")
+      .in_range(0.1, 60.0)
+      .with_default();
 }
 
 }  // namespace cas::casctl

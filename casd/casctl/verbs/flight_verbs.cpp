@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -14,6 +16,12 @@ namespace cas::casctl {
 namespace {
 
 using nlohmann::json;
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
 
 /// "vehicle 1 armed".
 std::string sentence(const json& result, const std::string& what) {
@@ -72,17 +80,17 @@ void add_arm(CommandLine& line) {
     bool not_hil = false;
   };
   const auto flags = std::make_shared<Flags>();
-  CLI::App* verb =
+  const Verb verb =
       line.add_verb("arm", "Arm the motors (only of a vehicle in HIL mode)", "casctl arm --wait",
                     [flags](Session& session) {
                       const json params{{"force", flags->force}, {"not_hil", flags->not_hil}};
                       return tell(session, arm(session, params), "armed", "armed",
                                   [](const json& state) { return state.value("armed", false); });
                     });
-  verb->add_flag("--force", flags->force, "Skip the vehicle's own checks");
-  verb->add_flag("--not-hil", flags->not_hil,
-                 "Arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "
-                 "configuration must consent");
+  verb.add_flag("--force", flags->force, "Skip the vehicle's own checks");
+  verb.add_flag("--not-hil", flags->not_hil,
+                "Arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "
+                "configuration must consent");
 }
 
 void add_disarm(CommandLine& line) {
@@ -92,7 +100,7 @@ void add_disarm(CommandLine& line) {
                   return fly(session, "vehicle.disarm", {{"force", *force}}, "disarmed", "disarmed",
                              [](const json& state) { return !state.value("armed", true); });
                 })
-      ->add_flag("--force", *force, "Also in flight: the vehicle falls");
+      .add_flag("--force", *force, "Also in flight: the vehicle falls");
 }
 
 void add_takeoff(CommandLine& line) {
@@ -109,9 +117,9 @@ void add_takeoff(CommandLine& line) {
                                return airborne_at(now, *altitude_m);
                              });
                 })
-      ->add_option("ALT", *altitude_m, "Metres above home")
-      ->check(CLI::Range(0.1, 10000.0))
-      ->capture_default_str();
+      .add_option("ALT", *altitude_m, "Metres above home")
+      .in_range(0.1, 10000.0)
+      .with_default();
 }
 
 void add_goto(CommandLine& line) {
@@ -120,7 +128,7 @@ void add_goto(CommandLine& line) {
     std::optional<double> yaw_deg;
   };
   const auto target = std::make_shared<Target>();
-  CLI::App* verb = line.add_verb(
+  const Verb verb = line.add_verb(
       "goto", "Fly to a position in the local north-east-down frame",
       "casctl goto 5 0 -3 90 --wait", [target](Session& session) {
         json params{
@@ -136,11 +144,11 @@ void add_goto(CommandLine& line) {
                                        p.value("z_m", 1e9) - target->down_m) < kNear_m;
                    });
       });
-  verb->add_option("NORTH", target->north_m, "Metres to the north")->required();
-  verb->add_option("EAST", target->east_m, "Metres to the east")->required();
-  verb->add_option("DOWN", target->down_m, "Metres down; -3 is 3 m above the frame's origin")
-      ->required();
-  verb->add_option("YAW", target->yaw_deg, "Degrees from north; left out: kept");
+  verb.add_option("NORTH", target->north_m, "Metres to the north").required();
+  verb.add_option("EAST", target->east_m, "Metres to the east").required();
+  verb.add_option("DOWN", target->down_m, "Metres down; -3 is 3 m above the frame's origin")
+      .required();
+  verb.add_option("YAW", target->yaw_deg, "Degrees from north; left out: kept");
 }
 
 void add_mode(CommandLine& line) {
@@ -149,12 +157,11 @@ void add_mode(CommandLine& line) {
                 [mode](Session& session) {
                   return fly(session, "vehicle.mode", {{"mode", *mode}}, "took mode " + *mode,
                              "in mode " + *mode, [mode](const json& state) {
-                               return CLI::detail::to_lower(state.value("mode", "")) ==
-                                      CLI::detail::to_lower(*mode);
+                               return lower(state.value("mode", "")) == lower(*mode);
                              });
                 })
-      ->add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
-      ->required();
+      .add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
+      .required();
 }
 
 /// Sends the sticks again and again, then lets go of them.
@@ -179,7 +186,7 @@ void add_manual(CommandLine& line) {
     double duration_s = 1;
   };
   const auto sticks = std::make_shared<Sticks>();
-  CLI::App* verb = line.add_verb(
+  const Verb verb = line.add_verb(
       "manual", "Hold the sticks for some time (a mode that listens to them is needed)",
       "casctl manual --pitch 0.2 --for 2", [sticks](Session& session) {
         return hold_sticks(session,
@@ -189,15 +196,15 @@ void add_manual(CommandLine& line) {
                             {"yaw", sticks->yaw}},
                            sticks->duration_s);
       });
-  verb->add_option("--pitch", sticks->pitch, "-1 back to 1 forward")->check(CLI::Range(-1.0, 1.0));
-  verb->add_option("--roll", sticks->roll, "-1 left to 1 right")->check(CLI::Range(-1.0, 1.0));
-  verb->add_option("--throttle", sticks->throttle, "0 to 1; 0.5 keeps the height")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  verb->add_option("--yaw", sticks->yaw, "-1 left to 1 right")->check(CLI::Range(-1.0, 1.0));
-  verb->add_option("--for", sticks->duration_s, "Seconds to hold them")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
+  verb.add_option("--pitch", sticks->pitch, "-1 back to 1 forward").in_range(-1.0, 1.0);
+  verb.add_option("--roll", sticks->roll, "-1 left to 1 right").in_range(-1.0, 1.0);
+  verb.add_option("--throttle", sticks->throttle, "0 to 1; 0.5 keeps the height")
+      .in_range(0.0, 1.0)
+      .with_default();
+  verb.add_option("--yaw", sticks->yaw, "-1 left to 1 right").in_range(-1.0, 1.0);
+  verb.add_option("--for", sticks->duration_s, "Seconds to hold them")
+      .in_range(0.0, 3600.0)
+      .with_default();
 }
 
 void add_message_interval(CommandLine& line) {
@@ -206,7 +213,7 @@ void add_message_interval(CommandLine& line) {
     std::optional<double> hz;
   };
   const auto wish = std::make_shared<Wish>();
-  CLI::App* verb = line.add_verb(
+  const Verb verb = line.add_verb(
       "message-interval", "Set how often the vehicle sends a message",
       "casctl message-interval ATTITUDE 20", [wish](Session& session) {
         json params{{"message", wish->message}};
@@ -220,8 +227,8 @@ void add_message_interval(CommandLine& line) {
                        (wish->hz ? " at " + fixed(*wish->hz, 1) + " Hz" : " at its default rate"),
                    "", nullptr);
       });
-  verb->add_option("MESSAGE", wish->message, "Name or id")->required();
-  verb->add_option("HZ", wish->hz, "0 is off; left out: the vehicle's default");
+  verb.add_option("MESSAGE", wish->message, "Name or id").required();
+  verb.add_option("HZ", wish->hz, "0 is off; left out: the vehicle's default");
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ void add_setgain(CommandLine& line) {
     std::optional<double> p, i, d;
   };
   const auto wish = std::make_shared<Wish>();
-  CLI::App* verb =
+  const Verb verb =
       line.add_verb("setgain", "Set PID gains of a control loop; prints those in force",
                     "casctl setgain rollrate 0.15 0.2 0.003   or   casctl setgain roll --p 6.5",
                     [wish](Session& session) {
@@ -47,18 +47,16 @@ void add_setgain(CommandLine& line) {
                       report(session.options(), result, gains_sentence(result));
                       return kDone;
                     });
-  verb->add_option("LOOP", wish->loop,
-                   "One of rollrate, roll, position, ...: `casctl gains` lists them")
-      ->required();
-  CLI::Option* values = verb->add_option("P I D", wish->values, "The three gains")->expected(0, 3);
+  verb.add_option("LOOP", wish->loop,
+                  "One of rollrate, roll, position, ...: `casctl gains` lists them")
+      .required();
+  const Argument values = verb.add_option("P I D", wish->values, "The three gains").expected(0, 3);
   for (auto [flag, slot] : {std::pair{"--p", &wish->p}, {"--i", &wish->i}, {"--d", &wish->d}}) {
-    verb->add_option(flag, *slot, "This gain only")->excludes(values);
+    verb.add_option(flag, *slot, "This gain only").excludes(values);
   }
-  verb->parse_complete_callback([wish] {
+  verb.add_check([wish] {
     const bool named = wish->p || wish->i || wish->d;
-    if (!named && wish->values.empty()) {
-      throw CLI::ValidationError("setgain", "give P I D, or --p, --i, --d");
-    }
+    return named || !wish->values.empty() ? std::string() : "give P I D, or --p, --i, --d";
   });
 }
 
@@ -90,7 +88,7 @@ void add_gains(CommandLine& line) {
                   table.print(std::cout);
                   return kDone;
                 })
-      ->add_option("LOOP", *loop, "Control loop; left out: all");
+      .add_option("LOOP", *loop, "Control loop; left out: all");
 }
 
 /// One line of a parameter file: NAME VALUE; '#' starts a comment.
@@ -185,37 +183,34 @@ void add_param(CommandLine& line) {
     double value = 0;
   };
   const auto wish = std::make_shared<Wish>();
-  CLI::App* param = line.app.add_subcommand("param", "Read and write parameters");
-  param->fallthrough();
-  param->require_subcommand(1);
-  line.add_verb(*param, "list", "List all, or those that begin with PREFIX",
-                "casctl param list MC_",
+  const Verb param = line.add_group("param", "Read and write parameters");
+  line.add_verb(param, "list", "List all, or those that begin with PREFIX", "casctl param list MC_",
                 [wish](Session& session) { return list_params(session, wish->prefix); })
-      ->add_option("PREFIX", wish->prefix, "Beginning of the names; left out: all");
+      .add_option("PREFIX", wish->prefix, "Beginning of the names; left out: all");
   line.add_verb(
-          *param, "get", "Read one", "casctl param get MC_ROLL_P",
+          param, "get", "Read one", "casctl param get MC_ROLL_P",
           [wish](Session& session) {
             return print_param(session, session.vehicle_call("param.get", {{"name", wish->name}}));
           })
-      ->add_option("NAME", wish->name, "Parameter, by the firmware's name")
-      ->required();
-  CLI::App* set = line.add_verb(
-      *param, "set", "Write one; prints the value in force", "casctl param set MC_ROLL_P 6.5",
+      .add_option("NAME", wish->name, "Parameter, by the firmware's name")
+      .required();
+  const Verb set = line.add_verb(
+      param, "set", "Write one; prints the value in force", "casctl param set MC_ROLL_P 6.5",
       [wish](Session& session) {
         return print_param(session, session.vehicle_call("param.set", {{"name", wish->name},
                                                                        {"value", wish->value}}));
       });
-  set->add_option("NAME", wish->name, "Parameter, by the firmware's name")->required();
-  set->add_option("VALUE", wish->value, "Value to write")->required();
-  line.add_verb(*param, "save", "Save all to a file", "casctl param save iris.params",
+  set.add_option("NAME", wish->name, "Parameter, by the firmware's name").required();
+  set.add_option("VALUE", wish->value, "Value to write").required();
+  line.add_verb(param, "save", "Save all to a file", "casctl param save iris.params",
                 [wish](Session& session) { return save_params(session, wish->file); })
-      ->add_option("FILE", wish->file, "File to write, on this machine")
-      ->required();
-  line.add_verb(*param, "load", "Write those of a file, in its order",
+      .add_option("FILE", wish->file, "File to write, on this machine")
+      .required();
+  line.add_verb(param, "load", "Write those of a file, in its order",
                 "casctl param load iris.params",
                 [wish](Session& session) { return load_params(session, wish->file); })
-      ->add_option("FILE", wish->file, "File to read, on this machine")
-      ->required();
+      .add_option("FILE", wish->file, "File to read, on this machine")
+      .required();
 }
 
 }  // namespace

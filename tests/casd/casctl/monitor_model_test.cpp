@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "casd/casctl/monitor/monitor_screen.hpp"
+
 namespace cas::casctl {
 namespace {
 

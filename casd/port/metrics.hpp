@@ -5,12 +5,27 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "casd/counters/link_counters.hpp"
 
 namespace boost::asio {
 class io_context;
 }
 
 namespace cas::casd {
+
+/// What the metrics are made of.
+struct MetricsSource {
+  double uptime_s = 0;
+  std::size_t clients = 0;
+  std::vector<LinkStatus> links;
+  std::vector<MessageStatus> messages;
+};
+
+/// The figures in Prometheus' text format 0.0.4: counters end in _total, units are seconds and
+/// bytes.
+std::string metrics_text(const MetricsSource& source);
 
 /// A small HTTP server that answers GET /metrics. Everything on the thread of `io`; few clients at
 /// a time, each with a deadline, so that none can hold it.
