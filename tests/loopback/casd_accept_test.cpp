@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -17,34 +17,34 @@ links:
 }
 
 TEST(CasdAccept, AReadOnlyLinkHearsEverythingAndSaysNothing) {
-  CasdBench bench;
-  bench.start(topology("nothing"));
+  CasdFixture fixture;
+  fixture.start(topology("nothing"));
   // Who shows itself with a whole packet is a peer all the same.
-  bench.sim.send(bench.from_sim(mavlink::common::Heartbeat{}));
-  bench.sim.send(bench.from_sim(mavlink::common::CommandLong{.target_system = 1}));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.status("sim").rx.not_accepted == 2; }));
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 1; }));
-  EXPECT_EQ(bench.at_fcu.packets().size(), 0U);
-  EXPECT_EQ(bench.status("sim").rx.decisions[0], 0U);
+  fixture.sim.send(fixture.from_sim(mavlink::common::Heartbeat{}));
+  fixture.sim.send(fixture.from_sim(mavlink::common::CommandLong{.target_system = 1}));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.status("sim").rx.not_accepted == 2; }));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 1; }));
+  EXPECT_EQ(fixture.at_fcu.packets().size(), 0U);
+  EXPECT_EQ(fixture.status("sim").rx.decisions[0], 0U);
 }
 
 TEST(CasdAccept, LimitsALinkToNamedMessagesAndSystems) {
-  CasdBench bench;
-  bench.start(topology("{messages: [HIL_SENSOR, HEARTBEAT], systems: [1, 2]}"));
+  CasdFixture fixture;
+  fixture.start(topology("{messages: [HIL_SENSOR, HEARTBEAT], systems: [1, 2]}"));
   mav::Encoder stranger{{9, 1}};
-  bench.sim.send(bench.from_sim(hil_gps(1)));
-  bench.sim.send(stranger(hil_sensor(1)));
-  bench.sim.send(bench.from_sim(hil_sensor(2)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
-  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor).front(), 2U);
-  EXPECT_EQ(bench.at_fcu.packets().size(), 1U);
-  EXPECT_EQ(bench.status("sim").rx.not_accepted, 2U);
+  fixture.sim.send(fixture.from_sim(hil_gps(1)));
+  fixture.sim.send(stranger(hil_sensor(1)));
+  fixture.sim.send(fixture.from_sim(hil_sensor(2)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
+  EXPECT_EQ(numbers(fixture.at_fcu, kHilSensor).front(), 2U);
+  EXPECT_EQ(fixture.at_fcu.packets().size(), 1U);
+  EXPECT_EQ(fixture.status("sim").rx.not_accepted, 2U);
 }
 
 TEST(CasdAccept, AFloodOfSendersTakesNothingFromTheOthers) {
-  CasdBench bench;
-  bench.start(R"(schema: 1
+  CasdFixture fixture;
+  fixture.start(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: fcu, type: serial, device: "$FCU"}
@@ -54,7 +54,7 @@ routes:
   - {from: fcu, to: sim}
 )");
   UdpPeer flood;
-  flood.set_remote(bench.port("gcs"));
+  flood.set_remote(fixture.port("gcs"));
   // Every id that there is: far more than any table keeps.
   constexpr std::uint64_t kSenders = 65'536;
   for (std::uint64_t i = 0; i < kSenders; ++i) {
@@ -62,16 +62,16 @@ routes:
     flood.send(stranger(mavlink::common::Heartbeat{}));
     if (i % 512 == 511) {  // no faster than casd reads, so that every one of them counts
       ASSERT_TRUE(wait_until([&] {
-        const auto rx = bench.status("gcs").rx;
+        const auto rx = fixture.status("gcs").rx;
         return rx.packets + rx.kernel_drops >= i + 1;
       }));
     }
   }
-  EXPECT_LE(bench.links().figures().messages(base::steady_now(), "gcs").size(), 2048U);
-  bench.sim.send(bench.from_sim(hil_sensor(1)));
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  EXPECT_TRUE(bench.collect_until([&] {
-    return bench.at_fcu.count(kHilSensor) == 1 && bench.at_sim.count(kHilControls) == 1;
+  EXPECT_LE(fixture.links().figures().messages(base::steady_now(), "gcs").size(), 2048U);
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  EXPECT_TRUE(fixture.collect_until([&] {
+    return fixture.at_fcu.count(kHilSensor) == 1 && fixture.at_sim.count(kHilControls) == 1;
   }));
 }
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/loopback/any_udp_peer.hpp"
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -17,38 +17,38 @@ std::string udp(const std::string& local, const std::string& remote, const std::
 }
 
 /// Both ways between the controller's line and `peer`, which sends to `to`.
-void expect_both_ways(CasdBench& bench, AnyUdpPeer& peer, const std::string& to) {
+void expect_both_ways(CasdFixture& fixture, AnyUdpPeer& peer, const std::string& to) {
   PacketStream heard;
   mav::Encoder station({255, 190});
   std::uint64_t number = 0;
-  ASSERT_TRUE(bench.collect_until([&] {
-    bench.fcu.write(bench.from_fcu(hil_controls(++number)));
+  ASSERT_TRUE(fixture.collect_until([&] {
+    fixture.fcu.write(fixture.from_fcu(hil_controls(++number)));
     peer.send(to, station(mavlink::common::Heartbeat{}));
     peer.read(heard);
-    return heard.count(kHilControls) >= 3 && bench.at_fcu.count(kHeartbeat) >= 3;
+    return heard.count(kHilControls) >= 3 && fixture.at_fcu.count(kHeartbeat) >= 3;
   }));
   // Nothing comes back to where it came from.
   EXPECT_EQ(heard.count(kHeartbeat), 0U);
-  EXPECT_EQ(bench.at_fcu.count(kHilControls), 0U);
+  EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U);
   EXPECT_EQ(heard.garbage(), 0U);
 }
 
 TEST(CasdAddress, SpeaksIpv6) {
   AnyUdpPeer peer("[::1]:0");
   if (!peer.bound()) GTEST_SKIP() << "no IPv6 on this machine";
-  CasdBench bench;
-  bench.start(udp("[::1]:0", peer.endpoint()));
-  ASSERT_EQ(bench.status("net").state, casd::LinkState::kUp);
-  expect_both_ways(bench, peer, bench.status("net").endpoint);
+  CasdFixture fixture;
+  fixture.start(udp("[::1]:0", peer.endpoint()));
+  ASSERT_EQ(fixture.status("net").state, casd::LinkState::kUp);
+  expect_both_ways(fixture, peer, fixture.status("net").endpoint);
 }
 
 TEST(CasdAddress, Ipv6ServerKnowsItsPeers) {
   AnyUdpPeer peer("[::1]:0");
   if (!peer.bound()) GTEST_SKIP() << "no IPv6 on this machine";
-  CasdBench bench;
-  bench.start(kFcuOnly + "  - {name: net, type: udp_server, local: \"[::1]:0\"}\n");
-  expect_both_ways(bench, peer, bench.status("net").endpoint);
-  EXPECT_EQ(bench.status("net").peers, 1U);
+  CasdFixture fixture;
+  fixture.start(kFcuOnly + "  - {name: net, type: udp_server, local: \"[::1]:0\"}\n");
+  expect_both_ways(fixture, peer, fixture.status("net").endpoint);
+  EXPECT_EQ(fixture.status("net").peers, 1U);
 }
 
 TEST(CasdAddress, JoinsAMulticastGroupOnADeviceAndHearsNoEchoOfItself) {
@@ -58,52 +58,52 @@ TEST(CasdAddress, JoinsAMulticastGroupOnADeviceAndHearsNoEchoOfItself) {
   // What the peer sends comes from a port of its own: on one machine the shared port would be ours.
   AnyUdpPeer sender("127.0.0.1:0");
   ASSERT_TRUE(sender.join("239.255.77.77"));
-  CasdBench bench;
-  bench.start(udp("0.0.0.0:" + port, "239.255.77.77:" + port, ", interface: lo"));
-  ASSERT_EQ(bench.status("net").state, casd::LinkState::kUp) << bench.status("net").endpoint;
+  CasdFixture fixture;
+  fixture.start(udp("0.0.0.0:" + port, "239.255.77.77:" + port, ", interface: lo"));
+  ASSERT_EQ(fixture.status("net").state, casd::LinkState::kUp) << fixture.status("net").endpoint;
 
   PacketStream heard;
   mav::Encoder station({255, 190});
-  ASSERT_TRUE(bench.collect_until([&] {
-    bench.fcu.write(bench.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(fixture.collect_until([&] {
+    fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
     sender.send("239.255.77.77:" + port, station(mavlink::common::Heartbeat{}));
     peer.read(heard);
-    return heard.count(kHilControls) >= 3 && bench.at_fcu.count(kHeartbeat) >= 3;
+    return heard.count(kHilControls) >= 3 && fixture.at_fcu.count(kHeartbeat) >= 3;
   }));
-  EXPECT_EQ(bench.at_fcu.count(kHilControls), 0U);  // our own packets came back and were told
-  EXPECT_EQ(bench.status("net").rx.lost, 0U);
+  EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U);  // our own packets came back and were told
+  EXPECT_EQ(fixture.status("net").rx.lost, 0U);
 }
 
 TEST(CasdAddress, SpeaksToABroadcastAddressAndHearsWhoAnswers) {
   AnyUdpPeer peer("0.0.0.0:0");
   const std::string port = peer.endpoint().substr(peer.endpoint().rfind(':'));
-  CasdBench bench;
-  bench.start(udp("127.0.0.1:0", "127.255.255.255" + port));
-  ASSERT_EQ(bench.status("net").state, casd::LinkState::kUp) << bench.status("net").endpoint;
-  expect_both_ways(bench, peer, bench.status("net").endpoint);
+  CasdFixture fixture;
+  fixture.start(udp("127.0.0.1:0", "127.255.255.255" + port));
+  ASSERT_EQ(fixture.status("net").state, casd::LinkState::kUp) << fixture.status("net").endpoint;
+  expect_both_ways(fixture, peer, fixture.status("net").endpoint);
 }
 
 TEST(CasdAddress, BindsToADeviceAndWaitsForOneThatIsNotThere) {
-  CasdBench bench;
-  bench.start(udp("127.0.0.1:0", bench.sim.endpoint(), ", interface: lo"));
-  EXPECT_EQ(bench.status("net").state, casd::LinkState::kUp) << bench.status("net").endpoint;
-  bench.links().reload(bench.parse(udp("127.0.0.1:0", "127.0.0.1:9", ", interface: nosuch0")));
-  ASSERT_TRUE(wait_until([&] { return bench.status("net").state == casd::LinkState::kDown; }));
-  EXPECT_NE(bench.status("net").endpoint.find("device"), std::string::npos)
-      << bench.status("net").endpoint;
+  CasdFixture fixture;
+  fixture.start(udp("127.0.0.1:0", fixture.sim.endpoint(), ", interface: lo"));
+  EXPECT_EQ(fixture.status("net").state, casd::LinkState::kUp) << fixture.status("net").endpoint;
+  fixture.links().reload(fixture.parse(udp("127.0.0.1:0", "127.0.0.1:9", ", interface: nosuch0")));
+  ASSERT_TRUE(wait_until([&] { return fixture.status("net").state == casd::LinkState::kDown; }));
+  EXPECT_NE(fixture.status("net").endpoint.find("device"), std::string::npos)
+      << fixture.status("net").endpoint;
 }
 
 TEST(CasdAddress, ReachesAStationBeforeItFirstSpeaksAndFromItsFirstMoment) {
   const std::uint16_t port = free_udp_port();
-  CasdBench bench;
-  bench.start(kFcuOnly + "  - {name: net, type: udp, remote: \"127.0.0.1:" + std::to_string(port) +
-              "\"}\n");
+  CasdFixture fixture;
+  fixture.start(kFcuOnly +
+                "  - {name: net, type: udp, remote: \"127.0.0.1:" + std::to_string(port) + "\"}\n");
   // Nobody listens: the answers to these say so.
-  for (std::uint64_t i = 1; i <= 5; ++i) bench.fcu.write(bench.from_fcu(hil_controls(i)));
-  ASSERT_TRUE(wait_until([&] { return bench.status("fcu").rx.packets == 5; }));
+  for (std::uint64_t i = 1; i <= 5; ++i) fixture.fcu.write(fixture.from_fcu(hil_controls(i)));
+  ASSERT_TRUE(wait_until([&] { return fixture.status("fcu").rx.packets == 5; }));
   AnyUdpPeer station("127.0.0.1:" + std::to_string(port));
   ASSERT_TRUE(station.bound());
-  bench.fcu.write(bench.from_fcu(hil_controls(6)));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(6)));
   PacketStream heard;
   ASSERT_TRUE(wait_until([&] {
     station.read(heard);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -20,72 +20,73 @@ class CasdForwarding : public testing::TestWithParam<const char*> {
   std::string topology() const {
     return std::string("threads: ") + GetParam() + "\n" + kHilTopology;
   }
-  CasdBench bench;
+  CasdFixture fixture;
 };
 
 TEST_P(CasdForwarding, CarriesTheHilStreamsBothWaysAsTheyCame) {
-  bench.start(topology());
+  fixture.start(topology());
   constexpr std::uint64_t kPackets = 300;
   std::vector<std::vector<std::uint8_t>> sent;
   for (std::uint64_t i = 1; i <= kPackets; ++i) {
-    const auto sensor = bench.from_sim(hil_sensor(i));
+    const auto sensor = fixture.from_sim(hil_sensor(i));
     sent.emplace_back(sensor.begin(), sensor.end());
-    bench.sim.send(sensor);
-    bench.fcu.write(bench.from_fcu(hil_controls(i)));
+    fixture.sim.send(sensor);
+    fixture.fcu.write(fixture.from_fcu(hil_controls(i)));
     // Never more on its way than the line carries within the age limit.
-    ASSERT_TRUE(bench.collect_until([&] {
-      return bench.at_fcu.count(kHilSensor) == i && bench.at_sim.count(kHilControls) == i;
+    ASSERT_TRUE(fixture.collect_until([&] {
+      return fixture.at_fcu.count(kHilSensor) == i && fixture.at_sim.count(kHilControls) == i;
     })) << i;
   }
-  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor), one_to(kPackets));
-  EXPECT_EQ(numbers(bench.at_sim, kHilControls), one_to(kPackets));
-  for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(bench.at_fcu.packets()[i].bytes, sent[i]);
-  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
-  EXPECT_EQ(bench.status("sim").rx.lost, 0U);
+  EXPECT_EQ(numbers(fixture.at_fcu, kHilSensor), one_to(kPackets));
+  EXPECT_EQ(numbers(fixture.at_sim, kHilControls), one_to(kPackets));
+  for (std::size_t i = 0; i < sent.size(); ++i)
+    EXPECT_EQ(fixture.at_fcu.packets()[i].bytes, sent[i]);
+  EXPECT_EQ(fixture.at_fcu.garbage(), 0U);
+  EXPECT_EQ(fixture.status("sim").rx.lost, 0U);
   // A packet counts once its write has returned, which is after the far end has it.
-  EXPECT_TRUE(bench.collect_until([&] { return bench.status("fcu").tx.packets == kPackets; }));
+  EXPECT_TRUE(fixture.collect_until([&] { return fixture.status("fcu").tx.packets == kPackets; }));
 }
 
 TEST_P(CasdForwarding, LetsOnlyWhatTheRouteAllowsPass) {
-  bench.start(topology());
+  fixture.start(topology());
   mavlink::common::Attitude attitude;
   attitude.roll = 0.1F;
-  bench.fcu.write(bench.from_fcu(attitude));
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 1; }));
-  EXPECT_EQ(bench.at_sim.packets().size(), 1U);
+  fixture.fcu.write(fixture.from_fcu(attitude));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 1; }));
+  EXPECT_EQ(fixture.at_sim.packets().size(), 1U);
 }
 
 TEST_P(CasdForwarding, FindsPacketsBetweenGarbageAndHalfPackets) {
-  bench.start(topology());
-  const auto whole = bench.from_fcu(hil_controls(7));
+  fixture.start(topology());
+  const auto whole = fixture.from_fcu(hil_controls(7));
   std::vector<std::uint8_t> bytes{0xFD, 0x00, 0x55, 0xFE, 0xFD};
   bytes.insert(bytes.end(), whole.begin(), whole.begin() + 20);  // cut short
   bytes.insert(bytes.end(), whole.begin(), whole.end());
-  bench.fcu.write(bytes);
+  fixture.fcu.write(bytes);
   // What follows disproves the half packet's claim to the bytes after it.
-  const auto next = bench.from_fcu(hil_controls(8));
-  for (int i = 0; i < 6; ++i) bench.fcu.write(next);
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) >= 2; }));
-  EXPECT_EQ(numbers(bench.at_sim, kHilControls).front(), 7U);
-  EXPECT_EQ(bench.at_sim.garbage(), 0U);
+  const auto next = fixture.from_fcu(hil_controls(8));
+  for (int i = 0; i < 6; ++i) fixture.fcu.write(next);
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) >= 2; }));
+  EXPECT_EQ(numbers(fixture.at_sim, kHilControls).front(), 7U);
+  EXPECT_EQ(fixture.at_sim.garbage(), 0U);
 
   // A datagram with a half packet takes nothing from the next one.
-  const auto sensor = bench.from_sim(hil_sensor(1));
-  bench.sim.send(sensor.first(30));
-  bench.sim.send(bench.from_sim(hil_sensor(2)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
-  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor).front(), 2U);
+  const auto sensor = fixture.from_sim(hil_sensor(1));
+  fixture.sim.send(sensor.first(30));
+  fixture.sim.send(fixture.from_sim(hil_sensor(2)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
+  EXPECT_EQ(numbers(fixture.at_fcu, kHilSensor).front(), 2U);
 }
 
 TEST_P(CasdForwarding, WritesTheFlightLog) {
-  bench.start(topology());
-  const auto file = bench.folder / "flight.tlog";
-  bench.links().tlog().start(file);
-  const auto packet = bench.from_sim(hil_sensor(1));
-  bench.sim.send(packet);
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
-  bench.links().tlog().stop();
+  fixture.start(topology());
+  const auto file = fixture.folder / "flight.tlog";
+  fixture.links().tlog().start(file);
+  const auto packet = fixture.from_sim(hil_sensor(1));
+  fixture.sim.send(packet);
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
+  fixture.links().tlog().stop();
   EXPECT_EQ(std::filesystem::file_size(file), 8 + packet.size());
 }
 

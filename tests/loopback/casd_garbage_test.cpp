@@ -6,7 +6,7 @@
 #include <functional>
 #include <random>
 
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 #include "tests/loopback/tcp_peer.hpp"
 
 namespace cas::test {
@@ -16,7 +16,7 @@ constexpr std::uint64_t kPackets = 200;
 
 /// Sends whole packets with random bytes and packets cut short between them, and looks at what
 /// arrives at the simulator.
-void expect_only_whole_packets(CasdBench& bench, bool stream,
+void expect_only_whole_packets(CasdFixture& fixture, bool stream,
                                const std::function<void(std::span<const std::uint8_t>)>& send) {
   std::mt19937 random(11);
   mav::Encoder sender({7, 1});
@@ -35,10 +35,11 @@ void expect_only_whole_packets(CasdBench& bench, bool stream,
   // A stream may end in a false start: what follows decides about it.
   const std::vector<std::uint8_t> silence(600, 0);
   if (stream) send(silence);
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == kPackets; }));
-  EXPECT_EQ(numbers(bench.at_sim, kHilControls).back(), kPackets);
-  EXPECT_EQ(bench.at_sim.garbage(), 0U);
-  EXPECT_EQ(bench.at_sim.packets().size(), kPackets);
+  ASSERT_TRUE(
+      fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == kPackets; }));
+  EXPECT_EQ(numbers(fixture.at_sim, kHilControls).back(), kPackets);
+  EXPECT_EQ(fixture.at_sim.garbage(), 0U);
+  EXPECT_EQ(fixture.at_sim.packets().size(), kPackets);
 }
 
 std::string with(const std::string& link) {
@@ -50,39 +51,39 @@ std::string with(const std::string& link) {
 }
 
 TEST(CasdGarbage, OnASerialLine) {
-  CasdBench bench;
-  bench.start(with("type: serial, device: \"$FCU\""));
-  expect_only_whole_packets(bench, true, [&](auto bytes) { bench.fcu.write(bytes); });
+  CasdFixture fixture;
+  fixture.start(with("type: serial, device: \"$FCU\""));
+  expect_only_whole_packets(fixture, true, [&](auto bytes) { fixture.fcu.write(bytes); });
 }
 
 TEST(CasdGarbage, OnAUdpLink) {
-  CasdBench bench;
+  CasdFixture fixture;
   UdpPeer peer;
-  bench.start(with("type: udp, local: \"127.0.0.1:0\", remote: \"" + peer.endpoint() + "\""));
-  peer.set_remote(bench.port("in"));
-  expect_only_whole_packets(bench, false, [&](auto bytes) { peer.send(bytes); });
+  fixture.start(with("type: udp, local: \"127.0.0.1:0\", remote: \"" + peer.endpoint() + "\""));
+  peer.set_remote(fixture.port("in"));
+  expect_only_whole_packets(fixture, false, [&](auto bytes) { peer.send(bytes); });
 }
 
 TEST(CasdGarbage, OnAUdpServer) {
-  CasdBench bench;
+  CasdFixture fixture;
   UdpPeer peer;
   UdpPeer stranger;
-  bench.start(with("type: udp_server, local: \"127.0.0.1:0\""));
-  peer.set_remote(bench.port("in"));
-  stranger.set_remote(bench.port("in"));
-  expect_only_whole_packets(bench, false, [&](auto bytes) {
+  fixture.start(with("type: udp_server, local: \"127.0.0.1:0\""));
+  peer.set_remote(fixture.port("in"));
+  stranger.set_remote(fixture.port("in"));
+  expect_only_whole_packets(fixture, false, [&](auto bytes) {
     stranger.send(std::vector<std::uint8_t>{0xFD, 1, 2});
     peer.send(bytes);
   });
-  EXPECT_EQ(bench.status("in").peers, 1U);  // who never sent a whole packet is none
+  EXPECT_EQ(fixture.status("in").peers, 1U);  // who never sent a whole packet is none
 }
 
 TEST(CasdGarbage, OnATcpServer) {
-  CasdBench bench;
-  bench.start(with("type: tcp_server, local: \"127.0.0.1:0\""));
-  TcpPeer client(bench.port("in"));
+  CasdFixture fixture;
+  fixture.start(with("type: tcp_server, local: \"127.0.0.1:0\""));
+  TcpPeer client(fixture.port("in"));
   ASSERT_TRUE(client.connected());
-  expect_only_whole_packets(bench, true, [&](auto bytes) { client.send(bytes); });
+  expect_only_whole_packets(fixture, true, [&](auto bytes) { client.send(bytes); });
 }
 
 TEST(CasdGarbage, OnATcpLink) {
@@ -94,11 +95,11 @@ TEST(CasdGarbage, OnATcpLink) {
   ASSERT_EQ(::listen(listener, 1), 0);
   socklen_t size = sizeof address;
   ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
-  CasdBench bench;
-  bench.start(
+  CasdFixture fixture;
+  fixture.start(
       with("type: tcp, remote: \"127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "\""));
   TcpPeer server(::accept(listener, nullptr, nullptr), true);
-  expect_only_whole_packets(bench, true, [&](auto bytes) { server.send(bytes); });
+  expect_only_whole_packets(fixture, true, [&](auto bytes) { server.send(bytes); });
   ::close(listener);
 }
 

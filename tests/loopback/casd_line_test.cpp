@@ -7,7 +7,7 @@
 #include <numeric>
 #include <thread>
 
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -19,30 +19,30 @@ std::vector<std::uint64_t> one_to(std::uint64_t last) {
 }
 
 TEST(CasdLine, IsPacedToItsRateAndDropsOnlyWhatIsTooOld) {
-  CasdBench bench;
-  bench.start(R"(schema: 1
+  CasdFixture fixture;
+  fixture.start(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: fcu, type: serial, device: "$FCU", baud: 115200}
 )");
   // 100 packets at once: 7.7 kB are 0.67 s of this line, far beyond the age limit of 25 ms.
   constexpr std::uint64_t kPackets = 100;
-  for (std::uint64_t i = 1; i <= kPackets; ++i) bench.sim.send(bench.from_sim(hil_sensor(i)));
-  bench.sim.send(bench.from_sim(mavlink::common::CommandLong{}));
-  ASSERT_TRUE(bench.collect_until([&] {
-    return bench.at_fcu.count(mavlink::common::CommandLong::kId) == 1 &&
-           bench.status("fcu").tx.queued == 0;
+  for (std::uint64_t i = 1; i <= kPackets; ++i) fixture.sim.send(fixture.from_sim(hil_sensor(i)));
+  fixture.sim.send(fixture.from_sim(mavlink::common::CommandLong{}));
+  ASSERT_TRUE(fixture.collect_until([&] {
+    return fixture.at_fcu.count(mavlink::common::CommandLong::kId) == 1 &&
+           fixture.status("fcu").tx.queued == 0;
   }));
-  const auto status = bench.status("fcu");
+  const auto status = fixture.status("fcu");
   const auto aged = status.tx.dropped[static_cast<std::size_t>(casd::DropCause::kAge)];
   EXPECT_GT(aged, 0U);
-  EXPECT_EQ(bench.at_fcu.count(kHilSensor) + aged, kPackets);
-  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
+  EXPECT_EQ(fixture.at_fcu.count(kHilSensor) + aged, kPackets);
+  EXPECT_EQ(fixture.at_fcu.garbage(), 0U);
 }
 
 TEST(CasdLine, FinishesEveryPacketItBegan) {
-  CasdBench bench;
-  bench.start(R"(schema: 1
+  CasdFixture fixture;
+  fixture.start(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}
@@ -50,15 +50,15 @@ links:
   // The controller does not read: the line fills up in the middle of a packet.
   constexpr std::uint64_t kPackets = 3000;
   for (std::uint64_t i = 1; i <= kPackets; ++i) {
-    bench.sim.send(bench.from_sim(hil_sensor(i)));
+    fixture.sim.send(fixture.from_sim(hil_sensor(i)));
     if (i % 50 == 0) {
-      ASSERT_TRUE(wait_until([&] { return bench.status("sim").rx.packets == i; }));
+      ASSERT_TRUE(wait_until([&] { return fixture.status("sim").rx.packets == i; }));
     }
   }
-  EXPECT_GT(bench.status("fcu").tx.queued, 0U);
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == kPackets; }));
-  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor), one_to(kPackets));
-  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
+  EXPECT_GT(fixture.status("fcu").tx.queued, 0U);
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == kPackets; }));
+  EXPECT_EQ(numbers(fixture.at_fcu, kHilSensor), one_to(kPackets));
+  EXPECT_EQ(fixture.at_fcu.garbage(), 0U);
 }
 
 /// Reads a line like a UART whose clock runs at `share` of the nominal rate: never a byte early.
@@ -90,19 +90,19 @@ class ByteClock {
 
 TEST(CasdLine, DoesNotFillUpAgainstAClockThatRunsSlow) {
   constexpr double kBytes_s = 92'160;  // 921600 baud
-  CasdBench bench;
+  CasdFixture fixture;
   std::string yaml = kHilTopology;
   const std::string patient = "queue: {hil_max_age_ms: 60000}";
   yaml.replace(yaml.rfind(patient), patient.size(), "pace: true");  // what is too much goes by age
-  bench.start(yaml);
-  ByteClock uart(bench.fcu, kBytes_s * 0.985);
+  fixture.start(yaml);
+  ByteClock uart(fixture.fcu, kBytes_s * 0.985);
   // A tenth more than the line carries. Without the two percent in hand 1.5 % of a second's bytes
   // would pile up each second: 1400, and 1400 more.
   std::atomic<bool> stop{false};
   std::thread simulator([&] {
     const base::RunTime begin = base::steady_now();
     for (std::uint64_t i = 1; !stop; ++i) {
-      bench.sim.send(bench.from_sim(hil_sensor(i)));
+      fixture.sim.send(fixture.from_sim(hil_sensor(i)));
       while (!stop && base::to_seconds(base::steady_now() - begin) * kBytes_s * 1.1 / 70 <
                           static_cast<double>(i)) {
         std::this_thread::yield();
@@ -112,7 +112,7 @@ TEST(CasdLine, DoesNotFillUpAgainstAClockThatRunsSlow) {
   const base::RunTime begin = base::steady_now();
   std::size_t least = std::numeric_limits<std::size_t>::max();
   EXPECT_TRUE(wait_until([&] {
-    const std::size_t waiting = uart.turn(bench.at_fcu);
+    const std::size_t waiting = uart.turn(fixture.at_fcu);
     const base::Duration elapsed = base::steady_now() - begin;
     // The least of the last moments: a busy machine makes the rest.
     if (elapsed > std::chrono::milliseconds(1500)) least = std::min(least, waiting);
@@ -121,8 +121,8 @@ TEST(CasdLine, DoesNotFillUpAgainstAClockThatRunsSlow) {
   stop = true;
   simulator.join();
   EXPECT_LT(least, 400U);
-  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
-  EXPECT_GT(bench.status("fcu").tx.dropped[static_cast<std::size_t>(casd::DropCause::kAge)], 0U);
+  EXPECT_EQ(fixture.at_fcu.garbage(), 0U);
+  EXPECT_GT(fixture.status("fcu").tx.dropped[static_cast<std::size_t>(casd::DropCause::kAge)], 0U);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include "base/rpc/client.hpp"
 #include "tests/base/rpc/raw_client.hpp"
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 
@@ -42,13 +42,13 @@ std::vector<std::uint8_t> lab_thing(std::uint8_t crc_extra) {
 class CasdObserve : public testing::Test {
  protected:
   void start(const std::string& more) {
-    const auto file = bench.folder.write(
-        "topology.yaml", bench.expand("command_port: {port: 0}\n" + more + kHilTopology));
+    const auto file = fixture.folder.write(
+        "topology.yaml", fixture.expand("command_port: {port: 0}\n" + more + kHilTopology));
     casd.emplace(std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", file});
     const auto ready = casd->wait_ready();
     ASSERT_TRUE(ready) << casd->output();
     status = *ready;
-    bench.sim.set_remote(port_in(status, "sim"));
+    fixture.sim.set_remote(port_in(status, "sim"));
   }
   json call(const std::string& method, const json& params = json::object()) {
     if (!client) client.emplace("127.0.0.1:" + std::to_string(port_in(status, "command_port")));
@@ -63,7 +63,7 @@ class CasdObserve : public testing::Test {
     return lines;
   }
 
-  CasdBench bench;
+  CasdFixture fixture;
   std::optional<ChildProcess> casd;
   std::optional<base::rpc::Client> client;
   std::string status;
@@ -71,8 +71,8 @@ class CasdObserve : public testing::Test {
 
 TEST_F(CasdObserve, TellsPrometheusItsFigures) {
   start("metrics: {port: 0}\n");
-  bench.sim.send(bench.from_sim(hil_sensor(1)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
   const auto lines = http("GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
   const auto has = [&](const std::string& wanted) {
     return std::find(lines.begin(), lines.end(), wanted) != lines.end();
@@ -100,13 +100,13 @@ TEST_F(CasdObserve, AnswersOnlyGetOfMetricsOverHttp) {
 }
 
 TEST_F(CasdObserve, ShowsMessagesOfADialectReadAtRunTime) {
-  bench.folder.write("lab.xml", kLabDialect);
+  fixture.folder.write("lab.xml", kLabDialect);
   start("dialect: lab.xml\n");
   const json asked{{"link", "sim"}, {"message", "LAB_THING"}, {"system", 1}, {"component", 200}};
   EXPECT_EQ(call("message.value", asked).at("id"), 54321);
   json value;
   EXPECT_TRUE(wait_until([&] {
-    bench.sim.send(lab_thing(77));
+    fixture.sim.send(lab_thing(77));
     value = call("message.value", asked);
     return !value.at("fields").is_null();
   }));
@@ -116,39 +116,39 @@ TEST_F(CasdObserve, ShowsMessagesOfADialectReadAtRunTime) {
 }
 
 TEST_F(CasdObserve, RefusesABadDialectAtTheStartAndAtAReload) {
-  bench.folder.write("lab.xml", kLabDialect);
+  fixture.folder.write("lab.xml", kLabDialect);
   start("dialect: lab.xml\n");
-  bench.folder.write("lab.xml", "<mavlink><messages>");
+  fixture.folder.write("lab.xml", "<mavlink><messages>");
   EXPECT_THROW(call("casd.reload"), base::rpc::CallError);
   EXPECT_EQ(call("message.value",
                  {{"link", "sim"}, {"message", "LAB_THING"}, {"system", 1}, {"component", 200}})
                 .at("id"),
             54321);
   ChildProcess second(
-      {cas::test::binary_dir() + "/bin/casd", (bench.folder / "topology.yaml").string()});
+      {cas::test::binary_dir() + "/bin/casd", (fixture.folder / "topology.yaml").string()});
   EXPECT_EQ(second.wait_exit(), 78);
   EXPECT_NE(second.output().find("lab.xml"), std::string::npos) << second.output();
 }
 
 TEST(CasdLatency, TellsRoutesApartAndTimesTheEcho) {
-  CasdBench bench;
-  bench.start(kHilTopology);
-  bench.sim.send(bench.from_sim(hil_sensor(7)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
-  bench.fcu.write(bench.from_fcu(hil_controls(7)));
-  bench.fcu.write(bench.from_fcu(hil_controls(8)));  // nobody sent an eight
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 2; }));
+  CasdFixture fixture;
+  fixture.start(kHilTopology);
+  fixture.sim.send(fixture.from_sim(hil_sensor(7)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(7)));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(8)));  // nobody sent an eight
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 2; }));
 
-  const auto echo = bench.links().echo().figures();
+  const auto echo = fixture.links().echo().figures();
   ASSERT_EQ(echo.size(), 1U);
   EXPECT_EQ(echo[0].matched, 1U);
   EXPECT_EQ(echo[0].unmatched, 1U);
   EXPECT_GT(echo[0].max, base::Duration{});
 
-  ASSERT_TRUE(wait_until([&] { return bench.status("sim").tx.packets == 2; }));
-  const auto routes = bench.status("sim").tx.routes;
+  ASSERT_TRUE(wait_until([&] { return fixture.status("sim").tx.packets == 2; }));
+  const auto routes = fixture.status("sim").tx.routes;
   ASSERT_EQ(routes.size(), 1U);
-  EXPECT_EQ(routes[0].from, bench.status("fcu").id);
+  EXPECT_EQ(routes[0].from, fixture.status("fcu").id);
   EXPECT_EQ(routes[0].count, 2U);
 }
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/client.hpp"
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 
@@ -26,24 +26,24 @@ std::string endpoint_in(const std::string& status, const std::string& name) {
 class CasdProgram : public testing::Test {
  protected:
   std::string topology(const std::string& yaml) {
-    return bench.folder.write("topology.yaml", bench.expand(yaml));
+    return fixture.folder.write("topology.yaml", fixture.expand(yaml));
   }
-  CasdBench bench;
+  CasdFixture fixture;
 };
 
 const std::string kWithPort = std::string("command_port: {port: 0}\n") + kHilTopology;
 
 TEST_F(CasdProgram, TellsItsBoundPortsForwardsAndEndsCleanly) {
-  const auto stats = bench.folder / "stats.json";
+  const auto stats = fixture.folder / "stats.json";
   ChildProcess casd({kCasd, topology(kWithPort), "--stats", stats});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  bench.sim.set_remote(port_of(endpoint_in(*status, "sim")));
+  fixture.sim.set_remote(port_of(endpoint_in(*status, "sim")));
 
-  bench.sim.send(bench.from_sim(hil_sensor(1)));
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  ASSERT_TRUE(bench.collect_until([&] {
-    return bench.at_fcu.count(kHilSensor) == 1 && bench.at_sim.count(kHilControls) == 1;
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(fixture.collect_until([&] {
+    return fixture.at_fcu.count(kHilSensor) == 1 && fixture.at_sim.count(kHilControls) == 1;
   }));
   casd.signal(SIGTERM);
   EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
@@ -87,7 +87,7 @@ TEST_F(CasdProgram, EndsWhenTheCommandPortIsTaken) {
   const auto status = first.wait_ready();
   ASSERT_TRUE(status) << first.output();
   const std::string port = std::to_string(port_of(endpoint_in(*status, "command_port")));
-  const auto file = bench.folder.write(
+  const auto file = fixture.folder.write(
       "second.yaml", "schema: 1\ncommand_port: {port: " + port +
                          "}\nlinks:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n");
   ChildProcess second({kCasd, file});

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 #include "tests/support/no_more_descriptors.hpp"
 
 namespace cas::test {
@@ -19,65 +19,66 @@ std::string with_gcs(const std::string& extra) {
 }
 
 TEST(CasdReload, LosesNothingOfUnchangedLinksUnderLoad) {
-  CasdBench bench;
-  bench.start(kHilTopology);
+  CasdFixture fixture;
+  fixture.start(kHilTopology);
   constexpr std::uint64_t kPackets = 2000;
   std::atomic<std::uint64_t> received{0};
   std::thread simulator([&] {
     // A few on their way at any time, so that the line is never more than it carries.
     for (std::uint64_t i = 1; i <= kPackets; ++i) {
-      bench.sim.send(bench.from_sim(hil_sensor(i)));
+      fixture.sim.send(fixture.from_sim(hil_sensor(i)));
       if (!wait_until([&] { return received + 5 > i; })) return;
     }
   });
   int reloads = 0;
   EXPECT_TRUE(wait_until([&] {
-    bench.fcu.read(bench.at_fcu);
-    received = bench.at_fcu.count(kHilSensor);
+    fixture.fcu.read(fixture.at_fcu);
+    received = fixture.at_fcu.count(kHilSensor);
     if (received > static_cast<std::uint64_t>(reloads + 1) * 50) {
       const std::string yaml = ++reloads % 2 == 0 ? kHilTopology : with_gcs("");
-      bench.links().reload(bench.parse(yaml));
+      fixture.links().reload(fixture.parse(yaml));
     }
     return received == kPackets;
   }));
   simulator.join();
   EXPECT_GT(reloads, 20);
-  EXPECT_EQ(bench.status("sim").reconnects, 0U);
-  EXPECT_EQ(bench.status("fcu").reconnects, 0U);
-  EXPECT_EQ(bench.status("sim").rx.packets, kPackets);
+  EXPECT_EQ(fixture.status("sim").reconnects, 0U);
+  EXPECT_EQ(fixture.status("fcu").reconnects, 0U);
+  EXPECT_EQ(fixture.status("sim").rx.packets, kPackets);
 }
 
 TEST(CasdReload, PutsNewRulesInForceAndReopensWhatChanged) {
-  CasdBench bench;
-  bench.start(with_gcs(""));
-  const std::uint16_t before = bench.port("gcs");
+  CasdFixture fixture;
+  fixture.start(with_gcs(""));
+  const std::uint16_t before = fixture.port("gcs");
   std::string yaml = with_gcs(", max_peers: 3");
   yaml.replace(yaml.find(", HIL_CONTROLS"), 14, "");
-  bench.links().reload(bench.parse(yaml));
-  ASSERT_TRUE(wait_until([&] { return bench.links().settled(); }));
-  EXPECT_NE(bench.port("gcs"), before);  // another configuration, another socket
+  fixture.links().reload(fixture.parse(yaml));
+  ASSERT_TRUE(wait_until([&] { return fixture.links().settled(); }));
+  EXPECT_NE(fixture.port("gcs"), before);  // another configuration, another socket
 
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  bench.fcu.write(bench.from_fcu(mavlink::common::Heartbeat{}));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHeartbeat) == 1; }));
-  EXPECT_EQ(bench.at_sim.count(kHilControls), 0U);
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  fixture.fcu.write(fixture.from_fcu(mavlink::common::Heartbeat{}));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHeartbeat) == 1; }));
+  EXPECT_EQ(fixture.at_sim.count(kHilControls), 0U);
 }
 
 TEST(CasdReload, RefusesWhatOnlyARestartCanChange) {
-  CasdBench bench;
-  bench.start(kHilTopology);
-  EXPECT_THROW(bench.links().reload(bench.parse(std::string("threads: single\n") + kHilTopology)),
-               base::ConfigError);
-  EXPECT_EQ(bench.links().topology().threads, casd::ThreadModel::kPerLink);
+  CasdFixture fixture;
+  fixture.start(kHilTopology);
+  EXPECT_THROW(
+      fixture.links().reload(fixture.parse(std::string("threads: single\n") + kHilTopology)),
+      base::ConfigError);
+  EXPECT_EQ(fixture.links().topology().threads, casd::ThreadModel::kPerLink);
 }
 
 TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "UndefinedBehaviorSanitizer opens a pipe to look at an object's type";
 #endif
-  CasdBench bench;
-  bench.start(kHilTopology);
-  const std::uint16_t before = bench.port("sim");
+  CasdFixture fixture;
+  fixture.start(kHilTopology);
+  const std::uint16_t before = fixture.port("sim");
   // One link changes and several come: what the first would set free is not enough for the rest.
   std::string yaml = kHilTopology;
   const auto changed = yaml.find("60000");
@@ -86,23 +87,23 @@ TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
     yaml.insert(yaml.find("routes:"), std::string("  - {name: ") + name +
                                           ", type: udp_server, local: \"127.0.0.1:0\"}\n");
   }
-  const casd::Topology topology = bench.parse(yaml);
+  const casd::Topology topology = fixture.parse(yaml);
   {
     const NoMoreDescriptors limit;
-    EXPECT_THROW(bench.links().reload(topology), base::ConfigError);
+    EXPECT_THROW(fixture.links().reload(topology), base::ConfigError);
   }
-  EXPECT_EQ(bench.links().topology().links.size(), 2U);
-  EXPECT_EQ(bench.links().figures().links().size(), 2U);
-  EXPECT_EQ(bench.port("sim"), before);
-  bench.sim.send(bench.from_sim(hil_sensor(1)));
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  EXPECT_TRUE(bench.collect_until([&] {
-    return bench.at_fcu.count(kHilSensor) == 1 && bench.at_sim.count(kHilControls) == 1;
+  EXPECT_EQ(fixture.links().topology().links.size(), 2U);
+  EXPECT_EQ(fixture.links().figures().links().size(), 2U);
+  EXPECT_EQ(fixture.port("sim"), before);
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  EXPECT_TRUE(fixture.collect_until([&] {
+    return fixture.at_fcu.count(kHilSensor) == 1 && fixture.at_sim.count(kHilControls) == 1;
   }));
 
-  bench.links().reload(topology);  // now there is room
-  EXPECT_EQ(bench.links().figures().links().size(), 6U);
-  EXPECT_TRUE(wait_until([&] { return bench.links().settled(); }));
+  fixture.links().reload(topology);  // now there is room
+  EXPECT_EQ(fixture.links().figures().links().size(), 6U);
+  EXPECT_TRUE(wait_until([&] { return fixture.links().settled(); }));
 }
 
 }  // namespace

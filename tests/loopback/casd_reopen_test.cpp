@@ -3,97 +3,97 @@
 
 #include <algorithm>
 
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
 namespace {
 
-bool is_up(CasdBench& bench, const std::string& link) {
-  return bench.status(link).state == casd::LinkState::kUp;
+bool is_up(CasdFixture& fixture, const std::string& link) {
+  return fixture.status(link).state == casd::LinkState::kUp;
 }
 
 TEST(CasdReopen, SerialLineComesBackWithoutAnythingStale) {
-  CasdBench bench;
-  bench.start(kHilTopology);
-  bench.sim.send(bench.from_sim(hil_sensor(1)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  CasdFixture fixture;
+  fixture.start(kHilTopology);
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
 
-  bench.fcu.hang_up();
-  ASSERT_TRUE(wait_until([&] { return !is_up(bench, "fcu"); }));
-  for (std::uint64_t i = 2; i <= 50; ++i) bench.sim.send(bench.from_sim(hil_sensor(i)));
-  ASSERT_TRUE(wait_until([&] { return bench.status("sim").rx.packets == 50; }));
+  fixture.fcu.hang_up();
+  ASSERT_TRUE(wait_until([&] { return !is_up(fixture, "fcu"); }));
+  for (std::uint64_t i = 2; i <= 50; ++i) fixture.sim.send(fixture.from_sim(hil_sensor(i)));
+  ASSERT_TRUE(wait_until([&] { return fixture.status("sim").rx.packets == 50; }));
 
-  bench.fcu.come_back();
+  fixture.fcu.come_back();
   const base::RunTime back = base::steady_now();
-  ASSERT_TRUE(wait_until([&] { return is_up(bench, "fcu"); }));
+  ASSERT_TRUE(wait_until([&] { return is_up(fixture, "fcu"); }));
   RecordProperty("reopen_us", static_cast<int>((base::steady_now() - back).count() / 1000));
-  bench.sim.send(bench.from_sim(hil_sensor(51)));
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  ASSERT_TRUE(bench.collect_until([&] {
-    return bench.at_fcu.count(kHilSensor) == 2 && bench.at_sim.count(kHilControls) == 1;
+  fixture.sim.send(fixture.from_sim(hil_sensor(51)));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(fixture.collect_until([&] {
+    return fixture.at_fcu.count(kHilSensor) == 2 && fixture.at_sim.count(kHilControls) == 1;
   }));
-  EXPECT_EQ(numbers(bench.at_fcu, kHilSensor).back(), 51U);
-  EXPECT_EQ(bench.status("fcu").reconnects, 1U);
-  EXPECT_EQ(bench.status("fcu").tx.dropped[static_cast<std::size_t>(casd::DropCause::kClosed)],
+  EXPECT_EQ(numbers(fixture.at_fcu, kHilSensor).back(), 51U);
+  EXPECT_EQ(fixture.status("fcu").reconnects, 1U);
+  EXPECT_EQ(fixture.status("fcu").tx.dropped[static_cast<std::size_t>(casd::DropCause::kClosed)],
             49U);
 }
 
 TEST(CasdReopen, SerialLineSurvivesBeingPulledUnderLoadManyTimes) {
-  CasdBench bench;
-  bench.start(kHilTopology);
+  CasdFixture fixture;
+  fixture.start(kHilTopology);
   std::uint64_t number = 0;
   for (int round = 1; round <= 5; ++round) {
-    bench.fcu.come_back();
-    const std::size_t before = bench.at_fcu.count(kHilSensor);
-    ASSERT_TRUE(bench.collect_until([&] {
-      bench.sim.send(bench.from_sim(hil_sensor(++number)));
-      return bench.at_fcu.count(kHilSensor) > before + 5;
+    fixture.fcu.come_back();
+    const std::size_t before = fixture.at_fcu.count(kHilSensor);
+    ASSERT_TRUE(fixture.collect_until([&] {
+      fixture.sim.send(fixture.from_sim(hil_sensor(++number)));
+      return fixture.at_fcu.count(kHilSensor) > before + 5;
     })) << round;
   }
   // Cut packets can only stand where a line was cut; each new line begins with a whole one.
-  const auto seen = numbers(bench.at_fcu, kHilSensor);
+  const auto seen = numbers(fixture.at_fcu, kHilSensor);
   EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
 }
 
 TEST(CasdReopen, StartsWithoutTheDevice) {
-  CasdBench bench;
-  bench.fcu.hang_up();
-  bench.start(kHilTopology);
-  EXPECT_FALSE(is_up(bench, "fcu"));
-  bench.fcu.come_back();
-  ASSERT_TRUE(wait_until([&] { return is_up(bench, "fcu"); }));
+  CasdFixture fixture;
+  fixture.fcu.hang_up();
+  fixture.start(kHilTopology);
+  EXPECT_FALSE(is_up(fixture, "fcu"));
+  fixture.fcu.come_back();
+  ASSERT_TRUE(wait_until([&] { return is_up(fixture, "fcu"); }));
 }
 
 TEST(CasdReopen, FolderOfTheDeviceMayComeLate) {
-  CasdBench bench;
-  bench.start(R"(schema: 1
+  CasdFixture fixture;
+  fixture.start(R"(schema: 1
 links:
   - {name: fcu, type: serial, device: "$DIR/by-id/fcu", baud: 57600}
 )");
-  EXPECT_FALSE(is_up(bench, "fcu"));
-  std::filesystem::create_directory(bench.folder / "by-id");
-  PtyPair line(bench.folder / "by-id/fcu");
-  ASSERT_TRUE(wait_until([&] { return is_up(bench, "fcu"); }));
+  EXPECT_FALSE(is_up(fixture, "fcu"));
+  std::filesystem::create_directory(fixture.folder / "by-id");
+  PtyPair line(fixture.folder / "by-id/fcu");
+  ASSERT_TRUE(wait_until([&] { return is_up(fixture, "fcu"); }));
 }
 
 TEST(CasdReopen, PortInUseIsTakenOnceItIsFree) {
-  CasdBench bench;
+  CasdFixture fixture;
   auto squatter = std::make_unique<UdpPeer>();
-  bench.start("schema: 1\nlinks:\n  - {name: sim, type: udp, local: \"" + squatter->endpoint() +
-              "\"}\n");
-  EXPECT_FALSE(is_up(bench, "sim"));
+  fixture.start("schema: 1\nlinks:\n  - {name: sim, type: udp, local: \"" + squatter->endpoint() +
+                "\"}\n");
+  EXPECT_FALSE(is_up(fixture, "sim"));
   squatter.reset();
-  ASSERT_TRUE(wait_until([&] { return is_up(bench, "sim"); }));
+  ASSERT_TRUE(wait_until([&] { return is_up(fixture, "sim"); }));
 }
 
 TEST(CasdReopen, SecondOwnerOfADeviceIsRefused) {
-  CasdBench bench;
-  bench.start(kHilTopology);
-  CasdBench other;
-  other.start("schema: 1\nlinks:\n  - {name: fcu, type: serial, device: " + bench.fcu.slave() +
+  CasdFixture fixture;
+  fixture.start(kHilTopology);
+  CasdFixture other;
+  other.start("schema: 1\nlinks:\n  - {name: fcu, type: serial, device: " + fixture.fcu.slave() +
               "}\n");
   EXPECT_FALSE(is_up(other, "fcu"));
-  EXPECT_TRUE(is_up(bench, "fcu"));
+  EXPECT_TRUE(is_up(fixture, "fcu"));
 }
 
 }  // namespace

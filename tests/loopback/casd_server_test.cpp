@@ -6,7 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 #include "tests/loopback/tcp_peer.hpp"
 
 namespace cas::test {
@@ -27,15 +27,15 @@ links:
 )";
 
 TEST(CasdUdpServer, Serves64StationsOnOnePort) {
-  CasdBench bench;
-  bench.start(kServers);
+  CasdFixture fixture;
+  fixture.start(kServers);
   std::vector<std::unique_ptr<Station>> stations;
   for (std::uint8_t i = 0; i < 64; ++i) {
     stations.push_back(std::make_unique<Station>(static_cast<std::uint8_t>(100 + i)));
-    stations.back()->socket.set_remote(bench.port("gcs"));
+    stations.back()->socket.set_remote(fixture.port("gcs"));
   }
   const auto everyone = [&](std::size_t packets) {
-    return bench.collect_until([&] {
+    return fixture.collect_until([&] {
       bool all = true;
       for (auto& station : stations) {
         station->socket.send(station->encoder(mavlink::common::Heartbeat{}));
@@ -45,18 +45,18 @@ TEST(CasdUdpServer, Serves64StationsOnOnePort) {
       return all;
     });
   };
-  ASSERT_TRUE(bench.collect_until([&] {
+  ASSERT_TRUE(fixture.collect_until([&] {
     for (auto& station : stations) {
       station->socket.send(station->encoder(mavlink::common::Heartbeat{}));
     }
-    return bench.status("gcs").peers == 64;
+    return fixture.status("gcs").peers == 64;
   }));
   std::vector<std::uint8_t> burst;
   for (std::uint64_t i = 1; i <= 20; ++i) {
-    const auto packet = bench.from_fcu(hil_controls(i));
+    const auto packet = fixture.from_fcu(hil_controls(i));
     burst.insert(burst.end(), packet.begin(), packet.end());
   }
-  bench.fcu.write(burst);
+  fixture.fcu.write(burst);
   ASSERT_TRUE(everyone(20));
   for (auto& station : stations) {
     EXPECT_EQ(station->heard.count(kHilControls), 20U);
@@ -64,44 +64,44 @@ TEST(CasdUdpServer, Serves64StationsOnOnePort) {
   }
   // A 65th finds no room and is counted.
   Station late(7);
-  late.socket.set_remote(bench.port("gcs"));
+  late.socket.set_remote(fixture.port("gcs"));
   late.socket.send(late.encoder(mavlink::common::Heartbeat{}));
-  ASSERT_TRUE(everyone(20) && wait_until([&] { return bench.status("gcs").rx.foreign > 0; }));
-  EXPECT_EQ(bench.status("gcs").peers, 64U);
+  ASSERT_TRUE(everyone(20) && wait_until([&] { return fixture.status("gcs").rx.foreign > 0; }));
+  EXPECT_EQ(fixture.status("gcs").peers, 64U);
 }
 
 TEST(CasdUdpServer, SendsAddressedPacketsToTheirPeerAloneAndForgetsSilentOnes) {
-  CasdBench bench;
-  bench.start(kServers);
+  CasdFixture fixture;
+  fixture.start(kServers);
   Station one(101);
   Station other(102);
   for (Station* station : {&one, &other}) {
-    station->socket.set_remote(bench.port("gcs"));
+    station->socket.set_remote(fixture.port("gcs"));
     station->socket.send(station->encoder(mavlink::common::Heartbeat{}));
   }
-  ASSERT_TRUE(wait_until([&] { return bench.status("gcs").peers == 2; }));
+  ASSERT_TRUE(wait_until([&] { return fixture.status("gcs").peers == 2; }));
   mavlink::common::CommandAck ack;
   ack.target_system = 102;
   ack.target_component = 190;
-  bench.fcu.write(bench.from_fcu(ack));
-  bench.fcu.write(bench.from_fcu(mavlink::common::Heartbeat{}));
-  ASSERT_TRUE(bench.collect_until([&] {
+  fixture.fcu.write(fixture.from_fcu(ack));
+  fixture.fcu.write(fixture.from_fcu(mavlink::common::Heartbeat{}));
+  ASSERT_TRUE(fixture.collect_until([&] {
     one.socket.read(one.heard);
     other.socket.read(other.heard);
     return one.heard.count(kHeartbeat) > 0 && other.heard.count(kHeartbeat) > 0;
   }));
   EXPECT_EQ(one.heard.count(mavlink::common::CommandAck::kId), 0U);
   EXPECT_EQ(other.heard.count(mavlink::common::CommandAck::kId), 1U);
-  EXPECT_TRUE(wait_until([&] { return bench.status("gcs").peers == 0; }));
+  EXPECT_TRUE(wait_until([&] { return fixture.status("gcs").peers == 0; }));
 }
 
 TEST(CasdUdpServer, LetsItsPeersTalkWhenARouteSaysSo) {
-  CasdBench bench;
-  bench.start(std::string(kServers) + "routes:\n  - {from: gcs, to: gcs}\n");
+  CasdFixture fixture;
+  fixture.start(std::string(kServers) + "routes:\n  - {from: gcs, to: gcs}\n");
   Station one(101);
   Station other(102);
-  for (Station* station : {&one, &other}) station->socket.set_remote(bench.port("gcs"));
-  ASSERT_TRUE(bench.collect_until([&] {
+  for (Station* station : {&one, &other}) station->socket.set_remote(fixture.port("gcs"));
+  ASSERT_TRUE(fixture.collect_until([&] {
     for (Station* station : {&one, &other}) {
       station->socket.send(station->encoder(mavlink::common::Heartbeat{}));
       station->socket.read(station->heard);
@@ -113,26 +113,26 @@ TEST(CasdUdpServer, LetsItsPeersTalkWhenARouteSaysSo) {
 }
 
 TEST(CasdTcpServer, ServesSeveralClientsAndCostsNobodyAStalledOne) {
-  CasdBench bench;
-  bench.start(kServers);
-  TcpPeer stalled(bench.port("tcp"), 4096);
-  TcpPeer client(bench.port("tcp"));
+  CasdFixture fixture;
+  fixture.start(kServers);
+  TcpPeer stalled(fixture.port("tcp"), 4096);
+  TcpPeer client(fixture.port("tcp"));
   ASSERT_TRUE(stalled.connected() && client.connected());
-  ASSERT_TRUE(wait_until([&] { return bench.status("tcp").peers == 2; }));
+  ASSERT_TRUE(wait_until([&] { return fixture.status("tcp").peers == 2; }));
 
   // Until the stalled one is given up, every packet reaches the other.
   PacketStream heard;
   std::uint64_t sent = 0;
-  ASSERT_TRUE(bench.collect_until([&] {
-    for (int i = 0; i < 20; ++i) bench.fcu.write(bench.from_fcu(hil_controls(++sent)));
+  ASSERT_TRUE(fixture.collect_until([&] {
+    for (int i = 0; i < 20; ++i) fixture.fcu.write(fixture.from_fcu(hil_controls(++sent)));
     const bool kept_up = wait_until([&] {
       client.read(heard);
       return heard.count(kHilControls) == sent;
     });
     EXPECT_TRUE(kept_up);
-    return bench.status("tcp").peers == 1;
+    return fixture.status("tcp").peers == 1;
   }));
-  const auto status = bench.status("tcp");
+  const auto status = fixture.status("tcp");
   EXPECT_GT(status.tx.dropped[static_cast<std::size_t>(casd::DropCause::kStalled)] +
                 status.tx.dropped[static_cast<std::size_t>(casd::DropCause::kAge)],
             0U);
@@ -140,7 +140,7 @@ TEST(CasdTcpServer, ServesSeveralClientsAndCostsNobodyAStalledOne) {
   // Both ways.
   mav::Encoder from_client({255, 190});
   client.send(from_client(mavlink::common::Heartbeat{}));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHeartbeat) == 1; }));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHeartbeat) == 1; }));
 }
 
 TEST(CasdTcp, ConnectsAgainWhenTheServerComesBack) {
@@ -151,20 +151,20 @@ TEST(CasdTcp, ConnectsAgainWhenTheServerComesBack) {
   ASSERT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
   socklen_t size = sizeof address;
   ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
-  CasdBench bench;
-  bench.start(
+  CasdFixture fixture;
+  fixture.start(
       "schema: 1\nlinks:\n  - {name: fcu, type: serial, device: \"$FCU\"}\n"
       "  - {name: net, type: tcp, remote: \"localhost:" +
       std::to_string(ntohs(address.sin_port)) + "\"}\n");
-  EXPECT_NE(bench.status("net").state, casd::LinkState::kUp);  // nobody listens yet
+  EXPECT_NE(fixture.status("net").state, casd::LinkState::kUp);  // nobody listens yet
   ::listen(listener, 4);
   for (std::uint64_t round = 1; round <= 2; ++round) {
     pollfd waiting{listener, POLLIN, 0};
     ASSERT_EQ(::poll(&waiting, 1, 20000), 1);
     TcpPeer server(::accept(listener, nullptr, nullptr), true);
     PacketStream heard;
-    ASSERT_TRUE(bench.collect_until([&] {
-      bench.fcu.write(bench.from_fcu(hil_controls(round)));
+    ASSERT_TRUE(fixture.collect_until([&] {
+      fixture.fcu.write(fixture.from_fcu(hil_controls(round)));
       server.read(heard);
       return heard.count(kHilControls) > 0;
     }));

@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -32,7 +32,7 @@ class CasdSigning : public testing::Test {
     std::ofstream(key_file()) << kPassPhrase << "\n";
     ::chmod(key_file().c_str(), mode);
   }
-  std::filesystem::path key_file() const { return bench.folder / "radio.key"; }
+  std::filesystem::path key_file() const { return fixture.folder / "radio.key"; }
 
   static std::string topology(const std::string& more = {}) {
     return R"(schema: 1
@@ -52,62 +52,62 @@ links:
     return {out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size)};
   }
   std::uint64_t judged(SignatureVerdict verdict) const {
-    return bench.status("sim").rx.signatures[static_cast<std::size_t>(verdict)];
+    return fixture.status("sim").rx.signatures[static_cast<std::size_t>(verdict)];
   }
   /// Sends what shall be refused, and waits until it was.
   void expect_refused(const std::vector<std::uint8_t>& packet, SignatureVerdict verdict) {
     const std::uint64_t before = judged(verdict);
-    bench.sim.send(packet);
-    EXPECT_TRUE(bench.collect_until([&] { return judged(verdict) == before + 1; }));
+    fixture.sim.send(packet);
+    EXPECT_TRUE(fixture.collect_until([&] { return judged(verdict) == before + 1; }));
   }
   void expect_passes(std::uint64_t number) {
-    bench.sim.send(signed_sensor(peer, number));
-    ASSERT_TRUE(bench.collect_until([&] {
-      const auto seen = numbers(bench.at_fcu, kHilSensor);
+    fixture.sim.send(signed_sensor(peer, number));
+    ASSERT_TRUE(fixture.collect_until([&] {
+      const auto seen = numbers(fixture.at_fcu, kHilSensor);
       return !seen.empty() && seen.back() == number;
     }));
   }
 
-  CasdBench bench;
+  CasdFixture fixture;
   mav::Signing<> peer;
   std::uint8_t sequence = 0;
 };
 
 TEST_F(CasdSigning, TakesSignaturesOffAndSignsWhatGoesOut) {
-  bench.start(topology());
+  fixture.start(topology());
   expect_passes(1);
-  EXPECT_FALSE(bench.at_fcu.packets().front().view().is_signed());
+  EXPECT_FALSE(fixture.at_fcu.packets().front().view().is_signed());
 
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  bench.fcu.write(bench.from_fcu(hil_controls(2)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 2; }));
-  for (const PacketStream::Packet& packet : bench.at_sim.packets()) {
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(2)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 2; }));
+  for (const PacketStream::Packet& packet : fixture.at_sim.packets()) {
     EXPECT_EQ(peer.verify(packet.view()), SignatureVerdict::kAccepted);
     EXPECT_EQ(packet.view().signature()[0], 7);
   }
-  EXPECT_EQ(numbers(bench.at_sim, kHilControls), (std::vector<std::uint64_t>{1, 2}));
+  EXPECT_EQ(numbers(fixture.at_sim, kHilControls), (std::vector<std::uint64_t>{1, 2}));
 }
 
 TEST_F(CasdSigning, ReadsAKeyAgainThatWasCorrectedAfterAFailedReload) {
-  bench.start(kHilTopology);
+  fixture.start(kHilTopology);
   std::ofstream(key_file()) << "the pass phrase of another laboratory\n";
   const std::string spare =
       "  - {name: spare, type: udp_server, local: \"127.0.0.1:0\", "
       "signing: {key_file: \"$DIR/none.key\", link_id: 8}}\n";
   for (int time = 0; time < 3; ++time) {
-    EXPECT_THROW(bench.links().reload(bench.parse(topology() + spare)), base::ConfigError);
+    EXPECT_THROW(fixture.links().reload(fixture.parse(topology() + spare)), base::ConfigError);
   }
 
   write_key(0600);
-  bench.links().reload(bench.parse(topology()));
-  ASSERT_TRUE(wait_until([&] { return bench.links().settled(); }));
-  bench.sim.set_remote(bench.port("sim"));
+  fixture.links().reload(fixture.parse(topology()));
+  ASSERT_TRUE(wait_until([&] { return fixture.links().settled(); }));
+  fixture.sim.set_remote(fixture.port("sim"));
   expect_passes(1);
 }
 
 TEST_F(CasdSigning, RefusesWhatIsUnsignedForgedOrChanged) {
-  bench.start(topology());
-  const auto plain = bench.from_sim(hil_sensor(1));
+  fixture.start(topology());
+  const auto plain = fixture.from_sim(hil_sensor(1));
   expect_refused({plain.begin(), plain.end()}, SignatureVerdict::kUnsigned);
 
   mav::Signing<> stranger(mav::signing_key("another pass phrase"), clock_time());
@@ -118,62 +118,62 @@ TEST_F(CasdSigning, RefusesWhatIsUnsignedForgedOrChanged) {
   expect_refused(changed, SignatureVerdict::kBadSignature);
 
   expect_passes(4);
-  EXPECT_EQ(bench.at_fcu.packets().size(), 1U);
+  EXPECT_EQ(fixture.at_fcu.packets().size(), 1U);
 }
 
 TEST_F(CasdSigning, RefusesReplaysAlsoOverAnotherLinkWithTheKey) {
-  bench.start(topology() +
-              "  - {name: spare, type: udp_server, local: \"127.0.0.1:0\", "
-              "signing: {key_file: \"$DIR/radio.key\", link_id: 8}}\n");
+  fixture.start(topology() +
+                "  - {name: spare, type: udp_server, local: \"127.0.0.1:0\", "
+                "signing: {key_file: \"$DIR/radio.key\", link_id: 8}}\n");
   const auto once = signed_sensor(peer, 1);
-  bench.sim.send(once);
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  fixture.sim.send(once);
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
   expect_refused(once, SignatureVerdict::kReplayed);
 
   UdpPeer eavesdropper;
-  eavesdropper.set_remote(bench.port("spare"));
+  eavesdropper.set_remote(fixture.port("spare"));
   eavesdropper.send(once);
-  EXPECT_TRUE(bench.collect_until([&] {
+  EXPECT_TRUE(fixture.collect_until([&] {
     const auto index = static_cast<std::size_t>(SignatureVerdict::kReplayed);
-    return bench.status("spare").rx.signatures[index] == 1;
+    return fixture.status("spare").rx.signatures[index] == 1;
   }));
-  EXPECT_EQ(bench.status("spare").peers, 0U) << "a refused packet made its sender a peer";
+  EXPECT_EQ(fixture.status("spare").peers, 0U) << "a refused packet made its sender a peer";
   expect_passes(2);
-  EXPECT_EQ(bench.at_fcu.count(kHilSensor), 2U);
+  EXPECT_EQ(fixture.at_fcu.count(kHilSensor), 2U);
 }
 
 TEST_F(CasdSigning, RefusesAFirstPacketThatIsOlderThanAMinute) {
-  bench.start(topology());
+  fixture.start(topology());
   mav::Signing<> late(mav::signing_key(kPassPhrase),
                       clock_time() - 90 * mav::kSigningUnitsPerSecond);
   expect_refused(signed_sensor(late, 1), SignatureVerdict::kTooOld);
   mav::Signing<> slow(mav::signing_key(kPassPhrase),
                       clock_time() - 30 * mav::kSigningUnitsPerSecond);
-  bench.sim.send(signed_sensor(slow, 2));
-  EXPECT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == 1; }));
+  fixture.sim.send(signed_sensor(slow, 2));
+  EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
 }
 
 TEST_F(CasdSigning, NeverSignsWithATimeOfBeforeARestart) {
-  bench.start(topology());
+  fixture.start(topology());
   expect_passes(1);
   const auto time_of = [](const PacketStream::Packet& packet) {
     mav::SigningTime time = 0;
     for (std::size_t i = 6; i > 0; --i) time = time << 8U | packet.view().signature()[i];
     return time;
   };
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 1; }));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 1; }));
   // A machine whose clock was set back since: only the stored time knows.
   const mav::SigningTime ahead = clock_time() + 3600 * mav::kSigningUnitsPerSecond;
   std::ofstream(key_file().string() + ".time") << ahead << "\n";
-  bench.start(topology());
-  bench.fcu.write(bench.from_fcu(hil_controls(2)));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 2; }));
-  EXPECT_GT(time_of(bench.at_sim.packets().back()), ahead);
+  fixture.start(topology());
+  fixture.fcu.write(fixture.from_fcu(hil_controls(2)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 2; }));
+  EXPECT_GT(time_of(fixture.at_sim.packets().back()), ahead);
 }
 
 TEST_F(CasdSigning, SignsInTheOrderOfWritingOverAFullLine) {
-  bench.start(R"(schema: 1
+  fixture.start(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000},
@@ -182,57 +182,57 @@ links:
   // The controller does not read: packets wait, commands overtake, writes end in a packet's middle.
   constexpr std::uint64_t kPackets = 600;
   for (std::uint64_t i = 1; i <= kPackets; ++i) {
-    bench.sim.send(bench.from_sim(hil_sensor(i)));
+    fixture.sim.send(fixture.from_sim(hil_sensor(i)));
     if (i % 50 != 0) continue;
-    bench.sim.send(bench.from_sim(mavlink::common::CommandLong{}));
-    ASSERT_TRUE(wait_until([&] { return bench.status("sim").rx.packets == i + i / 50; }));
+    fixture.sim.send(fixture.from_sim(mavlink::common::CommandLong{}));
+    ASSERT_TRUE(wait_until([&] { return fixture.status("sim").rx.packets == i + i / 50; }));
   }
-  const auto waiting = bench.status("fcu").tx;
+  const auto waiting = fixture.status("fcu").tx;
   EXPECT_GT(waiting.queued, 0U);
   EXPECT_GE(waiting.queue_high_water, waiting.queued);
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_fcu.count(kHilSensor) == kPackets; }));
-  for (const PacketStream::Packet& packet : bench.at_fcu.packets()) {
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == kPackets; }));
+  for (const PacketStream::Packet& packet : fixture.at_fcu.packets()) {
     ASSERT_EQ(peer.verify(packet.view()), SignatureVerdict::kAccepted);
   }
-  EXPECT_EQ(bench.at_fcu.garbage(), 0U);
+  EXPECT_EQ(fixture.at_fcu.garbage(), 0U);
 }
 
 TEST_F(CasdSigning, CarriesPrivateMessagesAndMavlink1) {
-  bench.start(topology());
-  bench.fcu.write(bench.from_fcu(hil_controls(1)));
+  fixture.start(topology());
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
   // MAVLink 1 has no place for a signature: it goes on as MAVLink 2.
   std::array<std::uint8_t, mav::kMaxPacketBytes> v1;
   const std::size_t size = mav::encode_v1(hil_controls(2), {1, 1}, 9, v1);
-  bench.fcu.write(std::span(v1).first(size));
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilControls) == 2; }));
-  EXPECT_EQ(peer.verify(bench.at_sim.packets().back().view()), SignatureVerdict::kAccepted);
-  EXPECT_EQ(numbers(bench.at_sim, kHilControls).back(), 2U);
+  fixture.fcu.write(std::span(v1).first(size));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 2; }));
+  EXPECT_EQ(peer.verify(fixture.at_sim.packets().back().view()), SignatureVerdict::kAccepted);
+  EXPECT_EQ(numbers(fixture.at_sim, kHilControls).back(), 2U);
 }
 
 TEST_F(CasdSigning, LetsNamedMessagesComeUnsigned) {
-  bench.start(topology(", allow_unsigned: [RADIO_STATUS]"));
-  bench.sim.send(bench.from_sim(mavlink::common::RadioStatus{}));
-  ASSERT_TRUE(bench.collect_until(
-      [&] { return bench.at_fcu.count(mavlink::common::RadioStatus::kId) == 1; }));
+  fixture.start(topology(", allow_unsigned: [RADIO_STATUS]"));
+  fixture.sim.send(fixture.from_sim(mavlink::common::RadioStatus{}));
+  ASSERT_TRUE(fixture.collect_until(
+      [&] { return fixture.at_fcu.count(mavlink::common::RadioStatus::kId) == 1; }));
   EXPECT_EQ(judged(SignatureVerdict::kUnsignedAllowed), 1U);
 }
 
 TEST_F(CasdSigning, NeverLetsAKeyPass) {
-  bench.start(topology());
+  fixture.start(topology());
   std::array<std::uint8_t, mav::kMaxPacketBytes> out;
   const std::size_t size =
       peer.encode(mavlink::common::SetupSigning{.target_system = 1, .target_component = 1},
                   {1, 200}, 0, 3, out);
-  bench.sim.send(std::span(out).first(size));
-  EXPECT_TRUE(bench.collect_until([&] { return bench.status("sim").rx.setup_signing == 1; }));
+  fixture.sim.send(std::span(out).first(size));
+  EXPECT_TRUE(fixture.collect_until([&] { return fixture.status("sim").rx.setup_signing == 1; }));
   expect_passes(1);
-  EXPECT_EQ(bench.at_fcu.packets().size(), 1U);
+  EXPECT_EQ(fixture.at_fcu.packets().size(), 1U);
 }
 
 TEST_F(CasdSigning, RefusesAKeyFileThatOthersMayRead) {
   write_key(0640);
   try {
-    bench.start(topology());
+    fixture.start(topology());
     FAIL() << "started";
   } catch (const base::ConfigError& error) {
     EXPECT_NE(std::string(error.what()).find("0600"), std::string::npos) << error.what();

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/base/rpc/raw_client.hpp"
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 
@@ -53,11 +53,11 @@ std::uint16_t port_in(const std::string& status, const std::string& name) {
 /// garbage, subscribers who read and who do not, clients that come and go, endless lines.
 class Load {
  public:
-  Load(CasdBench& bench, const std::string& status)
-      : bench_(bench),
+  Load(CasdFixture& fixture, const std::string& status)
+      : fixture_(fixture),
         command_port_(port_in(status, "command_port")),
         metrics_port_(port_in(status, "metrics")) {
-    bench_.sim.set_remote(port_in(status, "sim"));
+    fixture_.sim.set_remote(port_in(status, "sim"));
     flood_.set_remote(port_in(status, "gcs"));
     for (RawClient* client : {&reader_, &sleeper_}) {
       client->ask(R"({"jsonrpc":"2.0","id":1,"method":"subscribe","params":{"topic":"messages"}})");
@@ -67,8 +67,8 @@ class Load {
   /// 2 ms of it.
   void turn() {
     ++turns_;
-    bench_.sim.send(bench_.from_sim(hil_sensor(turns_)));
-    bench_.fcu.write(bench_.from_fcu(hil_controls(turns_)));
+    fixture_.sim.send(fixture_.from_sim(hil_sensor(turns_)));
+    fixture_.fcu.write(fixture_.from_fcu(hil_controls(turns_)));
     mav::Encoder stranger{
         {static_cast<std::uint8_t>(1 + turns_ * 7 % 250), static_cast<std::uint8_t>(turns_ * 13)}};
     flood_.send(stranger(mavlink::common::Heartbeat{}));
@@ -78,9 +78,9 @@ class Load {
     }
     if (turns_ % 50 == 0) come_and_go();
     if (turns_ % 480 == 0) reader_.line();  // a little faster than they are published
-    bench_.collect();
-    bench_.at_sim.packets().clear();
-    bench_.at_fcu.packets().clear();
+    fixture_.collect();
+    fixture_.at_sim.packets().clear();
+    fixture_.at_fcu.packets().clear();
   }
   std::uint64_t turns() const { return turns_; }
   bool answers() {
@@ -103,7 +103,7 @@ class Load {
     }
   }
 
-  CasdBench& bench_;
+  CasdFixture& fixture_;
   UdpPeer flood_;
   std::uint16_t command_port_;
   std::uint16_t metrics_port_;
@@ -113,8 +113,8 @@ class Load {
 };
 
 TEST(CasdSoak, NeedsNoMoreMemoryAfterTenMinutesUnderLoadThanAfterOne) {
-  CasdBench bench;
-  const auto file = bench.folder.write("topology.yaml", bench.expand(R"(command_port: {port: 0}
+  CasdFixture fixture;
+  const auto file = fixture.folder.write("topology.yaml", fixture.expand(R"(command_port: {port: 0}
 metrics: {port: 0}
 log: {tlog: "$DIR/soak.tlog", rotate_mib: 1, keep: 2}
 schema: 1
@@ -126,7 +126,7 @@ links:
   ChildProcess casd({cas::test::binary_dir() + "/bin/casd", file});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  Load load(bench, *status);
+  Load load(fixture, *status);
 
   const base::RunTime start = base::steady_now();
   const base::RunTime warm =

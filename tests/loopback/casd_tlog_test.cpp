@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "casd/tlog/tlog_files.hpp"
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -32,7 +32,7 @@ class Tlog : public testing::Test {
   std::vector<std::uint8_t> records(std::uint64_t last) {
     std::vector<std::uint8_t> all;
     for (std::uint64_t i = 1; i <= last; ++i) {
-      const auto one = record(kStart_us + i * 10'000, bench.from_sim(hil_sensor(i)));
+      const auto one = record(kStart_us + i * 10'000, fixture.from_sim(hil_sensor(i)));
       all.insert(all.end(), one.begin(), one.end());
     }
     return all;
@@ -46,19 +46,19 @@ class Tlog : public testing::Test {
     return n;
   }
   void write(const std::string& name, std::span<const std::uint8_t> bytes) const {
-    std::ofstream(bench.folder / name, std::ios::binary)
+    std::ofstream(fixture.folder / name, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()),
                static_cast<std::streamsize>(bytes.size()));
   }
   void replay(const std::string& more) {
-    bench.start(R"(schema: 1
+    fixture.start(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: log, type: tlog, file: "$DIR/in.tlog")" +
-                more + "}\n");
+                  more + "}\n");
   }
 
-  CasdBench bench;
+  CasdFixture fixture;
   const base::RunTime now{seconds(100)};
 };
 
@@ -67,12 +67,12 @@ TEST_F(Tlog, GoesOnInTheNextFileAtItsSizeAndKeepsTheNewest) {
   const auto all = records(100);
   const std::uint64_t size = all.size() / 10;  // ten records a file, give or take their lengths
   ASSERT_TRUE(
-      files.open(bench.folder / "a.tlog", {.max_bytes = size, .max_age = {}, .keep = 3}, now));
+      files.open(fixture.folder / "a.tlog", {.max_bytes = size, .max_age = {}, .keep = 3}, now));
   ASSERT_TRUE(files.write(all, now));
   files.close();
-  EXPECT_FALSE(std::filesystem::exists(bench.folder / "a.tlog"));
+  EXPECT_FALSE(std::filesystem::exists(fixture.folder / "a.tlog"));
   std::size_t kept = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(bench.folder.path())) {
+  for (const auto& entry : std::filesystem::directory_iterator(fixture.folder.path())) {
     if (entry.path().extension() != ".tlog") continue;
     EXPECT_LE(entry.file_size(), size);
     EXPECT_GE(count(entry.path()), 1U);
@@ -88,24 +88,25 @@ TEST_F(Tlog, GoesOnInTheNextFileAtItsSizeAndKeepsTheNewest) {
 
 TEST_F(Tlog, GoesOnInTheNextFileAtItsAge) {
   TlogFiles files;
-  ASSERT_TRUE(files.open(bench.folder / "a.tlog",
+  ASSERT_TRUE(files.open(fixture.folder / "a.tlog",
                          {.max_bytes = 0, .max_age = seconds(60), .keep = 0}, now));
   ASSERT_TRUE(files.write(records(5), now + seconds(59)));
   ASSERT_TRUE(files.write(records(3), now + seconds(60)));
   files.close();
-  EXPECT_EQ(count(bench.folder / "a.tlog"), 5U);
-  EXPECT_EQ(count(bench.folder / "a.1.tlog"), 3U);
+  EXPECT_EQ(count(fixture.folder / "a.tlog"), 5U);
+  EXPECT_EQ(count(fixture.folder / "a.1.tlog"), 3U);
 }
 
 TEST_F(Tlog, WritesOverNoFileOfBefore) {
   write("a.tlog", {});
   write("a.1.tlog", {});
-  EXPECT_EQ(casd::free_tlog_name(bench.folder / "a.tlog"), bench.folder / "a.2.tlog");
-  EXPECT_EQ(casd::free_tlog_name(bench.folder / "b.tlog"), bench.folder / "b.tlog");
+  EXPECT_EQ(casd::free_tlog_name(fixture.folder / "a.tlog"), fixture.folder / "a.2.tlog");
+  EXPECT_EQ(casd::free_tlog_name(fixture.folder / "b.tlog"), fixture.folder / "b.tlog");
   TlogFiles files;
-  ASSERT_TRUE(files.open(bench.folder / "a.tlog", {.max_bytes = 1, .max_age = {}, .keep = 0}, now));
+  ASSERT_TRUE(
+      files.open(fixture.folder / "a.tlog", {.max_bytes = 1, .max_age = {}, .keep = 0}, now));
   ASSERT_TRUE(files.write(records(2), now));
-  EXPECT_EQ(files.current(), bench.folder / "a.2.tlog");
+  EXPECT_EQ(files.current(), fixture.folder / "a.2.tlog");
 }
 
 TEST_F(Tlog, ReadsAroundWhatIsNoRecord) {
@@ -114,7 +115,7 @@ TEST_F(Tlog, ReadsAroundWhatIsNoRecord) {
   bytes.insert(bytes.end(), {9, 9, 9, 9, 9, 9, 9, 9, 0xFD, 200});  // cut off
   write("in.tlog", bytes);
   TlogReader reader;
-  ASSERT_TRUE(reader.open(bench.folder / "in.tlog"));
+  ASSERT_TRUE(reader.open(fixture.folder / "in.tlog"));
   std::size_t n = 0;
   while (reader.next()) ++n;
   EXPECT_EQ(n, 3U);
@@ -124,29 +125,29 @@ TEST_F(Tlog, ReadsAroundWhatIsNoRecord) {
 TEST_F(Tlog, PlaysItsPacketsAsTheyWereRecorded) {
   write("in.tlog", records(200));
   replay(", speed: 100");
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilSensor) == 200; }));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == 200; }));
   std::vector<std::uint64_t> all(200);
   std::iota(all.begin(), all.end(), std::uint64_t{1});
-  EXPECT_EQ(numbers(bench.at_sim, kHilSensor), all);
-  EXPECT_TRUE(wait_until([&] { return bench.status("log").state == casd::LinkState::kDown; }));
-  EXPECT_EQ(bench.status("log").rx.lost, 0U);
+  EXPECT_EQ(numbers(fixture.at_sim, kHilSensor), all);
+  EXPECT_TRUE(wait_until([&] { return fixture.status("log").state == casd::LinkState::kDown; }));
+  EXPECT_EQ(fixture.status("log").rx.lost, 0U);
 }
 
 TEST_F(Tlog, KeepsTheRhythmTimesItsSpeed) {
-  auto bytes = record(kStart_us, bench.from_sim(hil_sensor(1)));
-  const auto second = record(kStart_us + 1'000'000, bench.from_sim(hil_sensor(2)));
+  auto bytes = record(kStart_us, fixture.from_sim(hil_sensor(1)));
+  const auto second = record(kStart_us + 1'000'000, fixture.from_sim(hil_sensor(2)));
   bytes.insert(bytes.end(), second.begin(), second.end());
   write("in.tlog", bytes);
   replay(", speed: 10");
   const base::RunTime started = base::steady_now();
-  ASSERT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilSensor) == 2; }));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == 2; }));
   EXPECT_GE(base::steady_now() - started, milliseconds(90));
 }
 
 TEST_F(Tlog, StartsAgainWhereToldTo) {
   write("in.tlog", records(5));
   replay(", speed: 1000, repeat: true");
-  EXPECT_TRUE(bench.collect_until([&] { return bench.at_sim.count(kHilSensor) >= 15; }));
+  EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) >= 15; }));
 }
 
 }  // namespace

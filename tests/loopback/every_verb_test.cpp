@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "tests/loopback/emulator_bench.hpp"
+#include "tests/loopback/emulator_fixture.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::test {
@@ -88,15 +88,15 @@ bool takes_its_time(const Verb& verb) {
 }
 
 void drive(bool slow_ones) {
-  EmulatorBench bench;
-  bench.start();
-  ASSERT_TRUE(bench.hears_the_vehicle()) << bench.output();
+  EmulatorFixture fixture;
+  fixture.start();
+  ASSERT_TRUE(fixture.hears_the_vehicle()) << fixture.output();
   for (Verb verb : verbs()) {
     if (takes_its_time(verb) != slow_ones) continue;
     for (std::string& argument : verb.arguments) {
-      if (argument[0] == '@') argument = (bench.folder / argument.substr(1)).string();
+      if (argument[0] == '@') argument = (fixture.folder / argument.substr(1)).string();
     }
-    const Said said = bench.casctl(verb.arguments);
+    const Said said = fixture.casctl(verb.arguments);
     EXPECT_EQ(said.code, verb.code) << verb.name << ": " << said.text;
     EXPECT_NE(said.text.find(verb.says), std::string::npos) << verb.name << ": " << said.text;
   }
@@ -107,9 +107,9 @@ TEST(EveryVerb, WorksAgainstTheEmulatorOnTheGround) { drive(false); }
 TEST(EveryVerb, ThatMeasuresWorksAgainstTheEmulatorToo) { drive(true); }
 
 TEST(EveryVerb, DoctorFindsALineThatIsNotThere) {
-  EmulatorBench bench;
-  bench.start_casd((bench.folder / "nowhere").string(), 0);
-  const Said said = bench.casctl({"doctor"});
+  EmulatorFixture fixture;
+  fixture.start_casd((fixture.folder / "nowhere").string(), 0);
+  const Said said = fixture.casctl({"doctor"});
   EXPECT_EQ(said.code, 1);
   EXPECT_NE(said.text.find("nowhere"), std::string::npos) << said.text;
   EXPECT_NE(said.text.find("BAD"), std::string::npos) << said.text;

@@ -3,18 +3,18 @@
 // controller: wants a quiet machine.
 #include <gtest/gtest.h>
 
-#include "tests/loopback/emulator_bench.hpp"
+#include "tests/loopback/emulator_fixture.hpp"
 
 namespace cas::test {
 namespace {
 
 TEST(FlightVerbs, FlyAVehicleFromTheGroundAndBack) {
-  EmulatorBench bench;
-  bench.start();
-  bench.start_simulator();
-  ASSERT_TRUE(bench.hears_the_vehicle()) << bench.output();
-  const auto expect_done = [&bench](const std::vector<std::string>& verb, const char* says) {
-    const Said said = bench.casctl(verb);
+  EmulatorFixture fixture;
+  fixture.start();
+  fixture.start_simulator();
+  ASSERT_TRUE(fixture.hears_the_vehicle()) << fixture.output();
+  const auto expect_done = [&fixture](const std::vector<std::string>& verb, const char* says) {
+    const Said said = fixture.casctl(verb);
     EXPECT_EQ(said.code, 0) << said.text;
     EXPECT_NE(said.text.find(says), std::string::npos) << said.text;
   };
@@ -30,13 +30,13 @@ TEST(FlightVerbs, FlyAVehicleFromTheGroundAndBack) {
 }
 
 TEST(FlightVerbs, DoctorFindsALineThatIsTooSlow) {
-  EmulatorBench bench;
-  bench.start("{preset: baud_115200}", 115200);
-  bench.start_simulator();
-  ASSERT_TRUE(bench.hears_the_vehicle()) << bench.output();
+  EmulatorFixture fixture;
+  fixture.start("{preset: baud_115200}", 115200);
+  fixture.start_simulator();
+  ASSERT_TRUE(fixture.hears_the_vehicle()) << fixture.output();
   Said said;
   EXPECT_TRUE(wait_until([&] {
-    said = bench.casctl({"doctor"});
+    said = fixture.casctl({"doctor"});
     return said.code == 1 && said.text.find("line fcu") != std::string::npos;
   })) << said.text;
   EXPECT_NE(said.text.find("BAD"), std::string::npos) << said.text;

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "tests/casd/port/command_port_bench.hpp"
+#include "tests/casd/port/command_port_fixture.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::casd {
@@ -21,7 +21,7 @@ namespace {
 using mavlink::common::MavModeFlag;
 using mavlink::common::MavResult;
 using nlohmann::json;
-using test::CommandPortBench;
+using test::CommandPortFixture;
 
 struct Ended {
   int code = -1;
@@ -55,12 +55,12 @@ class CasctlTest : public testing::Test {
   ~CasctlTest() override { std::filesystem::remove_all(directory_); }
 
   Ended run(const std::string& arguments) {
-    if (!started_) bench_.start();
+    if (!started_) fixture_.start();
     started_ = true;
-    return casctl("--address " + bench_.address() + " " + arguments);
+    return casctl("--address " + fixture_.address() + " " + arguments);
   }
 
-  CommandPortBench bench_;
+  CommandPortFixture fixture_;
   bool started_ = false;
   std::filesystem::path directory_;
 };
@@ -72,8 +72,8 @@ TEST_F(CasctlTest, EndsWithZeroWhenTheVehicleAcknowledged) {
 }
 
 TEST_F(CasctlTest, EndsWithOneWhenTheVehicleRefuses) {
-  bench_.vehicle().script.result = MavResult::kDenied;
-  bench_.vehicle().script.text = "Arming denied: throttle high";
+  fixture_.vehicle().script.result = MavResult::kDenied;
+  fixture_.vehicle().script.text = "Arming denied: throttle high";
   const Ended refused = run("arm");
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.out.find("denied: Arming denied: throttle high"), std::string::npos)
@@ -81,7 +81,7 @@ TEST_F(CasctlTest, EndsWithOneWhenTheVehicleRefuses) {
 }
 
 TEST_F(CasctlTest, EndsWithOneAtTheInterlock) {
-  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
   const Ended refused = run("arm --not-hil");
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.out.find("allow_not_hil"), std::string::npos) << refused.out;
@@ -116,15 +116,15 @@ TEST_F(CasctlTest, WaitsForTheFirstHeartbeat) {
 }
 
 TEST_F(CasctlTest, AsksAgainToArmWhileTheVehicleSaysNotNow) {
-  bench_.vehicle().script.result = MavResult::kTemporarilyRejected;
+  fixture_.vehicle().script.result = MavResult::kTemporarilyRejected;
   const Ended later = run("arm --wait --timeout 0.3");
   EXPECT_EQ(later.code, 1);
   EXPECT_NE(later.out.find("casctl: waiting: MAV_CMD 400"), std::string::npos) << later.out;
 }
 
 TEST_F(CasctlTest, DecidesOnTheResultAndNotOnWhatTheVehicleSays) {
-  bench_.vehicle().script.result = MavResult::kDenied;
-  bench_.vehicle().script.text = "temporarily rejected, as people say";
+  fixture_.vehicle().script.result = MavResult::kDenied;
+  fixture_.vehicle().script.text = "temporarily rejected, as people say";
   const Ended denied = run("arm --wait --timeout 3");
   EXPECT_EQ(denied.code, 1);
   EXPECT_EQ(denied.out.find("waiting"), std::string::npos) << denied.out;
@@ -137,21 +137,21 @@ TEST_F(CasctlTest, KnowsNoStatusOfAVehicleThatWasNotHeard) {
 }
 
 TEST_F(CasctlTest, SaysThatADisarmedVehicleMustBeArmedToTakeOff) {
-  bench_.vehicle().say_heartbeat(base::steady_now());
-  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  fixture_.vehicle().say_heartbeat(base::steady_now());
+  fixture_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
   const Ended disarmed = run("takeoff 2.5");
   EXPECT_EQ(disarmed.code, 0);
   EXPECT_EQ(disarmed.out, "vehicle 1 takes off to 2.5 m when armed; it was last heard disarmed\n");
 }
 
 TEST_F(CasctlTest, EndsWithFourWhenTheVehicleIsSilent) {
-  bench_.vehicle().script.answers = 0;
+  fixture_.vehicle().script.answers = 0;
   EXPECT_EQ(run("arm").code, 4);
 }
 
 TEST_F(CasctlTest, EndsWithFourWhenTheStateIsNotReached) {
-  bench_.vehicle().say_heartbeat(base::steady_now());
-  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  fixture_.vehicle().say_heartbeat(base::steady_now());
+  fixture_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
   const Ended late = run("takeoff 2.5 --wait --timeout 0.3");
   EXPECT_EQ(late.code, 4);
   EXPECT_NE(late.out.find("not airborne within 0.3 s"), std::string::npos) << late.out;
@@ -160,9 +160,9 @@ TEST_F(CasctlTest, EndsWithFourWhenTheStateIsNotReached) {
 TEST_F(CasctlTest, WaitsUntilTheStateIsReached) {
   mavlink::common::LocalPositionNed local;
   local.z = -2.4F;
-  bench_.vehicle().say_heartbeat(base::steady_now());
-  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
-  bench_.vehicle().say(local, base::steady_now() + std::chrono::milliseconds(500));
+  fixture_.vehicle().say_heartbeat(base::steady_now());
+  fixture_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  fixture_.vehicle().say(local, base::steady_now() + std::chrono::milliseconds(500));
   const Ended airborne = run("takeoff 2.5 --wait");
   EXPECT_EQ(airborne.code, 0);
   EXPECT_EQ(airborne.out, "vehicle 1 airborne\n");
@@ -175,19 +175,19 @@ TEST_F(CasctlTest, PrintsJson) {
 }
 
 TEST_F(CasctlTest, TakesTheAddressFromTheEnvironment) {
-  bench_.start();
-  ASSERT_EQ(::setenv("CASD_ADDRESS", bench_.address().c_str(), 1), 0);
+  fixture_.start();
+  ASSERT_EQ(::setenv("CASD_ADDRESS", fixture_.address().c_str(), 1), 0);
   EXPECT_EQ(casctl("disarm --force").code, 0);
   ::unsetenv("CASD_ADDRESS");
-  bench_.stop();
-  EXPECT_EQ(bench_.vehicle().commands.at(0).param2, 21196.0F);
+  fixture_.stop();
+  EXPECT_EQ(fixture_.vehicle().commands.at(0).param2, 21196.0F);
 }
 
 TEST_F(CasctlTest, SetsGainsByPositionAndByName) {
-  bench_.vehicle().params = {{"MC_ROLLRATE_P", {.value = 0.15}},
-                             {"MC_ROLLRATE_I", {.value = 0.2}},
-                             {"MC_ROLLRATE_D", {.value = 0.003}},
-                             {"MC_ROLL_P", {.value = 6.5}}};
+  fixture_.vehicle().params = {{"MC_ROLLRATE_P", {.value = 0.15}},
+                               {"MC_ROLLRATE_I", {.value = 0.2}},
+                               {"MC_ROLLRATE_D", {.value = 0.003}},
+                               {"MC_ROLL_P", {.value = 6.5}}};
   EXPECT_EQ(run("setgain rollrate 0.16 0.21 0.004").out, "rollrate: P 0.16, I 0.21, D 0.004\n");
   EXPECT_EQ(run("setgain rollrate --i 0.3").out, "rollrate: P 0.16, I 0.3, D 0.004\n");
   EXPECT_EQ(run("setgain roll --p 7").out, "roll: P 7\n");
@@ -198,7 +198,7 @@ TEST_F(CasctlTest, SetsGainsByPositionAndByName) {
 }
 
 TEST_F(CasctlTest, SavesAndLoadsParameters) {
-  bench_.vehicle().params = {
+  fixture_.vehicle().params = {
       {"MC_ROLL_P", {.value = 6.5}},
       {"SYS_HITL", {.value = 1, .type = mavlink::common::MavParamType::kInt32}}};
   const std::string file = (directory_ / "iris.params").string();
@@ -215,9 +215,9 @@ TEST_F(CasctlTest, SavesAndLoadsParameters) {
 }
 
 TEST_F(CasctlTest, SavesWhatCanBeLoadedAndNamesTheRest) {
-  bench_.vehicle().params = {{"A_NUMBER", {.value = 6.5}},
-                             {"NOT_A_NUMBER", {.value = std::nan("")}},
-                             {"NO_END", {.value = std::numeric_limits<double>::infinity()}}};
+  fixture_.vehicle().params = {{"A_NUMBER", {.value = 6.5}},
+                               {"NOT_A_NUMBER", {.value = std::nan("")}},
+                               {"NO_END", {.value = std::numeric_limits<double>::infinity()}}};
   const std::string file = (directory_ / "odd.params").string();
   const Ended saved = run("param save " + file);
   EXPECT_EQ(saved.code, 0);
@@ -231,12 +231,12 @@ TEST_F(CasctlTest, SavesWhatCanBeLoadedAndNamesTheRest) {
 TEST_F(CasctlTest, LeavesTheFileOfBeforeWhenSavingFails) {
   const std::string file = (directory_ / "iris.params").string();
   std::ofstream(file) << "MC_ROLL_P 6.5\n";
-  bench_.vehicle().params = {{"MC_ROLL_P", {.value = 8}}};
+  fixture_.vehicle().params = {{"MC_ROLL_P", {.value = 8}}};
   // Writes beyond 0 bytes fail, as on a full disk.
-  if (!started_) bench_.start();
+  if (!started_) fixture_.start();
   started_ = true;
   const Ended full = shell("trap '' XFSZ; ulimit -f 0; '" + cas::test::binary_dir() +
-                           "/bin/casctl' --address " + bench_.address() + " param save " + file);
+                           "/bin/casctl' --address " + fixture_.address() + " param save " + file);
   EXPECT_EQ(full.code, 1) << full.out;
   EXPECT_NE(full.out.find("cannot be written"), std::string::npos) << full.out;
   std::ifstream in(file);
@@ -246,11 +246,11 @@ TEST_F(CasctlTest, LeavesTheFileOfBeforeWhenSavingFails) {
 }
 
 TEST_F(CasctlTest, GoesToPlacesWithNegativeNumbers) {
-  bench_.vehicle().say_heartbeat(base::steady_now());
-  bench_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  fixture_.vehicle().say_heartbeat(base::steady_now());
+  fixture_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
   EXPECT_EQ(run("goto 5 -2 -3 90").code, 0);
-  bench_.stop();
-  EXPECT_EQ(bench_.vehicle().int_commands.size(), 1U);
+  fixture_.stop();
+  EXPECT_EQ(fixture_.vehicle().int_commands.size(), 1U);
 }
 
 TEST_F(CasctlTest, GivesTheTokenOfAFile) {
@@ -258,7 +258,7 @@ TEST_F(CasctlTest, GivesTheTokenOfAFile) {
   std::ofstream(file) << "open-sesame-open-sesame\n";
   std::filesystem::permissions(
       file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-  bench_.require_token(file);
+  fixture_.require_token(file);
   EXPECT_EQ(run("land").code, 1);
   EXPECT_EQ(run("--token-file " + file + " land").code, 0);
 }

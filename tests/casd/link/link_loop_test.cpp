@@ -49,7 +49,7 @@ class NarrowPoll {
 TEST(LinkLoop, PausesAndSaysItOnceWhenItCannotWait) {
   testing::internal::CaptureStderr();
   std::atomic<int> turns{0};
-  LinkLoop loop("bench", {});
+  LinkLoop loop("fixture", {});
   loop.add(std::make_unique<CountingLink>(turns));
   loop.start();
   ASSERT_TRUE(wait_until([&] { return turns > 0; }));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <bit>
 
-#include "tests/casd/station/commander_bench.hpp"
+#include "tests/casd/station/commander_fixture.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::casd {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/casd/station/commander_bench.hpp"
+#include "tests/casd/station/commander_fixture.hpp"
 
 namespace cas::casd {
 namespace {

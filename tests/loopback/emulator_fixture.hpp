@@ -22,7 +22,7 @@ struct Said {
 };
 
 /// The shipped programs around a pseudo-terminal: fcu_emulator, casd and, where asked for, hilsim.
-class EmulatorBench {
+class EmulatorFixture {
  public:
   /// Starts controller and daemon. `line` is the controller's, `baud` what casd is told of it.
   void start(const std::string& line = "{preset: ideal}", int baud = 0) {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/client.hpp"
-#include "tests/casd/port/command_port_bench.hpp"
+#include "tests/casd/port/command_port_fixture.hpp"
 
 namespace cas::casd {
 namespace {
@@ -23,8 +23,8 @@ class CommandServerTest : public testing::Test {
  protected:
   json call(const std::string& method, const json& params = json::object()) {
     if (!client_) {
-      bench_.start();
-      client_.emplace(bench_.address());
+      fixture_.start();
+      client_.emplace(fixture_.address());
     }
     return client_->call(method, params);
   }
@@ -39,19 +39,19 @@ class CommandServerTest : public testing::Test {
     return CallError(0, "", "");
   }
 
-  CommandPortFixture bench_;
+  CommandPortFixture fixture_;
   std::optional<Client> client_;
 };
 
 TEST_F(CommandServerTest, AnswersArmAfterTheAcknowledgement) {
   EXPECT_EQ(call("vehicle.arm"), (json{{"vehicle", 1}, {"result", "ACCEPTED"}}));
-  bench_.stop();
-  EXPECT_EQ(bench_.vehicle().commands.size(), 1U);
+  fixture_.stop();
+  EXPECT_EQ(fixture_.vehicle().commands.size(), 1U);
 }
 
 TEST_F(CommandServerTest, ReportsARefusalWithResultAndText) {
-  bench_.vehicle().script.result = MavResult::kDenied;
-  bench_.vehicle().script.text = "Preflight Fail: compass";
+  fixture_.vehicle().script.result = MavResult::kDenied;
+  fixture_.vehicle().script.text = "Preflight Fail: compass";
   const CallError refused = error("vehicle.arm");
   EXPECT_EQ(refused.code(), -32000);
   const json data = json::parse(refused.data_json());
@@ -61,22 +61,22 @@ TEST_F(CommandServerTest, ReportsARefusalWithResultAndText) {
 }
 
 TEST_F(CommandServerTest, ReportsSilenceAsTimeout) {
-  bench_.vehicle().script.answers = 0;
+  fixture_.vehicle().script.answers = 0;
   EXPECT_EQ(error("vehicle.land").code(), -32001);
 }
 
 TEST_F(CommandServerTest, ReportsTheInterlock) {
-  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
   const CallError refused = error("vehicle.arm", {{"not_hil", true}});
   EXPECT_EQ(refused.code(), -32004);
   EXPECT_NE(std::string(refused.what()).find("allow_not_hil"), std::string::npos);
-  bench_.stop();
-  EXPECT_TRUE(bench_.vehicle().commands.empty());
+  fixture_.stop();
+  EXPECT_TRUE(fixture_.vehicle().commands.empty());
 }
 
 TEST_F(CommandServerTest, ArmsOutsideHilOnlyByConsentOfBoth) {
-  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
-  bench_.allow_not_hil();
+  fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  fixture_.allow_not_hil();
   EXPECT_EQ(error("vehicle.arm").code(), -32004);
   EXPECT_EQ(call("vehicle.arm", {{"not_hil", true}}).at("result"), "ACCEPTED");
 }
@@ -85,24 +85,24 @@ TEST_F(CommandServerTest, MovesTheSticksOfAVehicleInHilOnly) {
   EXPECT_EQ(call("vehicle.manual_control", {{"pitch", 0.25}, {"roll", -1}, {"throttle", 0.5}}),
             (json{{"vehicle", 1}, {"result", "SENT"}}));
   EXPECT_EQ(call("vehicle.manual_control", {{"yaw", 1}, {"buttons", 3}}).at("result"), "SENT");
-  bench_.stop();
-  ASSERT_EQ(bench_.vehicle().sticks.size(), 2U);
-  const auto& first = bench_.vehicle().sticks[0];
+  fixture_.stop();
+  ASSERT_EQ(fixture_.vehicle().sticks.size(), 2U);
+  const auto& first = fixture_.vehicle().sticks[0];
   EXPECT_EQ(first.target, 1);
   EXPECT_EQ(first.x, 250);
   EXPECT_EQ(first.y, -1000);
   EXPECT_EQ(first.z, 500);
   EXPECT_EQ(first.r, 0);
-  EXPECT_EQ(bench_.vehicle().sticks[1].r, 1000);
-  EXPECT_EQ(bench_.vehicle().sticks[1].buttons, 3);
-  EXPECT_EQ(bench_.audit().size(), 1U) << "sticks come many times a second";
+  EXPECT_EQ(fixture_.vehicle().sticks[1].r, 1000);
+  EXPECT_EQ(fixture_.vehicle().sticks[1].buttons, 3);
+  EXPECT_EQ(fixture_.audit().size(), 1U) << "sticks come many times a second";
 }
 
 TEST_F(CommandServerTest, KeepsTheSticksOfARealVehicle) {
-  bench_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
   EXPECT_EQ(error("vehicle.manual_control", {{"throttle", 0.5}}).code(), -32004);
-  bench_.stop();
-  EXPECT_TRUE(bench_.vehicle().sticks.empty());
+  fixture_.stop();
+  EXPECT_TRUE(fixture_.vehicle().sticks.empty());
 }
 
 TEST_F(CommandServerTest, KnowsNoVehicleSeven) {
@@ -110,12 +110,12 @@ TEST_F(CommandServerTest, KnowsNoVehicleSeven) {
 }
 
 TEST_F(CommandServerTest, NeedsTheVehicleNamedWhenThereAreTwo) {
-  bench_.add_vehicle();
+  fixture_.add_vehicle();
   EXPECT_EQ(error("vehicle.arm").code(), -32602);
   EXPECT_EQ(call("vehicle.arm", {{"vehicle", 2}}).at("vehicle"), 2);
-  bench_.stop();
-  EXPECT_TRUE(bench_.vehicle(0).commands.empty());
-  EXPECT_EQ(bench_.vehicle(1).commands.size(), 1U);
+  fixture_.stop();
+  EXPECT_TRUE(fixture_.vehicle(0).commands.empty());
+  EXPECT_EQ(fixture_.vehicle(1).commands.size(), 1U);
 }
 
 struct BadCase {
@@ -128,9 +128,9 @@ class BadParameters : public CommandServerTest, public testing::WithParamInterfa
 
 TEST_P(BadParameters, AreRefusedBeforeAnythingIsSent) {
   EXPECT_EQ(error(GetParam().method, json::parse(GetParam().params)).code(), -32602);
-  bench_.stop();
-  EXPECT_TRUE(bench_.vehicle().commands.empty());
-  EXPECT_TRUE(bench_.vehicle().param_sets.empty());
+  fixture_.stop();
+  EXPECT_TRUE(fixture_.vehicle().commands.empty());
+  EXPECT_TRUE(fixture_.vehicle().param_sets.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -152,9 +152,9 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST_F(CommandServerTest, SetsGainsByLoop) {
-  bench_.vehicle().params = {{"MC_ROLLRATE_P", {.value = 0.15}},
-                             {"MC_ROLLRATE_I", {.value = 0.2}},
-                             {"MC_ROLLRATE_D", {.value = 0.003}}};
+  fixture_.vehicle().params = {{"MC_ROLLRATE_P", {.value = 0.15}},
+                               {"MC_ROLLRATE_I", {.value = 0.2}},
+                               {"MC_ROLLRATE_D", {.value = 0.003}}};
   const json gains = call("gain.set", {{"loop", "rollrate"}, {"p", 0.18}, {"d", 0.004}});
   EXPECT_EQ(gains.at("p"), 0.18);
   EXPECT_EQ(gains.at("i"), 0.2);
@@ -179,7 +179,7 @@ TEST_F(CommandServerTest, ListsTheLoopsOfTheAutopilot) {
 }
 
 TEST_F(CommandServerTest, ReadsWritesAndListsParameters) {
-  bench_.vehicle().params = {
+  fixture_.vehicle().params = {
       {"MC_ROLL_P", {.value = 6.5}},
       {"SYS_HITL", {.value = 1, .type = mavlink::common::MavParamType::kInt32}}};
   EXPECT_EQ(call("param.get", {{"name", "SYS_HITL"}}),
@@ -191,14 +191,14 @@ TEST_F(CommandServerTest, ReadsWritesAndListsParameters) {
 }
 
 TEST_F(CommandServerTest, TellsWhatIsInForceWhenAValueIsRefused) {
-  bench_.vehicle().params = {{"MC_ROLL_P", {.value = 6.5, .high = 12}}};
+  fixture_.vehicle().params = {{"MC_ROLL_P", {.value = 6.5, .high = 12}}};
   const CallError refused = error("param.set", {{"name", "MC_ROLL_P"}, {"value", 99}});
   EXPECT_EQ(refused.code(), -32000);
   EXPECT_EQ(json::parse(refused.data_json()).at("parameters").at("MC_ROLL_P"), 12);
 }
 
 TEST_F(CommandServerTest, TellsTheVehiclesState) {
-  auto& vehicle = bench_.vehicle();
+  auto& vehicle = fixture_.vehicle();
   vehicle.custom_mode = 4U << 16 | 3U << 24;
   mavlink::common::LocalPositionNed local;
   local.x = 1.5F;
@@ -219,7 +219,7 @@ TEST_F(CommandServerTest, TellsTheVehiclesState) {
 }
 
 TEST_F(CommandServerTest, LeavesOutWhatTheVehicleDoesNotKnow) {
-  auto& vehicle = bench_.vehicle();
+  auto& vehicle = fixture_.vehicle();
   mavlink::common::LocalPositionNed local;
   local.z = std::numeric_limits<float>::quiet_NaN();
   vehicle.say_heartbeat(base::steady_now());
@@ -232,8 +232,8 @@ TEST_F(CommandServerTest, LeavesOutWhatTheVehicleDoesNotKnow) {
 }
 
 TEST_F(CommandServerTest, PublishesStatusTextsToSubscribers) {
-  bench_.vehicle().script.result = MavResult::kFailed;
-  bench_.vehicle().script.text = "no way";
+  fixture_.vehicle().script.result = MavResult::kFailed;
+  fixture_.vehicle().script.text = "no way";
   call("subscribe", {{"topic", "statustext"}});
   error("vehicle.land");
   std::string method;
@@ -244,18 +244,18 @@ TEST_F(CommandServerTest, PublishesStatusTextsToSubscribers) {
 }
 
 TEST_F(CommandServerTest, AuditsWhoChangesAVehicleAndWhatCameOfIt) {
-  bench_.vehicle().params = {{"MIS_TAKEOFF_ALT", {.value = 10}}};
+  fixture_.vehicle().params = {{"MIS_TAKEOFF_ALT", {.value = 10}}};
   call("vehicle.state");
   call("vehicle.takeoff", {{"altitude_m", 2.5}, {"vehicle", 1}});
   error("vehicle.mode", {{"mode", "WARP"}});
-  bench_.stop();
-  ASSERT_EQ(bench_.audit().size(), 2U);
-  EXPECT_EQ(bench_.audit()[0].rfind("127.0.0.1:", 0), 0U);
-  EXPECT_NE(bench_.audit()[0].find(
+  fixture_.stop();
+  ASSERT_EQ(fixture_.audit().size(), 2U);
+  EXPECT_EQ(fixture_.audit()[0].rfind("127.0.0.1:", 0), 0U);
+  EXPECT_NE(fixture_.audit()[0].find(
                 R"( vehicle.takeoff {"altitude_m":2.5,"vehicle":1} vehicle 1: accepted)"),
             std::string::npos)
-      << bench_.audit()[0];
-  EXPECT_NE(bench_.audit()[1].find("'WARP' is no mode of PX4"), std::string::npos);
+      << fixture_.audit()[0];
+  EXPECT_NE(fixture_.audit()[1].find("'WARP' is no mode of PX4"), std::string::npos);
 }
 
 }  // namespace

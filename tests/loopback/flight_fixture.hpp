@@ -12,12 +12,12 @@
 
 namespace cas::test {
 
-/// hilsim, casd and fcu_emulator as programs of their own, in real time, as on a bench. The sockets
-/// have fixed ports, so that casd can be ended and started again under way.
-class FlightBench {
+/// hilsim, casd and fcu_emulator as programs of their own, in real time, as on a fixture. The
+/// sockets have fixed ports, so that casd can be ended and started again under way.
+class FlightFixture {
  public:
   /// @param more  further keys of casd's topology; $DIR stands for a temporary folder
-  explicit FlightBench(const std::string& more = "");
+  explicit FlightFixture(const std::string& more = "");
 
   /// Starts casd, also again.
   void start_casd();

@@ -27,9 +27,9 @@ mavlink::common::HilGps hil_gps(std::uint64_t number);
 std::vector<std::uint64_t> numbers(const PacketStream& stream, std::uint32_t message_id);
 
 /// casd's links in this process between a simulator's socket and a controller's line.
-class CasdBench {
+class CasdFixture {
  public:
-  CasdBench();
+  CasdFixture();
 
   /// Starts with this topology. "$SIM", "$FCU" and "$DIR" stand for the simulator's address, the
   /// controller's device and a temporary folder.

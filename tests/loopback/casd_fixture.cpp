@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/loopback/casd_bench.hpp"
+#include "tests/loopback/casd_fixture.hpp"
 
 #include <stdexcept>
 
@@ -50,9 +50,9 @@ std::vector<std::uint64_t> numbers(const PacketStream& stream, std::uint32_t mes
   return found;
 }
 
-CasdBench::CasdBench() : fcu(folder / "fcu0") {}
+CasdFixture::CasdFixture() : fcu(folder / "fcu0") {}
 
-void CasdBench::start(const std::string& yaml) {
+void CasdFixture::start(const std::string& yaml) {
   links_ = std::make_unique<casd::LinkSet>(parse(yaml));
   links_->start();
   if (!wait_until([&] { return links_->settled(); })) throw std::runtime_error("links hang");
@@ -61,7 +61,7 @@ void CasdBench::start(const std::string& yaml) {
   }
 }
 
-std::string CasdBench::expand(std::string yaml) const {
+std::string CasdFixture::expand(std::string yaml) const {
   const auto replace = [&](const std::string& word, const std::string& by) {
     for (std::size_t at = yaml.find(word); at != std::string::npos; at = yaml.find(word)) {
       yaml.replace(at, word.size(), by);
@@ -73,22 +73,22 @@ std::string CasdBench::expand(std::string yaml) const {
   return yaml;
 }
 
-casd::Topology CasdBench::parse(const std::string& yaml) const {
+casd::Topology CasdFixture::parse(const std::string& yaml) const {
   return casd::Topology::parse(base::ConfigNode::parse(expand(yaml)));
 }
 
-casd::LinkStatus CasdBench::status(const std::string& link) const {
+casd::LinkStatus CasdFixture::status(const std::string& link) const {
   for (const casd::LinkStatus& status : links_->figures().links()) {
     if (status.name == link) return status;
   }
   throw std::runtime_error("no link " + link);
 }
 
-std::uint16_t CasdBench::port(const std::string& link) const {
+std::uint16_t CasdFixture::port(const std::string& link) const {
   return port_of(status(link).endpoint);
 }
 
-void CasdBench::collect() {
+void CasdFixture::collect() {
   sim.read(at_sim);
   fcu.read(at_fcu);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/loopback/flight_bench.hpp"
+#include "tests/loopback/flight_fixture.hpp"
 
 #include <cmath>
 #include <stdexcept>
@@ -58,7 +58,7 @@ routes:
 
 }  // namespace
 
-FlightBench::FlightBench(const std::string& more) {
+FlightFixture::FlightFixture(const std::string& more) {
   const auto filled = [&, sim = std::to_string(free_udp_port()),
                        casd = std::to_string(free_udp_port())](std::string text) {
     text = replaced(replaced(std::move(text), "$SIM", sim), "$CASD", casd);
@@ -68,7 +68,7 @@ FlightBench::FlightBench(const std::string& more) {
   folder.write("world.yaml", filled(kWorld));
 }
 
-void FlightBench::start_vehicle() {
+void FlightFixture::start_vehicle() {
   fcu_ = std::make_unique<ChildProcess>(
       std::vector<std::string>{kPrograms + "fcu_emulator", kConfig + "fcu/iris_paper.yaml",
                                "--link", (folder / "fcu0").string()});
@@ -78,7 +78,7 @@ void FlightBench::start_vehicle() {
   if (!hilsim_->wait_ready()) throw std::runtime_error(hilsim_->output());
 }
 
-void FlightBench::start_casd() {
+void FlightFixture::start_casd() {
   client_.reset();
   casd_ = std::make_unique<ChildProcess>(
       std::vector<std::string>{kPrograms + "casd", topology_.string()});
@@ -89,11 +89,11 @@ void FlightBench::start_casd() {
   client_.emplace(status_.substr(at, status_.find(' ', at) - at));
 }
 
-json FlightBench::call(const std::string& method, const json& params) {
+json FlightFixture::call(const std::string& method, const json& params) {
   return client_->call(method, params);
 }
 
-bool FlightBench::command(const std::string& method, const json& params) {
+bool FlightFixture::command(const std::string& method, const json& params) {
   return wait_until(
       [&] {
         try {
@@ -106,7 +106,7 @@ bool FlightBench::command(const std::string& method, const json& params) {
       std::chrono::seconds(60));
 }
 
-bool FlightBench::fly_to(double altitude_m) {
+bool FlightFixture::fly_to(double altitude_m) {
   if (!command("vehicle.arm") || !command("vehicle.takeoff", {{"altitude_m", altitude_m}})) {
     return false;
   }
@@ -114,7 +114,7 @@ bool FlightBench::fly_to(double altitude_m) {
                     std::chrono::seconds(60));
 }
 
-bool FlightBench::land() {
+bool FlightFixture::land() {
   return command("vehicle.land") &&
          wait_until([&] { return state().value("landed", "") == "on_ground"; },
                     std::chrono::seconds(60));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/casd/port/command_port_bench.hpp"
+#include "tests/casd/port/command_port_fixture.hpp"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -71,7 +71,7 @@ struct CommandPortFixture::Impl {
   std::thread thread;
 };
 
-CommandPortFixture::CommandPortBench() : impl_(std::make_unique<Impl>()) {
+CommandPortFixture::CommandPortFixture() : impl_(std::make_unique<Impl>()) {
   // Quick retries keep the tests short.
   impl_->options.command_timing = {.ack_timeout = std::chrono::milliseconds(100),
                                    .text_grace = std::chrono::milliseconds(50)};
@@ -79,7 +79,7 @@ CommandPortFixture::CommandPortBench() : impl_(std::make_unique<Impl>()) {
   add_vehicle();
 }
 
-CommandPortFixture::~CommandPortBench() { stop(); }
+CommandPortFixture::~CommandPortFixture() { stop(); }
 
 FakeVehicle& CommandPortFixture::vehicle(std::size_t index) { return *impl_->vehicles.at(index); }
 
@@ -91,7 +91,9 @@ FakeVehicle& CommandPortFixture::add_vehicle() {
 
 void CommandPortFixture::allow_not_hil() { impl_->options.allow_not_hil = true; }
 
-void CommandPortFixture::require_token(const std::string& file) { impl_->server.require_token(file); }
+void CommandPortFixture::require_token(const std::string& file) {
+  impl_->server.require_token(file);
+}
 
 void CommandPortFixture::start() {
   impl_->build();
