@@ -32,7 +32,6 @@ bool PacketRing::push(const PacketInfo& info, std::span<const std::uint8_t> byte
   tail_ += need;
   if (tail_ > head_) end_ = tail_;
   ++count_;
-  bytes_ += bytes.size();
   return true;
 }
 
@@ -47,7 +46,6 @@ void PacketRing::pop() {
   std::memcpy(&record, block_.data() + head_, sizeof record);
   head_ += stride(record.size);
   --count_;
-  bytes_ -= record.size;
   if (count_ > 0 && head_ == end_) {
     head_ = 0;
     end_ = tail_;
@@ -57,7 +55,6 @@ void PacketRing::pop() {
 void PacketRing::clear() {
   head_ = tail_ = end_ = 0;
   count_ = 0;
-  bytes_ = 0;
 }
 
 }  // namespace cas::casd

@@ -32,8 +32,6 @@ class PacketRing {
 
   bool empty() const { return count_ == 0; }
   std::size_t count() const { return count_; }
-  /// Bytes of the packets themselves.
-  std::size_t bytes() const { return bytes_; }
 
  private:
   struct Record {
@@ -48,7 +46,6 @@ class PacketRing {
   std::size_t tail_ = 0;  ///< where the next one goes
   std::size_t end_ = 0;   ///< where the records before a wrap end
   std::size_t count_ = 0;
-  std::size_t bytes_ = 0;
 };
 
 }  // namespace cas::casd

@@ -87,12 +87,6 @@ std::size_t TxQueue::count() const {
   return sum;
 }
 
-std::size_t TxQueue::bytes() const {
-  std::size_t sum = 0;
-  for (const PacketRing& one : rings_) sum += one.bytes();
-  return sum;
-}
-
 void TxQueue::drop_late(base::RunTime now, const LinePacer& line) {
   for (const TrafficClass traffic : {kHil, kGps, kTelemetry}) {
     while (!ring(traffic).empty()) {

@@ -71,7 +71,6 @@ class TxQueue {
 
   bool empty() const { return count() == 0; }
   std::size_t count() const;
-  std::size_t bytes() const;
   std::size_t high_water() const { return high_water_; }  ///< most packets that ever waited
 
  private:

@@ -60,12 +60,6 @@ LinkMask RouteTable::links_to(mav::Source target) const {
   return cell.load(std::memory_order_relaxed);
 }
 
-std::vector<mav::Source> RouteTable::heard_on(LinkId link) const {
-  std::vector<mav::Source> sources;
-  for (const Heard& heard : links_[link].heard) sources.push_back(heard.source);
-  return sources;
-}
-
 RouteTable::Row& RouteTable::row_of(std::uint8_t system) {
   if (Row* row = rows_[system].load(std::memory_order_acquire)) return *row;
   while (growing_.test_and_set(std::memory_order_acquire)) {

@@ -32,8 +32,6 @@ class RouteTable {
 
   /// Links on which the target was heard. System 0: every link; component 0: any component of it.
   LinkMask links_to(mav::Source target) const;
-  /// Ids heard on `link` (by the thread that owns it).
-  std::vector<mav::Source> heard_on(LinkId link) const;
 
   /// Ids that one link may announce: more than any real network has, few enough to bound memory.
   static constexpr std::size_t kMaxIdsPerLink = 512;

@@ -47,7 +47,6 @@ class CommandExchange {
   void on_ack(const mavlink::common::CommandAck& ack, base::RunTime now);
   void on_status_text(std::string_view text);
   void tick(base::RunTime now);
-  bool idle() const { return active_.empty(); }
 
  private:
   struct Request {

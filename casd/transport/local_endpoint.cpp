@@ -22,7 +22,7 @@ void LocalEndpoint::deliver(std::span<const PacketRef> packets, base::RunTime) {
     for (const PacketRef& packet : packets) {
       if (!concerns_us(*packet.info)) continue;
       any = true;
-      if (!waiting_.push(*packet.info, packet.bytes)) dropped_.add();
+      waiting_.push(*packet.info, packet.bytes);  // full: lost, as on a line
     }
   }
   if (any) signal_.raise();

@@ -36,7 +36,6 @@ class LocalEndpoint final : public PacketPort {
   void tick(base::RunTime now) { ingress_.tick(now); }
   /// Drops the table of ports, which holds this endpoint too. Nothing is sent from here on.
   void let_go() { ingress_.let_go(); }
-  std::uint64_t dropped() const { return dropped_.get(); }
 
  private:
   static constexpr std::size_t kQueueBytes = 1024 * 1024;
@@ -50,7 +49,6 @@ class LocalEndpoint final : public PacketPort {
   std::mutex mutex_;
   PacketRing waiting_;
   PacketRing dispatching_;
-  Counter dropped_;
 };
 
 }  // namespace cas::casd

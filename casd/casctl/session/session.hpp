@@ -56,7 +56,6 @@ class Session {
   bool may_wait() const;
   /// Says once why casctl waits, then does so for `period`.
   void wait_because(const std::string& reason, std::chrono::milliseconds period);
-  base::rpc::Client& client() { return client_; }
 
  private:
   base::rpc::Client connect();

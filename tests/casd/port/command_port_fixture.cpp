@@ -25,7 +25,7 @@ struct CommandPortFixture::Impl {
         for (const auto& vehicle : vehicles) vehicle->handle(packet, base::steady_now());
       });
     });
-    command_server.emplace(
+    vehicle_methods.emplace(
         server, *commander, GainMap::load(cas::test::source_dir() + "/config/gains.yaml"),
         VehicleHooks{.now = base::steady_now,
                      .link_name = [](LinkId) { return "fcu"; },
@@ -60,7 +60,7 @@ struct CommandPortFixture::Impl {
   std::vector<std::unique_ptr<FakeVehicle>> vehicles;
   CommanderOptions options{.ask_on_sight = false};
   std::optional<VehicleCommander> commander;
-  std::optional<VehicleMethods> command_server;
+  std::optional<VehicleMethods> vehicle_methods;
   mav::PacketParser parser{mavlink::common::table()};
   mav::PacketParser from_vehicle{mavlink::common::table()};
   base::RunTime next_beat{};
