@@ -42,6 +42,42 @@ std::uint64_t key_of(const MessageCounters::Entry& entry) {
          entry.source.component;
 }
 
+template <std::size_t N>
+void read(const std::array<Counter, N>& counters, std::array<std::uint64_t, N>& values) {
+  for (std::size_t i = 0; i < N; ++i) values[i] = counters[i].get();
+}
+
+void read_rx(const LinkCounters& link, LinkStatus& status) {
+  const auto& rx = link.rx;
+  status.rx.packets = rx.packets.get();
+  status.rx.bytes = rx.bytes.get();
+  status.rx.crc_errors = rx.crc_errors.get();
+  status.rx.lost = rx.lost.get();
+  status.rx.unknown = rx.unknown.get();
+  status.rx.skipped_bytes = rx.skipped_bytes.get();
+  status.rx.kernel_drops = rx.kernel_drops.get();
+  status.rx.foreign = rx.foreign.get();
+  status.rx.not_accepted = rx.not_accepted.get();
+  status.rx.setup_signing = rx.setup_signing.get();
+  read(rx.decisions, status.rx.decisions);
+  read(rx.signatures, status.rx.signatures);
+}
+
+void read_tx(const LinkCounters& link, LinkStatus& status) {
+  const auto& tx = link.tx;
+  status.tx.packets = tx.packets.get();
+  status.tx.bytes = tx.bytes.get();
+  status.tx.queue_high_water = tx.queue_high_water.get();
+  status.tx.queued = tx.queued.get();
+  status.tx.write_calls = tx.write_calls.get();
+  read(tx.dropped, status.tx.dropped);
+  const std::scoped_lock lock(tx.mutex);
+  status.tx.forwarding_p50 = tx.forwarding.quantile(0.50);
+  status.tx.forwarding_p99 = tx.forwarding.quantile(0.99);
+  status.tx.forwarding_max = tx.forwarding.max();
+  status.tx.routes = tx.routes.figures();
+}
+
 }  // namespace
 
 std::string_view to_string(LinkState state) {
@@ -153,7 +189,7 @@ void LinkFigures::sample_counters(LinkId id, int direction, const MessageCounter
 std::vector<LinkStatus> LinkFigures::links() const {
   std::vector<LinkStatus> all;
   for (const auto& [id, link] : links_) {
-    LinkStatus status;
+    LinkStatus& status = all.emplace_back();
     status.id = id;
     status.name = link->name;
     status.type = link->type;
@@ -164,42 +200,8 @@ std::vector<LinkStatus> LinkFigures::links() const {
     for_each_direction(*link, [&status](int, const MessageCounters& counters) {
       status.uncounted += counters.uncounted();
     });
-    const auto& rx = link->rx;
-    status.rx = {rx.packets.get(),
-                 rx.bytes.get(),
-                 rx.crc_errors.get(),
-                 rx.lost.get(),
-                 rx.unknown.get(),
-                 rx.skipped_bytes.get(),
-                 rx.kernel_drops.get(),
-                 rx.foreign.get(),
-                 {},
-                 0,
-                 0,
-                 {}};
-    for (std::size_t i = 0; i < rx.decisions.size(); ++i) {
-      status.rx.decisions[i] = rx.decisions[i].get();
-    }
-    status.rx.not_accepted = rx.not_accepted.get();
-    status.rx.setup_signing = rx.setup_signing.get();
-    for (std::size_t i = 0; i < rx.signatures.size(); ++i) {
-      status.rx.signatures[i] = rx.signatures[i].get();
-    }
-    const auto& tx = link->tx;
-    status.tx.packets = tx.packets.get();
-    status.tx.bytes = tx.bytes.get();
-    status.tx.queue_high_water = tx.queue_high_water.get();
-    status.tx.queued = tx.queued.get();
-    status.tx.write_calls = tx.write_calls.get();
-    for (std::size_t i = 0; i < tx.dropped.size(); ++i) status.tx.dropped[i] = tx.dropped[i].get();
-    {
-      const std::scoped_lock lock(tx.mutex);
-      status.tx.forwarding_p50 = tx.forwarding.quantile(0.50);
-      status.tx.forwarding_p99 = tx.forwarding.quantile(0.99);
-      status.tx.forwarding_max = tx.forwarding.max();
-      status.tx.routes = tx.routes.figures();
-    }
-    all.push_back(std::move(status));
+    read_rx(*link, status);
+    read_tx(*link, status);
   }
   return all;
 }

@@ -93,6 +93,13 @@ json loop_json(const GainLoop& loop) {
   return entry;
 }
 
+GainValues gains_to_set(CallParams& reader) {
+  const GainValues values{reader.optional_number("p"), reader.optional_number("i"),
+                          reader.optional_number("d")};
+  if (!values.p && !values.i && !values.d) throw BadParams("give \"p\", \"i\" or \"d\"");
+  return values;
+}
+
 /// {vehicle, loop, p, i, d in force, parameters: {NAME: value}}.
 json gains_json(std::uint8_t system, const GainLoop& loop, const Outcome& outcome) {
   json answer{{"vehicle", system},
@@ -342,36 +349,8 @@ const GainLoop* VehicleMethods::find_loop(std::uint8_t system, const std::string
 }
 
 void VehicleMethods::add_gain_methods() {
-  const auto add_loop_method = [this](const std::string& name, bool sets) {
-    // The loop that was found travels from the request to the answer.
-    server_.add_method(name, [this, name, sets](const json& params, base::rpc::Reply reply) {
-      const auto loop = std::make_shared<GainLoop>();
-      run(
-          name, sets,
-          [this, sets, loop](CallParams& reader) -> Action {
-            const std::string word = reader.text("loop");
-            GainValues values;
-            if (sets) {
-              values = {reader.optional_number("p"), reader.optional_number("i"),
-                        reader.optional_number("d")};
-              if (!values.p && !values.i && !values.d)
-                throw BadParams("give \"p\", \"i\" or \"d\"");
-            }
-            return [this, word, values, loop](std::uint8_t system, RunTime now, Done done) {
-              const GainLoop* found = find_loop(system, word, done);
-              if (found == nullptr) return;
-              *loop = *found;
-              commander_.set_gains(system, *found, values, now, std::move(done));
-            };
-          },
-          [loop](std::uint8_t system, const Outcome& outcome) {
-            return gains_json(system, *loop, outcome);
-          },
-          params, reply);
-    });
-  };
-  add_loop_method("gain.set", true);
-  add_loop_method("gain.get", false);
+  add_loop_method("gain.set", true, gains_to_set);
+  add_loop_method("gain.get", false, [](CallParams&) { return GainValues{}; });
   add(
       "gain.list", false,
       [](CallParams&) -> Action {
@@ -385,6 +364,28 @@ void VehicleMethods::add_gain_methods() {
         }
         return json{{"vehicle", system}, {"loops", loops}};
       });
+}
+
+/// A method on one control loop; the loop that was found travels from the request to the answer.
+void VehicleMethods::add_loop_method(const std::string& name, bool audited,
+                                     std::function<GainValues(CallParams&)> values_of) {
+  server_.add_method(name, [this, name, audited, values_of](const json& params, Reply reply) {
+    const auto loop = std::make_shared<GainLoop>();
+    const Parse parse = [this, loop, values_of](CallParams& reader) -> Action {
+      const std::string word = reader.text("loop");
+      const GainValues values = values_of(reader);
+      return [this, word, values, loop](std::uint8_t system, RunTime now, Done done) {
+        const GainLoop* found = find_loop(system, word, done);
+        if (found == nullptr) return;
+        *loop = *found;
+        commander_.set_gains(system, *found, values, now, std::move(done));
+      };
+    };
+    const Answer answer = [loop](std::uint8_t system, const Outcome& outcome) {
+      return gains_json(system, *loop, outcome);
+    };
+    run(name, audited, parse, answer, params, reply);
+  });
 }
 
 void VehicleMethods::add_param_methods() {

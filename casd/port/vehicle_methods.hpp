@@ -49,6 +49,8 @@ class VehicleMethods {
   void add_raw_methods();
   void add_state_methods();
   void add_gain_methods();
+  void add_loop_method(const std::string& name, bool audited,
+                       std::function<GainValues(CallParams&)> values_of);
   void add_param_methods();
   /// Sticks come many times a second: only the first of a stretch leaves a line.
   bool is_more_of_sticks(const std::string& name, base::RunTime now);

@@ -19,6 +19,11 @@ constexpr std::size_t kMaxRun = 64;    // segments of one block (UDP_MAX_SEGMENT
 constexpr std::size_t kWorthARun = 2;  // fewer packets go out singly
 constexpr std::size_t kMaxBatch = 64;
 
+// The kernel or the device cannot cut a block into datagrams.
+bool refuses_segmentation(int error) {
+  return error == EIO || error == EINVAL || error == EOPNOTSUPP;
+}
+
 // The answer to an earlier packet: nobody listened then. This one was not even tried.
 bool concerns_earlier_packet(int error) { return error == ECONNREFUSED; }
 
@@ -65,35 +70,22 @@ DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> p
   while (result.packets < packets.size()) {
     const auto left = packets.subspan(result.packets);
     const std::size_t run = run_length(left);
-    int error = 0;
-    if (run >= kWorthARun) {
-      error = send_run(fd, left.first(run), to, to_size);
-      if (error == EIO || error == EINVAL || error == EOPNOTSUPP) {
-        segmentation_ = false;
-        continue;
-      }
-      if (error == 0) {
-        result.packets += run;
-        continue;
-      }
-    } else {
-      // Up to where the next run begins.
-      std::size_t count = 1;
-      while (count < std::min(left.size(), kMaxBatch) &&
-             run_length(left.subspan(count)) < kWorthARun) {
-        ++count;
-      }
-      const std::ptrdiff_t sent = send_each(fd, left.first(count), to, to_size);
-      if (sent > 0) {
-        result.packets += static_cast<std::size_t>(sent);
-        continue;
-      }
-      error = errno;
+    const bool as_run = run >= kWorthARun;
+    const std::ptrdiff_t gone =
+        as_run ? send_run(fd, left.first(run), to, to_size) : send_singly(fd, left, to, to_size);
+    if (gone > 0) {
+      result.packets += static_cast<std::size_t>(gone);
+      continue;
+    }
+    const int error = errno;
+    if (as_run && refuses_segmentation(error)) {
+      segmentation_ = false;
+      continue;
     }
     if (error == EINTR) continue;
     if (concerns_earlier_packet(error) && !std::exchange(refused, true)) continue;
     if (concerns_peer_only(error)) {
-      result.packets += run >= kWorthARun ? run : 1;
+      result.packets += as_run ? run : 1;
       refused = false;
       continue;
     }
@@ -114,8 +106,9 @@ std::size_t DatagramSender::run_length(std::span<const PacketRef> packets) const
   return count;
 }
 
-int DatagramSender::send_run(int fd, std::span<const PacketRef> packets, const sockaddr* to,
-                             socklen_t to_size) {
+// @return datagrams sent; -1 with errno
+std::ptrdiff_t DatagramSender::send_run(int fd, std::span<const PacketRef> packets,
+                                        const sockaddr* to, socklen_t to_size) {
   std::array<iovec, kMaxRun> parts;
   for (std::size_t i = 0; i < packets.size(); ++i) parts[i] = part_of(packets[i]);
   msghdr header = header_for(to, to_size, parts.data(), packets.size());
@@ -128,13 +121,20 @@ int DatagramSender::send_run(int fd, std::span<const PacketRef> packets, const s
   segment->cmsg_len = CMSG_LEN(sizeof(std::uint16_t));
   const auto size = static_cast<std::uint16_t>(packets.front().bytes.size());
   std::memcpy(CMSG_DATA(segment), &size, sizeof size);
-  return ::sendmsg(fd, &header, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 ? 0 : errno;
+  const bool sent = ::sendmsg(fd, &header, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
+  return sent ? static_cast<std::ptrdiff_t>(packets.size()) : -1;
 }
 
-// @return datagrams sent; 0 or less with errno when not even the first
-std::ptrdiff_t DatagramSender::send_each(int fd, std::span<const PacketRef> packets,
-                                         const sockaddr* to, socklen_t to_size) {
-  if (packets.size() == 1) {
+// Up to where the next run begins. @return datagrams sent; 0 or less with errno when not even the
+// first
+std::ptrdiff_t DatagramSender::send_singly(int fd, std::span<const PacketRef> packets,
+                                           const sockaddr* to, socklen_t to_size) {
+  std::size_t count = 1;
+  while (count < std::min(packets.size(), kMaxBatch) &&
+         run_length(packets.subspan(count)) < kWorthARun) {
+    ++count;
+  }
+  if (count == 1) {
     const auto bytes = packets.front().bytes;
     const auto sent =
         ::sendto(fd, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, to, to_size);
@@ -142,12 +142,11 @@ std::ptrdiff_t DatagramSender::send_each(int fd, std::span<const PacketRef> pack
   }
   std::array<iovec, kMaxBatch> parts;
   std::array<mmsghdr, kMaxBatch> messages;
-  for (std::size_t i = 0; i < packets.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     parts[i] = part_of(packets[i]);
     messages[i] = {header_for(to, to_size, &parts[i], 1), 0};
   }
-  return ::sendmmsg(fd, messages.data(), static_cast<unsigned>(packets.size()),
-                    MSG_DONTWAIT | MSG_NOSIGNAL);
+  return ::sendmmsg(fd, messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
 DatagramReader::DatagramReader() : bytes_(kBatch * kMaxDatagram) {

@@ -63,9 +63,10 @@ class DatagramSender {
 
  private:
   std::size_t run_length(std::span<const PacketRef> packets) const;
-  int send_run(int fd, std::span<const PacketRef> packets, const sockaddr* to, socklen_t to_size);
-  static std::ptrdiff_t send_each(int fd, std::span<const PacketRef> packets, const sockaddr* to,
-                                  socklen_t to_size);
+  std::ptrdiff_t send_run(int fd, std::span<const PacketRef> packets, const sockaddr* to,
+                          socklen_t to_size);
+  std::ptrdiff_t send_singly(int fd, std::span<const PacketRef> packets, const sockaddr* to,
+                             socklen_t to_size);
 
   bool segmentation_ = true;  ///< until the kernel or the device refuses it
 };

@@ -108,20 +108,20 @@ class FuzzedPort {
   LinkFigures figures_;
   MessageTaps taps_;
   EchoLatency echo_;
-  VehicleMethods commands_{server_,
-                           commander_,
-                           GainMap::shipped(),
-                           {.now = [this] { return now_; },
-                            .link_name = [](LinkId) { return std::string("fcu"); },
-                            .audit = [](const std::string&) {}}};
-  FigureMethods figures_{server_,
-                         {.figures = &figures_,
-                          .topology = [this]() -> const Topology& { return topology_; },
-                          .now = [this] { return now_; },
-                          .started = now_,
-                          .vehicles = [this] { return commands_.vehicles(); },
-                          .taps = &taps_,
-                          .echo = &echo_}};
+  VehicleMethods vehicle_methods_{server_,
+                                  commander_,
+                                  GainMap::shipped(),
+                                  {.now = [this] { return now_; },
+                                   .link_name = [](LinkId) { return std::string("fcu"); },
+                                   .audit = [](const std::string&) {}}};
+  FigureMethods figure_methods_{server_,
+                                {.figures = &figures_,
+                                 .topology = [this]() -> const Topology& { return topology_; },
+                                 .now = [this] { return now_; },
+                                 .started = now_,
+                                 .vehicles = [this] { return vehicle_methods_.vehicles(); },
+                                 .taps = &taps_,
+                                 .echo = &echo_}};
 };
 
 }  // namespace

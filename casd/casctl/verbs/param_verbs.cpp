@@ -60,32 +60,38 @@ void add_setgain(CommandLine& line) {
   });
 }
 
+/// The gains of one loop, or of all where none is named.
+json fetch_gains(Session& session, const std::string& loop) {
+  if (!loop.empty()) return json::array({session.vehicle_call("gain.get", {{"loop", loop}})});
+  json all = json::array();
+  const json list = session.vehicle_call("gain.list");
+  for (const json& entry : list.at("loops")) {
+    all.push_back(session.vehicle_call("gain.get", {{"loop", entry.at("loop")}}));
+  }
+  return all;
+}
+
+void print_gains(const json& all) {
+  Table table({"LOOP", "P", "I", "D"});
+  const auto cell = [](const json& gains, const char* key) {
+    return gains.contains(key) ? gains[key].dump() : "-";
+  };
+  for (const json& gains : all) {
+    table.add({gains.value("loop", "?"), cell(gains, "p"), cell(gains, "i"), cell(gains, "d")});
+  }
+  table.print(std::cout);
+}
+
 void add_gains(CommandLine& line) {
   const auto loop = std::make_shared<std::string>();
   line.add_verb("gains", "Show the gains of one loop, or of all", "casctl gains rollrate",
                 [loop](Session& session) {
-                  json all = json::array();
-                  if (loop->empty()) {
-                    const json list = session.vehicle_call("gain.list");
-                    for (const json& entry : list.at("loops")) {
-                      all.push_back(session.vehicle_call("gain.get", {{"loop", entry.at("loop")}}));
-                    }
-                  } else {
-                    all.push_back(session.vehicle_call("gain.get", {{"loop", *loop}}));
-                  }
+                  const json all = fetch_gains(session, *loop);
                   if (session.options().json) {
                     report(session.options(), loop->empty() ? all : all.at(0), "");
-                    return kDone;
+                  } else {
+                    print_gains(all);
                   }
-                  Table table({"LOOP", "P", "I", "D"});
-                  const auto cell = [](const json& gains, const char* key) {
-                    return gains.contains(key) ? gains[key].dump() : "-";
-                  };
-                  for (const json& gains : all) {
-                    table.add({gains.value("loop", "?"), cell(gains, "p"), cell(gains, "i"),
-                               cell(gains, "d")});
-                  }
-                  table.print(std::cout);
                   return kDone;
                 })
       .add_option("LOOP", *loop, "Control loop; left out: all");

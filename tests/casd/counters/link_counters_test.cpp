@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/error.hpp"
 #include "casd/tlog/tlog_writer.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "tests/casd/packets.hpp"

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "base/config/config.hpp"
+#include "base/error.hpp"
+
 namespace cas::casd {
 namespace {
 
