@@ -57,9 +57,9 @@ CommanderOptions commander_options(const Topology& topology) {
   options.heartbeat_hz = topology.commanding.heartbeat_hz;
   options.allow_not_hil = topology.commanding.allow_not_hil;
   if (topology.pace == Pace::kLockstep) {
-    // A question upon the first HEARTBEAT would fall where it happens to fall.
+    // Asking on first sight would depend on thread timing and break same-seed, same-bytes.
     options.ask_on_sight = false;
-    // While the simulation stands no time passes in which a text could come.
+    // Simulated time stands still between two steps, so a grace period would never end.
     options.command_timing.text_grace = {};
   }
   return options;
@@ -132,8 +132,9 @@ struct App::Impl {
     commander.tick(now);
   }
 
-  /// Lockstep, on a link's thread: the stream waits while the station has its turn on this one. Not
-  /// for ever: a reload waits for link threads, and at the end nobody takes turns.
+  /// Lockstep, on a link's thread: holds the stream while the station has its turn on the main
+  /// thread. The wait is bounded, because a reload waits for link threads and at the end no turn
+  /// comes.
   void hold_for_turn(base::RunTime now) {
     if (ending.load()) return;
     const auto over = std::make_shared<std::promise<void>>();
@@ -187,7 +188,7 @@ struct App::Impl {
     if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
   }
 
-  /// casd started anew leaves the log of before alone.
+  /// A restart never overwrites an old log: it takes the next free name.
   void start_log(const TlogConfig& log) {
     if (log.tlog.empty()) return;
     links.tlog().start(log.overwrite ? log.tlog : free_tlog_name(log.tlog), log.rotation);
@@ -317,7 +318,7 @@ struct App::Impl {
   std::string metrics_endpoint;  ///< empty: none
   base::RunTime settle_deadline{};
   base::RunTime next_summary{};
-  std::atomic<bool> ending{false};  ///< nobody takes turns any more
+  std::atomic<bool> ending{false};  ///< no more turns
 };
 
 App::App(AppOptions options, Topology topology)

@@ -167,8 +167,8 @@ LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfi
 }
 
 void LinkSet::commit(Change change) {
-  // Rules first: a port whose link has not begun takes nothing, a link that goes by rules of before
-  // may give what it should not.
+  // Rules first: the port of a link that has not begun takes nothing, but a link under the old
+  // rules could send to a port that the new ones forbid.
   switchboard_.router().replace(std::move(change.plan));
   switchboard_.set_ports(std::move(change.ports));
   keys_ = std::move(change.keys);

@@ -61,7 +61,7 @@ class LinkSet {
     std::shared_ptr<LinkLoop> loop;
   };
 
-  /// A link that is made but not in force: nobody hears it, and it does nothing yet.
+  /// A link that is made but not in force: no other link knows it, and it does nothing yet.
   struct Opening {
     Running running;
     std::shared_ptr<LinkCounters> counters;

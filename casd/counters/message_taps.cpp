@@ -35,7 +35,7 @@ std::optional<MessageTaps::Sample> MessageTaps::look(const Key& key, base::RunTi
   return std::nullopt;
 }
 
-/// Forgets what nobody asks for any more.
+/// Stops watching messages that no client has asked for lately.
 void MessageTaps::expire(base::RunTime now) {
   std::erase_if(looks_, [now](const Look& look) { return now - look.asked > kPatience; });
   std::uint64_t bits = 0;

@@ -14,11 +14,11 @@
 
 namespace cas::casd {
 
-/// Keeps the newest packet of the few messages that somebody looks at. While nobody looks, a packet
-/// costs one load.
+/// Keeps the newest packet of the few messages that a client watches. While none is watched, a
+/// packet costs one load.
 class MessageTaps {
  public:
-  /// What is looked at: one message of one sender as received on one link.
+  /// A watched message: of one sender, as received on one link.
   struct Key {
     LinkId link = kNoLink;
     std::uint32_t message_id = 0;
@@ -29,7 +29,7 @@ class MessageTaps {
     std::array<std::uint8_t, mav::kMaxPayloadBytes> payload{};
     std::size_t size = 0;
     base::RunTime at{};
-    std::uint64_t count = 0;  ///< packets since somebody looks
+    std::uint64_t count = 0;  ///< packets since the first look
   };
 
   /// From a link's thread, for each packet it received.
@@ -39,8 +39,8 @@ class MessageTaps {
     note({link, packet.message_id, packet.source}, packet, now);
   }
 
-  /// The newest packet since somebody looks, and looks on: a look ends when nobody asked for
-  /// kPatience. Nothing while none came, or when too much is looked at.
+  /// Newest packet since the first look. Watching stops when no look came for kPatience. Nothing
+  /// before the first packet, or when too many messages are watched.
   std::optional<Sample> look(const Key& key, base::RunTime now);
 
   static constexpr std::size_t kMaxLooks = 64;

@@ -37,7 +37,7 @@ class Ingress {
     parse(parser, bytes, on_packet);
     parser.flush([&](const mav::PacketView& packet) { admit(packet, on_packet); });
   }
-  /// Likewise for bytes of a stream.
+  /// The same for bytes of a stream.
   template <class OnPacket>
   void parse_stream(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
     parse(parser, bytes, on_packet);

@@ -11,7 +11,8 @@
 
 namespace cas::casd {
 
-/// Lockstep: the time that casd's own station runs on, told by the HIL_SENSOR stream that passes.
+/// Lockstep: the time that casd's own station runs on, taken from the HIL_SENSOR stream that
+/// passes.
 ///
 /// Each 50 ms of it the stream is held while the station has its turn (retries, heartbeats), so
 /// that what the station sends of itself always stands between the same two sensor messages,

@@ -283,7 +283,7 @@ void DirectTxPort::drain(base::RunTime now) {
   if (!busy_.load(std::memory_order_relaxed)) busy_since_ns_.store(0, std::memory_order_relaxed);
 }
 
-// What was taken from the queue and found no room has aged since.
+// Packets that were taken from the queue and found no room have aged since.
 void DirectTxPort::drop_late_batch(base::RunTime now) {
   if (batch_at_ == batch_.size()) return;
   const auto late = [&](const PacketRef& packet) {

@@ -100,7 +100,7 @@ class TxPort : public PacketPort {
   TxQueue queue_;
 
   std::atomic<bool> open_{false};
-  std::atomic<bool> backlog_{false};  ///< something waits: nobody may overtake it
+  std::atomic<bool> backlog_{false};  ///< packets wait: no new one may overtake them
   std::atomic<bool> busy_{false};     ///< the descriptor takes no more for now
   std::atomic<bool> broken_{false};
   std::atomic<std::int64_t> due_ns_{0};         ///< 0: not held by the pacer

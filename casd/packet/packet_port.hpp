@@ -41,7 +41,7 @@ class PacketWriter {
   virtual std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) = 0;
   /// Bytes that it adds to each packet.
   virtual std::size_t added_bytes() const { return 0; }
-  /// Bytes that were written and have not left this machine; 0 where nobody can tell.
+  /// Bytes that were written and have not left this machine; 0 where the driver cannot tell.
   virtual std::size_t unsent() const { return 0; }
   /// What to wait on when it takes no more.
   virtual int descriptor() const = 0;

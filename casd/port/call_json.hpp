@@ -60,7 +60,7 @@ std::string_view severity_word(mavlink::common::MavSeverity severity);
 std::string type_word(mavlink::common::MavType type);
 
 /// The number whose decimal text is the shortest that a float reads back from: 0.15, not
-/// 0.15000000596046448; an integer stays one. What is not finite is null.
+/// 0.15000000596046448; an integer stays one. Infinity and NaN are null.
 nlohmann::json number_json(double value);
 nlohmann::json parameters_json(const std::map<std::string, double>& parameters);
 

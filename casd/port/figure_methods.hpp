@@ -36,7 +36,7 @@ struct FiguresSource {
   std::shared_ptr<const MessageDecoder> decoder = std::make_shared<const MessageDecoder>();
 };
 
-/// The half of the command port that tells about casd itself: casd.status, link.*, message.* and
+/// The methods of the command port about casd itself: casd.status, link.*, message.* and
 /// the topics `links`, `messages` and `drops`. Everything on the server's thread.
 class FigureMethods {
  public:

@@ -26,8 +26,8 @@ struct VehicleHooks {
   std::function<void(const std::string&)> audit;
 };
 
-/// The vehicle half of the command port: methods vehicle.*, gain.* and param.*, answered after the
-/// vehicle has acknowledged, and the topic `statustext`. Everything on the server's thread.
+/// The methods of the command port about vehicles: vehicle.*, gain.* and param.*, answered after
+/// the vehicle has acknowledged, and the topic `statustext`. Everything on the server's thread.
 class VehicleMethods {
  public:
   /// Adds its methods to `server`. All arguments outlive this object; it outlives the server's run.

@@ -76,8 +76,8 @@ class LinePacer {
 /// yet put on it. A line slower than its rate, or held by flow control, shows here before anything
 /// is lost.
 ///
-/// Not every driver tells the truth. One whose figure stands still above zero for longer than any
-/// line without flow control can need is not believed any more.
+/// Some drivers report a wrong number. A driver whose number stays above zero without a change for
+/// longer than any line without flow control can need is ignored from then on.
 class LineCheck {
  public:
   static constexpr base::Duration kPatience = std::chrono::seconds(2);

@@ -54,7 +54,7 @@ bool TxQueue::push(const PacketInfo& info, std::span<const std::uint8_t> bytes) 
     }
     drop_front(traffic, DropCause::kQueueFull);
   }
-  // Who comes back from idling starts level with the others instead of cashing in its absence.
+  // A class that was idle starts level with the others: idle time earns no credit.
   double& own_time = virtual_time_[index(traffic)];
   if (was_idle) own_time = std::max(own_time, virtual_now_);
   high_water_ = std::max(high_water_, count());

@@ -20,7 +20,7 @@ namespace cas::casd {
 /// Why a packet did not go out.
 enum class DropCause : std::uint8_t {
   kAge,         ///< would have arrived too late to be worth anything
-  kBandwidth,   ///< likewise, because of the cap that the topology sets
+  kBandwidth,   ///< too late as well, because of the cap that the topology sets
   kQueueFull,   ///< its class, or the socket, had no room left
   kClosed,      ///< the link was away, or came back and what waited was stale
   kStalled,     ///< the peer stopped reading and was closed

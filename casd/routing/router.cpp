@@ -36,7 +36,7 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
   route.info.from_peer = from_peer;
   route.info.received = now;
 
-  // Who speaks here can be reached here.
+  // A sender can be reached over the link that it was heard on.
   routes_.learn(from, packet.source, now);
 
   // Redundant paths: the second copy ends here.

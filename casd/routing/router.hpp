@@ -19,11 +19,11 @@
 
 namespace cas::casd {
 
-/// All that the router is told: immutable, replaced as a whole.
+/// Everything the router decides by: immutable, replaced as a whole.
 struct RoutingPlan {
   ForwardRules rules;
-  /// For each link the links that nothing goes back to: its group. A link without group stands
-  /// alone here, with its own bit; a server link whose peers may talk to each other has none.
+  /// For each link, the links that never get its packets: its group. Without a group that is the
+  /// link itself; a server link whose peers may talk to each other excludes none.
   std::array<LinkMask, kMaxLinks> never_back{};
   /// Group number per link, -1: none. Packets that come twice into a group go on once.
   std::array<std::int8_t, kMaxLinks> group;
@@ -35,7 +35,7 @@ struct RoutingPlan {
 /// Where a packet goes, and why it may go nowhere.
 struct Route {
   enum class Decision : std::uint8_t {
-    kForward,     ///< `to` may still be empty: nobody is there who wants it
+    kForward,     ///< `to` may still be empty: no link wants it
     kDuplicate,   ///< came over another link of the group already
     kNoRule,      ///< the rules let it go nowhere
     kNoTarget,    ///< addressed to somebody who was never heard

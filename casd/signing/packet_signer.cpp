@@ -156,7 +156,7 @@ mav::SigningTime SigningTimeFile::load() const {
 
 bool SigningTimeFile::store(mav::SigningTime bound) const {
   try {
-    // Whoever stores holds the lock of the packets: no waiting for a disk.
+    // The caller holds the lock of the packets, so this must not wait for a disk.
     base::write_file(path_, std::to_string(bound) + "\n", base::Durability::kCache);
   } catch (const base::ConfigError&) {
     return false;

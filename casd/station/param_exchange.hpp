@@ -44,7 +44,7 @@ std::string_view name(mavlink::common::MavParamType type);
 /// Shortest decimal text that a float of this value reads back from: 0.15, not 0.150000006.
 std::string number_text(double value);
 
-/// One parameter as the vehicle last told it.
+/// One parameter by the newest PARAM_VALUE.
 struct Parameter {
   double value = 0;
   mavlink::common::MavParamType type{};

@@ -127,7 +127,7 @@ bool spins(const VehicleCommand& command) {
     case MavCmd::kComponentArmDisarm:
       return command.params[0] != 0;
     case MavCmd::kDoSetMode: {
-      // What is no set of flags may be read as anything.
+      // A number that is no set of flags may be read as any of them.
       if (!(command.params[0] >= 0 && command.params[0] <= 255)) return true;
       const auto flags = static_cast<MavModeFlag>(static_cast<std::uint8_t>(command.params[0]));
       return has(flags, MavModeFlag::kSafetyArmed);

@@ -58,7 +58,7 @@ struct CommanderOptions {
 /// Each request ends with exactly one call of its `done`, which may start further requests.
 class VehicleCommander final : public Station {
  public:
-  /// Told about each whole status text.
+  /// Called with each whole status text.
   using OnText = std::function<void(const VehicleState&, const StatusText&)>;
 
   VehicleCommander(CommanderOptions options, SendPacket send);
@@ -77,8 +77,8 @@ class VehicleCommander final : public Station {
     bool force = false;    ///< skip the vehicle's own checks
     bool not_hil = false;  ///< arm although the vehicle does not say that it is in HIL
   };
-  /// A refusal tells what the vehicle lacks: its sensors, and what it has said since it was asked.
-  /// PX4 that stands in a mode which wants sticks, and refuses, is put into HOLD and asked again.
+  /// A refusal names the missing sensors and the status texts that followed the request. A PX4 that
+  /// refuses in a stick mode is put into HOLD and asked again.
   /// Refused with kInterlock for a vehicle without the HIL flag, unless request and configuration
   /// both consent.
   void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);
@@ -123,7 +123,7 @@ class VehicleCommander final : public Station {
   void set_param(std::uint8_t system, const std::string& name, double value, base::RunTime now,
                  Done done);
   void list_params(std::uint8_t system, base::RunTime now, Done done);
-  /// The type a parameter was last told with.
+  /// The type in the newest PARAM_VALUE of a parameter.
   std::optional<mavlink::common::MavParamType> param_type(std::uint8_t system,
                                                           const std::string& name) const;
 

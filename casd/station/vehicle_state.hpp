@@ -121,11 +121,10 @@ class VehicleState {
   std::uint64_t status_text_count_ = 0;
 };
 
-/// What speaks against flying, in words, as far as the vehicle says: sensors that it needs and does
-/// not have or does not trust (SYS_STATUS), and the reasons that its own checks have told lately
-/// ("Preflight Fail: ...", "PreArm: ..."). A vehicle that is armed has got over its reasons not to.
-/// Empty when nothing speaks against it.
-/// @param texts_before  status texts that do not count: so many had come when something was asked
+/// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or
+/// unhealthy (SYS_STATUS), and recent reasons of its own checks ("Preflight Fail: ...",
+/// "PreArm: ..."). The texts of an armed vehicle are ignored. Empty: none.
+/// @param texts_before  how many status texts had come before a request: those do not count
 std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime now,
                                     std::uint64_t texts_before = 0);
 

@@ -13,10 +13,10 @@
 #include "base/time/clock.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
-/// One record of a telemetry log, as ground stations read it: the time as an 8-byte big-endian
-/// number of microseconds since 1970, then the packet.
 namespace cas::casd {
 
+// One record of a telemetry log, as ground stations read it: the time as an 8-byte big-endian
+// number of microseconds since 1970, then the packet.
 inline constexpr std::size_t kTlogStampBytes = 8;
 inline constexpr std::size_t kMaxTlogRecordBytes = kTlogStampBytes + mav::kMaxPacketBytes;
 
@@ -38,7 +38,7 @@ inline std::uint64_t tlog_stamp_us(std::span<const std::uint8_t> record) {
   return stamp;
 }
 
-/// When a telemetry log goes on in another file.
+/// When a telemetry log continues in a new file.
 struct TlogRotation {
   std::uint64_t max_bytes = 0;  ///< of one file; 0: any
   base::Duration max_age{};     ///< of one file; 0: any

@@ -136,8 +136,7 @@ bool is_server(const std::vector<LinkConfig>& links, const std::string& name) {
          is_of_type(links, name, LinkType::kTcpServer);
 }
 
-/// One entry of `routes`; `from` and `to` take a name, a list of names or `any`, so that it stands
-/// for several routes.
+/// The routes of one entry of `routes`: `from` and `to` take a name, a list of names or `any`.
 std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
                                      const std::vector<LinkConfig>& links) {
   const auto from = parse_link_names(node.at("from"), links);

@@ -30,7 +30,7 @@ class LocalEndpoint final : public PacketPort {
   int descriptor() const { return signal_.descriptor(); }
   /// Gives the station what waits.
   void dispatch(Station& station, base::RunTime now);
-  /// Sends a packet of the station. What is no single whole packet is refused.
+  /// Sends a packet of the station. Anything but one whole packet is refused.
   bool send(std::span<const std::uint8_t> packet, base::RunTime now);
   /// Keeps the station's route alive: once a second.
   void tick(base::RunTime now) { ingress_.tick(now); }

@@ -33,7 +33,7 @@ class PathWatch {
 };
 
 /// A serial line, or a PTY. When the device goes away the link waits for its path to come back, by
-/// back-off and by watching the folder; nothing of before is sent over the new line.
+/// back-off and by watching the folder; packets that waited for the old line are dropped.
 class SerialLink final : public Link {
  public:
   explicit SerialLink(LinkContext context);

@@ -6,7 +6,7 @@
 namespace cas::casd {
 namespace {
 
-// Other links open meanwhile: they shall not miss the beginning.
+// Time for the other links to open, so that they do not miss the beginning.
 constexpr auto kLeadIn = std::chrono::milliseconds(200);
 
 class DiscardPort final : public PacketPort {

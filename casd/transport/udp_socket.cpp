@@ -24,10 +24,10 @@ bool refuses_segmentation(int error) {
   return error == EIO || error == EINVAL || error == EOPNOTSUPP;
 }
 
-// The answer to an earlier packet: nobody listened then. This one was not even tried.
+// The answer to an earlier packet, which no socket took. This one was not even tried.
 bool concerns_earlier_packet(int error) { return error == ECONNREFUSED; }
 
-// The peer's trouble, not the socket's: nobody listens there, or it cannot be reached now. The
+// The peer's trouble, not the socket's: it does not listen or cannot be reached now. The
 // packet is lost as UDP packets are, the next one is tried as ever.
 bool concerns_peer_only(int error) {
   switch (error) {

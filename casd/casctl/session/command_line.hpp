@@ -16,7 +16,7 @@ class Option;
 
 namespace cas::casctl {
 
-/// An option or argument of a verb. What is said of it goes into --help too.
+/// An option or argument of a verb. Its limits and defaults appear in --help.
 class Argument {
  public:
   explicit Argument(CLI::Option* option) : option_(option) {}
