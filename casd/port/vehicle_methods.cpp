@@ -121,6 +121,7 @@ json gains_json(std::uint8_t system, const GainLoop& loop, const Outcome& outcom
 VehicleMethods::VehicleMethods(base::rpc::Server& server, VehicleCommander& commander,
                                GainMap gains, VehicleHooks hooks)
     : server_(server), commander_(commander), gains_(std::move(gains)), hooks_(std::move(hooks)) {
+  add_arming_methods();
   add_flight_methods();
   add_raw_methods();
   add_state_methods();
@@ -196,7 +197,7 @@ void VehicleMethods::publish_text(const VehicleState& vehicle, const StatusText&
                                      {"text", text.text}});
 }
 
-void VehicleMethods::add_flight_methods() {
+void VehicleMethods::add_arming_methods() {
   add(
       "vehicle.arm", true,
       [this](CallParams& params) -> Action {
@@ -215,6 +216,9 @@ void VehicleMethods::add_flight_methods() {
         };
       },
       accepted);
+}
+
+void VehicleMethods::add_flight_methods() {
   add(
       "vehicle.takeoff", true,
       [this](CallParams& params) -> Action {

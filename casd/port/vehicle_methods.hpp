@@ -45,6 +45,7 @@ class VehicleMethods {
   /// Makes the result of an accepted request.
   using Answer = std::function<nlohmann::json(std::uint8_t system, const Outcome&)>;
 
+  void add_arming_methods();
   void add_flight_methods();
   void add_raw_methods();
   void add_state_methods();
