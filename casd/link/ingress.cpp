@@ -55,7 +55,7 @@ void Ingress::count_refusals(const Route& route) {
   using enum Route::Decision;
   if (route.thinned != 0) {
     counters_->count_refused(kRateLimited, route.info,
-                            static_cast<unsigned>(std::popcount(route.thinned)));
+                             static_cast<unsigned>(std::popcount(route.thinned)));
   } else if (route.decision != kForward) {
     counters_->count_refused(route.decision, route.info);
   }
