@@ -72,6 +72,12 @@ Json id_of(const Json& request) {
   return id == request.end() || id->is_structured() || id->is_boolean() ? Json(nullptr) : *id;
 }
 
+/// Answers a line that is not JSON-RPC; no further line of the peer is to be read.
+void refuse_line(Peer& peer, int code, const std::string& message) {
+  peer.refusal = Refusal::kNotJsonRpc;
+  peer.deliver(Dispatcher::error_line(code, message));
+}
+
 /// params.topic, or nothing.
 std::optional<std::string> topic_of(const Json& params) {
   if (!params.is_object()) return std::nullopt;
@@ -164,19 +170,26 @@ void Dispatcher::add_method(const std::string& name, Method method) {
 
 void Dispatcher::add_topic(const std::string& topic) { topics_.insert(topic); }
 
-void Dispatcher::handle(std::string_view line, const std::shared_ptr<Peer>& peer) {
-  if (line.find_first_not_of(" \t\r\n") == std::string_view::npos) return;
-  if (too_deep(line)) return peer->deliver(error_line(kParseError, "nested over 64 levels deep"));
+bool Dispatcher::handle(std::string_view line, const std::shared_ptr<Peer>& peer) {
+  if (line.find_first_not_of(" \t\r\n") == std::string_view::npos) return false;
+  handle_text(line, peer);
+  if (peer->refusal == Refusal::kNone) return true;
+  peer->on_refused();
+  return false;
+}
+
+void Dispatcher::handle_text(std::string_view line, const std::shared_ptr<Peer>& peer) {
+  if (too_deep(line)) return refuse_line(*peer, kParseError, "nested over 64 levels deep");
   const Json json = Json::parse(line, nullptr, false);
-  if (json.is_discarded()) return peer->deliver(error_line(kParseError, "the line is no JSON"));
+  if (json.is_discarded()) return refuse_line(*peer, kParseError, "the line is no JSON");
   if (json.is_array()) return handle_batch(json, peer);
   handle_request(json, peer, nullptr);
 }
 
 void Dispatcher::handle_batch(const Json& requests, const std::shared_ptr<Peer>& peer) {
-  if (requests.empty()) return peer->deliver(error_line(kInvalidRequest, "the batch is empty"));
+  if (requests.empty()) return refuse_line(*peer, kInvalidRequest, "the batch is empty");
   if (requests.size() > kMaxBatch) {
-    return peer->deliver(error_line(kInvalidRequest, "a batch holds at most 256 requests"));
+    return refuse_line(*peer, kInvalidRequest, "a batch holds at most 256 requests");
   }
   const auto batch = std::make_shared<Batch>();
   batch->peer = peer;
@@ -189,6 +202,7 @@ void Dispatcher::handle_request(const Json& request, const std::shared_ptr<Peer>
                                 std::shared_ptr<Batch> batch) {
   const std::string fault = request_fault(request);
   if (!fault.empty()) {
+    peer->refusal = Refusal::kNotJsonRpc;
     const Json stand_in{{"id", id_of(request)}};  // a faulty request is answered, id or not
     Call(peer, stand_in, std::move(batch)).fail(kInvalidRequest, fault, nullptr);
     return;
@@ -255,12 +269,16 @@ void Dispatcher::methods(const Json&, Peer&, const Reply& reply) {
 void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {
   const bool given = params.is_object() && params.contains("token") && params["token"].is_string();
   if (!given) return reply.error(kInvalidParams, "\"token\" must be a string", nullptr);
+  // One token a connection: a batch must not try many.
+  if (peer.refusal == Refusal::kWrongToken) {
+    return reply.error(kNotAuthorised, "an earlier token was wrong", nullptr);
+  }
   if (!token_ || same_token(*token_, params["token"].get<std::string>())) {
     peer.authorised = true;
     return reply.result(true);
   }
+  peer.refusal = Refusal::kWrongToken;
   reply.error(kNotAuthorised, "the token is wrong", nullptr);
-  peer.on_refused();
 }
 
 std::string Dispatcher::notification(const std::string& topic, const Json& params) {

@@ -22,12 +22,13 @@ class CAS_BASE_EXPORT Peer {
   virtual void deliver(std::string line) = 0;
   /// A call has ended; `calls` is already lower by one.
   virtual void on_call_ended() {}
-  /// The client gave a wrong token: no further line of it is to be read.
+  /// `refusal` was set by a line that has been answered: no further line is to be read.
   virtual void on_refused() {}
 
   std::string name;              ///< for an audit: "127.0.0.1:40412", "unix:uid 1000"
   std::set<std::string> topics;  ///< subscribed
   bool authorised = true;
+  Refusal refusal = Refusal::kNone;
   std::size_t calls = 0;  ///< under way
 };
 
@@ -44,7 +45,10 @@ class CAS_BASE_EXPORT Dispatcher {
   bool has_token() const { return token_.has_value(); }
 
   /// Handles one line; the answer may be delivered later. A peer that is gone by then misses it.
-  void handle(std::string_view line, const std::shared_ptr<Peer>& peer);
+  /// A line that is no JSON, or holds something else than requests, is answered and refuses the
+  /// peer. A blank line is skipped.
+  /// @return whether the line held requests
+  bool handle(std::string_view line, const std::shared_ptr<Peer>& peer);
 
   /// One notification as a line.
   static std::string notification(const std::string& topic, const Json& params);
@@ -56,6 +60,7 @@ class CAS_BASE_EXPORT Dispatcher {
   class Call;
   struct Batch;
 
+  void handle_text(std::string_view line, const std::shared_ptr<Peer>& peer);
   void handle_batch(const Json& requests, const std::shared_ptr<Peer>& peer);
   void handle_request(const Json& request, const std::shared_ptr<Peer>& peer,
                       std::shared_ptr<Batch> batch);

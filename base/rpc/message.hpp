@@ -24,6 +24,15 @@ enum ErrorCode : int {
   kInterlock = -32004,  ///< the vehicle does not say that it is in HIL
 };
 
+/// Why a server ends a connection, or does not begin it.
+enum class Refusal {
+  kNone,
+  kNotJsonRpc,  ///< a line was no JSON, no request, or too long
+  kWrongToken,
+  kNoRequest,  ///< no request came in time, or none that authorised where a token is asked for
+  kNoPlace,    ///< the places, or the share of the client's address, were taken
+};
+
 /// Answers one call, now or later, once, on the server's thread.
 struct Reply {
   std::function<void(Json result)> result;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -18,6 +19,7 @@ namespace cas::base::rpc {
 namespace {
 
 constexpr std::size_t kRefusedAtOnce = 16;  // clients over the limit that are still told why
+constexpr std::size_t kKeptForUnix = 1;     // places that TCP clients cannot take
 
 }  // namespace
 
@@ -26,26 +28,60 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
       : io(context), limits(bounds), dispatcher(std::make_shared<Dispatcher>()) {}
 
   void start_listener(ListeningSocket socket) {
-    const bool needs_token = socket.path.empty();
-    listeners.push_back(std::make_shared<Listener>(
-        io, std::move(socket), [weak = weak_from_this(), needs_token](StreamSocket client) {
-          if (const auto self = weak.lock()) self->on_client(std::move(client), needs_token);
-        }));
+    if (!socket.path.empty()) listens_on_unix = true;
+    listeners.push_back(std::make_shared<Listener>(io, std::move(socket),
+                                                   [weak = weak_from_this()](StreamSocket client) {
+                                                     if (const auto self = weak.lock())
+                                                       self->on_client(std::move(client));
+                                                   }));
     listeners.back()->start();
   }
 
-  void on_client(StreamSocket client, bool needs_token) {
-    if (sessions.size() >= limits.max_clients + kRefusedAtOnce) return;  // closes it
-    const bool full = sessions.size() >= limits.max_clients;
+  void on_client(StreamSocket client) {
     const auto session = std::make_shared<Session>(
         std::move(client), dispatcher, limits,
         [weak = weak_from_this()](const std::shared_ptr<Session>& closed) {
-          if (const auto self = weak.lock()) self->sessions.erase(closed);
+          if (const auto self = weak.lock()) self->on_closed(closed);
         });
-    session->authorised = !(needs_token && dispatcher->has_token());
+    session->authorised = session->host().empty() || !dispatcher->has_token();
+    const std::string fault = lacking_place(*session);
+    if (!fault.empty() && without_place() >= kRefusedAtOnce) {
+      ++refusals[Refusal::kNoPlace];
+      return;  // closes it
+    }
     sessions.insert(session);
-    if (full) return session->refuse("the server has as many clients as it takes");
+    if (!fault.empty()) return session->refuse(Refusal::kNoPlace, fault);
     session->start();
+  }
+
+  void on_closed(const std::shared_ptr<Session>& session) {
+    if (session->refusal != Refusal::kNone) ++refusals[session->refusal];
+    sessions.erase(session);
+  }
+
+  /// Why there is no place for a client; empty when there is one.
+  std::string lacking_place(const Session& client) const {
+    std::size_t taken = 0;
+    std::size_t taken_by_host = 0;
+    for (const auto& session : sessions) {
+      if (session->refusal == Refusal::kNoPlace) continue;
+      ++taken;
+      if (session->host() == client.host()) ++taken_by_host;
+    }
+    const bool tcp = !client.host().empty();
+    const std::size_t kept = tcp && listens_on_unix ? kKeptForUnix : 0;
+    if (taken + kept >= limits.max_clients) return "the server has as many clients as it takes";
+    if (tcp && taken_by_host >= (limits.max_clients + 1) / 2) {
+      return "the server has as many clients of one address as it takes";
+    }
+    return "";
+  }
+
+  /// Clients that are being told that there is no place for them.
+  std::size_t without_place() const {
+    return static_cast<std::size_t>(
+        std::count_if(sessions.begin(), sessions.end(),
+                      [](const auto& session) { return session->refusal == Refusal::kNoPlace; }));
   }
 
   void close() {
@@ -57,7 +93,9 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
   ServerLimits limits;
   std::shared_ptr<Dispatcher> dispatcher;
   std::vector<std::shared_ptr<Listener>> listeners;
+  bool listens_on_unix = false;
   std::set<std::shared_ptr<Session>> sessions;
+  std::map<Refusal, std::uint64_t> refusals;
 };
 
 Server::Server(boost::asio::io_context& io, ServerLimits limits)
@@ -108,5 +146,10 @@ void Server::listen_unix(const std::filesystem::path& path) {
 void Server::close() { impl_->close(); }
 
 std::size_t Server::clients() const { return impl_->sessions.size(); }
+
+std::uint64_t Server::refused(Refusal why) const {
+  const auto found = impl_->refusals.find(why);
+  return found == impl_->refusals.end() ? 0 : found->second;
+}
 
 }  // namespace cas::base::rpc

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,7 @@
 
 #include "base/export.hpp"
 #include "base/rpc/message.hpp"
+#include "base/time/clock.hpp"
 
 namespace boost::asio {
 class io_context;
@@ -16,13 +18,21 @@ class io_context;
 
 namespace cas::base::rpc {
 
+/// How long a TCP client may stay without a request.
+inline constexpr Duration kFirstRequestTime = std::chrono::seconds(10);
+
 struct ServerLimits {
   std::size_t max_line_bytes = 64 * 1024;
+  /// The clients of one IP address take at most half of these places. One is kept for Unix
+  /// sockets where the server listens on both.
   std::size_t max_clients = 64;
   std::size_t max_queued_replies = 256;  ///< a client that never reads is closed
   std::size_t max_queued_bytes = 4 * 1024 * 1024;
   /// Lines of one client; what comes faster waits in its socket. As many may come at once.
   double max_lines_s = 1000;
+  /// A TCP client must make its first request within this time, and where a token is asked for,
+  /// `authorise`. From then on it may be silent as long as it likes.
+  Duration first_request_time = kFirstRequestTime;
 };
 
 /// JSON-RPC 2.0 lines over TCP and Unix sockets; batches and notifications included. Everything
@@ -56,6 +66,8 @@ class CAS_BASE_EXPORT Server {
   void close();
   /// Clients being served.
   std::size_t clients() const;
+  /// Connections that have been refused for this reason; counted when they are closed.
+  std::uint64_t refused(Refusal why) const;
 
  private:
   struct Impl;

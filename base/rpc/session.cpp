@@ -23,26 +23,33 @@ constexpr std::size_t kLinesPerWrite = 32;            // gathered into one syste
 constexpr auto kFlushTime = std::chrono::seconds(5);  // for a client that ends without reading
 constexpr auto kDrainTime = std::chrono::seconds(1);
 
-/// "127.0.0.1:40412", "[::1]:40412", or the user behind a Unix socket: "unix:uid 1000".
-std::string peer_name(int fd) {
+struct PeerAddress {
+  std::string name;  // "127.0.0.1:40412", "[::1]:40412", or the user of a Unix socket
+  std::string host;  // "127.0.0.1", "::1", or "" for a Unix socket
+};
+
+PeerAddress unix_peer(int fd) {
+  ucred user{};
+  socklen_t size = sizeof user;
+  if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &user, &size) != 0) return {"unix", ""};
+  return {"unix:uid " + std::to_string(user.uid), ""};
+}
+
+PeerAddress peer_address(int fd) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
-  if (::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) return "?";
-  if (address.ss_family == AF_UNIX) {
-    ucred user{};
-    socklen_t user_size = sizeof user;
-    if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &user, &user_size) != 0) return "unix";
-    return "unix:uid " + std::to_string(user.uid);
-  }
+  if (::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {"?", "?"};
+  if (address.ss_family == AF_UNIX) return unix_peer(fd);
   std::array<char, NI_MAXHOST> host{};
   std::array<char, NI_MAXSERV> port{};
   if (::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(),
                     static_cast<socklen_t>(host.size()), port.data(),
                     static_cast<socklen_t>(port.size()), NI_NUMERICHOST | NI_NUMERICSERV) != 0) {
-    return "?";
+    return {"?", "?"};
   }
   const bool v6 = address.ss_family == AF_INET6;
-  return (v6 ? "[" : "") + std::string(host.data()) + (v6 ? "]:" : ":") + port.data();
+  return {(v6 ? "[" : "") + std::string(host.data()) + (v6 ? "]:" : ":") + port.data(),
+          host.data()};
 }
 
 }  // namespace
@@ -57,11 +64,33 @@ Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
       pause_(socket_.get_executor()),
       rate_(limits.max_lines_s, steady_now()),
       on_closed_(std::move(on_closed)) {
-  name = peer_name(socket_.native_handle());
+  PeerAddress peer = peer_address(socket_.native_handle());
+  name = std::move(peer.name);
+  host_ = std::move(peer.host);
 }
 
-void Session::refuse(const std::string& message) {
-  deliver(Dispatcher::error_line(kInternalError, message));
+void Session::start() {
+  if (!host_.empty()) await_first_request();
+  do_read();
+}
+
+// A silent client must not keep its place. A Unix socket's mode admits its owner alone, who may
+// connect long before the first call.
+void Session::await_first_request() {
+  deadline_.expires_after(limits_.first_request_time);
+  deadline_.async_wait([self = shared_from_this()](const AsioError& error) {
+    if (error || self->closed_ || self->finishing_ || self->asked_) return;
+    if (self->authorised) {
+      self->refuse(Refusal::kNoRequest, "no request came in time");
+    } else {
+      self->refuse(Refusal::kNoRequest, "no token came in time", kNotAuthorised);
+    }
+  });
+}
+
+void Session::refuse(Refusal why, const std::string& message, int code) {
+  refusal = why;
+  deliver(Dispatcher::error_line(code, message));
   finish();
 }
 
@@ -89,17 +118,20 @@ void Session::on_line(std::size_t size) {
   const std::string line = rx_.substr(0, size);
   rx_.erase(0, size);
   const std::shared_ptr<Dispatcher> dispatcher = dispatcher_;  // a method may close the server
-  dispatcher->handle(line, shared_from_this());
+  const bool requests = dispatcher->handle(line, shared_from_this());
+  if (asked_ || !requests || !authorised || closed_ || finishing_) return;
+  asked_ = true;
+  deadline_.cancel();
 }
 
 // The client has sent all it had (it may still read), broke off, or sent an endless line.
 void Session::on_read_end(bool line_too_long) {
   if (line_too_long) {
-    deliver(Dispatcher::error_line(
-        kParseError, "a line is longer than " + std::to_string(limits_.max_line_bytes) + " bytes"));
-  } else if (!rx_.empty()) {
-    on_line(rx_.size());  // a last line without its newline
+    return refuse(Refusal::kNotJsonRpc,
+                  "a line is longer than " + std::to_string(limits_.max_line_bytes) + " bytes",
+                  kParseError);
   }
+  if (!rx_.empty()) on_line(rx_.size());  // a last line without its newline
   finish();
 }
 

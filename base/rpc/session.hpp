@@ -24,7 +24,8 @@ using StreamSocket = boost::asio::generic::stream_protocol::socket;
 ///      ^-----------+                                        +-------+
 ///
 /// Ends by close() at once (error, a client that never reads), or by finish(): no further line is
-/// read, answers under way are still sent, then the line is drained so that they are not lost.
+/// read, answers under way are still sent, then the connection is drained so that they are not
+/// lost. refuse() and a line that is not JSON-RPC finish() it.
 class Session final : public Peer, public std::enable_shared_from_this<Session> {
  public:
   using Line = std::shared_ptr<const std::string>;
@@ -32,9 +33,13 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher, const ServerLimits& limits,
           std::function<void(const std::shared_ptr<Session>&)> on_closed);
 
-  void start() { do_read(); }
-  /// Tells the client why it is not served, and ends.
-  void refuse(const std::string& message);
+  /// Reads lines. A TCP client is refused if its first request, or the first that it makes
+  /// authorised, does not come in time.
+  void start();
+  /// Tells the client why it is not served any longer, and ends.
+  void refuse(Refusal why, const std::string& message, int code = kInternalError);
+  /// The peer's address without its port; empty for a Unix socket.
+  const std::string& host() const { return host_; }
   void deliver(std::string line) override;
   void deliver_shared(Line line);
   void close();
@@ -45,6 +50,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
 
   void do_read();
   void read_at_rate();
+  void await_first_request();
   void on_line(std::size_t size);
   void on_read_end(bool line_too_long);
   void do_write();
@@ -55,7 +61,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void do_drain();
 
   StreamSocket socket_;
-  boost::asio::steady_timer deadline_;      // of the end that finish() began
+  std::string host_;
+  boost::asio::steady_timer deadline_;      // of the first request, then of the end
   std::shared_ptr<Dispatcher> dispatcher_;  // null once closed
   ServerLimits limits_;
   boost::asio::steady_timer pause_;  // until the next line may be read
@@ -64,6 +71,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   std::string rx_;
   std::deque<Line> tx_;
   std::size_t tx_bytes_ = 0;
+  bool asked_ = false;  // the first request came, and the client is authorised
   bool writing_ = false;
   bool finishing_ = false;
   bool draining_ = false;

@@ -97,12 +97,22 @@ def check_completeness(client, page):
                      if "." in method and f"**{method}**" not in text]
 
 
-def check_rules(client):
-    """What the page says about batches, notifications and faults."""
+def check_end(address):
+    """What the page says about a line that is no JSON: casd ends the connection."""
+    client = Client(address)
+    client.send('this is no JSON\n{"jsonrpc":"2.0","id":1,"method":"link.list"}')
     faults = []
-    client.send("this is no JSON")
     if client.answer()["error"]["code"] != -32700:
         faults.append("a line that is no JSON is not answered with -32700")
+    if client.lines.readline():
+        faults.append("a line after one that is no JSON was answered")
+    return faults
+
+
+def check_rules(client):
+    """What the page says about batches, notifications and blank lines."""
+    faults = []
+    client.send("")
     client.send('[{"jsonrpc":"2.0","id":1,"method":"link.list"},{"jsonrpc":"2.0","method":"link.list"},'
                 '{"jsonrpc":"2.0","id":2,"method":"nothing"}]')
     if [each["id"] for each in client.answer()] != [1, 2]:
@@ -118,7 +128,7 @@ def main():
     page, address, folder = sys.argv[1:]
     client = Client(address)
     faults = check_completeness(client, page) + check_examples(client, page, folder)
-    faults += check_rules(client)
+    faults += check_rules(client) + check_end(address)
     for fault in faults:
         print(fault)
     return 1 if faults else 0

@@ -101,6 +101,9 @@ TEST_P(DispatcherFault, IsAnsweredWithItsCode) {
   EXPECT_FALSE(response["error"]["message"].get<std::string>().empty());
   EXPECT_FALSE(response.contains("result"));
   EXPECT_EQ(peer_->calls, 0U);
+  // What is no request ends the connection; a call that fails does not.
+  const int code = GetParam().code;
+  EXPECT_EQ(peer_->refused, code == kParseError || code == kInvalidRequest);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -195,6 +198,18 @@ TEST_F(DispatcherTest, ABatchIsAnsweredInItsOrderWhenTheLastIsIn) {
   EXPECT_EQ(batch[2]["error"]["code"], kInvalidRequest);
   EXPECT_EQ(batch[3]["result"], "second");
   EXPECT_EQ(counted_, 1);
+  EXPECT_TRUE(peer_->refused) << "7 is no request";
+}
+
+TEST_F(DispatcherTest, OnlyRequestsCountAsRequests) {
+  const auto is_request = [this](std::string_view line) { return dispatcher_.handle(line, peer_); };
+  EXPECT_TRUE(is_request(R"({"jsonrpc":"2.0","id":1,"method":"none"})"));
+  EXPECT_TRUE(is_request(R"({"jsonrpc":"2.0","method":"count"})"));
+  EXPECT_TRUE(is_request(R"([{"jsonrpc":"2.0","id":1,"method":"count"}])"));
+  EXPECT_FALSE(is_request(" \t\r\n"));
+  EXPECT_FALSE(peer_->refused) << "a blank line";
+  EXPECT_FALSE(is_request("POST / HTTP/1.1\r\n"));
+  EXPECT_EQ(peer_->refusal, Refusal::kNotJsonRpc);
 }
 
 TEST_F(DispatcherTest, ABatchOfNotificationsIsNotAnswered) {
@@ -256,7 +271,21 @@ TEST_F(DispatcherTest, AWrongTokenEndsThePeer) {
                        "params":{"token":"0123456789abcdeg"}})")["error"]["code"],
             kNotAuthorised);
   EXPECT_TRUE(peer_->refused);
+  EXPECT_EQ(peer_->refusal, Refusal::kWrongToken);
   EXPECT_FALSE(peer_->authorised);
+}
+
+TEST_F(DispatcherTest, ABatchMayTryOneTokenOnly) {
+  dispatcher_.set_token("0123456789abcdef");
+  peer_->authorised = false;
+  const Json answers = answer(
+      R"([{"jsonrpc":"2.0","id":1,"method":"authorise","params":{"token":"0123456789abcdeg"}},
+          {"jsonrpc":"2.0","id":2,"method":"authorise","params":{"token":"0123456789abcdef"}},
+          {"jsonrpc":"2.0","id":3,"method":"count"}])");
+  ASSERT_EQ(answers.size(), 3U);
+  for (const Json& each : answers) EXPECT_EQ(each["error"]["code"], kNotAuthorised);
+  EXPECT_TRUE(peer_->refused);
+  EXPECT_EQ(counted_, 0);
 }
 
 TEST_F(DispatcherTest, AMethodOfOneNameIsAddedOnce) {

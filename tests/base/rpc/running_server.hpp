@@ -64,6 +64,13 @@ class RunningServer {
   bool wait_for_clients(std::size_t count) {
     return wait_until([count](Server& server) { return server.clients() == count; });
   }
+  bool wait_for_refused(Refusal why, std::uint64_t count) {
+    return wait_until([why, count](Server& server) { return server.refused(why) == count; });
+  }
+  /// How many calls of `keep` wait for answer_kept().
+  std::size_t kept() {
+    return run([this] { return kept_.size(); });
+  }
   bool wait_for_kept(std::size_t count) {
     return wait_until([this, count](Server&) { return kept_.size() == count; });
   }

@@ -1,21 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Clients that are slow, endless, many or gone: each pays alone.
 #include <gtest/gtest.h>
-
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <cstdlib>
+#include <optional>
 #include <random>
-#include <thread>
+#include <string>
 #include <vector>
 
 #include "base/rpc/client.hpp"
 #include "base/rpc/server.hpp"
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/base/rpc/running_server.hpp"
+#include "tests/base/temporary_folder.hpp"
 
 namespace cas::base::rpc {
 namespace {
 
+constexpr const char* kKeep = R"({"jsonrpc":"2.0","id":2,"method":"keep"})";
 constexpr const char* kEcho = R"({"jsonrpc":"2.0","id":1,"method":"echo","params":[1]})";
 
 TEST(ServerAbuse, AnEndlessLineIsAnsweredAndEnded) {
@@ -105,19 +110,119 @@ TEST(ServerAbuse, AClientBeyondTheLimitIsToldAndClosed) {
   limits.max_clients = 3;
   RunningServer server(limits);
   std::vector<RawClient> clients;
-  for (int i = 0; i < 3; ++i) {
-    clients.emplace_back(server.port());
+  for (const char* from : {"127.0.0.1", "127.0.0.1", "127.0.0.2"}) {
+    clients.emplace_back(server.port(), from);
     EXPECT_EQ(clients.back().ask(kEcho)["id"], 1);
   }
-  RawClient fourth(server.port());
+  RawClient fourth(server.port(), "127.0.0.3");
   fourth.send(std::string(kEcho) + "\n");
   const Json refusal = fourth.json();
   EXPECT_TRUE(refusal["id"].is_null());
   EXPECT_EQ(refusal["error"]["code"], kInternalError);
   EXPECT_TRUE(fourth.closed_by_server());
+  fourth.close();
   clients.pop_back();
+  EXPECT_TRUE(server.wait_for_refused(Refusal::kNoPlace, 1));
   EXPECT_TRUE(server.wait_for_clients(2));
+  EXPECT_EQ(RawClient(server.port(), "127.0.0.2").ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, OneAddressTakesHalfOfThePlaces) {
+  ServerLimits limits;
+  limits.max_clients = 4;
+  RunningServer server(limits);
+  std::vector<RawClient> clients;
+  for (int i = 0; i < 2; ++i) {
+    clients.emplace_back(server.port());
+    EXPECT_EQ(clients.back().ask(kEcho)["id"], 1);
+  }
+  RawClient third(server.port());
+  EXPECT_EQ(third.json()["error"]["code"], kInternalError);
+  EXPECT_TRUE(third.closed_by_server());
+  EXPECT_EQ(RawClient(server.port(), "127.0.0.2").ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, SilentTcpClientsLeaveAPlaceForAUnixClient) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() / "rpc";
+  RunningServer server;
+  server.run([&] { server.server().listen_unix(path); });
+  std::vector<RawClient> silent;
+  for (int i = 0; i < 63; ++i) {
+    silent.emplace_back(server.port(), i % 2 == 0 ? "127.0.0.1" : "127.0.0.2");
+  }
+  EXPECT_TRUE(server.wait_for_clients(63));
+  silent.emplace_back(server.port(), "127.0.0.3");
+  EXPECT_EQ(silent.back().json()["error"]["code"], kInternalError);
+  Client unix_client("unix:" + path);
+  EXPECT_EQ(unix_client.call("echo", {1}, kPatience), Json({1}));
+}
+
+// Those who are turned away take no places while they are told why.
+TEST(ServerAbuse, ACrowdOfOneAddressLeavesTheOtherPlaces) {
+  RunningServer server;
+  std::vector<RawClient> crowd;
+  for (int i = 0; i < 300; ++i) crowd.emplace_back(server.port());
+  EXPECT_TRUE(server.wait_until([](Server& each) { return each.clients() >= 32; }));
+  EXPECT_EQ(RawClient(server.port(), "127.0.0.2").ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, SilentTcpClientsLoseTheirPlaces) {
+  ServerLimits limits;
+  limits.first_request_time = std::chrono::milliseconds(100);
+  RunningServer server(limits);
+  std::vector<RawClient> silent;
+  for (int i = 0; i < 64; ++i) {
+    silent.emplace_back(server.port(), i % 2 == 0 ? "127.0.0.1" : "127.0.0.2");
+  }
+  silent[0].send("\n\n");  // blank lines are no request
+  silent[1].send("\x16\x03\x01\x02 the first bytes of TLS, without a newline");
+  for (RawClient& client : silent) {
+    EXPECT_TRUE(client.json()["id"].is_null());
+    EXPECT_TRUE(client.closed_by_server());
+    client.close();
+  }
+  EXPECT_TRUE(server.wait_for_refused(Refusal::kNoRequest, 64));
   EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, AClientMayBeSilentAfterItsFirstRequest) {
+  ServerLimits limits;
+  limits.first_request_time = std::chrono::milliseconds(100);
+  RunningServer server(limits);
+  RawClient watcher(server.port());
+  EXPECT_EQ(watcher.ask(kEcho)["id"], 1);
+  RawClient silent(server.port());  // its end proves that the time is over for the watcher too
+  EXPECT_TRUE(silent.closed_by_server());
+  EXPECT_EQ(watcher.ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, ARequestInTheBodyOfAWebPageIsNotCalled) {
+  RunningServer server;
+  RawClient browser(server.port());
+  const std::string body = std::string(kKeep) + "\n";
+  EXPECT_TRUE(browser.send("POST / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(server.port()) +
+                           "\r\nUser-Agent: curl/7.88.1\r\nAccept: */*\r\nContent-Length: " +
+                           std::to_string(body.size()) +
+                           "\r\nContent-Type: application/x-www-form-urlencoded\r\n\r\n" + body));
+  EXPECT_EQ(browser.json()["error"]["code"], kParseError);
+  EXPECT_EQ(browser.line(), std::nullopt) << "one answer, then the end";
+  EXPECT_TRUE(browser.closed_by_server());
+  browser.close();
+  EXPECT_TRUE(server.wait_for_refused(Refusal::kNotJsonRpc, 1));
+  EXPECT_EQ(server.kept(), 0U);
+}
+
+TEST(ServerAbuse, CurlCallsNothing) {
+  const std::string curl = "/usr/bin/curl";
+  if (::access(curl.c_str(), X_OK) != 0) GTEST_SKIP() << curl << " is not installed";
+  RunningServer server;
+  const std::string command = curl + " --silent --noproxy '*' --max-time 20 --data-binary '" +
+                              kKeep + "\n' http://" + server.address() + "/ >/dev/null 2>&1";
+  EXPECT_NE(std::system(command.c_str()), 0) << "an answer that is not HTTP";
+  EXPECT_TRUE(server.wait_for_refused(Refusal::kNotJsonRpc, 1));
+  EXPECT_TRUE(server.wait_for_clients(0));
+  EXPECT_EQ(server.kept(), 0U);
 }
 
 TEST(ServerAbuse, ABurstOfConnectionsLeavesTheServerWhole) {
@@ -175,14 +280,13 @@ TEST(ServerAbuse, RandomBytesNeverEndTheServer) {
   std::mt19937 random(1);  // fixed: the same bytes in every run
   const std::string alphabet = "{}[]\":,0123456789.eE+-truefalsn\\u jsonrpc methodid\n\n\n\x80\xff";
   std::uniform_int_distribution<std::size_t> letter(0, alphabet.size() - 1);
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < 500; ++round) {  // the first line that is no request is the last
     RawClient client(server.port());
     std::string bytes;
-    for (int i = 0; i < 20'000; ++i) bytes += alphabet[letter(random)];
-    std::thread reader([&client] { client.closed_by_server(); });
+    for (int i = 0; i < 200; ++i) bytes += alphabet[letter(random)];
     client.send(bytes);
     client.end_of_input();
-    reader.join();
+    EXPECT_TRUE(client.closed_by_server());
   }
   EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
 }

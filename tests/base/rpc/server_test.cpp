@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "base/error.hpp"
 #include "tests/base/rpc/raw_client.hpp"
@@ -42,10 +43,43 @@ TEST(Server, ManyLinesMayComeInOnePiece) {
   for (int i = 0; i < 200; ++i) EXPECT_EQ(client.json()["id"], i);
 }
 
-TEST(Server, GoesOnAfterALineThatIsNoJson) {
+// It speaks another protocol: nothing that follows is meant for this server.
+TEST(Server, EndsAConnectionAtALineThatIsNoRequest) {
+  RunningServer server;
+  for (const char* line : {"nonsense", "{\"jsonrpc\":", "42", "[]", "{}",
+                           R"({"jsonrpc":"1.0","id":1,"method":"echo"})"}) {
+    RawClient client(server.port());
+    client.send(std::string(line) + "\n" + kKeep + "\n");
+    const int code = client.json()["error"]["code"];
+    EXPECT_TRUE(code == kParseError || code == kInvalidRequest) << line;
+    EXPECT_EQ(client.line(), std::nullopt) << line;
+    EXPECT_TRUE(client.closed_by_server()) << line;
+  }
+  EXPECT_TRUE(server.wait_for_refused(Refusal::kNotJsonRpc, 6));
+  EXPECT_EQ(server.kept(), 0U);
+}
+
+TEST(Server, EndsAConnectionAfterABatchThatHoldsNoRequest) {
   RunningServer server;
   RawClient client(server.port());
-  EXPECT_EQ(client.ask("nonsense")["error"]["code"], kParseError);
+  client.send("[" + std::string(kEcho) + ",7]\n" + kKeep + "\n");
+  const Json answers = client.json();
+  EXPECT_EQ(answers.at(0)["result"], Json({1}));
+  EXPECT_EQ(answers.at(1)["error"]["code"], kInvalidRequest);
+  EXPECT_TRUE(client.closed_by_server());
+  EXPECT_EQ(server.kept(), 0U);
+}
+
+TEST(Server, GoesOnAfterACallThatFailsAndABlankLine) {
+  RunningServer server;
+  RawClient client(server.port());
+  for (const char* line : {R"({"jsonrpc":"2.0","id":4,"method":"none"})",
+                           R"({"jsonrpc":"2.0","id":4,"method":"subscribe","params":{}})",
+                           R"({"jsonrpc":"2.0","id":4,"method":"fail"})",
+                           R"({"jsonrpc":"2.0","id":4,"method":"throw"})"}) {
+    EXPECT_TRUE(client.ask(line).contains("error")) << line;
+  }
+  client.send("\r\n \n");
   EXPECT_EQ(client.ask(kEcho)["result"], Json({1}));
 }
 

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <chrono>
+#include <nlohmann/json.hpp>
+
 #include "base/error.hpp"
 #include "base/rpc/client.hpp"
+#include "tests/base/rpc/raw_client.hpp"
 #include "tests/base/rpc/running_server.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -76,6 +80,27 @@ TEST(TokenServer, AWrongTokenEndsTheConnection) {
   Client client(server.address());
   EXPECT_THROW(client.call("authorise", {{"token", "wrong"}}, kPatience), CallError);
   EXPECT_THROW(client.call("echo", {1}, kPatience), ConnectionError);
+}
+
+TEST(TokenServer, AClientThatIsNotAuthorisedInTimeIsClosed) {
+  const TemporaryFolder folder;
+  ServerLimits limits;
+  limits.first_request_time = std::chrono::milliseconds(100);
+  RunningServer server(limits);
+  const auto file = write_token(folder, kToken, 0600);
+  server.run([&] { server.server().require_token(file); });
+  RawClient stranger(server.port());
+  Client owner(server.address());
+  EXPECT_EQ(owner.call("authorise", {{"token", kToken}}, kPatience), true);
+  const Json request{{"jsonrpc", "2.0"}, {"id", 1}, {"method", "echo"}};
+  EXPECT_EQ(stranger.ask(request.dump())["error"]["code"], kNotAuthorised);
+  const Json end = stranger.json();
+  EXPECT_TRUE(end["id"].is_null());
+  EXPECT_EQ(end["error"]["code"], kNotAuthorised);
+  EXPECT_TRUE(stranger.closed_by_server());
+  stranger.close();
+  EXPECT_TRUE(server.wait_for_refused(Refusal::kNoRequest, 1));
+  EXPECT_EQ(owner.call("echo", {1}, kPatience), Json({1}));
 }
 
 TEST(TokenServer, AnAddressThatOtherHostsReachNeedsOne) {
