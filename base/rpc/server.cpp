@@ -18,7 +18,7 @@
 namespace cas::base::rpc {
 namespace {
 
-constexpr std::size_t kRefusedAtOnce = 16;  // clients over the limit that are still told why
+constexpr std::size_t kRefusedAtOnce = 16;  // clients without a place that are still told why
 constexpr std::size_t kKeptForUnix = 1;     // places that TCP clients cannot take
 
 }  // namespace
@@ -29,11 +29,10 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
 
   void start_listener(ListeningSocket socket) {
     if (!socket.path.empty()) listens_on_unix = true;
-    listeners.push_back(std::make_shared<Listener>(io, std::move(socket),
-                                                   [weak = weak_from_this()](StreamSocket client) {
-                                                     if (const auto self = weak.lock())
-                                                       self->on_client(std::move(client));
-                                                   }));
+    auto on_accepted = [weak = weak_from_this()](StreamSocket client) {
+      if (const auto self = weak.lock()) self->on_client(std::move(client));
+    };
+    listeners.push_back(std::make_shared<Listener>(io, std::move(socket), std::move(on_accepted)));
     listeners.back()->start();
   }
 
@@ -59,7 +58,8 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
     sessions.erase(session);
   }
 
-  /// Why there is no place for a client; empty when there is one.
+  /// Why there is no place for a client; empty when there is one. Clients that are being turned
+  /// away hold none.
   std::string lacking_place(const Session& client) const {
     std::size_t taken = 0;
     std::size_t taken_by_host = 0;
