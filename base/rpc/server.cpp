@@ -145,7 +145,7 @@ void Server::listen_unix(const std::filesystem::path& path) {
 
 void Server::close() { impl_->close(); }
 
-std::size_t Server::clients() const { return impl_->sessions.size(); }
+std::size_t Server::clients() const { return impl_->sessions.size() - impl_->without_place(); }
 
 std::uint64_t Server::refused(Refusal why) const {
   const auto found = impl_->refusals.find(why);
