@@ -38,6 +38,15 @@ inline std::uint64_t tlog_stamp_us(std::span<const std::uint8_t> record) {
   return stamp;
 }
 
+/// Appends a record to `records`. @param unix_us  microseconds since 1970
+inline void append_tlog_record(std::uint64_t unix_us, std::span<const std::uint8_t> packet,
+                               std::vector<std::uint8_t>& records) {
+  for (int shift = 56; shift >= 0; shift -= 8) {
+    records.push_back(static_cast<std::uint8_t>(unix_us >> static_cast<unsigned>(shift)));
+  }
+  records.insert(records.end(), packet.begin(), packet.end());
+}
+
 /// When a telemetry log continues in a new file.
 struct TlogRotation {
   std::uint64_t max_bytes = 0;  ///< of one file; 0: any

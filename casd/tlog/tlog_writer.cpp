@@ -61,10 +61,7 @@ void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now)
   }
   const auto stamp =
       static_cast<std::uint64_t>((now.time_since_epoch().count() + unix_minus_run_ns_) / 1000);
-  for (int shift = 56; shift >= 0; shift -= 8) {
-    waiting_.push_back(static_cast<std::uint8_t>(stamp >> static_cast<unsigned>(shift)));
-  }
-  waiting_.insert(waiting_.end(), packet.begin(), packet.end());
+  append_tlog_record(stamp, packet, waiting_);
   recorded_.fetch_add(1, std::memory_order_relaxed);
 }
 
