@@ -5,16 +5,17 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 
 #include "base/config/config.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/earth/frames.hpp"
+#include "base/random.hpp"
 #include "fcu/estimation/sensor_figures.hpp"
 #include "fcu/estimation_bound/estimation_bound.hpp"
 #include "hils/figures/flight_batch.hpp"
-#include "hils/figures/flight_hover.hpp"
 #include "hils/virtual/direct_flight.hpp"
 
 namespace cas::hils {
@@ -24,6 +25,17 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+constexpr double kHoverHeight_m = 2.5;
+constexpr double kLightTurbulence_m_s = 15 * 0.514444;  // W20 of MIL-F-8785C, 15 knots
+const Eigen::Vector3d kHoverPlace_N(0, 0, -kHoverHeight_m);
+
+/// Takes off, goes to the place of the hover, nose to the north, and waits.
+bool begin_hover(DirectFlight& flight, double settle_s) {
+  if (!flight.take_off(kHoverHeight_m)) return false;
+  flight.go_to(0, 0, kHoverHeight_m, 0);
+  flight.run(settle_s);
+  return true;
+}
 
 // Hover.
 
@@ -82,6 +94,38 @@ fcu::EstimationBound best_possible(const std::string& sensors) {
 
 std::optional<double> times(double factor, double value) {
   return factor > 0 ? std::optional(factor * value) : std::nullopt;
+}
+
+// Flights that have but one question: did it stay up?
+
+struct Survival {
+  bool up = false;
+  double worst_m = 0;
+};
+
+/// Hovers for a minute; far away or on the ground is a crash.
+Survival survive(DirectFlight& flight, double settle_s) {
+  constexpr double kFlight_s = 60;
+  Survival out;
+  if (!begin_hover(flight, settle_s)) return out;
+  flight.run(kFlight_s - settle_s, [&] {
+    out.worst_m = std::max(out.worst_m, (flight.truth().p_N - kHoverPlace_N).norm());
+  });
+  constexpr double kFarthest_m = 2;
+  out.up = flight.status().armed && flight.status().landed == fcu::LandedState::kInAir &&
+           out.worst_m < kFarthest_m;
+  return out;
+}
+
+double crashes(const std::vector<Survival>& flights) {
+  return static_cast<double>(
+      std::count_if(flights.begin(), flights.end(), [](const Survival& s) { return !s.up; }));
+}
+
+double worst(const std::vector<Survival>& flights) {
+  double out = 0;
+  for (const Survival& s : flights) out = std::max(out, s.worst_m);
+  return out;
 }
 
 }  // namespace
@@ -227,6 +271,44 @@ std::vector<FlightFigure> wind_figures(const FlightBatch& batch) {
   return {{"8 m/s wind, light turbulence, rtk: truth against reference",
            std::sqrt(all.square / all.samples), 0.5, "m",
            fmt::format("worst {:.2f} m", all.worst)}};
+}
+
+std::vector<FlightFigure> poor_line_figures(const FlightBatch& batch) {
+  struct Line {
+    const char* name;
+    double packet_loss;
+    int delay_ms;
+  };
+  std::vector<FlightFigure> out;
+  for (const Line& line :
+       {Line{"1 packet in 10 lost each way", 0.1, 0}, Line{"10 ms more delay each way", 0, 10}}) {
+    const auto flights = fly_batch<Survival>(batch, [&](std::uint64_t seed) {
+      DirectFlightOptions options{.seed = seed};
+      options.line.packet_loss = line.packet_loss;
+      options.line.extra_delay = std::chrono::milliseconds(line.delay_ms);
+      DirectFlight flight(options);
+      return survive(flight, 10);
+    });
+    out.push_back({fmt::format("{}: flights that did not stay up, of {}", line.name, batch.flights),
+                   crashes(flights), 0.0, "",
+                   fmt::format("farthest off {:.2f} m", worst(flights))});
+  }
+  return out;
+}
+
+std::vector<FlightFigure> crash_figures(const FlightBatch& batch) {
+  const auto flights = fly_batch<Survival>(batch, [](std::uint64_t seed) {
+    base::NormalRandom random(base::derive_seed(seed, "vary"));
+    DirectFlightOptions options{.seed = seed};
+    options.mass_factor = 0.8 + 0.4 * random.uniform();
+    options.wind_m_s = 6 * random.uniform();
+    options.turbulence_w20_m_s = kLightTurbulence_m_s * random.uniform();
+    options.yaw_rad = 2 * M_PI * random.uniform();
+    DirectFlight flight(options);
+    return survive(flight, 10);
+  });
+  return {{fmt::format("60 s, mass +-20 %, wind to 6 m/s: crashed, of {}", batch.flights),
+           crashes(flights), 0.0, "", fmt::format("farthest off {:.2f} m", worst(flights))}};
 }
 
 }  // namespace cas::hils

@@ -43,7 +43,7 @@ std::vector<FlightFigure> wind_figures(const FlightBatch& batch);
 /// One packet in ten lost each way; 10 ms more delay each way.
 std::vector<FlightFigure> poor_line_figures(const FlightBatch& batch);
 /// Flights of 60 s with Table 1 noise, mass +-20 %, wind up to 6 m/s with turbulence, any heading:
-/// how many did not stay where they were told.
+/// how many crashed or drifted away.
 std::vector<FlightFigure> crash_figures(const FlightBatch& batch);
 
 }  // namespace cas::hils

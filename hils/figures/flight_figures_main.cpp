@@ -18,7 +18,6 @@
 #include "base/os/log.hpp"
 #include "hils/figures/flight_figures.hpp"
 #include "hils/measure/judgement.hpp"
-#include "hils/report/version.hpp"
 
 namespace {
 
@@ -67,7 +66,7 @@ int run(const std::vector<std::string>& wanted, const FlightBatch& batch) {
 int main(int argc, char** argv) {
   CLI::App app("Flies many flights and prints the controller's figures beside their bounds.",
                "flight_figures");
-  app.set_version_flag("--version", "flight_figures " + std::string(kVersion));
+  app.set_version_flag("--version", "flight_figures " + std::string(CAS_VERSION));
   std::vector<std::string> wanted;
   FlightBatch batch;
   batch.jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
