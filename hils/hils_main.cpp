@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -16,7 +17,10 @@
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/log.hpp"
-#include "hils/compare/compare_command.hpp"
+#include "base/os/write_file.hpp"
+#include "base/time/clock.hpp"
+#include "hils/compare/comparison.hpp"
+#include "hils/compare/comparison_report.hpp"
 #include "hils/firmware/firmware_run.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
@@ -24,8 +28,7 @@
 #include "hils/programs/realtime_run.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/report/report.hpp"
-#include "hils/report/run_results.hpp"
-#include "hils/report/version.hpp"
+#include "hils/report/results_folder.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/virtual/virtual_run.hpp"
 
@@ -43,6 +46,20 @@ struct RunFlags {
   std::string out;
   bool on_virtual_clock = false;
   bool lockstep = false;
+};
+
+/// Flags of `hils compare`.
+struct CompareFlags {
+  std::string scenario;
+  std::vector<std::string> architectures{"direct", "sitl", "ts", "loop", "tcas"};
+  std::vector<unsigned> bauds{460800, 921600};
+  std::size_t seeds = 5;
+  std::uint64_t first_seed = 1;
+  double warm_up_s = 10;
+  double hold_s = 60;
+  bool on_virtual_clock = false;
+  bool keep = false;
+  std::string out;
 };
 
 std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
@@ -78,6 +95,57 @@ int run(const RunFlags& flags) {
   write_results(request, result);
   fmt::print("{}\nResults: {}\n", text_report(result), flags.out);
   return result.verdict.exit_code();
+}
+
+ComparisonPlan make_plan(const CompareFlags& flags) {
+  ComparisonPlan plan;
+  plan.scenario = Scenario::load(base::find_config(flags.scenario));
+  std::vector<Architecture> architectures;
+  for (const std::string& word : flags.architectures) {
+    architectures.push_back(parse_architecture(word));
+  }
+  plan.variants = make_variants(architectures, flags.bauds);
+  for (std::uint64_t i = 0; i < flags.seeds; ++i) plan.seeds.push_back(flags.first_seed + i);
+  plan.warm_up_s = flags.warm_up_s;
+  plan.hold_s = flags.hold_s;
+  plan.virtual_clock = flags.on_virtual_clock;
+  if (plan.seeds.empty() || plan.variants.empty() || !(plan.hold_s > 0) || !(plan.warm_up_s > 0)) {
+    throw base::ConfigError(
+        "a comparison needs at least one seed and one architecture, and times above 0");
+  }
+  return plan;
+}
+
+bool any_valid(const VariantResult& result) {
+  return std::ranges::any_of(result.verdicts, [](const Verdict& verdict) { return verdict.valid; });
+}
+
+/// Flies and reports a comparison. @return exit code: 0, or 3 when no run of some variant is valid
+/// @throws RunStopped, base::ConfigError
+int compare(const CompareFlags& flags) {
+  const ComparisonPlan plan = make_plan(flags);
+  const std::filesystem::path out = std::filesystem::absolute(flags.out);
+  std::filesystem::create_directories(out / "plots");
+  const base::RunTime begin = base::steady_now();
+  const std::vector<VariantResult> results = run_comparison(plan, out, flags.keep);
+  const double wall_s = base::to_seconds(base::steady_now() - begin);
+
+  const std::string tables = comparison_markdown(plan, results);
+  base::write_file(out / "comparison.md", tables, base::Durability::kCache);
+  base::write_file(out / "comparison.json", comparison_json(plan, results),
+                   base::Durability::kCache);
+  base::write_file(out / "comparison.html", comparison_html(plan, results),
+                   base::Durability::kCache);
+  for (const auto& [name, plot] : comparison_plots(results)) {
+    base::write_file(out / "plots" / (name + ".svg"), to_svg(plot), base::Durability::kCache);
+  }
+  double simulated_s = 0;
+  for (const VariantResult& result : results) {
+    for (const Measurement& figures : result.runs) simulated_s += figures.simulated_s;
+  }
+  fmt::print("{}\n{:.0f} s simulated in {:.1f} s\nResults: {}\n", tables, simulated_s, wall_s,
+             flags.out);
+  return std::ranges::all_of(results, any_valid) ? kExitPassed : kExitInvalid;
 }
 
 /// Runs a command and turns what it throws into a sentence and an exit code.
@@ -125,7 +193,7 @@ CLI::App* add_compare(CLI::App& app, CompareFlags& flags) {
 
 int main(int argc, char** argv) {
   CLI::App app("Flies experiments with a controller in the loop, measures and judges them", "hils");
-  app.set_version_flag("--version", "hils " + std::string(kVersion));
+  app.set_version_flag("--version", "hils " + std::string(CAS_VERSION));
   app.require_subcommand(1);
   std::string log_level = "warn";
   app.add_option("--log-level", log_level, "Level: debug, info, warn, error or off");
@@ -150,7 +218,7 @@ int main(int argc, char** argv) {
       ->check(base::cli::whole_number);
   CompareFlags compare_flags;
   const CLI::App* compare_command = add_compare(app, compare_flags);
-  base::cli::add_manual(app, "hils", std::string(kVersion));
+  base::cli::add_manual(app, "hils", std::string(CAS_VERSION));
   if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
   return guarded([&] {
     base::log::init("hils", base::log::parse_level(log_level));

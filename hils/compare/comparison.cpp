@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "base/os/write_file.hpp"
@@ -67,8 +66,7 @@ void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
 }  // namespace
 
 std::string Variant::name() const {
-  std::string name(to_string(architecture));
-  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  const std::string name = title_of(architecture);
   return baud > 0 ? fmt::format("{} {}", name, baud) : name;
 }
 

@@ -8,7 +8,7 @@
 
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/measurement.hpp"
-#include "hils/report/run_curves.hpp"
+#include "hils/report/run_plots.hpp"
 #include "hils/run/run_request.hpp"
 
 namespace cas::hils {
@@ -42,7 +42,7 @@ Scenario comparison_scenario(const Scenario& scenario, const ComparisonPlan& pla
 /// clock_nanosleep showed on a shared two-core machine.
 inline constexpr WakeUpFigures kUsualWakeUp{.p50_us = 100, .p99_us = 1000};
 
-/// What a variant came to, run by run in the order of the seeds.
+/// Figures and verdicts of a variant, run by run in the order of the seeds.
 struct VariantResult {
   Variant variant;
   std::vector<Measurement> runs{};

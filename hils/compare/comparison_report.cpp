@@ -6,7 +6,6 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "hils/compare/comparison_rows.hpp"
 #include "hils/compare/comparison_table.hpp"
 #include "hils/report/html_page.hpp"
 
@@ -32,10 +31,9 @@ std::string markdown_table(const Rows& rows) {
   return text;
 }
 
-Json estimate_json(const std::optional<Estimate>& estimate) {
-  if (!estimate) return nullptr;
-  return {
-      {"mean", estimate->mean}, {"half_width_95", estimate->half_width}, {"runs", estimate->count}};
+Json mean_json(const std::optional<Mean>& mean) {
+  if (!mean) return nullptr;
+  return {{"mean", mean->mean}, {"half_width_95", mean->half_width}, {"runs", mean->count}};
 }
 
 Json figures_json(const VariantResult& result) {
@@ -43,7 +41,7 @@ Json figures_json(const VariantResult& result) {
   for (const ColumnGroup& group : comparison_groups()) {
     Json columns = Json::object();
     for (const Column& column : group.columns) {
-      columns[column.key] = estimate_json(estimate_of(result, column));
+      columns[column.key] = mean_json(mean_of_valid(result, column));
     }
     groups[group.key] = std::move(columns);
   }
@@ -125,7 +123,7 @@ std::string comparison_json(const ComparisonPlan& plan, const std::vector<Varian
     Json pair{{"of", results[a].variant.name()}, {"less", results[b].variant.name()}};
     for (const ColumnGroup& group : comparison_groups()) {
       for (const Column& column : group.columns) {
-        pair[group.key][column.key] = estimate_json(difference_of(results[a], results[b], column));
+        pair[group.key][column.key] = mean_json(difference_of(results[a], results[b], column));
       }
     }
     json["differences"].push_back(std::move(pair));

@@ -10,7 +10,7 @@
 
 namespace cas::hils {
 
-/// What was compared, in one line: scenario, seeds, times, clock.
+/// The comparison in one line: scenario, seeds, times, clock.
 std::string comparison_headline(const ComparisonPlan& plan);
 /// How much the runs of a variant are worth: "30 of 30 runs valid, 30 flown to the end", and why
 /// others are not.

@@ -3,7 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <map>
+#include <string_view>
+
+#include "hils/report/paper_figures.hpp"
 
 namespace cas::hils {
 
@@ -134,6 +139,30 @@ const VariantResult* find(const std::vector<VariantResult>& results, Architectur
   return nullptr;
 }
 
+constexpr std::array<std::string_view, 11> kCompared{
+    "sensor_hz", "gps_hz",        "controls_hz",     "x_m",        "y_m", "z_m", "yaw_rad",
+    "gps_pct",   "uplink_p50_us", "downlink_p50_us", "loop_p99_us"};
+
+void add_paper_rows(const ColumnGroup& group, Rows& rows) {
+  if (group.key == "rates") {
+    for (const PaperRates& row : kPaperTable4) {
+      rows.push_back({fmt::format("[HILS] {}", row.name)});
+      for (const double value : {row.sensor_hz, row.sensor_error_pct, row.gps_hz, row.gps_error_pct,
+                                 row.controls_hz, row.controls_error_pct}) {
+        rows.back().push_back(fmt::format("{:.4f}", value));
+      }
+    }
+  }
+  if (group.key == "rms") {
+    for (const PaperRms& row : kPaperTable5) {
+      rows.push_back({fmt::format("[HILS] {}", row.name)});
+      for (const double value : {row.x_m, row.y_m, row.z_m, row.yaw_rad}) {
+        rows.back().push_back(fmt::format("{:.4f}", value));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 const std::vector<ColumnGroup>& comparison_groups() {
@@ -152,18 +181,18 @@ const std::vector<ColumnGroup>& comparison_groups() {
   return kGroups;
 }
 
-std::optional<Estimate> estimate_of(const VariantResult& result, const Column& column) {
+std::optional<Mean> mean_of_valid(const VariantResult& result, const Column& column) {
   std::vector<double> values;
   for (std::size_t i = 0; i < result.runs.size(); ++i) {
     if (!result.verdicts[i].valid) continue;
     if (const auto value = column.figure(result.runs[i])) values.push_back(*value);
   }
   if (values.empty()) return std::nullopt;
-  return estimate(values);
+  return mean_of(values);
 }
 
-std::optional<Estimate> difference_of(const VariantResult& a, const VariantResult& b,
-                                      const Column& column) {
+std::optional<Mean> difference_of(const VariantResult& a, const VariantResult& b,
+                                  const Column& column) {
   std::vector<double> of_a;
   std::vector<double> of_b;
   for (std::size_t i = 0; i < std::min(a.runs.size(), b.runs.size()); ++i) {
@@ -175,7 +204,7 @@ std::optional<Estimate> difference_of(const VariantResult& a, const VariantResul
     of_b.push_back(*value_b);
   }
   if (of_a.empty()) return std::nullopt;
-  return estimate_difference(of_a, of_b);
+  return mean_difference(of_a, of_b);
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> comparison_pairs(
@@ -192,10 +221,10 @@ std::vector<std::pair<std::size_t, std::size_t>> comparison_pairs(
   return pairs;
 }
 
-std::string to_text(const std::optional<Estimate>& estimate, int digits) {
-  if (!estimate) return "-";
-  if (estimate->count < 2) return fmt::format("{:.{}f}", estimate->mean, digits);
-  return fmt::format("{:.{}f} ± {:.{}f}", estimate->mean, digits, estimate->half_width, digits);
+std::string to_text(const std::optional<Mean>& mean, int digits) {
+  if (!mean) return "-";
+  if (mean->count < 2) return fmt::format("{:.{}f}", mean->mean, digits);
+  return fmt::format("{:.{}f} ± {:.{}f}", mean->mean, digits, mean->half_width, digits);
 }
 
 std::map<std::string, std::uint64_t> losses_of(const VariantResult& result) {
@@ -216,6 +245,62 @@ std::uint64_t sent_of(const VariantResult& result) {
     for (const PathAccount& path : result.runs[i].paths) sent += path.sent;
   }
   return sent;
+}
+
+bool has_figures(const ColumnGroup& group, const std::vector<VariantResult>& results) {
+  return std::ranges::any_of(results, [&](const VariantResult& result) {
+    return std::ranges::any_of(group.columns, [&](const Column& column) {
+      return mean_of_valid(result, column).has_value();
+    });
+  });
+}
+
+Rows group_rows(const ColumnGroup& group, const std::vector<VariantResult>& results) {
+  Rows rows{{""}};
+  for (const Column& column : group.columns) rows.front().push_back(column.title);
+  for (const VariantResult& result : results) {
+    rows.push_back({result.variant.name()});
+    for (const Column& column : group.columns) {
+      rows.back().push_back(to_text(mean_of_valid(result, column), column.digits));
+    }
+  }
+  add_paper_rows(group, rows);
+  return rows;
+}
+
+Rows loss_rows(const std::vector<VariantResult>& results) {
+  Rows rows{{"", "packets lost", "of", "what and where"}};
+  for (const VariantResult& result : results) {
+    const std::uint64_t sent = sent_of(result);
+    const auto losses = losses_of(result);
+    if (losses.empty()) {
+      rows.push_back({result.variant.name(), "0", fmt::format("{}", sent), ""});
+    }
+    for (const auto& [cause, count] : losses) {
+      rows.push_back(
+          {result.variant.name(), fmt::format("{}", count), fmt::format("{}", sent), cause});
+    }
+  }
+  return rows;
+}
+
+Rows difference_rows(const std::vector<VariantResult>& results) {
+  Rows rows{{""}};
+  std::vector<Column> columns;
+  for (const ColumnGroup& group : comparison_groups()) {
+    for (const Column& column : group.columns) {
+      if (std::ranges::count(kCompared, column.key) == 0) continue;
+      columns.push_back(column);
+      rows.front().push_back(column.key);
+    }
+  }
+  for (const auto& [a, b] : comparison_pairs(results)) {
+    rows.push_back({results[a].variant.name() + " less " + results[b].variant.name()});
+    for (const Column& column : columns) {
+      rows.back().push_back(to_text(difference_of(results[a], results[b], column), column.digits));
+    }
+  }
+  return rows;
 }
 
 }  // namespace cas::hils

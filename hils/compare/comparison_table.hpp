@@ -35,21 +35,33 @@ struct ColumnGroup {
 const std::vector<ColumnGroup>& comparison_groups();
 
 /// Mean and interval over the valid runs that have the figure.
-std::optional<Estimate> estimate_of(const VariantResult& result, const Column& column);
+std::optional<Mean> mean_of_valid(const VariantResult& result, const Column& column);
 /// Of the differences a - b over the seeds that are valid in both.
-std::optional<Estimate> difference_of(const VariantResult& a, const VariantResult& b,
-                                      const Column& column);
+std::optional<Mean> difference_of(const VariantResult& a, const VariantResult& b,
+                                  const Column& column);
 /// The pairs that are worth a difference: TCAS less each other one at the same baud rate, and less
 /// SITL.
 std::vector<std::pair<std::size_t, std::size_t>> comparison_pairs(
     const std::vector<VariantResult>& results);
 
 /// "499.9731 +- 0.0012", or "-" for nothing.
-std::string to_text(const std::optional<Estimate>& estimate, int digits);
+std::string to_text(const std::optional<Mean>& mean, int digits);
 
 /// Losses by message and cause, summed over the valid runs: "HIL_SENSOR: too old ...", count.
 std::map<std::string, std::uint64_t> losses_of(const VariantResult& result);
 /// Packets sent of all three messages in the valid runs.
 std::uint64_t sent_of(const VariantResult& result);
+
+/// A table as text: headings first, the first column names the row.
+using Rows = std::vector<std::vector<std::string>>;
+
+/// Whether any variant has any figure of the group.
+bool has_figures(const ColumnGroup& group, const std::vector<VariantResult>& results);
+/// A group with one row for each variant; Tables 4 and 5 have the rows of [HILS] below.
+Rows group_rows(const ColumnGroup& group, const std::vector<VariantResult>& results);
+/// Lost packets, one row for each cause.
+Rows loss_rows(const std::vector<VariantResult>& results);
+/// Differences of the pairs in rates, RMS errors and median delays.
+Rows difference_rows(const std::vector<VariantResult>& results);
 
 }  // namespace cas::hils

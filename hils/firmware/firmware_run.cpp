@@ -10,14 +10,14 @@
 #include "base/config/install_paths.hpp"
 #include "base/os/write_file.hpp"
 #include "base/rpc/client.hpp"
-#include "hils/firmware/firmware_configs.hpp"
-#include "hils/firmware/pty_relay.hpp"
+#include "hils/firmware/firmware_scenario.hpp"
+#include "hils/firmware/pty_cable.hpp"
 #include "hils/measure/judgement.hpp"
-#include "hils/programs/casd_calls.hpp"
+#include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/report/report.hpp"
-#include "hils/run/run_directory.hpp"
+#include "hils/run/run_places.hpp"
 
 namespace cas::hils {
 namespace {
@@ -32,7 +32,7 @@ std::filesystem::path program(const std::string& name) {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
 }
 
-/// casd, hilsim and the firmware, in this order: the firmware finds somebody to talk to.
+/// casd, hilsim and the firmware, in this order, so that the firmware finds its peers.
 class FirmwareBench {
  public:
   FirmwareBench(const FirmwareScenario& scenario, const FirmwarePlaces& places)
@@ -54,7 +54,7 @@ class FirmwareBench {
     firmware_ = &supervisor_.start(firmware_options(), kReadyTimeout);
   }
 
-  /// The firmware's own way to end says nothing about the flight.
+  /// The exit code of the firmware says nothing about the flight.
   void stop() {
     supervisor_.stop(*firmware_, kStopPatience);
     supervisor_.stop(*hilsim_, kStopPatience);
@@ -98,7 +98,7 @@ class FirmwareBench {
   const FirmwareScenario& scenario_;
   const FirmwarePlaces& places_;
   Supervisor supervisor_;
-  std::optional<PtyRelay> cable_;
+  std::optional<PtyCable> cable_;
   ChildProcess* casd_ = nullptr;
   ChildProcess* hilsim_ = nullptr;
   ChildProcess* firmware_ = nullptr;

@@ -10,7 +10,7 @@
 
 namespace cas::hils {
 
-/// What a flight of stock firmware came to.
+/// Figures of a flight of stock firmware.
 struct FirmwareFigures {
   std::vector<Stage> stages;
   std::string flight_failure;  ///< a sentence; empty when every step was done
@@ -21,7 +21,7 @@ struct FirmwareFigures {
   double real_time_factor = 0;
 };
 
-/// What the scenario's limits say to these figures: a sentence for each that was missed.
+/// Compares figures with the scenario's limits: a sentence for each that was missed.
 std::vector<std::string> misses(const FirmwareScenario& scenario, const FirmwareFigures& figures);
 
 /// Starts casd, hilsim and the firmware, flies the steps through casd, prints and writes the

@@ -13,7 +13,7 @@
 #include "fcu/line/line_model.hpp"
 #include "hils/flight/flight_facts.hpp"
 #include "hils/flight/flight_plan.hpp"
-#include "hils/flight/vehicle_names.hpp"
+#include "hils/flight/flight_step.hpp"
 
 namespace cas::hils {
 
@@ -40,7 +40,7 @@ struct BenchFault {
   base::Duration lasting{};
   BenchFaultKind kind;
 
-  /// What happens to casd or the ground station happens to every vehicle.
+  /// A fault of casd or of the ground station hits every vehicle.
   bool is_everybodys() const;
 };
 
@@ -59,7 +59,7 @@ struct ScenarioFaults {
 
 /// Reads the list `faults` of a scenario. Every entry has at_s or when, and one effect; the bench's
 /// are `line`, `unplug`, `restart` and `flood_hz`, all others are plugin fault's. One that names no
-/// vehicle befalls each of them, by its own condition.
+/// vehicle hits each of them, by its own condition.
 ///
 /// @param line  the scenario's line, whose keys those of a line fault override
 /// @param names  vehicles that a fault may name
@@ -86,10 +86,9 @@ class BenchFaultScript {
     std::string name;
     base::SimTime begin;
     std::optional<base::SimTime> end;
-    std::optional<std::size_t> vehicle{};  ///< nothing: it was everybody's
+    std::optional<std::size_t> vehicle{};  ///< nothing: it hit all of them
   };
-  const std::vector<Span>& history() const { return history_; }
-  /// What befell one vehicle.
+  /// Faults that hit one vehicle.
   std::vector<Span> history_of(std::size_t vehicle) const;
 
  private:

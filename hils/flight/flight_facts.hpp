@@ -11,17 +11,17 @@
 
 namespace cas::hils {
 
-/// Motion of the vehicle as someone knows it. Places count from where it stood: north, east, up.
+/// Motion of the vehicle, true or estimated. Positions count from the start: north, east, up.
 struct Motion {
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d v_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d rpy_rad = Eigen::Vector3d::Zero();  ///< N to D: roll, pitch, yaw
 };
 
-/// What the conditions of a scenario ask about, in their units.
+/// Quantities that conditions of a scenario can name, in their units.
 sim::Facts facts_of(base::SimTime now, const Motion& motion, bool armed, std::string_view phase);
 
-/// A condition of a scenario: on what the vehicle says of itself, or on what it truly does.
+/// A condition of a scenario, on the vehicle's own estimate or on the truth.
 struct Condition {
   sim::Expression expression;
   bool on_truth = false;

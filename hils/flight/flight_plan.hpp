@@ -48,10 +48,10 @@ struct Stage {
 ///   update() -> command -> on_outcome() -> update() until the step's condition holds -> next step
 class FlightPlan {
  public:
-  /// A vehicle that flies alone waits for nobody.
+  /// `others_through` of a vehicle that flies alone.
   static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
 
-  /// @param start_yaw_rad  heading of the vehicle where it stands, which it keeps until it is told
+  /// @param start_yaw_rad  heading of the vehicle at the start, kept until a step sets another
   explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0);
 
   /// Looks at the vehicle. @return the step whose command is to be given now, if any
@@ -66,7 +66,7 @@ class FlightPlan {
   /// Steps that the vehicle has done, and whether it has begun with the next one.
   std::size_t completed() const { return current_; }
   bool begun() const { return begun_; }
-  /// Steps that nobody needs to wait for: those done, and the one that others do.
+  /// Steps that other vehicles need not wait for: those done, and one in which it stands by.
   std::size_t through() const { return current_ + (stands_by() ? 1 : 0); }
   bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
   /// Why the flight cannot go on; empty as long as it can.
@@ -74,7 +74,7 @@ class FlightPlan {
   const std::vector<Stage>& stages() const { return stages_; }
   /// The step under way, for progress lines.
   const FlightStep* current() const { return done() ? nullptr : &steps_[current_]; }
-  /// What the vehicle is about, for conditions and the simulator's `flight_phase`: the step under
+  /// Phase of the flight, for conditions and the simulator's `flight_phase`: the step under
   /// way by its name or word, "done" after the last, nothing before the first.
   std::string_view phase() const;
   base::Duration elapsed_in_step(base::SimTime now) const { return now - step_begin_; }

@@ -9,8 +9,6 @@
 #include <cmath>
 #include <span>
 
-#include "hils/flight/flight_rehearsal.hpp"
-
 namespace cas::hils {
 
 namespace {
@@ -71,7 +69,7 @@ void parse_gain(const base::ConfigNode& body, FlightStep& step) {
   if (!step.p && !step.i && !step.d) body.fail("a setgain step names at least one of p, i and d");
 }
 
-/// The scenario does not say which autopilot flies: what one of them has is taken.
+/// The scenario does not name the autopilot: a gain that any of them has is accepted.
 void check_gain(const base::ConfigNode& body, const FlightStep& step, const casd::GainMap& gains) {
   if (gains.empty()) return;
   std::optional<std::string> refusal;
@@ -165,7 +163,7 @@ FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains,
   return step;
 }
 
-/// The step itself, or what a vehicle does that it does not concern. The phase stays the same.
+/// The step itself, or `stand by` for a vehicle that it does not name. The phase stays the same.
 FlightStep as_seen_by(std::size_t vehicle, const FlightStep& step) {
   if (!step.vehicle || *step.vehicle == vehicle) return step;
   FlightStep other;
@@ -176,7 +174,94 @@ FlightStep as_seen_by(std::size_t vehicle, const FlightStep& step) {
   return other;
 }
 
+/// Walks through the steps of a flight as they are read and refuses one that the state before it
+/// does not allow: no takeoff before arm, nothing measured on the ground, no end in the air.
+class FlightRehearsal {
+ public:
+  /// @param who  the vehicle, where errors must name it; else empty
+  explicit FlightRehearsal(std::string who) : who_(std::move(who)) {}
+
+  /// @throws base::ConfigError at `node`
+  void play(const FlightStep& step, const base::ConfigNode& node);
+  /// @throws base::ConfigError at `steps`
+  void finish(const base::ConfigNode& steps) const;
+
+ private:
+  void play_measure(const FlightStep& step, const base::ConfigNode& node);
+
+  [[noreturn]] void refuse(const base::ConfigNode& node, const std::string& sentence) const;
+
+  std::string who_;
+  bool armed_ = false;
+  bool airborne_ = false;
+  bool measured_ = false;
+};
+
+void FlightRehearsal::play(const FlightStep& step, const base::ConfigNode& node) {
+  const std::string word(to_string(step.kind));
+  switch (step.kind) {
+    case StepKind::kArm:
+      if (armed_) refuse(node, "the vehicle is armed already");
+      armed_ = true;
+      return;
+    case StepKind::kTakeoff:
+      if (!armed_) refuse(node, "takeoff needs an arm step before it");
+      if (airborne_) refuse(node, "the vehicle is in the air already");
+      airborne_ = true;
+      return;
+    case StepKind::kGoto:
+    case StepKind::kTrajectory:
+    case StepKind::kLand:
+      if (!airborne_) refuse(node, word + " needs a takeoff step before it");
+      airborne_ = step.kind != StepKind::kLand;
+      return play_measure(step, node);
+    case StepKind::kHold:
+    case StepKind::kStandBy:
+      return play_measure(step, node);
+    case StepKind::kDisarm:
+      if (airborne_) refuse(node, "disarm in the air would drop the vehicle: land first");
+      armed_ = false;
+      return;
+    case StepKind::kEndTrajectory:
+    case StepKind::kSetGain:
+    case StepKind::kSetParam:
+    case StepKind::kWaitUntil:
+      return;
+  }
+}
+
+void FlightRehearsal::play_measure(const FlightStep& step, const base::ConfigNode& node) {
+  if (!step.measure) return;
+  if (!airborne_) refuse(node, "a measured hold needs a takeoff step before it");
+  if (measured_) refuse(node, "only one step can be the measured one");
+  measured_ = true;
+}
+
+void FlightRehearsal::finish(const base::ConfigNode& steps) const {
+  if (airborne_) refuse(steps, "the flight ends in the air: add a land step");
+  if (!measured_) {
+    refuse(steps, "no hold is measured: give one hold or trajectory 'measure: true'");
+  }
+}
+
+void FlightRehearsal::refuse(const base::ConfigNode& node, const std::string& sentence) const {
+  node.fail(who_.empty() ? sentence : who_ + ": " + sentence);
+}
+
 }  // namespace
+
+std::optional<std::size_t> parse_vehicle_key(const base::ConfigNode& node,
+                                             const VehicleNames& names) {
+  const std::optional<base::ConfigNode> key = node.find("vehicle");
+  if (!key) return std::nullopt;
+  const auto name = key->as<std::string>();
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) {
+    key->fail(
+        fmt::format("there is no vehicle '{}'; vehicles are {}", name, fmt::join(names, ", ")));
+  }
+  return static_cast<std::size_t>(found - names.begin());
+}
 
 std::string_view to_string(StepKind kind) {
   for (const auto& [candidate, name] : kWords) {

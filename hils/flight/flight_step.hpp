@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,11 +14,25 @@
 #include "casd/station/gain_map.hpp"
 #include "fcu/flight/trajectory.hpp"
 #include "hils/flight/flight_facts.hpp"
-#include "hils/flight/vehicle_names.hpp"
 
 namespace cas::hils {
 
-/// What a step of a flight asks for.
+/// Name of the vehicle of a run that has but one, and the folder of its topics.
+inline constexpr std::string_view kVehicleName = "iris0";
+
+/// The vehicles of a scenario by name, in its order.
+using VehicleNames = std::vector<std::string>;
+/// Those of a scenario with one vehicle.
+inline VehicleNames only_vehicle() { return {std::string(kVehicleName)}; }
+
+/// Reads the optional key `vehicle` of a step or a fault.
+///
+/// @return its place among `names`; nothing when the key is not there
+/// @throws base::ConfigError for a name that is not among them, with those that are
+std::optional<std::size_t> parse_vehicle_key(const base::ConfigNode& node,
+                                             const VehicleNames& names);
+
+/// Kinds of steps of a flight.
 enum class StepKind {
   kArm,            ///< done when the vehicle says that it is armed
   kTakeoff,        ///< done when it hangs still at the height
@@ -67,14 +82,14 @@ struct FlightStep {
 
 /// The step's name, or the word for what it is.
 std::string_view phase_of(const FlightStep& step);
-/// Whether the vehicle is told something.
+/// Whether the step sends the vehicle a command.
 bool is_command(StepKind kind);
 
 /// Reads the list `steps`: each entry is a word (`arm`) or a map with one key (`takeoff:
 /// {altitude_m: 2.5}`). Checks that the flight is possible: armed before takeoff, exactly one
 /// measured step, landed at the end, and that loops and gains of setgain are known.
 ///
-/// With several vehicles each must be able to fly what it is told, and all of them are in the air
+/// With several vehicles each must be able to fly its steps, and all of them are in the air
 /// in the measured step.
 ///
 /// @param gains  loops of casd's gain map; when it is empty, any loop is taken

@@ -18,7 +18,7 @@ enum ExitCode : int {
   kExitInterrupted = 130,
 };
 
-/// What a run is worth.
+/// Whether a run counts, and whether it kept its limits.
 struct Verdict {
   bool valid = false;   ///< the machine kept up and the accounts close: the figures mean something
   bool passed = false;  ///< valid, flown to the end, and every limit kept
@@ -35,7 +35,7 @@ inline constexpr double kLeastRealTimeFactor = 0.99;
 /// A run that stood still for longer than this and then missed a limit gives no verdict on the
 /// vehicle: the machine may have been the cause.
 inline constexpr double kStallMs = 50.0;
-/// Likewise when something waited for a processor during a larger share of the measurement.
+/// The same holds when something waited for a processor during a larger share of the measurement.
 inline constexpr double kBusyShare = 0.25;
 
 /// Judges a run: first whether it is valid, then the flight and the limits.

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "base/time/clock.hpp"
-#include "hils/measure/averaging_meter.hpp"
-#include "hils/measure/flight_reference.hpp"
+#include "hils/measure/packet_account.hpp"
+#include "hils/measure/tracking.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
@@ -71,7 +71,7 @@ double meter_hz(const std::vector<base::LedgerEntry>& ledger, std::uint32_t mess
   return arrivals.empty() ? 0 : averaging_meter_hz(arrivals, arrivals.back());
 }
 
-/// What can be told because controls bear the stamp of the sample they were made from.
+/// Delays that need controls to carry the stamp of the sample they were computed from.
 void measure_echoes(const std::vector<base::LedgerEntry>& simulator,
                     const std::vector<base::LedgerEntry>& controller, std::uint32_t controls_id,
                     Measurement& figures) {

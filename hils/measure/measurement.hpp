@@ -8,11 +8,10 @@
 
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
-#include "hils/measure/hop_account.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/run_record.hpp"
 #include "hils/measure/step_response.hpp"
-#include "hils/measure/trajectory.hpp"
+#include "hils/measure/tracking.hpp"
 #include "hils/run/run_request.hpp"
 
 namespace cas::hils {
@@ -53,7 +52,7 @@ struct Measurement {
   DelayFigures sensor_uplink;      ///< HIL_SENSOR, simulator to controller
   DelayFigures controls_downlink;  ///< controls, controller to simulator
   DelayFigures age_by_stamp;       ///< of the sample at use: since the simulator made it
-  DelayFigures age_by_arrival;     ///< likewise, since it came to the controller
+  DelayFigures age_by_arrival;     ///< the same, since it came to the controller
   MeterReadings meter;
   std::vector<PathAccount> paths;  ///< hop by hop: sensor, GPS, controls
   PaceFigures pace;

@@ -11,13 +11,13 @@
 #include "base/measure/ledger.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
-#include "hils/measure/clock_map.hpp"
-#include "hils/measure/hop_account.hpp"
+#include "hils/measure/packet_account.hpp"
+#include "hils/measure/tracking.hpp"
 #include "hils/run/run_places.hpp"
 
 namespace cas::hils {
 
-/// What a finished run left behind of one vehicle, whatever its architecture.
+/// Ledgers, files and stages of one vehicle of a finished run, in any architecture.
 struct RunRecord {
   std::string vehicle;                        ///< its name
   std::uint8_t system = 1;                    ///< its MAVLink system

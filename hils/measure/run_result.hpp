@@ -10,7 +10,7 @@
 
 namespace cas::hils {
 
-/// One vehicle of a run: what it left behind, the figures of that, and what they are worth.
+/// One vehicle of a run: its record, the figures and the verdict.
 struct VehicleResult {
   RunRecord record;
   Measurement figures;
@@ -23,7 +23,7 @@ struct RunResult {
   Verdict verdict;  ///< valid when each vehicle's is, passed when each has; sentences name them
 
   bool has_several() const { return vehicles.size() > 1; }
-  /// What is true of the run as a whole, with the worst pace that a vehicle saw.
+  /// Figures of the run as a whole, with the worst pace of all vehicles.
   Measurement whole() const;
 };
 

@@ -30,8 +30,8 @@ double student_t_95(std::size_t degrees) {
          (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * n * n);
 }
 
-Estimate estimate(std::span<const double> values) {
-  Estimate result{.mean = 0, .half_width = 0, .count = values.size()};
+Mean mean_of(std::span<const double> values) {
+  Mean result{.mean = 0, .half_width = 0, .count = values.size()};
   if (values.empty()) return result;
   const double n = static_cast<double>(values.size());
   for (const double value : values) result.mean += value / n;
@@ -42,11 +42,11 @@ Estimate estimate(std::span<const double> values) {
   return result;
 }
 
-Estimate estimate_difference(std::span<const double> a, std::span<const double> b) {
+Mean mean_difference(std::span<const double> a, std::span<const double> b) {
   CAS_CHECK(a.size() == b.size());
   std::vector<double> differences;
   for (std::size_t i = 0; i < a.size(); ++i) differences.push_back(a[i] - b[i]);
-  return estimate(differences);
+  return mean_of(differences);
 }
 
 }  // namespace cas::hils

@@ -7,16 +7,16 @@
 namespace cas::hils {
 
 /// Mean of a set of runs with its 95 % confidence interval.
-struct Estimate {
+struct Mean {
   double mean = 0;
   double half_width = 0;  ///< of the interval, by Student's t; 0 with fewer than two values
   std::size_t count = 0;
 };
 
-Estimate estimate(std::span<const double> values);
+Mean mean_of(std::span<const double> values);
 
 /// Of the differences a[i] - b[i]: runs with the same seed compared with each other.
-Estimate estimate_difference(std::span<const double> a, std::span<const double> b);
+Mean mean_difference(std::span<const double> a, std::span<const double> b);
 
 /// Two-sided 95 % quantile of Student's t with `degrees` degrees of freedom, from 1.
 double student_t_95(std::size_t degrees);

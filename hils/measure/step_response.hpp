@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hils/flight/flight_plan.hpp"
-#include "hils/measure/trajectory.hpp"
+#include "hils/measure/tracking.hpp"
 
 namespace cas::hils {
 

@@ -64,7 +64,7 @@ void BenchPrograms::kill_casd() {
   std::filesystem::rename(places_.flight_tlog(), earlier_logs_.back());
 }
 
-/// A new casd starts a new log: they become one again.
+/// A restarted casd starts a new log; joins the logs of all casds into one flight.tlog.
 void BenchPrograms::join_logs() {
   if (earlier_logs_.empty()) return;
   const std::filesystem::path last = places_.run / "flight_last.tlog";
@@ -72,7 +72,7 @@ void BenchPrograms::join_logs() {
   earlier_logs_.push_back(last);
   std::ofstream whole(places_.flight_tlog(), std::ios::binary);
   for (const std::filesystem::path& part : earlier_logs_) {
-    if (std::filesystem::is_empty(part)) continue;  // to insert nothing counts as a failure
+    if (std::filesystem::is_empty(part)) continue;  // << of an empty buffer sets failbit
     whole << std::ifstream(part, std::ios::binary).rdbuf();
   }
   if (!whole.flush()) {

@@ -93,19 +93,18 @@ double seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-ExitReport to_report(int status, const rusage& usage) {
-  ExitReport report;
-  report.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+ExitStatus to_exit_status(int status, const rusage& usage) {
+  ExitStatus exit;
+  exit.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    report.code = 128 + signal;
-    report.words =
-        "was ended by signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")";
+    exit.code = 128 + signal;
+    exit.words = "was ended by signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")";
   } else {
-    report.code = WEXITSTATUS(status);
-    report.words = "ended with exit code " + std::to_string(report.code);
+    exit.code = WEXITSTATUS(status);
+    exit.words = "ended with exit code " + std::to_string(exit.code);
   }
-  return report;
+  return exit;
 }
 
 }  // namespace
@@ -155,11 +154,11 @@ bool ChildProcess::take_notifications() {
   }
 }
 
-const std::optional<ExitReport>& ChildProcess::poll_exit() {
+const std::optional<ExitStatus>& ChildProcess::poll_exit() {
   if (exit_) return exit_;
   int status = 0;
   rusage usage{};
-  if (::wait4(pid_, &status, WNOHANG, &usage) == pid_) exit_ = to_report(status, usage);
+  if (::wait4(pid_, &status, WNOHANG, &usage) == pid_) exit_ = to_exit_status(status, usage);
   return exit_;
 }
 

@@ -14,7 +14,7 @@
 namespace cas::hils {
 
 /// How a process ended.
-struct ExitReport {
+struct ExitStatus {
   int code = 0;       ///< exit code; 128 + signal when a signal ended it
   double cpu_s = 0;   ///< user and system time
   std::string words;  ///< "ended with exit code 78", "was ended by signal 11 (Segmentation fault)"
@@ -48,12 +48,12 @@ class ChildProcess {
   int pidfd() const { return pidfd_.get(); }
   int notify_fd() const { return notify_.get(); }
 
-  /// Reads what has come on the notify socket. @return true once READY=1 has come
+  /// Reads the messages on the notify socket. @return true once READY=1 has come
   bool take_notifications();
   bool ready() const { return ready_; }
 
   /// Collects the end of the process if it has ended.
-  const std::optional<ExitReport>& poll_exit();
+  const std::optional<ExitStatus>& poll_exit();
   void terminate();  ///< SIGTERM to the group
   void kill();       ///< SIGKILL to the group
   /// The last lines of its output.
@@ -65,7 +65,7 @@ class ChildProcess {
   base::Descriptor pidfd_;
   pid_t pid_ = -1;
   bool ready_ = false;
-  std::optional<ExitReport> exit_;
+  std::optional<ExitStatus> exit_;
 };
 
 }  // namespace cas::hils

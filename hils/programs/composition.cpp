@@ -1,18 +1,149 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/composition.hpp"
 
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <initializer_list>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "base/config/install_paths.hpp"
 #include "base/os/write_file.hpp"
 #include "base/random.hpp"
 #include "fcu/line/line_model.hpp"
-#include "hils/programs/yaml_text.hpp"
 
 namespace cas::hils {
 
 namespace {
+
+YAML::Node copy(const base::ConfigNode& node) {
+  YAML::Node result = YAML::Load(node.dump());
+  return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);
+}
+
+void overlay(YAML::Node node, const YAML::Node& own) {
+  for (const auto& entry : own) {
+    const auto key = entry.first.as<std::string>();
+    if (entry.second.IsMap() && node[key] && node[key].IsMap()) {
+      overlay(node[key], entry.second);
+    } else {
+      node[key] = entry.second;
+    }
+  }
+}
+
+std::string to_text(const YAML::Node& node) {
+  YAML::Emitter emitter;
+  emitter << node;
+  return std::string(emitter.c_str()) + "\n";
+}
+
+std::string full_path(const std::filesystem::path& path) {
+  return std::filesystem::weakly_canonical(path).string();
+}
+
+std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
+
+const char* pace_word(const RunRequest& request) {
+  return request.lockstep ? "lockstep" : "realtime";
+}
+
+constexpr const char* kGroundLink = "gcs";
+
+YAML::Node list(std::initializer_list<const char*> names) {
+  YAML::Node node;
+  for (const char* name : names) node.push_back(name);
+  node.SetStyle(YAML::EmitterStyle::Flow);
+  return node;
+}
+
+YAML::Node route(const std::string& from, const std::string& to) {
+  YAML::Node node;
+  node["from"] = from;
+  node["to"] = to;
+  return node;
+}
+
+std::string_view threads(Architecture architecture) {
+  if (architecture == Architecture::kTs) return "blocking";
+  if (architecture == Architecture::kLoop) return "single";
+  return "per_link";
+}
+
+/// Key `baud` of casd's serial link; 0 for USB, which has no bit rate to pace by.
+int serial_baud(const RunRequest& request) {
+  if (!request.fcu_device.empty()) return static_cast<int>(request.fcu_baud);
+  if (request.lockstep) return 0;
+  const fcu::LineConfig line = line_of(request);
+  return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
+}
+
+void add_vehicle_links(const RunRequest& request, const VehiclePlaces& places, YAML::Node& links) {
+  YAML::Node simulator;
+  simulator["name"] = places.simulator_link;
+  simulator["type"] = "udp";
+  simulator["local"] = local_port(places.casd_port);
+  simulator["remote"] = local_port(places.simulator_port);
+  links.push_back(simulator);
+  YAML::Node controller;
+  controller["name"] = places.controller_link;
+  controller["type"] = "serial";
+  controller["device"] =
+      request.fcu_device.empty() ? places.fcu_link().string() : request.fcu_device;
+  controller["baud"] = serial_baud(request);
+  links.push_back(controller);
+}
+
+YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
+  YAML::Node links;
+  for (const VehiclePlaces& vehicle : places.vehicles) add_vehicle_links(request, vehicle, links);
+  if (places.ground_station_port == 0) return links;
+  YAML::Node ground_station;
+  ground_station["name"] = kGroundLink;
+  ground_station["type"] = "udp";
+  ground_station["remote"] = local_port(places.ground_station_port);
+  links.push_back(ground_station);
+  return links;
+}
+
+/// The traditional set-up forwards every packet to every other link of the same vehicle.
+void add_routes_without_filter(const VehiclePlaces& places, bool ground, YAML::Node& routes) {
+  std::vector<std::string> names{places.simulator_link, places.controller_link};
+  if (ground) names.push_back(kGroundLink);
+  for (const std::string& from : names) {
+    for (const std::string& to : names) {
+      if (from != to) routes.push_back(route(from, to));
+    }
+  }
+}
+
+void add_routes(const VehiclePlaces& places, bool ground, YAML::Node& routes) {
+  YAML::Node to_controller = route(places.simulator_link, places.controller_link);
+  to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"});
+  YAML::Node to_simulator = route(places.controller_link, places.simulator_link);
+  to_simulator["allow"] = list({"HEARTBEAT", "HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
+  routes.push_back(to_controller);
+  routes.push_back(to_simulator);
+  if (!ground) return;
+  YAML::Node to_ground = route(places.controller_link, kGroundLink);
+  to_ground["block"] = list({"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
+  routes.push_back(to_ground);
+  routes.push_back(route(kGroundLink, places.controller_link));
+}
+
+/// No packet of one vehicle goes to another.
+YAML::Node casd_routes(Architecture architecture, const RunPlaces& places) {
+  const bool ground = places.ground_station_port != 0;
+  YAML::Node routes;
+  for (const VehiclePlaces& vehicle : places.vehicles) {
+    architecture == Architecture::kTs ? add_routes_without_filter(vehicle, ground, routes)
+                                      : add_routes(vehicle, ground, routes);
+  }
+  return routes;
+}
 
 constexpr double kGravity = 9.80665;  ///< standard gravity, m/s^2
 constexpr double kTruthHz = 100;
@@ -25,8 +156,8 @@ YAML::Node plugin(const char* name) {
   return node;
 }
 
-/// What `sensors` of simulator and controller alike says: the scenario's set at the scenario's
-/// rates. A set in a file is named by its whole path, for the files made of it lie elsewhere.
+/// Block `sensors`, the same for simulator and controller: the scenario's set at the scenario's
+/// rates. A set in a file is given by its full path, because the generated files lie elsewhere.
 YAML::Node sensors(const Scenario& scenario, std::size_t vehicle) {
   const base::ConfigNode& set_or_keys = scenario.sensors_of(vehicle);
   YAML::Node node(YAML::NodeType::Map);
@@ -64,7 +195,7 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
   return node;
 }
 
-/// Plugin fault with what befalls the vehicle; nothing where that is nothing.
+/// Entry of plugin `fault` for this vehicle; nothing when it has no faults.
 std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle) {
   YAML::Node faults;
   for (const VehicleFault& fault : scenario.faults.vehicle) {
@@ -121,6 +252,26 @@ YAML::Node simulated_vehicle(const Scenario& scenario, std::size_t vehicle, Tran
 
 }  // namespace
 
+std::string casd_config(const RunRequest& request, const RunPlaces& places) {
+  YAML::Node root;
+  root["schema"] = 1;
+  root["system_id"] = 254;
+  root["component_id"] = 190;
+  root["pace"] = pace_word(request);
+  root["threads"] = std::string(threads(request.architecture));
+  root["drain_tick_ms"] = request.scenario.drain_tick_ms;
+  root["command_port"]["address"] = "127.0.0.1";
+  root["command_port"]["port"] = 0;
+  root["command_port"]["unix"] = places.command_port().string();
+  root["links"] = casd_links(request, places);
+  root["routes"] = casd_routes(request.architecture, places);
+  root["commanding"]["heartbeat_hz"] = 1;
+  root["gains"] = full_path(base::find_config("gains.yaml"));
+  root["log"]["tlog"] = full_path(places.flight_tlog());
+  root["log"]["overwrite"] = true;
+  return to_text(root);
+}
+
 std::string simulator_config(const RunRequest& request, Transport transport,
                              const RunPlaces& places) {
   const Scenario& scenario = request.scenario;
@@ -154,10 +305,10 @@ std::string fcu_config(const RunRequest& request, std::size_t vehicle) {
   if (!root["sensors"]) root["sensors"] = sensors(scenario, vehicle);
   root["decimal_year"] = scenario.decimal_year;
   root["control_rate_hz"] = scenario.rates.controls_hz;
-  // Each line has its own misfortunes.
+  // Each vehicle's line draws its own errors.
   root["seed"] = vehicle == 0 ? request.seed : base::derive_seed(request.seed, own.name);
   root["pace"] = pace_word(request);
-  // In lockstep a line could only cost wall clock.
+  // In lockstep an emulated line would only cost wall-clock time.
   if (!request.lockstep) root["line"] = line_node(request);
   return to_text(root);
 }

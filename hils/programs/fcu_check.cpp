@@ -83,7 +83,7 @@ void check_rotors(const FcuFacts& facts, const base::Vehicle& vehicle, Findings&
   }
 }
 
-/// The report sets what came beside what the scenario counts on: they must mean the same.
+/// The report compares received and nominal rates, so they must describe the same message.
 void check_controls(const FcuFacts& facts, const Rates& nominal, Findings& all) {
   if (facts.controls_hz < kLeastControlsHz) {
     return fatal(all, fmt::format("it answers with {:.0f} controls a second", facts.controls_hz),

@@ -11,12 +11,12 @@ namespace cas::hils {
 /// Faults of the emulated line cannot be played on a real port. @throws base::ConfigError
 void refuse_emulator_faults(const RunRequest& request);
 
-/// Looks at a real controller before the flight and tells what is to be set.
+/// Checks a real controller before the flight and prints the settings it needs.
 /// @throws RunStopped when it must not be flown
 void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request);
 
-/// Fills in what a real controller does not tell: it keeps no ledger, so casd's port stands for its
-/// end, and gaps between sequence numbers for what is lost beyond.
+/// Fills in the controller's part of the record. A real controller keeps no ledger: casd's port
+/// counts as its end, and gaps between sequence numbers show what is lost beyond the port.
 void stand_in_for_controller(const RunPlaces& places, RunRecord& record);
 
 /// A stock autopilot stamps its controls by its own clock. Moves these stamps to simulated time, by

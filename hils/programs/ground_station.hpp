@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
+#include <thread>
 #include <vector>
 
+#include "base/os/descriptor.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
@@ -57,6 +60,30 @@ class GroundStation {
   base::RateGate flood_;
   base::RunTime last_tick_{};
   base::RunTime next_heartbeat_{};
+};
+
+/// A GroundStation on a UDP socket of its own, with a thread, for runs in real time.
+class GroundStationThread {
+ public:
+  /// Binds 127.0.0.1 with a free port; sends to the peer that wrote last. @throws base::ConfigError
+  explicit GroundStationThread(std::vector<std::uint8_t> systems);
+  ~GroundStationThread();
+  GroundStationThread(const GroundStationThread&) = delete;
+  GroundStationThread& operator=(const GroundStationThread&) = delete;
+
+  /// Sends so many packets a second besides, as GroundStation does; 0: none.
+  void flood(double packets_hz) { flood_hz_ = packets_hz; }
+  std::uint16_t port() const { return port_; }
+
+ private:
+  void run();
+
+  base::Descriptor socket_;
+  base::Descriptor stop_;
+  std::uint16_t port_ = 0;
+  std::vector<std::uint8_t> systems_;
+  std::atomic<double> flood_hz_{0};
+  std::thread thread_;
 };
 
 }  // namespace cas::hils

@@ -11,12 +11,10 @@
 #include "base/time/clock.hpp"
 #include "casd/tlog/tlog_writer.hpp"
 #include "hils/programs/bench_programs.hpp"
-#include "hils/programs/casd_calls.hpp"
 #include "hils/programs/composition.hpp"
-#include "hils/programs/flight_calls.hpp"
+#include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/run/run_directory.hpp"
 #include "hils/run/run_places.hpp"
 
 namespace cas::hils {
@@ -36,7 +34,7 @@ constexpr base::Duration kDrain = seconds(1);
 constexpr int kRequestMessage = 512;  ///< MAV_CMD_REQUEST_MESSAGE
 constexpr int kHomePosition = 242;
 
-/// What fcu.status says.
+/// The answer of fcu.status as a report.
 VehicleReport to_report(const Json& status) {
   const auto vector = [&](const char* key) {
     Eigen::Vector3d v = Eigen::Vector3d::Zero();
@@ -62,7 +60,7 @@ VehicleReport to_report(const Json& status) {
   return report;
 }
 
-/// Flies the plan: looks and commands while the stream stands.
+/// Flies the plan: reads the state and gives commands while simulated time stands still.
 ///
 ///   run_until(next look) -> fcu.status -> plan -> command, acknowledged -> run_until ...
 class LockstepPilot {
@@ -172,7 +170,7 @@ std::vector<base::LedgerEntry> on_stream_time(std::vector<base::LedgerEntry> ent
   return entries;
 }
 
-/// What has a clock of its own has no place in lockstep. @throws base::ConfigError
+/// Lockstep allows nothing that runs by a clock of its own. @throws base::ConfigError
 void refuse_other_clocks(const RunRequest& request) {
   if (request.scenario.flies_several()) {
     throw base::ConfigError(request.scenario.file.string() +

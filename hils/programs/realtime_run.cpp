@@ -1,29 +1,276 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/realtime_run.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
+#include "hils/flight/bench_fault.hpp"
+#include "hils/measure/run_record.hpp"
 #include "hils/programs/bench_programs.hpp"
 #include "hils/programs/composition.hpp"
+#include "hils/programs/cpu_pressure.hpp"
 #include "hils/programs/fcu_device.hpp"
-#include "hils/programs/ground_station_thread.hpp"
-#include "hils/programs/realtime_pilot.hpp"
+#include "hils/programs/ground_station.hpp"
+#include "hils/programs/pilot_calls.hpp"
+#include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/run/run_directory.hpp"
 #include "hils/run/run_places.hpp"
+#include "hils/scenario/fleet_plan.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-/// Nothing where casd was killed: what it had noted by then is gone.
+using base::rpc::Json;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr base::Duration kPollPeriod = milliseconds(50);
+constexpr base::Duration kStreamLook = seconds(1);
+/// The stream goes on for this long after the flight, so that the pipe is drained.
+constexpr base::Duration kDrain = seconds(1);
+
+std::int64_t log_clock_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+Json to_json(const fcu::LineConfig& line) {
+  const auto us = [](base::Duration d) { return 1e6 * base::to_seconds(d); };
+  return {{"preset", line.preset},
+          {"baud", line.baud},
+          {"clock_drift_ppm", line.clock_drift_ppm},
+          {"extra_delay_us", us(line.extra_delay)},
+          {"jitter_us", us(line.jitter)},
+          {"batch_us", us(line.batch)},
+          {"stall_every_us", us(line.stall_every)},
+          {"stall_length_us", us(line.stall_length)},
+          {"bit_error_rate", line.bit_error_rate},
+          {"burst_begin", line.burst_begin},
+          {"burst_end", line.burst_end},
+          {"burst_loss", line.burst_loss},
+          {"packet_loss", line.packet_loss},
+          {"send_buffer_bytes", line.send_buffer_bytes},
+          {"receive_fifo_bytes", line.receive_fifo_bytes},
+          {"receive_trigger_bytes", line.receive_trigger_bytes}};
+}
+
+/// "up 500 + 5, down 400 Hz, 0 dropped".
+std::string stream_words(const Json& status, const Json& messages) {
+  double sensor = 0, gps = 0, controls = 0, dropped = 0;
+  for (const Json& message : messages) {
+    if (!message.is_object() || message.value("direction", "") != "tx") continue;
+    const std::string name = message.value("name", "");
+    const double hz = message.value("hz", 0.0);
+    if (name == "HIL_SENSOR") sensor += hz;
+    if (name == "HIL_GPS") gps += hz;
+    if (name == "HIL_CONTROLS" || name == "HIL_ACTUATOR_CONTROLS") controls += hz;
+  }
+  for (const Json& link : status.value("links", Json::array())) {
+    const Json tx = link.value("tx", Json::object());
+    for (const Json& count : tx.value("dropped", Json::object())) dropped += count.get<double>();
+  }
+  return fmt::format("up {:.0f} + {:.0f}, down {:.0f} Hz, {:.0f} dropped", sensor, gps, controls,
+                     dropped);
+}
+
+std::string address(const std::filesystem::path& socket) { return "unix:" + socket.string(); }
+
+/// Flies the vehicles of a scenario in real time over the control connections of simulator and
+/// casd, and plays the faults of the bench.
+class RealtimePilot {
+ public:
+  /// @param ground_station  nothing where the run has none
+  RealtimePilot(Supervisor& supervisor, BenchPrograms& programs, const RunPlaces& places,
+                const RunRequest& request, GroundStationThread* ground_station);
+
+  /// To the end of the plan, or until it fails. @throws RunStopped, base::rpc::ConnectionError
+  /// @param records  of the vehicles, which it fills in
+  void fly(std::vector<RunRecord>& records);
+
+ private:
+  base::SimTime simulated_time();
+  void look();
+  std::string give(const FleetPlan::Command& command);
+  void show(base::SimTime now);
+  void tell_phase();
+  void play_faults(base::SimTime now);
+  void play(const BenchFault& fault, bool begins);
+  void fill(std::vector<RunRecord>& records, const ClockMap& log_clock);
+  void watch_machine();
+  void watch_stream();
+
+  Supervisor& supervisor_;
+  BenchPrograms& programs_;
+  const RunPlaces& places_;
+  GroundStationThread* ground_station_;
+  base::rpc::Client simulator_;
+  std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
+  fcu::LineConfig line_;                   ///< as it is without faults
+  std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
+  FleetPlan plan_;
+  BenchFaultScript faults_;
+  Progress progress_;
+  CpuPressure pressure_;
+  std::string phase_;
+  std::string stream_;  ///< rates and drops in words, for the terminal
+  base::RunTime next_stream_look_{};
+  bool measuring_ = false;
+  double real_time_factor_ = 0;
+  std::vector<VehicleReport> vehicles_;
+  std::vector<Eigen::Vector3d> start_m_;  ///< where they stood when the run began
+};
+
+RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
+                             const RunPlaces& places, const RunRequest& request,
+                             GroundStationThread* ground_station)
+    : supervisor_(supervisor),
+      programs_(programs),
+      places_(places),
+      ground_station_(ground_station),
+      simulator_(address(places.simulator_control())),
+      casd_(address(places.command_port())),
+      line_(line_of(request)),
+      plan_(request.scenario),
+      faults_(request.scenario.faults.bench),
+      vehicles_(request.scenario.vehicles.size()) {
+  for (const std::uint8_t system : request.scenario.systems()) {
+    asked_.push_back(request.scenario.flies_several() ? AskedVehicle(system) : std::nullopt);
+  }
+}
+
+void RealtimePilot::fly(std::vector<RunRecord>& records) {
+  ClockMap log_clock;
+  while (true) {
+    const base::SimTime now = simulated_time();
+    log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
+    look();
+    const std::vector<FleetPlan::Command> commands = plan_.update(now, vehicles_);
+    tell_phase();
+    play_faults(now);
+    watch_machine();
+    if (plan_.ended()) break;
+    show(now);
+    for (const FleetPlan::Command& command : commands) {
+      const std::string refusal = give(command);
+      plan_.on_outcome(command.vehicle, simulated_time(), refusal);
+    }
+    if (commands.empty()) supervisor_.wait(kPollPeriod);
+  }
+  supervisor_.wait(kDrain);
+  fill(records, log_clock);
+}
+
+void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
+  const double simulated_s = base::to_seconds(simulated_time());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    RunRecord& record = records[i];
+    record.log_clock = log_clock;
+    record.simulated_s = simulated_s;
+    record.flight_failure = plan_.failure_of(i);
+    record.stages = plan_.plan(i).stages();
+    record.hold = plan_.plan(i).measured();
+    record.faults = faults_.history_of(i);
+    record.cpu_pressure = pressure_.share();
+  }
+}
+
+base::SimTime RealtimePilot::simulated_time() {
+  const Json status = simulator_.call("sim.status", Json::object());
+  real_time_factor_ = status.value("real_time_factor", 0.0);
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    Motion truth = to_motion(status.at("vehicles").at(i));
+    if (i == start_m_.size()) start_m_.push_back(truth.p_m);
+    truth.p_m -= start_m_[i];
+    vehicles_[i].truth = truth;
+  }
+  return base::SimTime(base::from_seconds(status.at("time_s").get<double>()));
+}
+
+void RealtimePilot::look() {
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    VehicleReport report;
+    if (casd_) report = vehicle_report(*casd_, asked_[i]);
+    report.truth = vehicles_[i].truth;
+    vehicles_[i] = report;
+  }
+}
+
+void RealtimePilot::show(base::SimTime now) {
+  watch_stream();
+  const std::size_t leader = plan_.leader();
+  progress_.show(now, plan_.plan(leader), vehicles_[leader], real_time_factor_, stream_);
+}
+
+/// The simulator's fault scripts ask for it.
+void RealtimePilot::tell_phase() {
+  if (plan_.phase() == phase_) return;
+  phase_ = plan_.phase();
+  simulator_.call("sim.phase", {{"name", phase_}});
+}
+
+/// @return why the vehicle refused, or nothing
+std::string RealtimePilot::give(const FleetPlan::Command& command) {
+  if (!casd_) return "casd is away";
+  return hils::give(*casd_, command.step, false, asked_[command.vehicle]);
+}
+
+void RealtimePilot::play_faults(base::SimTime now) {
+  for (const auto& [fault, begins] : faults_.update(now, vehicles_, plan_.phase())) {
+    play(*fault, begins);
+  }
+}
+
+void RealtimePilot::play(const BenchFault& fault, bool begins) {
+  const VehiclePlaces& vehicle = places_.vehicles[fault.vehicle];
+  if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
+    base::rpc::Client fcu(address(vehicle.fcu_control()));
+    fcu.call("line.set", to_json(begins ? line->line : line_));
+  } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
+    if (!begins) return;  // the emulator plugs itself in again
+    base::rpc::Client fcu(address(vehicle.fcu_control()));
+    fcu.call("line.hangup", {{"ms", 1e3 * base::to_seconds(fault.lasting)}});
+  } else if (std::holds_alternative<RestartFault>(fault.kind)) {
+    casd_.reset();
+    if (begins) return programs_.kill_casd();
+    programs_.start_casd();
+    casd_.emplace(address(places_.command_port()));
+  } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
+    if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
+  }
+}
+
+/// Once a second, and only when standard error is a terminal.
+void RealtimePilot::watch_stream() {
+  const base::RunTime now = base::steady_now();
+  if (!progress_.shows() || !casd_ || now < next_stream_look_) return;
+  next_stream_look_ = now + kStreamLook;
+  stream_ = stream_words(casd_->call("casd.status", Json::object()),
+                         casd_->call("message.list", Json::object()));
+}
+
+/// Looks at the machine's load during the measured step.
+void RealtimePilot::watch_machine() {
+  const FlightStep* step = plan_.plan(plan_.leader()).current();
+  const bool measuring = step != nullptr && step->measure;
+  if (measuring && !measuring_) pressure_.start();
+  if (!measuring && measuring_) pressure_.stop();
+  measuring_ = measuring;
+}
+
+/// Empty when a fault kills casd: its ledger is lost with it.
 std::map<std::string, casd::LinkLedger> read_relay_ledgers(const RunPlaces& places,
                                                            const Scenario& scenario) {
   for (const BenchFault& fault : scenario.faults.bench) {
@@ -41,7 +288,7 @@ void add_relay(std::map<std::string, casd::LinkLedger>& ledgers, const VehiclePl
                               .controller = std::move(controller->second)};
 }
 
-/// What the programs have written down, when they have ended.
+/// Reads the ledgers that the programs wrote when they ended.
 void read_ledgers(const RunRequest& request, const RunPlaces& places,
                   std::vector<RunRecord>& records) {
   auto relay = read_relay_ledgers(places, request.scenario);

@@ -15,7 +15,7 @@ namespace cas::hils {
 
 namespace {
 
-/// What a program gets between SIGTERM and SIGKILL when the run has been stopped.
+/// Time between SIGTERM and SIGKILL when the run has been stopped.
 constexpr int kLastPatienceMs = 3000;
 
 sigset_t stop_signals() {
@@ -62,7 +62,8 @@ Supervisor::~Supervisor() {
 
 ChildProcess& Supervisor::start(ChildProcess::Options options, base::Duration timeout) {
   check();
-  // Here, not on the watcher: the child's life hangs on the thread that forks it.
+  // PR_SET_PDEATHSIG kills the child when the forking thread exits, so fork here, not on the
+  // watcher.
   auto owned = std::make_unique<ChildProcess>(std::move(options));
   ChildProcess& child = *owned;
   {

@@ -29,8 +29,8 @@ class RunStopped : public std::runtime_error {
 /// Starts the programs of a run and watches over them.
 ///
 /// A thread waits on the pidfds and on SIGINT and SIGTERM (blocked in every thread, read from a
-/// signalfd). When one of them comes, it ends all programs: whoever talks to them then sees the
-/// connection go, and `check()` says why.
+/// signalfd). When one of them comes, it ends all programs: their connections close, and
+/// `check()` says why.
 class Supervisor {
  public:
   /// Blocks SIGINT, SIGTERM and SIGHUP for the process: construct before other threads start.

@@ -13,7 +13,6 @@
 #include "hils/report/html_page.hpp"
 #include "hils/report/paper_figures.hpp"
 #include "hils/report/report.hpp"
-#include "hils/report/version.hpp"
 
 namespace cas::hils {
 
@@ -22,12 +21,6 @@ namespace {
 using Rows = std::vector<std::vector<std::string>>;
 
 std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
-
-std::string upper(std::string_view word) {
-  std::string result(word);
-  for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return result;
-}
 
 std::string word_of(const Verdict& verdict) {
   if (!verdict.valid) return "Not valid";
@@ -45,8 +38,8 @@ void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verd
           : fmt::format("real-time factor {:.4f}, longest stall {:.1f} ms",
                         figures.pace.real_time_factor, figures.pace.worst_stall_ms);
   page.verdict(mood, word_of(verdict),
-               fmt::format("{}, {}, seed {}; {}", figures.scenario,
-                           upper(to_string(figures.architecture)), figures.seed, pace),
+               fmt::format("{}, {}, seed {}; {}", figures.scenario, title_of(figures.architecture),
+                           figures.seed, pace),
                verdict.failures);
 }
 
@@ -68,7 +61,7 @@ void add_rates(HtmlPage& page, const Measurement& figures) {
 
   Rows paper{{"Name", "IMU Hz", "error %", "GPS Hz", "error %", "control Hz", "error %"}};
   const StreamFigures& rates = figures.rates;
-  paper.push_back({upper(to_string(figures.architecture)), fixed(rates.sensor.received_hz, 4),
+  paper.push_back({title_of(figures.architecture), fixed(rates.sensor.received_hz, 4),
                    fixed(rates.sensor.error_pct, 4), fixed(rates.gps.received_hz, 4),
                    fixed(rates.gps.error_pct, 4), fixed(rates.controls.received_hz, 4),
                    fixed(rates.controls.error_pct, 4)});
@@ -87,7 +80,7 @@ void add_rms(HtmlPage& page, const Measurement& figures) {
   const auto add = [&rows](const std::string& name, double x, double y, double z, double yaw) {
     rows.push_back({name, fixed(x, 4), fixed(y, 4), fixed(z, 4), fixed(yaw, 4)});
   };
-  const std::string name = upper(to_string(figures.architecture));
+  const std::string name = title_of(figures.architecture);
   const RmsFigures& rms = *figures.rms;
   add(name + ", true", rms.x_m, rms.y_m, rms.z_m, rms.yaw_rad);
   if (figures.rms_estimate) {
@@ -169,7 +162,7 @@ void add_machine(HtmlPage& page, const Measurement& figures) {
   utsname system{};
   ::uname(&system);
   Rows rows{{"Ran with", ""}};
-  rows.push_back({"CAS", std::string(kVersion)});
+  rows.push_back({"CAS", std::string(CAS_VERSION)});
   rows.push_back({"Compiler", __VERSION__});
   rows.push_back({"System", fmt::format("{} {} {}, {} processors", system.sysname, system.release,
                                         system.machine, std::thread::hardware_concurrency())});
@@ -185,7 +178,7 @@ std::string content_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// What each vehicle did, in a row.
+/// One row for each vehicle.
 void add_overview(HtmlPage& page, const RunResult& run) {
   if (!run.has_several()) return;
   Rows rows{{"Vehicle", "verdict", "HIL_SENSOR lost", "HIL_GPS lost", "controls lost", "RMS X m",
@@ -220,7 +213,7 @@ void add_vehicle(HtmlPage& page, const std::string& who, const Measurement& figu
 std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plots,
                         const std::vector<std::filesystem::path>& config_files) {
   const Measurement whole = run.whole();
-  HtmlPage page(fmt::format("{} ({})", whole.scenario, upper(to_string(whole.architecture))));
+  HtmlPage page(fmt::format("{} ({})", whole.scenario, title_of(whole.architecture)));
   add_verdict(page, whole, run.verdict);
   add_overview(page, run);
   for (std::size_t i = 0; i < run.vehicles.size(); ++i) {

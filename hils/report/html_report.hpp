@@ -14,7 +14,8 @@ namespace cas::hils {
 /// curves, then the configuration.
 ///
 /// @param plots  of each vehicle
-/// @param config_files  files that are quoted in it, such as the scenario and what was made of it
+/// @param config_files  files that are quoted in it, such as the scenario and generated
+/// configurations
 std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plots,
                         const std::vector<std::filesystem::path>& config_files);
 

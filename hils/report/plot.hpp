@@ -19,10 +19,10 @@ struct Series {
 struct Mark {
   double x = 0;
   std::string text{};
-  bool fault = false;  ///< drawn so that it stands out
+  bool fault = false;  ///< drawn in red
 };
 
-/// What is drawn; axes fit the data.
+/// Curves and marks in one pair of axes, which fit the data.
 struct Plot {
   std::string title{};
   std::string x_label{};

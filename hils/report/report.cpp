@@ -3,21 +3,21 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+
+#include "base/time/clock.hpp"
 #include "hils/report/paper_figures.hpp"
+#include "hils/report/plot.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-std::string upper(std::string_view word) {
-  std::string result(word);
-  for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return result;
-}
-
 std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
   std::string text = fmt::format("{}: {}, {}, seed {}\n", verdict_word(verdict), figures.scenario,
-                                 upper(to_string(figures.architecture)), figures.seed);
+                                 title_of(figures.architecture), figures.seed);
   for (const std::string& sentence : verdict.failures) text += "  - " + sentence + "\n";
   text += figures.virtual_clock
               ? fmt::format("  {:.1f} s simulated in {:.2f} s: {:.0f} x real time\n",
@@ -27,10 +27,18 @@ std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
   return text;
 }
 
-std::string rate_row(std::string_view name, double sensor_hz, double sensor_pct, double gps_hz,
-                     double gps_pct, double controls_hz, double controls_pct) {
+/// A rate at the receiver and how far it falls short of the nominal one.
+struct RateCells {
+  double hz;
+  double error_pct;
+};
+
+RateCells cells_of(const RateFigures& rate) { return {rate.received_hz, rate.error_pct}; }
+
+std::string rate_row(std::string_view name, RateCells sensor, RateCells gps, RateCells controls) {
   return fmt::format("{:<16} {:>10.4f} {:>9.4f} {:>9.4f} {:>9.4f} {:>11.4f} {:>9.4f}\n", name,
-                     sensor_hz, sensor_pct, gps_hz, gps_pct, controls_hz, controls_pct);
+                     sensor.hz, sensor.error_pct, gps.hz, gps.error_pct, controls.hz,
+                     controls.error_pct);
 }
 
 std::string rate_table(const Measurement& figures) {
@@ -45,12 +53,11 @@ std::string rate_table(const Measurement& figures) {
                       fmt::format("Control {:g} Hz", rates.controls.nominal_hz));
   text += fmt::format("{:<16} {:>10} {:>9} {:>9} {:>9} {:>11} {:>9}\n", "Name", "Hz", "error %",
                       "Hz", "error %", "Hz", "error %");
-  text += rate_row(upper(to_string(figures.architecture)), rates.sensor.received_hz,
-                   rates.sensor.error_pct, rates.gps.received_hz, rates.gps.error_pct,
-                   rates.controls.received_hz, rates.controls.error_pct);
+  text += rate_row(title_of(figures.architecture), cells_of(rates.sensor), cells_of(rates.gps),
+                   cells_of(rates.controls));
   for (const PaperRates& row : kPaperTable4) {
-    text += rate_row(fmt::format("[HILS] {}", row.name), row.sensor_hz, row.sensor_error_pct,
-                     row.gps_hz, row.gps_error_pct, row.controls_hz, row.controls_error_pct);
+    text += rate_row(fmt::format("[HILS] {}", row.name), {row.sensor_hz, row.sensor_error_pct},
+                     {row.gps_hz, row.gps_error_pct}, {row.controls_hz, row.controls_error_pct});
   }
   text += fmt::format("{:<16} {:>20} {:>19} {:>21}\n", "sent / lost",
                       fmt::format("{} / {}", rates.sensor.sent, rates.sensor.lost),
@@ -68,7 +75,7 @@ std::string rms_table(const Measurement& figures) {
   if (!figures.rms) return {};
   std::string text = "\nTable 5. RMS error of the hover\n";
   text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>10}\n", "Name", "X m", "Y m", "Z m", "Yaw rad");
-  const std::string name = upper(to_string(figures.architecture));
+  const std::string name = title_of(figures.architecture);
   text += rms_row(name + " true", *figures.rms);
   if (figures.rms_estimate) text += rms_row(name + " estimate", *figures.rms_estimate);
   for (const PaperRms& row : kPaperTable5) {
@@ -130,7 +137,7 @@ std::string figures_text(const Measurement& figures) {
          response_table(figures);
 }
 
-/// What each vehicle did, in a line.
+/// One line for each vehicle.
 std::string overview_table(const RunResult& run) {
   std::string text = fmt::format("\n{:<24} {:>8} {:>20} {:>8} {:>8} {:>8}\n", "Vehicle", "verdict",
                                  "lost IMU/GPS/control", "RMS X m", "Y m", "Z m");
@@ -145,6 +152,153 @@ std::string overview_table(const RunResult& run) {
         rms_text(rms, &RmsFigures::z_m));
   }
   return text;
+}
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+
+Json rate_json(const RateFigures& rate) {
+  return {{"nominal_hz", rate.nominal_hz},   {"sent", rate.sent},
+          {"received", rate.received},       {"lost", rate.lost},
+          {"received_hz", rate.received_hz}, {"error_pct", rate.error_pct}};
+}
+
+Json delay_json(const DelayFigures& delay) {
+  if (delay.count == 0) return nullptr;
+  return {{"p50", delay.p50}, {"p90", delay.p90}, {"p99", delay.p99}, {"max", delay.max}};
+}
+
+Json rms_json(const std::optional<RmsFigures>& rms) {
+  if (!rms) return nullptr;
+  return {{"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
+}
+
+template <class Number>
+Json optional_json(const std::optional<Number>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json path_json(const PathAccount& path) {
+  Json hops = Json::array();
+  for (const HopFigures& hop : path.hops) {
+    hops.push_back({{"hop", hop.name},
+                    {"in", hop.in},
+                    {"out", hop.out},
+                    {"latency_us", delay_json(hop.delay)},
+                    {"jitter_us", hop.jitter_us}});
+  }
+  return {{"message", path.message}, {"sent", path.sent},     {"received", path.received},
+          {"closes", path.closes()}, {"losses", path.losses}, {"hops", std::move(hops)}};
+}
+
+Json fault_json(const BenchFaultScript::Span& fault) {
+  return {{"name", fault.name},
+          {"begin_s", base::to_seconds(fault.begin)},
+          {"end_s", fault.end ? Json(base::to_seconds(*fault.end)) : Json(nullptr)}};
+}
+
+Json response_json(const StepResponse& response) {
+  return {{"step", response.name},
+          {"size_m", response.size},
+          {"rise_s", optional_json(response.rise_s)},
+          {"overshoot_pct", response.overshoot_pct},
+          {"settling_s", optional_json(response.settling_s)},
+          {"integrated_error_m_s", response.integrated_error}};
+}
+
+Json stages_json(const std::vector<Stage>& stages) {
+  Json list = Json::array();
+  for (const Stage& stage : stages) {
+    list.push_back({{"step", to_string(stage.step.kind)},
+                    {"begin_s", base::to_seconds(stage.begin)},
+                    {"end_s", base::to_seconds(stage.end)}});
+  }
+  return list;
+}
+
+/// Fields that every run has.
+Json run_json(const Measurement& figures, const Verdict& verdict) {
+  Json summary;
+  summary["schema"] = kSchema;
+  summary["scenario"] = figures.scenario;
+  summary["architecture"] = to_string(figures.architecture);
+  summary["seed"] = figures.seed;
+  summary["valid"] = verdict.valid;
+  summary["passed"] = verdict.passed;
+  summary["failures"] = verdict.failures;
+  summary["virtual_clock"] = figures.virtual_clock;
+  summary["real_time_factor"] = figures.pace.real_time_factor;
+  summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
+  summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
+  summary["simulated_s"] = figures.simulated_s;
+  summary["wall_s"] = figures.wall_s;
+  summary["cpu_s"] = Json::object();
+  for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
+  return summary;
+}
+
+/// Appends the figures of one vehicle.
+void add_figures(const Measurement& figures, Json& summary) {
+  summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},
+                         {"end", static_cast<double>(figures.window.end_usec) * 1e-6}};
+  summary["rates"] = {{"HIL_SENSOR", rate_json(figures.rates.sensor)},
+                      {"HIL_GPS", rate_json(figures.rates.gps)},
+                      {"HIL_CONTROLS", rate_json(figures.rates.controls)}};
+  summary["latency_us"] = {{"sensor_to_control", delay_json(figures.sensor_to_control)},
+                           {"sensor_uplink", delay_json(figures.sensor_uplink)},
+                           {"controls_downlink", delay_json(figures.controls_downlink)}};
+  summary["age_at_use_us"] = {{"by_stamp", delay_json(figures.age_by_stamp)},
+                              {"by_arrival", delay_json(figures.age_by_arrival)}};
+  summary["meter_hz"] = {{"HIL_SENSOR", figures.meter.sensor_hz},
+                         {"HIL_GPS", figures.meter.gps_hz},
+                         {"HIL_CONTROLS", figures.meter.controls_hz}};
+  summary["from_device"] = figures.from_device;
+  if (figures.from_device) summary["lost_by_sequence"] = figures.lost_by_sequence;
+  summary["paths"] = Json::array();
+  for (const PathAccount& path : figures.paths) summary["paths"].push_back(path_json(path));
+  summary["faults"] = Json::array();
+  for (const auto& fault : figures.faults) summary["faults"].push_back(fault_json(fault));
+  summary["responses"] = Json::array();
+  for (const auto& response : figures.responses) {
+    summary["responses"].push_back(response_json(response));
+  }
+  summary["rms"] = rms_json(figures.rms);
+  summary["rms_estimate"] = rms_json(figures.rms_estimate);
+  summary["stages"] = stages_json(figures.stages);
+}
+
+Json vehicle_json(const Measurement& figures, const Verdict& verdict) {
+  Json summary = run_json(figures, verdict);
+  add_figures(figures, summary);
+  return summary;
+}
+
+/// @param who  behind the name of the suite: ".left", or nothing
+std::string junit_suite(const Measurement& figures, const Verdict& verdict,
+                        const std::string& who) {
+  const std::string suite = escape_xml(
+      fmt::format("hils.{}.{}{}", figures.scenario, to_string(figures.architecture), who));
+  std::string cases;
+  std::size_t failed = 0;
+  std::size_t errors = 0;
+  if (verdict.passed) {
+    cases += fmt::format("  <testcase classname=\"{}\" name=\"limits\" time=\"{:.3f}\"/>\n", suite,
+                         figures.wall_s);
+  }
+  for (std::size_t i = 0; i < verdict.failures.size(); ++i) {
+    const std::string sentence = escape_xml(verdict.failures[i]);
+    cases +=
+        fmt::format("  <testcase classname=\"{}\" name=\"{} {}\" time=\"{:.3f}\">", suite,
+                    verdict.valid ? "limit" : "validity", i + 1, i == 0 ? figures.wall_s : 0.0);
+    cases += fmt::format("<{} message=\"{}\"/></testcase>\n", verdict.valid ? "failure" : "error",
+                         sentence);
+    ++(verdict.valid ? failed : errors);
+  }
+  return fmt::format(
+      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"0\" "
+      "time=\"{:.3f}\">\n{}</testsuite>\n",
+      suite, failed + errors + (verdict.passed ? 1 : 0), failed, errors, figures.wall_s, cases);
 }
 
 }  // namespace
@@ -169,6 +323,32 @@ std::string text_report(const RunResult& run) {
     text += fmt::format("\n== {} ==\n", vehicle.figures.vehicle) + figures_text(vehicle.figures);
   }
   return text;
+}
+
+std::string summary_json(const Measurement& figures, const Verdict& verdict) {
+  return vehicle_json(figures, verdict).dump(2) + "\n";
+}
+
+std::string summary_json(const RunResult& run) {
+  if (!run.has_several()) return summary_json(run.vehicles.front().figures, run.verdict);
+  Json summary = run_json(run.whole(), run.verdict);
+  summary["vehicles"] = Json::array();
+  for (const VehicleResult& vehicle : run.vehicles) {
+    Json entry{{"name", vehicle.figures.vehicle}};
+    entry.update(vehicle_json(vehicle.figures, vehicle.verdict));
+    summary["vehicles"].push_back(std::move(entry));
+  }
+  return summary.dump(2) + "\n";
+}
+
+std::string junit_report(const RunResult& run) {
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+  if (!run.has_several()) return text + junit_suite(run.vehicles.front().figures, run.verdict, "");
+  text += "<testsuites>\n";
+  for (const VehicleResult& vehicle : run.vehicles) {
+    text += junit_suite(vehicle.figures, vehicle.verdict, "." + vehicle.figures.vehicle);
+  }
+  return text + "</testsuites>\n";
 }
 
 }  // namespace cas::hils

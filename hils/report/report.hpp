@@ -9,24 +9,28 @@
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/measurement.hpp"
 #include "hils/measure/run_result.hpp"
-#include "hils/measure/trajectory.hpp"
+#include "hils/measure/tracking.hpp"
 
 namespace cas::hils {
 
 /// Verdict and figures for people: tables as [HILS] Tables 4 and 5, with its rows below ours.
 std::string text_report(const Measurement& figures, const Verdict& verdict);
-/// Of a run: with several vehicles the verdict on all, what each did in a line, then each by
-/// itself.
+/// Of a run: with several vehicles the verdict on all, a line for each, then the figures of each.
 std::string text_report(const RunResult& run);
 
 /// The same figures for programs, as JSON (docs/config.md names the fields).
 std::string summary_json(const Measurement& figures, const Verdict& verdict);
-/// Of a run: with several vehicles a list of them below what is common to all.
+/// Of a run: with several vehicles the common fields, then a list of the vehicles.
 std::string summary_json(const RunResult& run);
 
 /// PASSED, FAILED or INVALID.
 std::string_view verdict_word(const Verdict& verdict);
 /// One RMS error, such as &RmsFigures::x_m; a dash where the measured step was not reached.
 std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*axis);
+
+/// The verdict for continuous integration, as JUnit XML: one case when every limit was kept, else
+/// one for each that was missed, or for each reason why the run is not valid. Several vehicles have
+/// a suite each.
+std::string junit_report(const RunResult& run);
 
 }  // namespace cas::hils

@@ -1,9 +1,61 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/run/run_places.hpp"
 
-#include "hils/run/run_directory.hpp"
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::hils {
+
+namespace {
+
+std::filesystem::path parent_folder() {
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  if (runtime != nullptr && ::access(runtime, W_OK) == 0) return runtime;
+  return std::filesystem::temp_directory_path();
+}
+
+}  // namespace
+
+RunDirectory::RunDirectory() {
+  std::string name = (parent_folder() / "hils-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) {
+    throw base::ConfigError("cannot make a folder for the run's sockets: " + name);
+  }
+  path_ = name;
+}
+
+RunDirectory::~RunDirectory() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::vector<std::uint16_t> free_udp_ports(std::size_t count) {
+  std::vector<base::Descriptor> sockets;  // all open at once, so that the ports differ
+  std::vector<std::uint16_t> ports;
+  for (std::size_t i = 0; i < count; ++i) {
+    base::Descriptor fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof(address);
+    auto* generic = reinterpret_cast<sockaddr*>(&address);
+    if (!fd || ::bind(fd.get(), generic, size) != 0 ||
+        ::getsockname(fd.get(), generic, &size) != 0) {
+      throw base::ConfigError("there is no free UDP port");
+    }
+    ports.push_back(ntohs(address.sin_port));
+    sockets.push_back(std::move(fd));
+  }
+  return ports;
+}
 
 RunPlaces RunPlaces::of(const Scenario& scenario, const std::filesystem::path& out,
                         const std::filesystem::path& sockets) {

@@ -16,8 +16,9 @@ struct RunRequest {
   std::string line_preset{};  ///< instead of the scenario's; empty: the scenario's
   std::string fcu_device{};   ///< a real controller's serial port; empty: the emulator
   unsigned fcu_baud = 921600;
-  bool lockstep = false;      ///< the processes run on the stream's time
-  std::filesystem::path out;  ///< folder of the results; what the programs were given is in out/run
+  bool lockstep = false;  ///< the processes run on the stream's time
+  std::filesystem::path
+      out;  ///< folder of the results; the programs' configurations are in out/run
 };
 
 }  // namespace cas::hils

@@ -13,7 +13,7 @@ FleetPlan::FleetPlan(const Scenario& scenario) : names_(scenario.names()) {
   }
 }
 
-/// What one vehicle ends another may wait for: look until nothing more ends at this moment.
+/// The end of one vehicle's step may let another go on: repeat until nothing more ends now.
 std::vector<FleetPlan::Command> FleetPlan::update(base::SimTime now,
                                                   std::span<const VehicleReport> vehicles) {
   std::vector<Command> commands;

@@ -32,7 +32,7 @@ class FleetPlan {
 
   /// Every vehicle is through, or one of them cannot go on.
   bool ended() const;
-  /// What the flight is about: the step that not all of them have done.
+  /// Phase of the flight: the first step that not all vehicles have done.
   std::string_view phase() const { return plans_[slowest()].phase(); }
   /// The first vehicle that does something in the step under way, for progress lines.
   std::size_t leader() const;

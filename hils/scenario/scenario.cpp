@@ -2,12 +2,179 @@
 #include "hils/scenario/scenario.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "base/config/config_whole.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/config/sensor_set.hpp"
+#include "base/config/vehicle.hpp"
 
 namespace cas::hils {
 
 namespace {
+
+constexpr std::array<std::string_view, 4> kAxes{"x_m", "y_m", "z_m", "yaw_rad"};
+
+std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key) {
+  std::map<std::string, double> axes;
+  const std::optional<base::ConfigNode> node = limits.find(key);
+  if (!node) return axes;
+  for (const std::string_view axis : kAxes) {
+    if (node->has(axis)) axes[std::string(axis)] = node->require_in(axis, 0, 1e6);
+  }
+  return axes;
+}
+
+std::optional<double> optional_limit(const base::ConfigNode& node, std::string_view key,
+                                     double most) {
+  if (!node.has(key)) return std::nullopt;
+  return node.require_in(key, 0, most);
+}
+
+bool has_response(const std::vector<FlightStep>& steps, std::string_view name) {
+  return std::ranges::any_of(steps, [name](const FlightStep& step) {
+    return step.trajectory.shape == fcu::PatternShape::kSteps && phase_of(step) == name;
+  });
+}
+
+/// Each key is the name of a `trajectory: {shape: step}` of the flight.
+std::map<std::string, ResponseLimits> parse_responses(const base::ConfigNode& limits,
+                                                      const std::vector<FlightStep>& steps) {
+  std::map<std::string, ResponseLimits> responses;
+  const std::optional<base::ConfigNode> node = limits.find("responses");
+  if (!node) return responses;
+  for (const auto& [name, body] : node->entries()) {
+    if (!has_response(steps, name))
+      body.fail("the flight has no 'trajectory: {shape: step}' of that name");
+    responses[name] = {.rise_s = optional_limit(body, "rise_s", 1e6),
+                       .overshoot_pct = optional_limit(body, "overshoot_pct", 1e6),
+                       .settling_s = optional_limit(body, "settling_s", 1e6)};
+  }
+  return responses;
+}
+
+/// Reads the block `limits`; its `responses` name steps of the flight.
+Limits parse_limits(const base::ConfigNode& node, const std::vector<FlightStep>& steps) {
+  Limits limits;
+  limits.delivered_pct = optional_limit(node, "delivered_pct", 100);
+  limits.responses = parse_responses(node, steps);
+  if (node.has("lost")) limits.lost = node.require<std::uint64_t>("lost");
+  if (node.has("rate_error_pct")) limits.rate_error_pct = node.require_in("rate_error_pct", 0, 100);
+  if (node.has("latency_p99_us")) limits.latency_p99_us = node.require_in("latency_p99_us", 0, 1e9);
+  limits.rms = parse_axes(node, "rms");
+  limits.rms_estimate = parse_axes(node, "rms_estimate");
+  return limits;
+}
+
+/// Limits of one vehicle of several: without responses to steps that others fly.
+Limits limits_for(std::size_t vehicle, Limits limits, const std::vector<FlightStep>& steps) {
+  const std::vector<FlightStep> own = steps_for(vehicle, steps);
+  std::erase_if(limits.responses,
+                [&own](const auto& response) { return !has_response(own, response.first); });
+  return limits;
+}
+
+/// Each takes two of casd's links and an emulator of its own.
+constexpr std::size_t kMostVehicles = 16;
+constexpr std::size_t kLongestName = 24;  ///< it is a part of paths of sockets, which are short
+constexpr double kFarthest_m = 10'000;
+
+std::string parse_name(const base::ConfigNode& node, const std::vector<ScenarioVehicle>& before) {
+  const base::ConfigNode key = node.at("name");
+  const auto name = key.as<std::string>();
+  const bool plain =
+      std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+  if (name.empty() || name.size() > kLongestName || !plain) {
+    key.fail("a vehicle's name is made of up to 24 letters, digits and underscores");
+  }
+  if (std::ranges::count(before, name, &ScenarioVehicle::name) > 0) {
+    key.fail("two vehicles have the name '" + name + "'");
+  }
+  return name;
+}
+
+VehiclePose parse_pose(const base::ConfigNode& node) {
+  return {.x_m = node.require_in("x_m", -kFarthest_m, kFarthest_m),
+          .y_m = node.require_in("y_m", -kFarthest_m, kFarthest_m),
+          .yaw_deg = node.get_in("yaw_deg", VehiclePose{}.yaw_deg, -360, 360)};
+}
+
+void check_apart(const base::ConfigNode& node, const std::vector<ScenarioVehicle>& vehicles) {
+  constexpr double kLeast_m = 1;  // two quadrotors that touch each other fly nowhere
+  const ScenarioVehicle& last = vehicles.back();
+  for (std::size_t i = 0; i + 1 < vehicles.size(); ++i) {
+    const VehiclePose& other = vehicles[i].pose;
+    if (std::hypot(last.pose.x_m - other.x_m, last.pose.y_m - other.y_m) >= kLeast_m) continue;
+    node.at("pose").fail("stands less than 1 m from '" + vehicles[i].name + "'");
+  }
+}
+
+/// A block for another program, which checks its keys.
+base::ConfigNode handed_on(const base::ConfigNode& node, std::string_view key) {
+  const std::optional<base::ConfigNode> block = node.find(key);
+  if (!block) return base::ConfigNode::empty(std::string(key));
+  block->mark_used();
+  return *block;
+}
+
+/// Reads the block `sensors`, if there is one. @throws base::ConfigError for an unknown set
+base::ConfigNode parse_sensors(const base::ConfigNode& node) {
+  const base::ConfigNode sensors = handed_on(node, "sensors");
+  if (node.has("sensors")) base::sensor_set(sensors);  // for its errors, here
+  return sensors;
+}
+
+ScenarioVehicle parse_alone(const base::ConfigNode& root) {
+  ScenarioVehicle vehicle;
+  vehicle.vehicle = base::find_config(root.at("vehicle"));
+  vehicle.system_id = base::Vehicle::load(vehicle.vehicle).system_id;
+  return vehicle;
+}
+
+ScenarioVehicle parse_one(const base::ConfigNode& node,
+                          const std::vector<ScenarioVehicle>& before) {
+  ScenarioVehicle vehicle;
+  vehicle.name = parse_name(node, before);
+  vehicle.vehicle = base::find_config(node.at("vehicle"));
+  vehicle.system_id = static_cast<std::uint8_t>(before.size() + 1);
+  vehicle.pose = parse_pose(node.at("pose"));
+  vehicle.controller = handed_on(node, "controller");
+  if (node.has("sensors")) vehicle.sensors = parse_sensors(node);
+  return vehicle;
+}
+
+/// Reads `vehicle`, or the list `vehicles`.
+std::vector<ScenarioVehicle> parse_vehicles(const base::ConfigNode& root) {
+  const std::optional<base::ConfigNode> list = root.find("vehicles");
+  if (!list) return {parse_alone(root)};
+  if (root.has("vehicle")) list->fail("a scenario has 'vehicle' or 'vehicles', not both");
+  std::vector<ScenarioVehicle> vehicles;
+  for (const base::ConfigNode& node : list->items()) {
+    vehicles.push_back(parse_one(node, vehicles));
+    check_apart(node, vehicles);
+  }
+  if (vehicles.size() < 2) list->fail("is a list of two or more; for one there is 'vehicle: FILE'");
+  if (vehicles.size() > kMostVehicles) list->fail("a run has at most 16 vehicles");
+  return vehicles;
+}
+
+/// Reads the limits of each vehicle of several; one alone has those of the scenario.
+void parse_vehicle_limits(const base::ConfigNode& root, const std::vector<FlightStep>& steps,
+                          std::vector<ScenarioVehicle>& vehicles) {
+  const std::optional<base::ConfigNode> list = root.find("vehicles");
+  if (!list) return;
+  const std::optional<base::ConfigNode> all = root.find("limits");
+  const std::vector<base::ConfigNode> nodes = list->items();
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    base::ConfigNode limits = all ? *all : base::ConfigNode::empty("limits");
+    if (const auto own = nodes[i].find("limits")) limits = own->merged_over(limits);
+    vehicles[i].limits = limits_for(i, parse_limits(limits, steps), steps);
+  }
+}
 
 constexpr int kSchema = 1;
 
@@ -51,6 +218,11 @@ void check_integrator(const base::ConfigNode& root, const Scenario& scenario) {
 
 }  // namespace
 
+double ScenarioVehicle::start_yaw_rad() const {
+  constexpr double kNorthDeg = 90;
+  return std::remainder((kNorthDeg - pose.yaw_deg) * M_PI / 180.0, 2 * M_PI);
+}
+
 std::string_view to_string(Architecture architecture) {
   switch (architecture) {
     case Architecture::kDirect:
@@ -65,6 +237,12 @@ std::string_view to_string(Architecture architecture) {
       return "tcas";
   }
   return "?";
+}
+
+std::string title_of(Architecture architecture) {
+  std::string title(to_string(architecture));
+  for (char& c : title) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return title;
 }
 
 Architecture parse_architecture(std::string_view word) {

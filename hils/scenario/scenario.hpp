@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,11 +15,47 @@
 #include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_step.hpp"
-#include "hils/scenario/scenario_limits.hpp"
-#include "hils/scenario/scenario_vehicle.hpp"
-#include "hils/scenario/wake_up.hpp"
 
 namespace cas::hils {
+
+/// Most that the response to one step of a flight may show.
+struct ResponseLimits {
+  std::optional<double> rise_s;
+  std::optional<double> overshoot_pct;
+  std::optional<double> settling_s;
+};
+
+/// Limits of a run's figures; one that a scenario leaves out is not judged.
+struct Limits {
+  std::optional<std::uint64_t> lost;           ///< packets of each HIL message in the window
+  std::optional<double> rate_error_pct;        ///< received rate against nominal, either way
+  std::optional<double> delivered_pct;         ///< least share of each HIL message that arrives
+  std::optional<double> latency_p99_us;        ///< sensor to control
+  std::map<std::string, double> rms;           ///< x_m, y_m, z_m, yaw_rad: truth against reference
+  std::map<std::string, double> rms_estimate;  ///< the same axes: estimate against reference
+  std::map<std::string, ResponseLimits> responses;  ///< by the name of the step
+};
+
+/// Where a vehicle stands when a run begins, as in a world: x east and y north of home.
+struct VehiclePose {
+  double x_m = 0;
+  double y_m = 0;
+  double yaw_deg = 90;  ///< of the nose, counter-clockwise from east: north
+};
+
+/// One vehicle of a scenario. Keys are the members' names.
+struct ScenarioVehicle {
+  std::string name{kVehicleName};  ///< for reports, and the folder of its topics
+  std::filesystem::path vehicle;
+  std::uint8_t system_id = 1;  ///< of several: 1, 2, ... in the order of the list
+  VehiclePose pose;
+  base::ConfigNode controller = base::ConfigNode::empty();  ///< keys before the scenario's
+  std::optional<base::ConfigNode> sensors;                  ///< instead of the scenario's
+  std::optional<Limits> limits;                             ///< instead of the scenario's
+
+  /// Heading of the nose in N.
+  double start_yaw_rad() const;
+};
 
 /// How simulator and controller are connected.
 enum class Architecture {
@@ -32,6 +70,8 @@ inline constexpr std::array kArchitectures{Architecture::kDirect, Architecture::
                                            Architecture::kTcas};
 
 std::string_view to_string(Architecture architecture);
+/// For people: "TCAS".
+std::string title_of(Architecture architecture);
 /// @throws base::ConfigError for another word
 Architecture parse_architecture(std::string_view word);
 
@@ -40,6 +80,13 @@ struct Rates {
   double sensor_hz = 500;
   double gps_hz = 5;
   double controls_hz = 400;
+};
+
+/// How late a thread goes on after what it waited for, on a machine of the virtual clock:
+/// log-normal, given by its median and its 99th percentile. Both zero: at once.
+struct WakeUpFigures {
+  double p50_us = 0;
+  double p99_us = 0;
 };
 
 /// One experiment as config/scenarios/*.yaml describes it. Keys are the members' names.

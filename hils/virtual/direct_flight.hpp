@@ -16,7 +16,7 @@
 
 namespace cas::hils {
 
-/// A flight without a scenario: what the vehicle is, and what troubles it.
+/// A flight without a scenario: the vehicle, its sensors and the disturbances.
 struct DirectFlightOptions {
   std::string vehicle = "vehicles/iris_paper.yaml";
   std::string sensors = "table1";  ///< a set of config/sensors, for sensors and estimator alike

@@ -8,8 +8,8 @@
 #include "base/measure/ledger.hpp"
 #include "base/time/clock.hpp"
 #include "fcu/core/fcu_config.hpp"
-#include "fcu/line/line_model.hpp"
 #include "fcu/flight_controller.hpp"
+#include "fcu/line/line_model.hpp"
 
 namespace cas::hils {
 
@@ -21,14 +21,14 @@ class VirtualController {
  public:
   using OnBytes = std::function<void(std::span<const std::uint8_t>, base::RunTime)>;
 
-  /// `on_bytes` hears what comes out of the line.
+  /// @param on_bytes  called with the bytes that leave the line
   VirtualController(const fcu::FcuConfig& config, OnBytes on_bytes);
   VirtualController(const VirtualController&) = delete;
   VirtualController& operator=(const VirtualController&) = delete;
 
   /// Bytes into the line. @return how many it took
   std::size_t write(std::span<const std::uint8_t> bytes, base::RunTime now);
-  /// Moves what has arrived, at either end, and does what time alone makes due.
+  /// Hands over bytes that have arrived at either end, and runs ticks that are due.
   void run(base::RunTime now);
   base::RunTime next_event(base::RunTime now) const;
 

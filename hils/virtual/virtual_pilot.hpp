@@ -15,7 +15,7 @@ namespace cas::hils {
 /// Flies the vehicles of a scenario through casd's ground station on the virtual clock.
 class VirtualPilot {
  public:
-  /// What the simulator knows of a vehicle's motion.
+  /// True motion of a vehicle, from the simulator.
   using Truth = std::function<Motion(std::size_t vehicle)>;
 
   VirtualPilot(casd::VehicleCommander& commander, const Scenario& scenario, casd::GainMap gains,

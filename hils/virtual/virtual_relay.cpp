@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "base/error.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -17,8 +18,7 @@ constexpr base::Duration kSecond = std::chrono::seconds(1);
 /// As casd: silence after which the rest of a packet is given up (threads: blocking).
 constexpr base::Duration kBlockingPatience = std::chrono::milliseconds(20);
 
-/// What a terminal's input holds before bytes are lost, and a UDP socket of casd's that was granted
-/// the usual rmem_max.
+/// Input buffer of a terminal, and of a UDP socket with the usual rmem_max: more is lost.
 constexpr std::size_t kTtyBytes = 16'384;
 constexpr std::size_t kSocketBytes = 212'992;
 
@@ -41,6 +41,18 @@ casd::CommanderOptions commander_options(const casd::Topology& topology) {
 }
 
 }  // namespace
+
+WakeUp::WakeUp(const WakeUpFigures& figures, std::uint64_t seed)
+    : median_us_(figures.p50_us), random_(seed) {
+  constexpr double kNormal99 = 2.326348;  // 99th percentile of the standard normal distribution
+  if (median_us_ <= 0) return;
+  sigma_ = std::log(std::max(figures.p99_us, median_us_) / median_us_) / kNormal99;
+}
+
+base::Duration WakeUp::draw() {
+  if (is_instant()) return {};
+  return base::from_seconds(1e-6 * median_us_ * std::exp(sigma_ * random_()));
+}
 
 VirtualRelay::Port::Port(const casd::LinkConfig& config)
     : is_line(config.type == casd::LinkType::kSerial),
@@ -264,7 +276,8 @@ void VirtualRelay::take_datagrams(base::RunTime now) {
   }
 }
 
-/// What has come on each line. @return false while the thread waits for the rest of a packet
+/// Reads the bytes that wait on each line. @return false while the thread waits for the rest of a
+/// packet
 bool VirtualRelay::read_lines(base::RunTime now) {
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     Port& port = ports_[i];

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/random.hpp"
 #include "base/time/clock.hpp"
 #include "casd/counters/link_ledger.hpp"
 #include "casd/queue/line_timing.hpp"
@@ -17,10 +18,23 @@
 #include "casd/routing/router.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/topology.hpp"
-#include "hils/scenario/wake_up.hpp"
+#include "hils/scenario/scenario.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
+
+/// Draws wake-up delays; the same seed gives the same delays.
+class WakeUp {
+ public:
+  WakeUp(const WakeUpFigures& figures, std::uint64_t seed);
+  base::Duration draw();
+  bool is_instant() const { return median_us_ <= 0; }
+
+ private:
+  double median_us_;
+  double sigma_ = 0;  ///< of the logarithm
+  base::NormalRandom random_;
+};
 
 /// casd without sockets and threads: its own router, queues, pacers and ground station, moved by
 /// the virtual clock. Computing takes no time; lines do.
@@ -29,9 +43,9 @@ namespace cas::hils {
 ///                              +--> own station (VehicleCommander)
 ///
 /// threads: per_link and single are the same here: neither waits for a line. With threads: blocking
-/// the one thread is modelled: in each turn it takes all waiting datagrams, reads what has come on
-/// each line (waiting for the rest of a packet that has begun) and writes one packet to each paced
-/// line (waiting until the line is through with it); what comes meanwhile stays in the kernel's
+/// the one thread is modelled: in each turn it takes all waiting datagrams, reads each
+/// line (waiting for the rest of a packet that has begun) and writes one packet to each paced
+/// line (waiting until the line has sent it); what arrives meanwhile stays in the kernel's
 /// buffers.
 ///
 /// A thread that waited goes on a little after what it waited for: the machine's scheduler.
@@ -58,8 +72,8 @@ class VirtualRelay {
   /// The next moment at which `run` has something to do.
   base::RunTime next_event() const;
 
-  /// Killed: what waits in it is lost, what comes to it goes nowhere. What the commander knows of
-  /// the vehicle outlives that.
+  /// Plays a killed casd: queued and arriving packets are lost. The commander keeps its state of
+  /// the vehicles.
   void kill();
   /// Started again.
   void restart() { running_ = true; }
@@ -78,7 +92,7 @@ class VirtualRelay {
     Write write;
     std::vector<std::uint8_t> tail;  ///< of a packet that the link has taken in part
     mav::PacketParser parser;
-    std::deque<std::uint8_t> inbox;  ///< threads: blocking: what the kernel holds
+    std::deque<std::uint8_t> inbox;  ///< threads: blocking: bytes in the kernel's buffer
     bool waited = false;             ///< the same: for the rest of the packet that is being read
     casd::LinkLedger ledger;
     std::optional<base::RunTime> carry_on_at;  ///< the thread waits for the pacer until then
@@ -115,7 +129,7 @@ class VirtualRelay {
   base::RunTime next_tick_{};
   base::RunTime next_second_{};
 
-  // threads: per_link, single: what a thread that has been woken will find.
+  // threads: per_link, single: bytes that a thread takes when it has woken.
   struct Arrival {
     base::RunTime handled_at;
     casd::LinkId from;

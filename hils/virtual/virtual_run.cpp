@@ -4,23 +4,29 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
+#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_writer.hpp"
 #include "casd/topology/topology.hpp"
 #include "hils/measure/run_record.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/programs/ground_station.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/virtual/tlog_writer.hpp"
 #include "hils/virtual/virtual_controller.hpp"
 #include "hils/virtual/virtual_pilot.hpp"
 #include "hils/virtual/virtual_relay.hpp"
@@ -30,18 +36,43 @@ namespace cas::hils {
 
 namespace {
 
-/// Time zero of the virtual clock in flight.tlog: 2026-01-01T00:00:00Z, so that a log is the same
-/// whenever it is made.
-constexpr std::int64_t kLogEpochUs = 1'767'225'600'000'000;
+/// Time zero of the virtual clock in flight.tlog, so that a log is the same whenever it is made.
+constexpr std::int64_t kLogEpochUs =
+    std::chrono::microseconds(casd::TlogWriter::kStreamEpoch).count();
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = std::chrono::seconds(1);
-/// Stands for a port in a topology whose links are not opened.
+/// Placeholder for a port: the links of this topology are never opened.
 constexpr std::uint16_t kAnyPort = 1;
 constexpr base::Duration kShowPeriod = std::chrono::seconds(1);
 
-std::int64_t log_clock_us(base::Duration since_start) {
-  return kLogEpochUs + since_start.count() / 1000;
-}
+/// flight.tlog of a run on the virtual clock.
+class FlightLog {
+ public:
+  /// @throws base::ConfigError
+  explicit FlightLog(const std::filesystem::path& path)
+      : path_(path), file_(path, std::ios::binary) {
+    if (!file_) throw base::ConfigError("cannot write " + path.string() + ": " + strerror(errno));
+  }
+
+  void write(base::Duration since_start, std::span<const std::uint8_t> packet) {
+    record_.clear();
+    const auto stamp_us = static_cast<std::uint64_t>(kLogEpochUs + since_start.count() / 1000);
+    casd::append_tlog_record(stamp_us, packet, record_);
+    file_.write(reinterpret_cast<const char*>(record_.data()),
+                static_cast<std::streamsize>(record_.size()));
+  }
+
+  /// @throws base::ConfigError when something could not be written
+  void close() {
+    file_.close();
+    if (!file_) throw base::ConfigError(path_.string() + " was not written to its end");
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::ofstream file_;
+  std::vector<std::uint8_t> record_;
+};
 
 /// Lets Ctrl-C end the run in good order while it lives.
 class InterruptGuard {
@@ -125,7 +156,7 @@ class VirtualBench {
     relay_.on_packet([this](casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
       const bool from_controller = std::ranges::any_of(
           seats_, [from](const auto& seat) { return seat->to_controller() == from; });
-      if (from_controller) log_.write(log_clock_us(now.time_since_epoch()), packet.bytes);
+      if (from_controller) log_.write(now.time_since_epoch(), packet.bytes);
     });
   }
 
@@ -168,7 +199,7 @@ class VirtualBench {
     return seats;
   }
 
-  /// What the simulator sends goes into casd by the vehicle's link.
+  /// Packets of the simulator enter casd by the vehicle's link.
   std::vector<VirtualSimulator::OnBytes> ways_out() {
     std::vector<VirtualSimulator::OnBytes> ways;
     for (const auto& seat : seats_) {
@@ -243,7 +274,7 @@ class VirtualBench {
 
   const Scenario& scenario_;
   std::filesystem::path stats_file_;
-  TlogWriter log_;
+  FlightLog log_;
   casd::Topology topology_;
   VirtualRelay relay_;
   std::vector<std::unique_ptr<Seat>> seats_;

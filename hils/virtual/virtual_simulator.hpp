@@ -1,18 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
+#include <deque>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/measure/ledger.hpp"
 #include "base/time/clock.hpp"
 #include "hils/flight/flight_facts.hpp"
-#include "hils/virtual/virtual_wire.hpp"
+#include "libsim/api/messages.hpp"
+#include "libsim/api/topic_bus.hpp"
+#include "libsim/api/world.hpp"
 #include "libsim/core/run/sim_runner.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
+
+/// One vehicle of the simulator as seen from outside: the packets that its interface plugin sends
+/// and takes over the topic bus, and how the vehicle moves.
+class VirtualWire {
+ public:
+  using OnBytes = std::function<void(std::span<const std::uint8_t>, base::RunTime)>;
+
+  /// Before the bus is frozen.
+  ///
+  /// @param name  of the vehicle, the folder of its topics
+  /// @param on_bytes  hears each packet that the simulator sends
+  VirtualWire(sim::TopicBus& bus, const std::string& name, sim::VehicleId id, OnBytes on_bytes);
+  VirtualWire(const VirtualWire&) = delete;
+  VirtualWire& operator=(const VirtualWire&) = delete;
+
+  /// Bytes for the vehicle.
+  void write(std::span<const std::uint8_t> bytes, base::RunTime now);
+
+  /// Begins the run: motion is counted from where the vehicle stands now.
+  void start(const sim::World& world);
+  /// Hands over packets that had arrived by then. Packets that the vehicle sends from now on leave
+  /// at `now`.
+  void deliver(base::RunTime arrived_by, base::RunTime now);
+
+  /// True motion, counted from where it stood.
+  Motion motion(const sim::World& world) const;
+  const std::vector<base::LedgerEntry>& ledger() const { return ledger_.entries(); }
+
+ private:
+  struct Arrival {
+    base::RunTime at;
+    sim::WirePacket packet;
+  };
+  void on_wire_out(const sim::WirePacket& packet);
+
+  sim::VehicleId id_;
+  sim::Publisher<sim::WirePacket> wire_in_;
+  sim::Subscription wire_out_;
+  OnBytes on_bytes_;
+  mav::PacketParser sent_;
+  mav::PacketParser received_;
+  base::PacketLedger ledger_;
+  std::deque<Arrival> arrived_;
+  Eigen::Vector3d start_W_ = Eigen::Vector3d::Zero();
+  base::RunTime now_{};
+};
 
 /// The simulator with its interface plugins on the topic bus, moved by the virtual clock: what
 /// hilsim is, without the UDP sockets.
@@ -32,7 +86,7 @@ class VirtualSimulator {
   void step(base::RunTime now);
   /// When the next step ends.
   base::RunTime next_event() const;
-  /// What the flight is about, for the plugins.
+  /// Phase of the flight, for the plugins.
   void set_flight_phase(std::string_view name);
   /// Writes the files of the run.
   void finish() { runner_.finish(); }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/closed_loop/flight.hpp"
+#include "tests/closed_loop/flight_fixture.hpp"
 
 namespace cas::hils {
 namespace {

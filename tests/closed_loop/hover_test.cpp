@@ -2,7 +2,7 @@
 // Whole flights on the virtual clock: simulator, router, line, controller and ground station.
 #include <gtest/gtest.h>
 
-#include "tests/closed_loop/flight.hpp"
+#include "tests/closed_loop/flight_fixture.hpp"
 
 namespace cas::hils {
 namespace {

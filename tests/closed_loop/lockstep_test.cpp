@@ -2,7 +2,7 @@
 // The three programs in lockstep over UDP and a pseudo-terminal: the same seed, the same bytes.
 #include <gtest/gtest.h>
 
-#include "tests/closed_loop/lockstep_bench.hpp"
+#include "tests/closed_loop/lockstep_fixture.hpp"
 
 namespace cas::test {
 namespace {
@@ -12,7 +12,7 @@ constexpr int kController = 256 * 1 + 1;
 constexpr int kCasd = 256 * 254 + 190;
 
 /// Asks each half second until the vehicle knows where it is. @return when it armed, s
-double arm(LockstepBench& bench) {
+double arm(LockstepFixture& bench) {
   for (double time_s = 6; time_s < 60; time_s += 0.5) {
     bench.run_until(time_s);
     try {
@@ -34,7 +34,7 @@ struct Flight {
 };
 
 Flight take_off(std::uint64_t seed) {
-  LockstepBench bench(seed);
+  LockstepFixture bench(seed);
   bench.run_until(0.01);
   EXPECT_TRUE(bench.wait_heard()) << bench.outputs();
   const double armed_s = arm(bench);
@@ -63,7 +63,7 @@ TEST(Lockstep, SameSeedGivesTheSameBytesThroughRealProcesses) {
 }
 
 std::string sensors_at_rest(std::uint64_t seed) {
-  LockstepBench bench(seed);
+  LockstepFixture bench(seed);
   bench.run_until(0.5);
   EXPECT_TRUE(bench.stop()) << bench.outputs();
   return bench.streams()[kSimulator];

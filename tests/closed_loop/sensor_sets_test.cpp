@@ -9,7 +9,7 @@
 #include "fcu/estimation/sensor_figures.hpp"
 #include "hils/programs/composition.hpp"
 #include "libsim/core/load/sim_config.hpp"
-#include "tests/closed_loop/flight.hpp"
+#include "tests/closed_loop/flight_fixture.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::hils {

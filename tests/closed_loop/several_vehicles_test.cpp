@@ -6,7 +6,7 @@
 
 #include "hils/measure/run_result.hpp"
 #include "hils/report/report.hpp"
-#include "tests/closed_loop/flight.hpp"
+#include "tests/closed_loop/flight_fixture.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "hils/firmware/firmware_configs.hpp"
 #include "hils/firmware/firmware_run.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"

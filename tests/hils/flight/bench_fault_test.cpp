@@ -112,9 +112,9 @@ TEST(BenchFaultScript, BeginsAndEndsEachFaultOnce) {
   ASSERT_EQ(ended.size(), 1U);
   EXPECT_FALSE(ended[0].begins);
   EXPECT_TRUE(script.update(at(seconds(9)), alone, "hold").empty());
-  ASSERT_EQ(script.history().size(), 1U);
-  EXPECT_EQ(script.history()[0].begin, at(seconds(1)));
-  EXPECT_EQ(script.history()[0].end, at(seconds(3)));
+  ASSERT_EQ(script.history_of(0).size(), 1U);
+  EXPECT_EQ(script.history_of(0)[0].begin, at(seconds(1)));
+  EXPECT_EQ(script.history_of(0)[0].end, at(seconds(3)));
 }
 
 TEST(BenchFaultScript, AsksTheEstimateOrTheTruth) {

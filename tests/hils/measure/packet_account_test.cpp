@@ -151,5 +151,134 @@ TEST(Pace, ShowsAStallThatWasCaughtUp) {
   EXPECT_DOUBLE_EQ(figures.worst_stall_ms, 50.0);
 }
 
+// Hop by hop.
+
+constexpr StreamWindow kWindow{.begin_usec = 1, .end_usec = 100};
+const PacketPath kUp{"HIL_SENSOR", kSensor, true};
+
+base::RunTime us(std::int64_t t) { return base::RunTime(std::chrono::microseconds(t)); }
+
+casd::PacketInfo info(std::uint64_t stamp, std::int64_t received_us) {
+  casd::PacketInfo info;
+  info.message_id = kSensor;
+  info.hil_time_usec = stamp;
+  info.received = us(received_us);
+  return info;
+}
+
+LedgerEntry hil_packet(Direction direction, std::uint64_t stamp, std::int64_t at_us) {
+  return {direction, kSensor, stamp, at_us * 1000};
+}
+
+/// Ten packets that take 10, 5 and 100 us for the three hops.
+struct HopLedgers {
+  std::vector<LedgerEntry> simulator;
+  std::vector<LedgerEntry> controller;
+  RelayLedgers relay;
+
+  enum class Fate { kArrives, kLostToCasd, kDropped, kLostOnTheLine, kVanishes };
+  void pass(std::uint64_t stamp, Fate fate = Fate::kArrives) {
+    const auto t = static_cast<std::int64_t>(1000 * stamp);
+    simulator.push_back(hil_packet(Direction::kSent, stamp, t));
+    if (fate == Fate::kLostToCasd) return;
+    relay.simulator.received(info(stamp, t + 10));
+    if (fate == Fate::kVanishes) return;
+    if (fate == Fate::kDropped) {
+      return relay.controller.dropped(info(stamp, t + 10), casd::DropCause::kAge, us(t + 15));
+    }
+    relay.controller.sent(info(stamp, t + 10), us(t + 15));
+    if (fate == Fate::kLostOnTheLine) return;
+    controller.push_back(hil_packet(Direction::kReceived, stamp, t + 115));
+  }
+  PathAccount account() const { return account_path(kUp, simulator, controller, &relay, kWindow); }
+};
+
+TEST(HopAccount, FollowsEachPacketFromHopToHop) {
+  HopLedgers ledgers;
+  for (std::uint64_t stamp = 1; stamp <= 10; ++stamp) ledgers.pass(stamp);
+  const PathAccount account = ledgers.account();
+  EXPECT_TRUE(account.closes()) << account.open;
+  EXPECT_EQ(account.received, 10U);
+  ASSERT_EQ(account.hops.size(), 3U);
+  EXPECT_DOUBLE_EQ(account.hops[0].delay.p50, 10);
+  EXPECT_DOUBLE_EQ(account.hops[1].delay.p50, 5);
+  EXPECT_DOUBLE_EQ(account.hops[2].delay.p50, 100);
+  EXPECT_DOUBLE_EQ(account.hops[2].jitter_us, 0);
+}
+
+TEST(HopAccount, NamesTheCauseOfEachLoss) {
+  HopLedgers ledgers;
+  ledgers.pass(1);
+  ledgers.pass(2, HopLedgers::Fate::kLostToCasd);
+  ledgers.pass(3, HopLedgers::Fate::kDropped);
+  ledgers.pass(4, HopLedgers::Fate::kLostOnTheLine);
+  ledgers.pass(5, HopLedgers::Fate::kLostOnTheLine);
+  const PathAccount account = ledgers.account();
+  EXPECT_TRUE(account.closes()) << account.open;
+  EXPECT_EQ(account.received, 1U);
+  const std::map<std::string, std::uint64_t> expected{{"in the socket of the receiver", 1},
+                                                      {"too old in casd's queue", 1},
+                                                      {"on the serial line", 2}};
+  EXPECT_EQ(account.losses, expected);
+}
+
+TEST(HopAccount, StaysOpenWhenAPacketVanishesInCasd) {
+  HopLedgers ledgers;
+  ledgers.pass(1);
+  ledgers.pass(2, HopLedgers::Fate::kVanishes);
+  EXPECT_FALSE(ledgers.account().closes());
+}
+
+TEST(HopAccount, StaysOpenWhenAPacketAppearsOrComesTwice) {
+  HopLedgers ledgers;
+  ledgers.pass(1);
+  ledgers.controller.push_back(hil_packet(Direction::kReceived, 2, 2000));
+  EXPECT_FALSE(ledgers.account().closes());
+  ledgers.controller.back().time_usec = 1;
+  EXPECT_FALSE(ledgers.account().closes());
+}
+
+TEST(HopAccount, ComparesTheEndsWhereCasdKeptNoLedger) {
+  HopLedgers ledgers;
+  ledgers.pass(1);
+  ledgers.pass(2, HopLedgers::Fate::kDropped);
+  const PathAccount account =
+      account_path(kUp, ledgers.simulator, ledgers.controller, nullptr, kWindow);
+  EXPECT_TRUE(account.closes()) << account.open;
+  ASSERT_EQ(account.hops.size(), 1U);
+  EXPECT_EQ(account.losses.at("somewhere on the way"), 1U);
+}
+
+// The averaging meter.
+
+std::vector<std::int64_t> steady(double hz, int seconds) {
+  std::vector<std::int64_t> arrivals;
+  for (int i = 0; i <= static_cast<int>(hz) * seconds; ++i) {
+    arrivals.push_back(static_cast<std::int64_t>(i * 1e9 / hz));
+  }
+  return arrivals;
+}
+
+struct MeterCase {
+  int seconds;
+  double shown_hz;
+};
+
+class MeterReading : public testing::TestWithParam<MeterCase> {};
+
+TEST_P(MeterReading, ReadsLowForAWhile) {
+  const auto [seconds, shown_hz] = GetParam();
+  EXPECT_NEAR(averaging_meter_hz(steady(500, seconds), seconds * 1'000'000'000LL), shown_hz, 0.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(At500Hz, MeterReading,
+                         testing::Values(MeterCase{5, 336}, MeterCase{10, 446}, MeterCase{20, 494},
+                                         MeterCase{30, 499}),
+                         [](const auto& test) {
+                           return "After" + std::to_string(test.param.seconds) + "Seconds";
+                         });
+
+TEST(AveragingMeter, ShowsNothingForNothing) { EXPECT_EQ(averaging_meter_hz({}, 1), 0); }
+
 }  // namespace
 }  // namespace cas::hils

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "hils/report/html_report.hpp"
-#include "hils/report/junit_report.hpp"
 #include "hils/report/report.hpp"
 
 namespace cas::hils {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "hils/run/run_directory.hpp"
+#include "hils/run/run_places.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::hils {

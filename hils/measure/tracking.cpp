@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/measure/trajectory.hpp"
+#include "hils/measure/tracking.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -11,10 +11,12 @@
 
 #include "base/earth/frames.hpp"
 #include "base/error.hpp"
-#include "hils/measure/tlog_reader.hpp"
+#include "casd/tlog/tlog_files.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/local_position_ned.hpp"
+#include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
 
@@ -62,6 +64,23 @@ PoseSample to_sample(const std::vector<double>& row) {
 
 }  // namespace
 
+void ClockMap::add(std::int64_t log_us, std::int64_t sim_us) {
+  if (!pairs_.empty() && log_us <= pairs_.back().first) return;  // the wall clock was set back
+  pairs_.emplace_back(log_us, sim_us);
+}
+
+std::int64_t ClockMap::to_sim_us(std::int64_t log_us) const {
+  if (pairs_.empty()) return log_us;
+  const auto after =
+      std::ranges::upper_bound(pairs_, log_us, {}, &std::pair<std::int64_t, std::int64_t>::first);
+  if (after == pairs_.begin()) return after->second + (log_us - after->first);
+  const auto before = after - 1;
+  if (after == pairs_.end()) return before->second + (log_us - before->first);
+  const double share = static_cast<double>(log_us - before->first) /
+                       static_cast<double>(after->first - before->first);
+  return before->second + std::llround(share * static_cast<double>(after->second - before->second));
+}
+
 std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw base::ConfigError("cannot read " + file.string());
@@ -81,21 +100,29 @@ std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
 
 std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::uint8_t system,
                                       const ClockMap& clock) {
+  casd::TlogReader log;
+  if (!log.open(tlog)) throw base::ConfigError("cannot read " + tlog.string());
   std::vector<PoseSample> samples;
   std::optional<mavlink::common::Attitude> attitude;
-  read_tlog(tlog, [&](std::int64_t stamp_us, const mav::PacketView& packet) {
+  mav::PacketParser parser(mavlink::common::table());
+  const auto on_packet = [&](std::uint64_t stamp_us, const mav::PacketView& packet) {
     if (packet.source.system != system) return;
     if (const auto newer = mav::decode<mavlink::common::Attitude>(packet)) attitude = newer;
     const auto position = mav::decode<mavlink::common::LocalPositionNed>(packet);
     if (!position || !attitude) return;
-    samples.push_back({.time_us = clock.to_sim_us(stamp_us),
+    samples.push_back({.time_us = clock.to_sim_us(static_cast<std::int64_t>(stamp_us)),
                        .pose = {.x_m = position->x,
                                 .y_m = position->y,
                                 .z_m = -position->z,
                                 .roll_rad = attitude->roll,
                                 .pitch_rad = attitude->pitch,
                                 .yaw_rad = attitude->yaw}});
-  });
+  };
+  while (const auto record = log.next()) {
+    parser.reset();  // a damaged record must not swallow the next one
+    parser.feed(record->packet,
+                [&](const mav::PacketView& packet) { on_packet(record->unix_us, packet); });
+  }
   return samples;
 }
 
@@ -126,6 +153,24 @@ RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& ref
           .z_m = std::sqrt(sums.z_m / n),
           .yaw_rad = std::sqrt(sums.yaw_rad / n),
           .samples = samples.size()};
+}
+
+Pose reference_at(const Stage& stage, std::int64_t time_us) {
+  Pose pose{.x_m = stage.reference_m.x(),
+            .y_m = stage.reference_m.y(),
+            .z_m = stage.reference_m.z(),
+            .yaw_rad = stage.reference_yaw_rad};
+  if (stage.step.kind != StepKind::kTrajectory) return pose;
+  const auto accepted_us = static_cast<std::int64_t>(base::to_time_usec(stage.accepted));
+  if (time_us < accepted_us) return pose;
+  const Eigen::Vector3d offset =
+      stage.step.trajectory.pattern()
+          .at(1e-6 * static_cast<double>(time_us - accepted_us), Eigen::Vector3d::Zero(), 0)
+          .p_N;
+  pose.x_m += offset.x();
+  pose.y_m += offset.y();
+  pose.z_m -= offset.z();
+  return pose;
 }
 
 }  // namespace cas::hils

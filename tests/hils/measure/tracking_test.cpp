@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/measure/trajectory.hpp"
+#include "hils/measure/tracking.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -15,9 +15,9 @@ namespace cas::test {
 
 /// hilsim, casd and fcu_emulator as processes in lockstep, with UDP and a pseudo-terminal between
 /// them. Simulated time stands still between two calls of run_until().
-class LockstepBench {
+class LockstepFixture {
  public:
-  explicit LockstepBench(std::uint64_t seed);
+  explicit LockstepFixture(std::uint64_t seed);
 
   /// Runs to a simulated time. @return sim.status there
   base::rpc::Json run_until(double time_s);

@@ -6,11 +6,26 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "hils/measure/clock_map.hpp"
+#include "hils/flight/flight_plan.hpp"
 
 namespace cas::hils {
+
+/// Maps the clock of a flight log to simulated time: pairs of both, read together now and then,
+/// with straight lines between them. Microseconds.
+class ClockMap {
+ public:
+  /// Both clocks at one moment; moments come in order.
+  void add(std::int64_t log_us, std::int64_t sim_us);
+  /// Simulated time at a moment of the log; beyond the ends the clocks run alike.
+  std::int64_t to_sim_us(std::int64_t log_us) const;
+  bool empty() const { return pairs_.empty(); }
+
+ private:
+  std::vector<std::pair<std::int64_t, std::int64_t>> pairs_;  ///< log, simulated
+};
 
 /// Place and heading as results name them: x north, y east, z up in m, yaw in N in rad.
 struct Pose {
@@ -55,5 +70,10 @@ std::span<const PoseSample> between(std::span<const PoseSample> samples, std::in
 using ReferenceAt = std::function<Pose(std::int64_t time_us)>;
 /// Deviations of the samples from a reference, which may move.
 RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& reference_at);
+
+/// Where the vehicle shall be at a moment of a step: the place of the last takeoff or goto, or the
+/// point of the trajectory under way. North, east, up from the start; a trajectory is taken to have
+/// begun when the vehicle confirmed it.
+Pose reference_at(const Stage& stage, std::int64_t time_us);
 
 }  // namespace cas::hils

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/firmware/pty_relay.hpp"
+#include "hils/firmware/pty_cable.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <numeric>
 #include <string>
 
-#include "hils/run/run_directory.hpp"
+#include "hils/run/run_places.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::hils {
@@ -37,7 +37,7 @@ class Port {
 };
 
 /// A program at each end of the cable.
-class PtyRelayTest : public testing::Test {
+class PtyCableTest : public testing::Test {
  protected:
   /// Writes as the port takes it. @return whether everything went
   static bool write_all(const Port& port, const std::string& bytes) {
@@ -59,12 +59,12 @@ class PtyRelayTest : public testing::Test {
   }
 
   RunDirectory folder_;
-  PtyRelay relay_{folder_.path() / "first", folder_.path() / "second"};
+  PtyCable relay_{folder_.path() / "first", folder_.path() / "second"};
   Port first_{folder_.path() / "first"};
   Port second_{folder_.path() / "second"};
 };
 
-TEST_F(PtyRelayTest, CarriesBothWays) {
+TEST_F(PtyCableTest, CarriesBothWays) {
   ASSERT_TRUE(write_all(first_, "there"));
   ASSERT_TRUE(write_all(second_, "back"));
   std::string at_first;
@@ -77,7 +77,7 @@ TEST_F(PtyRelayTest, CarriesBothWays) {
       << at_second;
 }
 
-TEST_F(PtyRelayTest, KeepsWhatAPortThatIsReadLateHasNoRoomFor) {
+TEST_F(PtyCableTest, KeepsWhatAPortThatIsReadLateHasNoRoomFor) {
   // More than a terminal holds (19 to 68 kB, as the kernel counts it), less than it and the cable.
   const std::string sent = numbered(75'000);
   ASSERT_TRUE(write_all(first_, sent));
@@ -90,7 +90,7 @@ TEST_F(PtyRelayTest, KeepsWhatAPortThatIsReadLateHasNoRoomFor) {
   EXPECT_EQ(relay_.lost_bytes(), 0U);
 }
 
-TEST_F(PtyRelayTest, CountsWhatAPortThatNobodyReadsLoses) {
+TEST_F(PtyCableTest, CountsWhatAPortThatNobodyReadsLoses) {
   const std::string sent = numbered(1'000'000);
   ASSERT_TRUE(write_all(first_, sent));
   ASSERT_TRUE(test::wait_until([&] { return relay_.lost_bytes() > 0; }));

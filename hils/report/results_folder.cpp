@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/report/run_results.hpp"
+#include "hils/report/results_folder.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,7 +7,6 @@
 
 #include "base/os/write_file.hpp"
 #include "hils/report/html_report.hpp"
-#include "hils/report/junit_report.hpp"
 #include "hils/report/plot.hpp"
 #include "hils/report/report.hpp"
 #include "hils/report/run_plots.hpp"
@@ -23,7 +22,7 @@ void write_plots(const std::filesystem::path& folder, const NamedPlots& plots) {
     base::write_file(folder / (name + ".svg"), to_svg(plot), base::Durability::kCache);
 }
 
-/// The scenario, what it names, and what was made of it; each file once.
+/// The scenario, its vehicle files and the configurations generated from them; each file once.
 std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
   const RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
   std::vector<std::filesystem::path> files{request.scenario.file};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/closed_loop/lockstep_bench.hpp"
+#include "tests/closed_loop/lockstep_fixture.hpp"
 
 #include <signal.h>
 
@@ -8,8 +8,10 @@
 #include <stdexcept>
 
 #include "base/rpc/message.hpp"
-#include "hils/measure/tlog_reader.hpp"
-#include "hils/run/run_directory.hpp"
+#include "casd/tlog/tlog_files.hpp"
+#include "hils/run/run_places.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::test {
@@ -37,7 +39,7 @@ void start(std::optional<ChildProcess>& program, const std::vector<std::string>&
 
 }  // namespace
 
-LockstepBench::LockstepBench(std::uint64_t seed) {
+LockstepFixture::LockstepFixture(std::uint64_t seed) {
   const auto ports = hils::free_udp_ports(2);
   const auto path = [this](const char* name) { return (folder_ / name).string(); };
   const std::string fcu = folder_
@@ -53,7 +55,7 @@ LockstepBench::LockstepBench(std::uint64_t seed) {
   casd_.emplace("unix:" + path("casd.sock"));
 }
 
-std::string LockstepBench::write_simulator(std::uint64_t seed, int port, int casd_port) {
+std::string LockstepFixture::write_simulator(std::uint64_t seed, int port, int casd_port) {
   return folder_
       .write("sim.yaml",
              "schema: 1\nworld: {gravity_m_s2: 9.80665, ground: true}\n"
@@ -70,7 +72,7 @@ std::string LockstepBench::write_simulator(std::uint64_t seed, int port, int cas
       .string();
 }
 
-std::string LockstepBench::write_casd(int port, int casd_port) {
+std::string LockstepFixture::write_casd(int port, int casd_port) {
   return folder_
       .write("casd.yaml",
              "schema: 1\npace: lockstep\ncommand_port: {port: 0, unix: " +
@@ -83,17 +85,17 @@ std::string LockstepBench::write_casd(int port, int casd_port) {
       .string();
 }
 
-Json LockstepBench::run_until(double time_s) {
+Json LockstepFixture::run_until(double time_s) {
   return simulator_->call("sim.run_until", {{"time_s", time_s}}, std::chrono::seconds(60));
 }
 
-Json LockstepBench::command(const std::string& method, const Json& params) {
+Json LockstepFixture::command(const std::string& method, const Json& params) {
   // A question first: its answer follows all that the vehicle has said.
   casd_->call("param.get", {{"name", "SYS_HITL"}});
   return casd_->call(method, params);
 }
 
-bool LockstepBench::wait_heard() {
+bool LockstepFixture::wait_heard() {
   return wait_until([this] {
     try {
       casd_->call("vehicle.state", Json::object());
@@ -105,7 +107,7 @@ bool LockstepBench::wait_heard() {
   });
 }
 
-bool LockstepBench::stop() {
+bool LockstepFixture::stop() {
   bool well = true;
   for (auto* program : {&hilsim_, &casd_program_, &fcu_}) {
     (*program)->signal(SIGTERM);
@@ -114,19 +116,25 @@ bool LockstepBench::stop() {
   return well;
 }
 
-std::string LockstepBench::truth() const { return content(folder_ / "truth.csv"); }
+std::string LockstepFixture::truth() const { return content(folder_ / "truth.csv"); }
 
-std::map<int, std::string> LockstepBench::streams() const {
+std::map<int, std::string> LockstepFixture::streams() const {
+  casd::TlogReader log;
+  if (!log.open(folder_ / "flight.tlog")) throw std::runtime_error("there is no flight.tlog");
   std::map<int, std::string> streams;
-  hils::read_tlog(folder_ / "flight.tlog", [&](std::int64_t, const mav::PacketView& packet) {
-    // The simulator speaks as component 200 of the vehicle's system.
-    streams[256 * packet.source.system + packet.source.component].append(
-        reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size());
-  });
+  mav::PacketParser parser(mavlink::common::table());
+  while (const auto record = log.next()) {
+    parser.reset();
+    parser.feed(record->packet, [&](const mav::PacketView& packet) {
+      // The simulator speaks as component 200 of the vehicle's system.
+      streams[256 * packet.source.system + packet.source.component].append(
+          reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size());
+    });
+  }
   return streams;
 }
 
-std::string LockstepBench::outputs() const {
+std::string LockstepFixture::outputs() const {
   std::string text;
   for (const auto* program : {&hilsim_, &casd_program_, &fcu_}) {
     if (*program) text += (*program)->output();

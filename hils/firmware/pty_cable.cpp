@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/firmware/pty_relay.hpp"
+#include "hils/firmware/pty_cable.hpp"
 
 #include <poll.h>
 #include <unistd.h>
@@ -17,15 +17,15 @@ short events(bool writes) { return static_cast<short>(writes ? POLLIN | POLLOUT 
 
 }  // namespace
 
-PtyRelay::PtyRelay(std::filesystem::path first, std::filesystem::path second)
+PtyCable::PtyCable(std::filesystem::path first, std::filesystem::path second)
     : first_(std::move(first)), second_(std::move(second)), thread_([this] { carry(); }) {}
 
-PtyRelay::~PtyRelay() {
+PtyCable::~PtyCable() {
   stopping_ = true;
   thread_.join();
 }
 
-void PtyRelay::carry() {
+void PtyCable::carry() {
   Wire there(first_.master(), second_.master());
   Wire back(second_.master(), first_.master());
   while (!stopping_) {
@@ -39,7 +39,7 @@ void PtyRelay::carry() {
   }
 }
 
-std::size_t PtyRelay::Wire::take() {
+std::size_t PtyCable::Wire::take() {
   std::array<char, 4096> chunk;
   const ssize_t size = ::read(from_, chunk.data(), chunk.size());
   if (size <= 0) return 0;
@@ -51,7 +51,7 @@ std::size_t PtyRelay::Wire::take() {
   return read - kept;
 }
 
-void PtyRelay::Wire::give() {
+void PtyCable::Wire::give() {
   const ssize_t size = ::write(to_, bytes_.data(), bytes_.size());
   if (size > 0) bytes_.erase(bytes_.begin(), bytes_.begin() + size);
 }

@@ -2,13 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "base/rpc/client.hpp"
+#include "hils/flight/flight_facts.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/flight/flight_step.hpp"
 
 namespace cas::hils {
+
+/// Motion of a vehicle in sim.status, whose axes are W's: x east, y north.
+Motion to_motion(const nlohmann::json& vehicle);
 
 /// The vehicle that casd is asked about, by its MAVLink system; nothing: the only one there is.
 using AskedVehicle = std::optional<std::uint8_t>;

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/pilot_calls.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+namespace cas::hils {
+
+namespace {
+
+using base::rpc::Json;
+
+Eigen::Vector3d vector_of(const Json& list) {
+  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
+
+VehicleReport to_report(const Json& state) {
+  VehicleReport report;
+  report.heard = true;
+  report.armed = state.value("armed", false);
+  const std::string landed = state.value("landed", "");
+  report.in_air = landed == "in_air";
+  report.on_ground = landed == "on_ground";
+  if (const auto p = state.find("position_N"); p != state.end() && p->is_object()) {
+    report.has_position = true;
+    report.p_N = {p->value("x_m", 0.0), p->value("y_m", 0.0), p->value("z_m", 0.0)};
+    report.v_N = {p->value("vx_m_s", 0.0), p->value("vy_m_s", 0.0), p->value("vz_m_s", 0.0)};
+  }
+  if (const auto a = state.find("attitude"); a != state.end() && a->is_object()) {
+    report.roll_rad = a->value("roll_rad", 0.0);
+    report.pitch_rad = a->value("pitch_rad", 0.0);
+    report.yaw_rad = a->value("yaw_rad", 0.0);
+  }
+  return report;
+}
+
+/// The parameters of a call that means this vehicle.
+Json to(AskedVehicle vehicle, Json params) {
+  if (vehicle) params["vehicle"] = *vehicle;
+  return params;
+}
+
+/// A method of casd's command port and its parameters.
+using Call = std::pair<std::string, Json>;
+
+/// What casd is asked for a step of the flight, one after the other.
+std::vector<Call> to_calls(const FlightStep& step) {
+  switch (step.kind) {
+    case StepKind::kArm:
+      return {{"vehicle.arm", Json::object()}};
+    case StepKind::kTakeoff:
+      return {{"vehicle.takeoff", {{"altitude_m", step.altitude_m}}}};
+    case StepKind::kGoto:
+      return {{"vehicle.goto",
+               {{"north_m", step.place_m.x()},
+                {"east_m", step.place_m.y()},
+                {"down_m", -step.place_m.z()},
+                {"yaw_deg", step.yaw_rad * 180.0 / M_PI}}}};
+    case StepKind::kSetGain: {
+      Json params{{"loop", step.loop}};
+      if (step.p) params["p"] = *step.p;
+      if (step.i) params["i"] = *step.i;
+      if (step.d) params["d"] = *step.d;
+      return {{"gain.set", params}};
+    }
+    case StepKind::kSetParam:
+    case StepKind::kTrajectory:
+    case StepKind::kEndTrajectory: {
+      std::vector<Call> calls;
+      for (const auto& [name, value] : step.params) {
+        calls.emplace_back("param.set", Json{{"name", name}, {"value", value}});
+      }
+      return calls;
+    }
+    case StepKind::kLand:
+      return {{"vehicle.land", Json::object()}};
+    case StepKind::kDisarm:
+      return {{"vehicle.disarm", Json::object()}};
+    case StepKind::kHold:
+    case StepKind::kWaitUntil:
+    case StepKind::kStandBy:
+      break;
+  }
+  return {};
+}
+
+}  // namespace
+
+Motion to_motion(const nlohmann::json& vehicle) {
+  const Eigen::Vector3d p_W = vector_of(vehicle.at("p_W"));
+  const Eigen::Vector3d v_W = vector_of(vehicle.at("v_W"));
+  return {.p_m = {p_W.y(), p_W.x(), p_W.z()},
+          .v_m_s = {v_W.y(), v_W.x(), v_W.z()},
+          .rpy_rad = vector_of(vehicle.at("rpy_ND_rad"))};
+}
+
+VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
+  try {
+    return to_report(casd.call("vehicle.state", to(vehicle, Json::object())));
+  } catch (const base::rpc::CallError& error) {
+    if (error.code() == base::rpc::kNoSuchVehicle) return {};  // not heard yet
+    throw;
+  }
+}
+
+std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
+                 AskedVehicle vehicle) {
+  try {
+    for (auto& [method, params] : to_calls(step)) {
+      if (step.kind == StepKind::kArm && not_hil) params["not_hil"] = true;
+      casd.call(method, to(vehicle, params));
+    }
+    return {};
+  } catch (const base::rpc::CallError& error) {
+    return error.what();
+  }
+}
+
+}  // namespace cas::hils
