@@ -63,14 +63,16 @@ TEST_F(VehicleCommanderTest, JoinsAStatusTextInChunks) {
   meet();
   Statustext chunk;
   chunk.id = 7;
-  mav::set_text(chunk.text, std::string(50, 'a'));
+  std::string text(50, 'a');
+  mav::set_text(chunk.text, text);
   vehicle_.say(chunk, now_);
   chunk.chunk_seq = 1;
   mav::set_text(chunk.text, "b");
   vehicle_.say(chunk, now_);
   run_for(50ms);
   ASSERT_EQ(commander_.find(1)->status_texts().size(), 1U);
-  EXPECT_EQ(commander_.find(1)->status_texts()[0].text, std::string(50, 'a') + "b");
+  text += 'b';
+  EXPECT_EQ(commander_.find(1)->status_texts()[0].text, text);
 }
 
 TEST_F(VehicleCommanderTest, NeverHoldsMoreVehiclesThanItsBound) {
