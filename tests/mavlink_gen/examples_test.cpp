@@ -9,7 +9,7 @@
 
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
-#include "tests/mavlink_gen/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 
@@ -26,7 +26,7 @@ class Recording {
   }
   /// What an example program prints of it.
   std::string printed_by(const std::string& program) const {
-    const test::TemporaryFolder folder;
+    const cas::test::TemporaryFolder folder;
     const std::filesystem::path file = folder.write("stream", text_);
     FILE* out = ::popen((program + " < " + file.string()).c_str(), "r");
     if (out == nullptr) return "the program did not start";

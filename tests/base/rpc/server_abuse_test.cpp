@@ -15,7 +15,7 @@
 #include "base/rpc/server.hpp"
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/base/rpc/running_server.hpp"
-#include "tests/base/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::base::rpc {
 namespace {
@@ -143,7 +143,7 @@ TEST(ServerAbuse, OneAddressTakesHalfOfThePlaces) {
 }
 
 TEST(ServerAbuse, SilentTcpClientsLeaveAPlaceForAUnixClient) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.path() / "rpc";
   RunningServer server;
   server.run([&] { server.server().listen_unix(path); });

@@ -83,7 +83,7 @@ TEST(TokenServer, AWrongTokenEndsTheConnection) {
 }
 
 TEST(TokenServer, AClientThatIsNotAuthorisedInTimeIsClosed) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   ServerLimits limits;
   limits.first_request_time = std::chrono::milliseconds(100);
   RunningServer server(limits);
