@@ -11,8 +11,16 @@
 namespace cas::casd {
 namespace {
 
+using base::rpc::Refusal;
 using base::rpc::Reply;
 using nlohmann::json;
+
+constexpr std::pair<Refusal, const char*> kRefusals[] = {
+    {Refusal::kNotJsonRpc, "not_json_rpc"},
+    {Refusal::kWrongToken, "wrong_token"},
+    {Refusal::kNoRequest, "no_request"},
+    {Refusal::kNoPlace, "no_place"},
+};
 
 double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
 
@@ -344,9 +352,12 @@ std::string FigureMethods::metrics() const {
   const base::RunTime now = source_.now();
   MetricsSource all{.uptime_s = base::to_seconds(now - source_.started),
                     .clients = server_.clients(),
+                    .refused = {},
                     .links = source_.figures->links(),
                     .messages = source_.figures->messages(now)};
   for (MessageStatus& message : all.messages) message.name = message_name(message.id);
+  for (const auto& [why, reason] : kRefusals)
+    all.refused.emplace_back(reason, server_.refused(why));
   return metrics_text(all);
 }
 

@@ -219,6 +219,11 @@ std::string metrics_text(const MetricsSource& source) {
   Metric(out, "casd_uptime_seconds", "gauge", "Since the start.").add("", source.uptime_s);
   Metric(out, "casd_command_clients", "gauge", "Clients of the command port.")
       .add("", std::uint64_t{source.clients});
+  Metric refused(out, "casd_command_refused_total", "counter",
+                 "Clients that the command port refused.");
+  for (const auto& [reason, count] : source.refused) {
+    refused.add("reason=" + label_value(reason), count);
+  }
   add_states(out, source);
   for (const LinkCounter& counter : kCounters) {
     Metric metric(out, counter.name, "counter", counter.help);

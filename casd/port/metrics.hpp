@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "casd/counters/link_counters.hpp"
@@ -19,6 +20,8 @@ namespace cas::casd {
 struct MetricsSource {
   double uptime_s = 0;
   std::size_t clients = 0;
+  /// Clients that the command port refused, by reason.
+  std::vector<std::pair<const char*, std::uint64_t>> refused;
   std::vector<LinkStatus> links;
   std::vector<MessageStatus> messages;
 };
