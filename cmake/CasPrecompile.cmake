@@ -6,6 +6,10 @@
 #
 # cas_sanitize_unoptimised(<target> ...): the sanitizers make optimising slow; what computes little does without.
 option(CAS_PRECOMPILE "Parse the headers that most files of a target include once" ON)
+if(CAS_PRECOMPILE AND CMAKE_CXX_COMPILER_ID MATCHES Clang)
+  # Clang refuses a precompiled header of ccache's whose sources have other times of change.
+  target_compile_options(cas_options INTERFACE "SHELL:-Xclang -fno-pch-timestamp")
+endif()
 
 function(cas_precompile target)
   if(CAS_PRECOMPILE)
