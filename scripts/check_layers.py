@@ -123,7 +123,7 @@ LAYERS = {
     "tests": EVERYTHING,
 }
 
-# Above all others: what the rooms of hils include of each other. Of what stands below they may include all.
+# hils stands above all others: its rooms list each other, and may include everything below.
 BELOW_HILS = set(LAYERS) - {"tests"} | SYSTEM | MAVLINK | {"plugins/fault"} | set(EXTERNALS) - {"gtest"}
 LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/flight": set(),
