@@ -12,7 +12,7 @@
 
 namespace cas::test {
 
-/// hilsim, casd and fcu_emulator as programs of their own, in real time, as on a fixture. The
+/// hilsim, casd and fcu_emulator as programs of their own, in real time, as on a bench. The
 /// sockets have fixed ports, so that casd can be ended and started again under way.
 class FlightFixture {
  public:

@@ -19,7 +19,7 @@ using mavlink::common::MavResult;
 using nlohmann::json;
 using test::CommandPortFixture;
 
-class CommandServerTest : public testing::Test {
+class VehicleMethodsTest : public testing::Test {
  protected:
   json call(const std::string& method, const json& params = json::object()) {
     if (!client_) {
@@ -43,13 +43,13 @@ class CommandServerTest : public testing::Test {
   std::optional<Client> client_;
 };
 
-TEST_F(CommandServerTest, AnswersArmAfterTheAcknowledgement) {
+TEST_F(VehicleMethodsTest, AnswersArmAfterTheAcknowledgement) {
   EXPECT_EQ(call("vehicle.arm"), (json{{"vehicle", 1}, {"result", "ACCEPTED"}}));
   fixture_.stop();
   EXPECT_EQ(fixture_.vehicle().commands.size(), 1U);
 }
 
-TEST_F(CommandServerTest, ReportsARefusalWithResultAndText) {
+TEST_F(VehicleMethodsTest, ReportsARefusalWithResultAndText) {
   fixture_.vehicle().script.result = MavResult::kDenied;
   fixture_.vehicle().script.text = "Preflight Fail: compass";
   const CallError refused = error("vehicle.arm");
@@ -60,12 +60,12 @@ TEST_F(CommandServerTest, ReportsARefusalWithResultAndText) {
   EXPECT_EQ(data.at("status_texts"), json::array({"Preflight Fail: compass"}));
 }
 
-TEST_F(CommandServerTest, ReportsSilenceAsTimeout) {
+TEST_F(VehicleMethodsTest, ReportsSilenceAsTimeout) {
   fixture_.vehicle().script.answers = 0;
   EXPECT_EQ(error("vehicle.land").code(), -32001);
 }
 
-TEST_F(CommandServerTest, ReportsTheInterlock) {
+TEST_F(VehicleMethodsTest, ReportsTheInterlock) {
   fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
   const CallError refused = error("vehicle.arm", {{"not_hil", true}});
   EXPECT_EQ(refused.code(), -32004);
@@ -74,14 +74,14 @@ TEST_F(CommandServerTest, ReportsTheInterlock) {
   EXPECT_TRUE(fixture_.vehicle().commands.empty());
 }
 
-TEST_F(CommandServerTest, ArmsOutsideHilOnlyByConsentOfBoth) {
+TEST_F(VehicleMethodsTest, ArmsOutsideHilOnlyByConsentOfBoth) {
   fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
   fixture_.allow_not_hil();
   EXPECT_EQ(error("vehicle.arm").code(), -32004);
   EXPECT_EQ(call("vehicle.arm", {{"not_hil", true}}).at("result"), "ACCEPTED");
 }
 
-TEST_F(CommandServerTest, MovesTheSticksOfAVehicleInHilOnly) {
+TEST_F(VehicleMethodsTest, MovesTheSticksOfAVehicleInHilOnly) {
   EXPECT_EQ(call("vehicle.manual_control", {{"pitch", 0.25}, {"roll", -1}, {"throttle", 0.5}}),
             (json{{"vehicle", 1}, {"result", "SENT"}}));
   EXPECT_EQ(call("vehicle.manual_control", {{"yaw", 1}, {"buttons", 3}}).at("result"), "SENT");
@@ -98,18 +98,18 @@ TEST_F(CommandServerTest, MovesTheSticksOfAVehicleInHilOnly) {
   EXPECT_EQ(fixture_.audit().size(), 1U) << "sticks come many times a second";
 }
 
-TEST_F(CommandServerTest, KeepsTheSticksOfARealVehicle) {
+TEST_F(VehicleMethodsTest, KeepsTheSticksOfARealVehicle) {
   fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
   EXPECT_EQ(error("vehicle.manual_control", {{"throttle", 0.5}}).code(), -32004);
   fixture_.stop();
   EXPECT_TRUE(fixture_.vehicle().sticks.empty());
 }
 
-TEST_F(CommandServerTest, KnowsNoVehicleSeven) {
+TEST_F(VehicleMethodsTest, KnowsNoVehicleSeven) {
   EXPECT_EQ(error("vehicle.arm", {{"vehicle", 7}}).code(), -32002);
 }
 
-TEST_F(CommandServerTest, NeedsTheVehicleNamedWhenThereAreTwo) {
+TEST_F(VehicleMethodsTest, NeedsTheVehicleNamedWhenThereAreTwo) {
   fixture_.add_vehicle();
   EXPECT_EQ(error("vehicle.arm").code(), -32602);
   EXPECT_EQ(call("vehicle.arm", {{"vehicle", 2}}).at("vehicle"), 2);
@@ -124,7 +124,7 @@ struct BadCase {
   const char* params;
 };
 
-class BadParameters : public CommandServerTest, public testing::WithParamInterface<BadCase> {};
+class BadParameters : public VehicleMethodsTest, public testing::WithParamInterface<BadCase> {};
 
 TEST_P(BadParameters, AreRefusedBeforeAnythingIsSent) {
   EXPECT_EQ(error(GetParam().method, json::parse(GetParam().params)).code(), -32602);
@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(
                             R"({"command": 400, "params": [1,2,3,4,5,6,7,8]})"}),
     [](const auto& test) { return test.param.name; });
 
-TEST_F(CommandServerTest, SetsGainsByLoop) {
+TEST_F(VehicleMethodsTest, SetsGainsByLoop) {
   fixture_.vehicle().params = {{"MC_ROLLRATE_P", {.value = 0.15}},
                                {"MC_ROLLRATE_I", {.value = 0.2}},
                                {"MC_ROLLRATE_D", {.value = 0.003}}};
@@ -162,14 +162,14 @@ TEST_F(CommandServerTest, SetsGainsByLoop) {
   EXPECT_EQ(gains.at("parameters").at("MC_ROLLRATE_D"), 0.004);
 }
 
-TEST_F(CommandServerTest, RefusesAGainOrLoopThatIsNotThere) {
+TEST_F(VehicleMethodsTest, RefusesAGainOrLoopThatIsNotThere) {
   EXPECT_EQ(error("gain.set", {{"loop", "roll"}, {"i", 1}}).code(), -32000);
   const CallError unknown = error("gain.set", {{"loop", "warp"}, {"p", 1}});
   EXPECT_EQ(unknown.code(), -32000);
   EXPECT_NE(std::string(unknown.what()).find("rollrate"), std::string::npos);
 }
 
-TEST_F(CommandServerTest, ListsTheLoopsOfTheAutopilot) {
+TEST_F(VehicleMethodsTest, ListsTheLoopsOfTheAutopilot) {
   const json loops = call("gain.list").at("loops");
   EXPECT_EQ(loops.size(), 10U);
   EXPECT_EQ(loops.at(0),
@@ -178,7 +178,7 @@ TEST_F(CommandServerTest, ListsTheLoopsOfTheAutopilot) {
                    {{"p", "MC_ROLLRATE_P"}, {"i", "MC_ROLLRATE_I"}, {"d", "MC_ROLLRATE_D"}}}}));
 }
 
-TEST_F(CommandServerTest, ReadsWritesAndListsParameters) {
+TEST_F(VehicleMethodsTest, ReadsWritesAndListsParameters) {
   fixture_.vehicle().params = {
       {"MC_ROLL_P", {.value = 6.5}},
       {"SYS_HITL", {.value = 1, .type = mavlink::common::MavParamType::kInt32}}};
@@ -190,14 +190,14 @@ TEST_F(CommandServerTest, ReadsWritesAndListsParameters) {
   EXPECT_EQ(list.at(0).at("name"), "MC_ROLL_P");
 }
 
-TEST_F(CommandServerTest, TellsWhatIsInForceWhenAValueIsRefused) {
+TEST_F(VehicleMethodsTest, TellsWhatIsInForceWhenAValueIsRefused) {
   fixture_.vehicle().params = {{"MC_ROLL_P", {.value = 6.5, .high = 12}}};
   const CallError refused = error("param.set", {{"name", "MC_ROLL_P"}, {"value", 99}});
   EXPECT_EQ(refused.code(), -32000);
   EXPECT_EQ(json::parse(refused.data_json()).at("parameters").at("MC_ROLL_P"), 12);
 }
 
-TEST_F(CommandServerTest, TellsTheVehiclesState) {
+TEST_F(VehicleMethodsTest, TellsTheVehiclesState) {
   auto& vehicle = fixture_.vehicle();
   vehicle.custom_mode = 4U << 16 | 3U << 24;
   mavlink::common::LocalPositionNed local;
@@ -218,7 +218,7 @@ TEST_F(CommandServerTest, TellsTheVehiclesState) {
   EXPECT_EQ(state.at("statustexts").at(0).at("text"), "hello");
 }
 
-TEST_F(CommandServerTest, LeavesOutWhatTheVehicleDoesNotKnow) {
+TEST_F(VehicleMethodsTest, LeavesOutWhatTheVehicleDoesNotKnow) {
   auto& vehicle = fixture_.vehicle();
   mavlink::common::LocalPositionNed local;
   local.z = std::numeric_limits<float>::quiet_NaN();
@@ -231,7 +231,7 @@ TEST_F(CommandServerTest, LeavesOutWhatTheVehicleDoesNotKnow) {
   EXPECT_FALSE(state.contains("altitude_m"));
 }
 
-TEST_F(CommandServerTest, PublishesStatusTextsToSubscribers) {
+TEST_F(VehicleMethodsTest, PublishesStatusTextsToSubscribers) {
   fixture_.vehicle().script.result = MavResult::kFailed;
   fixture_.vehicle().script.text = "no way";
   call("subscribe", {{"topic", "statustext"}});
@@ -243,7 +243,7 @@ TEST_F(CommandServerTest, PublishesStatusTextsToSubscribers) {
   EXPECT_EQ(params, (json{{"vehicle", 1}, {"severity", "critical"}, {"text", "no way"}}));
 }
 
-TEST_F(CommandServerTest, AuditsWhoChangesAVehicleAndWhatCameOfIt) {
+TEST_F(VehicleMethodsTest, AuditsWhoChangesAVehicleAndWhatCameOfIt) {
   fixture_.vehicle().params = {{"MIS_TAKEOFF_ALT", {.value = 10}}};
   call("vehicle.state");
   call("vehicle.takeoff", {{"altitude_m", 2.5}, {"vehicle", 1}});
