@@ -33,8 +33,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher, const ServerLimits& limits,
           std::function<void(const std::shared_ptr<Session>&)> on_closed);
 
-  /// Reads lines. A TCP client that makes no request in time is refused; where a token is asked
-  /// for, so is one that has not given it in time.
+  /// Reads lines. Refuses a TCP client that makes no request in time, or has not authorised in time
+  /// where a token is required.
   void start();
   /// Tells the client why it is not served any longer, and ends.
   void refuse(Refusal why, const std::string& message, int code = kInternalError);

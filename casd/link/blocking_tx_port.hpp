@@ -10,7 +10,8 @@
 namespace cas::casd {
 
 /// threads: blocking, the traditional way of [HILS]: write a packet, wait until the line has it.
-/// One thread calls everything.
+/// One thread serves all links. The main thread delivers the packets of casd's own station, and
+/// waits while the other writes.
 class BlockingTxPort final : public TxPort {
  public:
   /// @param drain  how the wait for a paced line ends

@@ -70,13 +70,13 @@ class TxPort : public PacketPort {
   /// Whether the pacer lets the next packet out.
   bool line_ready(base::RunTime now);
   void drop_all(DropCause cause);
+  /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
+  void wait_for_room(base::RunTime now);
 
   // From any thread:
   void enqueue(std::span<const PacketRef> packets);
   bool anything_queued();
   void count_drop(const PacketInfo& info, DropCause cause);
-  /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
-  void wait_for_room(base::RunTime now);
 
   const TxPortOptions options_;
   const base::Duration pacer_slack_;
