@@ -202,7 +202,8 @@ void Dispatcher::handle_request(const Json& request, const std::shared_ptr<Peer>
                                 std::shared_ptr<Batch> batch) {
   const std::string fault = request_fault(request);
   if (!fault.empty()) {
-    peer->refusal = Refusal::kNotJsonRpc;
+    // A wrong token of the same batch stays the reason, so that no second one is tried.
+    if (peer->refusal == Refusal::kNone) peer->refusal = Refusal::kNotJsonRpc;
     const Json stand_in{{"id", id_of(request)}};  // a faulty request is answered, id or not
     Call(peer, stand_in, std::move(batch)).fail(kInvalidRequest, fault, nullptr);
     return;

@@ -288,6 +288,22 @@ TEST_F(DispatcherTest, ABatchMayTryOneTokenOnly) {
   EXPECT_EQ(counted_, 0);
 }
 
+TEST_F(DispatcherTest, AnElementThatIsNoRequestGivesABatchNoSecondToken) {
+  dispatcher_.set_token("0123456789abcdef");
+  peer_->authorised = false;
+  const Json answers = answer(
+      R"([{"jsonrpc":"2.0","id":1,"method":"authorise","params":{"token":"0123456789abcdeg"}},
+          1,
+          {"jsonrpc":"2.0","id":2,"method":"authorise","params":{"token":"0123456789abcdef"}},
+          {"jsonrpc":"2.0","id":3,"method":"count"}])");
+  ASSERT_EQ(answers.size(), 4U);
+  for (const std::size_t at : {0U, 2U, 3U}) {
+    EXPECT_EQ(answers[at]["error"]["code"], kNotAuthorised);
+  }
+  EXPECT_EQ(answers[1]["error"]["code"], kInvalidRequest);
+  EXPECT_EQ(counted_, 0);
+}
+
 TEST_F(DispatcherTest, AMethodOfOneNameIsAddedOnce) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(dispatcher_.add_method("echo", [](const Json&, Reply) {}), "check failed");
