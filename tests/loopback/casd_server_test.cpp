@@ -19,7 +19,7 @@ struct Station {
   mav::Encoder encoder;
 };
 
-const char* const kServers = R"(schema: 1
+const std::string kServers = R"(schema: 1
 links:
   - {name: fcu, type: serial, device: "$FCU"}
   - {name: gcs, type: udp_server, local: "127.0.0.1:0", expiry_s: 0.4}
@@ -97,7 +97,7 @@ TEST(CasdUdpServer, SendsAddressedPacketsToTheirPeerAloneAndForgetsSilentOnes) {
 
 TEST(CasdUdpServer, LetsItsPeersTalkWhenARouteSaysSo) {
   CasdFixture fixture;
-  fixture.start(std::string(kServers) + "routes:\n  - {from: gcs, to: gcs}\n");
+  fixture.start(kServers + "routes:\n  - {from: gcs, to: gcs}\n");
   Station one(101);
   Station other(102);
   for (Station* station : {&one, &other}) station->socket.set_remote(fixture.port("gcs"));
