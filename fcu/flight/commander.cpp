@@ -10,10 +10,6 @@ namespace cas::fcu {
 
 using Result = Commander::Result;
 
-void StatusTexts::add(Severity severity, std::string text) {
-  if (lines_.size() < kMostLines) lines_.push_back({severity, std::move(text)});
-}
-
 // Arming checks.
 
 std::optional<std::string> reason_not_to_arm(const ArmingInput& in) {

@@ -9,6 +9,7 @@
 
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {
@@ -28,7 +29,8 @@ class Recording {
   std::string printed_by(const std::string& program) const {
     const cas::test::TemporaryFolder folder;
     const std::filesystem::path file = folder.write("stream", text_);
-    FILE* out = ::popen((program + " < " + file.string()).c_str(), "r");
+    FILE* out = ::popen(
+        (cas::test::binary_dir() + "/tests/" + program + " < " + file.string()).c_str(), "r");
     if (out == nullptr) return "the program did not start";
     std::string lines;
     std::array<char, 4096> part{};
@@ -50,7 +52,7 @@ TEST(Examples, InspectorPrintsTheMessagesOfItsVisitor) {
                                   .base_mode = common::MavModeFlag::kSafetyArmed});
   recording.add(common::HilSensor{});  // has no overload
   recording.add(common::Attitude{.roll = 0.1F, .pitch = -0.2F, .yaw = 1.5F});
-  EXPECT_EQ(recording.printed_by(CAS_EXAMPLE_INSPECTOR),
+  EXPECT_EQ(recording.printed_by("mavlink_inspector"),
             "1/1 HEARTBEAT MAV_TYPE_QUADROTOR armed\n"
             "1/1 ATTITUDE roll 0.10 pitch -0.20 yaw 1.50 rad\n");
 }
@@ -65,7 +67,7 @@ TEST(Examples, ChangesPrintsTheFieldsThatDiffer) {
   heartbeat.custom_mode = 4;
   heartbeat.system_status = common::MavState::kActive;
   recording.add(heartbeat);
-  EXPECT_EQ(recording.printed_by(CAS_EXAMPLE_CHANGES),
+  EXPECT_EQ(recording.printed_by("mavlink_changes"),
             "custom_mode: 3 -> 4\n"
             "system_status: MAV_STATE_STANDBY -> MAV_STATE_ACTIVE\n");
 }
