@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -51,8 +52,10 @@ GainMap load_gains(const Topology& topology) {
   return topology.gains.empty() ? GainMap::shipped() : GainMap::load(topology.gains);
 }
 
-CommanderOptions commander_options(const Topology& topology) {
+CommanderOptions commander_options(const Topology& topology,
+                                   std::function<std::string(LinkId)> link_name) {
   CommanderOptions options;
+  options.link_name = std::move(link_name);
   options.self = topology.self;
   options.heartbeat_hz = topology.commanding.heartbeat_hz;
   options.allow_not_hil = topology.commanding.allow_not_hil;
@@ -103,9 +106,9 @@ struct App::Impl {
   Impl(AppOptions app_options, Topology first)
       : options(std::move(app_options)),
         links(std::move(first)),
-        commander(commander_options(links.topology()),
-                  [this](std::span<const std::uint8_t> packet) {
-                    links.local().send(packet, base::steady_now());
+        commander(commander_options(links.topology(), [this](LinkId id) { return link_name(id); }),
+                  [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
+                    links.local().send(packet, to, base::steady_now());
                   }),
         vehicle_methods(
             server, commander, load_gains(links.topology()),
@@ -117,6 +120,7 @@ struct App::Impl {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
       links.tlog().set_epoch(TlogWriter::kStreamEpoch);
     }
+    commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
     add_daemon_methods(server, {.reload = [this] { return reload(); }, .tlog = links.tlog()});
   }
 
@@ -221,7 +225,10 @@ struct App::Impl {
     try {
       Topology topology = Topology::load(options.topology_file);
       const auto decoder = load_decoder(topology);
-      links.reload(std::move(topology));
+      const LinkMask gone = links.reload(std::move(topology));
+      // A new link may have the number of one that is gone: its packets are another vehicle's.
+      links.local().dispatch(commander, station_now());
+      commander.forget(gone);
       figures.set_decoder(decoder);
       warn_of_narrow_lines();
       base::log::info("topology reloaded");

@@ -63,7 +63,7 @@ void LinkSet::stop() {
   for (const auto& [name, running] : running_) running.loop->stop();
 }
 
-void LinkSet::reload(Topology topology) {
+LinkMask LinkSet::reload(Topology topology) {
   if (topology_.pace == Pace::kLockstep) topology.set_lockstep();  // perhaps by a flag
   if (topology.threads != topology_.threads || topology.drain_tick != topology_.drain_tick ||
       topology.pace != topology_.pace || topology.self != topology_.self ||
@@ -80,9 +80,14 @@ void LinkSet::reload(Topology topology) {
   for (const auto& [name, running] : running_) {
     if (!kept.contains(name)) gone.push_back(name);
   }
-  for (const std::string& name : gone) close(name);
+  LinkMask closed = 0;
+  for (const std::string& name : gone) {
+    closed |= bit(running_.at(name).id);
+    close(name);
+  }
   topology_ = std::move(topology);
   commit(std::move(change));
+  return closed;
 }
 
 bool LinkSet::settled() const {

@@ -36,7 +36,8 @@ class LinkSet {
   /// lose nothing. All or nothing: @throws base::ConfigError when it asks for what only a restart
   /// can change, std::exception when its links cannot be made (no descriptors, no threads); then
   /// the old topology stays in force with all its links
-  void reload(Topology topology);
+  /// @return the links that are gone; new ones may have their numbers
+  LinkMask reload(Topology topology);
 
   const Topology& topology() const { return topology_; }
   LinkFigures& figures() { return figures_; }

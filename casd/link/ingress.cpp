@@ -19,36 +19,69 @@ Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkCoun
       signing_(std::move(signing)) {}
 
 void Ingress::take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
-                   std::uint8_t peer) {
+                   PeerId peer) {
   parse(parser, bytes, [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
 }
 
 void Ingress::take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
-                            std::uint8_t peer) {
+                            PeerId peer) {
   parse_datagram(parser, bytes,
                  [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
 }
 
-void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, std::uint8_t peer) {
+void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, PeerId peer) {
+  if (!admit_packet(packet, now)) return;
+  const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
+  account(route, packet, now);
+  if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
+}
+
+void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path> to,
+                             base::RunTime now) {
+  if (!admit_packet(packet, now)) return;
+  Route route = switchboard_.router().on_addressed(packet, to, now);
+  account(route, packet, now);
+  // Each path has its own peer; the other links of a group may use any that knows the target.
+  for (const Path& path : to) {
+    if ((route.to & bit(path.link)) == 0) continue;
+    if (batch_.full()) deliver(now);
+    PacketInfo info = route.info;
+    info.to_serial = path.peer;
+    batch_.add(info, packet.bytes, bit(path.link));
+    route.to &= ~bit(path.link);
+  }
+  if (route.to == 0) return;
+  if (batch_.full()) deliver(now);
+  batch_.add(route.info, packet.bytes, route.to);
+}
+
+/// Counts what was received. @return whether the link lets it in
+bool Ingress::admit_packet(const mav::PacketView& packet, base::RunTime now) {
   if (batch_.full()) deliver(now);
   counters_->rx.packets.add();
   counters_->rx.messages.add(packet.message_id, packet.source, now);
   if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
     counters_->rx.lost.add(lost);
   }
-  if (!accept_.accepts(packet)) return counters_->rx.not_accepted.add();
-  StreamTime& stream = switchboard_.stream_time();
-  stream.on_packet(packet, [&] { deliver(now); });
-  const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
+  if (!accept_.accepts(packet)) {
+    counters_->rx.not_accepted.add();
+    return false;
+  }
+  switchboard_.stream_time().on_packet(packet, [&] { deliver(now); });
+  return true;
+}
+
+/// Counts, taps and logs a packet that has its route.
+void Ingress::account(const Route& route, const mav::PacketView& packet, base::RunTime now) {
   if (counters_->ledger) counters_->ledger->received(route.info);
   counters_->rx.decisions[static_cast<std::size_t>(route.decision)].add();
   count_refusals(route);
   switchboard_.taps().on_packet(link_, packet, now);
   switchboard_.echo().on_packet(packet, now);
+  StreamTime& stream = switchboard_.stream_time();
   if (route.decision != Route::Decision::kDuplicate && switchboard_.tlog().active()) {
     switchboard_.tlog().record(packet.bytes, stream.enabled() ? stream.now() : now);
   }
-  if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
 }
 
 void Ingress::count_refusals(const Route& route) {

@@ -27,10 +27,10 @@ class Ingress {
 
   /// Bytes of a stream. Packets are collected until deliver().
   void take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
-            std::uint8_t peer = kNoPeer);
+            PeerId peer = {});
   /// One datagram: no packet spans two of them.
   void take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
-                     std::uint8_t peer = kNoPeer);
+                     PeerId peer = {});
   /// Finds the packets of one datagram that the link lets pass and calls on_packet for each.
   template <class OnPacket>
   void parse_datagram(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
@@ -43,7 +43,9 @@ class Ingress {
     parse(parser, bytes, on_packet);
   }
   /// One packet that is known to be whole.
-  void take_packet(const mav::PacketView& packet, base::RunTime now, std::uint8_t peer = kNoPeer);
+  void take_packet(const mav::PacketView& packet, base::RunTime now, PeerId peer = {});
+  /// One packet of casd's own station for the vehicle at the end of these paths alone.
+  void take_addressed(const mav::PacketView& packet, std::span<const Path> to, base::RunTime now);
   /// Hands the collected packets over: after each read.
   void deliver(base::RunTime now);
   /// Once a second.
@@ -70,6 +72,8 @@ class Ingress {
     if (!signing_) return on_packet(packet);
     if (const auto admitted = signing_->admit(packet)) on_packet(*admitted);
   }
+  bool admit_packet(const mav::PacketView& packet, base::RunTime now);
+  void account(const Route& route, const mav::PacketView& packet, base::RunTime now);
   void count_refusals(const Route& route);
   void count_parser(const Parser& parser, const Parser::Stats& before);
 

@@ -28,6 +28,27 @@ std::string_view to_string(TrafficClass traffic);
 
 inline constexpr std::uint8_t kNoPeer = 255;
 
+/// One peer of a server link: its slot, which a later peer may get, and its serial number, which
+/// none ever gets again on that link. 0: the link has no peers.
+struct PeerId {
+  std::uint8_t slot = kNoPeer;
+  std::uint32_t serial = 0;
+};
+
+/// A way to one sender: a link, and on a server link the serial number of its peer.
+struct Path {
+  LinkId link = kNoLink;
+  std::uint32_t peer = 0;  ///< 0: the link has no peers, or any of them
+
+  friend bool operator==(const Path&, const Path&) = default;
+};
+
+/// Where a packet came from. The links of one group are redundant ways to the same senders.
+struct Origin {
+  Path path;
+  std::int8_t group = -1;  ///< of the link; -1: none
+};
+
 /// What the router and the queues need to know of a packet, without its bytes.
 struct PacketInfo {
   std::uint32_t message_id = 0;
@@ -35,7 +56,10 @@ struct PacketInfo {
   mav::Source target;  ///< system 0: everybody; component 0: every component of the system
   TrafficClass traffic = TrafficClass::kTelemetry;
   LinkId from = kNoLink;
-  std::uint8_t from_peer = kNoPeer;  ///< which peer of a server link sent it
+  std::int8_t from_group = -1;       ///< group of the link; -1: none
+  std::uint8_t from_peer = kNoPeer;  ///< slot of the peer of a server link that sent it
+  std::uint32_t from_serial = 0;     ///< serial number of that peer
+  std::uint32_t to_serial = 0;       ///< the one peer of a server link that may get it; 0: any
   base::RunTime received;            ///< when the link read it
   std::uint64_t hil_time_usec = 0;   ///< stamp of HIL_SENSOR, HIL_GPS and the controls; else 0
 };

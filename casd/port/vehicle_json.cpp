@@ -77,29 +77,39 @@ json texts_json(const VehicleState& vehicle, base::RunTime now) {
 }
 
 /// What speaks against flying; nothing is an empty list.
-json complaints_json(const VehicleState& vehicle, base::RunTime now) {
+json complaints_json(const VehicleState& vehicle, const LinkName& link_name, base::RunTime now) {
   json all = json::array();
+  if (const std::optional<Rival> rival = vehicle.rival(now)) {
+    all.push_back("another autopilot with this system id on link " +
+                  link_name(rival->from.path.link));
+  }
   for (std::string& complaint : complaints(vehicle, now)) all.push_back(std::move(complaint));
   return all;
 }
 
 }  // namespace
 
-json summary_json(const VehicleState& vehicle, const std::string& link_name, base::RunTime now) {
-  return json{{"system", vehicle.source().system},
-              {"component", vehicle.source().component},
-              {"autopilot", name(vehicle.autopilot())},
-              {"type", type_word(vehicle.type())},
-              {"armed", vehicle.armed()},
-              {"hil", vehicle.hil()},
-              {"mode", vehicle.mode()},
-              {"landed", vehicle.landed_word()},
-              {"link", link_name},
-              {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(now))},
-              {"complaints", complaints_json(vehicle, now)}};
+json summary_json(const VehicleState& vehicle, const LinkName& link_name, base::RunTime now) {
+  json summary{{"system", vehicle.source().system},
+               {"component", vehicle.source().component},
+               {"autopilot", name(vehicle.autopilot())},
+               {"type", type_word(vehicle.type())},
+               {"armed", vehicle.armed()},
+               {"hil", vehicle.hil()},
+               {"mode", vehicle.mode()},
+               {"landed", vehicle.landed_word()},
+               {"link", link_name(vehicle.link())},
+               {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(now))},
+               {"complaints", complaints_json(vehicle, link_name, now)}};
+  if (const std::optional<Rival> rival = vehicle.rival(now)) {
+    summary["rival"] = {{"component", rival->source.component},
+                        {"link", link_name(rival->from.path.link)},
+                        {"heartbeat_age_s", base::to_seconds(now - rival->at)}};
+  }
+  return summary;
 }
 
-json state_json(const VehicleState& vehicle, const std::string& link_name, base::RunTime now) {
+json state_json(const VehicleState& vehicle, const LinkName& link_name, base::RunTime now) {
   json state = summary_json(vehicle, link_name, now);
   if (vehicle.attitude() && is_known(vehicle.attitude()->message)) {
     state["attitude"] = attitude_json(*vehicle.attitude(), now);

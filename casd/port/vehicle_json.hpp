@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -9,13 +10,16 @@
 
 namespace cas::casd {
 
+/// Name of a link in the topology.
+using LinkName = std::function<std::string(LinkId)>;
+
 /// A vehicle as casd.status lists it.
 /// @param link_name  of the link that its HEARTBEATs come from
-nlohmann::json summary_json(const VehicleState& vehicle, const std::string& link_name,
+nlohmann::json summary_json(const VehicleState& vehicle, const LinkName& link_name,
                             base::RunTime now);
 
 /// The answer of vehicle.state: the summary, and what of attitude, place and home is known.
-nlohmann::json state_json(const VehicleState& vehicle, const std::string& link_name,
+nlohmann::json state_json(const VehicleState& vehicle, const LinkName& link_name,
                           base::RunTime now);
 
 }  // namespace cas::casd

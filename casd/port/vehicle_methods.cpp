@@ -317,7 +317,7 @@ void VehicleMethods::add_raw_methods() {
 json VehicleMethods::vehicles() const {
   json all = json::array();
   for (const VehicleState* vehicle : commander_.vehicles()) {
-    all.push_back(summary_json(*vehicle, hooks_.link_name(vehicle->link()), hooks_.now()));
+    all.push_back(summary_json(*vehicle, hooks_.link_name, hooks_.now()));
   }
   return all;
 }
@@ -331,7 +331,7 @@ void VehicleMethods::add_state_methods() {
       [this](std::uint8_t system, const Outcome&) {
         const VehicleState* vehicle = commander_.find(system);
         if (vehicle == nullptr) return json();
-        return state_json(*vehicle, hooks_.link_name(vehicle->link()), hooks_.now());
+        return state_json(*vehicle, hooks_.link_name, hooks_.now());
       });
 }
 

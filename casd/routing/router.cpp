@@ -28,12 +28,14 @@ Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable&
 }
 
 Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,
-                        std::uint8_t from_peer) {
+                        PeerId from_peer) {
   using enum Route::Decision;
   const RoutingPlan& plan = plan_for(from);
   Route route{.info = inspect(packet, table_)};
   route.info.from = from;
-  route.info.from_peer = from_peer;
+  route.info.from_group = plan.group[from];
+  route.info.from_peer = from_peer.slot;
+  route.info.from_serial = from_peer.serial;
   route.info.received = now;
 
   // A sender can be reached over the link that it was heard on.
@@ -69,6 +71,33 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
     if (route.to == 0) route.decision = kRateLimited;
   }
   return route;
+}
+
+Route Router::on_addressed(const mav::PacketView& packet, std::span<const Path> to,
+                           base::RunTime now) {
+  Route route = on_packet(kLocalLink, packet, now);
+  const LinkMask wanted = with_groups(to);
+  route.thinned &= wanted;
+  route.to &= wanted;
+  if (route.to == 0 && route.decision == Route::Decision::kForward) {
+    route.decision = Route::Decision::kNoTarget;
+  }
+  return route;
+}
+
+/// The links of these paths. A link of a group stands for all of them: the station hears only the
+/// first copy of a packet, so it cannot know which of them lead to the vehicle.
+LinkMask Router::with_groups(std::span<const Path> to) {
+  const RoutingPlan& plan = plan_for(kLocalLink);
+  LinkMask links = 0;
+  for (const Path& path : to) {
+    links |= bit(path.link);
+    for (std::size_t other = 0; other < plan.group.size(); ++other) {
+      const bool same = plan.group[path.link] >= 0 && plan.group[other] == plan.group[path.link];
+      if (same) links |= bit(static_cast<LinkId>(other));
+    }
+  }
+  return links;
 }
 
 void Router::tick(LinkId link, base::RunTime now) { routes_.expire(link, now); }

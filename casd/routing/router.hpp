@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string_view>
 
 #include "base/time/clock.hpp"
@@ -66,7 +67,10 @@ class Router {
 
   /// @param from_peer  which peer of a server link sent it
   Route on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,
-                  std::uint8_t from_peer = kNoPeer);
+                  PeerId from_peer = {});
+  /// A packet of casd's own station for one vehicle: goes to these links and others of their
+  /// groups, as far as the target was heard there.
+  Route on_addressed(const mav::PacketView& packet, std::span<const Path> to, base::RunTime now);
   /// Once a second for each link: forgets routes that fell silent.
   void tick(LinkId link, base::RunTime now);
   /// The link is gone for good, and what was heard on it.
@@ -86,6 +90,7 @@ class Router {
     RateLimiter limiter;
   };
   const RoutingPlan& plan_for(LinkId link);
+  LinkMask with_groups(std::span<const Path> to);
   bool is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                     base::RunTime now);
 

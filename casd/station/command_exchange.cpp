@@ -57,11 +57,13 @@ std::string seconds_text(base::Duration d) {
 
 }  // namespace
 
-void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Done done) {
+void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Done done,
+                            Objection objection) {
   if (newest_counts(command.id)) replace(command.id, now);
   Request request;
   request.command = command;
   request.done = std::move(done);
+  request.objection = std::move(objection);
   if (find(command.id) != active_.end()) {
     if (waiting_.size() >= kMaxWaiting) {
       request.done(failure(OutcomeKind::kRefused, "too many commands wait for this vehicle"));
@@ -83,6 +85,11 @@ void CommandExchange::replace(MavCmd id, base::RunTime now) {
 }
 
 void CommandExchange::transmit(Request& request, base::RunTime now) {
+  if (request.objection) request.objected = request.objection(now);
+  if (request.objected) {
+    request.deadline = now;
+    return;
+  }
   request.deadline = now + timing_.ack_timeout;
   const int sent = request.sent++;
   if (request.command.place) {
@@ -127,9 +134,20 @@ void CommandExchange::tick(base::RunTime now) {
   }
 }
 
+void CommandExchange::give_up(const Outcome& outcome) {
+  std::vector<Done> ended;
+  for (Request& request : active_) ended.push_back(std::move(request.done));
+  for (Request& request : waiting_) ended.push_back(std::move(request.done));
+  active_.clear();
+  waiting_.clear();
+  for (const Done& done : ended) done(outcome);
+}
+
 void CommandExchange::on_deadline(std::list<Request>::iterator request, base::RunTime now) {
   const std::string what = describe(request->command.id);
-  if (request->refused) {
+  if (request->objected) {
+    finish(request, *request->objected, now);
+  } else if (request->refused) {
     Outcome outcome = failure(OutcomeKind::kRefused, what + " was " + describe(*request->refused));
     if (*request->refused == MavResult::kFailed) outcome.message = what + " failed";
     if (!request->texts.empty()) outcome.message += ": " + request->texts.back();

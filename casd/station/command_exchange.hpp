@@ -39,19 +39,26 @@ class CommandExchange {
  public:
   using Message = std::variant<mavlink::common::CommandLong, mavlink::common::CommandInt>;
   using Send = std::function<void(const Message&)>;
+  /// Asked before each transmission. @return why the command may not be sent, if so
+  using Objection = std::function<std::optional<Outcome>(base::RunTime)>;
 
   explicit CommandExchange(Send send, CommandTiming timing = {})
       : send_(std::move(send)), timing_(timing) {}
 
-  void start(const VehicleCommand& command, base::RunTime now, Done done);
+  /// @param objection  ends the command at the next tick; empty: none
+  void start(const VehicleCommand& command, base::RunTime now, Done done, Objection objection = {});
   void on_ack(const mavlink::common::CommandAck& ack, base::RunTime now);
   void on_status_text(std::string_view text);
   void tick(base::RunTime now);
+  /// Ends all commands with this outcome.
+  void give_up(const Outcome& outcome);
 
  private:
   struct Request {
     VehicleCommand command;
     Done done;
+    Objection objection;
+    std::optional<Outcome> objected;
     int sent = 0;
     bool in_progress = false;
     base::RunTime deadline{};

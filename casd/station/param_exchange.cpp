@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -215,6 +216,15 @@ void ParamExchange::on_status_text(std::string_view text) {
   for (Request& request : active_) {
     if (request.texts.size() < kMaxTexts) request.texts.emplace_back(text);
   }
+}
+
+void ParamExchange::give_up(const Outcome& outcome) {
+  std::vector<Done> ended;
+  for (Request& request : active_) ended.push_back(std::move(request.done));
+  if (listing_) std::move(listing_->done.begin(), listing_->done.end(), std::back_inserter(ended));
+  active_.clear();
+  listing_.reset();
+  for (const Done& done : ended) done(outcome);
 }
 
 void ParamExchange::finish(std::list<Request>::iterator request, Outcome outcome) {

@@ -86,6 +86,8 @@ class ParamExchange {
                 base::RunTime now);
   void on_status_text(std::string_view text);
   void tick(base::RunTime now);
+  /// Ends all requests with this outcome.
+  void give_up(const Outcome& outcome);
 
   const std::map<std::string, Parameter>& known() const { return known_; }
 

@@ -13,12 +13,28 @@ namespace {
 
 using namespace mavlink::common;
 
-constexpr std::size_t kMaxVehicles = 32;
+/// Vehicles of one link: a flood of invented ids costs its own link only.
+constexpr std::size_t kMaxVehiclesPerLink = 32;
+/// Silence after which a disarmed vehicle is forgotten, and an armed one where room is needed.
+constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
+/// MAV_COMP_ID_AUTOPILOT1.
+constexpr std::uint8_t kAutopilot = 1;
 
 /// Whether a HEARTBEAT is a flight controller's: simulators, cameras and companions say
-/// MAV_AUTOPILOT_INVALID, ground stations their type.
-bool is_vehicle(const Heartbeat& heartbeat) {
-  return heartbeat.autopilot != MavAutopilot::kInvalid && heartbeat.type != MavType::kGcs;
+/// MAV_AUTOPILOT_INVALID, some MAV_AUTOPILOT_GENERIC, ground stations their type.
+bool is_vehicle(mav::Source source, const Heartbeat& heartbeat) {
+  if (heartbeat.autopilot == MavAutopilot::kInvalid || heartbeat.type == MavType::kGcs) {
+    return false;
+  }
+  return heartbeat.autopilot != MavAutopilot::kGeneric || source.component == kAutopilot;
+}
+
+/// Whether who sends a HEARTBEAT takes a vehicle's place: component 1 that of any other at once,
+/// else the same component once the vehicle has fallen silent.
+bool takes_over(const VehicleState& vehicle, mav::Source source, base::RunTime now) {
+  const std::uint8_t held = vehicle.source().component;
+  if (source.component != held) return source.component == kAutopilot;
+  return vehicle.heartbeat_age(now) > kVehicleTimeout;
 }
 
 constexpr std::pair<std::uint32_t, double> kArduPilotStreams[] = {
@@ -33,8 +49,6 @@ bool addressed(const CommandAck& ack, mav::Source self) {
          (ack.target_component == 0 || ack.target_component == self.component);
 }
 
-constexpr base::Duration kFreshHeartbeat = std::chrono::seconds(3);
-
 std::string vehicle_text(const VehicleState& state) {
   return "vehicle " + std::to_string(state.source().system);
 }
@@ -44,8 +58,9 @@ constexpr double kFarthest_m = 100'000;
 
 }  // namespace
 
-VehicleCommander::Vehicle::Vehicle(VehicleCommander& owner, mav::Source source, LinkId link)
-    : state(source, link),
+VehicleCommander::Vehicle::Vehicle(VehicleCommander& owner, mav::Source source,
+                                   const Origin& origin, base::RunTime now)
+    : state(source, origin, now),
       commands(
           [this, &owner](const CommandExchange::Message& message) {
             std::visit([&](const auto& each) { owner.send(*this, each); }, message);
@@ -60,31 +75,139 @@ VehicleCommander::Vehicle::Vehicle(VehicleCommander& owner, mav::Source source, 
 VehicleCommander::VehicleCommander(CommanderOptions options, SendPacket send)
     : options_(options), send_(std::move(send)), encoder_(options.self) {}
 
-void VehicleCommander::on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now) {
-  now_ = now;
-  if (Vehicle* vehicle = track(link, packet, now)) dispatch(*vehicle, packet, now);
+void VehicleCommander::Vehicle::give_up(const Outcome& outcome) {
+  commands.give_up(outcome);
+  params.give_up(outcome);
 }
 
-/// The vehicle whose autopilot sent the packet; a first HEARTBEAT makes one.
-VehicleCommander::Vehicle* VehicleCommander::track(LinkId link, const mav::PacketView& packet,
+void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& packet,
+                                 base::RunTime now) {
+  now_ = now;
+  if (Vehicle* vehicle = track(from, packet, now)) dispatch(*vehicle, packet, now);
+}
+
+/// The vehicle whose autopilot sent the packet. HEARTBEATs make vehicles, and rivals of them.
+VehicleCommander::Vehicle* VehicleCommander::track(const Origin& from,
+                                                   const mav::PacketView& packet,
                                                    base::RunTime now) {
-  const auto found = vehicles_.find(packet.source.system);
-  if (found != vehicles_.end()) {
-    Vehicle& vehicle = *found->second;
-    if (packet.source != vehicle.state.source()) return nullptr;
-    vehicle.state.on_packet(link, packet, now);
-    return &vehicle;
+  const mav::Source source = packet.source;
+  if (source.system == options_.self.system) return nullptr;
+  const auto found = vehicles_.find(source.system);
+  Vehicle* vehicle = found == vehicles_.end() ? nullptr : found->second.get();
+  const Vehicle* const before = vehicle;
+  if (packet.message_id == Heartbeat::kId) {
+    const std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
+    if (!heartbeat || !is_vehicle(source, *heartbeat)) return nullptr;
+    vehicle = meet(from, source, now);
   }
-  if (packet.source.system == options_.self.system || vehicles_.size() >= kMaxVehicles) {
+  if (vehicle == nullptr || vehicle->state.source() != source || !vehicle->state.is_at(from, now)) {
     return nullptr;
   }
-  const std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
-  if (!heartbeat || !is_vehicle(*heartbeat)) return nullptr;
-  auto& slot = vehicles_[packet.source.system];
-  slot = std::make_unique<Vehicle>(*this, packet.source, link);
-  slot->state.on_packet(link, packet, now);
-  if (options_.ask_on_sight) ask_on_sight(packet.source.system, now);
-  return slot.get();
+  vehicle->state.on_packet(from, packet, now);
+  if (vehicle != before && options_.ask_on_sight) ask_on_sight(source.system, now);
+  return vehicle;
+}
+
+/// An autopilot sent a HEARTBEAT. @return the vehicle of its system id, which may be another one
+VehicleCommander::Vehicle* VehicleCommander::meet(const Origin& from, mav::Source source,
+                                                  base::RunTime now) {
+  const auto found = vehicles_.find(source.system);
+  if (found == vehicles_.end()) {
+    if (!has_room(from.path.link, now)) return nullptr;
+    auto& slot = vehicles_[source.system];
+    slot = std::make_unique<Vehicle>(*this, source, from, now);
+    return slot.get();
+  }
+  Vehicle& vehicle = *found->second;
+  const bool here = vehicle.state.is_at(from, now);
+  if (here && source == vehicle.state.source()) return &vehicle;
+  if (takes_over(vehicle.state, source, now) &&
+      (from.path.link == vehicle.state.link() || has_room(from.path.link, now))) {
+    displace(vehicle, from, source, now);
+    return vehicles_.at(source.system).get();
+  }
+  if (!here) {
+    vehicle.state.on_rival({source, from, now});
+    if (!vehicle.contested) tell_of_rivals(now);
+  }
+  return &vehicle;
+}
+
+/// Another autopilot is the vehicle of this id from now on. Nothing that the one before said holds.
+void VehicleCommander::displace(Vehicle& vehicle, const Origin& from, mav::Source source,
+                                base::RunTime now) {
+  const VehicleState& old = vehicle.state;
+  auto next = std::make_unique<Vehicle>(*this, source, from, now);
+  if (!next->state.is_at(old.origin(), now) && old.heartbeat_age(now) <= kVehicleTimeout) {
+    next->state.on_rival({old.source(), old.origin(), old.heartbeat().at});
+  } else if (const auto rival = old.rival(now); rival && !next->state.is_at(rival->from, now)) {
+    next->state.on_rival(*rival);
+  }
+  next->contested = vehicle.contested;
+  const std::unique_ptr<Vehicle> gone = std::exchange(vehicles_.at(source.system), std::move(next));
+  gone->give_up(
+      failure(OutcomeKind::kTimeout, "another autopilot took the place of " + vehicle_text(old)));
+  tell_of_rivals(now);
+}
+
+/// Whether one more vehicle may be known on this link; the longest forgotten one makes room.
+bool VehicleCommander::has_room(LinkId link, base::RunTime now) {
+  std::size_t count = 0;
+  const VehicleState* oldest = nullptr;
+  for (const auto& [system, vehicle] : vehicles_) {
+    const VehicleState& state = vehicle->state;
+    if (state.link() != link) continue;
+    ++count;
+    if (oldest == nullptr || state.heartbeat_age(now) > oldest->heartbeat_age(now)) oldest = &state;
+  }
+  if (count < kMaxVehiclesPerLink) return true;
+  if (oldest->heartbeat_age(now) <= kForgetAfter) return false;
+  drop(oldest->source().system, " fell silent");
+  return true;
+}
+
+/// Once when a rival appears, once when it is gone.
+void VehicleCommander::tell_of_rivals(base::RunTime now) {
+  for (const auto& [system, vehicle] : vehicles_) {
+    const std::optional<Rival> rival = vehicle->state.rival(now);
+    if (rival.has_value() == vehicle->contested) continue;
+    vehicle->contested = rival.has_value();
+    if (!on_notice_) continue;
+    const std::string who = vehicle_text(vehicle->state);
+    on_notice_(rival ? who + " has a rival: another autopilot with this system id speaks on " +
+                           place(vehicle->state, *rival) +
+                           "; casd arms neither until one of them is silent"
+                     : who + " is alone again under its system id");
+  }
+}
+
+void VehicleCommander::expire(base::RunTime now) {
+  std::vector<std::uint8_t> silent;
+  for (const auto& [system, vehicle] : vehicles_) {
+    const VehicleState& state = vehicle->state;
+    if (!state.armed() && state.heartbeat_age(now) > kForgetAfter) silent.push_back(system);
+  }
+  for (const std::uint8_t system : silent) drop(system, " fell silent");
+}
+
+void VehicleCommander::forget(LinkMask links) {
+  std::vector<std::uint8_t> lost;
+  for (const auto& [system, vehicle] : vehicles_) {
+    if (!vehicle->state.forget(links)) lost.push_back(system);
+  }
+  for (const std::uint8_t system : lost) drop(system, " was on a link that is gone");
+}
+
+void VehicleCommander::drop(std::uint8_t system, const std::string& why) {
+  const auto gone = vehicles_.extract(system);
+  gone.mapped()->give_up(failure(OutcomeKind::kTimeout, vehicle_text(gone.mapped()->state) + why));
+}
+
+/// "link sitl", "another peer of link net".
+std::string VehicleCommander::place(const VehicleState& state, const Rival& rival) const {
+  const LinkId link = rival.from.path.link;
+  const std::string name = options_.link_name ? options_.link_name(link) : std::to_string(link);
+  return (link == state.link() ? "another peer of link " : "link ") + name;
 }
 
 /// What commanding needs to know and a vehicle may not stream by itself.
@@ -137,6 +260,8 @@ void VehicleCommander::tick(base::RunTime now) {
     vehicle->commands.tick(now);
     vehicle->params.tick(now);
   }
+  tell_of_rivals(now);
+  expire(now);
 }
 
 /// Own HEARTBEAT: without one PX4 counts its ground station as lost.
@@ -152,7 +277,7 @@ void VehicleCommander::beat(base::RunTime now) {
   message.autopilot = MavAutopilot::kInvalid;
   message.system_status = MavState::kActive;
   message.mavlink_version = 3;
-  send_(encoder_(message));
+  send_(encoder_(message), {});
 }
 
 template <class M>
@@ -164,7 +289,9 @@ void VehicleCommander::send(const Vehicle& vehicle, M message) {
   } else {
     message.target = target.system;
   }
-  send_(encoder_(message));
+  // Without paths the router would ask every link for this system id.
+  const std::vector<Path> paths = vehicle.state.paths();
+  if (!paths.empty()) send_(encoder_(message), paths);
 }
 
 void VehicleCommander::manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil,
@@ -232,46 +359,84 @@ void VehicleCommander::start(std::uint8_t system, const VehicleCommand& command,
   }
 }
 
-/// Real propellers may spin: answers `done` and returns true unless the vehicle says that it flies
-/// a simulation, or request and configuration both consent to one that does not.
-bool VehicleCommander::interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now,
-                                   const Done& done) const {
-  const VehicleState& state = vehicle.state;
-  if (not_hil && options_.allow_not_hil) return false;
+/// A command that may start motors: the interlock is asked before each transmission, because much
+/// can change between two of them or while the command waits in line.
+void VehicleCommander::start_spinning(std::uint8_t system, const VehicleCommand& command,
+                                      bool not_hil, base::RunTime now, Done done) {
+  now_ = now;
+  Vehicle* vehicle = known(system, done);
+  if (vehicle == nullptr || interlocked(*vehicle, not_hil, now, done)) return;
+  vehicle->commands.start(command, now, std::move(done),
+                          [this, vehicle, not_hil](base::RunTime at) {
+                            return interlock(vehicle->state, not_hil, at);
+                          });
+}
+
+/// Real propellers may spin: why the vehicle may not be armed, unless its HEARTBEATs, and only
+/// its, say that it flies a simulation, or request and configuration both consent to one that does
+/// not.
+std::optional<Outcome> VehicleCommander::interlock(const VehicleState& state, bool not_hil,
+                                                   base::RunTime now) const {
+  const auto locked = [&](const std::string& why) {
+    return failure(OutcomeKind::kInterlock, vehicle_text(state) + why);
+  };
+  // No consent tells which of two is meant.
+  if (const std::optional<Rival> rival = state.rival(now)) {
+    return locked(" is not alone: another autopilot with its system id (" +
+                  std::to_string(rival->source.system) + "/" +
+                  std::to_string(rival->source.component) + ") speaks on " + place(state, *rival) +
+                  "; give one of them another id, or, where both links lead to one vehicle, put "
+                  "them into one group");
+  }
+  if (not_hil && options_.allow_not_hil) return std::nullopt;
   std::string why;
-  if (state.heartbeat_age(now) > kFreshHeartbeat) {
+  if (state.heartbeat_age(now) > kVehicleTimeout) {
     why = " has sent no HEARTBEAT for " +
           std::to_string(static_cast<int>(base::to_seconds(state.heartbeat_age(now)))) +
           " s, so casd cannot tell whether it is in HIL mode";
   } else if (!state.hil()) {
     why = " does not say that it is in HIL mode: real propellers may spin";
+  } else if (state.denied_hil(now)) {
+    why = " said within the last 3 s that it is not in HIL mode: real propellers may spin";
   } else {
-    return false;
+    return std::nullopt;
   }
   constexpr const char* kRemedy =
       "; put it in HIL mode (PX4: SYS_HITL 1 and a restart), or, for a firmware that runs in "
       "software and never says so, allow it: commanding.allow_not_hil: true and --not-hil";
   why += not_hil ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
                  : kRemedy;
-  done(failure(OutcomeKind::kInterlock, vehicle_text(state) + why));
-  return true;
+  return locked(why);
+}
+
+/// Answers `done` and returns true when the interlock holds.
+bool VehicleCommander::interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now,
+                                   const Done& done) const {
+  const std::optional<Outcome> why = interlock(vehicle.state, not_hil, now);
+  if (why) done(*why);
+  return why.has_value();
 }
 
 void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done) {
   now_ = now;
   const VehicleCommand command = arm_command(true, options.force);
   const Vehicle* vehicle = known(system, done);
-  if (vehicle == nullptr || interlocked(*vehicle, options.not_hil, now, done)) return;
-  start(system, command, now,
-        [this, system, command, done = explained(*vehicle, std::move(done))](const Outcome& armed) {
-          const VehicleState* state = find(system);
-          if (armed.kind != OutcomeKind::kRefused || !state->waits_for_sticks()) return done(armed);
-          // PX4 will not arm in a stick mode without a transmitter: switch to HOLD and retry.
-          set_mode(system, "HOLD", now_, [this, system, command, done](const Outcome& held) {
-            if (!held.ok()) return done(held);
-            start(system, command, now_, done);
-          });
-        });
+  if (vehicle == nullptr) return;
+  const bool not_hil = options.not_hil;
+  start_spinning(system, command, not_hil, now,
+                 [this, system, command, not_hil,
+                  done = explained(*vehicle, std::move(done))](const Outcome& armed) {
+                   const VehicleState* state = find(system);
+                   const bool stuck = state != nullptr && state->waits_for_sticks();
+                   if (armed.kind != OutcomeKind::kRefused || !stuck) return done(armed);
+                   // PX4 will not arm in a stick mode without a transmitter: switch to HOLD and
+                   // retry.
+                   set_mode(system, "HOLD", now_,
+                            [this, system, command, not_hil, done](const Outcome& held) {
+                              if (!held.ok()) return done(held);
+                              start_spinning(system, command, not_hil, now_, done);
+                            });
+                 });
 }
 
 /// Adds to a refusal what the vehicle is known to lack. What it said before it was asked may be
@@ -299,8 +464,11 @@ void VehicleCommander::command(std::uint8_t system, const VehicleCommand& comman
   now_ = now;
   Vehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
-  if (spins(command) && interlocked(*vehicle, not_hil, now, done)) return;
-  vehicle->commands.start(command, now, std::move(done));
+  if (spins(command)) {
+    start_spinning(system, command, not_hil, now, std::move(done));
+  } else {
+    vehicle->commands.start(command, now, std::move(done));
+  }
 }
 
 void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::RunTime now,

@@ -25,10 +25,11 @@
 
 namespace cas::casd {
 
-/// Hands one whole packet to the router as if it came from casd's own station. Packets without a
-/// target go to every link, packets with one only to links where the target was heard.
+/// Hands one whole packet to the router as if it came from casd's own station: to the vehicle at
+/// the end of these paths alone, or, without paths, to every link.
 /// Only to be called on casd's main thread; never blocks.
-using SendPacket = std::function<void(std::span<const std::uint8_t>)>;
+using SendPacket =
+    std::function<void(std::span<const std::uint8_t> packet, std::span<const Path> to)>;
 
 /// What sits behind casd's own address (254/190 by default): hears every packet that is addressed
 /// to it or to everybody, apart from HIL_* sensor and actuator streams. All calls come on casd's
@@ -37,7 +38,7 @@ class Station {
  public:
   virtual ~Station() = default;
   /// `packet` lives during the call only.
-  virtual void on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now) = 0;
+  virtual void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) = 0;
   /// Every 50 ms: retries, timeouts, heartbeats.
   virtual void tick(base::RunTime now) = 0;
 };
@@ -49,6 +50,7 @@ struct CommanderOptions {
   bool ask_on_sight = true;    ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle
   CommandTiming command_timing{};
   ParamTiming param_timing{};
+  std::function<std::string(LinkId)> link_name{};  ///< for sentences; empty: their numbers
 };
 
 /// casd as a ground station: knows the vehicles and commands them, by the MAVLink command and
@@ -63,9 +65,19 @@ class VehicleCommander final : public Station {
 
   VehicleCommander(CommanderOptions options, SendPacket send);
 
-  void on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now) override;
+  void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override;
+  /// The same for a link without peers and group.
+  void on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now) {
+    on_packet(Origin{{link}}, packet, now);
+  }
   void tick(base::RunTime now) override;
   void on_text(OnText callback) { on_text_ = std::move(callback); }
+  /// Called with a sentence when a second autopilot with a vehicle's id appears or falls silent.
+  void on_notice(std::function<void(const std::string&)> callback) {
+    on_notice_ = std::move(callback);
+  }
+  /// These links are gone for good: vehicles that were heard on them alone are forgotten.
+  void forget(LinkMask links);
 
   const VehicleState* find(std::uint8_t system) const;
   std::vector<const VehicleState*> vehicles() const;
@@ -80,7 +92,7 @@ class VehicleCommander final : public Station {
   /// A refusal names the missing sensors and the status texts that followed the request. A PX4 that
   /// refuses in a stick mode is put into HOLD and asked again.
   /// Refused with kInterlock for a vehicle without the HIL flag, unless request and configuration
-  /// both consent.
+  /// both consent, and while a second autopilot uses its system id. Each repetition asks again.
   void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);
   void disarm(std::uint8_t system, bool force, base::RunTime now, Done done);
   /// Climbs to `altitude_m` above home.
@@ -135,24 +147,37 @@ class VehicleCommander final : public Station {
 
  private:
   struct Vehicle {
-    Vehicle(VehicleCommander& owner, mav::Source source, LinkId link);
+    Vehicle(VehicleCommander& owner, mav::Source source, const Origin& origin, base::RunTime now);
+    void give_up(const Outcome& outcome);
     VehicleState state;
     CommandExchange commands;
     ParamExchange params;
     std::uint64_t texts_seen = 0;
+    bool contested = false;  ///< a rival was told of
   };
 
   template <class M>
   void send(const Vehicle& vehicle, M message);
   Vehicle* known(std::uint8_t system, const Done& done);
-  Vehicle* track(LinkId link, const mav::PacketView& packet, base::RunTime now);
+  Vehicle* track(const Origin& from, const mav::PacketView& packet, base::RunTime now);
+  Vehicle* meet(const Origin& from, mav::Source source, base::RunTime now);
+  void displace(Vehicle& vehicle, const Origin& from, mav::Source source, base::RunTime now);
+  bool has_room(LinkId link, base::RunTime now);
+  void tell_of_rivals(base::RunTime now);
+  void expire(base::RunTime now);
+  void drop(std::uint8_t system, const std::string& why);
+  std::string place(const VehicleState& state, const Rival& rival) const;
   void ask_on_sight(std::uint8_t system, base::RunTime now);
   void on_status_text(Vehicle& vehicle);
   void dispatch(Vehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
+  void start_spinning(std::uint8_t system, const VehicleCommand& command, bool not_hil,
+                      base::RunTime now, Done done);
   void takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
   void takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
   Done explained(const Vehicle& vehicle, Done done);
+  std::optional<Outcome> interlock(const VehicleState& state, bool not_hil,
+                                   base::RunTime now) const;
   bool interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now, const Done& done) const;
   struct Steps;
   void run_steps(std::shared_ptr<Steps> steps);
@@ -162,6 +187,7 @@ class VehicleCommander final : public Station {
   SendPacket send_;
   mav::Encoder encoder_;
   OnText on_text_;
+  std::function<void(const std::string&)> on_notice_;
   std::map<std::uint8_t, std::unique_ptr<Vehicle>> vehicles_;
   std::optional<base::RunTime> next_beat_;
   base::RunTime now_{};

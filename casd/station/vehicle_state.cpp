@@ -18,9 +18,6 @@ using namespace mavlink::common;
 
 constexpr std::size_t kStatusTexts = 10;
 constexpr std::size_t kTextBytes = 1024;
-/// A vehicle heard on two links stays with the first while that one speaks.
-constexpr base::Duration kLinkPatience = std::chrono::milliseconds(2500);
-
 /// Decodes into `slot` when the packet is of its kind.
 template <class M>
 void hear(std::optional<Heard<M>>& slot, const mav::PacketView& packet, base::RunTime now) {
@@ -84,10 +81,52 @@ std::optional<StatusText> StatusTextJoiner::add(const Statustext& chunk, base::R
   return StatusText{chunk.severity, std::exchange(text_, {}), now};
 }
 
-void VehicleState::on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now) {
+bool VehicleState::is_at(const Origin& from, base::RunTime now) const {
+  const auto is = [&](const Way& way) { return way.path == from.path; };
+  if (std::any_of(ways_.begin(), ways_.end(), is)) return true;
+  if (from.group < 0 || from.group != group_) return false;
+  // A redundant way; on a server link another peer only replaces one that has fallen silent.
+  return std::none_of(ways_.begin(), ways_.end(), [&](const Way& way) {
+    return way.path.link == from.path.link && now - way.at <= kVehicleTimeout;
+  });
+}
+
+void VehicleState::heard_over(const Origin& from, base::RunTime now) {
+  group_ = from.group;
+  const auto same_link = std::find_if(
+      ways_.begin(), ways_.end(), [&](const Way& way) { return way.path.link == from.path.link; });
+  if (same_link == ways_.end()) {
+    ways_.push_back({from.path, now});
+  } else {
+    *same_link = {from.path, now};
+  }
+  if (now - ways_.front().at <= kVehicleTimeout) return;
+  const auto speaking = std::find_if(ways_.begin(), ways_.end(),
+                                     [&](const Way& way) { return way.path == from.path; });
+  std::iter_swap(ways_.begin(), speaking);
+}
+
+bool VehicleState::forget(LinkMask links) {
+  std::erase_if(ways_, [links](const Way& way) { return (links & bit(way.path.link)) != 0; });
+  return !ways_.empty();
+}
+
+std::vector<Path> VehicleState::paths() const {
+  std::vector<Path> all;
+  for (const Way& way : ways_) all.push_back(way.path);
+  return all;
+}
+
+std::optional<Rival> VehicleState::rival(base::RunTime now) const {
+  if (!rival_ || now - rival_->at > kVehicleTimeout) return std::nullopt;
+  return rival_;
+}
+
+void VehicleState::on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) {
+  heard_over(from, now);
   switch (packet.message_id) {
     case Heartbeat::kId:
-      if (const auto message = mav::decode<Heartbeat>(packet)) on_heartbeat(link, *message, now);
+      if (const auto message = mav::decode<Heartbeat>(packet)) on_heartbeat(*message, now);
       break;
     case Attitude::kId:
       hear(attitude_, packet, now);
@@ -120,9 +159,9 @@ void VehicleState::on_packet(LinkId link, const mav::PacketView& packet, base::R
   }
 }
 
-void VehicleState::on_heartbeat(LinkId link, const Heartbeat& message, base::RunTime now) {
-  if (link != link_ && now - heartbeat_.at > kLinkPatience) link_ = link;
-  if (link == link_) heartbeat_ = {message, now};
+void VehicleState::on_heartbeat(const Heartbeat& message, base::RunTime now) {
+  heartbeat_ = {message, now};
+  if (!hil()) without_hil_ = now;
 }
 
 void VehicleState::on_status_text(const Statustext& chunk, base::RunTime now) {
@@ -141,6 +180,10 @@ bool VehicleState::armed() const {
 
 bool VehicleState::hil() const {
   return has(heartbeat_.message.base_mode, MavModeFlag::kHilEnabled);
+}
+
+bool VehicleState::denied_hil(base::RunTime now) const {
+  return without_hil_ && now - *without_hil_ <= kVehicleTimeout;
 }
 
 std::string VehicleState::mode() const {

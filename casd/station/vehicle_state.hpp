@@ -10,6 +10,7 @@
 
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
+#include "casd/packet/packet_info.hpp"
 #include "casd/station/param_exchange.hpp"
 #include "casd/station/vehicle_modes.hpp"
 #include "mavlink/common/attitude.hpp"
@@ -58,23 +59,52 @@ struct HomeAmsl {
   double x_m = 0, y_m = 0, z_m = 0;  ///< of home in the vehicle's local frame N
 };
 
+/// A vehicle is silent when no HEARTBEAT has come for this long.
+inline constexpr base::Duration kVehicleTimeout = std::chrono::seconds(3);
+
+/// Another autopilot that uses a vehicle's system id.
+struct Rival {
+  mav::Source source;
+  Origin from;
+  base::RunTime at{};  ///< of its newest HEARTBEAT
+};
+
 /// What one vehicle has said about itself. Pure: packets and times come in as arguments.
+///
+/// A vehicle is an autopilot at one place: a link, and on a server link one peer of it. The links
+/// of a group are one place, with at most one peer on each link.
 class VehicleState {
  public:
-  VehicleState(mav::Source source, LinkId link) : source_(source), link_(link) {}
+  VehicleState(mav::Source source, const Origin& origin, base::RunTime now)
+      : source_(source), group_(origin.group), ways_{{origin.path, now}} {}
 
-  /// Takes in one packet of this vehicle's autopilot.
-  void on_packet(LinkId link, const mav::PacketView& packet, base::RunTime now);
+  /// Whether a packet from there comes from this vehicle's place.
+  bool is_at(const Origin& from, base::RunTime now) const;
+  /// Takes in one packet of this vehicle's autopilot, from its place.
+  void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
+  /// Forgets the ways over these links. @return whether any way is left
+  bool forget(LinkMask links);
 
   mav::Source source() const { return source_; }
-  /// The link that its HEARTBEATs come from.
-  LinkId link() const { return link_; }
+  /// The link that it is heard on: with redundant links the first, while that one speaks.
+  LinkId link() const { return ways_.front().path.link; }
+  Origin origin() const { return {ways_.front().path, group_}; }
+  /// All ways to it.
+  std::vector<Path> paths() const;
+
+  /// Another autopilot uses this vehicle's system id.
+  void on_rival(const Rival& rival) { rival_ = rival; }
+  /// The rival that spoke last, unless it is silent by now.
+  std::optional<Rival> rival(base::RunTime now) const;
 
   Autopilot autopilot() const;
   mavlink::common::MavType type() const { return heartbeat_.message.type; }
   bool armed() const;
-  /// Whether its HEARTBEAT says that it flies a simulation.
+  /// Whether its newest HEARTBEAT says that it flies a simulation.
   bool hil() const;
+  /// Whether a HEARTBEAT without the HIL flag came lately: of two autopilots behind one router or
+  /// on one group of links, each is heard here.
+  bool denied_hil(base::RunTime now) const;
   std::string mode() const;
   /// Whether it is a PX4 in a mode that flies by somebody's sticks.
   bool waits_for_sticks() const;
@@ -103,11 +133,20 @@ class VehicleState {
   std::uint64_t status_text_count() const { return status_text_count_; }
 
  private:
-  void on_heartbeat(LinkId link, const mavlink::common::Heartbeat& message, base::RunTime now);
+  struct Way {
+    Path path;
+    base::RunTime at{};  ///< of the newest packet
+  };
+
+  void heard_over(const Origin& from, base::RunTime now);
+  void on_heartbeat(const mavlink::common::Heartbeat& message, base::RunTime now);
   void on_status_text(const mavlink::common::Statustext& chunk, base::RunTime now);
 
   mav::Source source_;
-  LinkId link_;
+  std::int8_t group_;
+  std::vector<Way> ways_;  ///< the one in use first; never empty while the vehicle is known
+  std::optional<Rival> rival_;
+  std::optional<base::RunTime> without_hil_;  ///< newest HEARTBEAT without the HIL flag
   Heard<mavlink::common::Heartbeat> heartbeat_{};
   std::optional<Heard<mavlink::common::ExtendedSysState>> extended_;
   std::optional<Heard<mavlink::common::Attitude>> attitude_;

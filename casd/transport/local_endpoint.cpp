@@ -36,16 +36,22 @@ void LocalEndpoint::dispatch(Station& station, base::RunTime now) {
   }
   for (; !dispatching_.empty(); dispatching_.pop()) {
     const QueuedPacket packet = dispatching_.front();
-    station.on_packet(packet.info.from, mav::view_packet(packet.bytes), now);
+    const Origin origin{{packet.info.from, packet.info.from_serial}, packet.info.from_group};
+    station.on_packet(origin, mav::view_packet(packet.bytes), now);
   }
 }
 
-bool LocalEndpoint::send(std::span<const std::uint8_t> packet, base::RunTime now) {
+bool LocalEndpoint::send(std::span<const std::uint8_t> packet, std::span<const Path> to,
+                         base::RunTime now) {
   bool sent = false;
   Parser parser = make_parser();
   parser.feed(packet, [&](const mav::PacketView& view) {
     if (view.bytes.size() != packet.size()) return;
-    ingress_.take_packet(view, now);
+    if (to.empty()) {
+      ingress_.take_packet(view, now);
+    } else {
+      ingress_.take_addressed(view, to, now);
+    }
     sent = true;
   });
   ingress_.deliver(now);

@@ -31,7 +31,8 @@ class LocalEndpoint final : public PacketPort {
   /// Gives the station what waits.
   void dispatch(Station& station, base::RunTime now);
   /// Sends a packet of the station. Anything but one whole packet is refused.
-  bool send(std::span<const std::uint8_t> packet, base::RunTime now);
+  /// @param to  paths to the one vehicle that it is for; empty: it goes where its target was heard
+  bool send(std::span<const std::uint8_t> packet, std::span<const Path> to, base::RunTime now);
   /// Keeps the station's route alive: once a second.
   void tick(base::RunTime now) { ingress_.tick(now); }
   /// Drops the table of ports, which holds this endpoint too. Nothing is sent from here on.

@@ -25,7 +25,7 @@ std::optional<std::uint8_t> PeerTable::add(const sockaddr_storage& address, sock
                                            base::RunTime now) {
   if (count() >= max_peers_ && expire(now) == 0) return std::nullopt;
   const auto peer = static_cast<std::uint8_t>(std::countr_one(present_));
-  peers_[peer] = {address, size, now};
+  peers_[peer] = {address, size, now, ++serials_};
   present_ |= bit(peer);
   return peer;
 }
@@ -58,6 +58,11 @@ void PeerTable::clear() {
 LinkMask PeerTable::for_packet(const PacketInfo& info, LinkId own) const {
   LinkMask peers = present_ & routes_.links_to(info.target);
   if (info.from == own && info.from_peer < kMaxPeers) peers &= ~bit(info.from_peer);
+  if (info.to_serial == 0) return peers;
+  for (LinkMask left = peers; left != 0; left &= left - 1) {
+    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
+    if (peers_[peer].serial != info.to_serial) peers &= ~bit(peer);
+  }
   return peers;
 }
 

@@ -30,6 +30,8 @@ class PeerTable {
   /// Takes a new address in. @return nothing when all slots are taken by peers that still speak
   std::optional<std::uint8_t> add(const sockaddr_storage& address, socklen_t size,
                                   base::RunTime now);
+  /// Slot and serial number of a peer that is present.
+  PeerId id(std::uint8_t peer) const { return {peer, peers_[peer].serial}; }
   /// A packet came from the peer.
   void heard(std::uint8_t peer, mav::Source source, base::RunTime now);
   /// Forgets silent peers. @return how many
@@ -37,6 +39,7 @@ class PeerTable {
   void clear();
 
   /// Peers that are to get this packet: all or those that announced the target, never its sender.
+  /// A packet for one peer alone (`to_serial`) goes to no other.
   /// @param own  the link that the peers are on
   LinkMask for_packet(const PacketInfo& info, LinkId own) const;
 
@@ -52,10 +55,12 @@ class PeerTable {
     sockaddr_storage address{};
     socklen_t size = 0;
     base::RunTime last;
+    std::uint32_t serial = 0;
   };
   void remove(std::uint8_t peer);
 
   int max_peers_;
+  std::uint32_t serials_ = 0;  ///< given so far
   base::Duration expiry_;
   LinkMask present_ = 0;
   std::array<Peer, kMaxPeers> peers_;

@@ -173,10 +173,11 @@ void TcpFanOut::deliver_to(std::size_t client, std::span<const PacketRef> packet
   }
 }
 
-void TcpFanOut::set_client(std::uint8_t client, std::shared_ptr<TxPort> port) {
+void TcpFanOut::set_client(PeerId client, std::shared_ptr<TxPort> port) {
   const std::scoped_lock lock(mutex_);
-  clients_[client] = std::move(port);
-  present_ |= bit(client);
+  clients_[client.slot] = std::move(port);
+  serials_[client.slot] = client.serial;
+  present_ |= bit(client.slot);
 }
 
 void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
@@ -190,6 +191,11 @@ void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
 LinkMask TcpFanOut::wanted_by(const PacketInfo& info) const {
   LinkMask clients = present_ & routes_.links_to(info.target);
   if (info.from == own_ && info.from_peer < kMaxLinks) clients &= ~bit(info.from_peer);
+  if (info.to_serial == 0) return clients;
+  for (LinkMask left = clients; left != 0; left &= left - 1) {
+    const auto client = static_cast<std::uint8_t>(std::countr_zero(left));
+    if (serials_[client] != info.to_serial) clients &= ~bit(client);
+  }
   return clients;
 }
 
@@ -272,13 +278,14 @@ void TcpServerLink::accept(base::RunTime now) {
   prepare_tcp(socket.get());
   auto client = std::make_unique<Client>();
   client->slot = static_cast<std::uint8_t>(std::countr_one(slots_));
+  client->serial = ++serials_;
   client->fd = socket.get();
   client->name = name;
   client->port = core_.make_port();
   client->port->attach(
       std::make_unique<StreamWriter>(std::move(socket), StreamWriter::Kind::kSocket));
   slots_ |= bit(client->slot);
-  fan_out_->set_client(client->slot, client->port);
+  fan_out_->set_client({client->slot, client->serial}, client->port);
   clients_.push_back(std::move(client));
   core_.counters().peers.set(clients_.size());
   base::log::info("link " + core_.config().name + ": " + name + " connected");
@@ -301,7 +308,7 @@ std::string TcpServerLink::read(Client& client, base::RunTime now) {
     const std::span bytes(buffer_.data(), static_cast<std::size_t>(count));
     core_.ingress().parse_stream(client.parser, bytes, [&](const mav::PacketView& packet) {
       fan_out_->routes().learn(client.slot, packet.source, now);
-      core_.ingress().take_packet(packet, now, client.slot);
+      core_.ingress().take_packet(packet, now, {client.slot, client.serial});
     });
     core_.ingress().deliver(now);
     return {};

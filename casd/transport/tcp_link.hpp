@@ -55,7 +55,7 @@ class TcpFanOut final : public PacketPort {
   void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
 
   // The link's thread:
-  void set_client(std::uint8_t client, std::shared_ptr<TxPort> port);
+  void set_client(PeerId client, std::shared_ptr<TxPort> port);
   void remove_client(std::uint8_t client, DropCause cause);
   RouteTable& routes() { return routes_; }
 
@@ -68,6 +68,7 @@ class TcpFanOut final : public PacketPort {
   RouteTable routes_;
   std::shared_mutex mutex_;
   std::array<std::shared_ptr<TxPort>, kMaxLinks> clients_;
+  std::array<std::uint32_t, kMaxLinks> serials_{};
   LinkMask present_ = 0;
 };
 
@@ -85,6 +86,7 @@ class TcpServerLink final : public Link {
  private:
   struct Client {
     std::uint8_t slot = 0;
+    std::uint32_t serial = 0;
     int fd = -1;  ///< owned by the port's writer
     std::shared_ptr<TxPort> port;
     Parser parser = make_parser();
@@ -108,6 +110,7 @@ class TcpServerLink final : public Link {
   base::RunTime accept_again_{};
   std::vector<std::unique_ptr<Client>> clients_;
   LinkMask slots_ = 0;
+  std::uint32_t serials_ = 0;  ///< given so far
   std::vector<std::uint8_t> buffer_;
 };
 

@@ -356,7 +356,7 @@ void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
     if (!peer) peer = admit(index, now);
     if (!peer) return core_.counters().rx.foreign.add();
     peers_->table.heard(*peer, packet.source, now);
-    core_.ingress().take_packet(packet, now, *peer);
+    core_.ingress().take_packet(packet, now, peers_->table.id(*peer));
   };
   core_.ingress().parse_datagram(parser_, reader_.datagram(index), on_packet);
 }

@@ -68,7 +68,9 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
       slots_(casd::slots_in_order(topology)),
       router_(casd::make_plan(topology, slots_), mav::public_table(), topology.route_lifetime),
       commander_(commander_options(topology),
-                 [this](std::span<const std::uint8_t> bytes) { send_own(bytes); }),
+                 [this](std::span<const std::uint8_t> bytes, std::span<const casd::Path> to) {
+                   send_own(bytes, to);
+                 }),
       own_parser_(mav::public_table()),
       threads_(topology.links.size()) {
   ports_.reserve(topology.links.size());
@@ -195,7 +197,11 @@ void VirtualRelay::take(casd::LinkId from, std::span<const std::uint8_t> bytes, 
 }
 
 void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
-  const casd::Route route = router_.on_packet(from, packet, now);
+  pass_on(from, router_.on_packet(from, packet, now), packet, now);
+}
+
+void VirtualRelay::pass_on(casd::LinkId from, const casd::Route& route,
+                           const mav::PacketView& packet, base::RunTime now) {
   if (from != casd::kLocalLink) ports_[from].ledger.received(route.info);
   if (route.decision != casd::Route::Decision::kForward) return;
   for (std::size_t i = 0; i < ports_.size(); ++i) {
@@ -203,12 +209,16 @@ void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base:
     ports_[i].queue.push(route.info, packet.bytes);
     if (!blocking_ || !ports_[i].pacer.limited()) pump(ports_[i], now);
   }
-  if ((route.to & casd::bit(casd::kLocalLink)) != 0) commander_.on_packet(from, packet, now);
+  if ((route.to & casd::bit(casd::kLocalLink)) != 0) {
+    commander_.on_packet(casd::Origin{{from}, route.info.from_group}, packet, now);
+  }
 }
 
-void VirtualRelay::send_own(std::span<const std::uint8_t> bytes) {
-  own_parser_.feed(
-      bytes, [this](const mav::PacketView& packet) { route(casd::kLocalLink, packet, now_); });
+void VirtualRelay::send_own(std::span<const std::uint8_t> bytes, std::span<const casd::Path> to) {
+  own_parser_.feed(bytes, [&](const mav::PacketView& packet) {
+    if (to.empty()) return route(casd::kLocalLink, packet, now_);
+    pass_on(casd::kLocalLink, router_.on_addressed(packet, to, now_), packet, now_);
+  });
 }
 
 void VirtualRelay::pump(Port& port, base::RunTime now) {

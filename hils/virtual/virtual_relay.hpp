@@ -101,7 +101,9 @@ class VirtualRelay {
 
   void take(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now);
   void route(casd::LinkId from, const mav::PacketView& packet, base::RunTime now);
-  void send_own(std::span<const std::uint8_t> bytes);
+  void pass_on(casd::LinkId from, const casd::Route& route, const mav::PacketView& packet,
+               base::RunTime now);
+  void send_own(std::span<const std::uint8_t> bytes, std::span<const casd::Path> to);
   void pump(Port& port, base::RunTime now);
   void carry_on(base::RunTime now);
   void handle_arrivals(base::RunTime now);

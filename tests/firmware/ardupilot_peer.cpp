@@ -17,8 +17,9 @@ ArdupilotPeer::ArdupilotPeer(std::uint16_t port, const ScriptedArdupilot::Option
                                                      [this](std::span<const std::uint8_t> bytes) {
                                                        pilot_.on_bytes(bytes, ardupilot_->clock());
                                                      })),
-      pilot_(plan,
-             [this](std::span<const std::uint8_t> bytes) { ardupilot_->on_ground_bytes(bytes); }) {}
+      pilot_(plan, [this](std::span<const std::uint8_t> bytes, std::span<const casd::Path>) {
+        ardupilot_->on_ground_bytes(bytes);
+      }) {}
 
 ArdupilotPeer::~ArdupilotPeer() { ::close(socket_); }
 

@@ -19,7 +19,7 @@ void Pilot::tick(base::RunTime now) {
   while (!queue_.empty()) {
     const std::vector<std::uint8_t> packet = std::move(queue_.front());
     queue_.pop_front();
-    to_vehicle_(packet);
+    to_vehicle_(packet, {});
   }
 }
 

@@ -28,9 +28,10 @@ class Pilot {
   Pilot(const Plan& plan, casd::SendPacket to_vehicle)
       : plan_(plan),
         to_vehicle_(std::move(to_vehicle)),
-        commander_({.allow_not_hil = true}, [this](std::span<const std::uint8_t> packet) {
-          queue_.emplace_back(packet.begin(), packet.end());
-        }) {}
+        commander_({.allow_not_hil = true},
+                   [this](std::span<const std::uint8_t> packet, std::span<const casd::Path>) {
+                     queue_.emplace_back(packet.begin(), packet.end());
+                   }) {}
 
   void on_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
     parser_.feed(bytes, [&](const mav::PacketView& packet) {

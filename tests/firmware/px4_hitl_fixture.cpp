@@ -17,8 +17,9 @@ Px4HitlFixture::Px4HitlFixture(const ScriptedPx4::Options& options, unsigned bau
   start_casd(baud, simulation_port);
   const auto to_line = [this](std::span<const std::uint8_t> bytes) { line_.write(bytes); };
   px4_ = std::make_unique<ScriptedPx4>(options, to_line, to_line);
-  pilot_ = std::make_unique<Pilot>(
-      plan, [this](std::span<const std::uint8_t> bytes) { ground_.send(bytes); });
+  pilot_ =
+      std::make_unique<Pilot>(plan, [this](std::span<const std::uint8_t> bytes,
+                                           std::span<const casd::Path>) { ground_.send(bytes); });
   ground_.set_remote(port_of_link("gcs"));
   simulation_ = std::make_unique<RunningSimulation>(
       "px4_hitl.yaml", "mavlink_interface",

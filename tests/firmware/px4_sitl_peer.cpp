@@ -19,7 +19,7 @@ Px4SitlPeer::Px4SitlPeer(std::uint16_t port, const ScriptedPx4::Options& options
             if (!deaf_) ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
           },
           [this](std::span<const std::uint8_t> bytes) { pilot_.on_bytes(bytes, px4_->clock()); })),
-      pilot_(plan, [this](std::span<const std::uint8_t> bytes) {
+      pilot_(plan, [this](std::span<const std::uint8_t> bytes, std::span<const casd::Path>) {
         px4_->on_ground_bytes(bytes, px4_->clock());
       }) {}
 

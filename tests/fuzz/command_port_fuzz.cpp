@@ -101,7 +101,8 @@ class FuzzedPort {
   boost::asio::io_context io_;
   base::rpc::Server server_{io_};
   casd::test::FakeVehicle vehicle_;
-  VehicleCommander commander_{{}, [this](std::span<const std::uint8_t> packet) {
+  VehicleCommander commander_{{},
+                              [this](std::span<const std::uint8_t> packet, std::span<const Path>) {
                                 vehicle_.handle(mav::view_packet(packet), now_);
                               }};
   Topology topology_;

@@ -13,16 +13,17 @@
 
 namespace cas::test {
 
-/// A scripted vehicle at the controller's end of a line, on a thread of its own: heartbeats ten
-/// times a second, answers by its script.
-class ScriptedVehicle {
+/// A scripted vehicle at the controller's end of a line (a PtyPair, or what reads and writes like
+/// one), on a thread of its own: heartbeats ten times a second, answers by its script.
+template <class Line>
+class BasicScriptedVehicle {
  public:
-  ScriptedVehicle(PtyPair& line, std::function<void(casd::test::FakeVehicle&)> script)
+  BasicScriptedVehicle(Line& line, std::function<void(casd::test::FakeVehicle&)> script)
       : line_(line), thread_([this, script = std::move(script)] {
           script(vehicle_);
           while (!stop_.load()) pump();
         }) {}
-  ~ScriptedVehicle() { stop(); }
+  ~BasicScriptedVehicle() { stop(); }
 
   /// Ends the thread. @return the vehicle, to look at
   casd::test::FakeVehicle& stop() {
@@ -47,12 +48,14 @@ class ScriptedVehicle {
     ::poll(nullptr, 0, 1);
   }
 
-  PtyPair& line_;
+  Line& line_;
   casd::test::FakeVehicle vehicle_;
   PacketStream received_;
   base::RunTime next_beat_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
+
+using ScriptedVehicle = BasicScriptedVehicle<PtyPair>;
 
 }  // namespace cas::test

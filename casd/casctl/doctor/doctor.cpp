@@ -246,7 +246,14 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
   for (const json& vehicle : vehicles) {
     const std::string who = "vehicle " + vehicle.at("system").dump();
     const double age_s = vehicle.value("heartbeat_age_s", 0.0);
-    if (age_s > kFresh_s) {
+    if (const auto rival = vehicle.find("rival"); rival != vehicle.end()) {
+      bad(all,
+          who + " is not alone: links " + vehicle.value("link", "?") + " and " +
+              rival->value("link", "?") +
+              " bring two autopilots with this system id; casd arms neither",
+          "give one of them another id (PX4: MAV_SYS_ID, ArduPilot: SYSID_THISMAV), or, where both "
+          "links lead to one vehicle, put them into one `group`");
+    } else if (age_s > kFresh_s) {
       bad(all, who + " has been silent for " + fixed(age_s, 0) + " s", "see its link above");
     } else if (!vehicle.value("hil", false)) {
       bad(all, who + " does not say that it is in HIL mode",

@@ -102,6 +102,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "would come too late"},
         BadCase{"NotInHil", [](DoctorFacts& f) { f.after["vehicles"][0]["hil"] = false; },
                 "does not say that it is in HIL mode"},
+        BadCase{"TwoAutopilots",
+                [](DoctorFacts& f) {
+                  f.after["vehicles"][0]["rival"] = {{"component", 1}, {"link", "sitl"}};
+                },
+                "links fcu and sitl bring two autopilots"},
         BadCase{"NoVehicle", [](DoctorFacts& f) { f.after["vehicles"] = json::array(); },
                 "no flight controller"},
         BadCase{"NoSensors", [](DoctorFacts& f) { f.messages.erase(0); }, "gets no HIL_SENSOR"},

@@ -20,7 +20,7 @@ struct CommandPortFixture::Impl {
   Impl() : server(io) {}
 
   void build() {
-    commander.emplace(options, [this](std::span<const std::uint8_t> bytes) {
+    commander.emplace(options, [this](std::span<const std::uint8_t> bytes, std::span<const Path>) {
       parser.feed(bytes, [this](const mav::PacketView& packet) {
         for (const auto& vehicle : vehicles) vehicle->handle(packet, base::steady_now());
       });

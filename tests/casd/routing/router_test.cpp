@@ -52,6 +52,27 @@ TEST(Router, AddressedPacketGoesWhereItsTargetWasHeard) {
   EXPECT_EQ(route.info.target, (mav::Source{1, 1}));
 }
 
+TEST(Router, APacketForOneVehicleGoesToItsLinkAndGroupAlone) {
+  auto plan = all_to_all(4);
+  std::vector<ForwardRule> rules;
+  for (LinkId to = 0; to < 4; ++to) {
+    rules.emplace_back().from = kLocalLink;
+    rules.back().to = to;
+  }
+  plan->rules = ForwardRules(rules);
+  plan->group[1] = plan->group[2] = 0;
+  Router router(plan, mav::public_table());
+  const auto command = packet(command_to(1, 1), {254, 190});
+  for (LinkId link = 0; link < 4; ++link) {
+    router.on_packet(link, view(packet(Heartbeat{}, {1, 1})), at({}));
+  }
+  EXPECT_EQ(router.on_addressed(view(command), std::vector<Path>{{0}}, at({})).to, bit(0));
+  EXPECT_EQ(router.on_addressed(view(command), std::vector<Path>{{1}}, at({})).to, bit(1) | bit(2));
+  const auto stranger = packet(command_to(7, 1), {254, 190});
+  EXPECT_EQ(router.on_addressed(view(stranger), std::vector<Path>{{0}}, at({})).decision,
+            kNoTarget);
+}
+
 TEST(Router, AnswerFindsTheWayBack) {
   Router router = make_router(3);
   router.on_packet(0, view(packet(Heartbeat{}, {255, 190})), at({}));

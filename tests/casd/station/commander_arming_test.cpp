@@ -45,7 +45,7 @@ TEST(VehicleCommanderInLockstep, AnswersARefusalWhileTimeStands) {
   constexpr RunTime kNow{1s};
   VehicleCommander commander(
       {.ask_on_sight = false, .command_timing = {.text_grace = {}}},
-      [&](std::span<const std::uint8_t> bytes) {
+      [&](std::span<const std::uint8_t> bytes, std::span<const Path>) {
         parser.feed(bytes, [&](const mav::PacketView& packet) { vehicle.handle(packet, kNow); });
       });
   const auto hear = [&] {

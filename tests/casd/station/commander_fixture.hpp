@@ -19,7 +19,7 @@ inline constexpr LinkId kLink = 2;
 class VehicleCommanderTest : public testing::Test {
  protected:
   explicit VehicleCommanderTest(CommanderOptions options = {.ask_on_sight = false})
-      : commander_(options, [this](std::span<const std::uint8_t> bytes) {
+      : commander_(options, [this](std::span<const std::uint8_t> bytes, std::span<const Path>) {
           parser_.feed(bytes,
                        [this](const mav::PacketView& packet) { vehicle_.handle(packet, now_); });
         }) {}

@@ -87,7 +87,7 @@ TEST_F(VehicleCommanderTest, NeverHoldsMoreVehiclesThanItsBound) {
 }
 
 TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionAndHome) {
-  VehicleCommander curious({}, [this](std::span<const std::uint8_t> bytes) {
+  VehicleCommander curious({}, [this](std::span<const std::uint8_t> bytes, std::span<const Path>) {
     parser_.feed(bytes, [this](const mav::PacketView& packet) { vehicle_.handle(packet, now_); });
   });
   vehicle_.say_heartbeat(now_);

@@ -53,7 +53,7 @@ class Stock : public testing::Test {
   FakeVehicle vehicle_;
   base::RunTime now_{seconds(10)};
   VehicleCommander commander_{{.allow_not_hil = true, .ask_on_sight = false},
-                              [this](std::span<const std::uint8_t> packet) {
+                              [this](std::span<const std::uint8_t> packet, std::span<const Path>) {
                                 vehicle_.handle(mav::view_packet(packet), now_);
                               }};
 };
@@ -140,7 +140,7 @@ TEST(StockArduPilot, IsAskedForTheStreamsThatItDoesNotSendByItself) {
   FakeVehicle vehicle;
   vehicle.autopilot = MavAutopilot::kArdupilotmega;
   const base::RunTime now{seconds(10)};
-  VehicleCommander commander({}, [&](std::span<const std::uint8_t> packet) {
+  VehicleCommander commander({}, [&](std::span<const std::uint8_t> packet, std::span<const Path>) {
     vehicle.handle(mav::view_packet(packet), now);
   });
   for (base::RunTime t = now; t < now + seconds(5); t += milliseconds(10)) {

@@ -71,6 +71,17 @@ TEST(PeerTable, NothingGoesBackToTheSendingPeer) {
   EXPECT_EQ(peers.for_packet(packet, kOwn), 0b101U);
 }
 
+TEST(PeerTable, APacketForOnePeerGoesToNoOtherAndToNoLaterOneOfItsSlot) {
+  FilledTable peers(2);
+  PacketInfo packet;
+  packet.to_serial = peers.id(1).serial;
+  EXPECT_EQ(peers.for_packet(packet, kOwn), 2U);
+  peers.clear();
+  EXPECT_EQ(peers.add(on_port(9), sizeof(sockaddr_in), at({})), 0);
+  EXPECT_EQ(peers.add(on_port(10), sizeof(sockaddr_in), at({})), 1);
+  EXPECT_EQ(peers.for_packet(packet, kOwn), 0U);
+}
+
 TEST(PeerTable, ForgetsSilentPeersAndTheirRoutes) {
   FilledTable peers(2);
   peers.heard(1, {101, 190}, at(seconds(20)));
