@@ -18,6 +18,7 @@
 #include <string>
 #include <utility>
 
+#include "base/config/config.hpp"
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
@@ -218,18 +219,35 @@ struct App::Impl {
     io.stop();
   }
 
+  /// @throws base::ConfigError also for what only a restart can change
+  Topology load_again() const {
+    const base::ConfigNode root = base::ConfigNode::load(options.topology_file);
+    Topology topology = Topology::parse(root);
+    if (options.lockstep) topology.set_lockstep();
+    refuse_restart_keys(links.topology(), topology, root);
+    return topology;
+  }
+
+  /// As a whole or, with an exception, not at all: what may fail comes first.
+  void put_in_force(Topology topology) {
+    std::shared_ptr<const MessageDecoder> decoder = load_decoder(topology);
+    GainMap gains = load_gains(topology);
+    const LinkMask gone = links.reload(std::move(topology));
+    // A new link may have the number of one that is gone: its packets are another vehicle's.
+    links.local().dispatch(commander, station_now());
+    commander.forget(gone);
+    const CommandingConfig& commanding = links.topology().commanding;
+    commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil);
+    vehicle_methods.set_gains(std::move(gains));
+    figures.set_decoder(std::move(decoder));
+  }
+
   /// @return why not; empty when the new topology is in force
   std::string reload() {
     base::notify("RELOADING=1");
     std::string trouble;
     try {
-      Topology topology = Topology::load(options.topology_file);
-      const auto decoder = load_decoder(topology);
-      const LinkMask gone = links.reload(std::move(topology));
-      // A new link may have the number of one that is gone: its packets are another vehicle's.
-      links.local().dispatch(commander, station_now());
-      commander.forget(gone);
-      figures.set_decoder(decoder);
+      put_in_force(load_again());
       warn_of_narrow_lines();
       base::log::info("topology reloaded");
     } catch (const std::exception& error) {  // no descriptors or threads for it, for one

@@ -12,6 +12,7 @@ struct AppOptions {
   std::filesystem::path topology_file;
   std::filesystem::path ledger_file;  ///< each HIL packet at each link, at the end; empty: none
   std::filesystem::path stats_file;   ///< written at the end; empty: none
+  bool lockstep = false;              ///< whatever `pace` the topology has, after a reload too
 };
 
 /// The running program: links, commander and command port around one io thread. Ends on SIGTERM or

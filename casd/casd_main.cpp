@@ -130,7 +130,10 @@ int run(const Flags& flags) {
   }
   if (topology.lock_memory) base::lock_memory();
   const base::CpuLatencyRequest latency(topology.cpu_dma_latency_us);
-  App app({.topology_file = file, .ledger_file = flags.ledger, .stats_file = flags.stats},
+  App app({.topology_file = file,
+           .ledger_file = flags.ledger,
+           .stats_file = flags.stats,
+           .lockstep = flags.lockstep},
           std::move(topology));
   base::bind_command_port([&app] { app.listen(); });
   app.run();

@@ -64,15 +64,8 @@ void LinkSet::stop() {
 }
 
 LinkMask LinkSet::reload(Topology topology) {
-  if (topology_.pace == Pace::kLockstep) topology.set_lockstep();  // perhaps by a flag
-  if (topology.threads != topology_.threads || topology.drain_tick != topology_.drain_tick ||
-      topology.pace != topology_.pace || topology.self != topology_.self ||
-      topology.lock_memory != topology_.lock_memory ||
-      topology.cpu_dma_latency_us != topology_.cpu_dma_latency_us) {
-    throw base::ConfigError(
-        "threads, drain_tick_ms, pace, system_id, component_id, lock_memory and "
-        "cpu_dma_latency_us only change with a restart");
-  }
+  const std::vector<std::string> restart = restart_keys(topology_, topology);
+  if (!restart.empty()) throw base::ConfigError(restart.front() + ": takes a restart");
   // All that may fail comes first and touches nothing; what follows only hands over.
   const std::set<std::string> kept = unchanged(topology);
   Change change = prepare(topology, kept);

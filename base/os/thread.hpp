@@ -14,6 +14,8 @@ namespace cas::base {
 struct ThreadOptions {
   std::optional<int> fifo_priority;  ///< SCHED_FIFO 1..99
   std::vector<int> cpus;             ///< affinity; empty: any
+
+  friend bool operator==(const ThreadOptions&, const ThreadOptions&) = default;
 };
 
 /// Reads {fifo_priority, cpus}. @throws ConfigError

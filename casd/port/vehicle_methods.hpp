@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/rpc/server.hpp"
 #include "base/time/clock.hpp"
@@ -33,6 +34,9 @@ class VehicleMethods {
   /// Adds its methods to `server`. All arguments outlive this object; it outlives the server's run.
   VehicleMethods(base::rpc::Server& server, VehicleCommander& commander, GainMap gains,
                  VehicleHooks hooks);
+
+  /// Another gain map is in force; requests under way keep the loop that they found.
+  void set_gains(GainMap gains) { gains_ = std::move(gains); }
 
   /// The `vehicles` of casd.status.
   nlohmann::json vehicles() const;

@@ -38,6 +38,8 @@ struct RateRule {
   std::uint32_t message_id = 0;
   double max_hz = 0;   ///< 0: no limit by time
   unsigned every = 1;  ///< 1: each packet, n: every n-th
+
+  friend bool operator==(const RateRule&, const RateRule&) = default;
 };
 
 /// What may go from one link to another ([HILS] Sect. 3.3, "forward status"). Everything that is
@@ -52,6 +54,8 @@ struct ForwardRule {
   std::vector<std::uint8_t> allow_components;
   std::vector<std::uint8_t> block_components;
   std::vector<RateRule> rates;
+
+  friend bool operator==(const ForwardRule&, const ForwardRule&) = default;
 };
 
 /// A rate rule together with the destination it guards.

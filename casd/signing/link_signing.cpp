@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "mavlink/common/all.hpp"
 
 namespace cas::casd {
@@ -124,9 +125,15 @@ std::unique_ptr<PacketWriter> LinkSigning::wrap(std::unique_ptr<PacketWriter> wr
 
 void SigningKeys::read(std::span<const LinkConfig> links) {
   for (const LinkConfig& link : links) {
-    if (!link.signing || signers_.contains(link.signing->key_file)) continue;
-    signers_.emplace(link.signing->key_file,
-                     std::make_shared<PacketSigner>(link.signing->key_file));
+    if (!link.signing) continue;
+    const std::filesystem::path& file = link.signing->key_file;
+    const auto known = signers_.find(file);
+    if (known == signers_.end()) {
+      signers_.emplace(file, std::make_shared<PacketSigner>(file));
+    } else if (!known->second->has_key(read_signing_key(file))) {
+      throw base::ConfigError(file.string() +
+                              ": another key takes a restart, or a file of another name");
+    }
   }
 }
 

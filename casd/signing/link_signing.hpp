@@ -44,7 +44,8 @@ class LinkSigning {
 /// The keys of a topology: links that name the same file share one signer.
 class SigningKeys {
  public:
-  /// Reads the key files that are not read yet. @throws base::ConfigError
+  /// Reads the key files that are not read yet. @throws base::ConfigError also where a file that
+  /// was read before holds another key now
   void read(std::span<const LinkConfig> links);
   /// The keys are in force from now on: see PacketSigner::begin().
   void begin();

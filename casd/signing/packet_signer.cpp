@@ -85,9 +85,10 @@ int fitting_crc_extra(const mav::PacketView& packet) {
 }
 
 PacketSigner::PacketSigner(const std::filesystem::path& key_file)
-    : time_file_(key_file),
+    : key_(read_signing_key(key_file)),
+      time_file_(key_file),
       signing_(
-          read_signing_key(key_file), std::max(clock_time(), time_file_.load()),
+          key_, std::max(clock_time(), time_file_.load()),
           {.store = [](void* self,
                        mav::SigningTime bound) { static_cast<PacketSigner*>(self)->store(bound); },
            .context = this}) {

@@ -42,6 +42,9 @@ class PacketSigner {
   /// time that cannot be stored
   explicit PacketSigner(const std::filesystem::path& key_file);
 
+  /// Whether this is the key that it was made with.
+  bool has_key(const mav::SigningKey& key) const { return key == key_; }
+
   /// The key is in force: what an earlier program may have taken in or signed up to now is never
   /// taken in again by a later one. Until then the stored time stays as it was. From one thread.
   void begin();
@@ -56,6 +59,7 @@ class PacketSigner {
  private:
   void store(mav::SigningTime bound);
 
+  const mav::SigningKey key_;
   SigningTimeFile time_file_;
   bool store_failed_ = false;
   bool begun_ = false;

@@ -75,6 +75,13 @@ VehicleCommander::Vehicle::Vehicle(VehicleCommander& owner, mav::Source source,
 VehicleCommander::VehicleCommander(CommanderOptions options, SendPacket send)
     : options_(options), send_(std::move(send)), encoder_(options.self) {}
 
+void VehicleCommander::set_commanding(double heartbeat_hz, bool allow_not_hil) {
+  // The beat under way may be long in coming at the old rate.
+  if (heartbeat_hz != options_.heartbeat_hz) next_beat_.reset();
+  options_.heartbeat_hz = heartbeat_hz;
+  options_.allow_not_hil = allow_not_hil;
+}
+
 void VehicleCommander::Vehicle::give_up(const Outcome& outcome) {
   commands.give_up(outcome);
   params.give_up(outcome);

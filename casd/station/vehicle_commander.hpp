@@ -79,6 +79,10 @@ class VehicleCommander final : public Station {
   /// These links are gone for good: vehicles that were heard on them alone are forgotten.
   void forget(LinkMask links);
 
+  /// Changes these options from now on. Where the consent is withdrawn, a command under way that
+  /// needs it is not sent again either.
+  void set_commanding(double heartbeat_hz, bool allow_not_hil);
+
   const VehicleState* find(std::uint8_t system) const;
   std::vector<const VehicleState*> vehicles() const;
   /// The vehicle a request means: the one named, or the only one there is.

@@ -2,7 +2,6 @@
 #include "casd/topology/link_config.hpp"
 
 #include <array>
-#include <tuple>
 
 #include "base/config/config.hpp"
 #include "base/config/config_whole.hpp"
@@ -222,17 +221,6 @@ LinkConfig parse_link(const base::ConfigNode& node) {
   parse_common(node, link);
   node.reject_unused();
   return link;
-}
-
-bool operator==(const LinkConfig& a, const LinkConfig& b) {
-  const auto own = [](const LinkConfig& link) {
-    return std::tie(link.name, link.type, link.local, link.remote, link.interface, link.max_peers,
-                    link.expiry, link.device, link.baud, link.flow_control, link.pace,
-                    link.sensor_gap, link.file, link.speed, link.repeat, link.max_bytes_s,
-                    link.accept, link.signing, link.queue, link.scheduling.fifo_priority,
-                    link.scheduling.cpus);
-  };
-  return own(a) == own(b);
 }
 
 }  // namespace cas::casd

@@ -67,7 +67,7 @@ struct LinkConfig {
   base::ThreadOptions scheduling;  ///< of the link's thread (threads: per_link)
 
   /// Equal configurations keep their link over a reload.
-  friend bool operator==(const LinkConfig& a, const LinkConfig& b);
+  friend bool operator==(const LinkConfig&, const LinkConfig&) = default;
 };
 
 /// One entry of `links`. @throws base::ConfigError

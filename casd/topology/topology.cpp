@@ -327,6 +327,45 @@ void Topology::set_lockstep() {
   }
 }
 
+std::vector<std::string> restart_keys(const Topology& in_force, const Topology& next) {
+  const Topology& was = in_force;
+  std::vector<std::string> keys;
+  const auto compare = [&keys](const char* key, const auto& before, const auto& after) {
+    if (before != after) keys.emplace_back(key);
+  };
+  compare("system_id", was.self.system, next.self.system);
+  compare("component_id", was.self.component, next.self.component);
+  compare("threads", was.threads, next.threads);
+  compare("drain_tick_ms", was.drain_tick, next.drain_tick);
+  compare("pace", was.pace, next.pace);
+  compare("scheduling", was.scheduling, next.scheduling);
+  compare("lock_memory", was.lock_memory, next.lock_memory);
+  compare("cpu_dma_latency_us", was.cpu_dma_latency_us, next.cpu_dma_latency_us);
+  compare("route_lifetime_s", was.route_lifetime, next.route_lifetime);
+  compare("command_port", was.command_port, next.command_port);
+  compare("metrics", was.metrics, next.metrics);
+  compare("log", was.log, next.log);
+  if (!keys.empty()) return keys;
+
+  // A field that the list above forgets is refused too: only these are known to change in place.
+  Topology fixed = next;
+  fixed.links = was.links;
+  fixed.routes = was.routes;
+  fixed.commanding = was.commanding;
+  fixed.dialect = was.dialect;
+  fixed.gains = was.gains;
+  if (fixed != was) keys.emplace_back("topology");
+  return keys;
+}
+
+void refuse_restart_keys(const Topology& in_force, const Topology& next,
+                         const base::ConfigNode& root) {
+  const std::vector<std::string> keys = restart_keys(in_force, next);
+  if (keys.empty()) return;
+  if (const auto node = root.find(keys.front())) node->fail("takes a restart");
+  root.fail(keys.front() + ": takes a restart");  // the key was taken out
+}
+
 LinkSlots slots_in_order(const Topology& topology) {
   LinkSlots slots;
   for (const LinkConfig& link : topology.links) {

@@ -29,6 +29,8 @@ struct RouteConfig {
   std::string from;
   std::string to;
   ForwardRule rule;  ///< its link ids are filled in by make_plan()
+
+  friend bool operator==(const RouteConfig&, const RouteConfig&) = default;
 };
 
 enum class ThreadModel : std::uint8_t {
@@ -49,17 +51,23 @@ struct CommandPortConfig {
   std::uint16_t port = 5790;
   std::filesystem::path unix_path;   ///< empty: none
   std::filesystem::path token_file;  ///< empty: no authorisation
+
+  friend bool operator==(const CommandPortConfig&, const CommandPortConfig&) = default;
 };
 
 /// Figures over HTTP (`metrics`).
 struct MetricsConfig {
   std::string address = "127.0.0.1";
   std::uint16_t port = 9790;  ///< 0 takes a free one
+
+  friend bool operator==(const MetricsConfig&, const MetricsConfig&) = default;
 };
 
 struct CommandingConfig {
   double heartbeat_hz = 1;
   bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL
+
+  friend bool operator==(const CommandingConfig&, const CommandingConfig&) = default;
 };
 
 /// Recording from the start (`log`).
@@ -67,6 +75,8 @@ struct TlogConfig {
   std::filesystem::path tlog;  ///< empty: none
   TlogRotation rotation;
   bool overwrite = false;  ///< an existing file is written anew; false: the next free name is taken
+
+  friend bool operator==(const TlogConfig&, const TlogConfig&) = default;
 };
 
 /// casd's whole configuration ("TOPOLOGY.yaml", schema 1).
@@ -95,7 +105,17 @@ struct Topology {
   /// Puts `pace` to lockstep. Its lines are not paced and nothing in a queue grows old: simulated
   /// time stands still meanwhile.
   void set_lockstep();
+
+  friend bool operator==(const Topology&, const Topology&) = default;
 };
+
+/// Keys whose values differ and that a running casd cannot change: all but `links`, `routes`,
+/// `commanding`, `dialect` and `gains`. Empty: a reload puts `next` in force.
+std::vector<std::string> restart_keys(const Topology& in_force, const Topology& next);
+
+/// The same with the place in the file. @throws base::ConfigError "FILE:LINE: key: sentence"
+void refuse_restart_keys(const Topology& in_force, const Topology& next,
+                         const base::ConfigNode& root);
 
 /// Which slot each link has, by name.
 using LinkSlots = std::map<std::string, LinkId>;
