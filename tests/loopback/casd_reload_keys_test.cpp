@@ -401,7 +401,7 @@ class RouteKey : public testing::TestWithParam<RouteCase> {
              fixture_.at_sim.count(kHilControls) >= before + expected;
     }));
     const std::size_t beats = fixture_.at_sim.count(kHeartbeat);
-    fixture_.links().local().send(station_(Heartbeat{}), base::steady_now());
+    fixture_.links().local().send(station_(Heartbeat{}), {}, base::steady_now());
     EXPECT_TRUE(fixture_.collect_until([&] { return fixture_.at_sim.count(kHeartbeat) > beats; }));
     return fixture_.at_sim.count(kHilControls) - before;
   }
