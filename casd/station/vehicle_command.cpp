@@ -134,6 +134,7 @@ bool spins(const VehicleCommand& command) {
     }
     case MavCmd::kDoMotorTest:
     case MavCmd::kActuatorTest:
+    case MavCmd::kMissionStart:  // PX4 arms for it
       return true;
     default:
       return false;

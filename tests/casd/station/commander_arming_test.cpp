@@ -161,7 +161,8 @@ INSTANTIATE_TEST_SUITE_P(Raw, SpinningCommand,
                                          SpinningCase{"ModeWithArmedFlag", MavCmd::kDoSetMode, 129},
                                          SpinningCase{"ModeBeyondFlags", MavCmd::kDoSetMode, 512},
                                          SpinningCase{"MotorTest", MavCmd::kDoMotorTest, 1},
-                                         SpinningCase{"ActuatorTest", MavCmd::kActuatorTest, 0.5F}),
+                                         SpinningCase{"ActuatorTest", MavCmd::kActuatorTest, 0.5F},
+                                         SpinningCase{"MissionStart", MavCmd::kMissionStart, 0}),
                          [](const auto& test) { return test.param.name; });
 
 class ConsentingCommanderTest : public VehicleCommanderTest {
