@@ -354,7 +354,7 @@ std::vector<std::string> restart_keys(const Topology& in_force, const Topology& 
   fixed.commanding = was.commanding;
   fixed.dialect = was.dialect;
   fixed.gains = was.gains;
-  if (fixed != was) keys.emplace_back("topology");
+  if (fixed != was) keys.push_back("topology");
   return keys;
 }
 
