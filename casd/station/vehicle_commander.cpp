@@ -669,9 +669,4 @@ void VehicleCommander::set_gains(std::uint8_t system, const GainLoop& loop,
   run_steps(steps);
 }
 
-void VehicleCommander::read_gains(std::uint8_t system, const GainLoop& loop, base::RunTime now,
-                                  Done done) {
-  set_gains(system, loop, GainValues{}, now, std::move(done));
-}
-
 }  // namespace cas::casd

@@ -143,11 +143,10 @@ class VehicleCommander final : public Station {
   std::optional<mavlink::common::MavParamType> param_type(std::uint8_t system,
                                                           const std::string& name) const;
 
-  /// Sets the given gains of a loop one after the other, then answers with all it has.
+  /// Sets the given gains of a loop one after the other, then answers with all it has; without
+  /// values it only reads them.
   void set_gains(std::uint8_t system, const GainLoop& loop, const GainValues& values,
                  base::RunTime now, Done done);
-  /// Reads all gains of a loop.
-  void read_gains(std::uint8_t system, const GainLoop& loop, base::RunTime now, Done done);
 
  private:
   struct Vehicle {
