@@ -13,30 +13,6 @@ namespace {
 
 using namespace mavlink::common;
 
-/// Vehicles of one link: a flood of invented ids costs its own link only.
-constexpr std::size_t kMaxVehiclesPerLink = 32;
-/// Silence after which a disarmed vehicle is forgotten, and an armed one where room is needed.
-constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
-/// MAV_COMP_ID_AUTOPILOT1.
-constexpr std::uint8_t kAutopilot = 1;
-
-/// Whether a HEARTBEAT is a flight controller's: simulators, cameras and companions say
-/// MAV_AUTOPILOT_INVALID, some MAV_AUTOPILOT_GENERIC, ground stations their type.
-bool is_vehicle(mav::Source source, const Heartbeat& heartbeat) {
-  if (heartbeat.autopilot == MavAutopilot::kInvalid || heartbeat.type == MavType::kGcs) {
-    return false;
-  }
-  return heartbeat.autopilot != MavAutopilot::kGeneric || source.component == kAutopilot;
-}
-
-/// Whether who sends a HEARTBEAT takes a vehicle's place: component 1 that of any other at once,
-/// else the same component once the vehicle has fallen silent.
-bool takes_over(const VehicleState& vehicle, mav::Source source, base::RunTime now) {
-  const std::uint8_t held = vehicle.source().component;
-  if (source.component != held) return source.component == kAutopilot;
-  return vehicle.heartbeat_age(now) > kVehicleTimeout;
-}
-
 constexpr std::pair<std::uint32_t, double> kArduPilotStreams[] = {
     {SysStatus::kId, 1},         {ExtendedSysState::kId, 2},  {Attitude::kId, 10},
     {LocalPositionNed::kId, 10}, {GlobalPositionInt::kId, 5}, {HomePosition::kId, 0.5},
@@ -49,31 +25,24 @@ bool addressed(const CommandAck& ack, mav::Source self) {
          (ack.target_component == 0 || ack.target_component == self.component);
 }
 
-std::string vehicle_text(const VehicleState& state) {
-  return "vehicle " + std::to_string(state.source().system);
-}
-
 /// Farther from home than any vehicle here flies: a number beyond it is a slip.
 constexpr double kFarthest_m = 100'000;
 
 }  // namespace
 
-VehicleCommander::Vehicle::Vehicle(VehicleCommander& owner, mav::Source source,
-                                   const Origin& origin, base::RunTime now)
-    : state(source, origin, now),
-      commands(
-          [this, &owner](const CommandExchange::Message& message) {
-            std::visit([&](const auto& each) { owner.send(*this, each); }, message);
-          },
-          owner.options_.command_timing),
-      params(
-          [this, &owner](const ParamExchange::Message& message) {
-            std::visit([&](const auto& each) { owner.send(*this, each); }, message);
-          },
-          owner.options_.param_timing) {}
-
 VehicleCommander::VehicleCommander(CommanderOptions options, SendPacket send)
-    : options_(options), send_(std::move(send)), encoder_(options.self) {}
+    : options_(options),
+      send_(std::move(send)),
+      encoder_(options.self),
+      table_([this](VehicleState state) { return make(std::move(state)); }, options.link_name) {}
+
+std::unique_ptr<KnownVehicle> VehicleCommander::make(VehicleState state) {
+  const auto send_each = [this](const VehicleState& to, const auto& message) {
+    std::visit([&](const auto& each) { send(to, each); }, message);
+  };
+  return std::make_unique<KnownVehicle>(std::move(state), send_each, options_.command_timing,
+                                        options_.param_timing);
+}
 
 void VehicleCommander::set_commanding(double heartbeat_hz, bool allow_not_hil) {
   // The beat under way may be long in coming at the old rate.
@@ -82,139 +51,15 @@ void VehicleCommander::set_commanding(double heartbeat_hz, bool allow_not_hil) {
   options_.allow_not_hil = allow_not_hil;
 }
 
-void VehicleCommander::Vehicle::give_up(const Outcome& outcome) {
-  commands.give_up(outcome);
-  params.give_up(outcome);
-}
-
 void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& packet,
                                  base::RunTime now) {
   now_ = now;
-  if (Vehicle* vehicle = track(from, packet, now)) dispatch(*vehicle, packet, now);
-}
-
-/// The vehicle whose autopilot sent the packet. HEARTBEATs make vehicles, and rivals of them.
-VehicleCommander::Vehicle* VehicleCommander::track(const Origin& from,
-                                                   const mav::PacketView& packet,
-                                                   base::RunTime now) {
-  const mav::Source source = packet.source;
-  if (source.system == options_.self.system) return nullptr;
-  const auto found = vehicles_.find(source.system);
-  Vehicle* vehicle = found == vehicles_.end() ? nullptr : found->second.get();
-  const Vehicle* const before = vehicle;
-  if (packet.message_id == Heartbeat::kId) {
-    const std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
-    if (!heartbeat || !is_vehicle(source, *heartbeat)) return nullptr;
-    vehicle = meet(from, source, now);
-  }
-  if (vehicle == nullptr || vehicle->state.source() != source || !vehicle->state.is_at(from, now)) {
-    return nullptr;
-  }
-  vehicle->state.on_packet(from, packet, now);
-  if (vehicle != before && options_.ask_on_sight) ask_on_sight(source.system, now);
-  return vehicle;
-}
-
-/// An autopilot sent a HEARTBEAT. @return the vehicle of its system id, which may be another one
-VehicleCommander::Vehicle* VehicleCommander::meet(const Origin& from, mav::Source source,
-                                                  base::RunTime now) {
-  const auto found = vehicles_.find(source.system);
-  if (found == vehicles_.end()) {
-    if (!has_room(from.path.link, now)) return nullptr;
-    auto& slot = vehicles_[source.system];
-    slot = std::make_unique<Vehicle>(*this, source, from, now);
-    return slot.get();
-  }
-  Vehicle& vehicle = *found->second;
-  const bool here = vehicle.state.is_at(from, now);
-  if (here && source == vehicle.state.source()) return &vehicle;
-  if (takes_over(vehicle.state, source, now) &&
-      (from.path.link == vehicle.state.link() || has_room(from.path.link, now))) {
-    displace(vehicle, from, source, now);
-    return vehicles_.at(source.system).get();
-  }
-  if (!here) {
-    vehicle.state.on_rival({source, from, now});
-    if (!vehicle.contested) tell_of_rivals(now);
-  }
-  return &vehicle;
-}
-
-/// Another autopilot is the vehicle of this id from now on. Nothing that the one before said holds.
-void VehicleCommander::displace(Vehicle& vehicle, const Origin& from, mav::Source source,
-                                base::RunTime now) {
-  const VehicleState& old = vehicle.state;
-  auto next = std::make_unique<Vehicle>(*this, source, from, now);
-  if (!next->state.is_at(old.origin(), now) && old.heartbeat_age(now) <= kVehicleTimeout) {
-    next->state.on_rival({old.source(), old.origin(), old.heartbeat().at});
-  } else if (const auto rival = old.rival(now); rival && !next->state.is_at(rival->from, now)) {
-    next->state.on_rival(*rival);
-  }
-  next->contested = vehicle.contested;
-  const std::unique_ptr<Vehicle> gone = std::exchange(vehicles_.at(source.system), std::move(next));
-  gone->give_up(
-      failure(OutcomeKind::kTimeout, "another autopilot took the place of " + vehicle_text(old)));
-  tell_of_rivals(now);
-}
-
-/// Whether one more vehicle may be known on this link; the longest forgotten one makes room.
-bool VehicleCommander::has_room(LinkId link, base::RunTime now) {
-  std::size_t count = 0;
-  const VehicleState* oldest = nullptr;
-  for (const auto& [system, vehicle] : vehicles_) {
-    const VehicleState& state = vehicle->state;
-    if (state.link() != link) continue;
-    ++count;
-    if (oldest == nullptr || state.heartbeat_age(now) > oldest->heartbeat_age(now)) oldest = &state;
-  }
-  if (count < kMaxVehiclesPerLink) return true;
-  if (oldest->heartbeat_age(now) <= kForgetAfter) return false;
-  drop(oldest->source().system, " fell silent");
-  return true;
-}
-
-/// Once when a rival appears, once when it is gone.
-void VehicleCommander::tell_of_rivals(base::RunTime now) {
-  for (const auto& [system, vehicle] : vehicles_) {
-    const std::optional<Rival> rival = vehicle->state.rival(now);
-    if (rival.has_value() == vehicle->contested) continue;
-    vehicle->contested = rival.has_value();
-    if (!on_notice_) continue;
-    const std::string who = vehicle_text(vehicle->state);
-    on_notice_(rival ? who + " has a rival: another autopilot with this system id speaks on " +
-                           place(vehicle->state, *rival) +
-                           "; casd arms neither until one of them is silent"
-                     : who + " is alone again under its system id");
-  }
-}
-
-void VehicleCommander::expire(base::RunTime now) {
-  std::vector<std::uint8_t> silent;
-  for (const auto& [system, vehicle] : vehicles_) {
-    const VehicleState& state = vehicle->state;
-    if (!state.armed() && state.heartbeat_age(now) > kForgetAfter) silent.push_back(system);
-  }
-  for (const std::uint8_t system : silent) drop(system, " fell silent");
-}
-
-void VehicleCommander::forget(LinkMask links) {
-  std::vector<std::uint8_t> lost;
-  for (const auto& [system, vehicle] : vehicles_) {
-    if (!vehicle->state.forget(links)) lost.push_back(system);
-  }
-  for (const std::uint8_t system : lost) drop(system, " was on a link that is gone");
-}
-
-void VehicleCommander::drop(std::uint8_t system, const std::string& why) {
-  const auto gone = vehicles_.extract(system);
-  gone.mapped()->give_up(failure(OutcomeKind::kTimeout, vehicle_text(gone.mapped()->state) + why));
-}
-
-/// "link sitl", "another peer of link net".
-std::string VehicleCommander::place(const VehicleState& state, const Rival& rival) const {
-  const LinkId link = rival.from.path.link;
-  const std::string name = options_.link_name ? options_.link_name(link) : std::to_string(link);
-  return (link == state.link() ? "another peer of link " : "link ") + name;
+  if (packet.source.system == options_.self.system) return;
+  const KnownVehicle* const before = table_.find(packet.source.system);
+  KnownVehicle* const vehicle = table_.track(from, packet, now);
+  if (vehicle == nullptr) return;
+  if (vehicle != before && options_.ask_on_sight) ask_on_sight(packet.source.system, now);
+  dispatch(*vehicle, packet, now);
 }
 
 /// What commanding needs to know and a vehicle may not stream by itself.
@@ -229,7 +74,7 @@ void VehicleCommander::ask_on_sight(std::uint8_t system, base::RunTime now) {
   }
 }
 
-void VehicleCommander::dispatch(Vehicle& vehicle, const mav::PacketView& packet,
+void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& packet,
                                 base::RunTime now) {
   switch (packet.message_id) {
     case CommandAck::kId:
@@ -250,7 +95,7 @@ void VehicleCommander::dispatch(Vehicle& vehicle, const mav::PacketView& packet,
   }
 }
 
-void VehicleCommander::on_status_text(Vehicle& vehicle) {
+void VehicleCommander::on_status_text(KnownVehicle& vehicle) {
   const std::uint64_t count = vehicle.state.status_text_count();
   if (count == vehicle.texts_seen) return;
   vehicle.texts_seen = count;
@@ -263,12 +108,11 @@ void VehicleCommander::on_status_text(Vehicle& vehicle) {
 void VehicleCommander::tick(base::RunTime now) {
   now_ = now;
   beat(now);
-  for (auto& [system, vehicle] : vehicles_) {
+  for (const auto& [system, vehicle] : table_.all()) {
     vehicle->commands.tick(now);
     vehicle->params.tick(now);
   }
-  tell_of_rivals(now);
-  expire(now);
+  table_.tick(now);
 }
 
 /// Own HEARTBEAT: without one PX4 counts its ground station as lost.
@@ -288,8 +132,8 @@ void VehicleCommander::beat(base::RunTime now) {
 }
 
 template <class M>
-void VehicleCommander::send(const Vehicle& vehicle, M message) {
-  const mav::Source target = vehicle.state.source();
+void VehicleCommander::send(const VehicleState& vehicle, M message) {
+  const mav::Source target = vehicle.source();
   if constexpr (requires { message.target_system; }) {
     message.target_system = target.system;
     message.target_component = target.component;
@@ -297,13 +141,13 @@ void VehicleCommander::send(const Vehicle& vehicle, M message) {
     message.target = target.system;
   }
   // Without paths the router would ask every link for this system id.
-  const std::vector<Path> paths = vehicle.state.paths();
+  const std::vector<Path> paths = vehicle.paths();
   if (!paths.empty()) send_(encoder_(message), paths);
 }
 
 void VehicleCommander::manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil,
                                       base::RunTime now, Done done) {
-  Vehicle* vehicle = known(system, done);
+  KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr || interlocked(*vehicle, not_hil, now, done)) return;
   constexpr double kFull = 1000;
   const auto scaled = [](double stick, double low) {
@@ -315,44 +159,23 @@ void VehicleCommander::manual_control(std::uint8_t system, const Sticks& sticks,
   message.z = scaled(sticks.throttle, 0);
   message.r = scaled(sticks.yaw, -1);
   message.buttons = sticks.buttons;
-  send(*vehicle, message);
+  send(vehicle->state, message);
   done(Outcome{});
 }
 
 const VehicleState* VehicleCommander::find(std::uint8_t system) const {
-  const auto found = vehicles_.find(system);
-  return found == vehicles_.end() ? nullptr : &found->second->state;
+  const KnownVehicle* vehicle = table_.find(system);
+  return vehicle == nullptr ? nullptr : &vehicle->state;
 }
 
 std::vector<const VehicleState*> VehicleCommander::vehicles() const {
   std::vector<const VehicleState*> all;
-  for (const auto& [system, vehicle] : vehicles_) all.push_back(&vehicle->state);
+  for (const auto& [system, vehicle] : table_.all()) all.push_back(&vehicle->state);
   return all;
 }
 
-std::variant<std::uint8_t, Outcome> VehicleCommander::resolve(
-    std::optional<std::uint8_t> asked) const {
-  if (vehicles_.empty()) {
-    return failure(OutcomeKind::kNoSuchVehicle,
-                   "no vehicle has been heard yet; is its link up and does it send HEARTBEAT?");
-  }
-  std::string known;
-  for (const auto& [system, vehicle] : vehicles_) {
-    known += (known.empty() ? "" : ", ") + std::to_string(system);
-  }
-  if (asked && !vehicles_.contains(*asked)) {
-    return failure(OutcomeKind::kNoSuchVehicle,
-                   "no vehicle " + std::to_string(*asked) + " has been heard; known: " + known);
-  }
-  if (!asked && vehicles_.size() > 1) {
-    return failure(OutcomeKind::kInvalid, "name the vehicle; known: " + known);
-  }
-  return asked ? *asked : vehicles_.begin()->first;
-}
-
-VehicleCommander::Vehicle* VehicleCommander::known(std::uint8_t system, const Done& done) {
-  const auto found = vehicles_.find(system);
-  if (found != vehicles_.end()) return found->second.get();
+KnownVehicle* VehicleCommander::known(std::uint8_t system, const Done& done) {
+  if (KnownVehicle* vehicle = table_.find(system)) return vehicle;
   done(failure(OutcomeKind::kNoSuchVehicle,
                "no vehicle " + std::to_string(system) + " has been heard"));
   return nullptr;
@@ -361,7 +184,7 @@ VehicleCommander::Vehicle* VehicleCommander::known(std::uint8_t system, const Do
 void VehicleCommander::start(std::uint8_t system, const VehicleCommand& command, base::RunTime now,
                              Done done) {
   now_ = now;
-  if (Vehicle* vehicle = known(system, done)) {
+  if (KnownVehicle* vehicle = known(system, done)) {
     vehicle->commands.start(command, now, std::move(done));
   }
 }
@@ -371,7 +194,7 @@ void VehicleCommander::start(std::uint8_t system, const VehicleCommand& command,
 void VehicleCommander::start_spinning(std::uint8_t system, const VehicleCommand& command,
                                       bool not_hil, base::RunTime now, Done done) {
   now_ = now;
-  Vehicle* vehicle = known(system, done);
+  KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr || interlocked(*vehicle, not_hil, now, done)) return;
   vehicle->commands.start(command, now, std::move(done),
                           [this, vehicle, not_hil](base::RunTime at) {
@@ -391,7 +214,8 @@ std::optional<Outcome> VehicleCommander::interlock(const VehicleState& state, bo
   if (const std::optional<Rival> rival = state.rival(now)) {
     return locked(" is not alone: another autopilot with its system id (" +
                   std::to_string(rival->source.system) + "/" +
-                  std::to_string(rival->source.component) + ") speaks on " + place(state, *rival) +
+                  std::to_string(rival->source.component) + ") speaks on " +
+                  table_.place(state, *rival) +
                   "; give one of them another id, or, where both links lead to one vehicle, put "
                   "them into one group");
   }
@@ -417,7 +241,7 @@ std::optional<Outcome> VehicleCommander::interlock(const VehicleState& state, bo
 }
 
 /// Answers `done` and returns true when the interlock holds.
-bool VehicleCommander::interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now,
+bool VehicleCommander::interlocked(const KnownVehicle& vehicle, bool not_hil, base::RunTime now,
                                    const Done& done) const {
   const std::optional<Outcome> why = interlock(vehicle.state, not_hil, now);
   if (why) done(*why);
@@ -427,7 +251,7 @@ bool VehicleCommander::interlocked(const Vehicle& vehicle, bool not_hil, base::R
 void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done) {
   now_ = now;
   const VehicleCommand command = arm_command(true, options.force);
-  const Vehicle* vehicle = known(system, done);
+  const KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   const bool not_hil = options.not_hil;
   start_spinning(system, command, not_hil, now,
@@ -448,7 +272,7 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
 
 /// Adds to a refusal what the vehicle is known to lack. What it said before it was asked may be
 /// over.
-Done VehicleCommander::explained(const Vehicle& vehicle, Done done) {
+Done VehicleCommander::explained(const KnownVehicle& vehicle, Done done) {
   const std::uint8_t system = vehicle.state.source().system;
   const std::uint64_t texts_before = vehicle.state.status_text_count();
   return [this, system, texts_before, done = std::move(done)](const Outcome& outcome) {
@@ -469,7 +293,7 @@ void VehicleCommander::disarm(std::uint8_t system, bool force, base::RunTime now
 void VehicleCommander::command(std::uint8_t system, const VehicleCommand& command, bool not_hil,
                                base::RunTime now, Done done) {
   now_ = now;
-  Vehicle* vehicle = known(system, done);
+  KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   if (spins(command)) {
     start_spinning(system, command, not_hil, now, std::move(done));
@@ -481,7 +305,7 @@ void VehicleCommander::command(std::uint8_t system, const VehicleCommand& comman
 void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::RunTime now,
                                Done done) {
   now_ = now;
-  Vehicle* vehicle = known(system, done);
+  KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   if (!(altitude_m > 0 && altitude_m <= kFarthest_m)) {
     done(failure(OutcomeKind::kInvalid, "a takeoff altitude is above 0 m and at most 100 km"));
@@ -496,7 +320,7 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
 
 /// PX4: the altitude is above mean sea level. While home is unknown, the parameter
 /// MIS_TAKEOFF_ALT carries the height and NaN says "here".
-void VehicleCommander::takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now,
+void VehicleCommander::takeoff_amsl(KnownVehicle& vehicle, double altitude_m, base::RunTime now,
                                     Done done) {
   const std::uint8_t system = vehicle.state.source().system;
   VehicleCommand command = here_command(vehicle.state, MavCmd::kNavTakeoff);
@@ -513,7 +337,7 @@ void VehicleCommander::takeoff_amsl(Vehicle& vehicle, double altitude_m, base::R
 }
 
 /// ArduPilot: takes off in GUIDED mode only, to a height above home.
-void VehicleCommander::takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now,
+void VehicleCommander::takeoff_guided(KnownVehicle& vehicle, double altitude_m, base::RunTime now,
                                       Done done) {
   const std::uint8_t system = vehicle.state.source().system;
   VehicleCommand command{.id = MavCmd::kNavTakeoff};
@@ -526,7 +350,7 @@ void VehicleCommander::takeoff_guided(Vehicle& vehicle, double altitude_m, base:
 }
 
 void VehicleCommander::land(std::uint8_t system, base::RunTime now, Done done) {
-  if (const Vehicle* vehicle = known(system, done)) {
+  if (const KnownVehicle* vehicle = known(system, done)) {
     start(system, here_command(vehicle->state, MavCmd::kNavLand), now, std::move(done));
   }
 }
@@ -536,7 +360,7 @@ void VehicleCommander::return_home(std::uint8_t system, base::RunTime now, Done 
 }
 
 void VehicleCommander::hold(std::uint8_t system, base::RunTime now, Done done) {
-  if (const Vehicle* vehicle = known(system, done)) {
+  if (const KnownVehicle* vehicle = known(system, done)) {
     // ArduPilot's LOITER follows the sticks; BRAKE stops and stays without a pilot.
     const bool ardupilot = vehicle->state.autopilot() == Autopilot::kArduPilot;
     set_mode(system, ardupilot ? "BRAKE" : "HOLD", now, std::move(done));
@@ -545,7 +369,7 @@ void VehicleCommander::hold(std::uint8_t system, base::RunTime now, Done done) {
 
 void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base::RunTime now,
                                 Done done) {
-  const Vehicle* vehicle = known(system, done);
+  const KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   const VehicleState& state = vehicle->state;
   const std::optional<std::uint32_t> mode = custom_mode(state.autopilot(), word);
@@ -561,7 +385,7 @@ void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base
 
 void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::RunTime now,
                              Done done) {
-  const Vehicle* vehicle = known(system, done);
+  const KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   const std::optional<HomeAmsl> home = vehicle->state.home();
   if (!home) {
@@ -618,27 +442,27 @@ void VehicleCommander::run_steps(std::shared_ptr<Steps> steps) {
 void VehicleCommander::read_param(std::uint8_t system, const std::string& name, base::RunTime now,
                                   Done done) {
   now_ = now;
-  if (Vehicle* vehicle = known(system, done)) vehicle->params.read(name, now, std::move(done));
+  if (KnownVehicle* vehicle = known(system, done)) vehicle->params.read(name, now, std::move(done));
 }
 
 void VehicleCommander::set_param(std::uint8_t system, const std::string& name, double value,
                                  base::RunTime now, Done done) {
   now_ = now;
-  if (Vehicle* vehicle = known(system, done)) {
+  if (KnownVehicle* vehicle = known(system, done)) {
     vehicle->params.set(name, value, now, std::move(done));
   }
 }
 
 void VehicleCommander::list_params(std::uint8_t system, base::RunTime now, Done done) {
   now_ = now;
-  if (Vehicle* vehicle = known(system, done)) vehicle->params.list(now, std::move(done));
+  if (KnownVehicle* vehicle = known(system, done)) vehicle->params.list(now, std::move(done));
 }
 
 std::optional<mavlink::common::MavParamType> VehicleCommander::param_type(
     std::uint8_t system, const std::string& name) const {
-  const auto vehicle = vehicles_.find(system);
-  if (vehicle == vehicles_.end()) return std::nullopt;
-  const auto& known = vehicle->second->params.known();
+  const KnownVehicle* vehicle = table_.find(system);
+  if (vehicle == nullptr) return std::nullopt;
+  const auto& known = vehicle->params.known();
   const auto found = known.find(name);
   if (found == known.end()) return std::nullopt;
   return found->second.type;

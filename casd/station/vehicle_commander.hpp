@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,6 +19,7 @@
 #include "casd/station/outcome.hpp"
 #include "casd/station/param_exchange.hpp"
 #include "casd/station/vehicle_state.hpp"
+#include "casd/station/vehicle_table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
@@ -74,10 +74,10 @@ class VehicleCommander final : public Station {
   void on_text(OnText callback) { on_text_ = std::move(callback); }
   /// Called with a sentence when a second autopilot with a vehicle's id appears or falls silent.
   void on_notice(std::function<void(const std::string&)> callback) {
-    on_notice_ = std::move(callback);
+    table_.on_notice(std::move(callback));
   }
   /// These links are gone for good: vehicles that were heard on them alone are forgotten.
-  void forget(LinkMask links);
+  void forget(LinkMask links) { table_.forget(links); }
 
   /// Changes these options from now on. Where the consent is withdrawn, a command under way that
   /// needs it is not sent again either.
@@ -87,7 +87,9 @@ class VehicleCommander final : public Station {
   std::vector<const VehicleState*> vehicles() const;
   /// The vehicle a request means: the one named, or the only one there is.
   /// @return its system id, or why there is none
-  std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const;
+  std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const {
+    return table_.resolve(asked);
+  }
 
   struct ArmOptions {
     bool force = false;    ///< skip the vehicle's own checks
@@ -149,39 +151,23 @@ class VehicleCommander final : public Station {
                  base::RunTime now, Done done);
 
  private:
-  struct Vehicle {
-    Vehicle(VehicleCommander& owner, mav::Source source, const Origin& origin, base::RunTime now);
-    void give_up(const Outcome& outcome);
-    VehicleState state;
-    CommandExchange commands;
-    ParamExchange params;
-    std::uint64_t texts_seen = 0;
-    bool contested = false;  ///< a rival was told of
-  };
-
+  std::unique_ptr<KnownVehicle> make(VehicleState state);
   template <class M>
-  void send(const Vehicle& vehicle, M message);
-  Vehicle* known(std::uint8_t system, const Done& done);
-  Vehicle* track(const Origin& from, const mav::PacketView& packet, base::RunTime now);
-  Vehicle* meet(const Origin& from, mav::Source source, base::RunTime now);
-  void displace(Vehicle& vehicle, const Origin& from, mav::Source source, base::RunTime now);
-  bool has_room(LinkId link, base::RunTime now);
-  void tell_of_rivals(base::RunTime now);
-  void expire(base::RunTime now);
-  void drop(std::uint8_t system, const std::string& why);
-  std::string place(const VehicleState& state, const Rival& rival) const;
+  void send(const VehicleState& vehicle, M message);
+  KnownVehicle* known(std::uint8_t system, const Done& done);
   void ask_on_sight(std::uint8_t system, base::RunTime now);
-  void on_status_text(Vehicle& vehicle);
-  void dispatch(Vehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
+  void on_status_text(KnownVehicle& vehicle);
+  void dispatch(KnownVehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   void start_spinning(std::uint8_t system, const VehicleCommand& command, bool not_hil,
                       base::RunTime now, Done done);
-  void takeoff_amsl(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
-  void takeoff_guided(Vehicle& vehicle, double altitude_m, base::RunTime now, Done done);
-  Done explained(const Vehicle& vehicle, Done done);
+  void takeoff_amsl(KnownVehicle& vehicle, double altitude_m, base::RunTime now, Done done);
+  void takeoff_guided(KnownVehicle& vehicle, double altitude_m, base::RunTime now, Done done);
+  Done explained(const KnownVehicle& vehicle, Done done);
   std::optional<Outcome> interlock(const VehicleState& state, bool not_hil,
                                    base::RunTime now) const;
-  bool interlocked(const Vehicle& vehicle, bool not_hil, base::RunTime now, const Done& done) const;
+  bool interlocked(const KnownVehicle& vehicle, bool not_hil, base::RunTime now,
+                   const Done& done) const;
   struct Steps;
   void run_steps(std::shared_ptr<Steps> steps);
   void beat(base::RunTime now);
@@ -190,8 +176,7 @@ class VehicleCommander final : public Station {
   SendPacket send_;
   mav::Encoder encoder_;
   OnText on_text_;
-  std::function<void(const std::string&)> on_notice_;
-  std::map<std::uint8_t, std::unique_ptr<Vehicle>> vehicles_;
+  VehicleTable table_;
   std::optional<base::RunTime> next_beat_;
   base::RunTime now_{};
 };

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/station/vehicle_table.hpp"
+
+#include <utility>
+
+namespace cas::casd {
+namespace {
+
+using namespace mavlink::common;
+
+/// Vehicles of one link: a flood of invented ids costs its own link only.
+constexpr std::size_t kMaxVehiclesPerLink = 32;
+/// Silence after which a disarmed vehicle is forgotten, and an armed one where room is needed.
+constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
+/// MAV_COMP_ID_AUTOPILOT1.
+constexpr std::uint8_t kAutopilot = 1;
+
+/// Whether a HEARTBEAT is a flight controller's: simulators, cameras and companions say
+/// MAV_AUTOPILOT_INVALID, some MAV_AUTOPILOT_GENERIC, ground stations their type.
+bool is_vehicle(mav::Source source, const Heartbeat& heartbeat) {
+  if (heartbeat.autopilot == MavAutopilot::kInvalid || heartbeat.type == MavType::kGcs) {
+    return false;
+  }
+  return heartbeat.autopilot != MavAutopilot::kGeneric || source.component == kAutopilot;
+}
+
+/// Whether who sends a HEARTBEAT takes a vehicle's place: component 1 that of any other at once,
+/// else the same component once the vehicle has fallen silent.
+bool takes_over(const VehicleState& vehicle, mav::Source source, base::RunTime now) {
+  const std::uint8_t held = vehicle.source().component;
+  if (source.component != held) return source.component == kAutopilot;
+  return vehicle.heartbeat_age(now) > kVehicleTimeout;
+}
+
+}  // namespace
+
+void KnownVehicle::give_up(const Outcome& outcome) {
+  commands.give_up(outcome);
+  params.give_up(outcome);
+}
+
+std::string vehicle_text(const VehicleState& state) {
+  return "vehicle " + std::to_string(state.source().system);
+}
+
+KnownVehicle* VehicleTable::track(const Origin& from, const mav::PacketView& packet,
+                                  base::RunTime now) {
+  KnownVehicle* vehicle = find(packet.source.system);
+  if (packet.message_id == Heartbeat::kId) {
+    const std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
+    if (!heartbeat || !is_vehicle(packet.source, *heartbeat)) return nullptr;
+    vehicle = meet(from, packet.source, now);
+  }
+  if (vehicle == nullptr || vehicle->state.source() != packet.source ||
+      !vehicle->state.is_at(from, now)) {
+    return nullptr;
+  }
+  vehicle->state.on_packet(from, packet, now);
+  return vehicle;
+}
+
+void VehicleTable::tick(base::RunTime now) {
+  tell_of_rivals(now);
+  expire(now);
+}
+
+/// An autopilot sent a HEARTBEAT. @return the vehicle of its system id, which may be another one
+KnownVehicle* VehicleTable::meet(const Origin& from, mav::Source source, base::RunTime now) {
+  const auto found = vehicles_.find(source.system);
+  if (found == vehicles_.end()) {
+    if (!has_room(from.path.link, now)) return nullptr;
+    auto& slot = vehicles_[source.system];
+    slot = make_(VehicleState(source, from, now));
+    return slot.get();
+  }
+  KnownVehicle& vehicle = *found->second;
+  const bool here = vehicle.state.is_at(from, now);
+  if (here && source == vehicle.state.source()) return &vehicle;
+  if (takes_over(vehicle.state, source, now) &&
+      (from.path.link == vehicle.state.link() || has_room(from.path.link, now))) {
+    displace(vehicle, from, source, now);
+    return vehicles_.at(source.system).get();
+  }
+  if (!here) {
+    vehicle.state.on_rival({source, from, now});
+    if (!vehicle.contested) tell_of_rivals(now);
+  }
+  return &vehicle;
+}
+
+/// Another autopilot is the vehicle of this id from now on. Nothing that the one before said holds.
+void VehicleTable::displace(KnownVehicle& vehicle, const Origin& from, mav::Source source,
+                            base::RunTime now) {
+  const VehicleState& old = vehicle.state;
+  auto next = make_(VehicleState(source, from, now));
+  if (!next->state.is_at(old.origin(), now) && old.heartbeat_age(now) <= kVehicleTimeout) {
+    next->state.on_rival({old.source(), old.origin(), old.heartbeat().at});
+  } else if (const auto rival = old.rival(now); rival && !next->state.is_at(rival->from, now)) {
+    next->state.on_rival(*rival);
+  }
+  next->contested = vehicle.contested;
+  const std::unique_ptr<KnownVehicle> gone =
+      std::exchange(vehicles_.at(source.system), std::move(next));
+  gone->give_up(
+      failure(OutcomeKind::kTimeout, "another autopilot took the place of " + vehicle_text(old)));
+  tell_of_rivals(now);
+}
+
+/// Whether one more vehicle may be known on this link; the longest forgotten one makes room.
+bool VehicleTable::has_room(LinkId link, base::RunTime now) {
+  std::size_t count = 0;
+  const VehicleState* oldest = nullptr;
+  for (const auto& [system, vehicle] : vehicles_) {
+    const VehicleState& state = vehicle->state;
+    if (state.link() != link) continue;
+    ++count;
+    if (oldest == nullptr || state.heartbeat_age(now) > oldest->heartbeat_age(now)) oldest = &state;
+  }
+  if (count < kMaxVehiclesPerLink) return true;
+  if (oldest->heartbeat_age(now) <= kForgetAfter) return false;
+  drop(oldest->source().system, " fell silent");
+  return true;
+}
+
+/// Once when a rival appears, once when it is gone.
+void VehicleTable::tell_of_rivals(base::RunTime now) {
+  for (const auto& [system, vehicle] : vehicles_) {
+    const std::optional<Rival> rival = vehicle->state.rival(now);
+    if (rival.has_value() == vehicle->contested) continue;
+    vehicle->contested = rival.has_value();
+    if (!on_notice_) continue;
+    const std::string who = vehicle_text(vehicle->state);
+    on_notice_(rival ? who + " has a rival: another autopilot with this system id speaks on " +
+                           place(vehicle->state, *rival) +
+                           "; casd arms neither until one of them is silent"
+                     : who + " is alone again under its system id");
+  }
+}
+
+void VehicleTable::expire(base::RunTime now) {
+  std::vector<std::uint8_t> silent;
+  for (const auto& [system, vehicle] : vehicles_) {
+    const VehicleState& state = vehicle->state;
+    if (!state.armed() && state.heartbeat_age(now) > kForgetAfter) silent.push_back(system);
+  }
+  for (const std::uint8_t system : silent) drop(system, " fell silent");
+}
+
+void VehicleTable::forget(LinkMask links) {
+  std::vector<std::uint8_t> lost;
+  for (const auto& [system, vehicle] : vehicles_) {
+    if (!vehicle->state.forget(links)) lost.push_back(system);
+  }
+  for (const std::uint8_t system : lost) drop(system, " was on a link that is gone");
+}
+
+void VehicleTable::drop(std::uint8_t system, const std::string& why) {
+  const auto gone = vehicles_.extract(system);
+  gone.mapped()->give_up(failure(OutcomeKind::kTimeout, vehicle_text(gone.mapped()->state) + why));
+}
+
+/// "link sitl", "another peer of link net".
+std::string VehicleTable::place(const VehicleState& state, const Rival& rival) const {
+  const LinkId link = rival.from.path.link;
+  const std::string name = link_name_ ? link_name_(link) : std::to_string(link);
+  return (link == state.link() ? "another peer of link " : "link ") + name;
+}
+
+KnownVehicle* VehicleTable::find(std::uint8_t system) const {
+  const auto found = vehicles_.find(system);
+  return found == vehicles_.end() ? nullptr : found->second.get();
+}
+
+std::variant<std::uint8_t, Outcome> VehicleTable::resolve(std::optional<std::uint8_t> asked) const {
+  if (vehicles_.empty()) {
+    return failure(OutcomeKind::kNoSuchVehicle,
+                   "no vehicle has been heard yet; is its link up and does it send HEARTBEAT?");
+  }
+  std::string known;
+  for (const auto& [system, vehicle] : vehicles_) {
+    known += (known.empty() ? "" : ", ") + std::to_string(system);
+  }
+  if (asked && !vehicles_.contains(*asked)) {
+    return failure(OutcomeKind::kNoSuchVehicle,
+                   "no vehicle " + std::to_string(*asked) + " has been heard; known: " + known);
+  }
+  if (!asked && vehicles_.size() > 1) {
+    return failure(OutcomeKind::kInvalid, "name the vehicle; known: " + known);
+  }
+  return asked ? *asked : vehicles_.begin()->first;
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/station/command_exchange.hpp"
+#include "casd/station/outcome.hpp"
+#include "casd/station/param_exchange.hpp"
+#include "casd/station/vehicle_state.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// A vehicle and the requests to it that are under way.
+struct KnownVehicle {
+  /// @param send  called with the vehicle's state and a message of either exchange
+  template <class Send>
+  KnownVehicle(VehicleState first, Send send, CommandTiming command_timing,
+               ParamTiming param_timing)
+      : state(std::move(first)),
+        commands([this, send](const auto& message) { send(state, message); }, command_timing),
+        params([this, send](const auto& message) { send(state, message); }, param_timing) {}
+  /// Ends every request with this outcome.
+  void give_up(const Outcome& outcome);
+
+  VehicleState state;
+  CommandExchange commands;
+  ParamExchange params;
+  std::uint64_t texts_seen = 0;
+  bool contested = false;  ///< a rival was told of
+};
+
+/// "vehicle 1".
+std::string vehicle_text(const VehicleState& state);
+
+/// Who is a vehicle: an autopilot (link or group, peer, system, component) that sends HEARTBEAT.
+/// A second autopilot with a vehicle's system id is its rival. What is known is bounded by link,
+/// and forgotten after silence. Pure.
+class VehicleTable {
+ public:
+  using Make = std::function<std::unique_ptr<KnownVehicle>(VehicleState)>;
+  using Vehicles = std::map<std::uint8_t, std::unique_ptr<KnownVehicle>>;
+
+  /// @param make       the requests to a new vehicle
+  /// @param link_name  for sentences; empty: their numbers
+  VehicleTable(Make make, std::function<std::string(LinkId)> link_name)
+      : make_(std::move(make)), link_name_(std::move(link_name)) {}
+
+  /// Called with a sentence when a rival appears or falls silent.
+  void on_notice(std::function<void(const std::string&)> callback) {
+    on_notice_ = std::move(callback);
+  }
+
+  /// Takes in a packet. HEARTBEATs make vehicles, and rivals of them.
+  /// @return the vehicle whose autopilot sent it, from its place; nullptr: none
+  KnownVehicle* track(const Origin& from, const mav::PacketView& packet, base::RunTime now);
+  /// Tells of rivals that are gone, and forgets who is silent.
+  void tick(base::RunTime now);
+  /// These links are gone for good: vehicles that were heard on them alone are forgotten.
+  void forget(LinkMask links);
+
+  KnownVehicle* find(std::uint8_t system) const;
+  const Vehicles& all() const { return vehicles_; }
+  /// The vehicle a request means: the one named, or the only one there is.
+  /// @return its system id, or why there is none
+  std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const;
+  /// Where a rival speaks: "link sitl", "another peer of link net".
+  std::string place(const VehicleState& state, const Rival& rival) const;
+
+ private:
+  KnownVehicle* meet(const Origin& from, mav::Source source, base::RunTime now);
+  void displace(KnownVehicle& vehicle, const Origin& from, mav::Source source, base::RunTime now);
+  bool has_room(LinkId link, base::RunTime now);
+  void tell_of_rivals(base::RunTime now);
+  void expire(base::RunTime now);
+  void drop(std::uint8_t system, const std::string& why);
+
+  Make make_;
+  std::function<std::string(LinkId)> link_name_;
+  std::function<void(const std::string&)> on_notice_;
+  Vehicles vehicles_;
+};
+
+}  // namespace cas::casd
