@@ -76,6 +76,43 @@ json texts_json(const VehicleState& vehicle, base::RunTime now) {
   return texts;
 }
 
+/// MAV_STATE of the HEARTBEAT in words.
+std::string_view state_word(mavlink::common::MavState state) {
+  using enum mavlink::common::MavState;
+  switch (state) {
+    case kBoot:
+      return "boot";
+    case kCalibrating:
+      return "calibrating";
+    case kStandby:
+      return "standby";
+    case kActive:
+      return "active";
+    case kCritical:
+      return "critical";
+    case kEmergency:
+      return "emergency";
+    case kPoweroff:
+      return "poweroff";
+    case kFlightTermination:
+      return "flight_termination";
+    default:
+      return "uninit";
+  }
+}
+
+std::string_view checks_word(ArmingChecks checks) {
+  switch (checks) {
+    case ArmingChecks::kPass:
+      return "pass";
+    case ArmingChecks::kFail:
+      return "fail";
+    case ArmingChecks::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
 /// What speaks against flying; nothing is an empty list.
 json complaints_json(const VehicleState& vehicle, const LinkName& link_name, base::RunTime now) {
   json all = json::array();
@@ -97,6 +134,8 @@ json summary_json(const VehicleState& vehicle, const LinkName& link_name, base::
                {"armed", vehicle.armed()},
                {"hil", vehicle.hil()},
                {"mode", vehicle.mode()},
+               {"state", state_word(vehicle.heartbeat().message.system_status)},
+               {"arming_checks", checks_word(arming_checks(vehicle, now))},
                {"landed", vehicle.landed_word()},
                {"link", link_name(vehicle.link())},
                {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(now))},

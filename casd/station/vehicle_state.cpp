@@ -250,6 +250,17 @@ ParamEncoding VehicleState::param_encoding() const {
   return autopilot() == Autopilot::kArduPilot ? ParamEncoding::kCast : ParamEncoding::kBytewise;
 }
 
+ArmingChecks arming_checks(const VehicleState& vehicle, base::RunTime now) {
+  const auto& status = vehicle.sys_status();
+  constexpr auto kBit = MavSysStatusSensor::kPrearmCheck;
+  if (!status || now - status->at > kFreshStatus ||
+      !has(status->message.onboard_control_sensors_enabled, kBit)) {
+    return ArmingChecks::kUnknown;
+  }
+  return has(status->message.onboard_control_sensors_health, kBit) ? ArmingChecks::kPass
+                                                                   : ArmingChecks::kFail;
+}
+
 std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime now,
                                     std::uint64_t texts_before) {
   std::vector<std::string> all;

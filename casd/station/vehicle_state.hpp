@@ -160,6 +160,11 @@ class VehicleState {
   std::uint64_t status_text_count_ = 0;
 };
 
+/// What a vehicle's own arming checks say (SYS_STATUS, MAV_SYS_STATUS_PREARM_CHECK).
+enum class ArmingChecks { kUnknown, kPass, kFail };
+/// kUnknown while no fresh SYS_STATUS tells of them.
+ArmingChecks arming_checks(const VehicleState& vehicle, base::RunTime now);
+
 /// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or
 /// unhealthy (SYS_STATUS), and recent reasons of its own checks ("Preflight Fail: ...",
 /// "PreArm: ..."). The texts of an armed vehicle are ignored. Empty: none.

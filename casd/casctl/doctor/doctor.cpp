@@ -267,6 +267,42 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
   }
 }
 
+/// Whether a vehicle that is heard would arm: its state, its own arming checks, and what it
+/// complains of.
+void check_readiness(const DoctorFacts& facts, Findings& all) {
+  static const std::set<std::string> kFit = {"standby", "active"};
+  for (const json& vehicle : facts.after.value("vehicles", json::array())) {
+    if (vehicle.value("heartbeat_age_s", 0.0) > kFresh_s) continue;  // said already
+    const std::string who = "vehicle " + vehicle.at("system").dump();
+    const std::string state = vehicle.value("state", "uninit");
+    if (!kFit.contains(state)) {
+      bad(all, who + " is in state " + state + ", mode " + vehicle.value("mode", "?"),
+          state == "boot" || state == "calibrating"
+              ? "wait until it is done; it needs HIL_SENSOR and HIL_GPS to align itself"
+              : "casctl reboot, once it is disarmed; a simulated vehicle that fell: reset the "
+                "simulator, too");
+    }
+    for (const json& complaint : vehicle.value("complaints", json::array())) {
+      bad(all, who + ": " + complaint.get<std::string>(), "it does not arm like this");
+    }
+    if (vehicle.value("armed", false)) {
+      good(all, who + " is armed");
+      continue;
+    }
+    const std::string checks = vehicle.value("arming_checks", "unknown");
+    if (checks == "fail") {
+      bad(all, who + " says that its arming checks fail",
+          "casctl arm tells what it lacks; a ground station's messages do, too");
+    } else if (checks == "unknown") {
+      warn(all, who + " has not told whether its arming checks pass",
+           "it sends no SYS_STATUS with MAV_SYS_STATUS_PREARM_CHECK: casctl message-interval "
+           "SYS_STATUS 1, or try casctl arm");
+    } else {
+      good(all, who + " says that its arming checks pass");
+    }
+  }
+}
+
 void check_streams(const DoctorFacts& facts, Findings& all) {
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
     const std::string link = vehicle.value("link", "");
@@ -427,6 +463,7 @@ std::vector<Finding> diagnose(const DoctorFacts& facts) {
   check_devices(facts, all);
   check_baud(facts, all);
   check_vehicles(facts, all);
+  check_readiness(facts, all);
   check_streams(facts, all);
   check_ground_stations(facts, all);
   check_machine(facts, all);

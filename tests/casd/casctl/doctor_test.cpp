@@ -34,6 +34,8 @@ DoctorFacts good_setup() {
                                              {"autopilot", "PX4"},
                                              {"hil", true},
                                              {"armed", false},
+                                             {"state", "standby"},
+                                             {"arming_checks", "pass"},
                                              {"link", "fcu"},
                                              {"heartbeat_age_s", 0.4}}})}};
   facts.after = facts.before;
@@ -107,6 +109,17 @@ INSTANTIATE_TEST_SUITE_P(
                   f.after["vehicles"][0]["rival"] = {{"component", 1}, {"link", "sitl"}};
                 },
                 "links fcu and sitl bring two autopilots"},
+        BadCase{"InTermination",
+                [](DoctorFacts& f) { f.after["vehicles"][0]["state"] = "flight_termination"; },
+                "vehicle 1 is in state flight_termination"},
+        BadCase{"ArmingChecksFail",
+                [](DoctorFacts& f) { f.after["vehicles"][0]["arming_checks"] = "fail"; },
+                "vehicle 1 says that its arming checks fail"},
+        BadCase{"Complaint",
+                [](DoctorFacts& f) {
+                  f.after["vehicles"][0]["complaints"] = json::array({"PreArm: Check ACC cal"});
+                },
+                "vehicle 1: PreArm: Check ACC cal"},
         BadCase{"NoVehicle", [](DoctorFacts& f) { f.after["vehicles"] = json::array(); },
                 "no flight controller"},
         BadCase{"NoSensors", [](DoctorFacts& f) { f.messages.erase(0); }, "gets no HIL_SENSOR"},
