@@ -121,7 +121,7 @@ class FirmwarePilot {
       const VehicleReport vehicle = relative_report();
       const std::optional<FlightStep> command = plan_.update(now, vehicle);
       measure();
-      progress_.show(now, plan_, vehicle, figures_.real_time_factor);
+      progress_.show(now, plan_, vehicle, pace_words(figures_.real_time_factor));
       if (command) {
         const std::string refusal = give(casd_, *command, scenario_.not_hil);
         plan_.on_outcome(look(), refusal);

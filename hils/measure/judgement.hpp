@@ -32,11 +32,13 @@ struct Verdict {
 
 /// Least simulated over elapsed time of a valid run in real time.
 inline constexpr double kLeastRealTimeFactor = 0.99;
-/// A run that stood still for longer than this and then missed a limit gives no verdict on the
-/// vehicle: the machine may have been the cause.
-inline constexpr double kStallMs = 50.0;
-/// The same holds when something waited for a processor during a larger share of the measurement.
-inline constexpr double kBusyShare = 0.25;
+/// Longest that the stream of a valid run stands still: ten periods of a 200 Hz stream; a
+/// controller takes its sensors for dead after 300 (PX4).
+inline constexpr double kMostStallMs = 50.0;
+/// Most by which 99 % of a valid run's HIL_SENSOR may be late, and most that one hop between two
+/// programs may take for 99 %. 5 ms cost a rate loop that crosses over at 40 rad/s 11 degrees of
+/// phase: more than a tuning that a lab would tell apart.
+inline constexpr double kMostLateMs = 5.0;
 
 /// Judges a run: first whether it is valid, then the flight and the limits.
 Verdict judge(const Measurement& figures, const Limits& limits);

@@ -85,6 +85,21 @@ void measure_echoes(const std::vector<base::LedgerEntry>& simulator,
       delays_ns({controller, kReceived, HilSensor::kId}, {controller, kSent, controls_id}, window));
 }
 
+/// The UDP hops between simulator and casd, where nothing but the machine takes time.
+double handover_p99_us(const std::vector<PathAccount>& paths) {
+  constexpr std::size_t kHopsThroughCasd = 3;
+  double slowest = 0;
+  for (const PathAccount& path : paths) {
+    if (path.hops.size() != kHopsThroughCasd) continue;
+    for (const HopFigures& hop : {path.hops.front(), path.hops.back()}) {
+      if (hop.name == "simulator -> casd in" || hop.name == "casd out -> simulator") {
+        slowest = std::max(slowest, hop.delay.p99);
+      }
+    }
+  }
+  return slowest;
+}
+
 void measure_stream(const Scenario& scenario, const RunRecord& record, Measurement& figures) {
   const std::uint32_t controls_id = controls_message_id(record);
   const auto& [simulator, controller] = std::tie(record.simulator, record.controller);
@@ -108,6 +123,10 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
         account_path(path, simulator, controller, record.from_device ? nullptr : relay, window));
   }
   figures.pace = pace(simulator, HilSensor::kId, window);
+  // With one blocking thread casd reads when the line has taken what came before: that is the
+  // architecture's delay, not the machine's.
+  if (figures.architecture != Architecture::kTs)
+    figures.handover_p99_us = handover_p99_us(figures.paths);
 }
 
 }  // namespace
@@ -129,7 +148,9 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.lost_by_sequence = record.lost_by_sequence;
   figures.stages = record.stages;
   figures.faults = record.faults;
-  figures.responses = step_responses(record.stages, read_truth(record.truth_csv));
+  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
+  figures.responses = step_responses(record.stages, truth);
+  figures.incidents = find_incidents(record.stages, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);
   measure_stream(scenario, record, figures);

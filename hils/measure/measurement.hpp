@@ -8,6 +8,7 @@
 
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/measure/incident.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/run_record.hpp"
 #include "hils/measure/step_response.hpp"
@@ -56,8 +57,10 @@ struct Measurement {
   MeterReadings meter;
   std::vector<PathAccount> paths;  ///< hop by hop: sensor, GPS, controls
   PaceFigures pace;
+  double handover_p99_us = 0;  ///< slowest hop between two programs of the bench; 0: not measured
   std::optional<double> cpu_pressure;
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench
+  std::vector<Incident> incidents;             ///< crashes and their kin, in the order of time
   std::vector<StepResponse> responses;         ///< to the steps of the flight
   std::optional<RmsFigures> rms;               ///< truth against reference during the hold
   std::optional<RmsFigures> rms_estimate;      ///< estimate against reference during the hold

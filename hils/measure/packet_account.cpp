@@ -264,8 +264,7 @@ std::vector<std::int64_t> hop_delays_ns(std::span<const base::LedgerEntry> sende
 PaceFigures pace(std::span<const base::LedgerEntry> sender, std::uint32_t message_id,
                  StreamWindow window) {
   PaceFigures figures;
-  std::int64_t least_lag = std::numeric_limits<std::int64_t>::max();
-  std::int64_t most_lag = std::numeric_limits<std::int64_t>::min();
+  std::vector<std::int64_t> lags;
   const base::LedgerEntry* first = nullptr;
   const base::LedgerEntry* last = nullptr;
   for (const base::LedgerEntry& entry : sender) {
@@ -274,13 +273,16 @@ PaceFigures pace(std::span<const base::LedgerEntry> sender, std::uint32_t messag
     if (first == nullptr) first = &entry;
     last = &entry;
     const std::int64_t lag = entry.at_ns - static_cast<std::int64_t>(entry.time_usec) * 1000;
-    least_lag = std::min(least_lag, lag);
-    most_lag = std::max(most_lag, lag);
+    lags.push_back(lag);
   }
   if (first == nullptr || last->at_ns <= first->at_ns) return figures;
   figures.real_time_factor = static_cast<double>(last->time_usec - first->time_usec) * 1000.0 /
                              static_cast<double>(last->at_ns - first->at_ns);
-  figures.worst_stall_ms = static_cast<double>(most_lag - least_lag) * 1e-6;
+  const std::int64_t least_lag = *std::ranges::min_element(lags);
+  for (std::int64_t& lag : lags) lag -= least_lag;
+  const DelayFigures behind = summarise(std::move(lags));
+  figures.worst_stall_ms = 1e-3 * behind.max;
+  figures.late_p99_ms = 1e-3 * behind.p99;
   return figures;
 }
 

@@ -28,6 +28,7 @@ enum Column : std::size_t {
   kX,
   kY,
   kZ,
+  kVx,
   kRoll = 7,
   kPitch,
   kYaw,
@@ -59,6 +60,7 @@ PoseSample to_sample(const std::vector<double>& row) {
                    .roll_rad = row[kRoll],
                    .pitch_rad = row[kPitch],
                    .yaw_rad = row[kYaw]},
+          .v_m_s = {row[kVx], row[kVx + 1], row[kVx + 2]},
           .omega_rad_s = {row[kOmega], row[kOmega + 1], row[kOmega + 2], row[kOmega + 3]}};
 }
 

@@ -41,6 +41,7 @@ struct Pose {
 struct PoseSample {
   std::int64_t time_us = 0;
   Pose pose{};
+  std::array<double, 3> v_m_s{};        ///< north, east, up; zero in an estimate
   std::array<double, 4> omega_rad_s{};  ///< rotors 1..4; zero in an estimate
 };
 

@@ -34,13 +34,17 @@ std::string step_text(base::SimTime now, const FlightPlan& plan) {
 
 }  // namespace
 
+std::string pace_words(double real_time_factor, std::optional<std::uint64_t> late_steps) {
+  const std::string factor = fmt::format("{:.2f}x", real_time_factor);
+  return late_steps ? fmt::format("{}, {} late", factor, *late_steps) : factor;
+}
+
 std::string progress_line(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
-                          double real_time_factor, const std::string& stream, std::size_t columns) {
+                          const std::string& pace, const std::string& stream, std::size_t columns) {
   std::string line = fmt::format("{:6.1f} s  {:<24}", base::to_seconds(now), step_text(now, plan));
   const std::string parts[] = {fmt::format(" estimate x {:+.2f} y {:+.2f} z {:.2f} m",
                                            vehicle.p_N.x(), vehicle.p_N.y(), -vehicle.p_N.z()),
-                               fmt::format("  {:.2f}x", real_time_factor),
-                               stream.empty() ? "" : "  " + stream};
+                               "  " + pace, stream.empty() ? "" : "  " + stream};
   for (const std::string& part : parts) {
     if (line.size() + part.size() > columns) break;
     line += part;
@@ -54,10 +58,9 @@ Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 Progress::~Progress() { clear(); }
 
 void Progress::show(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
-                    double real_time_factor, const std::string& stream) {
+                    const std::string& pace, const std::string& stream) {
   if (!terminal_) return;
-  const std::string line =
-      progress_line(now, plan, vehicle, real_time_factor, stream, usable_columns());
+  const std::string line = progress_line(now, plan, vehicle, pace, stream, usable_columns());
   if (line == shown_) return;
   shown_ = line;
   fmt::print(stderr, "{}{}", kEraseLine, line);

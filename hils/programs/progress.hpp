@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "base/time/clock.hpp"
@@ -9,12 +11,15 @@
 
 namespace cas::hils {
 
-/// The step under way, where the vehicle takes itself to be (north, east, up in m), and how the
-/// stream does in words; of these from the left what fits.
+/// How a run keeps to the clock: "1.00x", with late steps where there may be any "1.00x, 3 late".
+std::string pace_words(double real_time_factor, std::optional<std::uint64_t> late_steps = {});
+
+/// The step under way, where the vehicle takes itself to be (north, east, up in m), and how pace
+/// and stream do in words; of these from the left what fits.
 ///
 /// @param columns  most characters that the line may have
 std::string progress_line(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
-                          double real_time_factor, const std::string& stream, std::size_t columns);
+                          const std::string& pace, const std::string& stream, std::size_t columns);
 
 /// One line on a terminal that is rewritten while the run goes on; nothing where standard error is
 /// no terminal.
@@ -29,7 +34,7 @@ class Progress {
   bool shows() const { return terminal_; }
   /// Shows progress_line(), drawn again only when it has changed.
   void show(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
-            double real_time_factor, const std::string& stream = {});
+            const std::string& pace, const std::string& stream = {});
   /// Takes the line away.
   void clear();
 

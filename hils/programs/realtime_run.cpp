@@ -129,6 +129,7 @@ class RealtimePilot {
   base::RunTime next_stream_look_{};
   bool measuring_ = false;
   double real_time_factor_ = 0;
+  std::uint64_t late_steps_ = 0;
   std::vector<VehicleReport> vehicles_;
   std::vector<Eigen::Vector3d> start_m_;  ///< where they stood when the run began
 };
@@ -190,6 +191,7 @@ void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_cl
 base::SimTime RealtimePilot::simulated_time() {
   const Json status = simulator_.call("sim.status", Json::object());
   real_time_factor_ = status.value("real_time_factor", 0.0);
+  late_steps_ = status.value("late_steps", std::uint64_t{0});
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     Motion truth = to_motion(status.at("vehicles").at(i));
     if (i == start_m_.size()) start_m_.push_back(truth.p_m);
@@ -211,7 +213,8 @@ void RealtimePilot::look() {
 void RealtimePilot::show(base::SimTime now) {
   watch_stream();
   const std::size_t leader = plan_.leader();
-  progress_.show(now, plan_.plan(leader), vehicles_[leader], real_time_factor_, stream_);
+  progress_.show(now, plan_.plan(leader), vehicles_[leader],
+                 pace_words(real_time_factor_, late_steps_), stream_);
 }
 
 /// The simulator's fault scripts ask for it.

@@ -35,8 +35,10 @@ void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verd
       figures.virtual_clock
           ? fmt::format("{:.1f} s on the virtual clock in {:.2f} s", figures.simulated_s,
                         figures.wall_s)
-          : fmt::format("real-time factor {:.4f}, longest stall {:.1f} ms",
-                        figures.pace.real_time_factor, figures.pace.worst_stall_ms);
+          : fmt::format(
+                "real-time factor {:.4f}, longest stall {:.1f} ms, 99 % less than {:.1f} ms late",
+                figures.pace.real_time_factor, figures.pace.worst_stall_ms,
+                figures.pace.late_p99_ms);
   page.verdict(mood, word_of(verdict),
                fmt::format("{}, {}, seed {}; {}", figures.scenario, title_of(figures.architecture),
                            figures.seed, pace),

@@ -22,8 +22,11 @@ std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
   text += figures.virtual_clock
               ? fmt::format("  {:.1f} s simulated in {:.2f} s: {:.0f} x real time\n",
                             figures.simulated_s, figures.wall_s, figures.pace.real_time_factor)
-              : fmt::format("  real-time factor {:.4f}, longest stall {:.1f} ms\n",
-                            figures.pace.real_time_factor, figures.pace.worst_stall_ms);
+              : fmt::format(
+                    "  real-time factor {:.4f}, longest stall {:.1f} ms, 99 % less than {:.1f} ms "
+                    "late\n",
+                    figures.pace.real_time_factor, figures.pace.worst_stall_ms,
+                    figures.pace.late_p99_ms);
   return text;
 }
 
@@ -230,6 +233,8 @@ Json run_json(const Measurement& figures, const Verdict& verdict) {
   summary["virtual_clock"] = figures.virtual_clock;
   summary["real_time_factor"] = figures.pace.real_time_factor;
   summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
+  summary["late_p99_ms"] = figures.pace.late_p99_ms;
+  summary["handover_p99_us"] = figures.handover_p99_us;
   summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
   summary["simulated_s"] = figures.simulated_s;
   summary["wall_s"] = figures.wall_s;
@@ -259,6 +264,11 @@ void add_figures(const Measurement& figures, Json& summary) {
   for (const PathAccount& path : figures.paths) summary["paths"].push_back(path_json(path));
   summary["faults"] = Json::array();
   for (const auto& fault : figures.faults) summary["faults"].push_back(fault_json(fault));
+  summary["incidents"] = Json::array();
+  for (const Incident& incident : figures.incidents) {
+    summary["incidents"].push_back(
+        {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
+  }
   summary["responses"] = Json::array();
   for (const auto& response : figures.responses) {
     summary["responses"].push_back(response_json(response));

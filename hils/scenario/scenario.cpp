@@ -70,6 +70,23 @@ Limits parse_limits(const base::ConfigNode& node, const std::vector<FlightStep>&
   return limits;
 }
 
+/// Reads the list `allow`: incidents that fail no run.
+std::set<IncidentKind> parse_allow(const base::ConfigNode& root) {
+  std::set<IncidentKind> allowed;
+  const std::optional<base::ConfigNode> list = root.find("allow");
+  if (!list) return allowed;
+  for (const base::ConfigNode& node : list->items()) {
+    const auto word = node.as<std::string>();
+    const auto kind =
+        std::ranges::find(kIncidentKinds, word, [](IncidentKind each) { return to_string(each); });
+    if (kind == kIncidentKinds.end()) {
+      node.fail("'" + word + "' is no incident; there are ground, crash, attitude and flyaway");
+    }
+    allowed.insert(*kind);
+  }
+  return allowed;
+}
+
 /// Limits of one vehicle of several: without responses to steps that others fly.
 Limits limits_for(std::size_t vehicle, Limits limits, const std::vector<FlightStep>& steps) {
   const std::vector<FlightStep> own = steps_for(vehicle, steps);
@@ -311,6 +328,10 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   }
   if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"), scenario.steps);
   parse_vehicle_limits(root, scenario.steps, scenario.vehicles);
+  scenario.limits.allow = parse_allow(root);
+  for (ScenarioVehicle& vehicle : scenario.vehicles) {
+    if (vehicle.limits) vehicle.limits->allow = scenario.limits.allow;
+  }
   root.reject_unused();
   check_integrator(root, scenario);
   return scenario;

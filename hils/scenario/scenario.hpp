@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_step.hpp"
+#include "hils/flight/incident_kind.hpp"
 
 namespace cas::hils {
 
@@ -34,6 +36,7 @@ struct Limits {
   std::map<std::string, double> rms;           ///< x_m, y_m, z_m, yaw_rad: truth against reference
   std::map<std::string, double> rms_estimate;  ///< the same axes: estimate against reference
   std::map<std::string, ResponseLimits> responses;  ///< by the name of the step
+  std::set<IncidentKind> allow;                     ///< of the scenario: these fail no run
 };
 
 /// Where a vehicle stands when a run begins, as in a world: x east and y north of home.

@@ -269,7 +269,7 @@ class VirtualBench {
     const double wall_s = std::max(base::to_seconds(base::steady_now() - begin), 1e-9);
     const std::size_t leader = pilot_.plan().leader();
     progress_.show(base::SimTime(now.time_since_epoch()), pilot_.plan().plan(leader),
-                   pilot_.vehicles()[leader], base::to_seconds(now) / wall_s);
+                   pilot_.vehicles()[leader], pace_words(base::to_seconds(now) / wall_s));
   }
 
   const Scenario& scenario_;

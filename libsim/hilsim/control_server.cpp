@@ -5,6 +5,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <functional>
@@ -14,6 +16,7 @@
 #include "base/os/log.hpp"
 #include "base/os/thread.hpp"
 #include "base/rpc/server.hpp"
+#include "libsim/hilsim/pace_watch.hpp"
 #include "libsim/hilsim/sim_report.hpp"
 
 namespace cas::sim {
@@ -25,6 +28,7 @@ using base::rpc::Json;
 using base::rpc::Reply;
 
 constexpr double kLongestTime = 1e9;  // s
+constexpr auto kPacePeriod = std::chrono::seconds(5);
 
 /// Asks for a line with the state of the run. Not a constant: the C library keeps some for itself.
 int status_signal() { return SIGRTMIN; }
@@ -136,10 +140,26 @@ struct ControlServer::Impl {
     }
   }
 
+  /// A run that falls behind says so while it goes on.
+  void watch_pace() {
+    pace_timer.expires_after(kPacePeriod);
+    pace_timer.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      loop.post([this] {
+        asio::post(io, [this, figures = loop.figures()] {
+          if (const auto trouble = pace.look(figures)) base::log::warn(*trouble);
+        });
+      });
+      watch_pace();
+    });
+  }
+
   SimLoop& loop;
+  PaceWatch pace{loop.runner().config().pace.speed};
   asio::io_context io{1};
   asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
   asio::signal_set signals{io};
+  asio::steady_timer pace_timer{io};
   base::rpc::Server server{io};
   std::thread thread;
 };
@@ -150,6 +170,7 @@ ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem:
     impl_->signals.add(signal);
   }
   impl_->wait_for_signal();
+  if (loop.runner().config().pace.mode == PaceMode::kRealtime) impl_->watch_pace();
   impl_->add_methods();
   if (unix_path) impl_->server.listen_unix(*unix_path);
   impl_->thread = std::thread([this] {
@@ -161,6 +182,7 @@ ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem:
 ControlServer::~ControlServer() {
   asio::post(impl_->io, [this] {
     impl_->signals.cancel();
+    impl_->pace_timer.cancel();
     impl_->server.close();
     impl_->work.reset();
   });

@@ -41,6 +41,21 @@ std::vector<Event> events(const Flight& flight) {
   return list;
 }
 
+const char* const kDeadRotor =
+    "[{plugin: fault, faults: [{name: dead, when: phase == hold, for_s: 60, "
+    "rotor: {number: 1, thrust_share: 0}}]}]";
+
+/// No limit is set: what hits the ground has failed all the same, and says when and how fast.
+TEST(Incident, AVehicleThatFallsHasFailedWithoutAnyLimit) {
+  const Flight flight(hover_with(kDeadRotor), 1, "dead_rotor");
+  const Verdict& verdict = flight.verdict();
+  EXPECT_TRUE(verdict.valid) << flight.text();
+  EXPECT_FALSE(verdict.passed) << flight.text();
+  EXPECT_NE(flight.text().find("the vehicle hit the ground at "), std::string::npos)
+      << flight.text();
+  EXPECT_NE(flight.text().find("in step 'hold'"), std::string::npos) << flight.text();
+}
+
 TEST(FaultScript, FiresOnThePhasesOfTheFlight) {
   const Flight flight(hover_with("[{plugin: fault, faults: ["
                                  "{name: gone, when: phase == hold, for_s: 0.5, drop: gps},"

@@ -114,6 +114,11 @@ INSTANTIATE_TEST_SUITE_P(
     All, BadScenarioFile,
     testing::Values(
         BadScenario{"UnknownStep", "steps: [arm, loop]\n", "there is no step 'loop'"},
+        BadScenario{
+            "UnknownIncident",
+            "allow: [crsh]\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, "
+            "measure: true}}, land]\n",
+            "'crsh' is no incident; there are ground, crash, attitude and flyaway"},
         BadScenario{"TakeoffUnarmed", "steps: [{takeoff: {altitude_m: 2}}]\n", "needs an arm step"},
         BadScenario{"EndsInTheAir",
                     "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace cas::hils {
+
+/// What no flight may do, whatever its limits.
+enum class IncidentKind {
+  kGround,    ///< touched the ground in a step that is flown in the air
+  kCrash,     ///< hit something faster than a landing
+  kAttitude,  ///< tilted beyond 75 degrees
+  kFlyaway,   ///< left ten times the extent of its flight
+};
+inline constexpr std::array kIncidentKinds{IncidentKind::kGround, IncidentKind::kCrash,
+                                           IncidentKind::kAttitude, IncidentKind::kFlyaway};
+
+/// The word in a scenario's `allow` and in summary.json.
+constexpr std::string_view to_string(IncidentKind kind) {
+  switch (kind) {
+    case IncidentKind::kGround:
+      return "ground";
+    case IncidentKind::kCrash:
+      return "crash";
+    case IncidentKind::kAttitude:
+      return "attitude";
+    case IncidentKind::kFlyaway:
+      return "flyaway";
+  }
+  return "?";
+}
+
+}  // namespace cas::hils

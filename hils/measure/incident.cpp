@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/incident.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include "base/time/clock.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+/// Lower than this above where it stood, a vehicle touches the ground.
+constexpr double kTouch_m = 0.02;
+/// More than rotors or gusts can do: what slows a vehicle like this is solid. 6 g.
+constexpr double kImpact_m_s2 = 60.0;
+constexpr double kLeastExtent_m = 1.0;
+
+double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
+
+/// Angle between the vehicle's axis and the vertical.
+double tilt_deg(const Pose& pose) {
+  const double upright = std::cos(pose.roll_rad) * std::cos(pose.pitch_rad);
+  return std::acos(std::clamp(upright, -1.0, 1.0)) * 180 / M_PI;
+}
+
+/// Farthest place of the plan from the start.
+double extent_m(const std::vector<Stage>& stages) {
+  double extent = kLeastExtent_m;
+  for (const Stage& stage : stages) {
+    extent = std::max(extent, stage.reference_m.norm() + stage.step.trajectory.size_m);
+  }
+  return extent;
+}
+
+/// How a step is flown.
+enum class Place { kGround, kRising, kAir, kSinking };
+
+/// Goes through the samples of a flight and keeps the first incident of each kind.
+class Watch {
+ public:
+  Watch(const PoseSample& start, double farthest_m) : start_(start), farthest_m_(farthest_m) {}
+
+  void look(const PoseSample& before, const PoseSample& now, Place place, std::string_view step) {
+    if (place == Place::kGround) return;
+    const auto in_step = [&] {
+      return fmt::format("in step '{}' at {:.2f} s", step, seconds(now));
+    };
+    const bool low = now.pose.z_m - start_.pose.z_m < kTouch_m;
+    if (low && place == Place::kAir)
+      note(IncidentKind::kGround, now, "touched the ground " + in_step());
+    const double speed_m_s = norm(before.v_m_s);
+    if (is_impact(before, now) && speed_m_s > kCrashSpeed_m_s) {
+      note(IncidentKind::kCrash, now,
+           fmt::format("hit {} at {:.1f} m/s {}", low ? "the ground" : "something", speed_m_s,
+                       in_step()));
+    }
+    const double tilt = tilt_deg(now.pose);
+    if (tilt > kMostTilt_deg) {
+      note(IncidentKind::kAttitude, now,
+           fmt::format("tilted by {:.0f} degrees {}", tilt, in_step()));
+    }
+    const double away_m = norm({now.pose.x_m - start_.pose.x_m, now.pose.y_m - start_.pose.y_m,
+                                now.pose.z_m - start_.pose.z_m});
+    if (!(away_m <= farthest_m_)) {
+      note(IncidentKind::kFlyaway, now,
+           fmt::format("flew {:.0f} m away {}, and the plan asks for {:.0f} m at most", away_m,
+                       in_step(), farthest_m_ / kFarthestExtents));
+    }
+  }
+
+  std::vector<Incident> found;
+
+ private:
+  static double seconds(const PoseSample& sample) {
+    return static_cast<double>(sample.time_us) * 1e-6;
+  }
+  static bool is_impact(const PoseSample& before, const PoseSample& now) {
+    const double dt_s = seconds(now) - seconds(before);
+    const std::array<double, 3> change{now.v_m_s[0] - before.v_m_s[0],
+                                       now.v_m_s[1] - before.v_m_s[1],
+                                       now.v_m_s[2] - before.v_m_s[2]};
+    return dt_s > 0 && norm(change) / dt_s > kImpact_m_s2 && norm(now.v_m_s) < norm(before.v_m_s);
+  }
+  void note(IncidentKind kind, const PoseSample& at, std::string what) {
+    if (std::ranges::find(found, kind, &Incident::kind) != found.end()) return;
+    found.push_back({kind, seconds(at), std::move(what)});
+  }
+
+  const PoseSample& start_;
+  double farthest_m_;
+};
+
+/// How the next step is flown, after one of this kind began.
+Place place_in(StepKind kind, Place before) {
+  switch (kind) {
+    case StepKind::kArm:
+    case StepKind::kDisarm:
+      return Place::kGround;
+    case StepKind::kTakeoff:
+      return Place::kRising;
+    case StepKind::kLand:
+      return Place::kSinking;
+    default:
+      return before == Place::kRising ? Place::kAir : before;
+  }
+}
+
+}  // namespace
+
+std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
+                                     std::span<const PoseSample> truth) {
+  if (truth.empty()) return {};
+  Watch watch(truth.front(), kFarthestExtents * extent_m(stages));
+  Place place = Place::kGround;
+  for (const Stage& stage : stages) {
+    place = place_in(stage.step.kind, place);
+    const auto samples = between(truth, static_cast<std::int64_t>(base::to_time_usec(stage.begin)),
+                                 static_cast<std::int64_t>(base::to_time_usec(stage.end)));
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      watch.look(samples[i - 1], samples[i], place, phase_of(stage.step));
+    }
+  }
+  return watch.found;
+}
+
+}  // namespace cas::hils
