@@ -20,7 +20,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CAS_SANITIZE)
 endif()
 
 if(CAS_SANITIZE STREQUAL "address")
-  set(_cas_sanitize -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  set(_cas_sanitize -fsanitize=address,undefined -fno-sanitize-recover=undefined
+      -fno-sanitize=null,object-size,vptr,alignment -fno-omit-frame-pointer)
 elseif(CAS_SANITIZE STREQUAL "thread")
   # Asio's fenced blocks use atomic fences, which ThreadSanitizer does not model.
   set(_cas_sanitize -fsanitize=thread -fno-omit-frame-pointer)

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <string>
 
 #include "tests/loopback/flight_fixture.hpp"
 #include "tests/support/wait_until.hpp"
@@ -11,7 +12,33 @@ namespace {
 
 using nlohmann::json;
 
-TEST(CasdCrash, AVehicleFliesOnWhenCasdIsKilledAndStartedAgain) {
+/// The vehicle that was in the air is there again, flies, and does what it is told.
+void expect_flying(FlightFixture& fixture, const std::string& after) {
+  // The link is back, and the vehicle is known again by what it says now.
+  ASSERT_TRUE(wait_until([&] { return !fixture.call("casd.status").at("vehicles").empty(); }));
+  ASSERT_TRUE(wait_until([&] {
+    const json state = fixture.state();
+    return state.contains("altitude_m") && state.contains("attitude");
+  }));
+  const json state = fixture.state();
+  EXPECT_EQ(state.at("armed"), true) << after;
+  EXPECT_NEAR(state.at("altitude_m").get<double>(), 5, 1.5) << after;
+  EXPECT_LT(state.at("attitude").at("age_s").get<double>(), 1.0) << "nothing stale";
+
+  // No sensor message from before came late: each answer is to a sample of this casd's time.
+  ASSERT_TRUE(wait_until([&] {
+    const json echo = fixture.call("link.echo");
+    return !echo.empty() && echo[0].at("count").get<int>() > 400;
+  }));
+  EXPECT_LT(fixture.call("link.echo")[0].at("p50").get<double>(), 50'000.0) << after;
+  EXPECT_EQ(fixture.call("link.list")[0].at("state"), "up");
+
+  // Commands work, with no acknowledgement of before taken for theirs.
+  EXPECT_TRUE(fixture.command("vehicle.hold"));
+  EXPECT_EQ(fixture.call("param.get", {{"name", "MC_ROLLRATE_P"}}).at("type"), "REAL32");
+}
+
+TEST(CasdCrash, AVehicleFliesOnThroughKillRestartAndReload) {
   FlightFixture fixture("log: {tlog: $DIR/flight.tlog}\n");
   fixture.start_vehicle();
   fixture.start_casd();
@@ -19,36 +46,53 @@ TEST(CasdCrash, AVehicleFliesOnWhenCasdIsKilledAndStartedAgain) {
 
   for (int round = 1; round <= 3; ++round) {
     fixture.casd().signal(SIGKILL);
-    ASSERT_EQ(fixture.casd().wait_exit(), 128 + SIGKILL);
-    fixture.start_casd();  // as systemd does
-
-    // The link is back, and the vehicle is known again by what it says now.
-    ASSERT_TRUE(wait_until([&] { return !fixture.call("casd.status").at("vehicles").empty(); }));
-    ASSERT_TRUE(wait_until([&] {
-      const json state = fixture.state();
-      return state.contains("altitude_m") && state.contains("attitude");
-    }));
-    const json state = fixture.state();
-    EXPECT_EQ(state.at("armed"), true) << round;
-    EXPECT_NEAR(state.at("altitude_m").get<double>(), 5, 1.5) << round;
-    EXPECT_LT(state.at("attitude").at("age_s").get<double>(), 1.0) << "nothing stale";
-
-    // No sensor message from before came late: each answer is to a sample of this casd's time.
-    ASSERT_TRUE(wait_until([&] {
-      const json echo = fixture.call("link.echo");
-      return !echo.empty() && echo[0].at("count").get<int>() > 400;
-    }));
-    EXPECT_LT(fixture.call("link.echo")[0].at("p50").get<double>(), 50'000.0) << round;
-    EXPECT_EQ(fixture.call("link.list")[0].at("state"), "up");
-
-    // Commands work, with no acknowledgement of before taken for theirs.
-    EXPECT_TRUE(fixture.command("vehicle.hold"));
-    EXPECT_EQ(fixture.call("param.get", {{"name", "MC_ROLLRATE_P"}}).at("type"), "REAL32");
+    fixture.connect();
+    expect_flying(fixture, "kill " + std::to_string(round));
     EXPECT_TRUE(
         std::filesystem::exists(fixture.folder / ("flight." + std::to_string(round) + ".tlog")))
         << "the log of before was written over";
   }
+  fixture.casd().restart();
+  fixture.connect();
+  expect_flying(fixture, "restart");
+
+  fixture.casd().reload();
+  ASSERT_TRUE(wait_until(
+      [&] { return fixture.casd().output().find("topology reloaded") != std::string::npos; }));
+  expect_flying(fixture, "reload");
+  EXPECT_EQ(fixture.casd().starts(), 5);
   EXPECT_TRUE(fixture.land());
+}
+
+/// WatchdogSec and TimeoutStopSec of the unit: a casd that stands still is ended and started again.
+TEST(CasdCrash, ACasdThatStandsStillIsReplaced) {
+  FlightFixture fixture;
+  fixture.start_casd();
+  fixture.casd().signal(SIGSTOP);
+  ASSERT_TRUE(wait_until([&] { return fixture.casd().starts() == 2; }, std::chrono::seconds(60)));
+  fixture.connect();
+  EXPECT_EQ(fixture.call("link.list").size(), 3U);
+}
+
+/// A simulator or a controller that dies in the air takes the flight with it (the state of the
+/// world or of the estimator is gone), but the others go on, and the next flight needs no other
+/// restart.
+TEST(CasdCrash, ASimulatorOrControllerThatDiedFliesAgainWithoutAnyOtherRestart) {
+  FlightFixture fixture;
+  fixture.start_vehicle();
+  fixture.start_casd();
+  ASSERT_TRUE(fixture.fly_to(5));
+
+  fixture.controller().signal(SIGKILL);
+  ASSERT_TRUE(fixture.controller().wait_exit());
+  fixture.start_controller();
+  fixture.simulator().signal(SIGKILL);  // the vehicle lies where it fell: a new world
+  ASSERT_TRUE(fixture.simulator().wait_exit());
+  fixture.start_simulator();
+  EXPECT_TRUE(fixture.fly_to(5)) << fixture.state().dump();
+
+  EXPECT_TRUE(fixture.land());
+  EXPECT_EQ(fixture.casd().starts(), 1);
 }
 
 }  // namespace

@@ -68,20 +68,34 @@ FlightFixture::FlightFixture(const std::string& more) {
   folder.write("world.yaml", filled(kWorld));
 }
 
-void FlightFixture::start_vehicle() {
+void FlightFixture::start_controller() {
   fcu_ = std::make_unique<ChildProcess>(
       std::vector<std::string>{kPrograms + "fcu_emulator", kConfig + "fcu/iris_paper.yaml",
                                "--link", (folder / "fcu0").string()});
   if (!fcu_->wait_ready()) throw std::runtime_error(fcu_->output());
+}
+
+void FlightFixture::start_simulator() {
   hilsim_ = std::make_unique<ChildProcess>(
       std::vector<std::string>{kPrograms + "hilsim", (folder / "world.yaml").string()});
   if (!hilsim_->wait_ready()) throw std::runtime_error(hilsim_->output());
 }
 
+void FlightFixture::start_vehicle() {
+  start_controller();
+  start_simulator();
+}
+
 void FlightFixture::start_casd() {
+  casd_ = std::make_unique<Supervisor>(
+      UnitFile::load(kConfig + "systemd/casd.service"),
+      std::map<std::string, std::string>{{"/usr/bin/casd", kPrograms + "casd"},
+                                         {"/etc/cas/casd.yaml", topology_.string()}});
+  connect();
+}
+
+void FlightFixture::connect() {
   client_.reset();
-  casd_ = std::make_unique<ChildProcess>(
-      std::vector<std::string>{kPrograms + "casd", topology_.string()});
   const auto status = casd_->wait_ready();
   if (!status) throw std::runtime_error(casd_->output());
   status_ = *status;

@@ -8,6 +8,7 @@
 
 #include "base/rpc/client.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/supervisor.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
@@ -19,10 +20,16 @@ class FlightFixture {
   /// @param more  further keys of casd's topology; $DIR stands for a temporary folder
   explicit FlightFixture(const std::string& more = "");
 
-  /// Starts casd, also again.
+  /// Starts casd under its service's unit file.
   void start_casd();
+  /// Talks to the casd that runs now: after a restart.
+  void connect();
+  void start_controller();
+  void start_simulator();
   void start_vehicle();
-  ChildProcess& casd() { return *casd_; }
+  Supervisor& casd() { return *casd_; }
+  ChildProcess& controller() { return *fcu_; }
+  ChildProcess& simulator() { return *hilsim_; }
   const std::string& casd_status() const { return status_; }
 
   nlohmann::json call(const std::string& method,
@@ -38,7 +45,7 @@ class FlightFixture {
 
  private:
   std::filesystem::path topology_;
-  std::unique_ptr<ChildProcess> casd_;
+  std::unique_ptr<Supervisor> casd_;
   std::unique_ptr<ChildProcess> fcu_;
   std::unique_ptr<ChildProcess> hilsim_;
   std::optional<base::rpc::Client> client_;
