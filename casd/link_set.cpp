@@ -38,8 +38,9 @@ std::unique_ptr<Link> make_link(LinkContext context) {
 
 }  // namespace
 
-LinkSet::LinkSet(Topology topology)
-    : topology_(std::move(topology)),
+LinkSet::LinkSet(Topology topology, RetryTimes retry)
+    : retry_(retry),
+      topology_(std::move(topology)),
       switchboard_(make_plan(topology_, slots_in_order(topology_)), topology_.route_lifetime),
       local_(std::make_shared<LocalEndpoint>(switchboard_, topology_.self)) {
   commit(prepare(topology_, {}));
@@ -157,7 +158,8 @@ LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfi
                             .signing = keys.for_link(config, opening.counters),
                             .wake = [loop = opening.running.loop.get()] { loop->wake(); },
                             .blocking = topology.threads == ThreadModel::kBlocking,
-                            .drain = LineDrain(topology.drain_tick)});
+                            .drain = LineDrain(topology.drain_tick),
+                            .retry = retry_});
   opening.running.link = opening.link.get();
   opening.running.port = opening.link->port();
   if (started_ && opening.running.loop != common_loop_) opening.running.loop->start();

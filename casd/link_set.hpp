@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "casd/counters/link_counters.hpp"
+#include "casd/link/link_core.hpp"
 #include "casd/link/link_loop.hpp"
 #include "casd/link/switchboard.hpp"
 #include "casd/signing/link_signing.hpp"
@@ -25,7 +26,7 @@ namespace cas::casd {
 /// Made, changed and destroyed on casd's main thread.
 class LinkSet {
  public:
-  explicit LinkSet(Topology topology);
+  explicit LinkSet(Topology topology, RetryTimes retry = {});
   ~LinkSet();
 
   /// Opens everything.
@@ -85,6 +86,7 @@ class LinkSet {
   void close(const std::string& name);
   std::shared_ptr<LinkLoop> loop_for(const Topology& topology, const LinkConfig& config);
 
+  const RetryTimes retry_;
   Topology topology_;
   Switchboard switchboard_;
   LinkFigures figures_;

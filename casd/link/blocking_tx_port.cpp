@@ -5,13 +5,16 @@
 #include <time.h>
 
 #include <cerrno>
+#include <chrono>
 #include <utility>
 
 namespace cas::casd {
 namespace {
 
 // A line that takes nothing so long loses the packet.
-constexpr int kPatience_ms = 1000;
+constexpr base::Duration kPatience = std::chrono::seconds(1);
+constexpr int kStep_ms = 100;
+constexpr int kLook_ms = 2;
 
 void sleep_until(base::RunTime when) {
   const std::int64_t total = when.time_since_epoch().count();
@@ -42,7 +45,7 @@ void BlockingTxPort::deliver(std::span<const PacketRef> packets, base::RunTime) 
     due_ns_.store(1, std::memory_order_relaxed);  // at once
     return wake_();
   }
-  for (const PacketRef& packet : packets) write_or_drop(packet, base::steady_now());
+  for (const PacketRef& packet : worth_sending(packets, base::steady_now())) write_or_drop(packet);
   busy_.store(false, std::memory_order_relaxed);
   busy_since_ns_.store(0, std::memory_order_relaxed);
 }
@@ -54,7 +57,7 @@ void BlockingTxPort::carry_on(base::RunTime) {
   busy_.store(false, std::memory_order_relaxed);
   due_ns_.store(0, std::memory_order_relaxed);
   if (!take_batch(start)) return;
-  for (; batch_at_ < batch_.size(); ++batch_at_) write_or_drop(batch_[batch_at_], start);
+  for (; batch_at_ < batch_.size(); ++batch_at_) write_or_drop(batch_[batch_at_]);
   busy_.store(false, std::memory_order_relaxed);
   busy_since_ns_.store(0, std::memory_order_relaxed);
   if (pacer_.limited()) {
@@ -64,23 +67,30 @@ void BlockingTxPort::carry_on(base::RunTime) {
   if (anything_queued()) due_ns_.store(1, std::memory_order_relaxed);
 }
 
-void BlockingTxPort::write_or_drop(const PacketRef& packet, base::RunTime now) {
-  if (write_one(packet, now)) return;
-  count_drop(*packet.info, writer_ ? DropCause::kStalled : DropCause::kClosed);
+void BlockingTxPort::write_or_drop(const PacketRef& packet) {
+  if (write_one(packet)) return;
+  const bool late = queue_.too_late(*packet.info, packet.bytes.size(), base::steady_now(), pacer_);
+  const DropCause why = writer_ ? DropCause::kStalled : DropCause::kClosed;
+  count_drop(*packet.info, late ? DropCause::kAge : why);
 }
 
 // @return true when the packet is gone, or begun with its rest in the tail
-bool BlockingTxPort::write_one(const PacketRef& packet, base::RunTime now) {
-  constexpr int kStep_ms = 100;
+bool BlockingTxPort::write_one(const PacketRef& packet) {
   bool begun = false;
-  for (int waited_ms = 0; waited_ms < kPatience_ms; waited_ms += kStep_ms) {
+  base::RunTime now = base::steady_now();
+  for (const base::RunTime deadline = now + kPatience; now < deadline; now = base::steady_now()) {
     if (!writer_ || broken()) return begun;
+    const bool still = stands_still(now);
     if (write_tail(now)) {
-      begun = begun || write_some({&packet, 1}, now) == 1;
+      if (begun) return true;
+      if (queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
+      begun = !still && write_some({&packet, 1}, now) == 1;
       if (begun && tail_.empty()) return true;
     }
+    if (still) tend_still_line(now);
+    // A line that stands still may have room, and must be looked at.
     pollfd room{writer_->descriptor(), POLLOUT, 0};
-    ::poll(&room, 1, kStep_ms);
+    ::poll(&room, still ? 0 : 1, still ? kLook_ms : kStep_ms);
   }
   return begun;
 }

@@ -22,8 +22,8 @@ class BlockingTxPort final : public TxPort {
   void carry_on(base::RunTime now) override;
 
  private:
-  void write_or_drop(const PacketRef& packet, base::RunTime now);
-  bool write_one(const PacketRef& packet, base::RunTime now);
+  void write_or_drop(const PacketRef& packet);
+  bool write_one(const PacketRef& packet);
 
   const LineDrain drain_;
 };

@@ -24,14 +24,16 @@ void Ingress::take(Parser& parser, std::span<const std::uint8_t> bytes, base::Ru
 }
 
 void Ingress::take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
-                            PeerId peer) {
+                            base::Duration waited) {
   parse_datagram(parser, bytes,
-                 [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
+                 [&](const mav::PacketView& packet) { take_packet(packet, now, {}, waited); });
 }
 
-void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, PeerId peer) {
+void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, PeerId peer,
+                          base::Duration waited) {
   if (!admit_packet(packet, now)) return;
-  const Route route = switchboard_.router().on_packet(link_, packet, now, peer);
+  Route route = switchboard_.router().on_packet(link_, packet, now, peer);
+  route.info.waited = waited;
   account(route, packet, now);
   if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
 }

@@ -29,8 +29,9 @@ class Ingress {
   void take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
             PeerId peer = {});
   /// One datagram: no packet spans two of them.
+  /// @param waited  how long it lay in the socket before `now`
   void take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
-                     PeerId peer = {});
+                     base::Duration waited = {});
   /// Finds the packets of one datagram that the link lets pass and calls on_packet for each.
   template <class OnPacket>
   void parse_datagram(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
@@ -43,7 +44,8 @@ class Ingress {
     parse(parser, bytes, on_packet);
   }
   /// One packet that is known to be whole.
-  void take_packet(const mav::PacketView& packet, base::RunTime now, PeerId peer = {});
+  void take_packet(const mav::PacketView& packet, base::RunTime now, PeerId peer = {},
+                   base::Duration waited = {});
   /// One packet of casd's own station for the vehicle at the end of these paths alone.
   void take_addressed(const mav::PacketView& packet, std::span<const Path> to, base::RunTime now);
   /// Hands the collected packets over: after each read.

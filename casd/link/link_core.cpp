@@ -22,7 +22,8 @@ double line_bytes_s(const LinkConfig& config) {
 LinkCore::LinkCore(LinkContext context)
     : context_(std::move(context)),
       ingress_(context_.id, context_.switchboard, context_.counters, context_.config.accept,
-               context_.signing) {}
+               context_.signing),
+      backoff_(context_.retry) {}
 
 void LinkCore::went_up(const std::string& endpoint) {
   if (was_up_) context_.counters->reconnects.add();

@@ -15,28 +15,36 @@
 
 namespace cas::casd {
 
-/// When to try again: after 50 ms, then twice as long each time, up to 1 s.
+/// How long a link waits before it tries again.
+struct RetryTimes {
+  base::Duration first = std::chrono::milliseconds(50);
+  base::Duration longest = std::chrono::seconds(1);
+};
+
+/// When to try again: after RetryTimes::first, then twice as long each time, up to `longest`.
 class Backoff {
  public:
-  static constexpr base::Duration kFirst = std::chrono::milliseconds(50);
-  static constexpr base::Duration kLongest = std::chrono::seconds(1);
+  explicit Backoff(RetryTimes times) : times_(times) {}
 
   bool due(base::RunTime now) const { return now >= next_; }
   base::RunTime next() const { return next_; }
   /// An attempt failed.
   void failed(base::RunTime now) {
     next_ = now + delay_;
-    delay_ = std::min(2 * delay_, kLongest);
+    delay_ = std::min(2 * delay_, times_.longest);
   }
+  /// There is reason to look at this moment.
+  void look_at(base::RunTime when) { next_ = when; }
   /// It worked, or there is reason to believe that it will.
   void reset() {
-    delay_ = kFirst;
+    delay_ = times_.first;
     next_ = base::RunTime{};
   }
 
  private:
+  RetryTimes times_;
   base::RunTime next_{};
-  base::Duration delay_ = kFirst;
+  base::Duration delay_ = times_.first;
 };
 
 /// What a link is made from.
@@ -49,6 +57,7 @@ struct LinkContext {
   std::function<void()> wake;            ///< wakes the thread of the link's loop
   bool blocking = false;                 ///< threads: blocking
   LineDrain drain = LineDrain();         ///< the same: how it waits for the line
+  RetryTimes retry = {};
 };
 
 /// What every kind of link does alike: state, back-off, the once-a-second chores.

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/tx_port.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
+#include "base/os/log.hpp"
+#include "casd/packet/setpoint_stream.hpp"
 #include "casd/signing/link_signing.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
@@ -16,12 +20,23 @@ std::int64_t ns(base::RunTime time) { return time.time_since_epoch().count(); }
 constexpr std::size_t kBatchBytes = 4096;
 constexpr std::size_t kBatchPackets = 64;
 
+// How long a line stands still before what its driver holds is thrown away, commands too: who sent
+// them has long sent them again.
+constexpr base::Duration kFlushAfter = std::chrono::seconds(1);
+// A reader that is only busy is no standstill.
+constexpr base::Duration kShortestStandstill = std::chrono::milliseconds(10);
+// A line that stands still is looked at after a sixteenth of the time that it has stood so far.
+constexpr int kLookDivisor = 16;
+constexpr base::Duration kShortestLook = std::chrono::milliseconds(1);
+constexpr base::Duration kLongestLook = std::chrono::milliseconds(50);
+
 }  // namespace
 
 TxPort::TxPort(const TxPortOptions& options, base::Duration pacer_slack,
                std::shared_ptr<LinkCounters> counters, std::function<void()> wake)
     : options_(options),
       pacer_slack_(pacer_slack),
+      standstill_(std::max(options.queue.hil_max_age, kShortestStandstill)),
       counters_(std::move(counters)),
       wake_(std::move(wake)),
       line_check_(options.flow_control),
@@ -36,6 +51,7 @@ void TxPort::attach(std::unique_ptr<PacketWriter> writer, bool has_rate) {
   writer_ = options_.signing ? options_.signing->wrap(std::move(writer)) : std::move(writer);
   pace(has_rate);
   line_check_.reset();
+  moves_again();
   broken_.store(false, std::memory_order_relaxed);
   open_.store(true, std::memory_order_release);
 }
@@ -112,6 +128,8 @@ std::size_t TxPort::write_some(std::span<const PacketRef> packets, base::RunTime
   if (result.part_of_next > 0) {
     const auto rest = packets[gone].bytes.subspan(result.part_of_next);
     tail_.assign(rest.begin(), rest.end());
+    tail_info_ = *packets[gone].info;
+    tail_spoilt_ = false;
     ++gone;
   }
   settle(packets.first(gone), result.unsignable, now);
@@ -127,6 +145,7 @@ std::size_t TxPort::write_some(std::span<const PacketRef> packets, base::RunTime
 
 bool TxPort::write_tail(base::RunTime now) {
   if (tail_.empty()) return true;
+  spoil_late_tail(now);
   const std::ptrdiff_t gone = writer_->write_rest(tail_);
   if (gone < 0) {
     broken_.store(true, std::memory_order_relaxed);
@@ -196,6 +215,7 @@ void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
     bytes += packet.bytes.size() + writer_->added_bytes();
     if (packet.info->message_id == mavlink::common::HilSensor::kId) pacer_.sent_sensor(now);
   }
+  if (still_since_ == base::RunTime{}) still_since_ = now;
   pacer_.sent(bytes, now);
   line_check_.wrote(now);
   counters_->count_sent(written, now, base::steady_now());
@@ -208,6 +228,74 @@ void TxPort::wait_for_room(base::RunTime now) {
   }
   busy_.store(true, std::memory_order_relaxed);
   wake_();
+}
+
+// A packet that was begun is finished, so that the next one is found; one that has become too old
+// meanwhile with a checksum that is wrong. (A signature is wrong by then anyway.)
+void TxPort::spoil_late_tail(base::RunTime now) {
+  if (tail_spoilt_ || writer_->added_bytes() > 0) return;
+  if (!queue_.too_late(tail_info_, tail_.size(), now, pacer_)) return;
+  tail_.back() ^= 0xFFU;
+  tail_spoilt_ = true;
+  count_drop(tail_info_, DropCause::kAge);
+}
+
+bool TxPort::stands_still(base::RunTime now) {
+  if (still_since_ == base::RunTime{}) return false;
+  if (!writer_->moved()) return now - still_since_ > standstill_;
+  if (flushed_) base::log::info("link " + counters_->name + ": moves again");
+  moves_again();
+  return false;
+}
+
+void TxPort::moves_again() {
+  still_since_ = {};
+  next_nudge_ = 2 * standstill_;
+  flushed_ = false;
+}
+
+base::RunTime TxPort::tend_still_line(base::RunTime now) {
+  const base::Duration still = now - still_since_;
+  if (!flushed_ && still > std::max(kFlushAfter, standstill_)) {
+    base::log::warn("link " + counters_->name + ": stands still, gets nothing until it moves");
+    writer_->flush();
+    if (!tail_.empty() && !tail_spoilt_) count_drop(tail_info_, DropCause::kStalled);
+    tail_.clear();
+    flushed_ = true;
+  }
+  if (still > next_nudge_ && tail_.empty()) {
+    writer_->nudge();
+    next_nudge_ = 2 * still;
+  }
+  return now + std::clamp(still / kLookDivisor, kShortestLook, kLongestLook);
+}
+
+std::span<const PacketRef> TxPort::worth_sending(std::span<const PacketRef> packets,
+                                                 base::RunTime now) {
+  const auto is_setpoint = [](const PacketRef& packet) {
+    return packet.info->traffic == TrafficClass::kSetpoint;
+  };
+  const bool waited = std::any_of(packets.begin(), packets.end(), [](const PacketRef& packet) {
+    return packet.info->waited > base::Duration{};
+  });
+  if (!waited && std::count_if(packets.begin(), packets.end(), is_setpoint) < 2) return packets;
+  worth_sending_.clear();
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    const PacketRef& packet = packets[i];
+    const auto takes_its_place = [&](const PacketRef& newer) {
+      return same_stream(*packet.info, *newer.info) &&
+             replaces(*packet.info, newer.bytes, packet.bytes);
+    };
+    const auto newer = packets.subspan(i + 1);
+    if (queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) {
+      count_drop(*packet.info, DropCause::kAge);
+    } else if (is_setpoint(packet) && std::any_of(newer.begin(), newer.end(), takes_its_place)) {
+      count_drop(*packet.info, DropCause::kSuperseded);
+    } else {
+      worth_sending_.push_back(packet);
+    }
+  }
+  return worth_sending_;
 }
 
 void TxPort::wait_for_line() {
@@ -224,8 +312,9 @@ void DirectTxPort::deliver(std::span<const PacketRef> packets, base::RunTime now
   if (!backlog_.load(std::memory_order_acquire)) {
     const std::unique_lock lock(writer_mutex_, std::try_to_lock);
     if (lock && !backlog_.load(std::memory_order_relaxed)) {
-      done = write_direct(packets, now);
-      if (done < packets.size()) enqueue(packets.subspan(done));
+      const std::span<const PacketRef> fresh = worth_sending(packets, now);
+      const std::size_t gone = write_direct(fresh, now);
+      if (gone < fresh.size()) enqueue(fresh.subspan(gone));
       done = packets.size();
     }
   }
@@ -258,7 +347,11 @@ bool DirectTxPort::held_by_pacer(base::RunTime now) const {
 
 // The lock is held and nothing waits. @return how many packets are gone (or begun)
 std::size_t DirectTxPort::write_direct(std::span<const PacketRef> packets, base::RunTime now) {
-  if (!writer_) return 0;
+  if (!writer_ || packets.empty()) return 0;
+  if (stands_still(now)) {
+    wait_for_reader(now);
+    return 0;
+  }
   if (!pacer_.limited()) return write_some(packets, now);
   std::size_t done = 0;
   while (done < packets.size() && line_ready(now)) {
@@ -273,7 +366,9 @@ void DirectTxPort::drain(base::RunTime now) {
   if (broken()) return;
   busy_.store(false, std::memory_order_relaxed);
   due_ns_.store(0, std::memory_order_relaxed);
-  if (!write_tail(now)) return wait_for_room(now);
+  if (!write_tail(now)) wait_for_room(now);
+  if (stands_still(now)) return wait_for_reader(now);
+  if (!tail_.empty()) return;
   drop_late_batch(now);
   while (take_batch(now)) {
     const std::span<const PacketRef> rest = std::span(batch_).subspan(batch_at_);
@@ -281,6 +376,11 @@ void DirectTxPort::drain(base::RunTime now) {
     if (batch_at_ < batch_.size() || !tail_.empty()) return;  // wait_for_room() was called
   }
   if (!busy_.load(std::memory_order_relaxed)) busy_since_ns_.store(0, std::memory_order_relaxed);
+}
+
+void DirectTxPort::wait_for_reader(base::RunTime now) {
+  due_ns_.store(ns(tend_still_line(now)), std::memory_order_relaxed);
+  wake_();
 }
 
 // Packets that were taken from the queue and found no room have aged since.

@@ -31,6 +31,9 @@ struct TxPortOptions {
 /// packets that wait for both. Whether a thread writes at once or waits for the line is decided by
 /// the class derived from it: DirectTxPort, BlockingTxPort.
 ///
+/// What was written can still grow old in the driver, or in the terminal of a reader that has
+/// stopped. So a line that stands still gets nothing more until it moves again.
+///
 /// Two locks: `writer_mutex_` guards what writes (descriptor, begun packet, pacer) and is held
 /// during the system call; `queue_mutex_` guards the queue and is held for a copy only.
 class TxPort : public PacketPort {
@@ -72,6 +75,14 @@ class TxPort : public PacketPort {
   void drop_all(DropCause cause);
   /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
   void wait_for_room(base::RunTime now);
+  /// Whether the other side has made no way for longer than a HIL packet is worth sending, although
+  /// it was given something. What is written then would only grow old where nobody can drop it.
+  bool stands_still(base::RunTime now);
+  /// Cares for a line that stands still. @return when to look at it again
+  base::RunTime tend_still_line(base::RunTime now);
+  /// Of packets that one read brought, those that are worth sending, in their order; good until the
+  /// next call.
+  std::span<const PacketRef> worth_sending(std::span<const PacketRef> packets, base::RunTime now);
 
   // From any thread:
   void enqueue(std::span<const PacketRef> packets);
@@ -80,6 +91,7 @@ class TxPort : public PacketPort {
 
   const TxPortOptions options_;
   const base::Duration pacer_slack_;
+  const base::Duration standstill_;  ///< longest that a line that lives leaves something unread
   const std::shared_ptr<LinkCounters> counters_;
   const std::function<void()> wake_;
 
@@ -90,6 +102,12 @@ class TxPort : public PacketPort {
   std::atomic<bool> capped_{false};  ///< the pacer holds to the topology's cap, not to the line
   LineCheck line_check_;
   std::vector<std::uint8_t> tail_;  ///< rest of a packet that was begun
+  PacketInfo tail_info_;
+  bool tail_spoilt_ = false;  ///< its checksum was made wrong
+  std::vector<PacketRef> worth_sending_;
+  base::RunTime still_since_{};  ///< when it was given what it has not taken; zero: nothing
+  base::Duration next_nudge_{};  ///< after so long a standstill
+  bool flushed_ = false;         ///< in this standstill
   std::vector<std::uint8_t> batch_bytes_;
   std::vector<PacketInfo> batch_infos_;
   std::vector<PacketRef> batch_;  ///< taken from the queue, about to be written
@@ -111,6 +129,8 @@ class TxPort : public PacketPort {
   void settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
               base::RunTime now);
   void account(std::span<const PacketRef> written, base::RunTime now);
+  void spoil_late_tail(base::RunTime now);
+  void moves_again();
   void wait_for_line();
 };
 
@@ -137,6 +157,7 @@ class DirectTxPort final : public TxPort {
   std::size_t write_direct(std::span<const PacketRef> packets, base::RunTime now);
   void pump(base::RunTime now);
   void drain(base::RunTime now);
+  void wait_for_reader(base::RunTime now);
   void drop_late_batch(base::RunTime now);
   bool held_by_pacer(base::RunTime now) const;
 };

@@ -23,27 +23,30 @@ constexpr ClassTable make_class_table() {
   ClassTable table{};
   for (TrafficClass& entry : table) entry = TrafficClass::kTelemetry;
   constexpr auto kCommand = TrafficClass::kCommand;
-  mark(table, 0, 0, kCommand);                // HEARTBEAT
-  mark(table, 2, 2, kCommand);                // SYSTEM_TIME
-  mark(table, 4, 7, kCommand);                // PING, CHANGE_OPERATOR_CONTROL, its ACK, AUTH_KEY
-  mark(table, 11, 11, kCommand);              // SET_MODE
-  mark(table, 20, 23, kCommand);              // PARAM_*
-  mark(table, 37, 55, kCommand);              // MISSION_* and its relatives
-  mark(table, 66, 70, kCommand);              // data streams, MANUAL_CONTROL, RC override
-  mark(table, 73, 77, kCommand);              // MISSION_ITEM_INT, COMMAND_INT, _LONG, _ACK
-  mark(table, 80, 80, kCommand);              // COMMAND_CANCEL
-  mark(table, 82, 82, kCommand);              // SET_ATTITUDE_TARGET
-  mark(table, 84, 84, kCommand);              // SET_POSITION_TARGET_LOCAL_NED
-  mark(table, 86, 86, kCommand);              // SET_POSITION_TARGET_GLOBAL_INT
-  mark(table, 110, 111, kCommand);            // FILE_TRANSFER_PROTOCOL, TIMESYNC
-  mark(table, 117, 122, kCommand);            // LOG_* transfer
-  mark(table, 126, 126, kCommand);            // SERIAL_CONTROL
-  mark(table, 148, 148, kCommand);            // AUTOPILOT_VERSION
-  mark(table, 242, 243, kCommand);            // HOME_POSITION, SET_HOME_POSITION
-  mark(table, 253, 253, kCommand);            // STATUSTEXT
-  mark(table, 256, 256, kCommand);            // SETUP_SIGNING
-  mark(table, 300, 300, kCommand);            // PROTOCOL_VERSION
-  mark(table, 320, 324, kCommand);            // PARAM_EXT_*
+  mark(table, 0, 0, kCommand);      // HEARTBEAT
+  mark(table, 2, 2, kCommand);      // SYSTEM_TIME
+  mark(table, 4, 7, kCommand);      // PING, CHANGE_OPERATOR_CONTROL, its ACK, AUTH_KEY
+  mark(table, 11, 11, kCommand);    // SET_MODE
+  mark(table, 20, 23, kCommand);    // PARAM_*
+  mark(table, 37, 55, kCommand);    // MISSION_* and its relatives
+  mark(table, 66, 67, kCommand);    // data streams
+  mark(table, 73, 77, kCommand);    // MISSION_ITEM_INT, COMMAND_INT, _LONG, _ACK
+  mark(table, 80, 80, kCommand);    // COMMAND_CANCEL
+  mark(table, 110, 111, kCommand);  // FILE_TRANSFER_PROTOCOL, TIMESYNC
+  mark(table, 117, 122, kCommand);  // LOG_* transfer
+  mark(table, 126, 126, kCommand);  // SERIAL_CONTROL
+  mark(table, 148, 148, kCommand);  // AUTOPILOT_VERSION
+  mark(table, 242, 243, kCommand);  // HOME_POSITION, SET_HOME_POSITION
+  mark(table, 253, 253, kCommand);  // STATUSTEXT
+  mark(table, 256, 256, kCommand);  // SETUP_SIGNING
+  mark(table, 300, 300, kCommand);  // PROTOCOL_VERSION
+  mark(table, 320, 324, kCommand);  // PARAM_EXT_*
+  constexpr auto kSetpoint = TrafficClass::kSetpoint;
+  mark(table, 69, 70, kSetpoint);             // MANUAL_CONTROL, RC_CHANNELS_OVERRIDE
+  mark(table, 82, 82, kSetpoint);             // SET_ATTITUDE_TARGET
+  mark(table, 84, 84, kSetpoint);             // SET_POSITION_TARGET_LOCAL_NED
+  mark(table, 86, 86, kSetpoint);             // SET_POSITION_TARGET_GLOBAL_INT
+  mark(table, 139, 139, kSetpoint);           // SET_ACTUATOR_CONTROL_TARGET
   mark(table, 90, 93, TrafficClass::kHil);    // HIL_STATE .. HIL_ACTUATOR_CONTROLS
   mark(table, 107, 107, TrafficClass::kHil);  // HIL_SENSOR
   mark(table, 114, 115, TrafficClass::kHil);  // HIL_OPTICAL_FLOW, HIL_STATE_QUATERNION
@@ -69,6 +72,8 @@ std::string_view to_string(TrafficClass traffic) {
       return "hil";
     case TrafficClass::kGps:
       return "gps";
+    case TrafficClass::kSetpoint:
+      return "setpoint";
     case TrafficClass::kTelemetry:
       return "telemetry";
   }

@@ -17,9 +17,10 @@ enum class TrafficClass : std::uint8_t {
   kCommand,    ///< commands, parameters, missions, file transfer, heartbeats, time: never lost
   kHil,        ///< the HIL loop's sensor and actuator packets: worthless when late
   kGps,        ///< slow sensors of the HIL loop: worth more than one packet of the fast ones
+  kSetpoint,   ///< sticks and targets that are streamed: only the newest is worth anything
   kTelemetry,  ///< everything else: yields
 };
-inline constexpr int kTrafficClasses = 4;
+inline constexpr int kTrafficClasses = 5;
 
 /// The class of a message by its id; ids that no public dialect knows are telemetry.
 TrafficClass classify(std::uint32_t message_id);
@@ -61,6 +62,7 @@ struct PacketInfo {
   std::uint32_t from_serial = 0;     ///< serial number of that peer
   std::uint32_t to_serial = 0;       ///< the one peer of a server link that may get it; 0: any
   base::RunTime received;            ///< when the link read it
+  base::Duration waited{};           ///< before that, in the socket; 0 while casd keeps up
   std::uint64_t hil_time_usec = 0;   ///< stamp of HIL_SENSOR, HIL_GPS and the controls; else 0
 };
 

@@ -43,6 +43,13 @@ class PacketWriter {
   virtual std::size_t added_bytes() const { return 0; }
   /// Bytes that were written and have not left this machine; 0 where the driver cannot tell.
   virtual std::size_t unsent() const { return 0; }
+  /// Whether the other side has made way since the last call: it has read what was written, or some
+  /// of it has left this machine. True where nobody can tell.
+  virtual bool moved() { return true; }
+  /// Makes a line move again that only seems to stand still: at the end of a packet.
+  virtual void nudge() {}
+  /// Throws away what the driver still holds.
+  virtual void flush() {}
   /// What to wait on when it takes no more.
   virtual int descriptor() const = 0;
 };

@@ -8,30 +8,21 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <string_view>
 
 #include "base/time/clock.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/packet/packet_ring.hpp"
+#include "casd/queue/drop_cause.hpp"
 #include "casd/queue/line_timing.hpp"
+#include "casd/queue/newest_setpoints.hpp"
 
 namespace cas::casd {
-
-/// Why a packet did not go out.
-enum class DropCause : std::uint8_t {
-  kAge,         ///< would have arrived too late to be worth anything
-  kBandwidth,   ///< too late as well, because of the cap that the topology sets
-  kQueueFull,   ///< its class, or the socket, had no room left
-  kClosed,      ///< the link was away, or came back and what waited was stale
-  kStalled,     ///< the peer stopped reading and was closed
-  kUnsignable,  ///< its checksum fits no message, so that it cannot be signed
-};
-inline constexpr int kDropCauses = 6;
-std::string_view to_string(DropCause cause);
 
 struct TxQueueOptions {
   base::Duration hil_max_age = std::chrono::milliseconds(25);
   base::Duration gps_max_age = std::chrono::milliseconds(400);
+  /// The time after which PX4 takes sticks for lost.
+  base::Duration setpoint_max_age = std::chrono::milliseconds(500);
   base::Duration telemetry_max_age = std::chrono::seconds(1);
   std::size_t command_bytes = 256 * 1024;
   std::size_t hil_bytes = 1024 * 1024;
@@ -47,10 +38,11 @@ struct TxQueueOptions {
 ///   hil        FIFO; dropped only when it could no longer arrive within its age limit (or, as the
 ///              last resort, the oldest for lack of memory)
 ///   gps        the same with a longer limit
+///   setpoint   the newest of each stream only, dropped like hil with a longer limit
 ///   telemetry  goes when nothing else waits; old ones make room for new ones
 ///
-/// Command, hil and gps share the line by bytes, 4 : 8 : 2 while all of them wait (fair queueing by
-/// virtual time): none starves another, and who has waited little goes first.
+/// Command, hil, gps and setpoint share the line by bytes, 4 : 8 : 2 : 4 while all of them wait
+/// (fair queueing by virtual time): none starves another, and who has waited little goes first.
 class TxQueue {
  public:
   using OnDrop = std::function<void(const PacketInfo&, DropCause)>;
@@ -59,8 +51,8 @@ class TxQueue {
 
   /// Copies the packet in. @return false when it was refused (and counted)
   bool push(const PacketInfo& info, std::span<const std::uint8_t> bytes);
-  /// The packet whose turn it is, taken out; its bytes hold until the next push. Packets that would
-  /// arrive too late over `line` are dropped on the way.
+  /// The packet whose turn it is, taken out; its bytes hold until the next push or pop. Packets
+  /// that would arrive too late over `line` are dropped on the way.
   std::optional<QueuedPacket> pop(base::RunTime now, const LinePacer& line);
   /// Drops everything: the link went away.
   void clear(DropCause cause);
@@ -76,6 +68,8 @@ class TxQueue {
  private:
   void drop_late(base::RunTime now, const LinePacer& line);
   std::optional<TrafficClass> next_class() const;
+  bool waits(TrafficClass traffic) const;
+  QueuedPacket take(TrafficClass traffic);
   void drop_front(TrafficClass traffic, DropCause cause);
   PacketRing& ring(TrafficClass traffic) { return rings_[static_cast<std::size_t>(traffic)]; }
   const PacketRing& ring(TrafficClass traffic) const {
@@ -84,7 +78,8 @@ class TxQueue {
 
   TxQueueOptions options_;
   OnDrop on_drop_;
-  std::array<PacketRing, kTrafficClasses> rings_;
+  std::array<PacketRing, kTrafficClasses> rings_;  ///< that of the setpoints stays empty
+  NewestSetpoints setpoints_;
   std::array<double, kTrafficClasses> virtual_time_{};
   double virtual_now_ = 0;
   std::size_t high_water_ = 0;

@@ -26,6 +26,12 @@ class SigningWriter final : public PacketWriter {
   std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) override;
   int descriptor() const override { return writer_->descriptor(); }
   std::size_t unsent() const override { return writer_->unsent(); }
+  bool moved() override { return writer_->moved(); }
+  void nudge() override { writer_->nudge(); }
+  void flush() override {
+    rest_.clear();
+    writer_->flush();
+  }
   std::size_t added_bytes() const override { return mav::kSignatureBytes; }
 
  private:

@@ -103,6 +103,7 @@ void parse_queue(const base::ConfigNode& node, TxQueueOptions& queue) {
   };
   queue.hil_max_age = ms("hil_max_age_ms", queue.hil_max_age);
   queue.gps_max_age = ms("gps_max_age_ms", queue.gps_max_age);
+  queue.setpoint_max_age = ms("setpoint_max_age_ms", queue.setpoint_max_age);
   queue.telemetry_max_age = ms("telemetry_max_age_ms", queue.telemetry_max_age);
   queue.command_bytes = kib("command_kib", queue.command_bytes);
   queue.hil_bytes = kib("hil_kib", queue.hil_bytes);

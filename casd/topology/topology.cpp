@@ -323,7 +323,8 @@ void Topology::set_lockstep() {
   pace = Pace::kLockstep;
   for (LinkConfig& link : links) {
     link.pace = false;
-    link.queue.hil_max_age = link.queue.gps_max_age = link.queue.telemetry_max_age = kNever;
+    link.queue.hil_max_age = link.queue.gps_max_age = kNever;
+    link.queue.setpoint_max_age = link.queue.telemetry_max_age = kNever;
   }
 }
 

@@ -7,14 +7,14 @@
 #include <linux/serial.h>
 #include <poll.h>
 #include <sys/file.h>
-#include <sys/inotify.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -27,6 +27,8 @@ namespace {
 constexpr std::size_t kReadBytes = 16 * 1024;
 // threads: blocking gives up on the rest of a packet after this silence.
 constexpr int kBlockingPatience_ms = 20;
+// A line that breaks sooner is not looked at again before: it may break each time.
+constexpr base::Duration kLeastUptime = std::chrono::milliseconds(50);
 
 struct SerialOptions {
   unsigned baud = 0;  ///< any rate; 0 leaves the driver's
@@ -90,35 +92,12 @@ bool is_pseudo_terminal(int fd) {
 
 }  // namespace
 
-void PathWatch::arm() {
-  inotify_.reset();
-  inotify_ = base::Descriptor(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
-  if (!inotify_) return;
-  constexpr std::uint32_t kEvents =
-      IN_CREATE | IN_MOVED_TO | IN_ATTRIB | IN_DELETE_SELF | IN_MOVE_SELF | IN_ONLYDIR;
-  std::error_code ignored;
-  std::filesystem::path folder = std::filesystem::absolute(path_, ignored).parent_path();
-  while (::inotify_add_watch(inotify_.get(), folder.c_str(), kEvents) < 0) {
-    if (folder == folder.parent_path()) return;
-    folder = folder.parent_path();
-  }
-}
-
-bool PathWatch::take_changes() {
-  alignas(inotify_event) std::array<char, 4096> events;
-  bool any = false;
-  while (inotify_ && ::read(inotify_.get(), events.data(), events.size()) > 0) any = true;
-  return any;
-}
-
 SerialLink::SerialLink(LinkContext context)
     : core_(std::move(context)),
       port_(core_.make_port()),
       path_watch_(core_.config().device),
       parser_(make_parser()),
-      buffer_(kReadBytes) {
-  path_watch_.arm();
-}
+      buffer_(kReadBytes) {}
 
 void SerialLink::watch(PollSet& set, base::RunTime) {
   if (fd_ < 0) {
@@ -143,20 +122,23 @@ void SerialLink::serve(const PollSet& set, base::RunTime now) {
   }
   if (fd_ >= 0 && port_->broken()) close("writing failed", now);
   if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
-  if (core_.second_due(now)) core_.on_second(now);
+  if (!core_.second_due(now)) return;
+  core_.on_second(now);
+  if (fd_ >= 0 && port_->wants_room()) port_->carry_on(now);  // it may stand still for good
 }
 
 void SerialLink::open(base::RunTime now) {
   const LinkConfig& config = core_.config();
   std::string error;
-  base::Descriptor line =
-      open_serial(config.device, {.baud = config.baud, .flow_control = config.flow_control}, error);
-  if (!line) {
-    path_watch_.arm();  // before the next try: nothing that comes in between is missed
-    return core_.went_down(error, now);
-  }
-  path_watch_.disarm();
+  base::Descriptor line;
+  const bool found = path_watch_.found_by([&] {
+    line = open_serial(config.device, {.baud = config.baud, .flow_control = config.flow_control},
+                       error);
+    return static_cast<bool>(line);
+  });
+  if (!found) return core_.went_down(error, now);
   fd_ = line.get();
+  opened_at_ = now;
   parser_.reset();
   const bool pty = is_pseudo_terminal(fd_);
   const auto kind = pty ? StreamWriter::Kind::kPseudoTerminal : StreamWriter::Kind::kSerial;
@@ -199,8 +181,9 @@ void SerialLink::read_blocking(base::RunTime now) {
 void SerialLink::close(const std::string& reason, base::RunTime now) {
   fd_ = -1;
   port_->detach();
-  path_watch_.arm();
   core_.went_down(reason, now);
+  // It may be back before anybody watched.
+  core_.backoff().look_at(std::max(now, opened_at_ + kLeastUptime));
 }
 
 }  // namespace cas::casd

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/transport/stream_writer.hpp"
 
+#include <sys/epoll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
+#include <termios.h>
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
+#include <utility>
 
 namespace cas::casd {
 namespace {
@@ -48,6 +52,29 @@ std::size_t gather(std::span<const PacketRef> packets, std::array<iovec, kMaxPar
 
 }  // namespace
 
+ReaderWatch::ReaderWatch(int fd) : epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
+  epoll_event edges{};
+  edges.events = EPOLLOUT | EPOLLET;
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &edges);
+  take_edge();
+}
+
+bool ReaderWatch::has_read() {
+  const bool read = take_edge();
+  tells_ = tells_ || read;
+  return read || !tells_;
+}
+
+bool ReaderWatch::take_edge() {
+  epoll_event edge{};
+  return ::epoll_wait(epoll_.get(), &edge, 1, 0) == 1;
+}
+
+StreamWriter::StreamWriter(base::Descriptor descriptor, Kind kind)
+    : descriptor_(std::move(descriptor)), kind_(kind) {
+  if (kind_ == Kind::kPseudoTerminal) reader_.emplace(descriptor_.get());
+}
+
 WriteResult StreamWriter::write(std::span<const PacketRef> packets) {
   WriteResult result;
   while (result.packets < packets.size()) {
@@ -87,6 +114,35 @@ std::size_t StreamWriter::unsent() const {
   return kind_ == Kind::kSerial ? unsent_bytes(descriptor_.get()) : 0;
 }
 
+bool StreamWriter::moved() {
+  if (std::exchange(made_room_, false)) return true;
+  if (reader_) return reader_->has_read();
+  return kind_ != Kind::kSerial || driver_moved();
+}
+
+// Whether the driver has got rid of anything since the last look; one that always says the same
+// has.
+bool StreamWriter::driver_moved() {
+  const std::size_t held = unsent_bytes(descriptor_.get());
+  const bool moved = held == 0 || held < held_ + written_;
+  held_ = held;
+  written_ = 0;
+  return moved;
+}
+
+// A zero begins no packet: every receiver skips it.
+void StreamWriter::nudge() {
+  std::uint8_t zero = 0;
+  write_rest({&zero, 1});
+}
+
+void StreamWriter::flush() {
+  ::tcflush(descriptor_.get(), TCOFLUSH);
+  held_ = written_ = 0;
+  full_ = made_room_ = false;
+  nudge();
+}
+
 // @return bytes gone, 0 when there is no room, -1 when the descriptor is of no more use
 std::ptrdiff_t StreamWriter::write_vector(iovec* parts, std::size_t count) {
   std::ptrdiff_t gone = 0;
@@ -100,7 +156,16 @@ std::ptrdiff_t StreamWriter::write_vector(iovec* parts, std::size_t count) {
   } else {
     gone = ::writev(descriptor_.get(), parts, static_cast<int>(count));
   }
-  if (gone >= 0) return gone;
+  if (gone >= 0) {
+    std::size_t wanted = 0;
+    for (std::size_t i = 0; i < count; ++i) wanted += parts[i].iov_len;
+    made_room_ = made_room_ || (full_ && gone > 0);
+    full_ = static_cast<std::size_t>(gone) < wanted;
+    written_ += static_cast<std::size_t>(gone);
+    if (reader_) reader_->wrote();
+    return gone;
+  }
+  full_ = true;
   return is_transient(errno) ? 0 : -1;
 }
 

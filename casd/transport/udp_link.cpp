@@ -267,7 +267,7 @@ void UdpLink::read(base::RunTime now) {
     if (count < 0) return close(error_text(errno), now);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       if (is_own(i)) continue;
-      core_.ingress().take_datagram(parser_, reader_.datagram(i), now);
+      core_.ingress().take_datagram(parser_, reader_.datagram(i), now, reader_.waited(i));
     }
     core_.ingress().deliver(now);
     if (reader_.kernel_drops() != drops_seen_) {
@@ -356,7 +356,7 @@ void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
     if (!peer) peer = admit(index, now);
     if (!peer) return core_.counters().rx.foreign.add();
     peers_->table.heard(*peer, packet.source, now);
-    core_.ingress().take_packet(packet, now, peers_->table.id(*peer));
+    core_.ingress().take_packet(packet, now, peers_->table.id(*peer), reader_.waited(index));
   };
   core_.ingress().parse_datagram(parser_, reader_.datagram(index), on_packet);
 }

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 namespace cas::casd {
@@ -60,6 +62,23 @@ iovec part_of(const PacketRef& packet) {
 // Room for some 2700 small datagrams: what a flood brings while a thread is not scheduled. It is
 // emptied faster than any sender fills it, so nothing in it grows old.
 constexpr int kReceiveBuffer_bytes = 2 * 1024 * 1024;
+
+base::Duration as_duration(const timespec& time) {
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+// The control message of this type that came with a datagram.
+template <class Value>
+std::optional<Value> control_value(const msghdr& header, int type) {
+  auto& items = const_cast<msghdr&>(header);  // CMSG_NXTHDR only reads
+  for (cmsghdr* item = CMSG_FIRSTHDR(&items); item != nullptr; item = CMSG_NXTHDR(&items, item)) {
+    if (item->cmsg_level != SOL_SOCKET || item->cmsg_type != type) continue;
+    Value value;
+    std::memcpy(&value, CMSG_DATA(item), sizeof value);
+    return value;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -167,6 +186,7 @@ int DatagramReader::read(int fd) {
   const int count = ::recvmmsg(fd, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
   if (count > 0) {
     note_drops(messages_[static_cast<std::size_t>(count) - 1].msg_hdr);
+    note_wait();
     return count;
   }
   // A peer that is not there (yet) answers our packets with refusals: no trouble of the socket.
@@ -179,12 +199,22 @@ std::span<const std::uint8_t> DatagramReader::datagram(std::size_t index) const 
   return {bytes_.data() + index * kMaxDatagram, messages_[index].msg_len};
 }
 
-void DatagramReader::note_drops(msghdr& header) {
-  for (cmsghdr* item = CMSG_FIRSTHDR(&header); item != nullptr; item = CMSG_NXTHDR(&header, item)) {
-    if (item->cmsg_level == SOL_SOCKET && item->cmsg_type == SO_RXQ_OVFL) {
-      std::memcpy(&kernel_drops_, CMSG_DATA(item), sizeof kernel_drops_);
-    }
-  }
+void DatagramReader::note_drops(const msghdr& header) {
+  if (const auto drops = control_value<std::uint32_t>(header, SO_RXQ_OVFL)) kernel_drops_ = *drops;
+}
+
+// The first one has waited longest.
+void DatagramReader::note_wait() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  read_at_ = as_duration(now);
+  late_ = wait_of(0) > kPrompt;
+}
+
+base::Duration DatagramReader::wait_of(std::size_t index) const {
+  const auto stamp = control_value<timespec>(messages_[index].msg_hdr, SCM_TIMESTAMPNS);
+  if (!stamp) return {};
+  return std::max(read_at_ - as_duration(*stamp), base::Duration{});
 }
 
 int open_udp_socket(int family, const std::string& interface) {
@@ -192,6 +222,7 @@ int open_udp_socket(int family, const std::string& interface) {
   if (fd < 0) return -1;
   const int on = 1;
   ::setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
+  ::setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   const int size = kReceiveBuffer_bytes;
   if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &size, sizeof size) != 0) {
     ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, sizeof size);

@@ -4,14 +4,17 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
+#include <time.h>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/time/clock.hpp"
 #include "casd/packet/packet_port.hpp"
 
 namespace cas::casd {
@@ -21,6 +24,8 @@ class DatagramReader {
  public:
   static constexpr std::size_t kBatch = 32;
   static constexpr std::size_t kMaxDatagram = 4096;
+  /// A shorter wait in the socket is the machine's, and not told.
+  static constexpr base::Duration kPrompt = std::chrono::milliseconds(5);
 
   DatagramReader();
   /// @return how many came; 0: none waits; -1 with errno: the socket is of no more use
@@ -28,24 +33,35 @@ class DatagramReader {
   std::span<const std::uint8_t> datagram(std::size_t index) const;
   const sockaddr_storage& sender(std::size_t index) const { return senders_[index]; }
   socklen_t sender_size(std::size_t index) const { return messages_[index].msg_hdr.msg_namelen; }
+  /// How long the datagram lay in the socket, by the kernel's stamp; 0 when all came promptly. The
+  /// stamp is wall-clock time: a step of that clock misjudges what lies in the socket just then.
+  base::Duration waited(std::size_t index) const {
+    return late_ ? wait_of(index) : base::Duration{};
+  }
   /// Datagrams that the kernel has thrown away for lack of room since the socket was opened.
   std::uint32_t kernel_drops() const { return kernel_drops_; }
   void reset() { kernel_drops_ = 0; }
 
  private:
-  void note_drops(msghdr& header);
+  void note_drops(const msghdr& header);
+  void note_wait();
+  base::Duration wait_of(std::size_t index) const;
 
-  static constexpr std::size_t kControlBytes = CMSG_SPACE(sizeof(std::uint32_t));
+  static constexpr std::size_t kControlBytes =
+      CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(timespec));
   std::vector<std::uint8_t> bytes_;
   std::array<mmsghdr, kBatch> messages_{};
   std::array<iovec, kBatch> parts_{};
   std::array<sockaddr_storage, kBatch> senders_{};
   alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
   std::uint32_t kernel_drops_ = 0;
+  base::Duration read_at_{};  ///< wall-clock time
+  bool late_ = false;         ///< the oldest one had waited
 };
 
 /// Opens a UDP socket for `family`: non-blocking, close-on-exec, a receive buffer for some 40 ms of
-/// flood, drops counted. @param interface  device to bind to, or empty. @return -1 with errno
+/// flood, drops counted, datagrams stamped. @param interface  device to bind to, or empty. @return
+/// -1 with errno
 int open_udp_socket(int family, const std::string& interface);
 
 /// Sends packets over a UDP socket, one datagram each, in as few system calls as it can: runs of

@@ -105,6 +105,8 @@ std::string drop_words(casd::DropCause cause) {
       return "the peer stopped reading";
     case casd::DropCause::kUnsignable:
       return "casd could not sign it";
+    case casd::DropCause::kSuperseded:
+      return "a newer setpoint took its place";
   }
   return "?";
 }

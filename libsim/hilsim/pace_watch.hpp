@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string>
 
@@ -34,12 +35,8 @@ class PaceWatch {
     if (!slow && static_cast<double>(late) <= kMostLate * static_cast<double>(steps)) {
       return std::nullopt;
     }
-    char line[120];
-    std::snprintf(line, sizeof line,
-                  "falls behind: %.2f x real time, %llu of %llu steps late in the last %.0f s", factor,
-                  static_cast<unsigned long long>(late), static_cast<unsigned long long>(steps),
-                  wall_s);
-    return line;
+    return fmt::format("falls behind: {:.2f} x real time, {} of {} steps late in the last {:.0f} s",
+                       factor, late, steps, wall_s);
   }
 
  private:

@@ -52,8 +52,8 @@ std::vector<std::uint64_t> numbers(const PacketStream& stream, std::uint32_t mes
 
 CasdFixture::CasdFixture() : fcu(folder / "fcu0") {}
 
-void CasdFixture::start(const std::string& yaml) {
-  links_ = std::make_unique<casd::LinkSet>(parse(yaml));
+void CasdFixture::start(const std::string& yaml, casd::RetryTimes retry) {
+  links_ = std::make_unique<casd::LinkSet>(parse(yaml), retry);
   links_->start();
   if (!wait_until([&] { return links_->settled(); })) throw std::runtime_error("links hang");
   for (const auto& link : links_->figures().links()) {

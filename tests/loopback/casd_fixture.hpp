@@ -33,7 +33,7 @@ class CasdFixture {
 
   /// Starts with this topology. "$SIM", "$FCU" and "$DIR" stand for the simulator's address, the
   /// controller's device and a temporary folder.
-  void start(const std::string& yaml);
+  void start(const std::string& yaml, casd::RetryTimes retry = {});
   std::string expand(std::string yaml) const;
   casd::Topology parse(const std::string& yaml) const;
 

@@ -274,6 +274,8 @@ constexpr LinkCase kLinkKeys[] = {
      "name: x, type: udp, local: '127.0.0.1:0', queue: {hil_max_age_ms: 9}"},
     {"queue.gps_max_age_ms", kUdpLink,
      "name: x, type: udp, local: '127.0.0.1:0', queue: {gps_max_age_ms: 9}"},
+    {"queue.setpoint_max_age_ms", kUdpLink,
+     "name: x, type: udp, local: '127.0.0.1:0', queue: {setpoint_max_age_ms: 9}"},
     {"queue.telemetry_max_age_ms", kUdpLink,
      "name: x, type: udp, local: '127.0.0.1:0', queue: {telemetry_max_age_ms: 9}"},
     {"queue.command_kib", kUdpLink,

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include <algorithm>
+#include <chrono>
+#include <vector>
 
 #include "tests/loopback/casd_fixture.hpp"
 
@@ -53,6 +56,50 @@ TEST(CasdReopen, SerialLineSurvivesBeingPulledUnderLoadManyTimes) {
   // Cut packets can only stand where a line was cut; each new line begins with a whole one.
   const auto seen = numbers(fixture.at_fcu, kHilSensor);
   EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+}
+
+TEST(CasdReopen, FindsItsDeviceByBeingToldFiftyTimes) {
+  // Whoever must try again to find it comes a minute late.
+  const casd::RetryTimes never{std::chrono::minutes(1), std::chrono::minutes(1)};
+  constexpr int kReplugs = 50;
+  // A line that lasted no longer is left alone for a moment.
+  constexpr auto kLasts = std::chrono::milliseconds(60);
+  CasdFixture fixture;
+  fixture.start(kHilTopology, never);
+  ASSERT_TRUE(is_up(fixture, "fcu"));
+  std::vector<base::Duration> times;
+  std::uint64_t number = 0;
+  std::uint64_t stale = 0;
+  base::RunTime up = base::steady_now();
+  for (int round = 1; round <= kReplugs; ++round) {
+    ASSERT_TRUE(wait_until([&] { return base::steady_now() - up > kLasts; }));
+    fixture.fcu.hang_up();
+    fixture.sim.send(fixture.from_sim(hil_sensor(++number)));
+    const std::uint64_t last_before = number;
+    fixture.fcu.come_back();  // made under another name and renamed, as udev does it
+    const base::RunTime back = base::steady_now();
+    while (!is_up(fixture, "fcu") || fixture.status("fcu").reconnects < std::uint64_t(round)) {
+      ASSERT_LT(base::steady_now() - back, std::chrono::seconds(20)) << "round " << round;
+      ::poll(nullptr, 0, 1);
+    }
+    up = base::steady_now();
+    times.push_back(up - back);
+    fixture.sim.send(fixture.from_sim(hil_sensor(++number)));
+    ASSERT_TRUE(fixture.collect_until([&] {
+      const auto seen = numbers(fixture.at_fcu, kHilSensor);
+      return !seen.empty() && seen.back() == number;
+    })) << "round "
+        << round;
+    for (const std::uint64_t seen : numbers(fixture.at_fcu, kHilSensor)) {
+      stale += seen <= last_before ? 1 : 0;
+    }
+    fixture.at_fcu.packets().clear();
+  }
+  EXPECT_EQ(stale, 0U);
+  std::sort(times.begin(), times.end());
+  const auto us = [](base::Duration time) { return static_cast<int>(time.count() / 1000); };
+  RecordProperty("replug_p50_us", us(times[times.size() / 2]));
+  RecordProperty("replug_max_us", us(times.back()));
 }
 
 TEST(CasdReopen, StartsWithoutTheDevice) {

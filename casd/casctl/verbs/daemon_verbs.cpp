@@ -124,6 +124,7 @@ std::string cause_text(const std::string& cause) {
   if (cause == "queue_full") return "no room in its queue: the line is too slow or stands still";
   if (cause == "closed") return "the link was away";
   if (cause == "stalled") return "the peer stopped reading and was closed";
+  if (cause == "superseded") return "a newer setpoint of its stream took its place while it waited";
   if (cause == "unsignable") return "damaged before it came here: its checksum fits no message";
   if (cause == "no_rule") return "no route lets it go anywhere (see casctl routes)";
   if (cause == "no_target") return "addressed to a system that was never heard";

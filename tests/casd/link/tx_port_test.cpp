@@ -21,6 +21,10 @@ struct FakeLine {
   std::size_t room = 1'000'000;        ///< bytes that it takes
   std::size_t unsent = 0;              ///< what the driver says
   std::size_t bytes = 0;
+  std::vector<std::uint8_t> last;  ///< bytes of the last call
+  bool moves = true;               ///< the other side reads
+  int nudges = 0;
+  int flushes = 0;
 };
 
 class FakeWriter final : public PacketWriter {
@@ -45,9 +49,13 @@ class FakeWriter final : public PacketWriter {
     const std::size_t taken = std::min(line_.room, rest.size());
     line_.room -= taken;
     line_.bytes += taken;
+    line_.last.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(taken));
     return static_cast<std::ptrdiff_t>(taken);
   }
   std::size_t unsent() const override { return line_.unsent; }
+  bool moved() override { return line_.moves; }
+  void nudge() override { ++line_.nudges; }
+  void flush() override { ++line_.flushes; }
   int descriptor() const override { return -1; }
 
  private:
@@ -136,7 +144,93 @@ TEST_F(TxPortTest, WhatAgedInABatchThatFoundNoRoomIsDropped) {
   port->carry_on(at(milliseconds(100)));
   EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 2, 3, 12}));
   EXPECT_EQ(line.bytes, 400U);  // the packet that was begun is finished
-  EXPECT_EQ(dropped(DropCause::kAge), 8U);
+  EXPECT_EQ(line.last.back(), 0xFF) << "but with a wrong checksum: it is too old as well";
+  EXPECT_EQ(dropped(DropCause::kAge), 9U);
+}
+
+TEST_F(TxPortTest, FinishesAPacketThatIsStillWorthIt) {
+  open({});
+  line.room = 150;
+  deliver(TrafficClass::kHil, 2, at({}));
+  line.room = 1'000'000;
+  port->carry_on(at(milliseconds(5)));
+  EXPECT_EQ(line.bytes, 200U);
+  EXPECT_EQ(line.last.back(), 0);
+  EXPECT_EQ(dropped(DropCause::kAge), 0U);
+}
+
+TEST_F(TxPortTest, GivesNothingToALineThatStandsStill) {
+  open({});
+  line.moves = false;
+  deliver(TrafficClass::kHil, 1, at({}));
+  deliver(TrafficClass::kHil, 1, at(milliseconds(25)));
+  EXPECT_EQ(line.written.size(), 2U) << "a reader may be busy for so long";
+  deliver(TrafficClass::kHil, 1, at(milliseconds(27)));
+  deliver(TrafficClass::kCommand, 1, at(milliseconds(28)));
+  EXPECT_EQ(line.written.size(), 2U);
+  ASSERT_NE(port->due(), PollSet::kNever);
+  EXPECT_LE(port->due() - at(milliseconds(28)), milliseconds(2));
+
+  base::RunTime now = port->due();
+  for (; now < at(milliseconds(500)); now = port->due()) port->carry_on(now);
+  EXPECT_EQ(line.written.size(), 2U);
+  EXPECT_GE(line.nudges, 2);
+  EXPECT_LE(line.nudges, 5);
+  EXPECT_EQ(line.flushes, 0);
+
+  line.moves = true;
+  port->carry_on(now);
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 2, 4})) << "the sensors are too old";
+  EXPECT_EQ(dropped(DropCause::kAge), 1U);
+  deliver(TrafficClass::kHil, 1, now);
+  EXPECT_EQ(line.written.back(), 5U) << "written at once again";
+}
+
+TEST_F(TxPortTest, EmptiesTheDriverOfALineThatStandsStillForASecond) {
+  open({});
+  line.moves = false;
+  line.room = 150;
+  deliver(TrafficClass::kHil, 2, at({}));  // ends in the middle of a packet
+  base::RunTime now = at(milliseconds(100));
+  for (; now < at(std::chrono::seconds(5)); now = port->due()) port->carry_on(now);
+  EXPECT_EQ(line.flushes, 1);
+  EXPECT_GT(line.nudges, 0) << "only at the end of a packet, and the begun one is gone";
+  line.moves = true;
+  line.room = 1'000'000;
+  deliver(TrafficClass::kHil, 1, now);
+  port->carry_on(now);
+  EXPECT_EQ(line.written.back(), 3U);
+  EXPECT_EQ(line.bytes, 250U);
+}
+
+TEST_F(TxPortTest, OfSetpointsThatComeTogetherTheNewestIsSent) {
+  open({});
+  const auto content = bytes(30);
+  const PacketInfo stick = info(TrafficClass::kSetpoint, at({}), 69);
+  const PacketInfo sensor = info(TrafficClass::kHil, at({}), 107);
+  PacketInfo other_stick = stick;
+  other_stick.source = {254, 190};
+  const std::array packets{PacketRef{&stick, content}, PacketRef{&sensor, content},
+                           PacketRef{&other_stick, content}, PacketRef{&stick, content}};
+  port->deliver(packets, at({}));
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{107, 69, 69}));
+  EXPECT_EQ(dropped(DropCause::kSuperseded), 1U);
+}
+
+TEST_F(TxPortTest, CountsTheTimeThatAPacketLayInTheSocket) {
+  open({});
+  const auto content = bytes(30);
+  PacketInfo old = info(TrafficClass::kHil, at({}), 1);
+  old.waited = milliseconds(30);
+  PacketInfo late = info(TrafficClass::kHil, at({}), 2);
+  late.waited = milliseconds(10);
+  PacketInfo command = info(TrafficClass::kCommand, at({}), 3);
+  command.waited = std::chrono::seconds(5);
+  const std::array packets{PacketRef{&old, content}, PacketRef{&late, content},
+                           PacketRef{&command, content}};
+  port->deliver(packets, at({}));
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{2, 3})) << "in their order";
+  EXPECT_EQ(dropped(DropCause::kAge), 1U);
 }
 
 TEST_F(TxPortTest, NothingOfBeforeIsSentAfterAReopen) {

@@ -167,15 +167,50 @@ TEST(TxQueue, LineThatIsTooSlowForTheAgeLimitStillGetsTheNewestPacket) {
   EXPECT_GE(sent, 58);  // 5 s / 82 ms, less the first and last
 }
 
+TEST(TxQueue, SetpointsDieAtTheirAge) {
+  Drops drops;
+  TxQueue queue({}, drops.counter());
+  queue.push(info(kSetpoint, at({}), 69), bytes(30));
+  queue.push(info(kSetpoint, at(milliseconds(100)), 70), bytes(30));
+  const auto next = queue.pop(at(milliseconds(501)), {});
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->info.message_id, 70U);
+  EXPECT_EQ((drops.count[{kSetpoint, DropCause::kAge}]), 1);
+  EXPECT_FALSE(queue.pop(at(milliseconds(501)), {}));
+}
+
+TEST(TxQueue, CountsTheWaitBeforeItWasRead) {
+  TxQueue queue;
+  PacketInfo stick = info(kSetpoint, at({}), 69);
+  stick.waited = milliseconds(450);
+  queue.push(stick, bytes(30));
+  EXPECT_FALSE(queue.pop(at(milliseconds(60)), {}));
+}
+
+TEST(TxQueue, StickComesThroughAFloodOfCommands) {
+  TxQueue queue;
+  for (int i = 0; i < 100; ++i) queue.push(info(kCommand, at({})), bytes(250));
+  ASSERT_TRUE(queue.pop(at({}), {}));
+  queue.push(info(kSetpoint, at({}), 69), bytes(30));
+  int before = 0;
+  for (auto next = queue.pop(at({}), {}); next->info.traffic != kSetpoint;
+       next = queue.pop(at({}), {})) {
+    ++before;
+  }
+  EXPECT_LE(before, 1);
+}
+
 TEST(TxQueue, ClearCountsEveryPacket) {
   Drops drops;
   TxQueue queue({}, drops.counter());
   queue.push(info(kHil, at({})), bytes(40));
   queue.push(info(kCommand, at({})), bytes(40));
+  queue.push(info(kSetpoint, at({})), bytes(40));
   queue.clear(DropCause::kClosed);
   EXPECT_TRUE(queue.empty());
   EXPECT_EQ((drops.count[{kHil, DropCause::kClosed}]), 1);
   EXPECT_EQ((drops.count[{kCommand, DropCause::kClosed}]), 1);
+  EXPECT_EQ((drops.count[{kSetpoint, DropCause::kClosed}]), 1);
 }
 
 }  // namespace

@@ -5,9 +5,12 @@
 
 #include "base/os/descriptor.hpp"
 #include "casd/transport/socket_address.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace cas::casd::test {
 namespace {
+
+using cas::test::wait_until;
 
 TEST(DatagramReader, TellsWhatTheKernelDropped) {
   const SocketAddress any = AddressLookup("127.0.0.1:0").address();
@@ -31,6 +34,28 @@ TEST(DatagramReader, TellsWhatTheKernelDropped) {
   received += static_cast<unsigned>(reader.read(in.get()));
   EXPECT_LT(received, kSent);
   EXPECT_EQ(received + reader.kernel_drops(), kSent + 1);
+}
+
+TEST(DatagramReader, TellsHowLongADatagramLayInTheSocket) {
+  const SocketAddress any = AddressLookup("127.0.0.1:0").address();
+  const base::Descriptor in(open_udp_socket(any.family(), ""));
+  ASSERT_EQ(::bind(in.get(), any.get(), any.size), 0);
+  const base::Descriptor out(open_udp_socket(any.family(), ""));
+  const SocketAddress to = local_address(in.get());
+  const base::RunTime begin = base::steady_now();
+  const auto wait_for = [&](base::Duration since_begin) {
+    ASSERT_TRUE(wait_until([&] { return base::steady_now() - begin > since_begin; }));
+  };
+  const char packet = 1;
+  ASSERT_EQ(::sendto(out.get(), &packet, 1, 0, to.get(), to.size), 1);
+  wait_for(std::chrono::milliseconds(50));
+  ASSERT_EQ(::sendto(out.get(), &packet, 1, 0, to.get(), to.size), 1);
+  DatagramReader reader;
+  ASSERT_EQ(reader.read(in.get()), 2);
+  const base::Duration most = base::steady_now() - begin;
+  EXPECT_GE(reader.waited(0), std::chrono::milliseconds(40));
+  EXPECT_LE(reader.waited(0), most + std::chrono::milliseconds(10));
+  EXPECT_LE(reader.waited(1), reader.waited(0) - std::chrono::milliseconds(40));
 }
 
 }  // namespace

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "casd/packet/packet_info.hpp"
+
+namespace cas::casd {
+
+/// Whether two setpoints are of one stream: the same message from the same sender over the same way
+/// (or group of ways) for the same target.
+bool same_stream(const PacketInfo& a, const PacketInfo& b);
+
+/// Whether a setpoint says all that an older one of its stream says, so that the older one need not
+/// be sent. Only RC_CHANNELS_OVERRIDE may say less: it leaves channels as they are, and one that
+/// gives a channel back must not vanish behind one that does not name it.
+bool replaces(const PacketInfo& info, std::span<const std::uint8_t> newer,
+              std::span<const std::uint8_t> older);
+
+}  // namespace cas::casd

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <utility>
+
+#include "base/os/descriptor.hpp"
+
+namespace cas::casd {
+
+/// Tells when something changes where a device is expected (inotify on the nearest folder that
+/// exists), so that a link reopens the moment its device is back instead of at its next try.
+class PathWatch {
+ public:
+  explicit PathWatch(std::filesystem::path path) : path_(std::move(path)) {}
+
+  /// Watches, then looks: a change that comes while `look` runs in vain is told, too. So nothing is
+  /// missed between a look and the wait for the next change.
+  /// @param look  whether the device is there; then the watch ends
+  /// @return what it said
+  template <class Look>
+  bool found_by(Look&& look) {
+    arm();
+    const bool found = look();
+    if (found) inotify_.reset();
+    return found;
+  }
+  /// To wait for POLLIN on; -1 when nothing is watched, or it cannot watch.
+  int descriptor() const { return inotify_.get(); }
+  /// Forgets the changes so far. @return true when there were any
+  bool take_changes();
+
+ private:
+  void arm();
+  bool watch(const std::filesystem::path& folder);
+
+  std::filesystem::path path_;
+  base::Descriptor inotify_;
+};
+
+}  // namespace cas::casd

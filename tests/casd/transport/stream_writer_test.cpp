@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/stream_writer.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/casd/packets.hpp"
+#include "tests/support/pty_pair.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+using cas::test::PacketStream;
+using cas::test::PtyPair;
+using cas::test::wait_until;
+
+class PtyWriterTest : public testing::Test {
+ protected:
+  void write(std::size_t size) {
+    const auto content = bytes(size, 1);
+    const PacketInfo any;
+    const PacketRef packet{&any, content};
+    writer.write({&packet, 1});
+  }
+  /// Reads all; it has arrived when the first byte has.
+  std::size_t read() {
+    std::size_t got = 0;
+    EXPECT_TRUE(wait_until([&] { return (got = line.read(heard)) > 0; }));
+    return got;
+  }
+  PtyPair line;
+  PacketStream heard;
+  StreamWriter writer{
+      base::Descriptor(::open(line.slave().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)),
+      StreamWriter::Kind::kPseudoTerminal};
+};
+
+TEST_F(PtyWriterTest, TellsWhetherTheReaderReads) {
+  write(77);
+  EXPECT_TRUE(writer.moved()) << "it is believed to read until it was seen once";
+  read();
+  EXPECT_TRUE(writer.moved());
+  write(77);
+  EXPECT_FALSE(writer.moved());
+  write(77);
+  EXPECT_FALSE(writer.moved()) << "a write of our own is no sign of a reader";
+  read();
+  EXPECT_TRUE(writer.moved());
+  EXPECT_FALSE(writer.moved()) << "once";
+}
+
+TEST_F(PtyWriterTest, TellsAReaderThatNeverReadsAllByTheRoomThatItMakes) {
+  write(77);
+  read();
+  ASSERT_TRUE(writer.moved());
+  const auto fill = [&] {
+    for (int i = 0; i < 1000; ++i) write(77);
+  };
+  fill();
+  writer.moved();
+  EXPECT_FALSE(writer.moved());
+  line.read(heard, 4096);  // most of it stays
+  ASSERT_TRUE(wait_until([&] {
+    fill();
+    return writer.moved();
+  }));
+}
+
+TEST_F(PtyWriterTest, NudgeIsAZeroThatNoPacketBeginsWith) {
+  write(77);
+  read();
+  writer.moved();
+  writer.nudge();
+  EXPECT_FALSE(writer.moved());
+  EXPECT_EQ(read(), 1U);
+  EXPECT_TRUE(writer.moved());
+}
+
+TEST_F(PtyWriterTest, FlushTakesBackAllButWhatTheReadersTerminalHolds) {
+  constexpr std::size_t kTerminal = 4096;  // N_TTY_BUF_SIZE of Linux
+  for (int i = 0; i < 1000; ++i) write(77);
+  writer.flush();
+  std::size_t left = 0;
+  ASSERT_TRUE(wait_until([&] {
+    const std::size_t got = line.read(heard);
+    left += got;
+    return left > 0 && got == 0;
+  }));
+  EXPECT_LE(left, kTerminal);
+}
+
+}  // namespace
+}  // namespace cas::casd::test
