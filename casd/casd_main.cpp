@@ -18,6 +18,7 @@
 #include "casd/port/message_decoder.hpp"
 #include "casd/signing/packet_signer.hpp"
 #include "casd/station/gain_map.hpp"
+#include "casd/topology/injection.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/topology.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -55,9 +56,13 @@ std::string link_line(const LinkConfig& link) {
   const auto number = [](auto id) { return std::to_string(id); };
   std::string text = "  " + link.name + ": " + std::string(to_string(link.type)) + where(link);
   if (!link.group.empty()) text += ", group " + link.group;
+  if (link.unlocked_pty) text += ", asks no lock of a pseudo-terminal";
   if (link.accept.read_only) text += ", read-only";
-  text += listed("accepts only", link.accept.messages, message_word);
+  if (link.accept.ground_station) text += ", accepts what ground stations say";
+  text += listed(link.accept.ground_station ? "and" : "accepts only", link.accept.messages,
+                 message_word);
   text += listed("accepts only systems", link.accept.systems, number);
+  text += listed("refuses systems", link.accept.block_systems, number);
   if (link.signing) {
     text += std::string(link.signing->verify ? ", verifies" : "") +
             (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();
@@ -126,6 +131,9 @@ int run(const Flags& flags) {
     std::printf("%s: %zu links, %zu routes\n", flags.topology.c_str(), topology.links.size(),
                 topology.routes.size());
     std::fputs(topology_text(topology).c_str(), stdout);
+    for (const std::string& warning : injection_warnings(topology)) {
+      std::printf("warning: %s\n", warning.c_str());
+    }
     return base::kExitOk;
   }
   if (topology.lock_memory) base::lock_memory();

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/routing/routing_rules.hpp"
 
+#include <algorithm>
+
+#include "casd/routing/ground_station_traffic.hpp"
+
 namespace cas::casd {
 namespace {
 
@@ -15,6 +19,18 @@ void restrict_ids(std::array<LinkMask, 256>& masks, LinkMask to,
 }
 
 }  // namespace
+
+bool AcceptRule::accepts(const mav::PacketView& packet) const {
+  const auto holds = [](const auto& list, auto value) {
+    return std::find(list.begin(), list.end(), value) != list.end();
+  };
+  const std::uint8_t sender = packet.source.system;
+  if (read_only || holds(block_systems, sender)) return false;
+  if (!systems.empty() && !holds(systems, sender)) return false;
+  if (messages.empty() && !ground_station) return true;
+  return holds(messages, packet.message_id) ||
+         (ground_station && is_ground_station_traffic(packet));
+}
 
 ForwardTable::ForwardTable() {
   by_system_.fill(~LinkMask{0});

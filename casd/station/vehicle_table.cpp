@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "casd/packet/vehicle_heartbeat.hpp"
+
 namespace cas::casd {
 namespace {
 
@@ -12,18 +14,6 @@ using namespace mavlink::common;
 constexpr std::size_t kMaxVehiclesPerLink = 32;
 /// Silence after which a disarmed vehicle is forgotten, and an armed one where room is needed.
 constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
-/// MAV_COMP_ID_AUTOPILOT1.
-constexpr std::uint8_t kAutopilot = 1;
-
-/// Whether a HEARTBEAT is a flight controller's: simulators, cameras and companions say
-/// MAV_AUTOPILOT_INVALID, some MAV_AUTOPILOT_GENERIC, ground stations their type.
-bool is_vehicle(mav::Source source, const Heartbeat& heartbeat) {
-  if (heartbeat.autopilot == MavAutopilot::kInvalid || heartbeat.type == MavType::kGcs) {
-    return false;
-  }
-  return heartbeat.autopilot != MavAutopilot::kGeneric || source.component == kAutopilot;
-}
-
 /// Whether who sends a HEARTBEAT takes a vehicle's place: component 1 that of any other at once,
 /// else the same component once the vehicle has fallen silent.
 bool takes_over(const VehicleState& vehicle, mav::Source source, base::RunTime now) {

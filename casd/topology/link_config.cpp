@@ -6,6 +6,7 @@
 #include "base/config/config.hpp"
 #include "base/config/config_whole.hpp"
 #include "base/os/host_port.hpp"
+#include "base/os/runtime_folder.hpp"
 #include "mavlink_gen/parser/diagnostics.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -74,13 +75,23 @@ void parse_tcp(const base::ConfigNode& node, LinkConfig& link) {
   link.interface = node.get<std::string>("interface", "");
 }
 
+std::string parse_device(const base::ConfigNode& node) {
+  const auto text = node.as<std::string>();
+  try {
+    return base::expand_variables(text);
+  } catch (const base::ConfigError& error) {
+    node.fail(error.what());
+  }
+}
+
 void parse_serial(const base::ConfigNode& node, LinkConfig& link) {
-  link.device = node.require<std::string>("device");
+  link.device = parse_device(node.at("device"));
   link.baud = base::get_whole_in<unsigned>(node, "baud", 0, 0, 12'000'000);
   link.flow_control = node.get<bool>("flow_control", false);
   link.pace = node.get<bool>("pace", link.baud > 0);
   link.pace_pty = link.pace && node.has("pace");
   if (link.pace && link.baud == 0) node.at("pace").fail("a line without baud has no pace");
+  link.unlocked_pty = node.get<bool>("unlocked_pty", false);
   constexpr double kLongestGap_ms = 20;
   link.sensor_gap = base::from_seconds(1e-3 * node.get_in("sensor_gap_ms", 0, 0, kLongestGap_ms));
 }
@@ -115,14 +126,22 @@ AcceptRule parse_accept(const base::ConfigNode& node) {
   AcceptRule rule;
   if (!node.is_map()) {
     const auto word = node.as<std::string>();
-    if (word != "nothing") node.fail("'" + word + "' is neither nothing nor {messages, systems}");
+    if (word != "nothing") {
+      node.fail("'" + word +
+                "' is neither nothing nor {traffic, messages, systems, block_systems}");
+    }
     rule.read_only = true;
     return rule;
   }
+  if (const auto traffic = node.find("traffic")) {
+    const auto word = traffic->as<std::string>();
+    if (word != "ground_station") traffic->fail("'" + word + "' is not ground_station");
+    rule.ground_station = true;
+  }
   if (const auto messages = node.find("messages")) rule.messages = parse_messages(*messages);
   rule.systems = parse_bytes(node, "systems");
-  if (rule.messages.empty() && rule.systems.empty())
-    node.fail("names neither messages nor systems");
+  rule.block_systems = parse_bytes(node, "block_systems");
+  if (rule == AcceptRule{}) node.fail("names neither traffic, messages, systems nor block_systems");
   return rule;
 }
 

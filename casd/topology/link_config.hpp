@@ -45,12 +45,13 @@ struct LinkConfig {
   base::Duration expiry = std::chrono::seconds(30);  ///< udp_server: silence that ends a peer
 
   // serial
-  std::string device;           ///< path, usually a udev or symlink name
+  std::string device;           ///< path, usually a udev or symlink name; ${NAME} is replaced
   unsigned baud = 0;            ///< 0: USB, no rate of its own
   bool flow_control = false;    ///< RTS/CTS
   bool pace = true;             ///< hold writes to 98 % of the baud rate
   base::Duration sensor_gap{};  ///< least time between two HIL_SENSOR; 0: none
   bool pace_pty = false;        ///< also on a pseudo-terminal: said so, or its routes may fill it
+  bool unlocked_pty = false;    ///< takes a pseudo-terminal that holds no lock and is nobody's
 
   // tlog
   std::filesystem::path file;

@@ -8,8 +8,6 @@
 #include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
-#include <sys/stat.h>
-#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +17,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/os/pty_lock.hpp"
+#include "casd/transport/pty_admission.hpp"
 #include "casd/transport/stream_writer.hpp"
 
 namespace cas::casd {
@@ -33,6 +33,7 @@ constexpr base::Duration kLeastUptime = std::chrono::milliseconds(50);
 struct SerialOptions {
   unsigned baud = 0;  ///< any rate; 0 leaves the driver's
   bool flow_control = false;
+  bool unlocked_pty = false;  ///< a pseudo-terminal needs no lock
 };
 
 bool make_raw(int fd, const SerialOptions& options) {
@@ -64,7 +65,8 @@ void ask_low_latency(int fd) {
 }
 
 /// Opens a serial device: raw, exclusive (flock), its old input and output thrown away, low latency
-/// where the driver knows the word. @return nothing, with the reason in `error`
+/// where the driver knows the word. A pseudo-terminal that is not ours to use is left untouched.
+/// @return nothing, with the reason in `error`
 base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
                              std::string& error) {
   const auto failed = [&](const char* what) {
@@ -73,21 +75,15 @@ base::Descriptor open_serial(const std::string& device, const SerialOptions& opt
   };
   base::Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!line) return failed("");
+  if (base::identify_pty(line.get())) {
+    error = pty_refusal(line.get(), device, options.unlocked_pty);
+    if (!error.empty()) return {};
+  }
   if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) return failed("in use: ");
   if (!make_raw(line.get(), options)) return failed("not a terminal: ");
   ask_low_latency(line.get());
   ::ioctl(line.get(), TCFLSH, TCIOFLUSH);
   return line;
-}
-
-// A pseudo-terminal has no line, and its count of unsent bytes no meaning.
-bool is_pseudo_terminal(int fd) {
-  constexpr unsigned kFirstMajor = 136;  // UNIX98_PTY_SLAVE_MAJOR and the seven after it
-  constexpr unsigned kMajors = 8;
-  struct stat status {};
-  if (::fstat(fd, &status) != 0 || !S_ISCHR(status.st_mode)) return false;
-  const unsigned number = major(status.st_rdev);
-  return number >= kFirstMajor && number < kFirstMajor + kMajors;
 }
 
 }  // namespace
@@ -132,7 +128,9 @@ void SerialLink::open(base::RunTime now) {
   std::string error;
   base::Descriptor line;
   const bool found = path_watch_.found_by([&] {
-    line = open_serial(config.device, {.baud = config.baud, .flow_control = config.flow_control},
+    line = open_serial(config.device, {.baud = config.baud,
+                        .flow_control = config.flow_control,
+                        .unlocked_pty = config.unlocked_pty},
                        error);
     return static_cast<bool>(line);
   });
@@ -140,7 +138,8 @@ void SerialLink::open(base::RunTime now) {
   fd_ = line.get();
   opened_at_ = now;
   parser_.reset();
-  const bool pty = is_pseudo_terminal(fd_);
+  // A pseudo-terminal has no line, and its count of unsent bytes no meaning.
+  const bool pty = base::identify_pty(fd_).has_value();
   const auto kind = pty ? StreamWriter::Kind::kPseudoTerminal : StreamWriter::Kind::kSerial;
   port_->attach(std::make_unique<StreamWriter>(std::move(line), kind),
                 !pty || config.pace_pty || core_.blocking());

@@ -193,6 +193,7 @@ void Emulator::Impl::pump() {
   if (now >= next_tick) {
     if (config.pace == Pace::kRealtime) fcu->tick(now);
     next_tick = now + kTick;
+    pty.refresh_lock();
     if (fcu->params_revision() != saved_revision && !save_at) save_at = now + kSaveDelay;
     if (save_at && now >= *save_at) save_params();
   }

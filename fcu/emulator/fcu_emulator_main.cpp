@@ -8,8 +8,8 @@
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
 #include "base/os/program.hpp"
+#include "base/os/runtime_folder.hpp"
 #include "fcu/emulator/emulator.hpp"
-#include "fcu/line/pty.hpp"
 
 namespace {
 
@@ -17,6 +17,7 @@ using namespace cas;
 
 struct Flags {
   std::filesystem::path config;
+  std::string link = "${CAS_RUNTIME_DIR}/fcu0";
   fcu::EmulatorOptions options;
   std::string log_level = "info";
   bool lockstep = false;
@@ -24,7 +25,10 @@ struct Flags {
 
 void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("config", flags.config, "Flight controller to emulate (YAML)")->required();
-  app.add_option("--link", flags.options.link, "Symlink to offer the pseudo-terminal under");
+  app.add_option(
+         "--link", flags.link,
+         "Symlink to offer the pseudo-terminal under; ${NAME} is a variable of the environment")
+      ->capture_default_str();
   app.add_option("--stats", flags.options.stats, "Write figures (JSON) to this file at the end");
   app.add_option("--ledger", flags.options.ledger, "Write the packet ledger (CSV) at the end");
   app.add_option("--control", flags.options.control, "Unix socket for control (JSON-RPC)");
@@ -40,7 +44,7 @@ void add_flags(CLI::App& app, Flags& flags) {
 int run(Flags& flags) {
   fcu::FcuConfig config = fcu::FcuConfig::load(base::find_config(flags.config));
   if (flags.lockstep) config.pace = fcu::Pace::kLockstep;
-  if (flags.options.link.empty()) flags.options.link = fcu::default_link("fcu0");
+  flags.options.link = base::expand_variables(flags.link);
   fcu::Emulator emulator(config, flags.options);
   base::log::info("running on " + emulator.endpoints());
   base::notify("READY=1\nSTATUS=" + emulator.endpoints());

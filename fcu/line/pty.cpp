@@ -2,13 +2,10 @@
 #include "fcu/line/pty.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <system_error>
 
@@ -31,42 +28,28 @@ void make_raw(int fd) {
   if (::tcsetattr(fd, TCSANOW, &settings) != 0) fail("cannot make the terminal raw");
 }
 
+/// The path itself, once its folder has been made.
+std::filesystem::path in_a_folder(std::filesystem::path link) {
+  std::error_code error;
+  std::filesystem::create_directories(link.parent_path(), error);
+  if (error) throw base::ConfigError(link.parent_path().string() + ": " + error.message());
+  return link;
+}
+
 }  // namespace
 
-Pty::Pty(std::filesystem::path link) : link_(std::filesystem::absolute(std::move(link))) {
-  std::error_code error;
-  std::filesystem::create_directories(link_.parent_path(), error);
-  if (error) throw base::ConfigError(link_.parent_path().string() + ": " + error.message());
-  lock();
-  try {
-    open();
-  } catch (...) {
-    ::close(lock_);
-    throw;
-  }
+Pty::Pty(std::filesystem::path link)
+    : link_(in_a_folder(std::filesystem::absolute(std::move(link)))), lock_(link_) {
+  open();
 }
 
-Pty::~Pty() {
-  hang_up();
-  std::error_code ignored;
-  std::filesystem::remove(link_.string() + ".lock", ignored);
-  ::close(lock_);
-}
-
-void Pty::lock() {
-  const std::string name = link_.string() + ".lock";
-  lock_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (lock_ < 0) fail("cannot open " + name);
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    ::close(lock_);
-    throw base::ConfigError(link_.string() + " is offered by another program");
-  }
-}
+Pty::~Pty() { hang_up(); }
 
 void Pty::open() {
   if (master_ >= 0) return;
   try {
     open_pair();
+    lock_.name(slave_);  // whoever finds the symlink finds it named
     place_link();
   } catch (...) {
     close_pair();
@@ -107,26 +90,16 @@ void Pty::hang_up() {
   close_pair();
 }
 
+void Pty::refresh_lock() {
+  if (slave_ >= 0) lock_.name(slave_);
+}
+
 void Pty::close_pair() {
+  lock_.clear();  // first: another program may get this number at once
   if (slave_ >= 0) ::close(slave_);
   if (master_ >= 0) ::close(master_);
   slave_ = master_ = -1;
   slave_name_.clear();
-}
-
-std::filesystem::path default_link(const std::string& name) {
-  if (const char* runtime = std::getenv("XDG_RUNTIME_DIR"); runtime != nullptr && *runtime != 0) {
-    return std::filesystem::path(runtime) / "cas" / name;
-  }
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("cas-" + std::to_string(::getuid()));
-  ::mkdir(folder.c_str(), 0700);
-  struct stat info {};
-  if (::lstat(folder.c_str(), &info) != 0 || !S_ISDIR(info.st_mode) || info.st_uid != ::getuid() ||
-      (info.st_mode & 077) != 0) {
-    throw base::ConfigError(folder.string() + " is not a private folder; give --link");
-  }
-  return folder / name;
 }
 
 }  // namespace cas::fcu

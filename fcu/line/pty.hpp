@@ -4,13 +4,16 @@
 #include <filesystem>
 #include <string>
 
+#include "base/os/pty_lock.hpp"
+
 namespace cas::fcu {
 
 /// A pseudo-terminal that stands for a serial port, offered under a symlink that stays the same.
 ///
 /// Raw from birth, so that nothing is echoed to the peer; one slave is kept open, so that the
 /// master never reads EIO when the peer goes; the symlink is replaced by rename, so that it always
-/// points to something; a lock file beside it keeps a second program off the same name.
+/// points to something; a lock beside it keeps a second program off the same name, and tells who
+/// opens the symlink that it still stands for this pseudo-terminal (base::PtyLock).
 class Pty {
  public:
   /// @param link  symlink to offer the slave under; its folder is made
@@ -31,21 +34,21 @@ class Pty {
   /// Plugs in again: a fresh pair under the same symlink. Stays hung up when it throws.
   /// @throws base::ConfigError
   void open();
+  /// The lock names this pseudo-terminal again, if its mode or owner was changed. Call now and
+  /// then.
+  /// @throws base::ConfigError
+  void refresh_lock();
 
  private:
-  void lock();
   void open_pair();
   void place_link() const;
   void close_pair();
 
   std::filesystem::path link_;
+  base::PtyLock lock_;
   std::string slave_name_;
   int master_ = -1;
   int slave_ = -1;
-  int lock_ = -1;
 };
-
-/// $XDG_RUNTIME_DIR/cas/NAME, or a place in a private folder under /tmp.
-std::filesystem::path default_link(const std::string& name);
 
 }  // namespace cas::fcu

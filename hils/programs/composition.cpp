@@ -94,6 +94,8 @@ void add_vehicle_links(const RunRequest& request, const VehiclePlaces& places, Y
   controller["device"] =
       request.fcu_device.empty() ? places.fcu_link().string() : request.fcu_device;
   controller["baud"] = serial_baud(request);
+  // Whoever names a device means it; casd still keeps off the terminal of a session.
+  if (!request.fcu_device.empty()) controller["unlocked_pty"] = true;
   links.push_back(controller);
 }
 
@@ -105,6 +107,10 @@ YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
   ground_station["name"] = kGroundLink;
   ground_station["type"] = "udp";
   ground_station["remote"] = local_port(places.ground_station_port);
+  ground_station["accept"]["traffic"] = "ground_station";
+  for (const std::uint8_t vehicle : request.scenario.systems()) {
+    ground_station["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
+  }
   links.push_back(ground_station);
   return links;
 }

@@ -19,7 +19,8 @@ complaints=$(systemd-analyze verify --man=no "$folder/casd.service" 2>&1)
 systemd-analyze security --offline=true --threshold=14 --no-pager "$folder/casd.service" | tail -1
 
 # What the service stands and falls with.
-for line in Type=notify Restart=on-failure RestartPreventExitStatus=78 WatchdogSec= DynamicUser=yes; do
+for line in Type=notify Restart=on-failure RestartPreventExitStatus=78 WatchdogSec= DynamicUser=yes \
+    Environment=CAS_RUNTIME_DIR=%t/cas; do
   grep -q "^$line" "$config/systemd/casd.service" || { echo "$line is missing"; exit 1; }
 done
 # A restart must be over before a controller takes its sensors for dead: 0.3 s.

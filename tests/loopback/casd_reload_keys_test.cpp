@@ -262,6 +262,8 @@ constexpr LinkCase kLinkKeys[] = {
     {"pace", kSerialLink, "name: x, type: serial, device: $DIR/none, baud: 921600, pace: true"},
     {"sensor_gap_ms", kSerialLink,
      "name: x, type: serial, device: $DIR/none, baud: 921600, sensor_gap_ms: 1"},
+    {"unlocked_pty", kSerialLink,
+     "name: x, type: serial, device: $DIR/none, baud: 921600, unlocked_pty: true"},
     {"file", kTlogLink, "name: x, type: tlog, file: $DIR/other.tlog"},
     {"speed", kTlogLink, "name: x, type: tlog, file: $DIR/none.tlog, speed: 2"},
     {"repeat", kTlogLink, "name: x, type: tlog, file: $DIR/none.tlog, repeat: true"},
@@ -289,6 +291,10 @@ constexpr LinkCase kLinkKeys[] = {
      "name: x, type: udp, local: '127.0.0.1:0', accept: {messages: [HEARTBEAT]}"},
     {"accept.systems", kUdpLink,
      "name: x, type: udp, local: '127.0.0.1:0', accept: {systems: [7]}"},
+    {"accept.traffic", kUdpLink,
+     "name: x, type: udp, local: '127.0.0.1:0', accept: {traffic: ground_station}"},
+    {"accept.block_systems", kUdpLink,
+     "name: x, type: udp, local: '127.0.0.1:0', accept: {block_systems: [7]}"},
     {"signing.key_file", kSignedLink,
      "name: x, type: udp, local: '127.0.0.1:0', signing: {key_file: $DIR/b.key}"},
     {"signing.link_id", kSignedLink,
@@ -467,7 +473,7 @@ std::set<std::string> documented_keys() {
         if (word != "queue") keys.insert(prefix + word);
       }
     } else if (text.starts_with("`accept` limits")) {
-      const std::regex lists("(\\w+): \\[");
+      const std::regex lists("(\\w+): (?:\\[|ground_station)");
       for (std::sregex_iterator it(text.begin(), text.end(), lists), end; it != end; ++it) {
         keys.insert("links.accept." + (*it)[1].str());
       }

@@ -138,8 +138,10 @@ TEST(CasdReopen, SecondOwnerOfADeviceIsRefused) {
   fixture.start(kHilTopology);
   CasdFixture other;
   other.start("schema: 1\nlinks:\n  - {name: fcu, type: serial, device: " + fixture.fcu.slave() +
-              "}\n");
+              ", unlocked_pty: true}\n");
   EXPECT_FALSE(is_up(other, "fcu"));
+  EXPECT_NE(other.status("fcu").endpoint.find("in use"), std::string::npos)
+      << other.status("fcu").endpoint;
   EXPECT_TRUE(is_up(fixture, "fcu"));
 }
 

@@ -15,7 +15,10 @@
 
 namespace cas::test {
 
-PtyPair::PtyPair(std::filesystem::path link) : link_(std::move(link)) { open(); }
+PtyPair::PtyPair(std::filesystem::path link) : link_(std::move(link)) {
+  if (!link_.empty()) lock_.emplace(link_);
+  open();
+}
 
 PtyPair::~PtyPair() { hang_up(); }
 
@@ -33,6 +36,7 @@ void PtyPair::open() {
   ::cfmakeraw(&settings);
   ::tcsetattr(keep_, TCSANOW, &settings);
   if (link_.empty()) return;
+  lock_->name(keep_);
   std::filesystem::path beside = link_;
   beside += ".new";
   std::filesystem::create_symlink(slave_, beside);
@@ -68,6 +72,7 @@ void PtyPair::hang_up() {
   if (master_ < 0) return;
   std::error_code ignored;
   if (!link_.empty()) std::filesystem::remove(link_, ignored);
+  if (lock_) lock_->clear();
   ::close(keep_);
   ::close(master_);
   master_ = keep_ = -1;

@@ -3,18 +3,20 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "base/os/pty_lock.hpp"
 #include "tests/support/packet_stream.hpp"
 
 namespace cas::test {
 
 /// A pseudo-terminal as a serial line: the test holds the controller's end (the master), the
-/// program under test opens the other one, usually through a symlink.
+/// program under test opens the other one, usually through a symlink, which holds a lock.
 class PtyPair {
  public:
-  /// @param link  symlink to put at the slave; empty: none
+  /// @param link  symlink to put at the slave; empty: none, and no lock
   explicit PtyPair(std::filesystem::path link = {});
   ~PtyPair();
   PtyPair(const PtyPair&) = delete;
@@ -35,6 +37,7 @@ class PtyPair {
   void open();
 
   std::filesystem::path link_;
+  std::optional<base::PtyLock> lock_;
   std::string slave_;
   int master_ = -1;
   int keep_ = -1;  ///< the slave, kept open so that the master never reads EIO

@@ -168,14 +168,24 @@ double rate_of(const DoctorFacts& facts, const std::string& link, const std::str
   return hz;
 }
 
+/// What helps a link that is not up; its reason stands in the endpoint.
+std::string remedy_for_down(const json& link) {
+  if (link.value("type", "") != "serial") {
+    return "start the program at the other end, and compare both ends' addresses";
+  }
+  if (link.value("endpoint", "").find(": pseudo-terminal ") != std::string::npos) {
+    return "start the emulator (again): casd writes to no terminal that it cannot tell from "
+           "somebody's; docs/troubleshooting.md has more";
+  }
+  return "plug the board in, and compare `device` in the topology with /dev/serial/by-id";
+}
+
 void check_links(const DoctorFacts& facts, Findings& all) {
   for (const json& link : facts.after.value("links", json::array())) {
     const std::string name = "link " + link.value("name", "?");
     if (link.value("state", "") != "up") {
       bad(all, name + " is " + link.value("state", "?") + ": " + link.value("endpoint", ""),
-          link.value("type", "") == "serial"
-              ? "plug the board in, and compare `device` in the topology with /dev/serial/by-id"
-              : "start the program at the other end, and compare both ends' addresses");
+          remedy_for_down(link));
       continue;
     }
     Findings own;

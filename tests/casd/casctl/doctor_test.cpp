@@ -146,5 +146,22 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"BusyMachine", [](DoctorFacts& f) { f.wake_p99_us = 4000; }, "99 %: 4000 us"}),
     [](const auto& test) { return test.param.name; });
 
+TEST(Doctor, TellsAStrangersTerminalFromABoardThatIsUnplugged) {
+  const auto remedy = [](const char* reason) {
+    DoctorFacts facts = good_setup();
+    facts.after["links"][1]["state"] = "down";
+    facts.after["links"][1]["endpoint"] = reason;
+    for (const Finding& finding : diagnose(facts)) {
+      if (finding.what.find(reason) != std::string::npos) return finding.remedy;
+    }
+    return std::string();
+  };
+  EXPECT_NE(remedy("/x/fcu0: pseudo-terminal /dev/pts/5 is offered by no running program")
+                .find("start the emulator"),
+            std::string::npos);
+  EXPECT_NE(remedy("/dev/pixhawk: No such file or directory").find("plug the board in"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace cas::casctl

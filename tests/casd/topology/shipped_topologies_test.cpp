@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "casd/station/gain_map.hpp"
+#include "casd/topology/injection.hpp"
 #include "casd/topology/topology.hpp"
 #include "tests/support/paths.hpp"
 
@@ -24,6 +25,9 @@ TEST(ShippedTopologies, AreReadAndNameTheShippedGains) {
     EXPECT_FALSE(topology.links.empty()) << entry.path();
     // Only where no wire leads to motors.
     EXPECT_FALSE(topology.commanding.allow_not_hil && has_serial_link(topology)) << entry.path();
+    for (const std::string& warning : injection_warnings(topology)) {
+      ADD_FAILURE() << entry.path() << ": " << warning;
+    }
     EXPECT_FALSE(GainMap::load(topology.gains).empty()) << entry.path();
     ++count;
   }

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/os/pty_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace cas::base {
+namespace {
+
+// One line of this length, so that a new one covers the old one whole.
+constexpr std::size_t kRecordBytes = 64;
+
+std::filesystem::path lock_file(std::filesystem::path link) { return link += ".lock"; }
+
+[[noreturn]] void fail(const std::filesystem::path& file) {
+  throw ConfigError(file.string() + ": " + std::generic_category().message(errno));
+}
+
+/// A lock of an open file (not of a process): it ends with the last descriptor of it, and is seen
+/// from within the same process too.
+struct flock whole_file(short type) {
+  struct flock lock {};
+  lock.l_type = type;
+  lock.l_whence = SEEK_SET;
+  return lock;
+}
+
+bool take(int fd) {
+  struct flock lock = whole_file(F_WRLCK);
+  return ::fcntl(fd, F_OFD_SETLK, &lock) == 0;
+}
+
+bool is_taken(int fd) {
+  struct flock lock = whole_file(F_RDLCK);
+  return ::fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type == F_WRLCK;
+}
+
+bool is_at(int fd, const std::filesystem::path& file) {
+  struct stat open {};
+  struct stat named {};
+  return ::fstat(fd, &open) == 0 && ::lstat(file.c_str(), &named) == 0 &&
+         open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+}
+
+std::string record(const PtyIdentity& identity) {
+  std::string text = "pty " + std::to_string(identity.device) + " changed_ns " +
+                     std::to_string(identity.changed_ns);
+  text.resize(kRecordBytes - 1, ' ');
+  return text + '\n';
+}
+
+/// The number behind `word`; 0 when it is not there.
+template <class Number>
+Number number_behind(std::string_view text, std::string_view word) {
+  Number number = 0;
+  const std::size_t at = text.find(word);
+  if (at != std::string_view::npos) {
+    std::from_chars(text.data() + at + word.size(), text.data() + text.size(), number);
+  }
+  return number;
+}
+
+PtyIdentity read_record(int fd) {
+  std::array<char, kRecordBytes> bytes{};
+  const ssize_t size = ::pread(fd, bytes.data(), bytes.size(), 0);
+  const std::string_view text(bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  return {.device = number_behind<std::uint64_t>(text, "pty "),
+          .changed_ns = number_behind<std::int64_t>(text, "changed_ns ")};
+}
+
+bool may_vouch(uid_t owner, const struct stat& slave) {
+  return owner == 0 || owner == slave.st_uid || owner == ::geteuid();
+}
+
+PtyOffer offer_beside(const std::filesystem::path& link, int slave) {
+  const Descriptor lock(
+      ::open(lock_file(link).c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  struct stat file {};
+  struct stat terminal {};
+  if (!lock || ::fstat(lock.get(), &file) != 0 || ::fstat(slave, &terminal) != 0) {
+    return PtyOffer::kNone;
+  }
+  if (!S_ISREG(file.st_mode) || !may_vouch(file.st_uid, terminal)) return PtyOffer::kNone;
+  // Read first: who clears the record does so while he still holds the lock and the pair.
+  const PtyIdentity named = read_record(lock.get());
+  if (!is_taken(lock.get())) return PtyOffer::kNone;
+  return identify_pty(slave) == named ? PtyOffer::kThis : PtyOffer::kOther;
+}
+
+}  // namespace
+
+std::optional<PtyIdentity> identify_pty(int fd) {
+  constexpr unsigned kFirstMajor = 136;  // UNIX98_PTY_SLAVE_MAJOR and the seven after it
+  constexpr unsigned kMajors = 8;
+  constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  struct stat status {};
+  if (::fstat(fd, &status) != 0 || !S_ISCHR(status.st_mode)) return std::nullopt;
+  const unsigned number = major(status.st_rdev);
+  if (number < kFirstMajor || number >= kFirstMajor + kMajors) return std::nullopt;
+  return PtyIdentity{.device = status.st_rdev,
+                     .changed_ns = status.st_ctim.tv_sec * kSecond_ns + status.st_ctim.tv_nsec};
+}
+
+PtyLock::PtyLock(std::filesystem::path link) : file_(lock_file(link)) {
+  constexpr mode_t kReadable = 0644;  // casd may be another user
+  do {
+    lock_ = Descriptor(
+        ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, kReadable));
+    if (!lock_) fail(file_);
+    if (!take(lock_.get())) throw ConfigError(link.string() + " is offered by another program");
+    // Its last owner may have taken the file away meanwhile: then the lock is nobody's.
+  } while (!is_at(lock_.get(), file_));
+  ::fchmod(lock_.get(), kReadable);
+  if (::ftruncate(lock_.get(), 0) != 0) fail(file_);
+}
+
+PtyLock::~PtyLock() { ::unlink(file_.c_str()); }
+
+void PtyLock::name(int slave) {
+  const std::optional<PtyIdentity> identity = identify_pty(slave);
+  CAS_CHECK(identity.has_value());
+  if (*identity != named_) write(*identity);
+}
+
+void PtyLock::clear() noexcept {
+  named_ = {};
+  // Should it fail, the record still names a terminal that nobody gets again.
+  [[maybe_unused]] const int result = ::ftruncate(lock_.get(), 0);
+}
+
+void PtyLock::write(const PtyIdentity& identity) {
+  const std::string text = record(identity);
+  const ssize_t written = ::pwrite(lock_.get(), text.data(), text.size(), 0);
+  if (written != static_cast<ssize_t>(text.size())) fail(file_);
+  named_ = identity;
+}
+
+PtyOffer pty_offer(std::filesystem::path path, int slave) {
+  constexpr int kMostLinks = 8;
+  PtyOffer offer = PtyOffer::kNone;
+  for (int i = 0; i < kMostLinks; ++i) {
+    offer = std::max(offer, offer_beside(path, slave));
+    std::error_code none;
+    const std::filesystem::path next = std::filesystem::read_symlink(path, none);
+    if (none || offer == PtyOffer::kThis) break;
+    path = path.parent_path() / next;  // an absolute path replaces the whole
+  }
+  return offer;
+}
+
+}  // namespace cas::base

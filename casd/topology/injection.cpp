@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/injection.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "mavlink/common/hil_sensor.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr std::uint32_t kSensor = mavlink::common::HilSensor::kId;
+
+bool holds(const std::vector<std::uint32_t>& messages, std::uint32_t id) {
+  return std::find(messages.begin(), messages.end(), id) != messages.end();
+}
+
+/// Says in so many words that HIL_SENSOR goes this way.
+bool names_sensors(const RouteConfig& route) {
+  return route.rule.allow && holds(*route.rule.allow, kSensor);
+}
+
+bool lets_sensors_pass(const RouteConfig& route) {
+  return !route.rule.allow && !holds(route.rule.block, kSensor);
+}
+
+bool takes_in_sensors(const LinkConfig& link) {
+  if (link.accept.read_only) return false;
+  if (holds(link.accept.messages, kSensor)) return true;
+  return !link.accept.ground_station && link.accept.messages.empty();
+}
+
+const LinkConfig& named(const Topology& topology, const std::string& name) {
+  return *std::find_if(topology.links.begin(), topology.links.end(),
+                       [&](const LinkConfig& link) { return link.name == name; });
+}
+
+/// Links that flight controllers are at.
+std::set<std::string> controllers(const Topology& topology) {
+  std::set<std::string> names;
+  for (const LinkConfig& link : topology.links) {
+    if (link.type == LinkType::kSerial) names.insert(link.name);
+  }
+  for (const RouteConfig& route : topology.routes) {
+    if (names_sensors(route)) names.insert(route.to);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> injection_warnings(const Topology& topology) {
+  const std::set<std::string> flying = controllers(topology);
+  std::vector<std::string> warnings;
+  for (const RouteConfig& route : topology.routes) {
+    if (!flying.contains(route.to) || flying.contains(route.from)) continue;
+    if (!lets_sensors_pass(route) || !takes_in_sensors(named(topology, route.from))) continue;
+    warnings.push_back(
+        "whoever is at link " + route.from + " can send HIL_SENSOR to " + route.to +
+        ": if a ground station is there, give the link accept: {traffic: ground_station, "
+        "block_systems: [ids of the vehicles]}; if the simulator is, let the route "
+        "allow HIL_SENSOR by name");
+  }
+  return warnings;
+}
+
+}  // namespace cas::casd

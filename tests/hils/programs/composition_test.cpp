@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/composition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "casd/topology/topology.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::hils {
+namespace {
+
+class Composition : public testing::TestWithParam<Architecture> {
+ protected:
+  /// The topology of a shipped scenario, with a ground station.
+  casd::Topology topology(const char* scenario, const std::string& device = "") const {
+    RunRequest request;
+    request.scenario =
+        Scenario::load(cas::test::source_dir() + "/config/scenarios/" + scenario + ".yaml");
+    request.architecture = GetParam();
+    request.fcu_device = device;
+    RunPlaces places = RunPlaces::of(request.scenario, folder_.path(), folder_.path());
+    places.ground_station_port = 14550;
+    return casd::Topology::parse(
+        base::ConfigNode::parse(casd_config(request, places), "casd.yaml"));
+  }
+  cas::test::TemporaryFolder folder_;
+};
+
+const casd::LinkConfig& link(const casd::Topology& topology, const std::string& name) {
+  return *std::find_if(topology.links.begin(), topology.links.end(),
+                       [&](const casd::LinkConfig& one) { return one.name == name; });
+}
+
+TEST_P(Composition, LetsNoGroundStationSpeakForVehicleOrSimulator) {
+  const casd::Topology one = topology("hover");
+  EXPECT_TRUE(link(one, "gcs").accept.ground_station);
+  EXPECT_EQ(link(one, "gcs").accept.block_systems, (std::vector<std::uint8_t>{1}));
+  const casd::Topology two = topology("two_vehicles");
+  EXPECT_EQ(link(two, "gcs").accept.block_systems, (std::vector<std::uint8_t>{1, 2}));
+}
+
+TEST_P(Composition, AsksForALockWhereItOffersTheTerminalItself) {
+  EXPECT_FALSE(link(topology("hover"), "fcu").unlocked_pty);
+  EXPECT_TRUE(link(topology("hover", "/dev/pts/9"), "fcu").unlocked_pty);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Composition, testing::Values(Architecture::kTcas, Architecture::kTs));
+
+}  // namespace
+}  // namespace cas::hils
