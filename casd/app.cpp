@@ -29,6 +29,7 @@
 #include "casd/port/daemon_methods.hpp"
 #include "casd/port/figure_methods.hpp"
 #include "casd/port/metrics.hpp"
+#include "casd/port/port_places.hpp"
 #include "casd/port/vehicle_methods.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
@@ -159,10 +160,14 @@ struct App::Impl {
 
   void listen() {
     const CommandPortConfig& port = links.topology().command_port;
-    if (!port.token_file.empty()) server.require_token(port.token_file);
+    const std::filesystem::path token = command_token(port);
+    if (!token.empty()) server.require_token(token, port.loopback_without_token);
     const std::uint16_t bound = server.listen_tcp(port.address, port.port);
     command_endpoint = port.address + ":" + std::to_string(bound);
-    if (!port.unix_path.empty()) server.listen_unix(port.unix_path);
+    if (const CommandSocket socket = command_socket(port); !socket.path.empty()) {
+      server.listen_unix(socket.path, socket.group);
+      unix_endpoint = socket.path.string();
+    }
     if (const auto& http = links.topology().metrics) {
       metrics_endpoint =
           http->address + ":" + std::to_string(metrics.listen(http->address, http->port));
@@ -254,6 +259,7 @@ struct App::Impl {
       trouble = error.what();
       base::log::error("topology not reloaded, the old one stays in force: " + trouble);
     }
+    figures.set_last_reload({.at = base::steady_now(), .trouble = trouble});
     settle_deadline = base::steady_now() + kSettlePatience;
     do_settle();
     return trouble;
@@ -321,6 +327,7 @@ struct App::Impl {
       return;
     }
     std::string status = "command_port " + command_endpoint + " " + links.endpoints();
+    if (!unix_endpoint.empty()) status += " command_socket " + unix_endpoint;
     if (!metrics_endpoint.empty()) status += " metrics " + metrics_endpoint;
     base::notify("READY=1\nSTATUS=" + status);
     base::log::info("ready: " + status);
@@ -340,6 +347,7 @@ struct App::Impl {
   FigureMethods figures;
   MetricsPort metrics{io, [this] { return figures.metrics(); }};
   std::string command_endpoint;
+  std::string unix_endpoint;     ///< empty: none
   std::string metrics_endpoint;  ///< empty: none
   base::RunTime settle_deadline{};
   base::RunTime next_summary{};

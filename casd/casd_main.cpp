@@ -14,6 +14,7 @@
 #include "base/os/cpu_latency.hpp"
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
+#include "base/rpc/token.hpp"
 #include "casd/app.hpp"
 #include "casd/port/message_decoder.hpp"
 #include "casd/signing/packet_signer.hpp"
@@ -88,14 +89,20 @@ std::string route_line(const RouteConfig& route) {
          (text.empty() ? ": everything" : ": " + text.substr(2)) + "\n";
 }
 
+std::string command_port_text(const CommandPortConfig& port) {
+  std::string text = port.address + ":" + std::to_string(port.port);
+  text += port.loopback_without_token ? " (no token from this machine)" : " (with a token)";
+  if (port.unix_path && !port.unix_path->empty()) text += ", unix " + port.unix_path->string();
+  return text;
+}
+
 /// What a topology comes to, for people: links, routes with their filters, and whether each line
 /// carries what can be expected on it.
 std::string topology_text(const Topology& topology) {
   std::string text = "system " + std::to_string(topology.self.system) + "/" +
                      std::to_string(topology.self.component) + ", threads " +
                      std::string(to_string(topology.threads)) + ", command port " +
-                     topology.command_port.address + ":" +
-                     std::to_string(topology.command_port.port) + "\nlinks\n";
+                     command_port_text(topology.command_port) + "\nlinks\n";
   for (const LinkConfig& link : topology.links) text += link_line(link);
   text += "routes\n";
   for (const RouteConfig& route : topology.routes) text += route_line(route);
@@ -104,8 +111,11 @@ std::string topology_text(const Topology& topology) {
   return text + describe(budgets);
 }
 
-/// Reads the other files that a topology names (keys, dialect, gains). @throws base::ConfigError
+/// Reads the other files that a topology names (token, keys, dialect, gains). @throws
+/// base::ConfigError
 void check_named_files(const Topology& topology) {
+  const std::filesystem::path& token = topology.command_port.token_file;
+  if (!token.empty() && std::filesystem::exists(token)) base::rpc::read_token(token);
   for (const LinkConfig& link : topology.links) {
     if (link.signing) read_signing_key(link.signing->key_file);
   }

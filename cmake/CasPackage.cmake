@@ -11,6 +11,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd.service DESTINATION /lib
 install(FILES ${PROJECT_SOURCE_DIR}/config/udev/61-cas-pixhawk.rules DESTINATION /lib/udev/rules.d COMPONENT casd)
 install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/cas-modules.conf DESTINATION /usr/lib/modules-load.d
         RENAME cas.conf COMPONENT casd)
+install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/cas-sysusers.conf DESTINATION /usr/lib/sysusers.d
+        RENAME cas.conf COMPONENT casd)
 install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd-realtime.conf
         ${PROJECT_SOURCE_DIR}/config/udev/62-cas-cpu-latency.rules
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/../casd/examples COMPONENT casd)
@@ -56,7 +58,7 @@ set(CPACK_COMPONENT_COMMON_DESCRIPTION "hardware-in-the-loop simulation for UAVs
 The libraries and the shipped configuration of CAS: vehicles, worlds, sensor
 sets, scenarios and topologies, with the documentation.")
 
-set(CPACK_DEBIAN_CASD_PACKAGE_DEPENDS "cas-common ${exactly}")
+set(CPACK_DEBIAN_CASD_PACKAGE_DEPENDS "cas-common ${exactly}, passwd")
 set(CPACK_DEBIAN_CASD_PACKAGE_CONTROL_EXTRA
     "${debian}/conffiles;${debian}/postinst;${debian}/prerm;${debian}/postrm")
 set(CPACK_COMPONENT_CASD_DESCRIPTION "MAVLink router and command port for HIL simulation

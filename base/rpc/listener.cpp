@@ -1,28 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/rpc/listener.hpp"
 
+#include <fcntl.h>
+#include <grp.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::base::rpc {
 namespace {
 
 constexpr int kAcceptsPerRound = 16;  // then other handlers get their turn
 constexpr auto kRetryDelay = std::chrono::milliseconds(100);
+constexpr auto kFolderPatience = std::chrono::seconds(2);
 
 std::string message_of(int error) { return std::generic_category().message(error); }
 
@@ -74,11 +82,15 @@ sockaddr_un unix_address(const std::filesystem::path& path) {
   return address;
 }
 
-/// Removes a socket file that nobody listens on; refuses anything else in its place.
+/// Removes a socket file of ours that nobody listens on; refuses anything else in its place.
 void remove_stale(const std::filesystem::path& path, const sockaddr_un& address) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return;
   if (!S_ISSOCK(status.st_mode)) throw ConfigError(path.string() + ": exists and is no socket");
+  if (status.st_uid != ::geteuid()) {
+    throw ConfigError(path.string() + ": is a socket of another user (uid " +
+                      std::to_string(status.st_uid) + ")");
+  }
   const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const int connected =
       ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
@@ -86,6 +98,56 @@ void remove_stale(const std::filesystem::path& path, const sockaddr_un& address)
     throw ConfigError(path.string() + ": is in use by another program");
   }
   ::unlink(path.c_str());
+}
+
+/// Holds the folder of a socket while one looks for a stale file and binds: a socket that another
+/// program has bound and does not listen on yet would look stale. It waits a moment and no longer:
+/// in /tmp anybody may lock the folder.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& folder)
+      : fd_(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    if (!fd_) throw ConfigError(folder.string() + ": " + message_of(errno));
+    const RunTime deadline = steady_now() + kFolderPatience;
+    while (::flock(fd_.get(), LOCK_EX | LOCK_NB) != 0 && steady_now() < deadline) {
+      if (errno != EWOULDBLOCK && errno != EINTR) return;  // a file system without locks
+      ::poll(nullptr, 0, 10);
+    }
+  }
+
+ private:
+  Descriptor fd_;
+};
+
+/// The number of a group. @throws ConfigError
+gid_t group_id(const std::filesystem::path& path, const std::string& group) {
+  std::array<char, 16384> room;
+  struct group entry {};
+  struct group* found = nullptr;
+  if (::getgrnam_r(group.c_str(), &entry, room.data(), room.size(), &found) != 0 ||
+      found == nullptr) {
+    throw ConfigError(path.string() + ": there is no group '" + group + "'");
+  }
+  return found->gr_gid;
+}
+
+/// Lets the members of a group in. Until then the file is its owner's alone.
+void share_with(const std::filesystem::path& path, gid_t group) {
+  struct stat status {};
+  const bool known = ::lstat(path.c_str(), &status) == 0;
+  if (!known ||
+      (status.st_gid != group && ::lchown(path.c_str(), static_cast<uid_t>(-1), group) != 0)) {
+    throw ConfigError(path.string() + ": cannot be given to its group: " + message_of(errno));
+  }
+  if (::chmod(path.c_str(), S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP) != 0) {
+    throw ConfigError(path.string() + ": " + message_of(errno));
+  }
+}
+
+SocketFile socket_file(const std::filesystem::path& path) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return {};
+  return {.device = status.st_dev, .inode = status.st_ino};
 }
 
 }  // namespace
@@ -103,19 +165,31 @@ ListeningSocket open_tcp(const std::string& address, std::uint16_t port) {
   return listen_on(*found, name);
 }
 
-ListeningSocket open_unix(const std::filesystem::path& path) {
+ListeningSocket open_unix(const std::filesystem::path& path, const std::string& group) {
   const sockaddr_un address = unix_address(path);
+  const std::optional<gid_t> shared =
+      group.empty() ? std::nullopt : std::optional(group_id(path, group));
+  const FolderLock lock(path.parent_path());
   remove_stale(path, address);
   Descriptor fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   // The mode set before bind() is the file's from its first moment.
   if (!fd || ::fchmod(fd.get(), S_IRUSR | S_IWUSR) != 0 ||
-      ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::listen(fd.get(), SOMAXCONN) != 0) {
+      ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     throw ConfigError(path.string() + ": cannot listen: " + message_of(errno));
+  }
+  try {
+    if (shared) share_with(path, *shared);
+    if (::listen(fd.get(), SOMAXCONN) != 0) {
+      throw ConfigError(path.string() + ": cannot listen: " + message_of(errno));
+    }
+  } catch (const ConfigError&) {
+    ::unlink(path.c_str());
+    throw;
   }
   ListeningSocket socket;
   socket.loopback = true;
   socket.path = path;
+  socket.file = socket_file(path);
   socket.fd = std::move(fd);
   return socket;
 }
@@ -125,6 +199,7 @@ Listener::Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient
       descriptor_(io, socket.fd.release()),
       retry_(io),
       path_(std::move(socket.path)),
+      file_(socket.file),
       on_client_(std::move(on_client)) {}
 
 void Listener::do_wait() {
@@ -179,7 +254,10 @@ void Listener::close() {
   retry_.cancel();
   descriptor_.close(ignored);
   on_client_ = nullptr;
-  if (!path_.empty()) ::unlink(std::exchange(path_, {}).c_str());
+  if (path_.empty()) return;
+  const std::filesystem::path path = std::exchange(path_, {});
+  const SocketFile there = socket_file(path);
+  if (there.device == file_.device && there.inode == file_.inode) ::unlink(path.c_str());
 }
 
 }  // namespace cas::base::rpc

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <sys/types.h>
+
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
@@ -15,18 +17,27 @@
 
 namespace cas::base::rpc {
 
+/// Names the file of a Unix socket: another one in its place is not ours.
+struct SocketFile {
+  dev_t device = 0;
+  ino_t inode = 0;
+};
+
 /// A listening descriptor, bound and closed on exec.
 struct ListeningSocket {
   Descriptor fd;
   bool loopback = false;       ///< no other host can reach it
   std::uint16_t port = 0;      ///< TCP
-  std::filesystem::path path;  ///< Unix; removed when the listener closes
+  std::filesystem::path path;  ///< Unix; removed when the listener closes, unless it is another's
+  SocketFile file;             ///< Unix
 };
 
 /// @throws ConfigError
 ListeningSocket open_tcp(const std::string& address, std::uint16_t port);
-/// Mode 0600; a socket file that nobody listens on is replaced. @throws ConfigError
-ListeningSocket open_unix(const std::filesystem::path& path);
+/// A socket file of this user that nobody listens on is replaced; anything else in its place is
+/// refused. @param group  whose members may connect as well (0660); empty: none (0600)
+/// @throws ConfigError
+ListeningSocket open_unix(const std::filesystem::path& path, const std::string& group = {});
 
 /// Accepts clients with SOCK_CLOEXEC, which Asio's own acceptor leaves out.
 class Listener final : public std::enable_shared_from_this<Listener> {
@@ -49,6 +60,7 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   boost::asio::posix::stream_descriptor descriptor_;
   boost::asio::steady_timer retry_;
   std::filesystem::path path_;
+  SocketFile file_;
   OnClient on_client_;
   bool starved_ = false;  // said so once
 };

@@ -5,11 +5,11 @@
 #include <boost/asio/io_context.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/rpc/client_places.hpp"
 #include "base/rpc/dispatcher.hpp"
 #include "base/rpc/listener.hpp"
 #include "base/rpc/session.hpp"
@@ -19,7 +19,6 @@ namespace cas::base::rpc {
 namespace {
 
 constexpr std::size_t kRefusedAtOnce = 16;  // clients without a place that are still told why
-constexpr std::size_t kKeptForUnix = 1;     // places that TCP clients cannot take
 
 }  // namespace
 
@@ -42,39 +41,43 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
         [weak = weak_from_this()](const std::shared_ptr<Session>& closed) {
           if (const auto self = weak.lock()) self->on_closed(closed);
         });
-    session->authorised = session->host().empty() || !dispatcher->has_token();
-    const std::string fault = lacking_place(*session);
+    session->authorised = needs_no_token(session->origin());
+    const std::string fault = make_place(*session);
     if (!fault.empty() && without_place() >= kRefusedAtOnce) {
       ++refusals[Refusal::kNoPlace];
       return;  // closes it
     }
-    sessions.insert(session);
+    sessions.push_back(session);
     if (!fault.empty()) return session->refuse(Refusal::kNoPlace, fault);
     session->start();
   }
 
-  void on_closed(const std::shared_ptr<Session>& session) {
-    if (session->refusal != Refusal::kNone) ++refusals[session->refusal];
-    sessions.erase(session);
+  bool needs_no_token(const ClientOrigin& client) const {
+    return !dispatcher->has_token() || client.over_unix || (client.loopback && loopback_exempt);
   }
 
-  /// Why there is no place for a client; empty when there is one. Clients that are being turned
-  /// away hold none.
-  std::string lacking_place(const Session& client) const {
-    std::size_t taken = 0;
-    std::size_t taken_by_host = 0;
+  void on_closed(const std::shared_ptr<Session>& session) {
+    if (session->refusal != Refusal::kNone) ++refusals[session->refusal];
+    std::erase(sessions, session);
+  }
+
+  /// Clients that are being turned away hold no place.
+  /// @return why there is no place for a client; empty when there is one now
+  std::string make_place(const Session& client) {
+    std::vector<std::shared_ptr<Session>> held;
+    std::vector<PlaceHolder> holders;
     for (const auto& session : sessions) {
       if (session->refusal == Refusal::kNoPlace) continue;
-      ++taken;
-      if (session->host() == client.host()) ++taken_by_host;
+      held.push_back(session);
+      holders.push_back({session->origin(), session->has_asked()});
     }
-    const bool tcp = !client.host().empty();
-    const std::size_t kept = tcp && listens_on_unix ? kKeptForUnix : 0;
-    if (taken + kept >= limits.max_clients) return "the server has as many clients as it takes";
-    if (tcp && taken_by_host >= (limits.max_clients + 1) / 2) {
-      return "the server has as many clients of one address as it takes";
+    const PlaceDecision decision =
+        find_place(client.origin(), holders, limits.max_clients, listens_on_unix);
+    if (decision.displaced) {
+      held[*decision.displaced]->refuse(Refusal::kNoPlace,
+                                        "another client needs the place; this one asked nothing");
     }
-    return "";
+    return decision.refusal;
   }
 
   /// Clients that are being told that there is no place for them.
@@ -94,7 +97,8 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
   std::shared_ptr<Dispatcher> dispatcher;
   std::vector<std::shared_ptr<Listener>> listeners;
   bool listens_on_unix = false;
-  std::set<std::shared_ptr<Session>> sessions;
+  std::vector<std::shared_ptr<Session>> sessions;  ///< in the order in which they came
+  bool loopback_exempt = false;                    ///< from the token
   std::map<Refusal, std::uint64_t> refusals;
 };
 
@@ -125,8 +129,9 @@ bool Server::has_subscribers(const std::string& topic) const {
                      [&](const auto& session) { return session->topics.contains(topic); });
 }
 
-void Server::require_token(const std::filesystem::path& file) {
+void Server::require_token(const std::filesystem::path& file, bool loopback_exempt) {
   impl_->dispatcher->set_token(read_token(file));
+  impl_->loopback_exempt = loopback_exempt;
 }
 
 std::uint16_t Server::listen_tcp(const std::string& address, std::uint16_t port) {
@@ -139,8 +144,8 @@ std::uint16_t Server::listen_tcp(const std::string& address, std::uint16_t port)
   return bound;
 }
 
-void Server::listen_unix(const std::filesystem::path& path) {
-  impl_->start_listener(open_unix(path));
+void Server::listen_unix(const std::filesystem::path& path, const std::string& group) {
+  impl_->start_listener(open_unix(path, group));
 }
 
 void Server::close() { impl_->close(); }

@@ -18,19 +18,20 @@ class io_context;
 
 namespace cas::base::rpc {
 
-/// How long a TCP client may stay without a request.
+/// How long a client may stay without a request.
 inline constexpr Duration kFirstRequestTime = std::chrono::seconds(10);
 
 struct ServerLimits {
   std::size_t max_line_bytes = 64 * 1024;
-  /// The clients of one IP address take at most half of these places. One is kept for Unix
-  /// sockets where the server listens on both.
+  /// The clients of one address (all of loopback is one, an IPv6 network of 64 bits too) or of one
+  /// user on Unix sockets take at most half of these places. Where the server listens on a Unix
+  /// socket one is kept for its own user and root, who displace silent clients when all are taken.
   std::size_t max_clients = 64;
   std::size_t max_queued_replies = 256;  ///< a client that never reads is closed
   std::size_t max_queued_bytes = 4 * 1024 * 1024;
   /// Lines of one client; what comes faster waits in its socket. As many may come at once.
   double max_lines_s = 1000;
-  /// A TCP client must make its first request within this time, and where a token is asked for,
+  /// A client must make its first request within this time, and where a token is asked for,
   /// `authorise`. From then on it may be silent as long as it likes.
   Duration first_request_time = kFirstRequestTime;
 };
@@ -54,14 +55,16 @@ class CAS_BASE_EXPORT Server {
   void add_topic(const std::string& topic);
 
   /// TCP clients must first call `authorise` {"token": ...} with the first line of this file, which
-  /// its owner alone may read. Unix sockets are guarded by their mode. @throws ConfigError
-  void require_token(const std::filesystem::path& file);
+  /// its owner alone may read. Unix sockets are guarded by their mode.
+  /// @param loopback_exempt  clients of this machine need none @throws ConfigError
+  void require_token(const std::filesystem::path& file, bool loopback_exempt = false);
 
   /// Starts to listen; port 0 takes a free one. An address that other hosts can reach needs a
   /// token. @return the bound port @throws ConfigError
   std::uint16_t listen_tcp(const std::string& address, std::uint16_t port);
-  /// Mode 0600; a stale socket file is replaced. @throws ConfigError
-  void listen_unix(const std::filesystem::path& path);
+  /// Mode 0600, or 0660 for the members of a group where one is named; a stale socket file of this
+  /// user is replaced, anything else in its place refused. @throws ConfigError
+  void listen_unix(const std::filesystem::path& path, const std::string& group = {});
   /// Ends all connections and listening sockets; calls under way are not answered.
   void close();
   /// Clients being served.

@@ -3,6 +3,7 @@
 
 #include <netdb.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <boost/asio/buffer.hpp>
@@ -25,31 +26,35 @@ constexpr auto kDrainTime = std::chrono::seconds(1);
 
 struct PeerAddress {
   std::string name;  // "127.0.0.1:40412", "[::1]:40412", or the user of a Unix socket
-  std::string host;  // "127.0.0.1", "::1", or "" for a Unix socket
+  ClientOrigin origin;
 };
 
 PeerAddress unix_peer(int fd) {
   ucred user{};
   socklen_t size = sizeof user;
-  if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &user, &size) != 0) return {"unix", ""};
-  return {"unix:uid " + std::to_string(user.uid), ""};
+  if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &user, &size) != 0) {
+    return {"unix", {.share = "uid ?", .over_unix = true}};
+  }
+  return {"unix:uid " + std::to_string(user.uid), unix_origin(user.uid, ::geteuid())};
 }
 
 PeerAddress peer_address(int fd) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
-  if (::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {"?", "?"};
+  if (::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
+    return {"?", {.share = "?"}};
+  }
   if (address.ss_family == AF_UNIX) return unix_peer(fd);
+  const ClientOrigin origin = tcp_origin(reinterpret_cast<const sockaddr&>(address));
   std::array<char, NI_MAXHOST> host{};
   std::array<char, NI_MAXSERV> port{};
   if (::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(),
                     static_cast<socklen_t>(host.size()), port.data(),
                     static_cast<socklen_t>(port.size()), NI_NUMERICHOST | NI_NUMERICSERV) != 0) {
-    return {"?", "?"};
+    return {"?", origin};
   }
   const bool v6 = address.ss_family == AF_INET6;
-  return {(v6 ? "[" : "") + std::string(host.data()) + (v6 ? "]:" : ":") + port.data(),
-          host.data()};
+  return {(v6 ? "[" : "") + std::string(host.data()) + (v6 ? "]:" : ":") + port.data(), origin};
 }
 
 }  // namespace
@@ -66,16 +71,15 @@ Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
       on_closed_(std::move(on_closed)) {
   PeerAddress peer = peer_address(socket_.native_handle());
   name = std::move(peer.name);
-  host_ = std::move(peer.host);
+  origin_ = std::move(peer.origin);
 }
 
 void Session::start() {
-  if (!host_.empty()) await_first_request();
+  await_first_request();
   do_read();
 }
 
-// A silent client must not keep its place. A Unix socket's mode admits its owner alone, who may
-// connect long before the first call.
+// A silent client must not keep its place.
 void Session::await_first_request() {
   deadline_.expires_after(limits_.first_request_time);
   deadline_.async_wait([self = shared_from_this()](const AsioError& error) {

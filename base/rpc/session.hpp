@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 
+#include "base/rpc/client_places.hpp"
 #include "base/rpc/dispatcher.hpp"
 #include "base/rpc/line_rate.hpp"
 #include "base/rpc/server.hpp"
@@ -33,13 +34,14 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher, const ServerLimits& limits,
           std::function<void(const std::shared_ptr<Session>&)> on_closed);
 
-  /// Reads lines. Refuses a TCP client that makes no request in time, or has not authorised in time
+  /// Reads lines. Refuses a client that makes no request in time, or has not authorised in time
   /// where a token is required.
   void start();
   /// Tells the client why it is not served any longer, and ends.
   void refuse(Refusal why, const std::string& message, int code = kInternalError);
-  /// The peer's address without its port; empty for a Unix socket.
-  const std::string& host() const { return host_; }
+  const ClientOrigin& origin() const { return origin_; }
+  /// Whether the first request has come, and the client is authorised.
+  bool has_asked() const { return asked_; }
   void deliver(std::string line) override;
   void deliver_shared(Line line);
   void close();
@@ -61,7 +63,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void do_drain();
 
   StreamSocket socket_;
-  std::string host_;
+  ClientOrigin origin_;
   boost::asio::steady_timer deadline_;      // of the first request, then of the end
   std::shared_ptr<Dispatcher> dispatcher_;  // null once closed
   ServerLimits limits_;
@@ -71,7 +73,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   std::string rx_;
   std::deque<Line> tx_;
   std::size_t tx_bytes_ = 0;
-  bool asked_ = false;  // the first request came, and the client is authorised
+  bool asked_ = false;
   bool writing_ = false;
   bool finishing_ = false;
   bool draining_ = false;

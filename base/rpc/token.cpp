@@ -2,6 +2,7 @@
 #include "base/rpc/token.hpp"
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::size_t kShortestToken = 16;
 constexpr std::size_t kLongestToken = 4096;
+constexpr std::size_t kMadeBytes = 32;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& sentence) {
   throw ConfigError(file.string() + ": " + sentence);
@@ -36,6 +38,23 @@ std::string read_checked(int fd, const std::filesystem::path& file) {
   return text.substr(0, text.find_first_of("\r\n"));
 }
 
+/// A fresh secret and a newline. @return errno, 0 when all is written
+int write_token(int fd) {
+  std::array<unsigned char, kMadeBytes> random;
+  if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
+    return errno;
+  }
+  std::string text;
+  for (const unsigned char byte : random) {
+    text += "0123456789abcdef"[byte >> 4U];
+    text += "0123456789abcdef"[byte & 15U];
+  }
+  text += '\n';
+  const ssize_t written = ::write(fd, text.data(), text.size());
+  if (written < 0) return errno;
+  return static_cast<std::size_t>(written) == text.size() ? 0 : ENOSPC;
+}
+
 }  // namespace
 
 std::string read_token(const std::filesystem::path& file) {
@@ -44,6 +63,25 @@ std::string read_token(const std::filesystem::path& file) {
   std::string token = read_checked(fd.get(), file);
   if (token.size() < kShortestToken) fail(file, "the token has fewer than 16 characters");
   return token;
+}
+
+bool make_token(const std::filesystem::path& file) {
+  struct stat status {};
+  if (::lstat(file.c_str(), &status) == 0) return false;
+  // Written beside it and linked: another program never reads half of it, and link() takes nobody's
+  // place.
+  const std::string beside = file.string() + "." + std::to_string(::getpid()) + ".new";
+  ::unlink(beside.c_str());  // of a program with this number that was killed here
+  Descriptor out(
+      ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+  if (!out) fail(file, "cannot be made: " + std::generic_category().message(errno));
+  const int error = write_token(out.get());
+  const bool made = error == 0 && ::link(beside.c_str(), file.c_str()) == 0;
+  const int not_linked = errno;
+  ::unlink(beside.c_str());
+  if (made) return true;
+  if (error == 0 && not_linked == EEXIST) return false;  // another program was faster
+  fail(file, "cannot be made: " + std::generic_category().message(error != 0 ? error : not_linked));
 }
 
 bool same_token(std::string_view expected, std::string_view given) {

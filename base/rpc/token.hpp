@@ -13,6 +13,11 @@ namespace cas::base::rpc {
 /// its owner may read or write it, or the secret has fewer than 16 characters
 CAS_BASE_EXPORT std::string read_token(const std::filesystem::path& file);
 
+/// Makes a secret's file with 256 random bits of the kernel as 64 hexadecimal digits, mode 0600, if
+/// nothing is at its place. What is there already stays, a symlink that leads nowhere too.
+/// @return whether it was made @throws ConfigError when it cannot be made
+CAS_BASE_EXPORT bool make_token(const std::filesystem::path& file);
+
 /// Compares in a time that depends on the length of `given` alone.
 CAS_BASE_EXPORT bool same_token(std::string_view expected, std::string_view given);
 

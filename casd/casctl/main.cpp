@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/rpc/local_port.hpp"
 #include "base/rpc/message.hpp"
 #include "casd/casctl/doctor/doctor.hpp"
 #include "casd/casctl/monitor/monitor_screen.hpp"
@@ -25,10 +29,12 @@ void add_options(CommandLine& line) {
   app.name("casctl");
   app.set_version_flag("--version", std::string("casctl ") + CAS_VERSION);
   app.require_subcommand(1);
-  app.add_option("--address", options.address, "Command port of casd, HOST:PORT or unix:PATH")
-      ->envname("CASD_ADDRESS")
-      ->capture_default_str();
-  app.add_option("--token-file", options.token_file, "File with the command port's token")
+  app.add_option("--address", options.address,
+                 "Command port of casd, HOST:PORT or unix:PATH; without it casd's Unix socket on "
+                 "this machine, else 127.0.0.1:5790")
+      ->envname("CASD_ADDRESS");
+  app.add_option("--token-file", options.token_file,
+                 "File with the command port's token; over TCP to this machine casd's own is found")
       ->envname("CASD_TOKEN_FILE");
   app.add_option("--vehicle", options.vehicle, "System id; needed when casd knows several")
       ->check(CLI::Range(1, 255));
@@ -56,11 +62,21 @@ void print_error(const Options& options, int code, const std::string& message,
   std::cout << json{{"error", error}}.dump() << '\n';
 }
 
+/// Sockets of casd that are there and that this user may not use.
+std::string unusable_sockets() {
+  std::string text;
+  for (const std::filesystem::path& path : base::rpc::local_command_sockets()) {
+    if (::access(path.c_str(), R_OK | W_OK) == 0) continue;
+    text += ", or get the right to " + path.string() + " (sudo adduser $USER cas, log in again)";
+  }
+  return text;
+}
+
 /// What to do next, where casd's own sentence does not say.
 std::string hint(int code) {
   switch (code) {
     case base::rpc::kNotAuthorised:
-      return "; give --token-file or CASD_TOKEN_FILE";
+      return "; give --token-file or CASD_TOKEN_FILE" + unusable_sockets();
     case base::rpc::kMethodNotFound:
       return "; casctl and casd are of different versions";
     case base::rpc::kTimeout:

@@ -61,6 +61,9 @@ void read_rx(const LinkCounters& link, LinkStatus& status) {
   status.rx.setup_signing = rx.setup_signing.get();
   read(rx.decisions, status.rx.decisions);
   read(rx.signatures, status.rx.signatures);
+  status.rx.signing_time = rx.signing_time.get();
+  status.rx.signing_file = link.signing_file();
+  status.rx.future_signature = link.future_signature();
 }
 
 void read_tx(const LinkCounters& link, LinkStatus& status) {
@@ -100,6 +103,26 @@ void LinkCounters::set_endpoint(std::string text) {
 std::string LinkCounters::endpoint() const {
   const std::scoped_lock lock(mutex_);
   return endpoint_;
+}
+
+void LinkCounters::set_signing_file(std::string file) {
+  const std::scoped_lock lock(mutex_);
+  signing_file_ = std::move(file);
+}
+
+std::string LinkCounters::signing_file() const {
+  const std::scoped_lock lock(mutex_);
+  return signing_file_;
+}
+
+void LinkCounters::set_future_signature(const FutureSignature& signature) {
+  const std::scoped_lock lock(mutex_);
+  future_signature_ = signature;
+}
+
+std::optional<FutureSignature> LinkCounters::future_signature() const {
+  const std::scoped_lock lock(mutex_);
+  return future_signature_;
 }
 
 void LinkCounters::count_refused(Route::Decision why, const PacketInfo& info, unsigned times) {

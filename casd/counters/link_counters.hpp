@@ -128,6 +128,15 @@ class RouteLatency {
   std::array<std::unique_ptr<base::Histogram>, kMaxLinks> times_;
 };
 
+/// A packet, rightly signed, whose time lies more than a minute ahead of casd's clock.
+struct FutureSignature {
+  mav::Source source;
+  std::uint8_t link_id = 0;  ///< of the signature
+  std::uint64_t time = 0;    ///< mav::SigningTime
+  bool refused = false;
+  base::RunTime at;
+};
+
 /// What one link counts. `rx` fields are written by the link's thread, `tx` fields under
 /// `tx.mutex`, which is held for the counting only; everybody may read.
 struct LinkCounters {
@@ -147,7 +156,8 @@ struct LinkCounters {
     Counter packets, bytes, crc_errors, lost, unknown, skipped_bytes, kernel_drops, foreign;
     Counter not_accepted;               ///< left out by the link's `accept`
     Counter setup_signing;              ///< refused: a key never goes on
-    std::array<Counter, 7> signatures;  ///< by mav::SignatureVerdict, on links with `signing`
+    std::array<Counter, 8> signatures;  ///< by mav::SignatureVerdict, on links with `signing`
+    Counter signing_time;               ///< mav::SigningTime of the link's key
     std::array<Counter, kDecisions>
         decisions;  ///< by Route::Decision: where received packets ended
     std::array<MessageCounters, kDecisions>
@@ -175,9 +185,18 @@ struct LinkCounters {
   void set_endpoint(std::string text);
   std::string endpoint() const;
 
+  /// Where the time of signatures is kept; set once.
+  void set_signing_file(std::string file);
+  std::string signing_file() const;
+  /// The newest one; nothing: none yet.
+  void set_future_signature(const FutureSignature& signature);
+  std::optional<FutureSignature> future_signature() const;
+
  private:
   mutable std::mutex mutex_;
   std::string endpoint_;
+  std::string signing_file_;
+  std::optional<FutureSignature> future_signature_;
 };
 
 /// A link as `casd.status` and `link.list` report it.
@@ -195,7 +214,10 @@ struct LinkStatus {
                   kernel_drops = 0, foreign = 0;
     std::array<std::uint64_t, kDecisions> decisions{};  ///< by Route::Decision
     std::uint64_t not_accepted = 0, setup_signing = 0;
-    std::array<std::uint64_t, 7> signatures{};  ///< by mav::SignatureVerdict
+    std::array<std::uint64_t, 8> signatures{};  ///< by mav::SignatureVerdict
+    std::uint64_t signing_time = 0;             ///< mav::SigningTime of the link's key
+    std::string signing_file;                   ///< where it is kept
+    std::optional<FutureSignature> future_signature;
   } rx;
   struct {
     std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0;

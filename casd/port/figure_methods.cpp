@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/figure_methods.hpp"
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "casd/port/call_json.hpp"
 #include "casd/port/metrics.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
+#include "mavlink_gen/runtime/signing.hpp"
 
 namespace cas::casd {
 namespace {
@@ -25,8 +27,8 @@ constexpr std::pair<Refusal, const char*> kRefusals[] = {
 double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
 
 /// What became of packets on a link with `signing`, by mav::SignatureVerdict.
-constexpr const char* kSignatureWords[] = {"accepted", "unsigned_allowed", "unsigned",  "bad",
-                                           "replayed", "too_old",          "table_full"};
+constexpr const char* kSignatureWords[] = {"accepted", "unsigned_allowed", "unsigned",   "bad",
+                                           "replayed", "too_old",          "table_full", "too_new"};
 
 json signatures_json(const LinkStatus& link) {
   json counts{{"setup_signing", link.rx.setup_signing}};
@@ -34,6 +36,40 @@ json signatures_json(const LinkStatus& link) {
     counts[kSignatureWords[i]] = link.rx.signatures[i];
   }
   return counts;
+}
+
+/// The wall clock as signatures count it.
+mav::SigningTime signing_now() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_1970).count();
+  return mav::signing_time(us < 0 ? 0 : static_cast<std::uint64_t>(us));
+}
+
+/// How far a time of signatures is ahead of the clock; 0 when it is not.
+double ahead_s(mav::SigningTime time, mav::SigningTime clock) {
+  return time <= clock
+             ? 0
+             : static_cast<double>(time - clock) / static_cast<double>(mav::kSigningUnitsPerSecond);
+}
+
+/// The time of a link's key, and who signs with one from the future.
+json signing_json(const LinkStatus& link, base::RunTime now, mav::SigningTime clock) {
+  json entry{{"time_file", link.rx.signing_file},
+             {"time_ahead_s", ahead_s(link.rx.signing_time, clock)}};
+  if (const auto& future = link.rx.future_signature) {
+    entry["future"] = {
+        {"system", future->source.system}, {"component", future->source.component},
+        {"link_id", future->link_id},      {"ahead_s", ahead_s(future->time, clock)},
+        {"refused", future->refused},      {"age_s", base::to_seconds(now - future->at)}};
+  }
+  return entry;
+}
+
+/// What became of the last reload.
+json reload_json(const ReloadReport& reload, base::RunTime now) {
+  json entry{{"accepted", reload.trouble.empty()}, {"age_s", base::to_seconds(now - reload.at)}};
+  if (!reload.trouble.empty()) entry["reason"] = reload.trouble;
+  return entry;
 }
 
 json rx_json(const LinkStatus& link) {
@@ -173,7 +209,7 @@ LinkId FigureMethods::require_link(const std::string& name) const {
 
 json FigureMethods::status() const {
   const Topology& topology = source_.topology();
-  return json{{"schema", 1},
+  json status{{"schema", 1},
               {"program", "casd"},
               {"version", CAS_VERSION},
               {"uptime_s", base::to_seconds(source_.now() - source_.started)},
@@ -182,6 +218,8 @@ json FigureMethods::status() const {
               {"clients", server_.clients()},
               {"links", links()},
               {"vehicles", source_.vehicles()}};
+  if (last_reload_) status["reload"] = reload_json(*last_reload_, source_.now());
+  return status;
 }
 
 json FigureMethods::links() const {
@@ -199,7 +237,10 @@ json FigureMethods::links() const {
     for (const LinkConfig& config : topology.links) {
       if (config.name != link.name) continue;
       if (config.baud > 0) entry["baud"] = config.baud;
-      if (config.signing) entry["rx"]["signatures"] = signatures_json(link);
+      if (config.signing) {
+        entry["rx"]["signatures"] = signatures_json(link);
+        entry["signing"] = signing_json(link, source_.now(), signing_now());
+      }
     }
     all.push_back(std::move(entry));
   }

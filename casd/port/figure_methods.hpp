@@ -5,7 +5,9 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "base/rpc/server.hpp"
 #include "base/time/clock.hpp"
@@ -36,6 +38,12 @@ struct FiguresSource {
   std::shared_ptr<const MessageDecoder> decoder = std::make_shared<const MessageDecoder>();
 };
 
+/// What became of a reload.
+struct ReloadReport {
+  base::RunTime at{};
+  std::string trouble;  ///< why it was refused; empty: it is in force
+};
+
 /// The methods of the command port about casd itself: casd.status, link.*, message.* and
 /// the topics `links`, `messages` and `drops`. Everything on the server's thread.
 class FigureMethods {
@@ -48,6 +56,8 @@ class FigureMethods {
   std::string metrics() const;
   /// Another dialect is in force.
   void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
+  /// A reload was asked for, by whatever way: casd.status tells of the last one.
+  void set_last_reload(ReloadReport reload) { last_reload_ = std::move(reload); }
   /// After each LinkFigures::sample: tells subscribers.
   void publish();
 
@@ -69,6 +79,7 @@ class FigureMethods {
   FiguresSource source_;
   std::map<std::string, std::string> last_states_;
   std::uint64_t last_dropped_ = 0;
+  std::optional<ReloadReport> last_reload_;  ///< nothing: none yet
 };
 
 }  // namespace cas::casd

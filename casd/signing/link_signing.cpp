@@ -93,11 +93,24 @@ void SigningWriter::sign(std::span<const PacketRef> packets) {
   }
 }
 
+/// The bound of the configuration in the units of signatures; 0 there means none.
+mav::SigningTime signing_units(base::Duration bound) {
+  if (bound == base::Duration::zero()) return mav::kMaxSigningTime;
+  const double units = base::to_seconds(bound) * static_cast<double>(mav::kSigningUnitsPerSecond);
+  return static_cast<mav::SigningTime>(units);
+}
+
 }  // namespace
 
 LinkSigning::LinkSigning(const SigningConfig& config, std::shared_ptr<PacketSigner> signer,
                          std::shared_ptr<LinkCounters> counters)
-    : config_(config), signer_(std::move(signer)), counters_(std::move(counters)) {}
+    : config_(config),
+      max_ahead_(signing_units(config.max_future)),
+      signer_(std::move(signer)),
+      counters_(std::move(counters)) {
+  counters_->set_signing_file(signer_->time_file().string());
+  counters_->rx.signing_time.set(signer_->time());
+}
 
 std::optional<mav::PacketView> LinkSigning::admit(const mav::PacketView& packet) {
   using enum mav::SignatureVerdict;
@@ -112,7 +125,7 @@ std::optional<mav::PacketView> LinkSigning::admit(const mav::PacketView& packet)
   const auto& allowed = config_.allow_unsigned;
   if (packet.is_signed() ||
       std::find(allowed.begin(), allowed.end(), packet.message_id) == allowed.end()) {
-    verdict = signer_->verify(packet);
+    verdict = judge(packet);
   }
   counters_->rx.signatures[static_cast<std::size_t>(verdict)].add();
   if (!mav::accepted(verdict)) return std::nullopt;
@@ -122,6 +135,24 @@ std::optional<mav::PacketView> LinkSigning::admit(const mav::PacketView& packet)
   const std::size_t size =
       mav::strip_signature(packet, static_cast<std::uint8_t>(crc_extra), stripped_);
   return mav::view_packet(std::span(stripped_).first(size));
+}
+
+mav::SignatureVerdict LinkSigning::judge(const mav::PacketView& packet) {
+  const mav::SignatureVerdict verdict = signer_->verify(packet, max_ahead_);
+  counters_->rx.signing_time.set(signer_->time());
+  using enum mav::SignatureVerdict;
+  if (verdict == kAccepted || verdict == kTooNew) note_future(packet, verdict);
+  return verdict;
+}
+
+void LinkSigning::note_future(const mav::PacketView& packet, mav::SignatureVerdict verdict) {
+  const mav::SigningTime time = mav::Signing<>::timestamp(packet);
+  if (time <= signing_clock() + mav::Signing<>::kMaxLag) return;
+  counters_->set_future_signature({.source = packet.source,
+                                   .link_id = packet.signature()[0],
+                                   .time = time,
+                                   .refused = verdict == mav::SignatureVerdict::kTooNew,
+                                   .at = base::steady_now()});
 }
 
 std::unique_ptr<PacketWriter> LinkSigning::wrap(std::unique_ptr<PacketWriter> writer) const {

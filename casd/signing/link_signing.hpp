@@ -35,7 +35,11 @@ class LinkSigning {
   std::unique_ptr<PacketWriter> wrap(std::unique_ptr<PacketWriter> writer) const;
 
  private:
+  mav::SignatureVerdict judge(const mav::PacketView& packet);
+  void note_future(const mav::PacketView& packet, mav::SignatureVerdict verdict);
+
   const SigningConfig config_;
+  const mav::SigningTime max_ahead_;
   const std::shared_ptr<PacketSigner> signer_;
   const std::shared_ptr<LinkCounters> counters_;
   std::array<std::uint8_t, mav::kMaxPacketBytes> stripped_{};

@@ -21,11 +21,8 @@
 namespace cas::casd {
 namespace {
 
-mav::SigningTime clock_time() {
-  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_1970).count();
-  return mav::signing_time(us < 0 ? 0 : static_cast<std::uint64_t>(us));
-}
+/// Restarts that follow each other quickly put the stored time some minutes ahead.
+constexpr mav::SigningTime kPlainFuture = 3600 * mav::kSigningUnitsPerSecond;
 
 /// The same message as MAVLink 2: version 1 has no place for a signature.
 std::size_t as_version_2(const mav::PacketView& packet, std::uint8_t crc_extra,
@@ -71,6 +68,12 @@ std::string flat_name(const std::filesystem::path& file) {
 
 }  // namespace
 
+mav::SigningTime signing_clock() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_1970).count();
+  return mav::signing_time(us < 0 ? 0 : static_cast<std::uint64_t>(us));
+}
+
 int fitting_crc_extra(const mav::PacketView& packet) {
   const bool v1 = packet.version == 1;
   const std::size_t size = (v1 ? mav::kHeaderBytesV1 : mav::kHeaderBytesV2) + packet.payload.size();
@@ -88,7 +91,7 @@ PacketSigner::PacketSigner(const std::filesystem::path& key_file)
     : key_(read_signing_key(key_file)),
       time_file_(key_file),
       signing_(
-          key_, std::max(clock_time(), time_file_.load()),
+          key_, std::max(signing_clock(), time_file_.load()),
           {.store = [](void* self,
                        mav::SigningTime bound) { static_cast<PacketSigner*>(self)->store(bound); },
            .context = this}) {
@@ -101,13 +104,32 @@ PacketSigner::PacketSigner(const std::filesystem::path& key_file)
 void PacketSigner::begin() {
   if (std::exchange(begun_, true)) return;
   const std::scoped_lock lock(mutex_);
+  warn_of_future();
   store(signing_.time() + mav::Signing<>::kMaxLag);
 }
 
-mav::SignatureVerdict PacketSigner::verify(const mav::PacketView& packet) {
+/// A clock that was once wrong lasts: the stored time never goes back.
+void PacketSigner::warn_of_future() const {
+  const mav::SigningTime clock = signing_clock();
+  if (signing_.time() <= clock + kPlainFuture) return;
+  const double ahead_h = static_cast<double>(signing_.time() - clock) /
+                         static_cast<double>(mav::kSigningUnitsPerSecond) / 3600;
+  base::log::warn(time_file_.path().string() + ": the time of signatures is " +
+                  std::to_string(ahead_h) +
+                  " h ahead of the clock; senders with the right time are refused as too old");
+}
+
+mav::SignatureVerdict PacketSigner::verify(const mav::PacketView& packet,
+                                           mav::SigningTime max_ahead) {
   const std::scoped_lock lock(mutex_);
-  signing_.advance(clock_time());
-  return signing_.verify(packet);
+  signing_.advance(signing_clock());
+  return signing_.verify(
+      packet, [](const mav::PacketView&) { return false; }, max_ahead);
+}
+
+mav::SigningTime PacketSigner::time() {
+  const std::scoped_lock lock(mutex_);
+  return signing_.time();
 }
 
 std::size_t PacketSigner::sign(const mav::PacketView& packet, std::uint8_t link_id,
@@ -122,7 +144,7 @@ std::size_t PacketSigner::sign(const mav::PacketView& packet, std::uint8_t link_
     version_2 = mav::view_packet(std::span(converted).first(size));
   }
   const std::scoped_lock lock(mutex_);
-  signing_.advance(clock_time());
+  signing_.advance(signing_clock());
   return signing_.sign(version_2, extra, link_id, out);
 }
 

@@ -16,6 +16,9 @@ namespace cas::casd {
 /// read or write it
 mav::SigningKey read_signing_key(const std::filesystem::path& file);
 
+/// The wall clock as MAVLink's signatures count it.
+mav::SigningTime signing_clock();
+
 /// Where the time of signatures outlives a restart: a small text file with the bound that no
 /// signature has reached yet.
 class SigningTimeFile {
@@ -49,7 +52,15 @@ class PacketSigner {
   /// taken in again by a later one. Until then the stored time stays as it was. From one thread.
   void begin();
 
-  mav::SignatureVerdict verify(const mav::PacketView& packet);
+  /// @param max_ahead  how far ahead of the clock a packet may be. MAVLink lets each accepted
+  /// packet
+  ///                   move the receiver's time: one with a wrong clock would lock out all others
+  mav::SignatureVerdict verify(const mav::PacketView& packet,
+                               mav::SigningTime max_ahead = mav::kMaxSigningTime);
+
+  /// The time of the newest signature made or accepted, or of the clock.
+  mav::SigningTime time();
+  const std::filesystem::path& time_file() const { return time_file_.path(); }
 
   /// Signs a packet, of MAVLink 1 or 2, signed before or not, of a message known or not.
   /// @return bytes written; 0 when its checksum fits no message
@@ -57,6 +68,7 @@ class PacketSigner {
                    std::span<std::uint8_t, mav::kMaxPacketBytes> out);
 
  private:
+  void warn_of_future() const;
   void store(mav::SigningTime bound);
 
   const mav::SigningKey key_;

@@ -145,6 +145,8 @@ AcceptRule parse_accept(const base::ConfigNode& node) {
   return rule;
 }
 
+constexpr double kLongestFuture_s = 50 * 365 * 86400.0;
+
 SigningConfig parse_signing(const base::ConfigNode& node) {
   SigningConfig signing;
   signing.key_file = node.resolve(node.require<std::string>("key_file"));
@@ -155,6 +157,11 @@ SigningConfig parse_signing(const base::ConfigNode& node) {
     if (!signing.verify) list->fail("has no meaning without verify");
     signing.allow_unsigned = parse_messages(*list);
   }
+  if (const auto bound = node.find("max_future_s"); bound && !signing.verify) {
+    bound->fail("has no meaning without verify");
+  }
+  signing.max_future = base::from_seconds(
+      node.get_in("max_future_s", base::to_seconds(signing.max_future), 0, kLongestFuture_s));
   if (!signing.verify && !signing.sign) node.fail("neither verifies nor signs");
   return signing;
 }

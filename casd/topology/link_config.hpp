@@ -28,6 +28,8 @@ struct SigningConfig {
   bool verify = true;        ///< refuse what is not signed with the key, take signatures off
   bool sign = true;          ///< sign what goes out
   std::vector<std::uint32_t> allow_unsigned;  ///< messages that may come unsigned
+  /// How far ahead of casd's clock a signed packet may be; 0: any
+  base::Duration max_future = std::chrono::hours(24);
 
   friend bool operator==(const SigningConfig&, const SigningConfig&) = default;
 };

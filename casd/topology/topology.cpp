@@ -43,9 +43,18 @@ CommandPortConfig parse_command_port(const base::ConfigNode& node) {
   CommandPortConfig port;
   port.address = node.get<std::string>("address", port.address);
   port.port = base::get_whole_in<std::uint16_t>(node, "port", port.port, 0, 65535);
-  port.unix_path = node.get<std::string>("unix", "");
+  if (const auto path = node.find("unix")) {
+    const auto text = path->as<std::string>();
+    if (text.empty()) path->fail("is empty; `none` means no Unix socket");
+    port.unix_path = text == "none" ? "" : text;
+  }
+  if (const auto group = node.find("unix_group")) {
+    port.unix_group = group->as<std::string>();
+    if (port.unix_path && port.unix_path->empty()) group->fail("has no meaning with `unix: none`");
+  }
   if (node.has("token_file"))
     port.token_file = node.resolve(node.require<std::string>("token_file"));
+  port.loopback_without_token = node.get<bool>("loopback_without_token", false);
   return port;
 }
 

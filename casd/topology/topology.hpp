@@ -49,8 +49,11 @@ enum class Pace : std::uint8_t {
 struct CommandPortConfig {
   std::string address = "127.0.0.1";
   std::uint16_t port = 5790;
-  std::filesystem::path unix_path;   ///< empty: none
-  std::filesystem::path token_file;  ///< empty: no authorisation
+  /// Nothing: casd.sock in the runtime folder, where the port is not 0. Empty: none.
+  std::optional<std::filesystem::path> unix_path;
+  std::string unix_group;            ///< whose members may connect to the Unix socket; empty: none
+  std::filesystem::path token_file;  ///< empty: casd.token in the state or runtime folder
+  bool loopback_without_token = false;  ///< TCP clients of this machine need no token
 
   friend bool operator==(const CommandPortConfig&, const CommandPortConfig&) = default;
 };

@@ -76,6 +76,7 @@ std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces
   YAML::Node topology = YAML::LoadFile(scenario.topology.string());
   topology["command_port"]["port"] = 0;
   topology["command_port"]["unix"] = places.command_port().string();
+  topology["command_port"]["token_file"] = places.command_token().string();
   topology["log"]["tlog"] = (places.out / "flight.tlog").string();
   const auto source = base::ConfigNode::load(scenario.topology);
   for (const char* key : {"gains", "dialect"}) {

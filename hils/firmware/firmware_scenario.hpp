@@ -57,6 +57,7 @@ struct FirmwarePlaces {
   std::filesystem::path casd_config() const { return run / "casd.yaml"; }
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
   std::filesystem::path command_port() const { return sockets / "casd"; }
+  std::filesystem::path command_token() const { return sockets / "casd.token"; }
   std::filesystem::path casd_tty() const { return sockets / "casd_tty"; }
   std::filesystem::path firmware_tty() const { return sockets / "firmware_tty"; }
 };

@@ -75,6 +75,7 @@ struct RunPlaces {
   std::filesystem::path flight_tlog() const { return out / "flight.tlog"; }
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
   std::filesystem::path command_port() const { return sockets / "casd"; }
+  std::filesystem::path command_token() const { return sockets / "casd.token"; }
 };
 
 }  // namespace cas::hils

@@ -46,6 +46,7 @@ enum class SignatureVerdict : std::uint8_t {
   kReplayed,         ///< refused: not newer than the last packet of its stream
   kTooOld,           ///< refused: first packet of a stream, too far behind our time
   kTableFull,        ///< refused: first packet of a stream, and no room for another stream
+  kTooNew,           ///< refused: further ahead of our clock than the caller lets a packet be
 };
 
 /// Whether the packet may be used.
@@ -67,7 +68,8 @@ struct SigningStore {
 ///
 /// The time is moved by advance() and by packets of authenticated peers, never backwards. A time
 /// that comes from GPS should not be given to advance(): whoever fakes GPS would lock out all
-/// peers.
+/// peers. A peer with a wrong clock would do so too: `max_ahead` of verify() bounds how far one
+/// packet may be ahead of the clock, which packets do not move.
 ///
 /// @tparam Hash         like Sha256: update(span), finish()
 /// @tparam max_streams  senders that are told apart: (system, component, link id)
@@ -79,11 +81,13 @@ class Signing {
 
   /// @param start  the larger of the clock and what `store` kept; 0 where there is neither
   Signing(const SigningKey& key, SigningTime start, SigningStore store = {})
-      : key_(key), store_(store), time_(start), bound_(start) {}
+      : key_(key), store_(store), clock_(start), time_(start), bound_(start) {}
 
   /// Sets the time to the clock's where that is ahead.
   void advance(SigningTime clock) {
-    if (clock > time_ && clock <= kMaxSigningTime) time_ = clock;
+    if (clock > kMaxSigningTime) return;
+    if (clock > clock_) clock_ = clock;
+    move_to(clock);
   }
 
   /// Of the newest signature made or accepted, or of the clock.
@@ -120,8 +124,10 @@ class Signing {
   /// Likewise, with exceptions.
   /// @param allow_unsigned  bool(const PacketView&): says which packets pass without a signature,
   ///                        e.g. RADIO_STATUS of a modem
+  /// @param max_ahead       how far a packet may be ahead of our clock. MAVLink knows no such bound
   template <class AllowUnsigned>
-  SignatureVerdict verify(const PacketView& packet, AllowUnsigned&& allow_unsigned) {
+  SignatureVerdict verify(const PacketView& packet, AllowUnsigned&& allow_unsigned,
+                          SigningTime max_ahead = kMaxSigningTime) {
     if (!packet.is_signed()) {
       return allow_unsigned(packet) ? SignatureVerdict::kUnsignedAllowed
                                     : SignatureVerdict::kUnsigned;
@@ -131,7 +137,12 @@ class Signing {
     if (!same(signature_of(signed_bytes), trailer.last(kSignatureLength))) {
       return SignatureVerdict::kBadSignature;
     }
-    return judge_time({packet.source, trailer[0]}, load_time(trailer.data() + 1));
+    return judge_time({packet.source, trailer[0]}, timestamp(packet), max_ahead);
+  }
+
+  /// The time that a signed packet carries.
+  static SigningTime timestamp(const PacketView& signed_packet) {
+    return load_time(signed_packet.signature().data() + 1);
   }
 
  private:
@@ -196,18 +207,22 @@ class Signing {
     return time_;
   }
 
-  SignatureVerdict judge_time(const StreamKey& key, SigningTime time) {
+  void move_to(SigningTime time) {
+    if (time > time_) time_ = time;
+  }
+
+  SignatureVerdict judge_time(const StreamKey& key, SigningTime time, SigningTime max_ahead) {
     auto* stream = find(key);
-    if (stream != nullptr) {
-      if (time <= stream->last) return SignatureVerdict::kReplayed;
-    } else {
+    if (stream != nullptr && time <= stream->last) return SignatureVerdict::kReplayed;
+    if (time > clock_ && time - clock_ > max_ahead) return SignatureVerdict::kTooNew;
+    if (stream == nullptr) {
       if (time + kMaxLag < time_) return SignatureVerdict::kTooOld;
       if (size_ == max_streams) return SignatureVerdict::kTableFull;
       stream = &streams_[size_++];
       stream->key = key;
     }
     stream->last = time;
-    advance(time);
+    move_to(time);
     return SignatureVerdict::kAccepted;
   }
 
@@ -220,7 +235,8 @@ class Signing {
 
   SigningKey key_;
   SigningStore store_;
-  SigningTime time_;
+  SigningTime clock_;  ///< what advance() said, and the start
+  SigningTime time_;   ///< the same, moved by accepted packets too
   SigningTime bound_;
   std::array<Stream, max_streams> streams_{};
   std::size_t size_{};

@@ -20,9 +20,14 @@ systemd-analyze security --offline=true --threshold=14 --no-pager "$folder/casd.
 
 # What the service stands and falls with.
 for line in Type=notify Restart=on-failure RestartPreventExitStatus=78 WatchdogSec= DynamicUser=yes \
-    Environment=CAS_RUNTIME_DIR=%t/cas; do
+    Environment=CAS_RUNTIME_DIR=%t/cas \
+            Group=cas RuntimeDirectory=cas; do
   grep -q "^$line" "$config/systemd/casd.service" || { echo "$line is missing"; exit 1; }
 done
 # A restart must be over before a controller takes its sensors for dead: 0.3 s.
 grep -q '^RestartSec=10ms$' "$config/systemd/casd.service" || { echo "RestartSec is not 10ms"; exit 1; }
 ! grep -q '^ExecStartPre' "$config/systemd/casd.service" || { echo "ExecStartPre delays a restart"; exit 1; }
+# /run/cas would lie below /run/private.
+if grep -q "^RuntimeDirectoryPreserve=" "$config/systemd/casd.service"; then
+  echo "RuntimeDirectoryPreserve hides /run/cas from the group"; exit 1
+fi

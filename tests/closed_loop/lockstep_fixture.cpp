@@ -53,6 +53,7 @@ LockstepFixture::LockstepFixture(std::uint64_t seed) {
                   "--plugin-dir", cas::test::binary_dir() + "/plugins"});
   simulator_.emplace("unix:" + path("sim.sock"));
   casd_.emplace("unix:" + path("casd.sock"));
+  casd_->call("casd.status", Json::object());  // it ends clients that ask nothing for 10 s
 }
 
 std::string LockstepFixture::write_simulator(std::uint64_t seed, int port, int casd_port) {
@@ -75,7 +76,8 @@ std::string LockstepFixture::write_simulator(std::uint64_t seed, int port, int c
 std::string LockstepFixture::write_casd(int port, int casd_port) {
   return folder_
       .write("casd.yaml",
-             "schema: 1\npace: lockstep\ncommand_port: {port: 0, unix: " +
+             "schema: 1\npace: lockstep\ncommand_port: {port: 0, loopback_without_token: true, "
+             "unix: " +
                  (folder_ / "casd.sock").string() +
                  "}\nlinks:\n  - {name: sim, type: udp, local: '" + endpoint(casd_port) +
                  "', remote: '" + endpoint(port) +

@@ -90,7 +90,7 @@ class CasdInterlock : public testing::Test {
     const auto topology =
         folder_.write("casd.yaml",
                       "schema: 1\n"
-                      "command_port: {port: 0}\n"
+                      "command_port: {port: 0, loopback_without_token: true}\n"
                       "links:\n"
                       "  - {name: fcu, type: serial, baud: 921600, device: '" +
                           (folder_ / "fcu0").string() +

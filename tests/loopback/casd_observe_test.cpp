@@ -43,7 +43,8 @@ class CasdObserve : public testing::Test {
  protected:
   void start(const std::string& more) {
     const auto file = fixture.folder.write(
-        "topology.yaml", fixture.expand("command_port: {port: 0}\n" + more + kHilTopology));
+        "topology.yaml", fixture.expand("command_port: {port: 0, loopback_without_token: true}\n" +
+                                        more + kHilTopology));
     casd.emplace(std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", file});
     const auto ready = casd->wait_ready();
     ASSERT_TRUE(ready) << casd->output();

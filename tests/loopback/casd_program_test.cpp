@@ -31,7 +31,8 @@ class CasdProgram : public testing::Test {
   CasdFixture fixture;
 };
 
-const std::string kWithPort = std::string("command_port: {port: 0}\n") + kHilTopology;
+const std::string kWithPort =
+    std::string("command_port: {port: 0, loopback_without_token: true}\n") + kHilTopology;
 
 TEST_F(CasdProgram, TellsItsBoundPortsForwardsAndEndsCleanly) {
   const auto stats = fixture.folder / "stats.json";
@@ -88,7 +89,7 @@ TEST_F(CasdProgram, EndsWhenTheCommandPortIsTaken) {
   ASSERT_TRUE(status) << first.output();
   const std::string port = std::to_string(port_of(endpoint_in(*status, "command_port")));
   const auto file = fixture.folder.write(
-      "second.yaml", "schema: 1\ncommand_port: {port: " + port +
+      "second.yaml", "schema: 1\ncommand_port: {loopback_without_token: true, port: " + port +
                          "}\nlinks:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n");
   ChildProcess second({kCasd, file});
   EXPECT_EQ(second.wait_exit(), 71);

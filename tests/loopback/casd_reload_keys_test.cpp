@@ -29,6 +29,8 @@ std::string test_name(const std::string& key) {
   return std::regex_replace(key, std::regex("[^a-z0-9_]"), "_");
 }
 
+constexpr const char* kPort = "command_port: {port: 0, loopback_without_token: true}\n";
+
 /// The real casd between a socket and a line.
 class ReloadProgram {
  public:
@@ -37,9 +39,8 @@ class ReloadProgram {
     const bool has_port = extra.find("command_port") != std::string::npos;
     std::string yaml = kHilTopology;
     yaml.insert(yaml.find("routes:"), more_links);
-    return fixture.folder.write(
-        "topology.yaml",
-        fixture.expand(yaml + (has_port ? "" : "command_port: {port: 0}\n") + extra));
+    return fixture.folder.write("topology.yaml",
+                                fixture.expand(yaml + (has_port ? "" : kPort) + extra));
   }
   void start(const std::string& extra, const std::string& flag = "--log-level=info") {
     casd.emplace(
@@ -100,10 +101,16 @@ constexpr RefusedCase kRefused[] = {
     {"lock_memory", "", "lock_memory: true"},
     {"cpu_dma_latency_us", "", "cpu_dma_latency_us: 100"},
     {"route_lifetime_s", "route_lifetime_s: 60", "route_lifetime_s: 5"},
-    {"command_port.address", "", "command_port: {port: 0, address: '::1'}"},
-    {"command_port.port", "", "command_port: {port: 1}"},
-    {"command_port.unix", "", "command_port: {port: 0, unix: $DIR/casd.sock}"},
-    {"command_port.token_file", "", "command_port: {port: 0, token_file: token}"},
+    {"command_port.address", "",
+     "command_port: {port: 0, loopback_without_token: true, address: '::1'}"},
+    {"command_port.port", "", "command_port: {port: 1, loopback_without_token: true}"},
+    {"command_port.unix", "",
+     "command_port: {port: 0, loopback_without_token: true, unix: $DIR/casd.sock}"},
+    {"command_port.unix_group", "",
+     "command_port: {port: 0, loopback_without_token: true, unix_group: root}"},
+    {"command_port.token_file", "",
+     "command_port: {port: 0, loopback_without_token: true, token_file: token}"},
+    {"command_port.loopback_without_token", "", "command_port: {port: 0}"},
     {"log.tlog", "", "log: {tlog: $DIR/a.tlog}"},
     {"log.rotate_mib", "log: {tlog: $DIR/a.tlog}", "log: {tlog: $DIR/a.tlog, rotate_mib: 1}"},
     {"log.rotate_minutes", "log: {tlog: $DIR/a.tlog}",
@@ -303,6 +310,8 @@ constexpr LinkCase kLinkKeys[] = {
      "name: x, type: udp, local: '127.0.0.1:0', signing: {key_file: $DIR/a.key, verify: false}"},
     {"signing.sign", kSignedLink,
      "name: x, type: udp, local: '127.0.0.1:0', signing: {key_file: $DIR/a.key, sign: false}"},
+    {"signing.max_future_s", kSignedLink,
+     "name: x, type: udp, local: '127.0.0.1:0', signing: {key_file: $DIR/a.key, max_future_s: 60}"},
     {"signing.allow_unsigned", kSignedLink,
      "name: x, type: udp, local: '127.0.0.1:0', "
      "signing: {key_file: $DIR/a.key, allow_unsigned: [RADIO_STATUS]}"},

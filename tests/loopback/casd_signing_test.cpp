@@ -153,6 +153,47 @@ TEST_F(CasdSigning, RefusesAFirstPacketThatIsOlderThanAMinute) {
   EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
 }
 
+TEST_F(CasdSigning, APacketFromTheFutureLocksNobodyOut) {
+  fixture.start(topology());
+  constexpr mav::SigningTime kTenYears = 3652ULL * 86'400 * mav::kSigningUnitsPerSecond;
+  mav::Signing<> wrong(mav::signing_key(kPassPhrase), clock_time() + kTenYears);
+  expect_refused(signed_sensor(wrong, 1), SignatureVerdict::kTooNew);
+  const auto future = fixture.status("sim").rx.future_signature;
+  ASSERT_TRUE(future.has_value());
+  EXPECT_EQ(future->source, (mav::Source{1, 200}));
+  EXPECT_EQ(future->link_id, 3);
+  EXPECT_TRUE(future->refused);
+
+  // The same stream with the right time, another one, and casd's own signatures.
+  expect_passes(2);
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 1; }));
+  EXPECT_EQ(peer.verify(fixture.at_sim.packets().back().view()), SignatureVerdict::kAccepted);
+  EXPECT_LT(peer.time(), clock_time() + 3600 * mav::kSigningUnitsPerSecond);
+
+  // A restart does not bring it back: the stored time was not moved.
+  fixture.start(topology());
+  fixture.sim.set_remote(fixture.port("sim"));
+  mav::Signing<> later(mav::signing_key(kPassPhrase),
+                       clock_time() + 100 * mav::kSigningUnitsPerSecond);
+  fixture.sim.send(signed_sensor(later, 3));
+  EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 2; }));
+}
+
+TEST_F(CasdSigning, TheBoundOfTheFutureIsConfigured) {
+  fixture.start(topology(", max_future_s: 600"));
+  constexpr mav::SigningTime kHour = 3600 * mav::kSigningUnitsPerSecond;
+  mav::Signing<> ahead(mav::signing_key(kPassPhrase), clock_time() + kHour);
+  expect_refused(signed_sensor(ahead, 1), SignatureVerdict::kTooNew);
+  fixture.start(topology(", max_future_s: 0"));
+  fixture.sim.set_remote(fixture.port("sim"));
+  mav::Signing<> far(mav::signing_key(kPassPhrase), clock_time() + 100'000 * kHour);
+  fixture.sim.send(signed_sensor(far, 2));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
+  EXPECT_FALSE(fixture.status("sim").rx.future_signature->refused);
+  EXPECT_GT(fixture.status("sim").rx.signing_time, clock_time() + 99'000 * kHour);
+}
+
 TEST_F(CasdSigning, NeverSignsWithATimeOfBeforeARestart) {
   fixture.start(topology());
   expect_passes(1);

@@ -114,7 +114,8 @@ class Load {
 
 TEST(CasdSoak, NeedsNoMoreMemoryAfterTenMinutesUnderLoadThanAfterOne) {
   CasdFixture fixture;
-  const auto file = fixture.folder.write("topology.yaml", fixture.expand(R"(command_port: {port: 0}
+  const auto file = fixture.folder.write(
+      "topology.yaml", fixture.expand(R"(command_port: {port: 0, loopback_without_token: true}
 metrics: {port: 0}
 log: {tlog: "$DIR/soak.tlog", rotate_mib: 1, keep: 2}
 schema: 1

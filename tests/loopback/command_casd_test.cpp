@@ -33,7 +33,7 @@ class CommandCasdTest : public testing::Test {
     vehicle_ = std::make_unique<ScriptedVehicle>(line_, std::move(script));
     topology_ = folder_.write("casd.yaml",
                               "schema: 1\n"
-                              "command_port: {port: 0}\n"
+                              "command_port: {port: 0, loopback_without_token: true}\n"
                               "links:\n"
                               "  - {name: fcu, type: serial, baud: 921600, device: '" +
                                   (folder_ / "fcu0").string() + "'}\n" + "gains: " +
@@ -158,7 +158,7 @@ TEST_F(CommandCasdTest, ComesBackAfterAKillWithNothingStale) {
 TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
   const auto topology = folder_.write("down.yaml",
                                       "schema: 1\n"
-                                      "command_port: {port: 0}\n"
+                                      "command_port: {port: 0, loopback_without_token: true}\n"
                                       "links:\n"
                                       "  - {name: fcu, type: serial, device: '" +
                                           (folder_ / "nowhere").string() + "'}\n");

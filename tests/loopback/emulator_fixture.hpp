@@ -42,7 +42,7 @@ class EmulatorFixture {
                    "schema: 1\n"
                    "command_port: {unix: '" +
                        socket() +
-                       "', port: 0}\n"
+                       "', port: 0, loopback_without_token: true}\n"
                        "gains: " +
                        cas::test::source_dir() +
                        "/config/gains.yaml\n"

@@ -43,7 +43,7 @@ vehicles:
 )";
 
 const char* const kTopology = R"(schema: 1
-command_port: {port: 0}
+command_port: {port: 0, loopback_without_token: true}
 gains: $CONFIG/gains.yaml
 links:
   - {name: sim, type: udp, local: "127.0.0.1:$CASD", remote: "127.0.0.1:$SIM"}

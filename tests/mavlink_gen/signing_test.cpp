@@ -128,6 +128,48 @@ TEST(Signing, AcceptedPacketMovesOurTimeForwardOnly) {
   EXPECT_EQ(receiver.time(), kNow + kMinute + 1);
 }
 
+constexpr auto kNoException = [](const PacketView&) { return false; };
+constexpr SigningTime kDay = 24 * 60 * kMinute;
+
+TEST(Signing, APacketFromTheFutureIsRefusedAndMovesNothing) {
+  auto receiver = at(kNow);
+  auto wrong_clock = at(kNow + 3650 * kDay);
+  const auto packet = signed_packet(wrong_clock);
+  EXPECT_EQ(receiver.verify(view_packet(packet), kNoException, kDay), Verdict::kTooNew);
+  EXPECT_EQ(receiver.time(), kNow);
+  EXPECT_EQ(receiver.stream_count(), 0U);
+  auto corrected = at(kNow);
+  EXPECT_EQ(receiver.verify(view_packet(signed_packet(corrected)), kNoException, kDay),
+            Verdict::kAccepted)
+      << "the same stream, once its clock is right";
+}
+
+TEST(Signing, AKnownStreamThatJumpsIntoTheFutureIsRefusedToo) {
+  auto receiver = at(kNow);
+  auto sender = at(kNow);
+  EXPECT_EQ(receiver.verify(view_packet(signed_packet(sender)), kNoException, kDay),
+            Verdict::kAccepted);
+  auto jumped = at(kNow + 3650 * kDay);
+  EXPECT_EQ(receiver.verify(view_packet(signed_packet(jumped)), kNoException, kDay),
+            Verdict::kTooNew);
+  EXPECT_EQ(receiver.verify(view_packet(signed_packet(sender)), kNoException, kDay),
+            Verdict::kAccepted);
+}
+
+TEST(Signing, TheBoundIsAgainstTheClockThatNoPacketMoves) {
+  auto receiver = at(kNow);
+  auto ahead = at(kNow + kDay - 1);
+  EXPECT_EQ(receiver.verify(view_packet(signed_packet(ahead)), kNoException, kDay),
+            Verdict::kAccepted);
+  EXPECT_EQ(receiver.time(), kNow + kDay);
+  EXPECT_EQ(receiver.verify(view_packet(signed_packet(ahead)), kNoException, kDay),
+            Verdict::kTooNew)
+      << "one packet a day further than the other would lead anywhere";
+  receiver.advance(kNow + kMinute);
+  EXPECT_EQ(receiver.verify(view_packet(signed_packet(ahead)), kNoException, kDay),
+            Verdict::kAccepted);
+}
+
 TEST(Signing, FullTableRefusesNewStreamsAndKeepsTheOld) {
   auto sender = at(kNow);
   auto receiver = at(kNow);

@@ -115,7 +115,8 @@ constexpr double kSensorHz = 200;  // the least that stock firmware flies well o
 constexpr double kClockStep_s = 0.005;
 constexpr double kLateWake_us = 1000;
 constexpr double kFresh_s = 3;
-constexpr int kGroundStation = 190;  // component id of ground stations
+constexpr double kSigningAhead_s = 600;  // restarts put the time some minutes ahead
+constexpr int kGroundStation = 190;      // component id of ground stations
 
 using Findings = std::vector<Finding>;
 
@@ -204,6 +205,50 @@ void check_links(const DoctorFacts& facts, Findings& all) {
     if (own.empty()) good(own, name + " is up and clean");
     all.insert(all.end(), own.begin(), own.end());
   }
+}
+
+double signature_growth(const DoctorFacts& facts, const json& link, const char* verdict) {
+  const auto count = [verdict](const json& of) {
+    const json rx = of.value("rx", json::object());
+    return rx.value("signatures", json::object()).value(verdict, 0.0);
+  };
+  return count(link) - count(link_named(facts.before, link.value("name", "")));
+}
+
+/// Timestamps of signatures must rise, so that one from the future shuts out what comes after it.
+void check_signing(const DoctorFacts& facts, Findings& all) {
+  for (const json& link : facts.after.value("links", json::array())) {
+    const auto signing = link.find("signing");
+    if (signing == link.end()) continue;
+    const std::string name = "link " + link.value("name", "?");
+    const json future = signing->value("future", json::object());
+    const double ahead_s = signing->value("time_ahead_s", 0.0);
+    if (signature_growth(facts, link, "too_new") > 0) {
+      bad(all,
+          name + ": " + stream_text(future) + " signs " +
+              duration_text(future.value("ahead_s", 0.0)) + " ahead of casd's clock and is refused",
+          "put that sender's clock right, or this machine's (`date`); see docs/troubleshooting.md");
+    }
+    if (ahead_s > kSigningAhead_s) {
+      const bool moved = future.value("ahead_s", 0.0) > 0 && !future.value("refused", true);
+      bad(all,
+          name + ": the time of its signatures is " + duration_text(ahead_s) +
+              " ahead of the clock" + (moved ? ", moved there by " + stream_text(future) : "") +
+              "; other senders are refused as too old",
+          "put the clocks right, stop casd, remove " + signing->value("time_file", "KEY.time") +
+              ", start casd; see docs/troubleshooting.md");
+    }
+  }
+}
+
+/// The file that was changed is not what runs.
+void check_reload(const DoctorFacts& facts, Findings& all) {
+  const json reload = facts.after.value("reload", json::object());
+  if (reload.value("accepted", true)) return;
+  bad(all,
+      "the last reload, " + duration_text(reload.value("age_s", 0.0)) +
+          " ago, was refused; the topology before it is in force: " + reload.value("reason", "?"),
+      "mend the file, then `casctl reload`; where it takes a restart, restart casd");
 }
 
 void check_baud(const DoctorFacts& facts, Findings& all) {
@@ -469,7 +514,9 @@ DoctorFacts gather_facts(Session& session, double seconds) {
 
 std::vector<Finding> diagnose(const DoctorFacts& facts) {
   Findings all;
+  check_reload(facts, all);
   check_links(facts, all);
+  check_signing(facts, all);
   check_devices(facts, all);
   check_baud(facts, all);
   check_vehicles(facts, all);

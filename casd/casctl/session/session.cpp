@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/session/session.hpp"
 
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <thread>
 #include <utility>
+#include <vector>
+
+#include "base/os/host_port.hpp"
+#include "base/rpc/local_port.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -12,12 +17,14 @@ namespace {
 using nlohmann::json;
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(100);
+const std::string kTcpAddress = "127.0.0.1:" + std::to_string(base::rpc::kCommandPort);
 
-std::string first_line(const std::string& file) {
+std::string first_line(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string line;
   if (!std::getline(in, line)) {
-    throw std::runtime_error("cannot read a token from " + file + "; check the file's rights");
+    throw std::runtime_error("cannot read a token from " + file.string() +
+                             "; check the file's rights");
   }
   return line;
 }
@@ -32,19 +39,70 @@ std::chrono::steady_clock::time_point deadline(const Options& options) {
 
 Session::Session(const Options& options)
     : options_(options), give_up_(deadline(options)), client_(connect()) {
-  if (options.token_file.empty()) return;
-  client_.call("authorise", json{{"token", first_line(options.token_file)}});
+  authorise();
 }
 
 /// With --wait casd may be just starting.
 base::rpc::Client Session::connect() {
   for (;;) {
     try {
-      return base::rpc::Client(options_.address);
+      if (options_.address.empty()) return connect_here();
+      address_ = options_.address;
+      return base::rpc::Client(address_);
     } catch (const base::rpc::ConnectionError&) {
       if (!may_wait()) throw;
     }
-    wait_because("casd does not answer at " + options_.address + " yet", kPollPeriod);
+    wait_because("casd does not answer at " + address_ + " yet", kPollPeriod);
+  }
+}
+
+base::rpc::Client Session::connect_here() {
+  for (const std::filesystem::path& path : base::rpc::local_command_sockets()) {
+    try {
+      address_ = "unix:" + path.string();
+      return base::rpc::Client(address_);
+    } catch (const base::rpc::ConnectionError&) {
+      // Nobody listens there any more, or only others may connect.
+    }
+  }
+  address_ = kTcpAddress;
+  return base::rpc::Client(address_);
+}
+
+void Session::authorise() {
+  if (!options_.token_file.empty()) {
+    client_.call("authorise", json{{"token", first_line(options_.token_file)}});
+  } else if (is_asked_for_token()) {
+    authorise_with_own_token();
+  }
+}
+
+/// Whether this is TCP to this machine and casd wants a token there: it is never sent unasked, and
+/// to other machines not at all.
+bool Session::is_asked_for_token() {
+  const std::optional<base::HostPort> tcp = base::parse_host_port(address_);
+  if (address_.starts_with("unix:") || !tcp || !base::rpc::is_loopback_address(tcp->host)) {
+    return false;
+  }
+  try {
+    client_.call("methods", json::object());
+    return false;
+  } catch (const base::rpc::CallError& error) {
+    return error.code() == base::rpc::kNotAuthorised;
+  }
+}
+
+/// With the tokens that casd has on this machine, this user's first. A wrong one ends a connection.
+void Session::authorise_with_own_token() {
+  const std::vector<std::filesystem::path> files = base::rpc::local_command_tokens();
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    try {
+      client_.call("authorise", json{{"token", first_line(files[i])}});
+      return;
+    } catch (const base::rpc::CallError&) {
+      if (i + 1 == files.size()) throw;
+      client_ = base::rpc::Client(address_);
+    }
   }
 }
 

@@ -22,8 +22,8 @@ enum ExitCode : int {
 
 /// The options that every verb takes.
 struct Options {
-  std::string address = "127.0.0.1:5790";
-  std::string token_file;
+  std::string address;     ///< empty: casd's Unix socket on this machine, else its TCP port here
+  std::string token_file;  ///< empty: the one in the runtime folder, for TCP to this machine
   std::optional<int> vehicle;
   bool json = false;
   bool wait = false;
@@ -36,8 +36,8 @@ class WaitTimeout : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One connection to casd, authorised where a token is given. With --wait it waits up to --timeout
-/// for casd to answer and for the vehicle's first HEARTBEAT.
+/// One connection to casd, authorised over TCP where a token is given or found. With --wait it
+/// waits up to --timeout for casd to answer and for the vehicle's first HEARTBEAT.
 class Session {
  public:
   /// @throws base::rpc::ConnectionError, CallError; std::runtime_error for an unreadable token
@@ -59,10 +59,16 @@ class Session {
 
  private:
   base::rpc::Client connect();
+  /// Without --address: the first way to casd that is open.
+  base::rpc::Client connect_here();
+  void authorise();
+  bool is_asked_for_token();
+  void authorise_with_own_token();
 
   Options options_;
   std::chrono::steady_clock::time_point give_up_;
-  std::string told_;  // the reason for waiting that was said last
+  std::string told_;     // the reason for waiting that was said last
+  std::string address_;  // that was tried last
   base::rpc::Client client_;
 };
 

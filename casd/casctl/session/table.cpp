@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 namespace cas::casctl {
 namespace {
@@ -45,7 +46,17 @@ std::string fixed(double value, int decimals) {
 std::string duration_text(double seconds) {
   if (seconds < 120) return fixed(seconds, 1) + " s";
   if (seconds < 7200) return fixed(seconds / 60, 0) + " min";
-  return fixed(seconds / 3600, 1) + " h";
+  constexpr double kDay_s = 86400;
+  constexpr double kYear_s = 365.25 * kDay_s;
+  if (seconds < 2 * kDay_s) return fixed(seconds / 3600, 1) + " h";
+  if (seconds < 2 * kYear_s) return fixed(seconds / kDay_s, 1) + " days";
+  return fixed(seconds / kYear_s, 1) + " years";
+}
+
+std::string stream_text(const nlohmann::json& future) {
+  return std::to_string(future.value("system", 0)) + "/" +
+         std::to_string(future.value("component", 0)) + " (signing link " +
+         std::to_string(future.value("link_id", 0)) + ")";
 }
 
 }  // namespace cas::casctl

@@ -65,13 +65,35 @@ void print_vehicles(const json& vehicles) {
   }
 }
 
+/// The topology on the disk is not the one in force.
+void print_reload(const json& status) {
+  const json reload = status.value("reload", json::object());
+  if (reload.value("accepted", true)) return;
+  std::cout << "the last reload, " << duration_text(reload.value("age_s", 0.0))
+            << " ago, was refused: " << reload.value("reason", "?") << '\n';
+}
+
+/// Senders whose signatures come from the future.
+void print_future(const json& links) {
+  for (const json& link : links) {
+    const json future = link.value("signing", json::object()).value("future", json::object());
+    if (future.value("ahead_s", 0.0) <= 0) continue;
+    std::cout << "link " << link.value("name", "?") << ": " << stream_text(future) << " signs "
+              << duration_text(future.value("ahead_s", 0.0)) << " ahead of the clock"
+              << (future.value("refused", false) ? " and is refused\n" : "\n");
+  }
+}
+
 void print_status(const json& status) {
   std::cout << "casd " << status.value("version", "?") << ", up "
             << duration_text(status.value("uptime_s", 0.0)) << ", threads "
-            << status.value("threads", "?") << "\n\n";
+            << status.value("threads", "?") << "\n";
+  print_reload(status);
+  std::cout << '\n';
   print_links(status.value("links", json::array()));
   std::cout << '\n';
   print_vehicles(status.value("vehicles", json::array()));
+  print_future(status.value("links", json::array()));
 }
 
 std::string joined(const json& list) {

@@ -6,6 +6,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -22,7 +23,7 @@
 
 namespace cas::base::rpc {
 
-/// A TCP client that sends any bytes and reads lines, with a deadline on all it does.
+/// A client that sends any bytes and reads lines, with a deadline on all it does.
 class RawClient {
  public:
   /// @param from  the client's own address, within 127.0.0.0/8
@@ -37,6 +38,15 @@ class RawClient {
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  /// On a Unix socket.
+  explicit RawClient(const std::string& path)
+      : fd_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    EXPECT_EQ(::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0)
+        << path;
   }
   ~RawClient() { close(); }
   RawClient(RawClient&& other) noexcept

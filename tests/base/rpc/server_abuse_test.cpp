@@ -105,66 +105,93 @@ TEST(ServerAbuse, AThousandClientsThatLeaveAtOnceLeaveNothingBehind) {
   EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
 }
 
-TEST(ServerAbuse, AClientBeyondTheLimitIsToldAndClosed) {
-  ServerLimits limits;
-  limits.max_clients = 3;
-  RunningServer server(limits);
-  std::vector<RawClient> clients;
-  for (const char* from : {"127.0.0.1", "127.0.0.1", "127.0.0.2"}) {
-    clients.emplace_back(server.port(), from);
-    EXPECT_EQ(clients.back().ask(kEcho)["id"], 1);
-  }
-  RawClient fourth(server.port(), "127.0.0.3");
-  fourth.send(std::string(kEcho) + "\n");
-  const Json refusal = fourth.json();
-  EXPECT_TRUE(refusal["id"].is_null());
-  EXPECT_EQ(refusal["error"]["code"], kInternalError);
-  EXPECT_TRUE(fourth.closed_by_server());
-  fourth.close();
-  clients.pop_back();
-  EXPECT_TRUE(server.wait_for_refused(Refusal::kNoPlace, 1));
-  EXPECT_TRUE(server.wait_for_clients(2));
-  EXPECT_EQ(RawClient(server.port(), "127.0.0.2").ask(kEcho)["id"], 1);
-}
-
-TEST(ServerAbuse, OneAddressTakesHalfOfThePlaces) {
+TEST(ServerAbuse, AClientBeyondItsShareIsToldAndClosed) {
   ServerLimits limits;
   limits.max_clients = 4;
   RunningServer server(limits);
   std::vector<RawClient> clients;
-  for (int i = 0; i < 2; ++i) {
-    clients.emplace_back(server.port());
+  for (const char* from : {"127.0.0.1", "127.0.0.2"}) {
+    clients.emplace_back(server.port(), from);
     EXPECT_EQ(clients.back().ask(kEcho)["id"], 1);
   }
-  RawClient third(server.port());
-  EXPECT_EQ(third.json()["error"]["code"], kInternalError);
+  RawClient third(server.port(), "127.0.0.3");  // all of loopback is one address
+  third.send(std::string(kEcho) + "\n");
+  const Json refusal = third.json();
+  EXPECT_TRUE(refusal["id"].is_null());
+  EXPECT_EQ(refusal["error"]["code"], kInternalError);
   EXPECT_TRUE(third.closed_by_server());
+  third.close();
+  clients.pop_back();
+  EXPECT_TRUE(server.wait_for_refused(Refusal::kNoPlace, 1));
+  EXPECT_TRUE(server.wait_for_clients(1));
   EXPECT_EQ(RawClient(server.port(), "127.0.0.2").ask(kEcho)["id"], 1);
 }
 
-TEST(ServerAbuse, SilentTcpClientsLeaveAPlaceForAUnixClient) {
-  const test::TemporaryFolder folder;
-  const std::string path = folder.path() / "rpc";
-  RunningServer server;
-  server.run([&] { server.server().listen_unix(path); });
-  std::vector<RawClient> silent;
-  for (int i = 0; i < 63; ++i) {
-    silent.emplace_back(server.port(), i % 2 == 0 ? "127.0.0.1" : "127.0.0.2");
+/// A server that listens on a Unix socket too.
+class UnixAbuse : public testing::Test {
+ protected:
+  void start(const ServerLimits& limits = {}) {
+    server_.emplace(limits);
+    server_->run([&] { server_->server().listen_unix(path_); });
   }
-  EXPECT_TRUE(server.wait_for_clients(63));
-  silent.emplace_back(server.port(), "127.0.0.3");
-  EXPECT_EQ(silent.back().json()["error"]["code"], kInternalError);
-  Client unix_client("unix:" + path);
-  EXPECT_EQ(unix_client.call("echo", {1}, kPatience), Json({1}));
+
+  test::TemporaryFolder folder_;
+  std::string path_ = folder_.path() / "rpc";
+  std::optional<RunningServer> server_;
+};
+
+TEST_F(UnixAbuse, SilentClientsEverywhereLeaveAPlaceForTheOwner) {
+  start();
+  std::vector<RawClient> silent;
+  for (int i = 0; i < 40; ++i) silent.emplace_back(server_->port());
+  for (int i = 0; i < 64; ++i) silent.emplace_back(path_);
+  EXPECT_TRUE(server_->wait_for_clients(64));
+  Client owner("unix:" + path_);
+  EXPECT_EQ(owner.call("echo", {1}, kPatience), Json({1}));
+  EXPECT_TRUE(server_->wait_for_clients(64)) << "one silent client has gone for it";
+}
+
+TEST_F(UnixAbuse, ClientsThatHaveAskedKeepTheirPlaces) {
+  ServerLimits limits;
+  limits.max_clients = 4;
+  start(limits);
+  std::vector<RawClient> served;
+  for (int i = 0; i < 4; ++i) {
+    served.emplace_back(path_);
+    EXPECT_EQ(served.back().ask(kEcho)["id"], 1);
+  }
+  RawClient fifth(path_);
+  EXPECT_EQ(fifth.json()["error"]["code"], kInternalError);
+  EXPECT_TRUE(fifth.closed_by_server());
+  for (RawClient& client : served) EXPECT_EQ(client.ask(kEcho)["id"], 1);
+}
+
+TEST_F(UnixAbuse, SilentClientsLoseTheirPlaces) {
+  ServerLimits limits;
+  limits.first_request_time = std::chrono::milliseconds(100);
+  start(limits);
+  std::vector<RawClient> silent;
+  for (int i = 0; i < 8; ++i) silent.emplace_back(path_);
+  for (RawClient& client : silent) {
+    EXPECT_TRUE(client.json()["id"].is_null());
+    EXPECT_TRUE(client.closed_by_server());
+    client.close();
+  }
+  EXPECT_TRUE(server_->wait_for_refused(Refusal::kNoRequest, 8));
 }
 
 // Those who are turned away take no places while they are told why.
-TEST(ServerAbuse, ACrowdOfOneAddressLeavesTheOtherPlaces) {
-  RunningServer server;
+TEST_F(UnixAbuse, ACrowdOfOneAddressLeavesTheOtherPlaces) {
+  start();
   std::vector<RawClient> crowd;
-  for (int i = 0; i < 300; ++i) crowd.emplace_back(server.port());
-  EXPECT_TRUE(server.wait_until([](Server& each) { return each.clients() >= 32; }));
-  EXPECT_EQ(RawClient(server.port(), "127.0.0.2").ask(kEcho)["id"], 1);
+  for (int i = 0; i < 300; ++i) crowd.emplace_back(server_->port());
+  EXPECT_TRUE(server_->wait_until([](Server& each) { return each.clients() >= 32; }));
+  std::vector<RawClient> others;
+  for (int i = 0; i < 32; ++i) {
+    others.emplace_back(path_);
+    EXPECT_EQ(others.back().ask(kEcho)["id"], 1);
+  }
+  EXPECT_EQ(server_->run([&] { return server_->server().clients(); }), 64U);
 }
 
 TEST(ServerAbuse, SilentTcpClientsLoseTheirPlaces) {
@@ -172,9 +199,7 @@ TEST(ServerAbuse, SilentTcpClientsLoseTheirPlaces) {
   limits.first_request_time = std::chrono::milliseconds(100);
   RunningServer server(limits);
   std::vector<RawClient> silent;
-  for (int i = 0; i < 64; ++i) {
-    silent.emplace_back(server.port(), i % 2 == 0 ? "127.0.0.1" : "127.0.0.2");
-  }
+  for (int i = 0; i < 32; ++i) silent.emplace_back(server.port());
   silent[0].send("\n\n");  // blank lines are no request
   silent[1].send("\x16\x03\x01\x02 the first bytes of TLS, without a newline");
   for (RawClient& client : silent) {
@@ -182,7 +207,7 @@ TEST(ServerAbuse, SilentTcpClientsLoseTheirPlaces) {
     EXPECT_TRUE(client.closed_by_server());
     client.close();
   }
-  EXPECT_TRUE(server.wait_for_refused(Refusal::kNoRequest, 64));
+  EXPECT_TRUE(server.wait_for_refused(Refusal::kNoRequest, 32));
   EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <grp.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -8,6 +11,7 @@
 #include <cstring>
 
 #include "base/error.hpp"
+#include "base/os/descriptor.hpp"
 #include "base/rpc/client.hpp"
 #include "base/rpc/server.hpp"
 #include "tests/base/rpc/running_server.hpp"
@@ -54,6 +58,68 @@ TEST(UnixServer, TheFileIsForItsOwnerAlone) {
   struct stat status {};
   ::stat(path.c_str(), &status);
   EXPECT_EQ(status.st_mode & 0777U, 0600U);
+}
+
+TEST(UnixServer, AGroupMayBeLetIn) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  const group* own = ::getgrgid(::getegid());
+  ASSERT_NE(own, nullptr);
+  const std::string name = own->gr_name;
+  const mode_t before = ::umask(077);
+  RunningServer server;
+  server.run([&] { server.server().listen_unix(path, name); });
+  ::umask(before);
+  struct stat status {};
+  ::stat(path.c_str(), &status);
+  EXPECT_EQ(status.st_mode & 0777U, 0660U);
+  EXPECT_EQ(status.st_gid, ::getegid());
+}
+
+TEST(UnixServer, AGroupThatIsNotThereIsRefused) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  RunningServer server;
+  EXPECT_THROW(server.run([&] { server.server().listen_unix(path, "no-such-group"); }),
+               ConfigError);
+  EXPECT_FALSE(fs::exists(path));
+}
+
+TEST(UnixServer, ASocketOfAnotherUserIsNotReplaced) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  leave_stale_socket(path);
+  constexpr uid_t kNobody = 65534;
+  if (::lchown(path.c_str(), kNobody, kNobody) != 0) GTEST_SKIP() << "takes root";
+  RunningServer server;
+  EXPECT_THROW(listen_unix(server, path), ConfigError);
+  EXPECT_TRUE(fs::exists(path));
+}
+
+// A program that has bound its socket and does not listen yet would look stale. In /tmp anybody may
+// hold the folder: the wait ends.
+TEST(UnixServer, WaitsForAnotherProgramThatIsBindingInTheFolder) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  const Descriptor other(::open(folder.path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  ASSERT_EQ(::flock(other.get(), LOCK_EX), 0);
+  RunningServer server;
+  const RunTime start = steady_now();
+  listen_unix(server, path);
+  EXPECT_GE(steady_now() - start, std::chrono::milliseconds(1900)) << "it was not waited for";
+  EXPECT_EQ(Client("unix:" + path.string()).call("echo", {1}, kPatience), Json({1}));
+}
+
+TEST(UnixServer, LeavesAFileThatHasTakenTheSocketsPlace) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "rpc";
+  {
+    RunningServer server;
+    listen_unix(server, path);
+    fs::remove(path);
+    folder.write("rpc", "another program's");
+  }
+  EXPECT_TRUE(fs::exists(path));
 }
 
 TEST(UnixServer, AStaleFileIsReplaced) {

@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/rpc/client.hpp"
@@ -54,6 +59,68 @@ TEST(Token, OnlyTheSameTextIsTheSame) {
     EXPECT_FALSE(same_token(kToken, other)) << other;
   }
   EXPECT_FALSE(same_token("", "x"));
+}
+
+TEST(Token, IsMadeForItsOwnerAloneAndOnce) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "token";
+  const mode_t before = ::umask(0);
+  EXPECT_TRUE(make_token(file));
+  ::umask(before);
+  struct stat status {};
+  ASSERT_EQ(::lstat(file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  const std::string made = read_token(file);
+  EXPECT_EQ(made.size(), 64U);
+  EXPECT_EQ(made.find_first_not_of("0123456789abcdef"), std::string::npos);
+  EXPECT_FALSE(make_token(file));
+  EXPECT_EQ(read_token(file), made);
+  EXPECT_TRUE(make_token(folder.path() / "other"));
+  EXPECT_NE(read_token(folder.path() / "other"), made);
+}
+
+TEST(Token, IsNeverMadeThroughASymlink) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "token";
+  const std::filesystem::path target = folder.path() / "elsewhere";
+  ASSERT_EQ(::symlink(target.c_str(), file.c_str()), 0);
+  EXPECT_FALSE(make_token(file));
+  EXPECT_FALSE(std::filesystem::exists(target));
+  EXPECT_THROW(read_token(file), ConfigError);
+}
+
+TEST(Token, ThatCannotBeMadeLeavesNothing) {
+  const test::TemporaryFolder folder;
+  EXPECT_THROW(make_token(folder.path() / "no" / "token"), ConfigError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Token, ProgramsThatStartTogetherShareOne) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "token";
+  std::vector<pid_t> programs;
+  for (int i = 0; i < 8; ++i) {
+    const pid_t pid = ::fork();
+    if (pid == 0) {  // what a program reads right after it is what the file holds for good
+      make_token(file);
+      ::_exit(read_token(file).size() == 64 ? 0 : 1);
+    }
+    programs.push_back(pid);
+  }
+  for (const pid_t pid : programs) {
+    int status = 0;
+    ASSERT_EQ(::waitpid(pid, &status, 0), pid);
+    EXPECT_EQ(status, 0);
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(TokenServer, ClientsOfThisMachineMayBeExempt) {
+  const test::TemporaryFolder folder;
+  RunningServer server;
+  const auto file = write_token(folder, kToken, 0600);
+  server.run([&] { server.server().require_token(file, true); });
+  EXPECT_EQ(Client(server.address()).call("echo", {1}, kPatience), Json({1}));
 }
 
 TEST(TokenServer, TcpClientsMustKnowIt) {

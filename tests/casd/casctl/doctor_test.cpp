@@ -140,6 +140,39 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"SmallBuffer",
                 [](DoctorFacts& f) { f.after["links"][0]["rx"]["kernel_drops"] = 3; },
                 "socket buffer overflows"},
+        BadCase{"SignedInTheFuture",
+                [](DoctorFacts& f) {
+                  f.after["links"][0]["signing"] = {{"time_file", "/etc/cas/radio.key.time"},
+                                                    {"time_ahead_s", 0.0},
+                                                    {"future",
+                                                     {{"system", 1},
+                                                      {"component", 200},
+                                                      {"link_id", 3},
+                                                      {"ahead_s", 315'576'000.0},
+                                                      {"refused", true}}}};
+                  f.after["links"][0]["rx"]["signatures"] = {{"too_new", 2}};
+                },
+                "link sim: 1/200 (signing link 3) signs 10.0 years ahead of casd's clock"},
+        BadCase{"SigningTimeAhead",
+                [](DoctorFacts& f) {
+                  f.after["links"][0]["signing"] = {{"time_file", "/etc/cas/radio.key.time"},
+                                                    {"time_ahead_s", 86'400.0},
+                                                    {"future",
+                                                     {{"system", 1},
+                                                      {"component", 200},
+                                                      {"link_id", 3},
+                                                      {"ahead_s", 86'400.0},
+                                                      {"refused", false}}}};
+                },
+                "signatures is 24.0 h ahead of the clock, moved there by 1/200 (signing link 3)"},
+        BadCase{"ReloadRefused",
+                [](DoctorFacts& f) {
+                  f.after["reload"] = {{"accepted", false},
+                                       {"age_s", 12.0},
+                                       {"reason", "casd.yaml:3: threads: takes a restart"}};
+                },
+                "last reload, 12.0 s ago, was refused; the topology before it is in force: "
+                "casd.yaml:3: threads"},
         BadCase{"Powersave", [](DoctorFacts& f) { f.governors = {"powersave"}; }, "powersave"},
         BadCase{"ClockStep", [](DoctorFacts& f) { f.clock_step_s = -0.2; },
                 "wall clock moved by -200.0 ms"},

@@ -173,6 +173,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "57600.5"},
         BadCase{"FractionOfAPeer", link("name: a, type: tcp_server, local: 'h:1', max_peers: 1.7"),
                 "1.7"},
+        BadCase{"NoUnixPath", kLinks + "command_port: {unix: ''}\n", "`none` means no Unix socket"},
+        BadCase{"GroupWithoutASocket", kLinks + "command_port: {unix: none, unix_group: cas}\n",
+                "has no meaning with `unix: none`"},
         BadCase{"FractionOfAPort", kLinks + "command_port: {port: 5790.5}\n", "5790.5"},
         BadCase{"SecondName",
                 "schema: 1\nlinks:\n  - {name: a, type: udp, local: 'h:1'}\n"
@@ -206,6 +209,10 @@ INSTANTIATE_TEST_SUITE_P(
                 link("name: a, type: udp, local: 'h:1', "
                      "signing: {key_file: k, verify: false, allow_unsigned: [RADIO_STATUS]}"),
                 "without verify"},
+        BadCase{"FutureWithoutVerify",
+                link("name: a, type: udp, local: 'h:1', "
+                     "signing: {key_file: k, verify: false, max_future_s: 60}"),
+                "max_future_s"},
         BadCase{"LogWithoutFile", link("name: a, type: tlog"), "file"},
         BadCase{"LogThatStandsStill", link("name: a, type: tlog, file: f, speed: 0"), "speed"},
         BadCase{

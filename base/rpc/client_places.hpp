@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/socket.h>
+#include <sys/types.h>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace cas::base::rpc {
+
+/// Where a client comes from, as far as places and rights depend on it.
+struct ClientOrigin {
+  /// Clients with the same word have one share: "loopback", "192.0.2.7", "2001:db8:1:2::/64",
+  /// "uid 1000".
+  std::string share{};
+  bool over_unix = false;
+  bool loopback = false;  ///< TCP from this machine
+  /// On a Unix socket, as root or as the server's own user.
+  bool is_operator = false;
+};
+
+/// Of a TCP client: all of 127.0.0.0/8 and ::1 are one share, an IPv6 network of 64 bits is one,
+/// and an IPv4 address that IPv6 carries is the IPv4 address. Another family is the share "?".
+ClientOrigin tcp_origin(const sockaddr& address);
+/// Of a client on a Unix socket. @param server  the user that the server runs as
+ClientOrigin unix_origin(uid_t client, uid_t server);
+
+/// A client that has a place.
+struct PlaceHolder {
+  ClientOrigin origin;
+  bool asked = false;  ///< it has made a request, authorised where that is asked for
+};
+
+/// What becomes of a new client.
+struct PlaceDecision {
+  std::string refusal{};                   ///< why it gets no place; empty: it gets one
+  std::optional<std::size_t> displaced{};  ///< the holder that must go for it
+};
+
+/// Shares out `places`. A share takes at most half of them, and where `keep_one` says so the last
+/// place is for an operator, who is held to no share. When all are taken, an operator displaces the
+/// client that has been silent since it came, the oldest first. Pure.
+/// @param holders  in the order in which they came
+PlaceDecision find_place(const ClientOrigin& client, std::span<const PlaceHolder> holders,
+                         std::size_t places, bool keep_one);
+
+}  // namespace cas::base::rpc

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/rpc/local_port.hpp"
+
+#include <arpa/inet.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "base/error.hpp"
+#include "base/os/runtime_folder.hpp"
+#include "base/rpc/client_places.hpp"
+
+namespace cas::base::rpc {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder, no symlink, that belongs to this user or to root and that others may not write into.
+bool is_trusted(const struct stat& status) {
+  return S_ISDIR(status.st_mode) && (status.st_uid == ::geteuid() || status.st_uid == 0) &&
+         (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+/// Where casd of this machine may have its sockets and tokens. A folder that another user could
+/// have made is left out.
+std::vector<fs::path> runtime_folders() {
+  std::vector<fs::path> folders;
+  try {
+    const fs::path own = runtime_folder(kServiceFolder);
+    struct stat status {};
+    const bool there = ::lstat(own.c_str(), &status) == 0;
+    if (own != kServiceFolder && there && is_trusted(status)) folders.push_back(own);
+  } catch (const ConfigError&) {
+    // Somebody else's folder stands where this user's should be.
+  }
+  folders.emplace_back(kServiceFolder);  // only root can have made it
+  return folders;
+}
+
+}  // namespace
+
+fs::path make_runtime_folder() {
+  const fs::path folder = runtime_folder(kServiceFolder);
+  if (::mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST) {
+    throw ConfigError(folder.string() +
+                      ": cannot be made: " + std::generic_category().message(errno));
+  }
+  struct stat status {};
+  const bool there = ::lstat(folder.c_str(), &status) == 0;
+  if (there && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid()) {
+    if (folder == kServiceFolder) return folder;  // the unit says who may write into it
+    status.st_mode &= ~static_cast<mode_t>(S_IWGRP | S_IWOTH);
+    ::chmod(folder.c_str(), status.st_mode & 07777U);
+  }
+  if (!there || !is_trusted(status)) {
+    throw ConfigError(folder.string() +
+                      ": is no folder of yours that you alone may write into; set CAS_RUNTIME_DIR");
+  }
+  return folder;
+}
+
+std::string command_socket_name(std::uint16_t port) {
+  return port == kCommandPort ? "casd.sock" : "casd-" + std::to_string(port) + ".sock";
+}
+
+bool is_loopback_address(const std::string& address) {
+  if (address == "localhost") return true;
+  sockaddr_in v4{};
+  v4.sin_family = AF_INET;
+  if (::inet_pton(AF_INET, address.c_str(), &v4.sin_addr) == 1) {
+    return tcp_origin(reinterpret_cast<const sockaddr&>(v4)).loopback;
+  }
+  sockaddr_in6 v6{};
+  v6.sin6_family = AF_INET6;
+  if (::inet_pton(AF_INET6, address.c_str(), &v6.sin6_addr) != 1) return false;
+  return tcp_origin(reinterpret_cast<const sockaddr&>(v6)).loopback;
+}
+
+std::vector<fs::path> local_command_sockets() {
+  std::vector<fs::path> sockets;
+  for (const fs::path& folder : runtime_folders()) {
+    const fs::path path = folder / command_socket_name(kCommandPort);
+    struct stat status {};
+    if (::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) sockets.push_back(path);
+  }
+  return sockets;
+}
+
+std::vector<fs::path> local_command_tokens() {
+  std::vector<fs::path> tokens;
+  std::vector<fs::path> folders = runtime_folders();
+  folders.emplace_back(kServiceState);
+  for (const fs::path& folder : folders) {
+    const fs::path path = folder / kCommandToken;
+    if (::access(path.c_str(), R_OK) == 0) tokens.push_back(path);
+  }
+  return tokens;
+}
+
+}  // namespace cas::base::rpc

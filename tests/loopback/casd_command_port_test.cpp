@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Who reaches the command port of the real casd, and how casctl finds it.
+#include <grp.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/rpc/client.hpp"
+#include "base/rpc/token.hpp"
+#include "mavlink_gen/runtime/signing.hpp"
+#include "tests/base/rpc/raw_client.hpp"
+#include "tests/loopback/casd_fixture.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::test {
+namespace {
+
+namespace fs = std::filesystem;
+using base::rpc::Client;
+using base::rpc::RawClient;
+using nlohmann::json;
+
+constexpr const char* kStatus = R"({"jsonrpc":"2.0","id":1,"method":"casd.status"})";
+constexpr const char* kLinks = "links:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n";
+
+/// A TCP port that was free a moment ago.
+std::uint16_t free_tcp_port() {
+  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  socklen_t size = sizeof address;
+  ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  ::close(fd);
+  return ntohs(address.sin_port);
+}
+
+/// casd and casctl in a session of their own, with a runtime folder that nobody else uses.
+class CommandPort : public testing::Test {
+ protected:
+  static std::vector<std::string> in_session(const fs::path& session, const std::string& program,
+                                             const std::vector<std::string>& arguments) {
+    std::vector<std::string> command{"/usr/bin/env",
+                                     "-u",
+                                     "CASD_ADDRESS",
+                                     "-u",
+                                     "CASD_TOKEN_FILE",
+                                     "-u",
+                                     "STATE_DIRECTORY",
+                                     "CAS_RUNTIME_DIR=" + (session / "cas").string(),
+                                     binary_dir() + "/bin/" + program};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return command;
+  }
+  /// @param port  the block `command_port`; "$DIR" stands for the test's folder
+  fs::path topology(std::string port, const std::string& links = kLinks) const {
+    for (auto at = port.find("$DIR"); at != std::string::npos; at = port.find("$DIR")) {
+      port.replace(at, 4, folder_.path().string());
+    }
+    return folder_.write("casd.yaml", "schema: 1\ncommand_port: " + port + "\n" + links);
+  }
+  std::unique_ptr<ChildProcess> launch(const std::string& port,
+                                       const std::string& links = kLinks) const {
+    return std::make_unique<ChildProcess>(
+        in_session(session_.path(), "casd", {topology(port, links).string()}));
+  }
+  /// Starts casd and waits until it is ready.
+  void start(const std::string& port, const std::string& links = kLinks) {
+    casd_ = launch(port, links);
+    const std::optional<std::string> status = casd_->wait_ready();
+    ASSERT_TRUE(status.has_value()) << casd_->output();
+    status_ = *status + " ";
+    tcp_ = word("command_port");
+  }
+  std::string word(const std::string& key) const {
+    const std::size_t at = status_.find(key + " ");
+    if (at == std::string::npos) return "";
+    const std::size_t begin = at + key.size() + 1;
+    return status_.substr(begin, status_.find(' ', begin) - begin);
+  }
+  std::uint16_t port() const { return port_of(tcp_); }
+  /// casd does not start: its exit code and that it says `why`.
+  void expect_refused(const std::string& port, const std::string& why) const {
+    const auto casd = launch(port);
+    EXPECT_EQ(casd->wait_exit(), 71) << casd->output();
+    EXPECT_NE(casd->output().find(why), std::string::npos) << casd->output();
+  }
+  struct Ended {
+    int code;
+    std::string output;
+  };
+  Ended casctl(const std::vector<std::string>& arguments) const {
+    ChildProcess child(in_session(session_.path(), "casctl", arguments));
+    const int code = child.wait_exit().value_or(-1);
+    return {code, child.output()};
+  }
+  fs::path runtime() const { return session_.path() / "cas"; }
+
+  TemporaryFolder folder_;
+  TemporaryFolder session_;
+  std::unique_ptr<ChildProcess> casd_;
+  std::string status_;
+  std::string tcp_;
+};
+
+TEST_F(CommandPort, HasASocketAndATokenOfItsOwn) {
+  const std::string fixed = std::to_string(free_tcp_port());
+  start("{port: " + fixed + "}");
+  const fs::path socket = runtime() / ("casd-" + fixed + ".sock");
+  EXPECT_EQ(word("command_socket"), socket.string());
+  struct stat status {};
+  ASSERT_EQ(::lstat(socket.c_str(), &status), 0);
+  EXPECT_TRUE(S_ISSOCK(status.st_mode));
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  ASSERT_EQ(::lstat((runtime() / "casd.token").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+
+  EXPECT_EQ(Client("unix:" + socket.string()).call("casd.status", json::object())["program"],
+            "casd");
+  EXPECT_EQ(RawClient(port()).ask(kStatus)["error"]["code"], base::rpc::kNotAuthorised);
+  Client remote(tcp_);
+  remote.call("authorise", {{"token", base::rpc::read_token(runtime() / "casd.token")}});
+  EXPECT_EQ(remote.call("casd.status", json::object())["program"], "casd");
+
+  casd_->signal(SIGTERM);
+  EXPECT_EQ(casd_->wait_exit(), 0);
+  EXPECT_FALSE(fs::exists(socket));
+  EXPECT_TRUE(fs::exists(runtime() / "casd.token")) << "scripts hold on to it";
+}
+
+TEST_F(CommandPort, CasctlTakesTheSocketFirst) {
+  start("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}");
+  EXPECT_EQ(casctl({"reload"}).code, 0);
+  EXPECT_TRUE(wait_until([&] {
+    return casd_->output().find("audit: unix:uid " + std::to_string(::geteuid()) +
+                                " casd.reload: done") != std::string::npos;
+  })) << casd_->output();
+}
+
+TEST_F(CommandPort, CasctlFindsTheTokenByItself) {
+  start("{port: 0}");
+  const Ended ended = casctl({"--address", tcp_, "status"});
+  EXPECT_EQ(ended.code, 0) << ended.output;
+
+  fs::rename(runtime() / "casd.token", folder_ / "kept");
+  const Ended without = casctl({"--address", tcp_, "status"});
+  EXPECT_EQ(without.code, 1);
+  EXPECT_NE(without.output.find("--token-file"), std::string::npos) << without.output;
+  EXPECT_EQ(casctl({"--address", tcp_, "--token-file", (folder_ / "kept").string(), "status"}).code,
+            0);
+}
+
+TEST_F(CommandPort, MakesTheTokenFileThatIsConfigured) {
+  start("{port: 0, token_file: $DIR/secret}");
+  struct stat status {};
+  ASSERT_EQ(::lstat((folder_ / "secret").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  EXPECT_FALSE(fs::exists(runtime()));
+  const std::string made = base::rpc::read_token(folder_ / "secret");
+  start("{port: 0, token_file: $DIR/secret}");
+  EXPECT_EQ(base::rpc::read_token(folder_ / "secret"), made);
+  Client client(tcp_);
+  EXPECT_EQ(client.call("authorise", {{"token", made}}), true);
+}
+
+TEST_F(CommandPort, RefusesATokenThatOthersMayReadOrPlanted) {
+  folder_.write("open", "0123456789abcdef0123456789abcdef\n");
+  ASSERT_EQ(::chmod((folder_ / "open").c_str(), 0644), 0);
+  expect_refused("{port: 0, token_file: $DIR/open}", "set its mode to 0600");
+  fs::create_symlink(folder_ / "target", folder_ / "dangling");
+  expect_refused("{port: 0, token_file: $DIR/dangling}", "dangling: No such file");
+  EXPECT_FALSE(fs::exists(folder_ / "target"));
+}
+
+TEST_F(CommandPort, ThisMachineIsExemptOnlyWhereTheTopologySaysSo) {
+  start("{port: 0, loopback_without_token: true}");
+  EXPECT_EQ(RawClient(port()).ask(kStatus)["result"]["program"], "casd");
+  EXPECT_FALSE(fs::exists(runtime())) << "nobody needs a token";
+
+  start("{port: 0, address: 0.0.0.0}");
+  EXPECT_EQ(RawClient(port_of(tcp_)).ask(kStatus)["error"]["code"], base::rpc::kNotAuthorised);
+  start("{port: 0, address: 0.0.0.0, loopback_without_token: true}");
+  EXPECT_EQ(RawClient(port_of(tcp_)).ask(kStatus)["result"]["program"], "casd");
+  EXPECT_TRUE(fs::exists(runtime() / "casd.token")) << "other machines need it";
+}
+
+TEST_F(CommandPort, AnEarlierCasdsSocketIsReplacedAndAnotherFileIsNot) {
+  const std::string port = "{port: 0, unix: $DIR/casd.sock}";
+  start(port);
+  expect_refused(port, "casd.sock: is in use by another program");
+  EXPECT_EQ(casctl({"--address", "unix:" + (folder_ / "casd.sock").string(), "status"}).code, 0);
+  casd_->signal(SIGKILL);
+  ASSERT_TRUE(casd_->wait_exit().has_value());
+  ASSERT_TRUE(fs::exists(folder_ / "casd.sock")) << "nobody removed it";
+  start(port);
+  EXPECT_EQ(casctl({"--address", "unix:" + (folder_ / "casd.sock").string(), "status"}).code, 0);
+
+  folder_.write("precious", "data");
+  expect_refused("{port: 0, unix: $DIR/precious}", "precious: exists and is no socket");
+  EXPECT_EQ(TemporaryFolder::read(folder_ / "precious"), "data");
+}
+
+TEST_F(CommandPort, LetsAGroupIn) {
+  const group* own = ::getgrgid(::getegid());
+  ASSERT_NE(own, nullptr);
+  start("{port: 0, unix: $DIR/casd.sock, unix_group: " + std::string(own->gr_name) + "}");
+  struct stat status {};
+  ASSERT_EQ(::lstat((folder_ / "casd.sock").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0660U);
+  EXPECT_EQ(status.st_gid, ::getegid());
+  expect_refused("{port: 0, unix: $DIR/other.sock, unix_group: no-such-group}",
+                 "there is no group 'no-such-group'");
+}
+
+TEST_F(CommandPort, ServesCasctlBesideSilentClientsEverywhere) {
+  start("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}");
+  std::vector<RawClient> silent;
+  for (int i = 1; i <= 64; ++i) {
+    const std::string from = "127.0.0." + std::to_string(i);
+    silent.emplace_back(port(), from.c_str());
+  }
+  for (int i = 0; i < 64; ++i) silent.emplace_back((runtime() / "casd.sock").string());
+  const Ended ended = casctl({"status"});
+  EXPECT_EQ(ended.code, 0) << ended.output;
+}
+
+// Ten seconds each, so that both run at once.
+TEST_F(CommandPort, EndsClientsThatAskNothingOrHaveNoToken) {
+  start("{port: 0, unix: $DIR/casd.sock}");
+  RawClient silent((folder_ / "casd.sock").string());
+  RawClient stranger(port());
+  EXPECT_EQ(stranger.ask(kStatus)["error"]["code"], base::rpc::kNotAuthorised);
+  const json end = stranger.json();
+  EXPECT_TRUE(end["id"].is_null());
+  EXPECT_EQ(end["error"]["message"], "no token came in time");
+  EXPECT_TRUE(stranger.closed_by_server());
+  EXPECT_EQ(silent.json()["error"]["message"], "no request came in time");
+  EXPECT_TRUE(silent.closed_by_server());
+}
+
+TEST_F(CommandPort, TellsOfAReloadThatWasRefused) {
+  start("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}");
+  EXPECT_EQ(casctl({"status"}).output.find("reload"), std::string::npos);
+  topology("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}",
+           std::string(kLinks) + "threads: single\n");
+  casd_->signal(SIGHUP);
+  Client client("unix:" + (runtime() / "casd.sock").string());
+  ASSERT_TRUE(
+      wait_until([&] { return client.call("casd.status", json::object()).contains("reload"); }));
+  const json reload = client.call("casd.status", json::object())["reload"];
+  EXPECT_EQ(reload["accepted"], false);
+  EXPECT_NE(reload["reason"].get<std::string>().find("threads: takes a restart"),
+            std::string::npos);
+  EXPECT_LT(reload["age_s"].get<double>(), 60);
+  const std::string said = casctl({"status"}).output;
+  EXPECT_NE(said.find("the last reload, "), std::string::npos) << said;
+  EXPECT_NE(said.find("was refused: "), std::string::npos) << said;
+  const std::string found = casctl({"doctor", "--seconds", "0.1"}).output;
+  EXPECT_NE(found.find("was refused; the topology before it is in force"), std::string::npos)
+      << found;
+
+  topology("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}");
+  EXPECT_EQ(casctl({"reload"}).code, 0);
+  EXPECT_EQ(client.call("casd.status", json::object())["reload"]["accepted"], true);
+  EXPECT_EQ(casctl({"status"}).output.find("was refused"), std::string::npos);
+}
+
+TEST_F(CommandPort, NamesAStreamThatIsSignedInTheFuture) {
+  constexpr const char* kPassPhrase = "a pass phrase of the laboratory";
+  const fs::path key = folder_.write("radio.key", kPassPhrase);
+  ASSERT_EQ(::chmod(key.c_str(), 0600), 0);
+  UdpPeer radio;
+  start("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}",
+        "links:\n  - {name: radio, type: udp, local: '127.0.0.1:0', remote: '" + radio.endpoint() +
+            "', signing: {key_file: radio.key}}\n");
+  radio.set_remote(port_of(word("radio")));
+
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto now_us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  constexpr mav::SigningTime kTenYears = 3652ULL * 86'400 * mav::kSigningUnitsPerSecond;
+  mav::Signing<> wrong(mav::signing_key(kPassPhrase),
+                       mav::signing_time(static_cast<std::uint64_t>(now_us)) + kTenYears);
+  const auto send = [&] {
+    std::array<std::uint8_t, mav::kMaxPacketBytes> out;
+    radio.send(
+        std::span(out).first(wrong.encode(mavlink::common::Heartbeat{}, {1, 200}, 0, 3, out)));
+  };
+  Client client("unix:" + (runtime() / "casd.sock").string());
+  const auto link = [&] { return client.call("link.list", json::object()).at(0); };
+  ASSERT_TRUE(wait_until([&] {
+    send();
+    return link()["rx"]["signatures"]["too_new"].get<int>() > 0;
+  }));
+  const json signing = link()["signing"];
+  EXPECT_EQ(signing["time_file"], key.string() + ".time");
+  EXPECT_LT(signing["time_ahead_s"].get<double>(), 3600);
+  EXPECT_NEAR(signing["future"]["ahead_s"].get<double>(), 3652 * 86'400.0, 3600);
+  EXPECT_EQ(signing["future"]["link_id"], 3);
+  EXPECT_EQ(signing["future"]["refused"], true);
+
+  const std::string status = casctl({"status"}).output;
+  EXPECT_NE(status.find("link radio: 1/200 (signing link 3) signs 10.0 years ahead of the clock "
+                        "and is refused"),
+            std::string::npos)
+      << status;
+  ChildProcess doctor(in_session(session_.path(), "casctl", {"doctor", "--seconds", "1"}));
+  ASSERT_TRUE(wait_until([&] {
+    send();
+    return doctor.wait_exit(std::chrono::milliseconds(5)).has_value();
+  }));
+  EXPECT_NE(doctor.output().find("link radio: 1/200 (signing link 3) signs 10.0 years ahead of "
+                                 "casd's clock and is refused"),
+            std::string::npos)
+      << doctor.output();
+}
+
+}  // namespace
+}  // namespace cas::test
