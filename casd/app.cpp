@@ -28,7 +28,7 @@
 #include "casd/link_set.hpp"
 #include "casd/port/daemon_methods.hpp"
 #include "casd/port/figure_methods.hpp"
-#include "casd/port/metrics.hpp"
+#include "casd/port/metrics_port.hpp"
 #include "casd/port/port_places.hpp"
 #include "casd/port/vehicle_methods.hpp"
 #include "casd/station/gain_map.hpp"
@@ -77,13 +77,27 @@ std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
   return decoder;
 }
 
+/// The main thread also sends the station's packets and shares the processors with the links'
+/// threads: who watches must not keep it busy.
+base::rpc::ServerLimits server_limits(const Topology& topology) {
+  constexpr double kServingShare = 0.1;
+  constexpr double kMaxAccepts_s = 200;
+  base::rpc::ServerLimits limits;
+  limits.max_accepts_s = kMaxAccepts_s;
+  // In lockstep the vehicles wait for whoever flies them, not the other way round.
+  if (topology.pace != Pace::kLockstep) limits.max_cpu_share = kServingShare;
+  return limits;
+}
+
 /// Where the command port takes its figures from; both outlive it.
-FiguresSource make_figures_source(LinkSet& links, const VehicleMethods& vehicles) {
+FiguresSource make_figures_source(LinkSet& links, const VehicleMethods& vehicles,
+                                  const Recorder& recorder) {
   return {.figures = &links.figures(),
           .topology = [&links]() -> const Topology& { return links.topology(); },
           .now = base::steady_now,
           .started = base::steady_now(),
           .vehicles = [&vehicles] { return vehicles.vehicles(); },
+          .recording = [&recorder] { return recorder.status(base::steady_now()); },
           .taps = &links.taps(),
           .echo = &links.echo(),
           .decoder = load_decoder(links.topology())};
@@ -107,23 +121,25 @@ void write_stats(const std::filesystem::path& file, const FigureMethods& figures
 struct App::Impl {
   Impl(AppOptions app_options, Topology first)
       : options(std::move(app_options)),
+        server(io, server_limits(first)),
         links(std::move(first)),
         commander(commander_options(links.topology(), [this](LinkId id) { return link_name(id); }),
                   [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
                     links.local().send(packet, to, base::steady_now());
                   }),
+        recorder(links.tlog(), links.topology().log),
         vehicle_methods(
             server, commander, load_gains(links.topology()),
             {.now = [this] { return station_now(); },
              .link_name = [this](LinkId id) { return link_name(id); },
              .audit = [](const std::string& line) { base::log::info("audit: " + line); }}),
-        figures(server, make_figures_source(links, vehicle_methods)) {
+        figures(server, make_figures_source(links, vehicle_methods, recorder)) {
     if (lockstep()) {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
       links.tlog().set_epoch(TlogWriter::kStreamEpoch);
     }
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
-    add_daemon_methods(server, {.reload = [this] { return reload(); }, .tlog = links.tlog()});
+    add_daemon_methods(server, {.reload = [this] { return reload(); }, .recorder = recorder});
   }
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
@@ -134,8 +150,14 @@ struct App::Impl {
   }
 
   void take_turn(base::RunTime now) {
-    links.local().dispatch(commander, now);
+    hear(now);
     commander.tick(now);
+  }
+
+  /// Gives the station what has come for it.
+  void hear(base::RunTime now) {
+    links.local().dispatch(commander, now);
+    recorder.on_vehicles(commander.any_armed(now), now);
   }
 
   /// Lockstep, on a link's thread: holds the stream while the station has its turn on the main
@@ -175,7 +197,7 @@ struct App::Impl {
   }
 
   void run() {
-    start_log(links.topology().log);
+    recorder.begin();
     warn_of_narrow_lines();
     if (!options.ledger_file.empty()) links.figures().keep_ledgers();
     links.start();
@@ -194,14 +216,8 @@ struct App::Impl {
     if (!options.ledger_file.empty()) {
       write_link_ledgers(options.ledger_file, links.figures().ledgers());
     }
-    links.tlog().stop();
+    recorder.stop();
     if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
-  }
-
-  /// A restart never overwrites an old log: it takes the next free name.
-  void start_log(const TlogConfig& log) {
-    if (log.tlog.empty()) return;
-    links.tlog().start(log.overwrite ? log.tlog : free_tlog_name(log.tlog), log.rotation);
   }
 
   void warn_of_narrow_lines() {
@@ -239,7 +255,7 @@ struct App::Impl {
     GainMap gains = load_gains(topology);
     const LinkMask gone = links.reload(std::move(topology));
     // A new link may have the number of one that is gone: its packets are another vehicle's.
-    links.local().dispatch(commander, station_now());
+    hear(station_now());
     commander.forget(gone);
     const CommandingConfig& commanding = links.topology().commanding;
     commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil);
@@ -269,7 +285,7 @@ struct App::Impl {
     station_events.async_wait(asio::posix::stream_descriptor::wait_read,
                               [this](boost::system::error_code error) {
                                 if (error) return;
-                                links.local().dispatch(commander, station_now());
+                                hear(station_now());
                                 do_wait_station();
                               });
   }
@@ -278,7 +294,9 @@ struct App::Impl {
     tick_timer.expires_after(kTick);
     tick_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
-      commander.tick(base::steady_now());
+      const base::RunTime now = base::steady_now();
+      commander.tick(now);
+      recorder.on_vehicles(commander.any_armed(now), now);
       do_tick();
     });
   }
@@ -340,12 +358,15 @@ struct App::Impl {
   asio::steady_timer second_timer{io};
   asio::steady_timer settle_timer{io};
   asio::posix::stream_descriptor station_events{io};
-  base::rpc::Server server{io};
+  base::rpc::Server server;
   mutable LinkSet links;
   VehicleCommander commander;
+  Recorder recorder;
   VehicleMethods vehicle_methods;
   FigureMethods figures;
-  MetricsPort metrics{io, [this] { return figures.metrics(); }};
+  MetricsPort metrics{[this](MetricsPort::Take take) {
+    asio::post(io, [this, take = std::move(take)] { take(figures.metrics_source()); });
+  }};
   std::string command_endpoint;
   std::string unix_endpoint;     ///< empty: none
   std::string metrics_endpoint;  ///< empty: none

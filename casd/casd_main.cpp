@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -133,6 +134,7 @@ struct Flags {
 };
 
 int run(const Flags& flags) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file as large as it may be ends a recording, not casd
   const std::filesystem::path file = base::find_config(flags.topology);
   Topology topology = Topology::load(file);
   if (flags.lockstep) topology.set_lockstep();

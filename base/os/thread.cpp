@@ -65,6 +65,12 @@ void configure_this_thread(const std::string& name, const ThreadOptions& options
   if (!options.cpus.empty()) set_affinity(name, options.cpus);
 }
 
+bool idle_this_thread(const std::string& name) {
+  ::pthread_setname_np(::pthread_self(), name.substr(0, kMaxThreadName).c_str());
+  const sched_param none{};
+  return ::sched_setscheduler(0, SCHED_IDLE, &none) == 0;  // 0: this thread, not its process
+}
+
 bool lock_memory() {
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
   if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return true;

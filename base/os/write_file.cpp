@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/os/descriptor.hpp"
@@ -30,11 +31,25 @@ int write_all(int fd, std::string_view text) {
   return 0;
 }
 
-/// @return errno, 0 when `beside` holds the text
-int write_beside(const fs::path& beside, const struct stat* old, std::string_view text,
-                 Durability durability) {
-  Descriptor out(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kNewFile));
-  if (!out) return errno;
+constexpr int kMostNames = 16;  // of files beside the one that is written
+
+/// A new file "FILE.PID.new" beside another one, or "FILE.PID.N.new" where that name is taken: what
+/// lies there, a symlink above all, is not ours. @param beside  its name
+/// @return nothing with errno set
+Descriptor make_beside(const fs::path& file, fs::path& beside) {
+  const std::string stem = file.string() + "." + std::to_string(::getpid());
+  Descriptor out;
+  for (int number = 0; !out && number < kMostNames; ++number) {
+    beside = stem + (number > 0 ? "." + std::to_string(number) : "") + ".new";
+    out = Descriptor(
+        ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kNewFile));
+    if (!out && errno != EEXIST) break;
+  }
+  return out;
+}
+
+/// @return errno, 0 when `out` holds the text and is closed
+int fill(Descriptor out, const struct stat* old, std::string_view text, Durability durability) {
   if (old != nullptr && ::fchmod(out.get(), old->st_mode & 07777U) != 0) return errno;
   if (const int error = write_all(out.get(), text); error != 0) return error;
   if (durability == Durability::kDisk && ::fsync(out.get()) != 0) return errno;
@@ -49,15 +64,25 @@ void sync_folder(const fs::path& file) {
 }
 
 int write_in_place(const fs::path& file, std::string_view text) {
-  const Descriptor out(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
-  return out ? write_all(out.get(), text) : errno;
+  const Descriptor out(::open(file.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC));
+  struct stat now {};
+  if (!out || ::fstat(out.get(), &now) != 0) return errno;
+  if (S_ISREG(now.st_mode)) return EEXIST;  // another one took its place meanwhile
+  return write_all(out.get(), text);
+}
+
+/// Whether a file may be written where this symlink leads: to something, and as the user who writes
+/// or root laid it. In a folder that several may write to, anybody may lay one.
+bool is_own_symlink(const struct stat& link, bool leads_somewhere) {
+  return leads_somewhere && (link.st_uid == ::geteuid() || link.st_uid == 0);
 }
 
 int replace(const fs::path& file, const struct stat* old, std::string_view text,
             Durability durability) {
-  fs::path beside = file;
-  beside += "." + std::to_string(::getpid()) + ".new";
-  int error = write_beside(beside, old, text, durability);
+  fs::path beside;
+  Descriptor out = make_beside(file, beside);
+  if (!out) return errno;
+  int error = fill(std::move(out), old, text, durability);
   if (error == 0 && ::rename(beside.c_str(), file.c_str()) != 0) error = errno;
   if (error != 0) {
     ::unlink(beside.c_str());
@@ -70,9 +95,15 @@ int replace(const fs::path& file, const struct stat* old, std::string_view text,
 }  // namespace
 
 void write_file(const fs::path& file, std::string_view text, Durability durability) {
+  struct stat link {};
   struct stat old {};
+  const bool is_link = ::lstat(file.c_str(), &link) == 0 && S_ISLNK(link.st_mode);
   const bool exists = ::stat(file.c_str(), &old) == 0;
   int error = 0;
+  if (is_link && !is_own_symlink(link, exists)) {
+    throw ConfigError(file.string() + ": cannot be written: it is a symlink " +
+                      (exists ? "that another user laid" : "to nothing"));
+  }
   if (!exists) {
     error = replace(file, nullptr, text, durability);
   } else if (!S_ISREG(old.st_mode)) {

@@ -7,7 +7,8 @@
 
 namespace cas::base::rpc {
 
-/// How fast the lines of one client are read: so many a second, and as many at once after a rest.
+/// How fast the lines of one client are read, or clients accepted: so many a second, and as many at
+/// once after a rest.
 class LineRate {
  public:
   LineRate(double max_lines_s, RunTime now)

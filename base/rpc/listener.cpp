@@ -131,6 +131,8 @@ gid_t group_id(const std::filesystem::path& path, const std::string& group) {
   return found->gr_gid;
 }
 
+constexpr gid_t kNoGroup = static_cast<gid_t>(-1);
+
 /// Lets the members of a group in. Until then the file is its owner's alone.
 void share_with(const std::filesystem::path& path, gid_t group) {
   struct stat status {};
@@ -167,8 +169,7 @@ ListeningSocket open_tcp(const std::string& address, std::uint16_t port) {
 
 ListeningSocket open_unix(const std::filesystem::path& path, const std::string& group) {
   const sockaddr_un address = unix_address(path);
-  const std::optional<gid_t> shared =
-      group.empty() ? std::nullopt : std::optional(group_id(path, group));
+  const gid_t shared = group.empty() ? kNoGroup : group_id(path, group);
   const FolderLock lock(path.parent_path());
   remove_stale(path, address);
   Descriptor fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
@@ -178,7 +179,7 @@ ListeningSocket open_unix(const std::filesystem::path& path, const std::string& 
     throw ConfigError(path.string() + ": cannot listen: " + message_of(errno));
   }
   try {
-    if (shared) share_with(path, *shared);
+    if (shared != kNoGroup) share_with(path, shared);
     if (::listen(fd.get(), SOMAXCONN) != 0) {
       throw ConfigError(path.string() + ": cannot listen: " + message_of(errno));
     }
@@ -194,13 +195,16 @@ ListeningSocket open_unix(const std::filesystem::path& path, const std::string& 
   return socket;
 }
 
-Listener::Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client)
+Listener::Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client,
+                   double max_accepts_s)
     : io_(io),
       descriptor_(io, socket.fd.release()),
       retry_(io),
       path_(std::move(socket.path)),
       file_(socket.file),
-      on_client_(std::move(on_client)) {}
+      on_client_(std::move(on_client)) {
+  if (max_accepts_s > 0) rate_.emplace(max_accepts_s, steady_now());
+}
 
 void Listener::do_wait() {
   descriptor_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
@@ -234,6 +238,9 @@ void Listener::accept_waiting() {
     fd.release();
     starved_ = false;
     on_client_(std::move(socket));
+    if (!rate_ || !descriptor_.is_open()) continue;
+    const Duration wait = rate_->take(steady_now());
+    if (wait > Duration::zero()) return accept_after(wait);
   }
   if (descriptor_.is_open()) do_wait();
 }
@@ -243,7 +250,11 @@ void Listener::retry_later() {
   if (!std::exchange(starved_, true)) {
     log::warn("clients are kept waiting: " + message_of(errno));
   }
-  retry_.expires_after(kRetryDelay);
+  accept_after(kRetryDelay);
+}
+
+void Listener::accept_after(Duration wait) {
+  retry_.expires_after(wait);
   retry_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
     if (!error && self->descriptor_.is_open()) self->accept_waiting();
   });

@@ -11,9 +11,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/os/descriptor.hpp"
+#include "base/rpc/line_rate.hpp"
 
 namespace cas::base::rpc {
 
@@ -46,7 +48,9 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   using OnClient = std::function<void(StreamSocket)>;
 
   /// Takes over the descriptor.
-  Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client);
+  /// @param max_accepts_s  clients in a second, and as many at once; others wait. 0: any
+  Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client,
+           double max_accepts_s = 0);
 
   void start() { do_wait(); }
   void close();
@@ -55,6 +59,7 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   void do_wait();
   void accept_waiting();
   void retry_later();
+  void accept_after(Duration wait);
 
   boost::asio::io_context& io_;
   boost::asio::posix::stream_descriptor descriptor_;
@@ -62,6 +67,7 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   std::filesystem::path path_;
   SocketFile file_;
   OnClient on_client_;
+  std::optional<LineRate> rate_;
   bool starved_ = false;  // said so once
 };
 

@@ -12,6 +12,7 @@
 #include "base/rpc/client_places.hpp"
 #include "base/rpc/dispatcher.hpp"
 #include "base/rpc/listener.hpp"
+#include "base/rpc/serve_budget.hpp"
 #include "base/rpc/session.hpp"
 #include "base/rpc/token.hpp"
 
@@ -31,13 +32,14 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
     auto on_accepted = [weak = weak_from_this()](StreamSocket client) {
       if (const auto self = weak.lock()) self->on_client(std::move(client));
     };
-    listeners.push_back(std::make_shared<Listener>(io, std::move(socket), std::move(on_accepted)));
+    listeners.push_back(std::make_shared<Listener>(io, std::move(socket), std::move(on_accepted),
+                                                   limits.max_accepts_s));
     listeners.back()->start();
   }
 
   void on_client(StreamSocket client) {
     const auto session = std::make_shared<Session>(
-        std::move(client), dispatcher, limits,
+        std::move(client), dispatcher, limits, budget,
         [weak = weak_from_this()](const std::shared_ptr<Session>& closed) {
           if (const auto self = weak.lock()) self->on_closed(closed);
         });
@@ -95,6 +97,8 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
   boost::asio::io_context& io;
   ServerLimits limits;
   std::shared_ptr<Dispatcher> dispatcher;
+  std::shared_ptr<ServeBudget> budget =
+      std::make_shared<ServeBudget>(limits.max_cpu_share, steady_now());
   std::vector<std::shared_ptr<Listener>> listeners;
   bool listens_on_unix = false;
   std::vector<std::shared_ptr<Session>> sessions;  ///< in the order in which they came

@@ -31,6 +31,11 @@ struct ServerLimits {
   std::size_t max_queued_bytes = 4 * 1024 * 1024;
   /// Lines of one client; what comes faster waits in its socket. As many may come at once.
   double max_lines_s = 1000;
+  /// What the requests of all clients together may take of one processor's time; 1: all of it. What
+  /// comes faster is read later, from each client in turn.
+  double max_cpu_share = 1;
+  /// Connections that are accepted in a second, and as many at once; the next ones wait. 0: any.
+  double max_accepts_s = 0;
   /// A client must make its first request within this time, and where a token is asked for,
   /// `authorise`. From then on it may be silent as long as it likes.
   Duration first_request_time = kFirstRequestTime;

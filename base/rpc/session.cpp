@@ -3,8 +3,10 @@
 
 #include <netdb.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/read_until.hpp>
@@ -23,6 +25,16 @@ using AsioError = boost::system::error_code;
 constexpr std::size_t kLinesPerWrite = 32;            // gathered into one system call
 constexpr auto kFlushTime = std::chrono::seconds(5);  // for a client that ends without reading
 constexpr auto kDrainTime = std::chrono::seconds(1);
+
+/// What reading a line and writing its answer take beside the call itself.
+constexpr Duration kSocketCost = std::chrono::microseconds(30);
+
+/// Of this thread.
+Duration processor_time() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + Duration(time.tv_nsec);
+}
 
 struct PeerAddress {
   std::string name;  // "127.0.0.1:40412", "[::1]:40412", or the user of a Unix socket
@@ -60,7 +72,7 @@ PeerAddress peer_address(int fd) {
 }  // namespace
 
 Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
-                 const ServerLimits& limits,
+                 const ServerLimits& limits, std::shared_ptr<ServeBudget> budget,
                  std::function<void(const std::shared_ptr<Session>&)> on_closed)
     : socket_(std::move(socket)),
       deadline_(socket_.get_executor()),
@@ -68,6 +80,7 @@ Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
       limits_(limits),
       pause_(socket_.get_executor()),
       rate_(limits.max_lines_s, steady_now()),
+      budget_(std::move(budget)),
       on_closed_(std::move(on_closed)) {
   PeerAddress peer = peer_address(socket_.native_handle());
   name = std::move(peer.name);
@@ -108,9 +121,11 @@ void Session::do_read() {
                          });
 }
 
-// Whoever sends faster than it may is read more slowly, and slows down nobody else.
+// Whoever sends faster than it may is read more slowly, and slows down nobody else. While all
+// together ask for more than their share, each waits for its turn.
 void Session::read_at_rate() {
-  const Duration wait = rate_.take(steady_now());
+  const RunTime now = steady_now();
+  const Duration wait = std::max(rate_.take(now), budget_->spend(cost_, now));
   if (wait == Duration::zero()) return do_read();
   pause_.expires_after(wait);
   pause_.async_wait([self = shared_from_this()](const AsioError& error) {
@@ -122,7 +137,9 @@ void Session::on_line(std::size_t size) {
   const std::string line = rx_.substr(0, size);
   rx_.erase(0, size);
   const std::shared_ptr<Dispatcher> dispatcher = dispatcher_;  // a method may close the server
+  const Duration before = processor_time();
   const bool requests = dispatcher->handle(line, shared_from_this());
+  cost_ = processor_time() - before + kSocketCost;
   if (asked_ || !requests || !authorised || closed_ || finishing_) return;
   asked_ = true;
   deadline_.cancel();

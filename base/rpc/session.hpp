@@ -13,6 +13,7 @@
 #include "base/rpc/client_places.hpp"
 #include "base/rpc/dispatcher.hpp"
 #include "base/rpc/line_rate.hpp"
+#include "base/rpc/serve_budget.hpp"
 #include "base/rpc/server.hpp"
 
 namespace cas::base::rpc {
@@ -32,6 +33,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   using Line = std::shared_ptr<const std::string>;
 
   Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher, const ServerLimits& limits,
+          std::shared_ptr<ServeBudget> budget,
           std::function<void(const std::shared_ptr<Session>&)> on_closed);
 
   /// Reads lines. Refuses a client that makes no request in time, or has not authorised in time
@@ -69,6 +71,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   ServerLimits limits_;
   boost::asio::steady_timer pause_;  // until the next line may be read
   LineRate rate_;
+  std::shared_ptr<ServeBudget> budget_;  // of all clients
+  Duration cost_{};                      // of the newest line, processor time
   std::function<void(const std::shared_ptr<Session>&)> on_closed_;
   std::string rx_;
   std::deque<Line> tx_;

@@ -74,11 +74,24 @@ void read_tx(const LinkCounters& link, LinkStatus& status) {
   status.tx.queued = tx.queued.get();
   status.tx.write_calls = tx.write_calls.get();
   read(tx.dropped, status.tx.dropped);
-  const std::scoped_lock lock(tx.mutex);
-  status.tx.forwarding_p50 = tx.forwarding.quantile(0.50);
-  status.tx.forwarding_p99 = tx.forwarding.quantile(0.99);
-  status.tx.forwarding_max = tx.forwarding.max();
-  status.tx.routes = tx.routes.figures();
+  // Senders wait for this lock: it is held for copies alone, never while memory is taken.
+  base::Histogram forwarding;
+  std::vector<std::pair<LinkId, base::Histogram>> routes;
+  {
+    std::unique_lock lock(tx.mutex);
+    const std::size_t count = tx.routes.routes();
+    lock.unlock();
+    routes.reserve(count);
+    lock.lock();
+    forwarding = tx.forwarding;
+    tx.routes.copy(routes);
+  }
+  status.tx.forwarding_p50 = forwarding.quantile(0.50);
+  status.tx.forwarding_p99 = forwarding.quantile(0.99);
+  status.tx.forwarding_max = forwarding.max();
+  for (const auto& [from, times] : routes) {
+    status.tx.routes.push_back(RouteLatency::figures(from, times));
+  }
 }
 
 }  // namespace
@@ -230,13 +243,15 @@ std::vector<LinkStatus> LinkFigures::links() const {
 }
 
 std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
-                                                 const std::optional<std::string>& link) const {
+                                                 const std::optional<std::string>& link,
+                                                 std::size_t most) const {
   std::vector<MessageStatus> all;
   for (const auto& [id, own] : links_) {
     if (link && own->name != *link) continue;
     const auto add = [&, link_id = id, name = own->name](int direction,
                                                          const MessageCounters& counters) {
       counters.for_each([&](const MessageCounters::Entry& entry) {
+        if (all.size() >= most) return;
         const auto rate = rates_.find({link_id, direction, key_of(entry)});
         const mav::MessageInfo* known = mav::public_table().find(entry.message_id);
         all.push_back({.link = name,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -110,18 +111,24 @@ class RouteLatency {
     route->add(time);
   }
 
-  std::vector<Figures> figures() const {
-    std::vector<Figures> all;
+  /// How many links a packet came from.
+  std::size_t routes() const {
+    const auto used = [](const auto& route) { return route != nullptr; };
+    return static_cast<std::size_t>(std::count_if(times_.begin(), times_.end(), used));
+  }
+  /// The times themselves, as many as `copies` has room for: figures are made without the lock.
+  void copy(std::vector<std::pair<LinkId, base::Histogram>>& copies) const {
     for (std::size_t from = 0; from < times_.size(); ++from) {
-      if (const auto& route = times_[from]) {
-        all.push_back({.from = static_cast<LinkId>(from),
-                       .count = route->count(),
-                       .p50 = route->quantile(0.50),
-                       .p99 = route->quantile(0.99),
-                       .max = route->max()});
-      }
+      if (!times_[from] || copies.size() == copies.capacity()) continue;
+      copies.emplace_back(static_cast<LinkId>(from), *times_[from]);
     }
-    return all;
+  }
+  static Figures figures(LinkId from, const base::Histogram& times) {
+    return {.from = from,
+            .count = times.count(),
+            .p50 = times.quantile(0.50),
+            .p99 = times.quantile(0.99),
+            .max = times.max()};
   }
 
  private:
@@ -257,8 +264,10 @@ class LinkFigures {
   void sample(base::RunTime now);
   std::vector<LinkStatus> links() const;
   /// @param link  only of this one; nothing: all
+  /// @param most  no more than these many
   std::vector<MessageStatus> messages(base::RunTime now,
-                                      const std::optional<std::string>& link = {}) const;
+                                      const std::optional<std::string>& link = {},
+                                      std::size_t most = SIZE_MAX) const;
 
  private:
   struct Rate {

@@ -81,7 +81,7 @@ void Ingress::account(const Route& route, const mav::PacketView& packet, base::R
   switchboard_.taps().on_packet(link_, packet, now);
   switchboard_.echo().on_packet(packet, now);
   StreamTime& stream = switchboard_.stream_time();
-  if (route.decision != Route::Decision::kDuplicate && switchboard_.tlog().active()) {
+  if (route.decision != Route::Decision::kDuplicate && switchboard_.tlog().listens()) {
     switchboard_.tlog().record(packet.bytes, stream.enabled() ? stream.now() : now);
   }
 }

@@ -2,12 +2,12 @@
 #include "casd/port/daemon_methods.hpp"
 
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "casd/port/call_json.hpp"
+#include "casd/tlog/tlog_name.hpp"
 
 namespace cas::casd {
 namespace {
@@ -15,16 +15,17 @@ namespace {
 using base::rpc::Reply;
 using nlohmann::json;
 
-json log_status(const TlogWriter& tlog) {
-  return json{{"active", tlog.active()},
-              {"file", tlog.file().string()},
-              {"recorded", tlog.recorded()},
-              {"left_out", tlog.left_out()}};
+json log_status(const Recorder& recorder) {
+  json status = recording_json(recorder.status(base::steady_now()));
+  status["folder"] = recorder.config().folder.string();
+  status["awaits_arming"] = recorder.awaits_arming();
+  return status;
 }
 
-/// A log goes into a new .tlog file: a client of the port must not overwrite what it likes.
-json start_log(TlogWriter& tlog, CallParams& params) {
-  const std::filesystem::path file(params.text("file"));
+/// A recording goes into a new file in the one folder for recordings: a client of the port must not
+/// make files where it likes.
+json start_log(Recorder& recorder, CallParams& params) {
+  const std::string name = params.optional_text("file").value_or("");
   const auto at_least = [&params](const std::string& key, double least) {
     const double number = params.optional_number(key).value_or(0);
     if (number != 0 && (number < least || number > 1e6)) {
@@ -38,11 +39,12 @@ json start_log(TlogWriter& tlog, CallParams& params) {
   rotation.max_age = base::from_seconds(at_least("rotate_minutes", 0.001) * 60);
   rotation.keep = static_cast<int>(params.optional_integer("keep", 0, 1'000'000).value_or(0));
   params.finish();
-  std::error_code ignored;
-  if (file.extension() != ".tlog") throw BadParams("\"file\" must end in .tlog");
-  if (std::filesystem::exists(file, ignored)) throw BadParams(file.string() + " exists already");
-  tlog.start(file, rotation);
-  return log_status(tlog);
+  if (const std::string fault = tlog_name_fault(name); !name.empty() && !fault.empty()) {
+    throw BadParams("\"file\" " + fault + ": it is a name in " + recorder.config().folder.string() +
+                    ", the folder for recordings");
+  }
+  recorder.start(name, rotation);
+  return log_status(recorder);
 }
 
 /// A method of the daemon itself. Changes are audited; failures are returned as error messages.
@@ -66,6 +68,19 @@ void add_method(base::rpc::Server& server, const std::string& name, bool audited
 
 }  // namespace
 
+json recording_json(const TlogStatus& status) {
+  json recording{{"active", status.active},
+                 {"file", status.file.string()},
+                 {"recorded", status.recorded},
+                 {"left_out", status.left_out},
+                 {"bytes", status.bytes}};
+  if (!status.paused.empty()) {
+    recording["paused"] = status.paused;
+    recording["paused_s"] = base::to_seconds(status.paused_for);
+  }
+  return recording;
+}
+
 void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
   add_method(server, "casd.reload", true, [reload = hooks.reload](CallParams& params) {
     params.finish();
@@ -73,17 +88,17 @@ void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
     if (!trouble.empty()) throw base::ConfigError(trouble);
     return json{{"reloaded", true}};
   });
-  TlogWriter& tlog = hooks.tlog;
+  Recorder& recorder = hooks.recorder;
   add_method(server, "log.start", true,
-             [&tlog](CallParams& params) { return start_log(tlog, params); });
-  add_method(server, "log.stop", true, [&tlog](CallParams& params) {
+             [&recorder](CallParams& params) { return start_log(recorder, params); });
+  add_method(server, "log.stop", true, [&recorder](CallParams& params) {
     params.finish();
-    tlog.stop();
-    return log_status(tlog);
+    recorder.stop();
+    return log_status(recorder);
   });
-  add_method(server, "log.status", false, [&tlog](CallParams& params) {
+  add_method(server, "log.status", false, [&recorder](CallParams& params) {
     params.finish();
-    return log_status(tlog);
+    return log_status(recorder);
   });
 }
 

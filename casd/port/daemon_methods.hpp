@@ -2,10 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "base/rpc/server.hpp"
-#include "casd/tlog/tlog_writer.hpp"
+#include "casd/tlog/recorder.hpp"
 
 namespace cas::casd {
 
@@ -13,8 +14,11 @@ namespace cas::casd {
 struct DaemonHooks {
   /// Reads the topology again. @return why not; empty when it is in force
   std::function<std::string()> reload;
-  TlogWriter& tlog;
+  Recorder& recorder;
 };
+
+/// A recording as log.status and casd.status tell it.
+nlohmann::json recording_json(const TlogStatus& status);
 
 /// Methods casd.reload, log.start, log.stop, log.status.
 void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks);

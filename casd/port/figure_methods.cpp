@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "casd/port/call_json.hpp"
-#include "casd/port/metrics.hpp"
+#include "casd/port/daemon_methods.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
 
@@ -219,6 +219,7 @@ json FigureMethods::status() const {
               {"links", links()},
               {"vehicles", source_.vehicles()}};
   if (last_reload_) status["reload"] = reload_json(*last_reload_, source_.now());
+  if (source_.recording) status["recording"] = recording_json(source_.recording());
   return status;
 }
 
@@ -389,17 +390,22 @@ std::string FigureMethods::link_name(LinkId id) const {
   return "casd";
 }
 
-std::string FigureMethods::metrics() const {
+MetricsSource FigureMethods::metrics_source() const {
+  // A flood of invented senders must not make pages that take long.
+  constexpr std::size_t kMostMessages = 5000;
   const base::RunTime now = source_.now();
   MetricsSource all{.uptime_s = base::to_seconds(now - source_.started),
                     .clients = server_.clients(),
                     .refused = {},
                     .links = source_.figures->links(),
-                    .messages = source_.figures->messages(now)};
+                    .messages = source_.figures->messages(now, {}, kMostMessages + 1)};
+  all.messages_cut = all.messages.size() > kMostMessages;
+  if (all.messages_cut) all.messages.pop_back();
+  if (source_.recording) all.recording = source_.recording();
   for (MessageStatus& message : all.messages) message.name = message_name(message.id);
   for (const auto& [why, reason] : kRefusals)
     all.refused.emplace_back(reason, server_.refused(why));
-  return metrics_text(all);
+  return all;
 }
 
 }  // namespace cas::casd

@@ -15,6 +15,8 @@
 #include "casd/counters/link_counters.hpp"
 #include "casd/counters/message_taps.hpp"
 #include "casd/port/message_decoder.hpp"
+#include "casd/port/metrics.hpp"
+#include "casd/tlog/tlog_writer.hpp"
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {
@@ -30,6 +32,8 @@ struct FiguresSource {
   base::RunTime started{};
   /// The `vehicles` of casd.status.
   std::function<nlohmann::json()> vehicles;
+  /// The `recording` of casd.status; without it there is none.
+  std::function<TlogStatus()> recording{};
   /// Where the newest packets of watched messages are; without it message.value is left out.
   MessageTaps* taps = nullptr;
   /// Where controllers' answers are timed; without it link.echo is empty.
@@ -52,8 +56,8 @@ class FigureMethods {
 
   /// casd.status, also written to --stats FILE.
   nlohmann::json status() const;
-  /// The same for Prometheus.
-  std::string metrics() const;
+  /// What Prometheus is told, as a copy.
+  MetricsSource metrics_source() const;
   /// Another dialect is in force.
   void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
   /// A reload was asked for, by whatever way: casd.status tells of the last one.

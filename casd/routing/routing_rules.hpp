@@ -18,11 +18,11 @@ namespace cas::casd {
 /// is left out.
 struct AcceptRule {
   bool read_only = false;  ///< takes in nothing: its peers may only listen
-  bool ground_station =
-      false;  ///< only what ground stations say (`traffic`), and `messages` besides
-  std::vector<std::uint32_t> messages;      ///< only these; empty: all
-  std::vector<std::uint8_t> systems;        ///< only of these senders; empty: all
-  std::vector<std::uint8_t> block_systems;  ///< not of these senders
+  /// Only what ground stations say (`traffic`), and `messages` besides.
+  bool ground_station = false;
+  std::vector<std::uint32_t> messages{};      ///< only these; empty: all
+  std::vector<std::uint8_t> systems{};        ///< only of these senders; empty: all
+  std::vector<std::uint8_t> block_systems{};  ///< not of these senders
 
   bool accepts(const mav::PacketView& packet) const;
 

@@ -174,6 +174,8 @@ std::vector<const VehicleState*> VehicleCommander::vehicles() const {
   return all;
 }
 
+bool VehicleCommander::any_armed(base::RunTime now) const { return table_.any_armed(now); }
+
 KnownVehicle* VehicleCommander::known(std::uint8_t system, const Done& done) {
   if (KnownVehicle* vehicle = table_.find(system)) return vehicle;
   done(failure(OutcomeKind::kNoSuchVehicle,

@@ -85,6 +85,8 @@ class VehicleCommander final : public Station {
 
   const VehicleState* find(std::uint8_t system) const;
   std::vector<const VehicleState*> vehicles() const;
+  /// Whether a vehicle was armed when it was last heard, within the last minute.
+  bool any_armed(base::RunTime now) const;
   /// The vehicle a request means: the one named, or the only one there is.
   /// @return its system id, or why there is none
   std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const {

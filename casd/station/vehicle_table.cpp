@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/station/vehicle_table.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "casd/packet/vehicle_heartbeat.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
 
 namespace cas::casd {
 namespace {
@@ -47,6 +49,13 @@ KnownVehicle* VehicleTable::track(const Origin& from, const mav::PacketView& pac
   }
   vehicle->state.on_packet(from, packet, now);
   return vehicle;
+}
+
+bool VehicleTable::any_armed(base::RunTime now) const {
+  return std::any_of(vehicles_.begin(), vehicles_.end(), [now](const auto& entry) {
+    const VehicleState& state = entry.second->state;
+    return state.armed() && state.heartbeat_age(now) <= kForgetAfter;
+  });
 }
 
 void VehicleTable::tick(base::RunTime now) {

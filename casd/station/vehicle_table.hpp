@@ -71,6 +71,8 @@ class VehicleTable {
 
   KnownVehicle* find(std::uint8_t system) const;
   const Vehicles& all() const { return vehicles_; }
+  /// Whether a vehicle is armed that was heard within the last minute.
+  bool any_armed(base::RunTime now) const;
   /// The vehicle a request means: the one named, or the only one there is.
   /// @return its system id, or why there is none
   std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const;

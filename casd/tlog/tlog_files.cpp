@@ -1,107 +1,149 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/tlog_files.hpp"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <string>
 #include <system_error>
+#include <utility>
+
+#include "casd/tlog/tlog_name.hpp"
 
 namespace cas::casd {
 namespace {
 
-bool write_all(int fd, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t gone = ::write(fd, bytes.data(), bytes.size());
-    if (gone < 0 && errno == EINTR) continue;
-    if (gone <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(gone));
+/// @return how many bytes are gone; fewer than all with errno set
+std::size_t write_some(int fd, std::span<const std::uint8_t> bytes) {
+  std::size_t gone = 0;
+  while (gone < bytes.size()) {
+    const ssize_t written = ::write(fd, bytes.data() + gone, bytes.size() - gone);
+    if (written < 0 && errno == EINTR) continue;
+    if (written == 0) errno = ENOSPC;
+    if (written <= 0) break;
+    gone += static_cast<std::size_t>(written);
   }
-  return true;
+  return gone;
 }
 
-std::filesystem::path numbered(const std::filesystem::path& first, int number) {
-  std::filesystem::path name = first;
-  return name.replace_filename(first.stem().string() + "." + std::to_string(number) +
-                               first.extension().string());
+/// The length of the first record; of all bytes where they are no record, which is not ours to
+/// judge.
+std::size_t first_record_bytes(std::span<const std::uint8_t> records) {
+  const std::size_t size = tlog_record_bytes(records);
+  return size == 0 || size > records.size() ? records.size() : size;
 }
+
+/// How many of the first `bytes` are whole records.
+std::size_t whole_records(std::span<const std::uint8_t> records, std::size_t bytes) {
+  std::size_t whole = 0;
+  while (whole < bytes) {
+    const std::size_t next = whole + first_record_bytes(records.subspan(whole));
+    if (next > bytes) break;
+    whole = next;
+  }
+  return whole;
+}
+
+/// The file may go on where it is once there is room.
+bool lacks_room(int error) { return error == ENOSPC || error == EDQUOT; }
 
 constexpr std::size_t kChunkBytes = 64 * 1024;
+constexpr int kMostFiles = 100'000;  // names that are tried
 
 }  // namespace
 
-bool TlogFiles::open(const std::filesystem::path& first, const TlogRotation& rotation,
-                     base::RunTime now) {
+std::size_t count_tlog_records(std::span<const std::uint8_t> records) {
+  std::size_t count = 0;
+  for (; !records.empty(); ++count) records = records.subspan(first_record_bytes(records));
+  return count;
+}
+
+bool TlogFiles::begin(Options options, base::RunTime now) {
   close();
-  first_ = first;
-  rotation_ = rotation;
+  options_ = std::move(options);
+  folder_ = TlogFolder(options_.folder);
   number_ = 0;
-  written_.clear();
-  return make(first, true, now);
+  made_.clear();
+  if (options_.overwrite) folder_.remove(tlog_file_name(options_.name, 0));
+  return make_next(now);
 }
 
-bool TlogFiles::write(std::span<const std::uint8_t> records, base::RunTime now) {
-  while (!records.empty()) {
-    const bool full = size_ > 0 && is_full(tlog_record_bytes(records), now);
-    if (full && !rotate(now)) return false;
+std::size_t TlogFiles::write(std::span<const std::uint8_t> records, base::RunTime now) {
+  std::size_t done = 0;
+  while (done < records.size()) {
+    const auto rest = records.subspan(done);
+    const bool full = size_ > 0 && is_full(first_record_bytes(rest), now);
+    if ((!fd_ || full) && !make_next(now)) return done;
     // As many records as this file still takes, at least one.
-    std::size_t fitting = 0;
-    while (fitting < records.size()) {
-      const std::size_t next = tlog_record_bytes(records.subspan(fitting));
-      if (fitting > 0 && (next == 0 || is_full(fitting + next, now))) break;
-      if (next == 0) fitting = records.size();  // no packet: not ours to judge
-      fitting += next;
+    std::size_t fitting = first_record_bytes(rest);
+    while (fitting < rest.size()) {
+      const std::size_t next = fitting + first_record_bytes(rest.subspan(fitting));
+      if (is_full(next, now)) break;
+      fitting = next;
     }
-    if (!write_all(fd_, records.first(fitting))) return false;
-    size_ += fitting;
-    records = records.subspan(fitting);
+    const std::size_t whole = append(rest.first(fitting));
+    const int error = errno;
+    size_ += whole;
+    done += whole;
+    if (whole == fitting) continue;
+    const bool has_some = size_ > 0;
+    if (!fd_ || !lacks_room(error)) give_up_file();
+    errno = error;
+    if (error != EFBIG || !has_some) return done;  // else the next file takes more
   }
-  return true;
+  return done;
 }
 
-void TlogFiles::close() {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = -1;
+/// @return how many bytes of whole records are in the file now; fewer than all with errno set
+std::size_t TlogFiles::append(std::span<const std::uint8_t> records) {
+  const std::size_t gone = write_some(fd_.get(), records);
+  if (gone == records.size()) return gone;
+  const int error = errno;
+  const std::size_t whole = whole_records(records, gone);
+  const bool torn = whole < gone && ::ftruncate(fd_.get(), static_cast<off_t>(size_ + whole)) != 0;
+  if (torn) fd_.reset();  // readers skip what was cut off; nothing comes after it
+  errno = error;
+  return whole;
 }
 
-bool TlogFiles::make(const std::filesystem::path& file, bool anew, base::RunTime now) {
-  const int how = O_WRONLY | O_CREAT | O_CLOEXEC | (anew ? O_TRUNC : O_EXCL);
-  const int fd = ::open(file.c_str(), how, 0644);
-  if (fd < 0) return false;
-  close();
-  fd_ = fd;
+void TlogFiles::close() { fd_.reset(); }
+
+/// Another file follows this one, which goes where nothing is in it.
+void TlogFiles::give_up_file() {
+  fd_.reset();
+  if (size_ > 0) return;
+  folder_.remove(made_.back());
+  made_.pop_back();
+  --number_;
+}
+
+std::filesystem::path TlogFiles::current() const {
+  return made_.empty() ? std::filesystem::path() : folder_.path() / made_.back();
+}
+
+bool TlogFiles::make_next(base::RunTime now) {
+  base::Descriptor next;
+  for (;; ++number_) {
+    next = folder_.make(tlog_file_name(options_.name, number_));
+    if (next) break;
+    if (errno != EEXIST || number_ >= kMostFiles) return false;
+  }
+  fd_ = std::move(next);
   size_ = 0;
   opened_ = now;
-  written_.push_back(file);
-  return true;
-}
-
-bool TlogFiles::rotate(base::RunTime now) {
-  do {
-    if (make(numbered(first_, ++number_), false, now)) break;
-    if (errno != EEXIST) return false;
-  } while (true);
-  while (rotation_.keep > 0 && written_.size() > static_cast<std::size_t>(rotation_.keep)) {
-    std::error_code ignored;
-    std::filesystem::remove(written_.front(), ignored);
-    written_.pop_front();
+  made_.push_back(tlog_file_name(options_.name, number_++));
+  const int keep = options_.rotation.keep;
+  while (keep > 0 && made_.size() > static_cast<std::size_t>(keep)) {
+    folder_.remove(made_.front());
+    made_.pop_front();
   }
   return true;
 }
 
 bool TlogFiles::is_full(std::size_t next_bytes, base::RunTime now) const {
-  if (rotation_.max_bytes > 0 && size_ + next_bytes > rotation_.max_bytes) return true;
-  return size_ > 0 && rotation_.max_age > base::Duration{} && now - opened_ >= rotation_.max_age;
-}
-
-std::filesystem::path free_tlog_name(const std::filesystem::path& wish) {
-  std::filesystem::path name = wish;
-  std::error_code ignored;
-  for (int number = 1; std::filesystem::exists(name, ignored); ++number) {
-    name = numbered(wish, number);
-  }
-  return name;
+  const TlogRotation& rotation = options_.rotation;
+  if (rotation.max_bytes > 0 && size_ + next_bytes > rotation.max_bytes) return true;
+  return size_ > 0 && rotation.max_age > base::Duration{} && now - opened_ >= rotation.max_age;
 }
 
 bool TlogReader::open(const std::filesystem::path& file) {

@@ -8,9 +8,12 @@
 #include <fstream>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "base/os/descriptor.hpp"
 #include "base/time/clock.hpp"
+#include "casd/tlog/tlog_folder.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
@@ -56,39 +59,47 @@ struct TlogRotation {
   friend bool operator==(const TlogRotation&, const TlogRotation&) = default;
 };
 
-/// The files of one recording: FLIGHT.tlog, FLIGHT.1.tlog, FLIGHT.2.tlog ... Each is a log of its
-/// own: no record lies across two of them.
+/// Packets in whole records that lie end to end. Bytes that are no record count as one.
+std::size_t count_tlog_records(std::span<const std::uint8_t> records);
+
+/// The files of one recording: NAME.tlog, NAME.1.tlog, NAME.2.tlog ... in one folder. Each is a log
+/// of its own: no record lies across two of them, and none of them was there before.
 class TlogFiles {
  public:
-  TlogFiles() = default;
-  ~TlogFiles() { close(); }
-  TlogFiles(const TlogFiles&) = delete;
-  TlogFiles& operator=(const TlogFiles&) = delete;
+  struct Options {
+    std::filesystem::path folder;
+    std::string name;  ///< without its extension; tlog_name_fault() has none
+    TlogRotation rotation;
+    bool overwrite = false;  ///< NAME.tlog of before is removed; else the next free number is taken
+  };
 
-  /// Makes the first file; one of that name is written anew. @return false with errno set
-  bool open(const std::filesystem::path& first, const TlogRotation& rotation, base::RunTime now);
-  /// Writes whole records. @return false when a file cannot be made or takes no more
-  bool write(std::span<const std::uint8_t> records, base::RunTime now);
+  /// Begins another recording and makes its first file. @return false with errno set
+  bool begin(Options options, base::RunTime now);
+  /// Writes whole records: a record that the disk does not take as a whole is taken back. A file as
+  /// large as this file system allows is followed by the next one. Files that were closed because
+  /// of an error are followed by the next one, too.
+  /// @return how many of the bytes are in the files; fewer than all with errno set
+  std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
   void close();
 
-  const std::filesystem::path& current() const { return written_.back(); }
+  const TlogFolder& folder() const { return folder_; }
+  /// The file that is written, or the last one; empty: none could be made.
+  std::filesystem::path current() const;
 
  private:
-  bool make(const std::filesystem::path& file, bool anew, base::RunTime now);
-  bool rotate(base::RunTime now);
+  bool make_next(base::RunTime now);
+  std::size_t append(std::span<const std::uint8_t> records);
+  void give_up_file();
   bool is_full(std::size_t next_bytes, base::RunTime now) const;
 
-  std::filesystem::path first_;
-  TlogRotation rotation_;
-  int number_ = 0;
-  int fd_ = -1;
+  TlogFolder folder_;
+  Options options_;
+  int number_ = 0;  ///< of the next file
+  base::Descriptor fd_;
   std::uint64_t size_ = 0;
   base::RunTime opened_{};
-  std::deque<std::filesystem::path> written_;
+  std::deque<std::string> made_;  ///< the files that are kept, oldest first
 };
-
-/// FLIGHT.tlog where it is free, or the first of FLIGHT.1.tlog, FLIGHT.2.tlog ... that is.
-std::filesystem::path free_tlog_name(const std::filesystem::path& wish);
 
 /// Reads a telemetry log record by record, however long it is. Bytes that are no record are
 /// skipped and counted.

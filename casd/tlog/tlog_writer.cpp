@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/tlog_writer.hpp"
 
-#include <cerrno>
 #include <chrono>
-#include <system_error>
-
-#include "base/error.hpp"
-#include "base/os/log.hpp"
+#include <utility>
 
 namespace cas::casd {
 namespace {
@@ -16,83 +12,143 @@ constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
 
 }  // namespace
 
-TlogWriter::~TlogWriter() { stop(); }
-
-void TlogWriter::start(const std::filesystem::path& file, const TlogRotation& rotation) {
+TlogWriter::~TlogWriter() {
   stop();
-  if (!files_.open(file, rotation, base::steady_now())) {
-    throw base::ConfigError("log " + file.string() + ": " + std::generic_category().message(errno));
-  }
-  const std::scoped_lock lock(mutex_);
-  const auto unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::system_clock::now().time_since_epoch());
-  unix_minus_run_ns_ =
-      epoch_ ? epoch_->count() : (unix_ns - base::steady_now().time_since_epoch()).count();
-  path_ = file;
-  stopping_ = false;
-  thread_ = std::thread([this] { run(); });
-  active_.store(true, std::memory_order_relaxed);
-}
-
-void TlogWriter::stop() {
   if (!thread_.joinable()) return;
   {
     const std::scoped_lock lock(mutex_);
-    active_.store(false, std::memory_order_relaxed);
-    stopping_ = true;
+    ending_ = true;
   }
   more_.notify_one();
   thread_.join();
-  files_.close();
 }
 
-std::filesystem::path TlogWriter::file() const {
+void TlogWriter::start(TlogRecording::Options options) {
+  stop();
+  {
+    const base::RunTime now = base::steady_now();
+    const std::scoped_lock files(files_mutex_);
+    recording_.begin(std::move(options), now);
+    recorded_ = 0;
+    left_out_ = 0;
+    {
+      const std::scoped_lock lock(mutex_);
+      set_zero(now);
+      overflowed_ = 0;
+      phase_.store(Phase::kRecording, std::memory_order_relaxed);
+    }
+    publish();
+  }
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+  more_.notify_one();
+}
+
+void TlogWriter::stand_by() {
   const std::scoped_lock lock(mutex_);
-  return path_;
+  stands_by_ = true;
+  set_zero(base::steady_now());
+  if (!active()) phase_.store(Phase::kStandby, std::memory_order_relaxed);
+}
+
+void TlogWriter::stop() {
+  if (!active()) return;
+  const std::scoped_lock files(files_mutex_);
+  {
+    const std::scoped_lock lock(mutex_);
+    phase_.store(stands_by_ ? Phase::kStandby : Phase::kOff, std::memory_order_relaxed);
+    take_waiting();
+  }
+  write_taken(base::steady_now());
+  recording_.end();
+  publish();
+}
+
+TlogStatus TlogWriter::status(base::RunTime now) const {
+  const std::scoped_lock lock(status_mutex_);
+  TlogStatus status = status_;
+  if (!status.paused.empty()) status.paused_for = now - paused_since_;
+  return status;
 }
 
 void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now) {
-  if (!active()) return;
+  if (!listens()) return;
   const std::scoped_lock lock(mutex_);
-  if (stopping_) return;
-  if (waiting_.size() + packet.size() > kMaxWaitingBytes) {
-    left_out_.fetch_add(1, std::memory_order_relaxed);
+  const Phase phase = phase_.load(std::memory_order_relaxed);
+  if (phase == Phase::kOff) return;
+  const bool full = waiting_.size() + packet.size() > kMaxWaitingBytes;
+  if (phase == Phase::kRecording && full) {
+    ++overflowed_;
     return;
+  }
+  if (phase == Phase::kStandby && (full || now - stretch_began_ >= kKeptBefore)) {
+    before_.swap(waiting_);
+    waiting_.clear();
+    stretch_began_ = now;
+    set_zero(base::steady_now());
   }
   const auto stamp =
       static_cast<std::uint64_t>((now.time_since_epoch().count() + unix_minus_run_ns_) / 1000);
   append_tlog_record(stamp, packet, waiting_);
-  recorded_.fetch_add(1, std::memory_order_relaxed);
 }
 
-bool TlogWriter::write(std::span<const std::uint8_t> records) {
-  const bool written = files_.write(records, base::steady_now());
-  const int error = errno;
-  {
-    const std::scoped_lock lock(mutex_);
-    path_ = files_.current();
+/// With mutex_ held: what the stamps are made from.
+void TlogWriter::set_zero(base::RunTime now) {
+  const auto unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  unix_minus_run_ns_ = epoch_ ? epoch_->count() : (unix_ns - now.time_since_epoch()).count();
+}
+
+/// With both locks held.
+void TlogWriter::take_waiting() {
+  taken_before_.swap(before_);
+  taken_.swap(waiting_);
+  left_out_ += std::exchange(overflowed_, 0);
+}
+
+/// With files_mutex_ held.
+void TlogWriter::write_taken(base::RunTime now) {
+  for (std::vector<std::uint8_t>* taken : {&taken_before_, &taken_}) {
+    if (taken->empty()) continue;
+    const std::size_t written = recording_.write(*taken, now);
+    recorded_ += written;
+    left_out_ += count_tlog_records(*taken) - written;
+    taken->clear();
   }
-  errno = error;
-  return written;
+}
+
+/// With files_mutex_ held.
+void TlogWriter::publish() {
+  const std::scoped_lock lock(status_mutex_);
+  status_.active = active();
+  status_.file = recording_.file();
+  status_.paused = status_.active ? recording_.pause() : "";
+  status_.recorded = recorded_;
+  status_.left_out = left_out_;
+  status_.bytes = recording_.bytes();
+  paused_since_ = recording_.paused_since();
 }
 
 void TlogWriter::run() {
-  std::vector<std::uint8_t> taken;
-  bool failed = false;
-  for (bool last = false; !last;) {
+  for (;;) {
     {
       std::unique_lock lock(mutex_);
-      more_.wait_for(lock, kFlushPeriod, [this] { return stopping_; });
-      last = stopping_;
-      taken.swap(waiting_);
+      more_.wait(lock, [this] { return ending_ || active(); });
+      more_.wait_for(lock, kFlushPeriod, [this] { return ending_; });
+      if (ending_) return;
     }
-    if (!failed && !write(taken)) {
-      failed = true;
-      active_.store(false, std::memory_order_relaxed);
-      base::log::error("log " + file().string() + ": " + std::generic_category().message(errno));
-    }
-    taken.clear();
+    flush(base::steady_now());
   }
+}
+
+void TlogWriter::flush(base::RunTime now) {
+  const std::scoped_lock files(files_mutex_);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!active()) return;  // stop() has written all
+    take_waiting();
+  }
+  write_taken(now);
+  publish();
 }
 
 }  // namespace cas::casd

@@ -11,6 +11,7 @@
 #include "base/config/config_whole.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/os/cpu_latency.hpp"
+#include "casd/tlog/tlog_name.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -72,14 +73,33 @@ CommandingConfig parse_commanding(const base::ConfigNode& node) {
   return commanding;
 }
 
+/// A recording stops before the disk is full, where it would take others with it.
+constexpr double kFreeSpaceMin_mib = 64;
+
+std::uint64_t parse_mib(const base::ConfigNode& node, std::string_view key, double fallback) {
+  return static_cast<std::uint64_t>(node.get_in(key, fallback, 0, 1e8) * 1024 * 1024);
+}
+
 TlogConfig parse_log(const base::ConfigNode& node) {
   TlogConfig log;
-  log.tlog = node.get<std::string>("tlog", "");
-  log.rotation.max_bytes =
-      static_cast<std::uint64_t>(node.get_in("rotate_mib", 0, 0, 1e6) * 1024 * 1024);
+  if (const auto tlog = node.find("tlog")) {
+    log.tlog = tlog->as<std::string>();
+    const std::string fault = tlog_name_fault(log.tlog);
+    if (!fault.empty()) {
+      tlog->fail("'" + log.tlog + "' " + fault + "; it is a name, and its folder is `folder`");
+    }
+  }
+  log.folder = node.get<std::string>("folder", default_tlog_folder());
+  log.rotation.max_bytes = parse_mib(node, "rotate_mib", 0);
   log.rotation.max_age = base::from_seconds(node.get_in("rotate_minutes", 0, 0, 1e6) * 60);
   log.rotation.keep = base::get_whole_in<int>(node, "keep", 0, 0, 1'000'000);
+  log.limits.max_bytes = parse_mib(node, "max_mib", 0);
+  log.limits.free_space_min_bytes = parse_mib(node, "free_space_min_mib", kFreeSpaceMin_mib);
+  log.while_armed = node.get<bool>("while_armed", false);
   log.overwrite = node.get<bool>("overwrite", false);
+  if (log.overwrite && log.while_armed) {
+    node.at("overwrite").fail("each flight of while_armed has a file of its own");
+  }
   return log;
 }
 
@@ -317,7 +337,7 @@ Topology Topology::parse(const base::ConfigNode& root) {
   topology.links = parse_links(root);
   topology.routes = parse_routes(root, topology.links);
   pace_tight_lines(topology);
-  if (const auto log = root.find("log")) topology.log = parse_log(*log);
+  topology.log = parse_log(root.find("log").value_or(base::ConfigNode::empty()));
   if (const auto dialect = root.find("dialect")) topology.dialect = base::find_config(*dialect);
   if (const auto gains = root.find("gains")) topology.gains = base::find_config(*gains);
   if (const auto pace = root.find("pace"); pace && parse_pace(*pace) == Pace::kLockstep) {

@@ -14,7 +14,7 @@
 #include "base/time/clock.hpp"
 #include "casd/queue/line_timing.hpp"
 #include "casd/routing/router.hpp"
-#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/recorder.hpp"
 #include "casd/topology/link_config.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
@@ -71,15 +71,6 @@ struct CommandingConfig {
   bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL
 
   friend bool operator==(const CommandingConfig&, const CommandingConfig&) = default;
-};
-
-/// Recording from the start (`log`).
-struct TlogConfig {
-  std::filesystem::path tlog;  ///< empty: none
-  TlogRotation rotation;
-  bool overwrite = false;  ///< an existing file is written anew; false: the next free name is taken
-
-  friend bool operator==(const TlogConfig&, const TlogConfig&) = default;
 };
 
 /// casd's whole configuration ("TOPOLOGY.yaml", schema 1).

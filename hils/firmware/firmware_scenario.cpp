@@ -77,7 +77,10 @@ std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces
   topology["command_port"]["port"] = 0;
   topology["command_port"]["unix"] = places.command_port().string();
   topology["command_port"]["token_file"] = places.command_token().string();
-  topology["log"]["tlog"] = (places.out / "flight.tlog").string();
+  topology["log"] = YAML::Node(YAML::NodeType::Map);
+  topology["log"]["folder"] = places.out.string();
+  topology["log"]["tlog"] = "flight.tlog";
+  topology["log"]["overwrite"] = true;
   const auto source = base::ConfigNode::load(scenario.topology);
   for (const char* key : {"gains", "dialect"}) {
     if (const auto named = source.find(key)) topology[key] = full_path(*named);

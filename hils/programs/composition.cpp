@@ -274,8 +274,10 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["routes"] = casd_routes(request.architecture, places);
   root["commanding"]["heartbeat_hz"] = 1;
   root["gains"] = full_path(base::find_config("gains.yaml"));
-  root["log"]["tlog"] = full_path(places.flight_tlog());
+  root["log"]["folder"] = full_path(places.out);
+  root["log"]["tlog"] = places.flight_tlog().filename().string();
   root["log"]["overwrite"] = true;
+  root["log"]["free_space_min_mib"] = 0;  // half a log is no use to a run
   return to_text(root);
 }
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cstdint>
+#include <cstdio>
 #include <optional>
 #include <string>
 
@@ -35,8 +34,12 @@ class PaceWatch {
     if (!slow && static_cast<double>(late) <= kMostLate * static_cast<double>(steps)) {
       return std::nullopt;
     }
-    return fmt::format("falls behind: {:.2f} x real time, {} of {} steps late in the last {:.0f} s",
-                       factor, late, steps, wall_s);
+    char line[120];
+    std::snprintf(line, sizeof line,
+                  "falls behind: %.2f x real time, %llu of %llu steps late in the last %.0f s", factor,
+                  static_cast<unsigned long long>(late), static_cast<unsigned long long>(steps),
+                  wall_s);
+    return line;
   }
 
  private:

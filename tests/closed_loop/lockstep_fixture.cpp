@@ -80,10 +80,9 @@ std::string LockstepFixture::write_casd(int port, int casd_port) {
              "unix: " +
                  (folder_ / "casd.sock").string() +
                  "}\nlinks:\n  - {name: sim, type: udp, local: '" + endpoint(casd_port) +
-                 "', remote: '" + endpoint(port) +
-                 "'}\n  - {name: fcu, type: serial, device: " + (folder_ / "fcu0").string() +
-                 "}\nlog: {tlog: " + (folder_ / "flight.tlog").string() + "}\ngains: " + kConfig +
-                 "gains.yaml\n")
+                 "', remote: '" + endpoint(port) + "'}\n  - {name: fcu, type: serial, device: " +
+                 (folder_ / "fcu0").string() + "}\nlog: {folder: " + folder_.path().string() +
+                 ", tlog: flight.tlog, overwrite: true}\ngains: " + kConfig + "gains.yaml\n")
       .string();
 }
 

@@ -82,7 +82,10 @@ TEST_P(CasdForwarding, FindsPacketsBetweenGarbageAndHalfPackets) {
 TEST_P(CasdForwarding, WritesTheFlightLog) {
   fixture.start(topology());
   const auto file = fixture.folder / "flight.tlog";
-  fixture.links().tlog().start(file);
+  casd::TlogRecording::Options options;
+  options.files.folder = fixture.folder.path();
+  options.files.name = "flight";
+  fixture.links().tlog().start(options);
   const auto packet = fixture.from_sim(hil_sensor(1));
   fixture.sim.send(packet);
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));

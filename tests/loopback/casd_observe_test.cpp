@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <thread>
 
 #include "base/rpc/client.hpp"
 #include "tests/base/rpc/raw_client.hpp"
@@ -99,6 +106,100 @@ TEST_F(CasdObserve, AnswersOnlyGetOfMetricsOverHttp) {
   std::vector<RawClient> silent;
   for (int i = 0; i < 30; ++i) silent.emplace_back(port_in(status, "metrics"));
   EXPECT_EQ(call("link.list").size(), 2U);
+}
+
+TEST_F(CasdObserve, AnswersAllWhoAskAtOnceWithOnePage) {
+  start("metrics: {port: 0}\n");
+  const base::RunTime begin = base::steady_now();
+  std::set<std::string> pages;
+  constexpr int kScrapes = 15;
+  for (int i = 0; i < kScrapes; ++i) {
+    for (const std::string& line : http("GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n")) {
+      if (line.starts_with("casd_uptime_seconds ")) pages.insert(line);
+    }
+  }
+  // Each page lasts a quarter of a second.
+  const double quarters = base::to_seconds(base::steady_now() - begin) / 0.25;
+  EXPECT_GE(pages.size(), 1U);
+  EXPECT_LE(static_cast<double>(pages.size()), quarters + 1);
+}
+
+TEST_F(CasdObserve, KeepsAHastyScraperWaitingAndTheOthersGoing) {
+  start("metrics: {port: 0}\n");
+  const base::RunTime begin = base::steady_now();
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_EQ(http("GET /metrics HTTP/1.1\r\n\r\n").front(), "HTTP/1.1 200 OK\r");
+  }
+  // 20 at once, the others at 20 a second.
+  EXPECT_GE(base::steady_now() - begin, std::chrono::milliseconds(400));
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
+  EXPECT_EQ(call("link.list").size(), 2U);
+}
+
+TEST_F(CasdObserve, ServesMetricsOnlyWhenNoLinkWantsTheProcessor) {
+  start("metrics: {port: 0}\n");
+  const std::string tasks = "/proc/" + std::to_string(casd->pid()) + "/task";
+  // The thread is there when it has answered.
+  EXPECT_FALSE(http("GET /metrics HTTP/1.1\r\n\r\n").empty());
+  int found = 0;
+  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+    const int policy = ::sched_getscheduler(std::stoi(task.path().filename().string()));
+    if (TemporaryFolder::read(task.path() / "comm") != "metrics\n") {
+      EXPECT_NE(policy, SCHED_IDLE);
+      continue;
+    }
+    EXPECT_EQ(policy, SCHED_IDLE);
+    ++found;
+  }
+  EXPECT_EQ(found, 1);
+}
+
+/// Processor time of casd's main thread so far.
+double main_thread_s(pid_t pid) {
+  const std::string id = std::to_string(pid);
+  std::istringstream stat(TemporaryFolder::read("/proc/" + id + "/task/" + id + "/stat"));
+  std::string word;
+  double ticks = 0;
+  for (int field = 1; field <= 15 && stat >> word; ++field) {
+    if (field >= 14) ticks += std::stod(word);  // utime, stime
+  }
+  return ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+TEST_F(CasdObserve, GivesAllWhoAskWithoutAPauseAShareOfAProcessor) {
+  start("");
+  const std::uint16_t port = port_in(status, "command_port");
+  std::atomic<bool> over{false};
+  std::atomic<int> answers{0};
+  std::vector<std::thread> pollers;
+  const double before_s = main_thread_s(casd->pid());
+  const base::RunTime begin = base::steady_now();
+  for (int i = 0; i < 8; ++i) {
+    pollers.emplace_back([&] {
+      RawClient client(port);
+      while (!over) {
+        client.ask(R"({"jsonrpc":"2.0","id":1,"method":"casd.status"})");
+        ++answers;
+      }
+    });
+  }
+  // Somebody else is answered meanwhile, and packets pass.
+  for (int i = 1; i <= 100; ++i) {
+    EXPECT_EQ(call("link.list").size(), 2U);
+    fixture.sim.send(fixture.from_sim(hil_sensor(static_cast<std::uint64_t>(i))));
+    fixture.collect();
+  }
+  EXPECT_TRUE(wait_until([&] { return base::steady_now() - begin > std::chrono::seconds(3); }));
+  const double wall_s = base::to_seconds(base::steady_now() - begin);
+  const double used_s = main_thread_s(casd->pid()) - before_s;
+  over = true;
+  for (std::thread& poller : pollers) poller.join();
+  EXPECT_GT(answers, 8);
+  // A tenth, a tenth of a second at once, and what sockets cost beyond what is reckoned; without
+  // the bound it is all that there is.
+  EXPECT_LE(used_s, 0.1 + 0.4 * wall_s);
+  EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 100; }));
 }
 
 TEST_F(CasdObserve, ShowsMessagesOfADialectReadAtRunTime) {

@@ -45,6 +45,9 @@ class Tlog : public testing::Test {
     EXPECT_EQ(reader.skipped_bytes(), 0U) << file;
     return n;
   }
+  TlogFiles::Options named_a(const casd::TlogRotation& rotation) const {
+    return {.folder = fixture.folder.path(), .name = "a", .rotation = rotation, .overwrite = false};
+  }
   void write(const std::string& name, std::span<const std::uint8_t> bytes) const {
     std::ofstream(fixture.folder / name, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()),
@@ -66,9 +69,8 @@ TEST_F(Tlog, GoesOnInTheNextFileAtItsSizeAndKeepsTheNewest) {
   TlogFiles files;
   const auto all = records(100);
   const std::uint64_t size = all.size() / 10;  // ten records a file, give or take their lengths
-  ASSERT_TRUE(
-      files.open(fixture.folder / "a.tlog", {.max_bytes = size, .max_age = {}, .keep = 3}, now));
-  ASSERT_TRUE(files.write(all, now));
+  ASSERT_TRUE(files.begin(named_a({.max_bytes = size, .max_age = {}, .keep = 3}), now));
+  ASSERT_EQ(files.write(all, now), all.size());
   files.close();
   EXPECT_FALSE(std::filesystem::exists(fixture.folder / "a.tlog"));
   std::size_t kept = 0;
@@ -88,10 +90,9 @@ TEST_F(Tlog, GoesOnInTheNextFileAtItsSizeAndKeepsTheNewest) {
 
 TEST_F(Tlog, GoesOnInTheNextFileAtItsAge) {
   TlogFiles files;
-  ASSERT_TRUE(files.open(fixture.folder / "a.tlog",
-                         {.max_bytes = 0, .max_age = seconds(60), .keep = 0}, now));
-  ASSERT_TRUE(files.write(records(5), now + seconds(59)));
-  ASSERT_TRUE(files.write(records(3), now + seconds(60)));
+  ASSERT_TRUE(files.begin(named_a({.max_bytes = 0, .max_age = seconds(60), .keep = 0}), now));
+  ASSERT_GT(files.write(records(5), now + seconds(59)), 0U);
+  ASSERT_GT(files.write(records(3), now + seconds(60)), 0U);
   files.close();
   EXPECT_EQ(count(fixture.folder / "a.tlog"), 5U);
   EXPECT_EQ(count(fixture.folder / "a.1.tlog"), 3U);
@@ -100,13 +101,12 @@ TEST_F(Tlog, GoesOnInTheNextFileAtItsAge) {
 TEST_F(Tlog, WritesOverNoFileOfBefore) {
   write("a.tlog", {});
   write("a.1.tlog", {});
-  EXPECT_EQ(casd::free_tlog_name(fixture.folder / "a.tlog"), fixture.folder / "a.2.tlog");
-  EXPECT_EQ(casd::free_tlog_name(fixture.folder / "b.tlog"), fixture.folder / "b.tlog");
+  write("a.3.tlog", {});
   TlogFiles files;
-  ASSERT_TRUE(
-      files.open(fixture.folder / "a.tlog", {.max_bytes = 1, .max_age = {}, .keep = 0}, now));
-  ASSERT_TRUE(files.write(records(2), now));
+  ASSERT_TRUE(files.begin(named_a({.max_bytes = 1, .max_age = {}, .keep = 0}), now));
   EXPECT_EQ(files.current(), fixture.folder / "a.2.tlog");
+  ASSERT_GT(files.write(records(2), now), 0U);
+  EXPECT_EQ(files.current(), fixture.folder / "a.4.tlog");
 }
 
 TEST_F(Tlog, ReadsAroundWhatIsNoRecord) {

@@ -204,23 +204,26 @@ TEST_F(CommandCasdTest, ShowsTheNewestValueOfAMessage) {
 }
 
 TEST_F(CommandCasdTest, IsDrivenFromItsPageByPythonAlone) {
-  start([](FakeVehicle& vehicle) {
-    know_gains(vehicle);
-    for (int i = 0; i < 20; ++i) {  // again and again: on a busy machine casd may not listen yet
-      const base::RunTime at = base::steady_now() + std::chrono::milliseconds(300 + 500 * i);
-      vehicle.say(mavlink::common::HomePosition{}, at);
-      vehicle.say(mavlink::common::Attitude{}, at);
-      vehicle.say(mavlink::common::LocalPositionNed{}, at);
-      vehicle.say(mavlink::common::GlobalPositionInt{}, at);
-      vehicle.say_text("Ready for takeoff!", at);
-    }
-  });
+  start(
+      [](FakeVehicle& vehicle) {
+        know_gains(vehicle);
+        for (int i = 0; i < 20;
+             ++i) {  // again and again: on a busy machine casd may not listen yet
+          const base::RunTime at = base::steady_now() + std::chrono::milliseconds(300 + 500 * i);
+          vehicle.say(mavlink::common::HomePosition{}, at);
+          vehicle.say(mavlink::common::Attitude{}, at);
+          vehicle.say(mavlink::common::LocalPositionNed{}, at);
+          vehicle.say(mavlink::common::GlobalPositionInt{}, at);
+          vehicle.say_text("Ready for takeoff!", at);
+        }
+      },
+      "log: {folder: '" + folder_.path().string() + "'}\n");
   EXPECT_TRUE(wait_until([this] {
     return !client_->call("vehicle.state", json::object()).at("statustexts").empty();
   }));
-  ChildProcess python(
-      {"/usr/bin/env", "python3", cas::test::source_dir() + "/tests/loopback/protocol_client.py",
-       cas::test::source_dir() + "/docs/protocol.md", address_, folder_.path().string()});
+  ChildProcess python({"/usr/bin/env", "python3",
+                       cas::test::source_dir() + "/tests/loopback/protocol_client.py",
+                       cas::test::source_dir() + "/docs/protocol.md", address_});
   EXPECT_EQ(python.wait_exit(std::chrono::seconds(60)), 0) << python.output();
 }
 

@@ -43,6 +43,9 @@ class EmulatorFixture {
                    "command_port: {unix: '" +
                        socket() +
                        "', port: 0, loopback_without_token: true}\n"
+                       "log: {folder: '" +
+                       folder.path().string() +
+                       "'}\n"
                        "gains: " +
                        cas::test::source_dir() +
                        "/config/gains.yaml\n"

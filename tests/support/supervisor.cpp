@@ -5,9 +5,9 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/eventfd.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -151,7 +151,7 @@ void Supervisor::start() {
     ::waitpid(spawn(command(line)), nullptr, 0);
   }
   const pid_t pid = spawn(command(unit_.value("ExecStart")));
-  process_ = base::Descriptor(::pidfd_open(pid, 0));
+  process_ = base::Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
   fed_ = base::steady_now();
   aborted_ = false;
   const std::lock_guard lock(mutex_);

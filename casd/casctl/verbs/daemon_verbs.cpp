@@ -84,6 +84,23 @@ void print_future(const json& links) {
   }
 }
 
+/// "recording into FILE: 120 packets", "recording PAUSED for 3 s: ...", "" where nothing is
+/// recorded.
+std::string recording_text(const json& recording) {
+  if (!recording.value("active", false)) return "";
+  const std::string missing =
+      recording.value("left_out", 0) > 0
+          ? ", " + recording["left_out"].dump() + " packets are missing in it"
+          : "";
+  const std::string file = recording.value("file", "?");
+  if (!recording.contains("paused")) {
+    return "recording into " + file + ": " + count(recording, "recorded") + " packets" + missing;
+  }
+  return "recording PAUSED for " + duration_text(recording.value("paused_s", 0.0)) + ": " +
+         recording["paused"].get<std::string>() + "; " + (file.empty() ? "no file" : file) +
+         " has " + count(recording, "recorded") + " packets" + missing;
+}
+
 void print_status(const json& status) {
   std::cout << "casd " << status.value("version", "?") << ", up "
             << duration_text(status.value("uptime_s", 0.0)) << ", threads "
@@ -94,6 +111,8 @@ void print_status(const json& status) {
   std::cout << '\n';
   print_vehicles(status.value("vehicles", json::array()));
   print_future(status.value("links", json::array()));
+  const std::string recording = recording_text(status.value("recording", json::object()));
+  if (!recording.empty()) std::cout << '\n' << recording << '\n';
 }
 
 std::string joined(const json& list) {
@@ -274,19 +293,21 @@ void add_log(CommandLine& line) {
   };
   const auto recording = std::make_shared<Recording>();
   const Verb log = line.add_group("log", "Record all packets into a .tlog file");
-  const Verb start =
-      line.add_verb(log, "start", "Start a new file (on casd's machine)",
-                    "casctl log start /tmp/flight.tlog", [recording](Session& session) {
-                      json params{{"file", recording->file}};
-                      if (recording->rotate_mib > 0) params["rotate_mib"] = recording->rotate_mib;
-                      if (recording->rotate_minutes > 0)
-                        params["rotate_minutes"] = recording->rotate_minutes;
-                      if (recording->keep > 0) params["keep"] = recording->keep;
-                      report(session.options(), session.call("log.start", params),
-                             "recording into " + recording->file);
-                      return kDone;
-                    });
-  start.add_option("FILE", recording->file, "A new file that ends in .tlog").required();
+  const Verb start = line.add_verb(log, "start", "Start a new file (on casd's machine)",
+                                   "casctl log start flight", [recording](Session& session) {
+                                     json params = json::object();
+                                     if (!recording->file.empty()) params["file"] = recording->file;
+                                     if (recording->rotate_mib > 0)
+                                       params["rotate_mib"] = recording->rotate_mib;
+                                     if (recording->rotate_minutes > 0)
+                                       params["rotate_minutes"] = recording->rotate_minutes;
+                                     if (recording->keep > 0) params["keep"] = recording->keep;
+                                     const json result = session.call("log.start", params);
+                                     report(session.options(), result, recording_text(result));
+                                     return kDone;
+                                   });
+  start.add_option("NAME", recording->file,
+                   "Of the new file, after its date, in casd's folder for recordings");
   start.add_option("--rotate-mib", recording->rotate_mib, "Go on in the next file at this size")
       .not_negative();
   start
@@ -301,16 +322,17 @@ void add_log(CommandLine& line) {
            "recorded " + result.at("recorded").dump() + " packets into " +
                result.value("file", "?") +
                (result.value("left_out", 0) > 0
-                    ? "; the disk was too slow for " + result["left_out"].dump()
+                    ? "; the disk did not take " + result["left_out"].dump()
                     : ""));
     return kDone;
   });
   line.add_verb(log, "status", "Show what is recorded", "casctl log status", [](Session& session) {
     const json result = session.call("log.status");
+    const std::string text = recording_text(result);
+    const bool awaits = result.value("awaits_arming", false);
     report(session.options(), result,
-           result.value("active", false) ? "recording into " + result.value("file", "?") + ", " +
-                                               result.at("recorded").dump() + " packets"
-                                         : "not recording");
+           !text.empty() ? text
+                         : (awaits ? "not recording until a vehicle is armed" : "not recording"));
     return kDone;
   });
 }

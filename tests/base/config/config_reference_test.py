@@ -51,7 +51,7 @@ VALUES = {
     "config": {"hold", "arm", "takeoff", "land", "disarm", "goto", "setgain", "x_m", "y_m", "z_m", "yaw_rad", "p", "i",
                "d", "all", "udp", "udp_server", "tcp", "tcp_server", "serial", "iris0", "motor", "imu", "gps",
                "magnetometer", "barometer", "mavlink_interface", "recorder", "transport", "file", "ledger", "rate_hz",
-               "local", "remote", "plugin", "FILE", "NAME", "sensors"},
+               "local", "remote", "plugin", "FILE", "NAME", "DIR", "sensors"},
     "plugins": {"imu", "gps", "magnetometer", "barometer", "rangefinder", "name", "m_s2", "with", "plugin", "delay_s"},
 }
 

@@ -67,5 +67,19 @@ TEST(ConfigureThisThread, MissingRightsAreNoError) {
   EXPECT_EQ(name, "fifo") << "the rest of the options is applied";
 }
 
+TEST(IdleThisThread, LowersTheCallingThreadAlone) {
+  const int before = ::sched_getscheduler(0);
+  int policy = -1;
+  std::array<char, 16> name{};
+  std::thread([&] {
+    if (!idle_this_thread("quiet")) return;
+    policy = ::sched_getscheduler(0);
+    ::pthread_getname_np(::pthread_self(), name.data(), name.size());
+  }).join();
+  EXPECT_EQ(policy, SCHED_IDLE);
+  EXPECT_STREQ(name.data(), "quiet");
+  EXPECT_EQ(::sched_getscheduler(0), before);
+}
+
 }  // namespace
 }  // namespace cas::base

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -61,6 +62,45 @@ TEST(WriteFile, LeavesASymlinkWhereItIs) {
   write_file(folder.path() / "link", "two");
   EXPECT_TRUE(fs::is_symlink(folder.path() / "link"));
   EXPECT_EQ(text_of(folder.path() / "behind"), "two");
+}
+
+TEST(WriteFile, RefusesASymlinkToNothing) {
+  const test::TemporaryFolder folder;
+  const fs::path link = folder.path() / "link";
+  fs::create_symlink("behind", link);
+  try {
+    write_file(link, "one");
+    FAIL() << "written";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              link.string() + ": cannot be written: it is a symlink to nothing");
+  }
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_FALSE(fs::exists(folder.path() / "behind"));
+}
+
+TEST(WriteFile, RefusesASymlinkThatAnotherUserLaid) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can lay a symlink for another user";
+  const test::TemporaryFolder folder;
+  const fs::path link = folder.path() / "link";
+  write_file(folder.path() / "behind", "one");
+  fs::create_symlink("behind", link);
+  constexpr uid_t kSomebody = 1234;
+  ASSERT_EQ(::lchown(link.c_str(), kSomebody, kSomebody), 0);
+  EXPECT_THROW(write_file(link, "two"), ConfigError);
+  EXPECT_EQ(text_of(folder.path() / "behind"), "one");
+}
+
+TEST(WriteFile, WritesOverNothingThatLiesBesideTheFile) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.txt";
+  const fs::path beside = file.string() + "." + std::to_string(::getpid()) + ".new";
+  write_file(folder.path() / "victim", "one");
+  fs::create_symlink("victim", beside);
+  write_file(file, "two");
+  EXPECT_EQ(text_of(file), "two");
+  EXPECT_EQ(text_of(folder.path() / "victim"), "one");
+  EXPECT_TRUE(fs::is_symlink(beside));
 }
 
 TEST(WriteFile, WritesIntoWhatIsNoFile) {

@@ -49,6 +49,7 @@ DoctorFacts good_setup() {
                     .usable = true,
                     .group = "dialout",
                     .latency_timer = {}}};
+  facts.after["recording"] = {{"active", true}, {"recorded", 900}, {"left_out", 0}};
   facts.governors = {"performance"};
   facts.wake_p99_us = 80;
   facts.wake_max_us = 150;
@@ -173,6 +174,14 @@ INSTANTIATE_TEST_SUITE_P(
                 },
                 "last reload, 12.0 s ago, was refused; the topology before it is in force: "
                 "casd.yaml:3: threads"},
+        BadCase{"RecordingPauses",
+                [](DoctorFacts& f) {
+                  f.after["recording"]["left_out"] = 120;
+                  f.after["recording"]["paused"] = "No space left on device";
+                },
+                "the recording pauses: No space left on device; 120 packets are missing"},
+        BadCase{"RecordingWithGaps", [](DoctorFacts& f) { f.after["recording"]["left_out"] = 7; },
+                "the recording has gaps: 7 packets"},
         BadCase{"Powersave", [](DoctorFacts& f) { f.governors = {"powersave"}; }, "powersave"},
         BadCase{"ClockStep", [](DoctorFacts& f) { f.clock_step_s = -0.2; },
                 "wall clock moved by -200.0 ms"},

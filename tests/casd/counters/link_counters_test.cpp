@@ -93,7 +93,10 @@ TEST(TlogWriter, WritesTimeAndPacketAsGroundStationsReadThem) {
   cas::test::TemporaryFolder folder;
   TlogWriter tlog;
   tlog.record(packet(mavlink::common::Heartbeat{}, {1, 1}).view(), base::steady_now());  // not open
-  tlog.start(folder / "flight.tlog");
+  TlogRecording::Options options;
+  options.files.folder = folder.path();
+  options.files.name = "flight";
+  tlog.start(options);
   const auto heartbeat = packet(mavlink::common::Heartbeat{}, {1, 1});
   const auto before = std::chrono::system_clock::now();
   tlog.record(heartbeat.view(), base::steady_now());
@@ -113,7 +116,10 @@ TEST(TlogWriter, WritesTimeAndPacketAsGroundStationsReadThem) {
 
 TEST(TlogWriter, FileThatCannotBeMadeIsAnError) {
   TlogWriter tlog;
-  EXPECT_THROW(tlog.start("/nonexistent/flight.tlog"), base::ConfigError);
+  TlogRecording::Options options;
+  options.files.folder = "/nonexistent/folder";
+  options.files.name = "flight";
+  EXPECT_THROW(tlog.start(options), base::ConfigError);
   EXPECT_FALSE(tlog.active());
 }
 

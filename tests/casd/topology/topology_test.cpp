@@ -98,7 +98,7 @@ TEST(Topology, ReadsWhatGuardsALink) {
   const Topology topology = parse("dialect: " + dialect.string() + R"(
 schema: 1
 metrics: {}
-log: {tlog: f.tlog, rotate_mib: 2, rotate_minutes: 1, keep: 5}
+log: {folder: d, tlog: f.tlog, rotate_mib: 2, rotate_minutes: 1, keep: 5, max_mib: 10, while_armed: true}
 links:
   - {name: a, type: udp, local: "[::1]:1", accept: {messages: [HEARTBEAT, 4242], systems: 1}}
   - {name: b, type: udp, local: "[::1]:2", signing: {key_file: k, link_id: 9, sign: false}}
@@ -113,6 +113,10 @@ links:
   EXPECT_EQ(topology.dialect, dialect);
   EXPECT_EQ(topology.log.rotation.max_bytes, 2U * 1024 * 1024);
   EXPECT_EQ(topology.log.rotation.max_age, std::chrono::minutes(1));
+  EXPECT_EQ(topology.log.folder, "d");
+  EXPECT_EQ(topology.log.limits.max_bytes, 10U * 1024 * 1024);
+  EXPECT_EQ(topology.log.limits.free_space_min_bytes, 64U * 1024 * 1024);
+  EXPECT_TRUE(topology.log.while_armed);
   ASSERT_TRUE(topology.metrics);
   EXPECT_EQ(topology.metrics->port, 9790);
   // All to all, but nothing into a log.
@@ -213,6 +217,11 @@ INSTANTIATE_TEST_SUITE_P(
                 link("name: a, type: udp, local: 'h:1', "
                      "signing: {key_file: k, verify: false, max_future_s: 60}"),
                 "max_future_s"},
+        BadCase{"RecordingByItsPath", kLinks + "log: {tlog: /data/f.tlog}\n",
+                "log.tlog: '/data/f.tlog' has a slash; it is a name, and its folder is `folder`"},
+        BadCase{"RecordingThatIsHidden", kLinks + "log: {tlog: .f}\n", "begins with a dot"},
+        BadCase{"FlightsInOneFile", kLinks + "log: {overwrite: true, while_armed: true}\n",
+                "log.overwrite: each flight"},
         BadCase{"LogWithoutFile", link("name: a, type: tlog"), "file"},
         BadCase{"LogThatStandsStill", link("name: a, type: tlog, file: f, speed: 0"), "speed"},
         BadCase{

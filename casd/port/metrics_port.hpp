@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "casd/port/metrics.hpp"
+
+namespace cas::casd {
+
+/// A small HTTP server that answers GET /metrics, on a thread of its own that runs when no other
+/// wants its processor. It holds no lock that packets pass: the figures come as a copy.
+///
+///   client --GET--> metrics thread --ask, 4 times a second at most--> who has the figures
+///          <--page--              <--copy of them--
+///
+/// Few clients at a time and in a second, each with a deadline, so that none can hold it; all who
+/// ask within a quarter of a second get the same page.
+class MetricsPort {
+ public:
+  /// Takes the figures, from any thread.
+  using Take = std::function<void(MetricsSource)>;
+  /// Asks for the figures, which come now or later; called on the thread of the port.
+  using Ask = std::function<void(Take)>;
+
+  explicit MetricsPort(Ask ask);
+  ~MetricsPort();
+  MetricsPort(const MetricsPort&) = delete;
+  MetricsPort& operator=(const MetricsPort&) = delete;
+
+  /// Starts the thread, once. @param port  0 takes a free one
+  /// @return the bound port @throws base::ConfigError
+  std::uint16_t listen(const std::string& address, std::uint16_t port);
+  /// Ends all connections and the thread.
+  void close();
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace cas::casd

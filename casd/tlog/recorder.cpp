@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/tlog/recorder.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+#include "casd/tlog/tlog_name.hpp"
+
+namespace cas::casd {
+namespace {
+
+std::string dated(std::string_view name) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return dated_tlog_name(std::chrono::duration_cast<std::chrono::seconds>(now), name);
+}
+
+}  // namespace
+
+Recorder::Recorder(TlogWriter& writer, TlogConfig config)
+    : writer_(writer), config_(std::move(config)) {
+  if (config_.folder.empty()) config_.folder = ".";
+}
+
+void Recorder::begin() {
+  if (config_.while_armed) return writer_.stand_by();
+  if (config_.tlog.empty()) return;
+  TlogRecording::Options wanted = options(config_.tlog, config_.rotation);
+  if (config_.overwrite) wanted.files.name = bare_tlog_name(config_.tlog);
+  wanted.files.overwrite = config_.overwrite;
+  writer_.start(std::move(wanted));
+}
+
+void Recorder::start(const std::string& name, const TlogRotation& rotation) {
+  if (const std::string fault = tlog_name_fault(name); !name.empty() && !fault.empty()) {
+    throw base::ConfigError("a recording has a name in " + config_.folder.string() +
+                            ", and this one " + fault);
+  }
+  of_flight_ = false;
+  writer_.start(options(name, rotation));
+}
+
+void Recorder::stop() {
+  of_flight_ = false;
+  writer_.stop();
+}
+
+void Recorder::on_vehicles(bool any_armed, base::RunTime now) {
+  if (!config_.while_armed) return;
+  const bool open = window_.update(any_armed, now);
+  if (open == std::exchange(flying_, open)) return;
+  if (open && !writer_.active()) {
+    TlogRecording::Options wanted = options(config_.tlog, config_.rotation);
+    wanted.insist = true;
+    writer_.start(std::move(wanted));
+    of_flight_ = true;
+    base::log::info("a vehicle is armed: recording into " + writer_.status(now).file.string());
+  } else if (!open && std::exchange(of_flight_, false)) {
+    writer_.stop();
+    base::log::info("no vehicle is armed any more: recorded " +
+                    std::to_string(writer_.status(now).recorded) + " packets");
+  }
+}
+
+TlogRecording::Options Recorder::options(const std::string& name,
+                                         const TlogRotation& rotation) const {
+  TlogRecording::Options options;
+  options.files.folder = config_.folder;
+  options.files.name = dated(bare_tlog_name(name));
+  options.files.rotation = rotation;
+  options.limits = config_.limits;
+  return options;
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "casd/tlog/armed_window.hpp"
+#include "casd/tlog/tlog_writer.hpp"
+
+namespace cas::casd {
+
+/// Recordings, as the topology has them (`log`).
+struct TlogConfig {
+  std::filesystem::path folder{};  ///< empty: the working folder
+  std::string tlog{};              ///< name of what is recorded from the start; empty: nothing is
+  TlogRotation rotation{};
+  TlogLimits limits{};
+  bool while_armed = false;  ///< not from the start, but while any vehicle is armed
+  bool overwrite = false;    ///< NAME.tlog anew; false: each recording has its own dated name
+
+  friend bool operator==(const TlogConfig&, const TlogConfig&) = default;
+};
+
+/// Begins and ends recordings: from casd's start, on request, or while a vehicle is armed. On one
+/// thread.
+class Recorder {
+ public:
+  /// `writer` outlives it.
+  Recorder(TlogWriter& writer, TlogConfig config);
+
+  /// What the configuration asks for from the start. @throws base::ConfigError
+  void begin();
+  /// A recording on request; one under way ends.
+  /// @param name  empty: its date alone. @throws base::ConfigError when it is no name for a file,
+  /// or the file cannot be made
+  void start(const std::string& name, const TlogRotation& rotation);
+  /// Ends the recording; the next arming begins another one where the configuration says so.
+  void stop();
+  /// Tells whether a vehicle is armed: at each change at the latest, and every now and then.
+  void on_vehicles(bool any_armed, base::RunTime now);
+
+  TlogStatus status(base::RunTime now) const { return writer_.status(now); }
+  /// Whether the next arming begins a recording.
+  bool awaits_arming() const { return config_.while_armed && !writer_.active(); }
+  const TlogConfig& config() const { return config_; }
+
+ private:
+  TlogRecording::Options options(const std::string& name, const TlogRotation& rotation) const;
+
+  TlogWriter& writer_;
+  TlogConfig config_;
+  ArmedWindow window_;
+  bool flying_ = false;     ///< the window was open
+  bool of_flight_ = false;  ///< the recording under way ends with the window
+};
+
+}  // namespace cas::casd

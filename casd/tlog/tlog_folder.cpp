@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/tlog/tlog_folder.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "casd/tlog/tlog_name.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr mode_t kNewFolder = 0777;  // less what the process's umask takes away
+constexpr mode_t kNewFile = 0644;
+
+base::Descriptor open_folder(const std::filesystem::path& path) {
+  return base::Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+}
+
+std::string mib(std::uint64_t bytes) { return std::to_string(bytes / (1024 * 1024)) + " MiB"; }
+
+/// What the .tlog files of a folder take.
+std::uint64_t recorded_bytes(const std::filesystem::path& path) {
+  const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir(path.c_str()), &::closedir);
+  std::uint64_t sum = 0;
+  while (folder) {
+    const dirent* entry = ::readdir(folder.get());
+    if (entry == nullptr) break;
+    struct stat status {};
+    if (!std::string_view(entry->d_name).ends_with(kTlogExtension)) continue;
+    if (::fstatat(::dirfd(folder.get()), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0)
+      continue;
+    if (S_ISREG(status.st_mode)) sum += static_cast<std::uint64_t>(status.st_size);
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::string lack_of_room(const TlogLimits& limits, const TlogSpace& space, std::uint64_t more) {
+  if (limits.free_space_min_bytes > 0 && space.free_bytes < limits.free_space_min_bytes + more) {
+    return "less than " + mib(limits.free_space_min_bytes) + " would stay free";
+  }
+  if (limits.max_bytes > 0 && space.used_bytes + more > limits.max_bytes) {
+    return "the recordings have the " + mib(limits.max_bytes) + " that they may take";
+  }
+  return "";
+}
+
+TlogFolder::TlogFolder(std::filesystem::path path) : path_(std::move(path)) {
+  if (path_.empty()) path_ = ".";
+}
+
+base::Descriptor TlogFolder::make(const std::string& name) const {
+  base::Descriptor folder = open_folder(path_);
+  if (!folder && errno == ENOENT && ::mkdir(path_.c_str(), kNewFolder) == 0) {
+    folder = open_folder(path_);
+  }
+  if (!folder) return {};
+  // Appending: what follows a record that was cut off begins where that one began.
+  constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_APPEND | O_CLOEXEC;
+  return base::Descriptor(::openat(folder.get(), name.c_str(), kHow, kNewFile));
+}
+
+bool TlogFolder::remove(const std::string& name) const {
+  const base::Descriptor folder = open_folder(path_);
+  return folder && ::unlinkat(folder.get(), name.c_str(), 0) == 0;
+}
+
+TlogSpace TlogFolder::look(bool scan) const {
+  TlogSpace space;
+  struct statvfs disk {};
+  const bool known = ::statvfs(path_.c_str(), &disk) == 0;
+  space.free_bytes = known ? std::uint64_t{disk.f_bavail} * disk.f_frsize
+                           : std::numeric_limits<std::uint64_t>::max();
+  if (scan) space.used_bytes = recorded_bytes(path_);
+  return space;
+}
+
+std::filesystem::path default_tlog_folder() {
+  const char* given = std::getenv("LOGS_DIRECTORY");  // systemd, from LogsDirectory=
+  if (given == nullptr || *given == '\0') return ".";
+  const std::string_view folders = given;
+  return folders.substr(0, folders.find(':'));
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "base/os/descriptor.hpp"
+
+namespace cas::casd {
+
+/// What recordings may take. Zeros: as much as they like.
+struct TlogLimits {
+  std::uint64_t free_space_min_bytes = 0;  ///< what stays free on the file system
+  std::uint64_t max_bytes = 0;             ///< all recordings in the folder together
+
+  friend bool operator==(const TlogLimits&, const TlogLimits&) = default;
+};
+
+/// What a folder's file system has and its recordings take.
+struct TlogSpace {
+  std::uint64_t free_bytes = 0;
+  std::uint64_t used_bytes = 0;
+};
+
+/// Why `more` bytes must not be recorded, as a clause; empty: they may. Pure.
+std::string lack_of_room(const TlogLimits& limits, const TlogSpace& space, std::uint64_t more);
+
+/// The folder that recordings go into: the part of them that only a file system can answer. Files
+/// are made in it by their names alone, never over another file and never through a symlink.
+class TlogFolder {
+ public:
+  TlogFolder() = default;
+  /// @param path  empty: the working folder
+  explicit TlogFolder(std::filesystem::path path);
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Makes a file, and the folder where it alone is missing. @return nothing with errno set, EEXIST
+  /// where something has that name
+  base::Descriptor make(const std::string& name) const;
+  /// Removes a file or symlink of that name. @return false with errno set
+  bool remove(const std::string& name) const;
+  /// What is free (where nobody can tell, everything); with `scan` what all its .tlog files take,
+  /// too.
+  TlogSpace look(bool scan) const;
+
+ private:
+  std::filesystem::path path_ = ".";
+};
+
+/// Where recordings go unless the topology says so: the service's own folder for logs
+/// ($LOGS_DIRECTORY), else the working folder.
+std::filesystem::path default_tlog_folder();
+
+}  // namespace cas::casd

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+
+namespace cas::casd {
+
+inline constexpr std::string_view kTlogExtension = ".tlog";
+
+/// Why a word cannot name a recording, as the end of a sentence; empty: it can. A name stands for a
+/// file in one folder, so it leads nowhere else: no slash, no leading dot, nothing unprintable.
+std::string tlog_name_fault(std::string_view name);
+
+/// "NAME" for "NAME" and "NAME.tlog".
+std::string_view bare_tlog_name(std::string_view name);
+
+/// The moment in UTC before the name: "2026-11-22T18-05-00Z-NAME"; without a name the moment alone.
+/// @param unix_time  since 1970
+std::string dated_tlog_name(std::chrono::seconds unix_time, std::string_view name);
+
+/// File `number` of a recording: "NAME.tlog" for 0, "NAME.1.tlog" ...
+std::string tlog_file_name(std::string_view name, int number);
+
+}  // namespace cas::casd

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/tlog/tlog_recording.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+
+namespace cas::casd {
+namespace {
+
+/// What must fit below a limit before a paused recording goes on, so that it does not stop again
+/// with the next packet.
+constexpr std::size_t kRoomToGoOn = 256 * 1024;
+constexpr base::Duration kScanPeriod = std::chrono::seconds(1);
+
+std::string message_of(int error) { return std::generic_category().message(error); }
+
+bool lacks_room(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
+
+}  // namespace
+
+void TlogRecording::begin(Options options, base::RunTime now) {
+  options_ = std::move(options);
+  pause_.clear();
+  retry_at_.reset();
+  scanned_.reset();
+  bytes_ = 0;
+  lost_ = 0;
+  if (files_.begin(options_.files, now)) return;
+  const int error = errno;
+  if (!options_.insist && !lacks_room(error)) {
+    throw base::ConfigError("recording " + options_.files.name + " in " +
+                            files_.folder().path().string() + ": " + message_of(error));
+  }
+  pause(message_of(error), now);
+}
+
+std::size_t TlogRecording::write(std::span<const std::uint8_t> records, base::RunTime now) {
+  std::size_t written = 0;
+  if (may_write(records.size(), now) && !records.empty()) {
+    const std::size_t done = files_.write(records, now);
+    const int error = errno;
+    written = count_tlog_records(records.first(done));
+    bytes_ += done;
+    space_.used_bytes += done;
+    records = records.subspan(done);
+    if (records.empty()) {
+      go_on();
+    } else {
+      pause(message_of(error), now);
+    }
+  }
+  if (!records.empty()) lost_ += count_tlog_records(records);
+  return written;
+}
+
+/// Whether it is time to try, and the limits let it.
+bool TlogRecording::may_write(std::size_t more, base::RunTime now) {
+  if (retry_at_ && now < *retry_at_) return false;
+  const std::size_t wanted = retry_at_ ? std::max(more, kRoomToGoOn) : more;
+  if (std::string why = lack(wanted, now); !why.empty()) {
+    pause(std::move(why), now);
+    return false;
+  }
+  retry_at_.reset();
+  return true;
+}
+
+std::string TlogRecording::lack(std::size_t more, base::RunTime now) {
+  const TlogLimits& limits = options_.limits;
+  if (limits == TlogLimits{}) return "";
+  const bool scan = limits.max_bytes > 0 && (!scanned_ || now - *scanned_ >= kScanPeriod);
+  const std::uint64_t used = space_.used_bytes;
+  space_ = files_.folder().look(scan);
+  if (scan) {
+    scanned_ = now;
+  } else {
+    space_.used_bytes = used;
+  }
+  return lack_of_room(limits, space_, more);
+}
+
+void TlogRecording::pause(std::string why, base::RunTime now) {
+  retry_at_ = now + kRetryPeriod;
+  const bool begins = pause_.empty();
+  if (begins) {
+    paused_since_ = now;
+    lost_ = 0;
+  }
+  pause_ = std::move(why);
+  if (begins) {
+    base::log::error("recording in " + files_.folder().path().string() + " pauses: " + pause_ +
+                     "; it goes on when it can");
+  }
+}
+
+void TlogRecording::go_on() {
+  if (pause_.empty()) return;
+  pause_.clear();
+  base::log::info("recording goes on in " + file().string() + "; " + std::to_string(lost_) +
+                  " packets are not in it");
+}
+
+}  // namespace cas::casd

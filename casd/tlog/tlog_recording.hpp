@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "casd/tlog/tlog_files.hpp"
+
+namespace cas::casd {
+
+/// One recording under way. While the disk does not take packets (it is full, a limit is reached,
+/// it is gone) the recording pauses, says so once in the log, and goes on by itself when it does
+/// again. One thread at a time.
+class TlogRecording {
+ public:
+  struct Options {
+    TlogFiles::Options files;
+    TlogLimits limits;
+    /// Whatever keeps the first file from being made is waited out, too; else only want of room.
+    bool insist = false;
+  };
+
+  /// How often a paused recording looks whether it may go on.
+  static constexpr base::Duration kRetryPeriod = std::chrono::seconds(1);
+
+  /// @throws base::ConfigError when the first file cannot be made
+  void begin(Options options, base::RunTime now);
+  /// Writes what the disk takes of these whole records.
+  /// @return how many packets are in the files now; those that are not are lost
+  std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
+  void end() { files_.close(); }
+
+  /// Why nothing is written, as a clause; empty: it is. Holds until packets are in a file again.
+  const std::string& pause() const { return pause_; }
+  /// Since when; meaningful while it is paused.
+  base::RunTime paused_since() const { return paused_since_; }
+  std::filesystem::path file() const { return files_.current(); }
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  bool may_write(std::size_t more, base::RunTime now);
+  void pause(std::string why, base::RunTime now);
+  void go_on();
+  std::string lack(std::size_t more, base::RunTime now);
+
+  Options options_;
+  TlogFiles files_;
+  std::string pause_;
+  base::RunTime paused_since_{};
+  std::optional<base::RunTime> retry_at_;
+  std::uint64_t bytes_ = 0;
+  std::uint64_t lost_ = 0;  ///< packets since the pause began
+  TlogSpace space_;
+  std::optional<base::RunTime> scanned_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/tlog/recorder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "base/error.hpp"
+#include "tests/casd/packets.hpp"
+#include "tests/support/file_size_limit.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+using std::chrono::seconds;
+
+TEST(ArmedWindow, IsOpenFromArmingUntilAMomentAfterDisarming) {
+  ArmedWindow window;
+  EXPECT_FALSE(window.update(false, at({})));
+  EXPECT_TRUE(window.update(true, at(seconds(1))));
+  EXPECT_TRUE(window.update(true, at(seconds(100))));
+  EXPECT_TRUE(window.update(false, at(seconds(100) + milliseconds(500))));
+  EXPECT_TRUE(window.update(true, at(seconds(101)))) << "armed again: one flight";
+  EXPECT_TRUE(window.update(false, at(seconds(102) - milliseconds(1))));
+  EXPECT_FALSE(window.update(false, at(seconds(102))));
+  EXPECT_FALSE(window.update(false, at(seconds(103))));
+  EXPECT_TRUE(window.update(true, at(seconds(104))));
+}
+
+class RecorderTest : public testing::Test {
+ protected:
+  RecorderTest() { writer.set_epoch(std::chrono::nanoseconds(0)); }  // stamps are run time
+
+  Recorder make(TlogConfig config) {
+    config.folder = folder.path();
+    return {writer, config};
+  }
+  void say(base::Duration when) {
+    writer.record(packet(mavlink::common::Heartbeat{}, {1, 1}).view(), at(when));
+  }
+  /// When its packets came, since at({}).
+  std::vector<base::Duration> times(const std::filesystem::path& file) const {
+    TlogReader reader;
+    EXPECT_TRUE(reader.open(file)) << file;
+    std::vector<base::Duration> all;
+    while (const auto record = reader.next()) {
+      all.push_back(microseconds(record->unix_us) - at({}).time_since_epoch());
+    }
+    return all;
+  }
+
+  cas::test::TemporaryFolder folder;
+  TlogWriter writer;
+};
+
+TEST_F(RecorderTest, RecordsAFlightFromBeforeItsArmingUntilAfterItsEnd) {
+  Recorder recorder = make({.while_armed = true});
+  recorder.begin();
+  EXPECT_TRUE(recorder.awaits_arming());
+  for (int i = 0; i < 50; ++i) {  // five seconds
+    say(i * milliseconds(100));
+    recorder.on_vehicles(false, at(i * milliseconds(100)));
+  }
+  EXPECT_EQ(recorder.status(at({})).file, "");
+  recorder.on_vehicles(true, at(seconds(5)));
+  say(seconds(5));
+  EXPECT_TRUE(recorder.status(at({})).active);
+  EXPECT_FALSE(recorder.awaits_arming());
+  recorder.on_vehicles(false, at(seconds(6)));
+  say(seconds(6) + milliseconds(500));
+  recorder.on_vehicles(false, at(seconds(6) + milliseconds(500)));
+  EXPECT_TRUE(recorder.status(at({})).active);
+  recorder.on_vehicles(false, at(seconds(7)));
+  EXPECT_FALSE(recorder.status(at({})).active);
+
+  const TlogStatus status = recorder.status(at({}));
+  const auto heard = times(status.file);
+  ASSERT_GE(heard.size(), 12U);
+  EXPECT_LE(heard.front(), seconds(4));
+  EXPECT_GE(heard.front(), seconds(3)) << "no more is kept than a stretch and the one before";
+  EXPECT_EQ(heard.back(), seconds(6) + milliseconds(500));
+  EXPECT_EQ(status.recorded, heard.size());
+  EXPECT_EQ(status.left_out, 0U);
+}
+
+TEST_F(RecorderTest, GivesEachFlightAFileOfItsOwn) {
+  Recorder recorder = make({.tlog = "wing.tlog", .while_armed = true});
+  recorder.begin();
+  std::set<std::filesystem::path> files;
+  for (int flight = 0; flight < 3; ++flight) {
+    const base::Duration start = flight * seconds(10);
+    recorder.on_vehicles(true, at(start));
+    say(start);
+    recorder.on_vehicles(false, at(start + seconds(2)));
+    recorder.on_vehicles(false, at(start + seconds(4)));
+    EXPECT_EQ(times(recorder.status(at({})).file).back(), start);
+    files.insert(recorder.status(at({})).file);
+  }
+  EXPECT_EQ(files.size(), 3U);
+  EXPECT_NE(files.begin()->filename().string().find("Z-wing."), std::string::npos);
+}
+
+TEST_F(RecorderTest, LeavesARecordingThatSomebodyAskedForAlone) {
+  Recorder recorder = make({.while_armed = true});
+  recorder.begin();
+  recorder.start("mine", {});
+  const auto file = recorder.status(at({})).file;
+  recorder.on_vehicles(true, at({}));
+  recorder.on_vehicles(false, at(seconds(1)));
+  recorder.on_vehicles(false, at(seconds(5)));
+  EXPECT_TRUE(recorder.status(at({})).active);
+  EXPECT_EQ(recorder.status(at({})).file, file);
+  recorder.stop();
+  EXPECT_TRUE(recorder.awaits_arming());
+}
+
+TEST_F(RecorderTest, TakesNamesAndNoPaths) {
+  Recorder recorder = make({});
+  recorder.begin();
+  EXPECT_FALSE(recorder.status(at({})).active);
+  EXPECT_THROW(recorder.start("../x", {}), base::ConfigError);
+  recorder.start("x", {});
+  EXPECT_EQ(recorder.status(at({})).file.parent_path(), folder.path());
+}
+
+TEST_F(RecorderTest, CountsWhatTheDiskDidNotTakeAndOnlyWhatItTook) {
+  Recorder recorder = make({.tlog = "a"});
+  recorder.begin();
+  say(seconds(1));
+  ASSERT_TRUE(cas::test::wait_until([&] { return recorder.status(at({})).recorded == 1; }));
+  {
+    const cas::test::FileSizeLimit full(0);
+    say(seconds(2));
+    ASSERT_TRUE(cas::test::wait_until([&] { return recorder.status(at({})).left_out == 1; }));
+    EXPECT_EQ(recorder.status(at({})).paused, "File too large");
+    EXPECT_TRUE(recorder.status(at({})).active);
+  }
+  std::uint64_t said = 2;
+  ASSERT_TRUE(cas::test::wait_until([&] {
+    say(seconds(3));
+    ++said;
+    return recorder.status(at({})).paused.empty();
+  }));
+  recorder.stop();
+  const TlogStatus status = recorder.status(at({}));
+  EXPECT_EQ(status.recorded + status.left_out, said);
+  std::size_t in_files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    in_files += times(entry.path()).size();
+  }
+  EXPECT_EQ(status.recorded, in_files);
+}
+
+}  // namespace
+}  // namespace cas::casd::test

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings of the real casd: where they may lie, and what a full disk does to them.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "base/rpc/client.hpp"
+#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_name.hpp"
+#include "tests/loopback/casd_fixture.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/file_size_limit.hpp"
+#include "tests/support/paths.hpp"
+
+namespace cas::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class CasdRecording : public testing::Test {
+ protected:
+  /// @param log  the keys of `log` beside its folder
+  /// @param prefix  what stands before the program and its file
+  void start(const std::string& log, std::vector<std::string> prefix = {}) {
+    recordings = fixture.folder / "rec";
+    fs::create_directory(recordings);
+    const std::string topology = fixture.folder.write(
+        "topology.yaml", fixture.expand("command_port: {port: 0}\ncommanding: {heartbeat_hz: 0}\n"
+                                        "log: {folder: $DIR/rec, " +
+                                        log + "}\n" + kHilTopology));
+    const std::string casd_program = binary_dir() + "/bin/casd";
+    if (prefix.empty()) {
+      prefix = {casd_program, topology};
+    } else {
+      prefix.back() += " && exec " + casd_program + " " + topology;
+    }
+    casd.emplace(prefix);
+    const auto ready = casd->wait_ready();
+    ASSERT_TRUE(ready) << casd->output();
+    const auto port_in = [&](const std::string& name) {
+      const std::size_t begin = ready->find(name + " ") + name.size() + 1;
+      return port_of(ready->substr(begin, ready->find(' ', begin) - begin));
+    };
+    fixture.sim.set_remote(port_in("sim"));
+    address = "127.0.0.1:" + std::to_string(port_in("command_port"));
+    client.emplace(address);
+  }
+  json call(const std::string& method, const json& params = json::object()) {
+    return client->call(method, params);
+  }
+  /// The sentence of a refusal; empty: none.
+  std::string refusal(const std::string& method, const json& params) {
+    try {
+      call(method, params);
+    } catch (const base::rpc::CallError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  std::string casctl(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {binary_dir() + "/bin/casctl", "--address", address});
+    ChildProcess child(arguments);
+    child.wait_exit();
+    return child.output();
+  }
+  /// One more packet through casd.
+  void send() {
+    fixture.sim.send(fixture.from_sim(hil_sensor(++sent)));
+    fixture.collect();
+  }
+  /// Sends until it holds.
+  bool send_until(const std::function<bool()>& condition) {
+    return wait_until([&] {
+      send();
+      return condition();
+    });
+  }
+  bool is_paused() { return call("log.status").contains("paused"); }
+  /// Packets in all .tlog files of a folder, none of them torn.
+  static std::size_t packets_in(const fs::path& folder) {
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path().extension() != ".tlog") continue;
+      casd::TlogReader reader;
+      EXPECT_TRUE(reader.open(entry.path())) << entry.path();
+      while (reader.next()) ++count;
+      EXPECT_EQ(reader.skipped_bytes(), 0U) << entry.path();
+    }
+    return count;
+  }
+  static std::ptrdiff_t files_in(const fs::path& folder) {
+    return std::distance(fs::directory_iterator(folder), fs::directory_iterator{});
+  }
+  /// After the end of a recording that began with casd: each packet that casd received is in a file
+  /// or counted as missing, and the figures are those of the files.
+  void expect_true_figures(const fs::path& folder) {
+    ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == sent; }));
+    const json status = call("log.stop");
+    EXPECT_EQ(status.at("recorded").get<std::uint64_t>(), packets_in(folder));
+    EXPECT_EQ(
+        status.at("recorded").get<std::uint64_t>() + status.at("left_out").get<std::uint64_t>(),
+        sent);
+  }
+
+  CasdFixture fixture;
+  fs::path recordings;
+  std::optional<ChildProcess> casd;
+  std::optional<base::rpc::Client> client;
+  std::string address;
+  std::uint64_t sent = 0;
+};
+
+TEST_F(CasdRecording, StaysInItsFolderWhateverAClientAsksFor) {
+  start("free_space_min_mib: 0");
+  const auto around = files_in(fixture.folder.path());
+  for (const char* name : {"/tmp/x.tlog", "../x", "a/../../x", "a/b", ".x", "..", "a\u0001b"}) {
+    const std::string said = refusal("log.start", {{"file", name}});
+    EXPECT_NE(said.find("the folder for recordings"), std::string::npos) << name << ": " << said;
+  }
+  EXPECT_EQ(files_in(recordings), 0);
+  EXPECT_EQ(files_in(fixture.folder.path()), around);
+
+  const std::string first = call("log.start", {{"file", "x.tlog"}}).at("file");
+  const std::string second = call("log.start", {{"file", "x.tlog"}}).at("file");
+  const std::string nameless = call("log.start").at("file");
+  for (const std::string& file : {first, second, nameless}) {
+    EXPECT_EQ(fs::path(file).parent_path(), recordings);
+    EXPECT_EQ(fs::path(file).extension(), ".tlog");
+  }
+  EXPECT_NE(first.find("Z-x."), std::string::npos) << first;
+  EXPECT_NE(first, second);
+  EXPECT_EQ(files_in(recordings), 3);
+}
+
+TEST_F(CasdRecording, FollowsNoSymlinkAndEmptiesNoFile) {
+  start("free_space_min_mib: 0");
+  const fs::path victim = fixture.folder.write("victim", "theirs");
+  const fs::path nothing = fixture.folder / "nothing";
+  // Whoever may write to the folder knows the names to come.
+  const auto now = std::chrono::duration_cast<std::chrono::seconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  for (int i = 0; i < 60; ++i) {
+    const std::string dated = casd::dated_tlog_name(now + std::chrono::seconds(i), "x");
+    fs::create_symlink(nothing, recordings / casd::tlog_file_name(dated, 0));
+    fs::create_symlink(victim, recordings / casd::tlog_file_name(dated, 1));
+  }
+  const fs::path file = call("log.start", {{"file", "x"}}).at("file").get<std::string>();
+  ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 0; }));
+  call("log.stop");
+  EXPECT_EQ(file.stem().extension(), ".2") << file;
+  EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(file)));
+  EXPECT_FALSE(fs::exists(nothing));
+  EXPECT_EQ(TemporaryFolder::read(victim), "theirs");
+}
+
+TEST_F(CasdRecording, FromTheStartIsNamedByItsDateOrWrittenAnew) {
+  start("tlog: flight, free_space_min_mib: 0");
+  const std::string dated = call("log.status").at("file");
+  EXPECT_NE(dated.find("Z-flight.tlog"), std::string::npos) << dated;
+
+  const fs::path victim = fixture.folder.write("victim", "theirs");
+  fs::create_symlink(victim, recordings / "flight.tlog");
+  const CasdFixture other;
+  const std::string log =
+      "log: {folder: " + recordings.string() + ", tlog: flight, overwrite: true}\n";
+  const std::string topology = other.folder.write(
+      "topology.yaml", other.expand("command_port: {port: 0}\n" + log + kHilTopology));
+  ChildProcess second({binary_dir() + "/bin/casd", topology});
+  ASSERT_TRUE(second.wait_ready()) << second.output();
+  EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(recordings / "flight.tlog")));
+  EXPECT_EQ(TemporaryFolder::read(victim), "theirs");
+}
+
+TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
+  start("tlog: flight, free_space_min_mib: 0");
+  ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));
+  {
+    const FileSizeLimit full(0, casd->pid());
+    ASSERT_TRUE(send_until([&] { return is_paused(); }));
+    const json status = call("casd.status").at("recording");
+    EXPECT_EQ(status.at("active"), true);
+    EXPECT_EQ(status.at("paused"), "File too large");
+    EXPECT_GT(status.at("left_out").get<int>(), 0);
+    const std::string said = casctl({"status"});
+    EXPECT_NE(said.find("recording PAUSED for"), std::string::npos) << said;
+    EXPECT_NE(said.find("packets are missing in it"), std::string::npos) << said;
+    const std::string found = casctl({"doctor", "--seconds", "0.1"});
+    EXPECT_NE(found.find("the recording pauses: File too large"), std::string::npos) << found;
+  }
+  const int before = call("log.status").at("recorded");
+  ASSERT_TRUE(send_until([&] { return !is_paused(); }));
+  EXPECT_GT(call("log.status").at("recorded").get<int>(), before);
+  const std::string found = casctl({"doctor", "--seconds", "0.1"});
+  EXPECT_NE(found.find("the recording has gaps"), std::string::npos) << found;
+  expect_true_figures(recordings);
+}
+
+TEST_F(CasdRecording, GoesOnWhenAFullDiskHasRoomAgain) {
+  // A disk of its own, which only casd sees; this test looks at it through casd's root.
+  const std::string mount =
+      "mount -t tmpfs -o size=256k tmpfs " + (fixture.folder / "rec").string();
+  fs::create_directory(fixture.folder / "rec");
+  ChildProcess probe({"/usr/bin/unshare", "-rm", "/bin/sh", "-c", mount});
+  if (probe.wait_exit() != 0) GTEST_SKIP() << "no disk can be mounted here: " << probe.output();
+  start("tlog: flight, free_space_min_mib: 0", {"/usr/bin/unshare", "-rm", "/bin/sh", "-c", mount});
+  const fs::path disk = "/proc/" + std::to_string(casd->pid()) + "/root" + recordings.string();
+
+  std::ofstream(disk / "filler") << std::string(200 * 1024, 'x');
+  ASSERT_TRUE(send_until([&] { return is_paused(); }));
+  EXPECT_EQ(call("log.status").at("paused"), "No space left on device");
+  EXPECT_TRUE(wait_until([&] {
+    return casd->output().find("pauses: No space left on device") != std::string::npos;
+  })) << casd->output();
+  const json full = call("log.status");
+  EXPECT_EQ(full.at("recorded").get<std::size_t>(), packets_in(disk));
+
+  fs::remove(disk / "filler");
+  ASSERT_TRUE(send_until([&] { return !is_paused(); }));
+  EXPECT_TRUE(wait_until([&] { return casd->output().find("goes on in") != std::string::npos; }));
+  EXPECT_EQ(call("log.status").at("file"), full.at("file")) << "the same file goes on";
+  expect_true_figures(disk);
+}
+
+TEST_F(CasdRecording, LeavesRoomOnTheDisk) {
+  start("tlog: flight, free_space_min_mib: 1e8");  // more than any disk has
+  ASSERT_TRUE(send_until([&] { return is_paused(); }));
+  const json status = call("log.status");
+  EXPECT_EQ(status.at("paused"), "less than 100000000 MiB would stay free");
+  EXPECT_EQ(status.at("recorded"), 0);
+  expect_true_figures(recordings);
+}
+
+TEST_F(CasdRecording, RunsWhileAVehicleIsArmedAndKeepsWhatCameBefore) {
+  start("tlog: wing, while_armed: true, free_space_min_mib: 0");
+  mavlink::common::Heartbeat heartbeat;
+  heartbeat.type = mavlink::common::MavType::kQuadrotor;
+  heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
+  const auto say = [&](bool armed) {
+    heartbeat.base_mode = armed ? mavlink::common::MavModeFlag::kSafetyArmed
+                                : mavlink::common::MavModeFlag::kCustomModeEnabled;
+    fixture.fcu.write(fixture.from_fcu(heartbeat));
+    fixture.collect();
+  };
+  const auto active = [&] { return call("log.status").at("active").get<bool>(); };
+  ASSERT_TRUE(wait_until([&] {
+    say(false);
+    return call("casd.status").at("vehicles").size() == 1;
+  }));
+  EXPECT_FALSE(active());
+  EXPECT_EQ(call("log.status").at("awaits_arming"), true);
+  const std::string idle = casctl({"log", "status"});
+  EXPECT_NE(idle.find("not recording until a vehicle is armed"), std::string::npos) << idle;
+  // A sensor packet passes, and the next thing that casd hears is the arming.
+  send();
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
+
+  std::set<std::string> files;
+  for (int flight = 0; flight < 2; ++flight) {
+    say(true);
+    ASSERT_TRUE(wait_until([&] { return active(); }));
+    files.insert(call("log.status").at("file").get<std::string>());
+    ASSERT_TRUE(wait_until([&] {
+      say(false);
+      return !active();
+    }));
+  }
+  EXPECT_EQ(files.size(), 2U);
+  casd::TlogReader reader;
+  ASSERT_TRUE(reader.open(*files.begin()));
+  bool has_what_came_before = false;
+  mav::PacketParser parser(mavlink::common::table());
+  while (const auto record = reader.next()) {
+    parser.reset();
+    parser.feed(record->packet, [&](const mav::PacketView& packet) {
+      if (packet.message_id == kHilSensor) has_what_came_before = true;
+    });
+  }
+  EXPECT_TRUE(has_what_came_before);
+}
+
+}  // namespace
+}  // namespace cas::test
