@@ -175,7 +175,7 @@ bool newest_came(const Controller& controller, const Streams& streams, std::uint
 }
 
 std::string topology_with(const std::string& threads) {
-  return "schema: 1\ncommand_port: {port: 0}\ndrain_tick_ms: 0\nthreads: " + threads + R"(
+  return "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\ndrain_tick_ms: 0\nthreads: " + threads + R"(
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: fcu, type: serial, device: "$FCU", baud: 921600}

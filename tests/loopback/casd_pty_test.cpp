@@ -119,7 +119,7 @@ class CasdPty : public testing::Test {
   void start_casd(const std::string& device, const std::string& keys = "") {
     const auto topology =
         folder_.write("casd.yaml",
-                      "schema: 1\ncommand_port: {port: 0}\nlinks:\n"
+                      "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\nlinks:\n"
                       "  - {name: sim, type: udp, local: '127.0.0.1:0'}\n"
                       "  - {name: fcu, type: serial, queue: {hil_max_age_ms: 60000}, device: '" +
                           device + "'" + keys +

@@ -172,17 +172,6 @@ TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
   EXPECT_NE(link.at("endpoint").get<std::string>().find("No such file"), std::string::npos) << link;
 }
 
-TEST_F(CommandCasdTest, RefusesAnOpenAddressWithoutAToken) {
-  const auto topology = folder_.write("open.yaml",
-                                      "schema: 1\n"
-                                      "command_port: {address: 0.0.0.0, port: 0}\n"
-                                      "links:\n"
-                                      "  - {name: a, type: udp, local: '127.0.0.1:0'}\n");
-  ChildProcess casd({cas::test::binary_dir() + "/bin/casd", topology.string()});
-  EXPECT_EQ(casd.wait_exit(), 71);
-  EXPECT_NE(casd.output().find("needs a token"), std::string::npos) << casd.output();
-}
-
 TEST_F(CommandCasdTest, WritesWhoAskedWhatIntoItsLog) {
   start(know_gains);
   EXPECT_EQ(casctl({"disarm"}), 0);
