@@ -18,15 +18,18 @@ class ArmedWindow {
   /// @return whether it is open
   bool update(bool any_armed, base::RunTime now) {
     if (any_armed) {
-      open_until_ = now + kAfter;
-    } else if (open_until_ && now >= *open_until_) {
-      open_until_.reset();
+      open_ = true;
+      disarmed_at_.reset();
+    } else if (open_) {
+      if (!disarmed_at_) disarmed_at_ = now;
+      open_ = now - *disarmed_at_ < kAfter;
     }
-    return open_until_.has_value();
+    return open_;
   }
 
  private:
-  std::optional<base::RunTime> open_until_;
+  bool open_ = false;
+  std::optional<base::RunTime> disarmed_at_;
 };
 
 }  // namespace cas::casd

@@ -177,9 +177,9 @@ TEST_F(CasdObserve, GivesAllWhoAskWithoutAPauseAShareOfAProcessor) {
   const base::RunTime begin = base::steady_now();
   for (int i = 0; i < 8; ++i) {
     pollers.emplace_back([&] {
-      RawClient client(port);
+      RawClient asks(port);
       while (!over) {
-        client.ask(R"({"jsonrpc":"2.0","id":1,"method":"casd.status"})");
+        asks.ask(R"({"jsonrpc":"2.0","id":1,"method":"casd.status"})");
         ++answers;
       }
     });

@@ -24,10 +24,11 @@ TEST(ArmedWindow, IsOpenFromArmingUntilAMomentAfterDisarming) {
   EXPECT_TRUE(window.update(true, at(seconds(100))));
   EXPECT_TRUE(window.update(false, at(seconds(100) + milliseconds(500))));
   EXPECT_TRUE(window.update(true, at(seconds(101)))) << "armed again: one flight";
-  EXPECT_TRUE(window.update(false, at(seconds(102) - milliseconds(1))));
-  EXPECT_FALSE(window.update(false, at(seconds(102))));
+  EXPECT_TRUE(window.update(false, at(seconds(102))));
+  EXPECT_TRUE(window.update(false, at(seconds(103) - milliseconds(1))));
   EXPECT_FALSE(window.update(false, at(seconds(103))));
-  EXPECT_TRUE(window.update(true, at(seconds(104))));
+  EXPECT_FALSE(window.update(false, at(seconds(104))));
+  EXPECT_TRUE(window.update(true, at(seconds(105))));
 }
 
 class RecorderTest : public testing::Test {
