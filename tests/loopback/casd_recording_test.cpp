@@ -33,9 +33,11 @@ class CasdRecording : public testing::Test {
     recordings = fixture.folder / "rec";
     fs::create_directory(recordings);
     const std::string topology = fixture.folder.write(
-        "topology.yaml", fixture.expand("command_port: {port: 0, loopback_without_token: true}\ncommanding: {heartbeat_hz: 0}\n"
-                                        "log: {folder: $DIR/rec, " +
-                                        log + "}\n" + kHilTopology));
+        "topology.yaml",
+        fixture.expand(
+            "command_port: {port: 0, loopback_without_token: true}\ncommanding: {heartbeat_hz: 0}\n"
+            "log: {folder: $DIR/rec, " +
+            log + "}\n" + kHilTopology));
     const std::string casd_program = binary_dir() + "/bin/casd";
     if (prefix.empty()) {
       prefix = {casd_program, topology};
@@ -172,7 +174,8 @@ TEST_F(CasdRecording, FromTheStartIsNamedByItsDateOrWrittenAnew) {
   const std::string log =
       "log: {folder: " + recordings.string() + ", tlog: flight, overwrite: true}\n";
   const std::string topology = other.folder.write(
-      "topology.yaml", other.expand("command_port: {port: 0, loopback_without_token: true}\n" + log + kHilTopology));
+      "topology.yaml",
+      other.expand("command_port: {port: 0, loopback_without_token: true}\n" + log + kHilTopology));
   ChildProcess second({binary_dir() + "/bin/casd", topology});
   ASSERT_TRUE(second.wait_ready()) << second.output();
   EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(recordings / "flight.tlog")));
