@@ -18,6 +18,8 @@ namespace {
 
 /// Lower than this above where it stood, a vehicle touches the ground.
 constexpr double kTouch_m = 0.02;
+/// What is hit lower than this is the ground: a vehicle that falls on its arm is that high.
+constexpr double kNear_m = 0.5;
 /// More than rotors or gusts can do: what slows a vehicle like this is solid. 6 g.
 constexpr double kImpact_m_s2 = 60.0;
 constexpr double kLeastExtent_m = 1.0;
@@ -58,7 +60,7 @@ class Watch {
     const double speed_m_s = norm(before.v_m_s);
     if (is_impact(before, now) && speed_m_s > kCrashSpeed_m_s) {
       note(IncidentKind::kCrash, now,
-           fmt::format("hit {} at {:.1f} m/s {}", low ? "the ground" : "something", speed_m_s,
+           fmt::format("hit {} at {:.1f} m/s {}", now.pose.z_m - start_.pose.z_m < kNear_m ? "the ground" : "something", speed_m_s,
                        in_step()));
     }
     const double tilt = tilt_deg(now.pose);

@@ -36,15 +36,16 @@ std::string step_text(base::SimTime now, const FlightPlan& plan) {
 
 std::string pace_words(double real_time_factor, std::optional<std::uint64_t> late_steps) {
   const std::string factor = fmt::format("{:.2f}x", real_time_factor);
-  return late_steps ? fmt::format("{}, {} late", factor, *late_steps) : factor;
+  return late_steps.value_or(0) > 0 ? fmt::format("{}, {} late", factor, *late_steps) : factor;
 }
 
 std::string progress_line(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
                           const std::string& pace, const std::string& stream, std::size_t columns) {
   std::string line = fmt::format("{:6.1f} s  {:<24}", base::to_seconds(now), step_text(now, plan));
-  const std::string parts[] = {fmt::format(" estimate x {:+.2f} y {:+.2f} z {:.2f} m",
+  const std::string parts[] = {" " + pace,
+                               fmt::format("  estimate x {:+.2f} y {:+.2f} z {:.2f} m",
                                            vehicle.p_N.x(), vehicle.p_N.y(), -vehicle.p_N.z()),
-                               "  " + pace, stream.empty() ? "" : "  " + stream};
+                               stream.empty() ? "" : "  " + stream};
   for (const std::string& part : parts) {
     if (line.size() + part.size() > columns) break;
     line += part;

@@ -11,11 +11,11 @@
 
 namespace cas::hils {
 
-/// How a run keeps to the clock: "1.00x", with late steps where there may be any "1.00x, 3 late".
+/// How a run keeps to the clock: "1.00x", after late steps "1.00x, 3 late".
 std::string pace_words(double real_time_factor, std::optional<std::uint64_t> late_steps = {});
 
-/// The step under way, where the vehicle takes itself to be (north, east, up in m), and how pace
-/// and stream do in words; of these from the left what fits.
+/// The step under way, how the run keeps to the clock, where the vehicle takes itself to be (north,
+/// east, up in m), and how the stream does in words; of these from the left what fits.
 ///
 /// @param columns  most characters that the line may have
 std::string progress_line(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,

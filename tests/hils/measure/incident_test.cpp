@@ -131,7 +131,7 @@ TEST(Incident, TenTimesTheExtentOfThePlanIsAFlyaway) {
   const auto at = [](double x_m) {
     return incidents_of([x_m](double t, PoseSample& sample) {
       good_height(t, sample);
-      if (t > 5) sample.pose.x_m = x_m * std::pow(std::sin(M_PI * (t - 5) / 20), 2);
+      if (t > 5 && t < 15) sample.pose.x_m = x_m * std::pow(std::sin(M_PI * (t - 5) / 10), 2);
     });
   };
   EXPECT_TRUE(at(99).empty());

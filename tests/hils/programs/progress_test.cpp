@@ -17,7 +17,7 @@ constexpr std::size_t kColumns = 79;  // of a terminal that is 80 wide
 std::string line_of(const FlightStep& step, const VehicleReport& vehicle,
                     const std::string& stream = {}, std::size_t columns = kColumns) {
   return progress_line(base::SimTime(milliseconds(12'340)), FlightPlan({step}), vehicle,
-                       pace_words(1.0, 3), stream, columns);
+                       pace_words(1.0, 0), stream, columns);
 }
 
 FlightStep measured_hold() {
@@ -33,8 +33,16 @@ TEST(ProgressLine, TellsTheStepAndThatThePositionIsAnEstimate) {
   vehicle.p_N = {0.5, -12.25, -2.5};
   const std::string line = line_of(measured_hold(), vehicle);
   EXPECT_NE(line.find("measured 12.3 of 30.0 s"), std::string::npos) << line;
-  EXPECT_NE(line.find("estimate x +0.50 y -12.25 z 2.50 m  1.00x, 3 late"), std::string::npos)
+  EXPECT_NE(line.find(" 1.00x  estimate x +0.50 y -12.25 z 2.50 m"), std::string::npos)
       << line;
+}
+
+TEST(ProgressLine, TellsOfLateStepsFirst) {
+  EXPECT_EQ(pace_words(0.97, 226), "0.97x, 226 late");
+  const std::string line = progress_line(base::SimTime(milliseconds(12'340)),
+                                         FlightPlan({measured_hold()}), VehicleReport{},
+                                         pace_words(0.97, 226), "up 500", 60);
+  EXPECT_NE(line.find("0.97x, 226 late"), std::string::npos) << line;
 }
 
 TEST(ProgressLine, LeavesOutWhatDoesNotFit) {
