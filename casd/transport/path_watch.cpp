@@ -13,8 +13,10 @@ namespace cas::casd {
 
 // Anew each time: a folder that was missing may have come.
 void PathWatch::arm() {
-  inotify_ = base::Descriptor(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
+  if (!inotify_) inotify_ = base::Descriptor(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
   if (!inotify_) return;
+  forget();
+  take_events();
   std::error_code ignored;
   std::filesystem::path folder = std::filesystem::absolute(path_, ignored).parent_path();
   std::vector<std::filesystem::path> missing;
@@ -26,16 +28,25 @@ void PathWatch::arm() {
   while (!missing.empty() && watch(missing.back())) missing.pop_back();
 }
 
+void PathWatch::forget() {
+  for (const int each : watches_) ::inotify_rm_watch(inotify_.get(), each);
+  watches_.clear();
+}
+
 bool PathWatch::watch(const std::filesystem::path& folder) {
   constexpr std::uint32_t kEvents =
       IN_CREATE | IN_MOVED_TO | IN_ATTRIB | IN_DELETE_SELF | IN_MOVE_SELF | IN_ONLYDIR;
-  return ::inotify_add_watch(inotify_.get(), folder.c_str(), kEvents) >= 0;
+  const int added = ::inotify_add_watch(inotify_.get(), folder.c_str(), kEvents);
+  if (added >= 0) watches_.push_back(added);
+  return added >= 0;
 }
 
-bool PathWatch::take_changes() {
+bool PathWatch::take_changes() { return !watches_.empty() && take_events(); }
+
+bool PathWatch::take_events() {
   alignas(inotify_event) std::array<char, 4096> events;
   bool any = false;
-  while (inotify_ && ::read(inotify_.get(), events.data(), events.size()) > 0) any = true;
+  while (::read(inotify_.get(), events.data(), events.size()) > 0) any = true;
   return any;
 }
 

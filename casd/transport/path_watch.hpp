@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "base/os/descriptor.hpp"
 
@@ -22,20 +23,23 @@ class PathWatch {
   bool found_by(Look&& look) {
     arm();
     const bool found = look();
-    if (found) inotify_.reset();
+    if (found) forget();
     return found;
   }
   /// To wait for POLLIN on; -1 when nothing is watched, or it cannot watch.
-  int descriptor() const { return inotify_.get(); }
+  int descriptor() const { return watches_.empty() ? -1 : inotify_.get(); }
   /// Forgets the changes so far. @return true when there were any
   bool take_changes();
 
  private:
   void arm();
+  void forget();
   bool watch(const std::filesystem::path& folder);
+  bool take_events();
 
   std::filesystem::path path_;
-  base::Descriptor inotify_;
+  base::Descriptor inotify_;  ///< stays open: to close one takes the kernel tens of milliseconds
+  std::vector<int> watches_;  ///< of the folders that are watched
 };
 
 }  // namespace cas::casd

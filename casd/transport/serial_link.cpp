@@ -128,7 +128,8 @@ void SerialLink::open(base::RunTime now) {
   std::string error;
   base::Descriptor line;
   const bool found = path_watch_.found_by([&] {
-    line = open_serial(config.device, {.baud = config.baud,
+    line = open_serial(config.device,
+                       {.baud = config.baud,
                         .flow_control = config.flow_control,
                         .unlocked_pty = config.unlocked_pty},
                        error);

@@ -15,6 +15,10 @@ bool is_up(CasdFixture& fixture, const std::string& link) {
   return fixture.status(link).state == casd::LinkState::kUp;
 }
 
+std::uint64_t lost_while_away(CasdFixture& fixture) {
+  return fixture.status("fcu").tx.dropped[static_cast<std::size_t>(casd::DropCause::kClosed)];
+}
+
 TEST(CasdReopen, SerialLineComesBackWithoutAnythingStale) {
   CasdFixture fixture;
   fixture.start(kHilTopology);
@@ -74,7 +78,10 @@ TEST(CasdReopen, FindsItsDeviceByBeingToldFiftyTimes) {
   for (int round = 1; round <= kReplugs; ++round) {
     ASSERT_TRUE(wait_until([&] { return base::steady_now() - up > kLasts; }));
     fixture.fcu.hang_up();
+    ASSERT_TRUE(wait_until([&] { return !is_up(fixture, "fcu"); }));
+    const std::uint64_t lost = lost_while_away(fixture);
     fixture.sim.send(fixture.from_sim(hil_sensor(++number)));
+    ASSERT_TRUE(wait_until([&] { return lost_while_away(fixture) > lost; }));
     const std::uint64_t last_before = number;
     fixture.fcu.come_back();  // made under another name and renamed, as udev does it
     const base::RunTime back = base::steady_now();
