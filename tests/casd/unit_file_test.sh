@@ -20,8 +20,7 @@ systemd-analyze security --offline=true --threshold=14 --no-pager "$folder/casd.
 
 # What the service stands and falls with.
 for line in Type=notify Restart=on-failure RestartPreventExitStatus=78 WatchdogSec= DynamicUser=yes \
-    Environment=CAS_RUNTIME_DIR=%t/cas \
-            Group=cas RuntimeDirectory=cas; do
+    Environment=CAS_RUNTIME_DIR=%t/cas Group=cas RuntimeDirectory=cas; do
   grep -q "^$line" "$config/systemd/casd.service" || { echo "$line is missing"; exit 1; }
 done
 # A restart must be over before a controller takes its sensors for dead: 0.3 s.

@@ -162,6 +162,10 @@ TEST_F(CommandPort, CasctlFindsTheTokenByItself) {
   EXPECT_NE(without.output.find("--token-file"), std::string::npos) << without.output;
   EXPECT_EQ(casctl({"--address", tcp_, "--token-file", (folder_ / "kept").string(), "status"}).code,
             0);
+  session_.write("cas/casd.token", "the token of another casd");
+  const Ended wrong = casctl({"--address", tcp_, "status"});
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_NE(wrong.output.find("casd.token: the token is wrong"), std::string::npos) << wrong.output;
 }
 
 TEST_F(CommandPort, MakesTheTokenFileThatIsConfigured) {

@@ -90,7 +90,8 @@ class ShippedTopology : public testing::TestWithParam<TopologyCase> {
     const auto replace = [&text](const std::string& pattern, const std::string& by) {
       text = std::regex_replace(text, std::regex(pattern), by);
     };
-    replace("port: 5790", "port: 0");
+    replace("(\\n +)port: 5790", "$1loopback_without_token: true$1port: 0");
+    replace("port: 5790", "port: 0, loopback_without_token: true");
     replace("local: 127\\.0\\.0\\.1:\\d+", "local: 127.0.0.1:0");
     replace("remote: 127\\.0\\.0\\.1:14560", "remote: " + simulator_.endpoint());
     replace("remote: 127\\.0\\.0\\.1:14570", "remote: " + other_simulator_.endpoint());

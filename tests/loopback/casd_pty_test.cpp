@@ -280,7 +280,8 @@ TEST_F(CasdPty, ASessionsTerminalIsRefusedWhateverIsSaid) {
 TEST_F(CasdPty, EmulatorAndShippedTopologyMeetInTheRuntimeFolder) {
   const base::ScopedEnvironment runtime("CAS_RUNTIME_DIR", folder_.path().c_str());
   std::string text = TemporaryFolder::read(source_dir() + "/config/topologies/bench_pty.yaml");
-  text = std::regex_replace(text, std::regex("port: 5790"), "port: 0");
+  text = std::regex_replace(text, std::regex("(\\n +)port: 5790"),
+                            "$1loopback_without_token: true$1port: 0");
   text = std::regex_replace(text, std::regex("local: 127\\.0\\.0\\.1:\\d+"), "local: 127.0.0.1:0");
   text = std::regex_replace(text, std::regex("remote: 127\\.0\\.0\\.1:\\d+"),
                             "remote: " + sim_.endpoint());

@@ -99,8 +99,11 @@ void Session::authorise_with_own_token() {
     try {
       client_.call("authorise", json{{"token", first_line(files[i])}});
       return;
-    } catch (const base::rpc::CallError&) {
-      if (i + 1 == files.size()) throw;
+    } catch (const base::rpc::CallError& error) {
+      if (i + 1 == files.size()) {
+        throw base::rpc::CallError(error.code(), files[i].string() + ": " + error.what(),
+                                   error.data_json());
+      }
       client_ = base::rpc::Client(address_);
     }
   }
