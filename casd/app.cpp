@@ -80,7 +80,7 @@ std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
 /// The main thread also sends the station's packets and shares the processors with the links'
 /// threads: who watches must not keep it busy.
 base::rpc::ServerLimits server_limits(const Topology& topology) {
-  constexpr double kServingShare = 0.1;
+  constexpr double kServingShare = 0.03;
   constexpr double kMaxAccepts_s = 200;
   base::rpc::ServerLimits limits;
   limits.max_accepts_s = kMaxAccepts_s;

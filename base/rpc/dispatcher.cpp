@@ -163,7 +163,8 @@ Dispatcher::Dispatcher()
                        {"authorise", &Dispatcher::authorise},
                        {"methods", &Dispatcher::methods}} {}
 
-void Dispatcher::add_method(const std::string& name, Method method) {
+void Dispatcher::add_method(const std::string& name, Method method, double weight) {
+  weights_[name] = weight;
   CAS_CHECK(!session_methods_.contains(name));
   CAS_CHECK(methods_.emplace(name, std::make_shared<const Method>(std::move(method))).second);
 }
@@ -226,12 +227,15 @@ void Dispatcher::invoke(const std::string& method, const Json& params,
     return reply.error(kNotAuthorised, "call authorise {\"token\": ...} first", nullptr);
   }
   if (const auto own = session_methods_.find(method); own != session_methods_.end()) {
+    peer->weight = std::max(peer->weight, 1.0);
     return (this->*own->second)(params, *peer, reply);
   }
   const auto found = methods_.find(method);
   if (found == methods_.end()) {
+    peer->weight = std::max(peer->weight, 1.0);
     return reply.error(kMethodNotFound, "there is no method '" + method + "'", nullptr);
   }
+  peer->weight = std::max(peer->weight, weights_.at(method));
   const std::shared_ptr<const Method> function = found->second;
   try {
     (*function)(params, reply);

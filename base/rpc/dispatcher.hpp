@@ -30,6 +30,7 @@ class CAS_BASE_EXPORT Peer {
   bool authorised = true;
   Refusal refusal = Refusal::kNone;
   std::size_t calls = 0;  ///< under way
+  double weight = 0;      ///< the greatest of what was called since it was set to 0
 };
 
 /// JSON-RPC 2.0 without a socket: takes a line, calls methods, delivers answers. Not for several
@@ -38,7 +39,8 @@ class CAS_BASE_EXPORT Dispatcher {
  public:
   Dispatcher();
 
-  void add_method(const std::string& name, Method method);
+  /// @param weight  of a call, for Peer::weight; what is no call of such a method weighs 1
+  void add_method(const std::string& name, Method method, double weight = 1);
   void add_topic(const std::string& topic);
   /// Peers that are not authorised must first call `authorise` {"token": ...}.
   void set_token(std::string token) { token_ = std::move(token); }
@@ -73,6 +75,7 @@ class CAS_BASE_EXPORT Dispatcher {
 
   // Shared with a running call, which may end the server that holds it.
   std::map<std::string, std::shared_ptr<const Method>> methods_;
+  std::map<std::string, double> weights_;
   std::map<std::string, SessionMethod> session_methods_;
   std::set<std::string> topics_;
   std::optional<std::string> token_;

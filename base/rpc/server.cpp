@@ -111,8 +111,8 @@ Server::Server(boost::asio::io_context& io, ServerLimits limits)
 
 Server::~Server() { close(); }
 
-void Server::add_method(const std::string& name, Method method) {
-  impl_->dispatcher->add_method(name, std::move(method));
+void Server::add_method(const std::string& name, Method method, double weight) {
+  impl_->dispatcher->add_method(name, std::move(method), weight);
 }
 
 void Server::add_topic(const std::string& topic) { impl_->dispatcher->add_topic(topic); }

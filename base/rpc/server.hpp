@@ -50,7 +50,9 @@ class CAS_BASE_EXPORT Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  void add_method(const std::string& name, Method method);
+  /// @param weight  what its time counts for against ServerLimits::max_cpu_share: less than 1 for
+  /// calls that those of others must not keep waiting
+  void add_method(const std::string& name, Method method, double weight = 1);
   /// Sends {"method": name, "params": params} to each client that subscribed to `topic`.
   void publish(const std::string& topic, const Json& params);
   /// Whether anybody hears a topic: what nobody hears need not be put together.

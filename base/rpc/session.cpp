@@ -137,9 +137,11 @@ void Session::on_line(std::size_t size) {
   const std::string line = rx_.substr(0, size);
   rx_.erase(0, size);
   const std::shared_ptr<Dispatcher> dispatcher = dispatcher_;  // a method may close the server
+  weight = 0;
   const Duration before = processor_time();
   const bool requests = dispatcher->handle(line, shared_from_this());
-  cost_ = processor_time() - before + kSocketCost;
+  const Duration spent = processor_time() - before + kSocketCost;
+  cost_ = from_seconds(to_seconds(spent) * (weight > 0 ? weight : 1));
   if (asked_ || !requests || !authorised || closed_ || finishing_) return;
   asked_ = true;
   deadline_.cancel();

@@ -20,6 +20,10 @@ class BadParams : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Of a call that changes something, against one that only looks (base::rpc::Server::add_method):
+/// who watches a vehicle must not keep those waiting who fly it.
+inline constexpr double kWeightOfChange = 0.25;
+
 /// A MAVLink message by its name or id. @throws BadParams
 std::uint32_t message_id(const nlohmann::json& message);
 

@@ -50,20 +50,23 @@ json start_log(Recorder& recorder, CallParams& params) {
 /// A method of the daemon itself. Changes are audited; failures are returned as error messages.
 void add_method(base::rpc::Server& server, const std::string& name, bool audited,
                 std::function<json(CallParams&)> body) {
-  server.add_method(name, [name, audited, body](const json& params, const Reply& reply) {
-    std::string what = "done";
-    try {
-      CallParams reader(params);
-      reply.result(body(reader));
-    } catch (const BadParams& error) {
-      what = error.what();
-      reply.error(base::rpc::kInvalidParams, what, nullptr);
-    } catch (const base::ConfigError& error) {
-      what = error.what();
-      reply.error(base::rpc::kRefused, what, nullptr);
-    }
-    if (audited) base::log::info("audit: " + reply.client + " " + name + ": " + what);
-  });
+  server.add_method(
+      name,
+      [name, audited, body](const json& params, const Reply& reply) {
+        std::string what = "done";
+        try {
+          CallParams reader(params);
+          reply.result(body(reader));
+        } catch (const BadParams& error) {
+          what = error.what();
+          reply.error(base::rpc::kInvalidParams, what, nullptr);
+        } catch (const base::ConfigError& error) {
+          what = error.what();
+          reply.error(base::rpc::kRefused, what, nullptr);
+        }
+        if (audited) base::log::info("audit: " + reply.client + " " + name + ": " + what);
+      },
+      audited ? kWeightOfChange : 1);
 }
 
 }  // namespace

@@ -133,10 +133,11 @@ VehicleMethods::VehicleMethods(base::rpc::Server& server, VehicleCommander& comm
 }
 
 void VehicleMethods::add(const std::string& name, bool audited, Parse parse, Answer answer) {
-  server_.add_method(name, [this, name, audited, parse = std::move(parse),
-                            answer = std::move(answer)](const json& params, Reply reply) {
-    run(name, audited, parse, answer, params, reply);
-  });
+  server_.add_method(
+      name,
+      [this, name, audited, parse = std::move(parse), answer = std::move(answer)](
+          const json& params, Reply reply) { run(name, audited, parse, answer, params, reply); },
+      audited ? kWeightOfChange : 1);
 }
 
 void VehicleMethods::run(const std::string& name, bool audited, const Parse& parse,
@@ -373,23 +374,26 @@ void VehicleMethods::add_gain_methods() {
 /// A method on one control loop; the loop that was found travels from the request to the answer.
 void VehicleMethods::add_loop_method(const std::string& name, bool audited,
                                      std::function<GainValues(CallParams&)> values_of) {
-  server_.add_method(name, [this, name, audited, values_of](const json& params, Reply reply) {
-    const auto loop = std::make_shared<GainLoop>();
-    const Parse parse = [this, loop, values_of](CallParams& reader) -> Action {
-      const std::string word = reader.text("loop");
-      const GainValues values = values_of(reader);
-      return [this, word, values, loop](std::uint8_t system, RunTime now, Done done) {
-        const GainLoop* found = find_loop(system, word, done);
-        if (found == nullptr) return;
-        *loop = *found;
-        commander_.set_gains(system, *found, values, now, std::move(done));
-      };
-    };
-    const Answer answer = [loop](std::uint8_t system, const Outcome& outcome) {
-      return gains_json(system, *loop, outcome);
-    };
-    run(name, audited, parse, answer, params, reply);
-  });
+  server_.add_method(
+      name,
+      [this, name, audited, values_of](const json& params, Reply reply) {
+        const auto loop = std::make_shared<GainLoop>();
+        const Parse parse = [this, loop, values_of](CallParams& reader) -> Action {
+          const std::string word = reader.text("loop");
+          const GainValues values = values_of(reader);
+          return [this, word, values, loop](std::uint8_t system, RunTime now, Done done) {
+            const GainLoop* found = find_loop(system, word, done);
+            if (found == nullptr) return;
+            *loop = *found;
+            commander_.set_gains(system, *found, values, now, std::move(done));
+          };
+        };
+        const Answer answer = [loop](std::uint8_t system, const Outcome& outcome) {
+          return gains_json(system, *loop, outcome);
+        };
+        run(name, audited, parse, answer, params, reply);
+      },
+      audited ? kWeightOfChange : 1);
 }
 
 void VehicleMethods::add_param_methods() {

@@ -196,7 +196,7 @@ TEST_F(CasdObserve, GivesAllWhoAskWithoutAPauseAShareOfAProcessor) {
   over = true;
   for (std::thread& poller : pollers) poller.join();
   EXPECT_GT(answers, 8);
-  // A tenth, a tenth of a second at once, and what sockets cost beyond what is reckoned; without
+  // Some hundredths, and what sockets cost beyond what is reckoned; without
   // the bound it is all that there is.
   EXPECT_LE(used_s, 0.1 + 0.4 * wall_s);
   EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 100; }));

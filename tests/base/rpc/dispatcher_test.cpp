@@ -39,7 +39,15 @@ class DispatcherTest : public testing::Test {
       ++counted_;
       reply.result(counted_);
     });
+    dispatcher_.add_method(
+        "light", [](const Json&, Reply reply) { reply.result(1); }, 0.25);
     dispatcher_.add_topic("status");
+  }
+  /// What the calls of a line weigh.
+  double weight_of(std::string_view line) {
+    peer_->weight = 0;
+    handle(line);
+    return peer_->weight;
   }
 
   std::vector<std::string> handle(std::string_view line) {
@@ -58,6 +66,16 @@ class DispatcherTest : public testing::Test {
   int counted_ = 0;
   std::shared_ptr<FakePeer> peer_ = std::make_shared<FakePeer>();
 };
+
+TEST_F(DispatcherTest, WeighsALineByTheHeaviestOfItsCalls) {
+  EXPECT_EQ(weight_of(R"({"jsonrpc":"2.0","id":1,"method":"light"})"), 0.25);
+  EXPECT_EQ(weight_of(R"({"jsonrpc":"2.0","id":1,"method":"echo"})"), 1);
+  EXPECT_EQ(weight_of(R"({"jsonrpc":"2.0","id":1,"method":"methods"})"), 1);
+  EXPECT_EQ(weight_of(R"({"jsonrpc":"2.0","id":1,"method":"nothing"})"), 1);
+  EXPECT_EQ(weight_of(R"([{"jsonrpc":"2.0","id":1,"method":"light"},)"
+                      R"({"jsonrpc":"2.0","id":2,"method":"echo"}])"),
+            1);
+}
 
 TEST_F(DispatcherTest, AResultCarriesTheIdOfItsRequest) {
   for (const Json& id : {Json(1), Json("a"), Json(nullptr), Json(1.5), Json(-7)}) {
