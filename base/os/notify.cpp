@@ -38,7 +38,8 @@ bool notify(std::string_view state) {
   sockaddr_un address;
   const socklen_t length = parse_address(variable, address);
   if (length == 0) return false;
-  const Descriptor fd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  // Kept open: a program that has run out of descriptors must still feed its watchdog.
+  static const Descriptor fd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (!fd) return false;
   const ssize_t sent = ::sendto(fd.get(), state.data(), state.size(), MSG_NOSIGNAL,
                                 reinterpret_cast<const sockaddr*>(&address), length);

@@ -186,7 +186,7 @@ int DatagramReader::read(int fd) {
   const int count = ::recvmmsg(fd, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
   if (count > 0) {
     note_drops(messages_[static_cast<std::size_t>(count) - 1].msg_hdr);
-    note_wait();
+    note_wait(static_cast<std::size_t>(count) < kBatch);
     return count;
   }
   // A peer that is not there (yet) answers our packets with refusals: no trouble of the socket.
@@ -203,18 +203,22 @@ void DatagramReader::note_drops(const msghdr& header) {
   if (const auto drops = control_value<std::uint32_t>(header, SO_RXQ_OVFL)) kernel_drops_ = *drops;
 }
 
-// The first one has waited longest.
-void DatagramReader::note_wait() {
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  read_at_ = as_duration(now);
+// The first one has waited longest, but no longer than since the socket was seen empty: a wall
+// clock that steps makes nothing old.
+void DatagramReader::note_wait(bool emptied) {
+  timespec wall{};
+  ::clock_gettime(CLOCK_REALTIME, &wall);
+  read_at_ = as_duration(wall);
+  const base::RunTime now = base::steady_now();
+  longest_ = now - empty_at_;
+  if (emptied) empty_at_ = now;
   late_ = wait_of(0) > kPrompt;
 }
 
 base::Duration DatagramReader::wait_of(std::size_t index) const {
   const auto stamp = control_value<timespec>(messages_[index].msg_hdr, SCM_TIMESTAMPNS);
   if (!stamp) return {};
-  return std::max(read_at_ - as_duration(*stamp), base::Duration{});
+  return std::clamp(read_at_ - as_duration(*stamp), base::Duration{}, longest_);
 }
 
 int open_udp_socket(int family, const std::string& interface) {

@@ -34,7 +34,8 @@ class DatagramReader {
   const sockaddr_storage& sender(std::size_t index) const { return senders_[index]; }
   socklen_t sender_size(std::size_t index) const { return messages_[index].msg_hdr.msg_namelen; }
   /// How long the datagram lay in the socket, by the kernel's stamp; 0 when all came promptly. The
-  /// stamp is wall-clock time: a step of that clock misjudges what lies in the socket just then.
+  /// stamp is wall-clock time: a step back of that clock makes what lies in the socket just then
+  /// young, a step ahead ages it by no more than the time since the socket was last empty.
   base::Duration waited(std::size_t index) const {
     return late_ ? wait_of(index) : base::Duration{};
   }
@@ -44,7 +45,7 @@ class DatagramReader {
 
  private:
   void note_drops(const msghdr& header);
-  void note_wait();
+  void note_wait(bool emptied);
   base::Duration wait_of(std::size_t index) const;
 
   static constexpr std::size_t kControlBytes =
@@ -56,6 +57,8 @@ class DatagramReader {
   alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
   std::uint32_t kernel_drops_ = 0;
   base::Duration read_at_{};  ///< wall-clock time
+  base::RunTime empty_at_{};  ///< when the socket was last seen empty
+  base::Duration longest_{};  ///< what the newest read found cannot have waited longer
   bool late_ = false;         ///< the oldest one had waited
 };
 

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -106,14 +107,15 @@ class Stream {
                                     [until](const Arrival& one) { return one.sent_us <= until; });
     return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, sent - came));
   }
-  /// The line is pulled and comes back. @return when it was back
+  /// The line is pulled and comes back. @return the moment before it did
   std::uint64_t replug(base::Duration gone) {
     const std::lock_guard lock(line_mutex_);
     fcu.hang_up();
     std::this_thread::sleep_for(gone);
     stream_ = {};
+    const std::uint64_t before = now_us();
     fcu.come_back();
-    return now_us();
+    return before;
   }
 
   TemporaryFolder folder;
@@ -133,7 +135,7 @@ class Stream {
         sent_us_.push_back(message.time_usec);
       }
       next += kPeriod;
-      std::this_thread::sleep_until(next);
+      std::this_thread::sleep_for(next - base::steady_now());
     }
   }
   void read() {
@@ -191,9 +193,9 @@ class Bench {
     return base::rpc::Client("unix:" + (stream.folder / "casd.sock").string());
   }
   /// Writes the topology with or without one more link and reloads it.
-  void reload(bool one_more) {
+  void reload(base::rpc::Client& client, bool one_more) {
     stream.folder.write("casd.yaml", yaml(one_more));
-    client().call("casd.reload", base::rpc::Json::object());
+    client.call("casd.reload", base::rpc::Json::object());
   }
 
   const std::uint16_t sim_port = free_udp_port();
@@ -308,7 +310,8 @@ void replug(int times) {
 
 void reload(int times) {
   Bench bench;
-  for (int i = 0; i < times; ++i) bench.reload(i % 2 == 0);
+  base::rpc::Client client = bench.client();
+  for (int i = 0; i < times; ++i) bench.reload(client, i % 2 == 0);
   const std::size_t sent = bench.stream.arrivals().size();
   row("reload that adds or removes a link, one after the other, x " + std::to_string(times),
       std::to_string(bench.stream.lost()) + " of " + std::to_string(sent) + " HIL_SENSOR lost; " +
@@ -395,7 +398,7 @@ void descriptors() {
   for (int i = 0; i < 200; ++i) {
     try {
       clients.push_back(std::make_unique<base::rpc::Client>(bench.client()));
-      clients.back()->call("casd.version", base::rpc::Json::object(), milliseconds(200));
+      clients.back()->call("casd.status", base::rpc::Json::object(), milliseconds(200));
       ++connected;
     } catch (const std::exception&) {
       continue;

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <thread>
 
+#include "base/rpc/client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/supervisor.hpp"
@@ -91,6 +92,27 @@ TEST_F(CasdService, RestartAndReloadKeepTheStreamsGoing) {
   ASSERT_TRUE(reaches_the_controller_after(base::steady_now()));
   EXPECT_EQ(service.starts(), 2) << "a reload is no restart";
   expect_nothing_old();
+}
+
+/// Without descriptors casd serves nobody new, but it flies on, and feeds its watchdog.
+TEST_F(CasdService, LivesWithoutDescriptors) {
+  write_topology("{port: 0, unix: $DIR/casd.sock}");
+  UnitFile unit = shipped_unit();
+  unit.settings["ExecStart"] = {"/usr/bin/prlimit --nofile=40:40 " + unit.value("ExecStart")};
+  Supervisor service(unit, words());
+  ASSERT_TRUE(service.wait_ready()) << service.output();
+  std::vector<std::unique_ptr<base::rpc::Client>> clients;
+  for (int i = 0; i < 60; ++i) {
+    clients.push_back(
+        std::make_unique<base::rpc::Client>("unix:" + (fixture.folder / "casd.sock").string()));
+  }
+  ASSERT_TRUE(wait_until([&] {
+    return service.output().find("Too many open files") != std::string::npos;
+  })) << service.output();
+  const int feeds = service.feeds();
+  EXPECT_TRUE(wait_until([&] { return service.feeds() >= feeds + 2; })) << service.output();
+  EXPECT_TRUE(reaches_the_controller_after(base::steady_now()));
+  EXPECT_EQ(service.starts(), 1) << service.output();
 }
 
 TEST_F(CasdService, AWrongConfigurationIsNotTriedAgain) {

@@ -100,6 +100,11 @@ int Supervisor::starts() const {
   return starts_;
 }
 
+int Supervisor::feeds() const {
+  const std::lock_guard lock(mutex_);
+  return feeds_;
+}
+
 pid_t Supervisor::pid() const {
   const std::lock_guard lock(mutex_);
   return pid_;
@@ -168,6 +173,10 @@ void Supervisor::listen() {
     if (size <= 0) return;
     fed_ = base::steady_now();
     const std::string message(text.data(), static_cast<std::size_t>(size));
+    if (message.find("WATCHDOG=1") != std::string::npos) {
+      const std::lock_guard lock(mutex_);
+      ++feeds_;
+    }
     if (message.find("READY=1") == std::string::npos) continue;
     const std::size_t at = message.find("STATUS=");
     const std::lock_guard lock(mutex_);

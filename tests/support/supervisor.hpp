@@ -45,6 +45,8 @@ class Supervisor {
   base::RunTime signal(int number);
 
   State state() const;
+  /// How often its watchdog was fed.
+  int feeds() const;
   /// How often the program was started.
   int starts() const;
   pid_t pid() const;
@@ -82,6 +84,7 @@ class Supervisor {
   bool restart_wanted_ = false;
   pid_t pid_ = -1;
   int starts_ = 0;
+  int feeds_ = 0;
   std::string status_;
 
   std::thread thread_;
