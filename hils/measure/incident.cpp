@@ -60,8 +60,9 @@ class Watch {
     const double speed_m_s = norm(before.v_m_s);
     if (is_impact(before, now) && speed_m_s > kCrashSpeed_m_s) {
       note(IncidentKind::kCrash, now,
-           fmt::format("hit {} at {:.1f} m/s {}", now.pose.z_m - start_.pose.z_m < kNear_m ? "the ground" : "something", speed_m_s,
-                       in_step()));
+           fmt::format("hit {} at {:.1f} m/s {}",
+                       now.pose.z_m - start_.pose.z_m < kNear_m ? "the ground" : "something",
+                       speed_m_s, in_step()));
     }
     const double tilt = tilt_deg(now.pose);
     if (tilt > kMostTilt_deg) {

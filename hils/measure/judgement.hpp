@@ -36,9 +36,9 @@ inline constexpr double kLeastRealTimeFactor = 0.99;
 /// controller takes its sensors for dead after 300 (PX4).
 inline constexpr double kMostStallMs = 50.0;
 /// Most by which 99 % of a valid run's HIL_SENSOR may be late, and most that one hop between two
-/// programs may take for 99 %. 5 ms cost a rate loop that crosses over at 40 rad/s 11 degrees of
-/// phase: more than a tuning that a lab would tell apart.
-inline constexpr double kMostLateMs = 5.0;
+/// programs may take for 99 %: one period of the stream. What is later comes after its successor
+/// was due. At 500 Hz these 2 ms cost a rate loop that crosses over at 40 rad/s 5 degrees of phase.
+double most_late_ms(const Measurement& figures);
 
 /// Judges a run: first whether it is valid, then the flight and the limits.
 Verdict judge(const Measurement& figures, const Limits& limits);

@@ -36,9 +36,9 @@ class PaceWatch {
     }
     char line[120];
     std::snprintf(line, sizeof line,
-                  "falls behind: %.2f x real time, %llu of %llu steps late in the last %.0f s", factor,
-                  static_cast<unsigned long long>(late), static_cast<unsigned long long>(steps),
-                  wall_s);
+                  "falls behind: %.2f x real time, %llu of %llu steps late in the last %.0f s",
+                  factor, static_cast<unsigned long long>(late),
+                  static_cast<unsigned long long>(steps), wall_s);
     return line;
   }
 

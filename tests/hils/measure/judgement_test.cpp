@@ -104,8 +104,8 @@ const MissCase kStarved[] = {
      "the simulation ran at nan of real time"},
     {"Stall", [](Measurement& m) { m.pace.worst_stall_ms = 51; },
      "the simulation stood still for 51 ms, and 50 ms is the most"},
-    {"LateSteps", [](Measurement& m) { m.pace.late_p99_ms = 5.2; },
-     "1 % of HIL_SENSOR left 5.2 ms late or later, and 5 ms is the most"},
+    {"LateSteps", [](Measurement& m) { m.pace.late_p99_ms = 2.2; },
+     "1 % of HIL_SENSOR left 2.2 ms late or later, and 2 ms is the most"},
     {"SlowPrograms", [](Measurement& m) { m.handover_p99_us = 113'000; },
      "simulator and casd took 113.0 ms to hand a packet over in 1 % of the cases"}};
 
@@ -139,8 +139,8 @@ INSTANTIATE_TEST_SUITE_P(All, StarvedMachine, testing::ValuesIn(kStarved),
 
 TEST(Judgement, HoldsAMachineThatJustKeepsUpForGood) {
   Measurement figures = good();
-  figures.pace = {.real_time_factor = 0.99, .worst_stall_ms = 50, .late_p99_ms = 5};
-  figures.handover_p99_us = 5000;
+  figures.pace = {.real_time_factor = 0.99, .worst_stall_ms = 50, .late_p99_ms = 2};
+  figures.handover_p99_us = 2000;
   EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitPassed);
 }
 

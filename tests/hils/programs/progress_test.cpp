@@ -33,15 +33,14 @@ TEST(ProgressLine, TellsTheStepAndThatThePositionIsAnEstimate) {
   vehicle.p_N = {0.5, -12.25, -2.5};
   const std::string line = line_of(measured_hold(), vehicle);
   EXPECT_NE(line.find("measured 12.3 of 30.0 s"), std::string::npos) << line;
-  EXPECT_NE(line.find(" 1.00x  estimate x +0.50 y -12.25 z 2.50 m"), std::string::npos)
-      << line;
+  EXPECT_NE(line.find(" 1.00x  estimate x +0.50 y -12.25 z 2.50 m"), std::string::npos) << line;
 }
 
 TEST(ProgressLine, TellsOfLateStepsFirst) {
   EXPECT_EQ(pace_words(0.97, 226), "0.97x, 226 late");
-  const std::string line = progress_line(base::SimTime(milliseconds(12'340)),
-                                         FlightPlan({measured_hold()}), VehicleReport{},
-                                         pace_words(0.97, 226), "up 500", 60);
+  const std::string line =
+      progress_line(base::SimTime(milliseconds(12'340)), FlightPlan({measured_hold()}),
+                    VehicleReport{}, pace_words(0.97, 226), "up 500", 60);
   EXPECT_NE(line.find("0.97x, 226 late"), std::string::npos) << line;
 }
 
