@@ -196,13 +196,14 @@ ListeningSocket open_unix(const std::filesystem::path& path, const std::string& 
 }
 
 Listener::Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client,
-                   double max_accepts_s)
+                   double max_accepts_s, std::function<Duration()> patience)
     : io_(io),
       descriptor_(io, socket.fd.release()),
       retry_(io),
       path_(std::move(socket.path)),
       file_(socket.file),
-      on_client_(std::move(on_client)) {
+      on_client_(std::move(on_client)),
+      patience_(std::move(patience)) {
   if (max_accepts_s > 0) rate_.emplace(max_accepts_s, steady_now());
 }
 
@@ -216,6 +217,12 @@ void Listener::do_wait() {
 
 void Listener::accept_waiting() {
   for (int i = 0; i < kAcceptsPerRound && descriptor_.is_open(); ++i) {
+    const bool waited = std::exchange(waited_, false);  // whoever has waited gets in
+    const Duration patience = patience_ && !waited ? patience_() : Duration::zero();
+    if (patience > Duration::zero()) {
+      waited_ = true;
+      return accept_after(patience);
+    }
     sockaddr_storage peer{};
     socklen_t length = sizeof peer;
     Descriptor fd(::accept4(descriptor_.native_handle(), reinterpret_cast<sockaddr*>(&peer),

@@ -49,8 +49,9 @@ class Listener final : public std::enable_shared_from_this<Listener> {
 
   /// Takes over the descriptor.
   /// @param max_accepts_s  clients in a second, and as many at once; others wait. 0: any
+  /// @param patience  how long the next client has to wait; empty: never
   Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client,
-           double max_accepts_s = 0);
+           double max_accepts_s = 0, std::function<Duration()> patience = {});
 
   void start() { do_wait(); }
   void close();
@@ -68,6 +69,8 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   SocketFile file_;
   OnClient on_client_;
   std::optional<LineRate> rate_;
+  std::function<Duration()> patience_;
+  bool waited_ = false;   // the next client has
   bool starved_ = false;  // said so once
 };
 

@@ -2,17 +2,22 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 
 #include "base/time/clock.hpp"
 
 namespace cas::base::rpc {
 
 /// How much of a processor's time all clients of a server may take together: a share, and that of a
-/// second at once after a rest. Whoever has asked waits until the debt of all is earned back before
-/// the next line is read; so clients that ask without a pause get equal turns, and one that asks
-/// now and then is answered at once.
+/// second at once after a rest. While they ask for more, each waits after a line for as long as
+/// its own cost takes to earn from an equal part of the share; so one that asks for little, or now
+/// and then, hardly waits for others that ask for much. New clients are let in when the debt of all
+/// is earned back, or after a second. For one thread.
 class ServeBudget {
  public:
+  /// Nobody waits longer, whatever a line has cost: who waits keeps a place.
+  static constexpr Duration kLongestTurn = std::chrono::seconds(10);
+
   /// @param share  of one processor's time, above 0; 1 or more: all of it
   ServeBudget(double share, RunTime now)
       : share_(share), credit_s_(std::min(share, 1.0)), credited_(now) {}
@@ -20,16 +25,33 @@ class ServeBudget {
   /// A line has cost that much. @return how long its client waits for its next one; zero: not
   Duration spend(Duration cost, RunTime now) {
     if (share_ >= 1) return Duration::zero();
-    credit_s_ = std::min(share_, credit_s_ + to_seconds(now - credited_) * share_);
-    credited_ = now;
-    credit_s_ -= to_seconds(cost);
+    earn(now);
+    credit_s_ = std::max(credit_s_ - to_seconds(cost), -share_);
+    if (credit_s_ >= 0) return Duration::zero();
+    const double turn_s = to_seconds(cost) * static_cast<double>(waiting_ + 1) / share_;
+    return std::min(from_seconds(turn_s), kLongestTurn);
+  }
+  /// A client begins to wait for its turn, or has waited.
+  void wait_begins() { ++waiting_; }
+  void wait_ends() { --waiting_; }
+
+  /// How long to wait until the next client is let in; zero: not.
+  Duration before_next_client(RunTime now) {
+    if (share_ >= 1) return Duration::zero();
+    earn(now);
     return credit_s_ >= 0 ? Duration::zero() : from_seconds(-credit_s_ / share_);
   }
 
  private:
+  void earn(RunTime now) {
+    credit_s_ = std::min(share_, credit_s_ + to_seconds(now - credited_) * share_);
+    credited_ = now;
+  }
+
   double share_;
-  double credit_s_;
+  double credit_s_;  ///< never below what a second earns
   RunTime credited_;
+  std::size_t waiting_ = 0;
 };
 
 }  // namespace cas::base::rpc

@@ -32,8 +32,9 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
     auto on_accepted = [weak = weak_from_this()](StreamSocket client) {
       if (const auto self = weak.lock()) self->on_client(std::move(client));
     };
-    listeners.push_back(std::make_shared<Listener>(io, std::move(socket), std::move(on_accepted),
-                                                   limits.max_accepts_s));
+    listeners.push_back(std::make_shared<Listener>(
+        io, std::move(socket), std::move(on_accepted), limits.max_accepts_s,
+        [own = budget] { return own->before_next_client(steady_now()); }));
     listeners.back()->start();
   }
 

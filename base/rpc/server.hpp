@@ -32,7 +32,7 @@ struct ServerLimits {
   /// Lines of one client; what comes faster waits in its socket. As many may come at once.
   double max_lines_s = 1000;
   /// What the requests of all clients together may take of one processor's time; 1: all of it. What
-  /// comes faster is read later, from each client in turn.
+  /// comes faster is read later, from each client in turn, and new clients wait up to a second.
   double max_cpu_share = 1;
   /// Connections that are accepted in a second, and as many at once; the next ones wait. 0: any.
   double max_accepts_s = 0;

@@ -127,8 +127,10 @@ void Session::read_at_rate() {
   const RunTime now = steady_now();
   const Duration wait = std::max(rate_.take(now), budget_->spend(cost_, now));
   if (wait == Duration::zero()) return do_read();
+  budget_->wait_begins();
   pause_.expires_after(wait);
   pause_.async_wait([self = shared_from_this()](const AsioError& error) {
+    self->budget_->wait_ends();
     if (!error && !self->closed_ && !self->finishing_) self->do_read();
   });
 }
