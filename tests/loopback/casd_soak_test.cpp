@@ -76,7 +76,7 @@ class Load {
       const std::vector<std::uint8_t> garbage(static_cast<std::size_t>(turns_ % 300), 0xFD);
       flood_.send(garbage);
     }
-    if (turns_ % 500 == 0) come_and_go();  // more often, and casd would have this thread wait
+    if (turns_ % 500 == 0) come_and_go();   // more often, and casd would have this thread wait
     if (turns_ % 480 == 0) reader_.line();  // a little faster than they are published
     fixture_.collect();
     fixture_.at_sim.packets().clear();
