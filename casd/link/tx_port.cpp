@@ -242,7 +242,10 @@ void TxPort::spoil_late_tail(base::RunTime now) {
 
 bool TxPort::stands_still(base::RunTime now) {
   if (still_since_ == base::RunTime{}) return false;
-  if (!writer_->moved()) return now - still_since_ > standstill_;
+  const bool moved = writer_->moved();
+  if (!heard_.exchange(false, std::memory_order_relaxed) && !moved) {
+    return now - still_since_ > standstill_;
+  }
   if (flushed_) base::log::info("link " + counters_->name + ": moves again");
   moves_again();
   return false;

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <utility>
 
@@ -59,10 +60,17 @@ ReaderWatch::ReaderWatch(int fd) : epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
   take_edge();
 }
 
+void ReaderWatch::wrote(base::Duration took) {
+  take_edge();
+  // Terminal and reader take longer to get the bytes, unless we had to wait.
+  constexpr base::Duration kAtOnce = std::chrono::microseconds(30);
+  in_doubt_ = in_doubt_ || took > kAtOnce;
+}
+
 bool ReaderWatch::has_read() {
   const bool read = take_edge();
   tells_ = tells_ || read;
-  return read || !tells_;
+  return take_doubt() || read || !tells_;
 }
 
 bool ReaderWatch::take_edge() {
@@ -130,10 +138,16 @@ bool StreamWriter::driver_moved() {
   return moved;
 }
 
-// A zero begins no packet: every receiver skips it.
+// A zero begins no packet: every receiver skips it. Where it is in doubt, another one tells; a line
+// that leaves nothing but doubt is believed to move.
 void StreamWriter::nudge() {
-  std::uint8_t zero = 0;
-  write_rest({&zero, 1});
+  constexpr int kMost = 5;
+  const std::uint8_t zero = 0;
+  for (int i = 0; i < kMost; ++i) {
+    if (reader_) reader_->take_doubt();
+    write_rest({&zero, 1});
+    if (!reader_ || !reader_->in_doubt()) return;
+  }
 }
 
 void StreamWriter::flush() {
@@ -146,6 +160,7 @@ void StreamWriter::flush() {
 // @return bytes gone, 0 when there is no room, -1 when the descriptor is of no more use
 std::ptrdiff_t StreamWriter::write_vector(iovec* parts, std::size_t count) {
   std::ptrdiff_t gone = 0;
+  const base::RunTime begin = reader_ ? base::steady_now() : base::RunTime{};
   if (kind_ == Kind::kSocket) {
     msghdr message{};
     message.msg_iov = parts;
@@ -162,7 +177,7 @@ std::ptrdiff_t StreamWriter::write_vector(iovec* parts, std::size_t count) {
     made_room_ = made_room_ || (full_ && gone > 0);
     full_ = static_cast<std::size_t>(gone) < wanted;
     written_ += static_cast<std::size_t>(gone);
-    if (reader_) reader_->wrote();
+    if (reader_) reader_->wrote(base::steady_now() - begin);
     return gone;
   }
   full_ = true;

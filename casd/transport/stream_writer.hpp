@@ -5,8 +5,10 @@
 
 #include <cstddef>
 #include <optional>
+#include <utility>
 
 #include "base/os/descriptor.hpp"
+#include "base/time/clock.hpp"
 #include "casd/packet/packet_port.hpp"
 
 namespace cas::casd {
@@ -15,22 +17,27 @@ namespace cas::casd {
 ///
 /// Linux has no count of what that program has not read. But each of its reads that leaves no more
 /// than 128 bytes wakes those who wait to write, though there was room all the time: an edge of
-/// EPOLLOUT. A write of our own makes one, too, which is taken away at once; where the reader was
-/// quick, its edge goes with it, and the next read must tell.
+/// EPOLLOUT. A write of our own makes one, too, which is taken away at once. On a busy machine the
+/// reader often runs before that, and its edge goes with ours: a write that took its time is in
+/// doubt, and counts as read.
 class ReaderWatch {
  public:
   explicit ReaderWatch(int fd);
-  /// Something was written.
-  void wrote() { take_edge(); }
-  /// Whether something was read since the last write. True until that was seen once: a kernel that
-  /// does not tell must not stop the line.
+  /// Something was written, in so long a time.
+  void wrote(base::Duration took);
+  /// Whether something was read since the last call, or is in doubt. True until a read was seen
+  /// once: a kernel that does not tell must not stop the line.
   bool has_read();
+  /// Whether writes since the last call of take_doubt() or has_read() are in doubt.
+  bool in_doubt() const { return in_doubt_; }
+  bool take_doubt() { return std::exchange(in_doubt_, false); }
 
  private:
   bool take_edge();
 
   base::Descriptor epoll_;
   bool tells_ = false;
+  bool in_doubt_ = false;
 };
 
 /// Packets end to end into a byte stream: a serial line or a TCP connection.

@@ -186,6 +186,16 @@ TEST_F(TxPortTest, GivesNothingToALineThatStandsStill) {
   EXPECT_EQ(line.written.back(), 5U) << "written at once again";
 }
 
+TEST_F(TxPortTest, BelievesALineThatSpeaksToMove) {
+  open({});
+  line.moves = false;
+  for (int ms = 0; ms < 200; ms += 20) {
+    port->heard();
+    deliver(TrafficClass::kHil, 1, at(milliseconds(ms)));
+  }
+  EXPECT_EQ(line.written.size(), 10U);
+}
+
 TEST_F(TxPortTest, EmptiesTheDriverOfALineThatStandsStillForASecond) {
   open({});
   line.moves = false;

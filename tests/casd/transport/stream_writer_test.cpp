@@ -19,6 +19,8 @@ using cas::test::PacketStream;
 using cas::test::PtyPair;
 using cas::test::wait_until;
 
+constexpr std::size_t kMostZeros = 5;  // of a nudge
+
 class PtyWriterTest : public testing::Test {
  protected:
   void write(std::size_t size) {
@@ -45,10 +47,11 @@ TEST_F(PtyWriterTest, TellsWhetherTheReaderReads) {
   EXPECT_TRUE(writer.moved()) << "it is believed to read until it was seen once";
   read();
   EXPECT_TRUE(writer.moved());
-  write(77);
-  EXPECT_FALSE(writer.moved());
-  write(77);
-  EXPECT_FALSE(writer.moved()) << "a write of our own is no sign of a reader";
+  // A write that took its time is in doubt; sooner or later one is not.
+  EXPECT_TRUE(wait_until([&] {
+    write(77);
+    return !writer.moved();
+  })) << "a write of our own is no sign of a reader";
   read();
   EXPECT_TRUE(writer.moved());
   EXPECT_FALSE(writer.moved()) << "once";
@@ -74,10 +77,11 @@ TEST_F(PtyWriterTest, TellsAReaderThatNeverReadsAllByTheRoomThatItMakes) {
 TEST_F(PtyWriterTest, NudgeIsAZeroThatNoPacketBeginsWith) {
   write(77);
   read();
-  writer.moved();
+  heard = {};
   writer.nudge();
-  EXPECT_FALSE(writer.moved());
-  EXPECT_EQ(read(), 1U);
+  const std::size_t zeros = read();
+  EXPECT_LE(zeros, kMostZeros);
+  EXPECT_EQ(heard.garbage(), zeros);
   EXPECT_TRUE(writer.moved());
 }
 
@@ -91,7 +95,7 @@ TEST_F(PtyWriterTest, FlushTakesBackAllButWhatTheReadersTerminalHolds) {
     left += got;
     return left > 0 && got == 0;
   }));
-  EXPECT_LE(left, kTerminal);
+  EXPECT_LE(left, kTerminal + kMostZeros);
 }
 
 }  // namespace
