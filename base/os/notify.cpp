@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 
 #include "base/os/descriptor.hpp"
 
@@ -39,7 +40,10 @@ bool notify(std::string_view state) {
   const socklen_t length = parse_address(variable, address);
   if (length == 0) return false;
   // Kept open: a program that has run out of descriptors must still feed its watchdog.
-  static const Descriptor fd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  static std::mutex mutex;
+  static Descriptor fd;
+  const std::lock_guard lock(mutex);
+  if (!fd) fd = Descriptor(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (!fd) return false;
   const ssize_t sent = ::sendto(fd.get(), state.data(), state.size(), MSG_NOSIGNAL,
                                 reinterpret_cast<const sockaddr*>(&address), length);

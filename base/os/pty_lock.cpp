@@ -127,7 +127,9 @@ PtyLock::PtyLock(std::filesystem::path link) : file_(lock_file(link)) {
   if (::ftruncate(lock_.get(), 0) != 0) fail(file_);
 }
 
-PtyLock::~PtyLock() { ::unlink(file_.c_str()); }
+PtyLock::~PtyLock() {
+  if (is_at(lock_.get(), file_)) ::unlink(file_.c_str());  // not another program's
+}
 
 void PtyLock::name(int slave) {
   const std::optional<PtyIdentity> identity = identify_pty(slave);

@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <cerrno>
@@ -65,10 +66,13 @@ void configure_this_thread(const std::string& name, const ThreadOptions& options
   if (!options.cpus.empty()) set_affinity(name, options.cpus);
 }
 
-bool idle_this_thread(const std::string& name) {
+bool lower_this_thread(const std::string& name) {
   ::pthread_setname_np(::pthread_self(), name.substr(0, kMaxThreadName).c_str());
   const sched_param none{};
-  return ::sched_setscheduler(0, SCHED_IDLE, &none) == 0;  // 0: this thread, not its process
+  constexpr int kNice = 10;
+  // 0: this thread, not its process
+  return ::sched_setscheduler(0, SCHED_BATCH, &none) == 0 &&
+         ::setpriority(PRIO_PROCESS, 0, kNice) == 0;
 }
 
 bool lock_memory() {

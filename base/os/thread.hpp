@@ -22,9 +22,10 @@ struct ThreadOptions {
 CAS_BASE_EXPORT ThreadOptions parse_thread_options(const ConfigNode& node);
 /// Names the calling thread (15 characters) and applies the options to it.
 CAS_BASE_EXPORT void configure_this_thread(const std::string& name, const ThreadOptions& options);
-/// Names the calling thread and lets it run only while no other thread wants its processor
-/// (SCHED_IDLE), whatever scheduling it has inherited. @return false when the system refuses
-CAS_BASE_EXPORT bool idle_this_thread(const std::string& name);
+/// Names the calling thread and puts it behind others (SCHED_BATCH, nice 10), whatever scheduling
+/// it has inherited. It still runs: it may hold a lock of the allocator that others wait for.
+/// @return false when the system refuses
+CAS_BASE_EXPORT bool lower_this_thread(const std::string& name);
 /// mlockall(current and future) and 1 ns timer slack. @return false with a warning when refused
 CAS_BASE_EXPORT bool lock_memory();
 

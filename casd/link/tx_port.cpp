@@ -242,14 +242,21 @@ void TxPort::spoil_late_tail(base::RunTime now) {
 
 bool TxPort::stands_still(base::RunTime now) {
   if (still_since_ == base::RunTime{}) return false;
-  const bool moved = writer_->moved();
-  if (!heard_.exchange(false, std::memory_order_relaxed) && !moved) {
-    return now - still_since_ > standstill_;
-  }
+  if (!writer_->moved()) return now - still_since_ > patience(now);
   if (flushed_) base::log::info("link " + counters_->name + ": moves again");
   moves_again();
   return false;
 }
+
+// Of a peer that speaks a read has perhaps been missed, where nothing counts them. But a board
+// whose receiver hangs may speak for ever.
+base::Duration TxPort::patience(base::RunTime now) const {
+  constexpr int kWithAPeerThatSpeaks = 4;
+  const bool speaks = ns(now) - heard_ns_.load(std::memory_order_relaxed) < standstill_.count();
+  return speaks && !writer_->counts_moves() ? kWithAPeerThatSpeaks * standstill_ : standstill_;
+}
+
+void TxPort::heard(base::RunTime now) { heard_ns_.store(ns(now), std::memory_order_relaxed); }
 
 void TxPort::moves_again() {
   still_since_ = {};

@@ -51,8 +51,8 @@ class TxPort : public PacketPort {
   bool wants_room() const { return busy_.load(std::memory_order_relaxed); }
   /// When the pacer allows the next packet; PollSet::kNever when nothing waits for it.
   base::RunTime due() const;
-  /// The other side has sent something: it lives.
-  void heard() { heard_.store(true, std::memory_order_relaxed); }
+  /// The other side has sent something: it lives, though it need not read.
+  void heard(base::RunTime now);
   /// A write found the descriptor broken.
   bool broken() const { return broken_.load(std::memory_order_relaxed); }
   /// Since when something waits that cannot be written; nothing while it moves.
@@ -78,9 +78,10 @@ class TxPort : public PacketPort {
   /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
   void wait_for_room(base::RunTime now);
   /// Whether the other side has made no way for longer than a HIL packet is worth sending, although
-  /// it was given something, nor sent anything. What is written then would only grow old where
+  /// it was given something. What is written then would only grow old where
   /// nobody can drop it.
   bool stands_still(base::RunTime now);
+  base::Duration patience(base::RunTime now) const;
   /// Cares for a line that stands still. @return when to look at it again
   base::RunTime tend_still_line(base::RunTime now);
   /// Of packets that one read brought, those that are worth sending, in their order; good until the
@@ -124,7 +125,7 @@ class TxPort : public PacketPort {
   std::atomic<bool> backlog_{false};  ///< packets wait: no new one may overtake them
   std::atomic<bool> busy_{false};     ///< the descriptor takes no more for now
   std::atomic<bool> broken_{false};
-  std::atomic<bool> heard_{false};              ///< since the last look at whether it stands still
+  std::atomic<std::int64_t> heard_ns_{0};       ///< when the other side last sent something
   std::atomic<std::int64_t> due_ns_{0};         ///< 0: not held by the pacer
   std::atomic<std::int64_t> busy_since_ns_{0};  ///< 0: not busy
 

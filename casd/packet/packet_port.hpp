@@ -46,6 +46,9 @@ class PacketWriter {
   /// Whether the other side has made way since the last call: it has read what was written, or some
   /// of it has left this machine. True where nobody can tell.
   virtual bool moved() { return true; }
+  /// Whether moved() counts bytes and so misses nothing; else a read of the other side may go
+  /// unseen.
+  virtual bool counts_moves() const { return false; }
   /// Makes a line move again that only seems to stand still: at the end of a packet.
   virtual void nudge() {}
   /// Throws away what the driver still holds.

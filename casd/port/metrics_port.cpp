@@ -146,7 +146,7 @@ struct MetricsPort::Impl : std::enable_shared_from_this<MetricsPort::Impl> {
   }
 
   void run() {
-    base::idle_this_thread("metrics");
+    base::lower_this_thread("metrics");
     io.run();
   }
 

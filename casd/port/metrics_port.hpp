@@ -10,8 +10,8 @@
 
 namespace cas::casd {
 
-/// A small HTTP server that answers GET /metrics, on a thread of its own that runs when no other
-/// wants its processor. It holds no lock that packets pass: the figures come as a copy.
+/// A small HTTP server that answers GET /metrics, on a thread of its own that stands behind
+/// others. It holds no lock that packets pass: the figures come as a copy.
 ///
 ///   client --GET--> metrics thread --ask, 4 times a second at most--> who has the figures
 ///          <--page--              <--copy of them--

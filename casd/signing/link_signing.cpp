@@ -27,6 +27,7 @@ class SigningWriter final : public PacketWriter {
   int descriptor() const override { return writer_->descriptor(); }
   std::size_t unsent() const override { return writer_->unsent(); }
   bool moved() override { return writer_->moved(); }
+  bool counts_moves() const override { return writer_->counts_moves(); }
   void nudge() override { writer_->nudge(); }
   void flush() override {
     rest_.clear();

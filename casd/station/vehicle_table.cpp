@@ -16,6 +16,7 @@ using namespace mavlink::common;
 constexpr std::size_t kMaxVehiclesPerLink = 32;
 /// Silence after which a disarmed vehicle is forgotten, and an armed one where room is needed.
 constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
+
 /// Whether who sends a HEARTBEAT takes a vehicle's place: component 1 that of any other at once,
 /// else the same component once the vehicle has fallen silent.
 bool takes_over(const VehicleState& vehicle, mav::Source source, base::RunTime now) {

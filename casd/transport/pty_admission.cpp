@@ -84,8 +84,8 @@ std::string pty_refusal(int slave, const std::string& device, bool unlocked, con
   if (!unlocked) {
     return where +
            " is offered by no running program, somebody may work at it: start fcu_emulator with "
-           "this "
-           "path as --link; for a program that holds no lock (socat, PX4) set unlocked_pty: true";
+           "this path as --link; for a program that holds no lock (socat, PX4) set unlocked_pty: "
+           "true";
   }
   if (const auto user = find_terminal_user(terminal->device, proc)) {
     return where + " is the terminal of " + user->program + ", process " +
@@ -95,8 +95,7 @@ std::string pty_refusal(int slave, const std::string& device, bool unlocked, con
   if (!shows_everybody(proc)) {
     return where +
            " may be somebody's terminal, and /proc hides the processes of other users: let casd "
-           "see "
-           "them (under systemd ProtectProc=default in a drop-in)";
+           "see them (under systemd ProtectProc=default in a drop-in)";
   }
   return {};
 }

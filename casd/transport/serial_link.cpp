@@ -150,7 +150,7 @@ void SerialLink::open(base::RunTime now) {
 void SerialLink::read(base::RunTime now) {
   const ssize_t count = ::read(fd_, buffer_.data(), buffer_.size());
   if (count > 0) {
-    port_->heard();
+    port_->heard(now);
     core_.ingress().take(parser_, {buffer_.data(), static_cast<std::size_t>(count)}, now);
     core_.ingress().deliver(now);
     return;
@@ -166,7 +166,7 @@ void SerialLink::read_blocking(base::RunTime now) {
   do {
     const ssize_t count = ::read(fd_, buffer_.data(), 1);
     if (count > 0) {
-      port_->heard();
+      port_->heard(now);
       core_.ingress().take(parser_, {buffer_.data(), 1}, now);
     } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
       pollfd more{fd_, POLLIN, 0};

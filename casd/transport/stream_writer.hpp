@@ -54,6 +54,7 @@ class StreamWriter final : public PacketWriter {
   std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) override;
   std::size_t unsent() const override;
   bool moved() override;
+  bool counts_moves() const override { return kind_ == Kind::kSerial; }
   void nudge() override;
   void flush() override;
   int descriptor() const override { return descriptor_.get(); }

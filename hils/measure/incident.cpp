@@ -41,6 +41,10 @@ double extent_m(const std::vector<Stage>& stages) {
   return extent;
 }
 
+std::int64_t microseconds(base::SimTime time) {
+  return static_cast<std::int64_t>(base::to_time_usec(time));
+}
+
 /// How a step is flown.
 enum class Place { kGround, kRising, kAir, kSinking };
 
@@ -122,12 +126,13 @@ std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
   if (truth.empty()) return {};
   Watch watch(truth.front(), kFarthestExtents * extent_m(stages));
   Place place = Place::kGround;
+  const PoseSample* before = &truth.front();
   for (const Stage& stage : stages) {
     place = place_in(stage.step.kind, place);
-    const auto samples = between(truth, static_cast<std::int64_t>(base::to_time_usec(stage.begin)),
-                                 static_cast<std::int64_t>(base::to_time_usec(stage.end)));
-    for (std::size_t i = 1; i < samples.size(); ++i) {
-      watch.look(samples[i - 1], samples[i], place, phase_of(stage.step));
+    for (const PoseSample& sample :
+         between(truth, microseconds(stage.begin), microseconds(stage.end))) {
+      watch.look(*before, sample, place, phase_of(stage.step));
+      before = &sample;
     }
   }
   return watch.found;

@@ -69,10 +69,27 @@ void check_machine(const Measurement& figures, Sentences& reasons) {
   }
 }
 
+/// What is late in the emulated controller is the machine's, too: it answers a sample at once, or
+/// with the next control that is due.
+void check_controller(const Measurement& figures, Sentences& reasons) {
+  if (figures.from_device || figures.age_by_arrival.count == 0) return;
+  const double control_hz = figures.rates.controls.nominal_hz;
+  const double most_ms = most_late_ms(figures) + (control_hz > 0 ? 1e3 / control_hz : 0);
+  if (figures.age_by_arrival.p99 <= 1e3 * most_ms) return;
+  reasons.push_back(
+      fmt::format("the machine was too busy: the controller took {:.1f} ms from a sample to its "
+                  "answer in 1 % of "
+                  "the cases, and {:g} ms is the most{}",
+                  1e-3 * figures.age_by_arrival.p99, most_ms, kRemedy));
+}
+
 /// Why the figures mean nothing; empty when they do.
 Sentences reasons_against(const Measurement& figures) {
   Sentences reasons;
-  if (!figures.virtual_clock) check_machine(figures, reasons);
+  if (!figures.virtual_clock) {
+    check_machine(figures, reasons);
+    check_controller(figures, reasons);
+  }
   for (const auto& [name, rate] : named_rates(figures.rates)) {
     check_account(name, *rate, reasons);
   }

@@ -196,8 +196,8 @@ TEST_F(CommandCasdTest, IsDrivenFromItsPageByPythonAlone) {
   start(
       [](FakeVehicle& vehicle) {
         know_gains(vehicle);
-        for (int i = 0; i < 20;
-             ++i) {  // again and again: on a busy machine casd may not listen yet
+        // Again and again: on a busy machine casd may not listen yet.
+        for (int i = 0; i < 20; ++i) {
           const base::RunTime at = base::steady_now() + std::chrono::milliseconds(300 + 500 * i);
           vehicle.say(mavlink::common::HomePosition{}, at);
           vehicle.say(mavlink::common::Attitude{}, at);

@@ -241,7 +241,8 @@ pid_t Supervisor::spawn(const std::vector<std::string>& command) const {
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
-  std::vector<std::string> variables = {"NOTIFY_SOCKET=" + (folder_ / "notify").string()};
+  std::vector<std::string> variables = {"NOTIFY_SOCKET=" + (folder_ / "notify").string(),
+                                        "CAS_RUNTIME_DIR=" + (folder_ / "cas").string()};
   if (watchdog_.count() > 0) {
     variables.push_back("WATCHDOG_USEC=" +
                         std::to_string(duration_cast<microseconds>(watchdog_).count()));

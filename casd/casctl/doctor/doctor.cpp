@@ -349,9 +349,12 @@ void check_readiness(const DoctorFacts& facts, Findings& all) {
       bad(all, who + " says that its arming checks fail",
           "casctl arm tells what it lacks; a ground station's messages do, too");
     } else if (checks == "unknown") {
-      warn(all, who + " has not told whether its arming checks pass",
-           "it sends no SYS_STATUS with MAV_SYS_STATUS_PREARM_CHECK: casctl message-interval "
-           "SYS_STATUS 1, or try casctl arm");
+      const std::string autopilot = vehicle.value("autopilot", "");
+      const bool tells = autopilot == "PX4" || autopilot == "ArduPilot";
+      all.push_back({tells ? Health::kBad : Health::kWarning,
+                     who + " has not told whether its arming checks pass",
+                     "wait until it has sent SYS_STATUS, or ask: casctl message-interval "
+                     "SYS_STATUS 1; casctl arm tells what it lacks"});
     } else {
       good(all, who + " says that its arming checks pass");
     }

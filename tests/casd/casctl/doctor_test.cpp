@@ -116,6 +116,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"ArmingChecksFail",
                 [](DoctorFacts& f) { f.after["vehicles"][0]["arming_checks"] = "fail"; },
                 "vehicle 1 says that its arming checks fail"},
+        BadCase{"ArmingChecksUnknown",
+                [](DoctorFacts& f) { f.after["vehicles"][0]["arming_checks"] = "unknown"; },
+                "vehicle 1 has not told whether its arming checks pass"},
         BadCase{"Complaint",
                 [](DoctorFacts& f) {
                   f.after["vehicles"][0]["complaints"] = json::array({"PreArm: Check ACC cal"});

@@ -22,7 +22,8 @@ struct FakeLine {
   std::size_t unsent = 0;              ///< what the driver says
   std::size_t bytes = 0;
   std::vector<std::uint8_t> last;  ///< bytes of the last call
-  bool moves = true;               ///< the other side reads
+  bool moves = true;
+  bool counts = false;  ///< the other side reads
   int nudges = 0;
   int flushes = 0;
 };
@@ -54,6 +55,7 @@ class FakeWriter final : public PacketWriter {
   }
   std::size_t unsent() const override { return line_.unsent; }
   bool moved() override { return line_.moves; }
+  bool counts_moves() const override { return line_.counts; }
   void nudge() override { ++line_.nudges; }
   void flush() override { ++line_.flushes; }
   int descriptor() const override { return -1; }
@@ -186,14 +188,25 @@ TEST_F(TxPortTest, GivesNothingToALineThatStandsStill) {
   EXPECT_EQ(line.written.back(), 5U) << "written at once again";
 }
 
-TEST_F(TxPortTest, BelievesALineThatSpeaksToMove) {
+TEST_F(TxPortTest, IsPatientWithATerminalThatSpeaksButNotForEver) {
   open({});
   line.moves = false;
   for (int ms = 0; ms < 200; ms += 20) {
-    port->heard();
+    port->heard(at(milliseconds(ms)));
     deliver(TrafficClass::kHil, 1, at(milliseconds(ms)));
   }
-  EXPECT_EQ(line.written.size(), 10U);
+  EXPECT_EQ(line.written.size(), 6U) << "100 ms: its receiver hangs";
+}
+
+TEST_F(TxPortTest, BelievesADriverThatCountsMoreThanWhatComesIn) {
+  open({});
+  line.moves = false;
+  line.counts = true;
+  for (int ms = 0; ms < 200; ms += 20) {
+    port->heard(at(milliseconds(ms)));
+    deliver(TrafficClass::kHil, 1, at(milliseconds(ms)));
+  }
+  EXPECT_EQ(line.written.size(), 2U) << "25 ms";
 }
 
 TEST_F(TxPortTest, EmptiesTheDriverOfALineThatStandsStillForASecond) {

@@ -106,6 +106,11 @@ const MissCase kStarved[] = {
      "the simulation stood still for 51 ms, and 50 ms is the most"},
     {"LateSteps", [](Measurement& m) { m.pace.late_p99_ms = 2.2; },
      "1 % of HIL_SENSOR left 2.2 ms late or later, and 2 ms is the most"},
+    {"SlowController",
+     [](Measurement& m) {
+       m.age_by_arrival = {.count = 12001, .p50 = 100, .p99 = 4600, .max = 9000};
+     },
+     "the controller took 4.6 ms from a sample to its answer in 1 % of the cases, and 4.5 ms"},
     {"SlowPrograms", [](Measurement& m) { m.handover_p99_us = 113'000; },
      "simulator and casd took 113.0 ms to hand a packet over in 1 % of the cases"}};
 
