@@ -45,7 +45,7 @@ BENCHMARK(integrate_body);
 
 void integrate_body_and_rotors(benchmark::State& state) {
   BodyState body;
-  test::FourRotors rotors(Eigen::Vector4d(800, 805, 800, 805));
+  sim::test::FourRotors rotors(Eigen::Vector4d(800, 805, 800, 805));
   ForceSet forces;
   forces.add(rotors);
   const MassProperties mass(1.5, Eigen::Vector3d(0.03, 0.03, 0.056).asDiagonal());
@@ -58,8 +58,8 @@ void integrate_body_and_rotors(benchmark::State& state) {
 BENCHMARK(integrate_body_and_rotors);
 
 void world_free(benchmark::State& state) {
-  const auto world = test::make_world(test::flat_world());
-  world->add_vehicle(test::crate(), {.z_m = 1e6});
+  const auto world = sim::test::make_world(sim::test::flat_world());
+  world->add_vehicle(sim::test::crate(), {.z_m = 1e6});
   world->start();
   for (auto _ : state) world->advance(kStep);
   count_steps(state);
@@ -68,9 +68,9 @@ BENCHMARK(world_free);
 
 /// In reach of the ground, not touching it: narrow phase, no contact.
 void world_near_ground(benchmark::State& state) {
-  const auto world = test::make_world(test::flat_world());
-  world->add_vehicle(test::crate(), {.z_m = 0.1});
-  test::SteadyThrust hover(test::kCrateMass * test::kGravity);
+  const auto world = sim::test::make_world(sim::test::flat_world());
+  world->add_vehicle(sim::test::crate(), {.z_m = 0.1});
+  sim::test::SteadyThrust hover(sim::test::kCrateMass * sim::test::kGravity);
   world->add_force_model(kFirst, hover);
   world->start();
   for (auto _ : state) world->advance(kStep);
@@ -79,8 +79,8 @@ void world_near_ground(benchmark::State& state) {
 BENCHMARK(world_near_ground);
 
 void world_contact(benchmark::State& state) {
-  const auto world = test::make_world(test::flat_world());
-  world->add_vehicle(test::crate(), {});
+  const auto world = sim::test::make_world(sim::test::flat_world());
+  world->add_vehicle(sim::test::crate(), {});
   world->start();
   double sign = 1;
   for (auto _ : state) {
@@ -92,8 +92,8 @@ void world_contact(benchmark::State& state) {
 BENCHMARK(world_contact);
 
 void world_held(benchmark::State& state) {
-  const auto world = test::make_world(test::flat_world());
-  world->add_vehicle(test::crate(), {});
+  const auto world = sim::test::make_world(sim::test::flat_world());
+  world->add_vehicle(sim::test::crate(), {});
   world->start();
   for (auto _ : state) world->advance(kStep);
   count_steps(state);
@@ -102,8 +102,8 @@ BENCHMARK(world_held);
 
 /// ODE's own stepper in free flight, for comparison.
 void world_ode(benchmark::State& state) {
-  const auto world = test::make_world(test::flat_world(), Integrator::kOde);
-  world->add_vehicle(test::crate(), {.z_m = 1e6});
+  const auto world = sim::test::make_world(sim::test::flat_world(), Integrator::kOde);
+  world->add_vehicle(sim::test::crate(), {.z_m = 1e6});
   world->start();
   for (auto _ : state) world->advance(kStep);
   count_steps(state);
