@@ -132,11 +132,11 @@ struct Recording {
 const Recording& recording() {
   static const Recording flown = [] {
     Recording out;
-    test::LoopOptions options;
+    fcu::test::LoopOptions options;
     options.tap = [&out](std::span<const std::uint8_t> bytes, base::RunTime now) {
       out.packets.emplace_back(now, std::vector(bytes.begin(), bytes.end()));
     };
-    test::ClosedLoop loop(options);
+    fcu::test::ClosedLoop loop(options);
     loop.fly_to_hover(2.5);
     loop.keep_packets = false;
     loop.run(30);
