@@ -183,10 +183,12 @@ int DatagramReader::read(int fd) {
     header.msg_control = control_[i].data();
     header.msg_controllen = kControlBytes;
   }
+  const base::RunTime begin = base::steady_now();
   const int count = ::recvmmsg(fd, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
   if (count > 0) {
     note_drops(messages_[static_cast<std::size_t>(count) - 1].msg_hdr);
-    note_wait(static_cast<std::size_t>(count) < kBatch);
+    note_wait();
+    if (static_cast<std::size_t>(count) < kBatch) empty_at_ = begin;  // what comes next is younger
     return count;
   }
   // A peer that is not there (yet) answers our packets with refusals: no trouble of the socket.
@@ -205,13 +207,11 @@ void DatagramReader::note_drops(const msghdr& header) {
 
 // The first one has waited longest, but no longer than since the socket was seen empty: a wall
 // clock that steps makes nothing old.
-void DatagramReader::note_wait(bool emptied) {
+void DatagramReader::note_wait() {
   timespec wall{};
   ::clock_gettime(CLOCK_REALTIME, &wall);
   read_at_ = as_duration(wall);
-  const base::RunTime now = base::steady_now();
-  longest_ = now - empty_at_;
-  if (emptied) empty_at_ = now;
+  longest_ = base::steady_now() - empty_at_;
   late_ = wait_of(0) > kPrompt;
 }
 

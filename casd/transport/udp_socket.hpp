@@ -45,7 +45,7 @@ class DatagramReader {
 
  private:
   void note_drops(const msghdr& header);
-  void note_wait(bool emptied);
+  void note_wait();
   base::Duration wait_of(std::size_t index) const;
 
   static constexpr std::size_t kControlBytes =
@@ -57,7 +57,7 @@ class DatagramReader {
   alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
   std::uint32_t kernel_drops_ = 0;
   base::Duration read_at_{};  ///< wall-clock time
-  base::RunTime empty_at_{};  ///< when the socket was last seen empty
+  base::RunTime empty_at_{};  ///< the socket was last seen empty after this
   base::Duration longest_{};  ///< what the newest read found cannot have waited longer
   bool late_ = false;         ///< the oldest one had waited
 };

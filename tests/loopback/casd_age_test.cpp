@@ -9,6 +9,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/loopback/casd_fixture.hpp"
@@ -95,15 +96,15 @@ class Controller {
   struct Arrival {
     std::uint32_t message = 0;
     std::uint64_t number = 0;
-    base::RunTime at;
+    base::RunTime at;  ///< it had not come before this: a test that has to wait makes nothing old
   };
   explicit Controller(PtyPair& line) : line_(line) {}
 
   void read() {
+    const base::RunTime earliest = std::exchange(last_read_, base::steady_now());
     line_.read(stream_);
-    const base::RunTime now = base::steady_now();
     for (const PacketStream::Packet& packet : stream_.packets()) {
-      arrivals_.push_back({packet.message_id, number_of(packet.view()), now});
+      arrivals_.push_back({packet.message_id, number_of(packet.view()), earliest});
     }
     stream_.packets().clear();
   }
@@ -137,6 +138,7 @@ class Controller {
   PtyPair& line_;
   PacketStream stream_;
   std::vector<Arrival> arrivals_;
+  base::RunTime last_read_ = base::steady_now();
 };
 
 /// How many packets of a message came that were sent after `from` and were too old when they came.
