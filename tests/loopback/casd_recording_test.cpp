@@ -78,10 +78,11 @@ class CasdRecording : public testing::Test {
     fixture.sim.send(fixture.from_sim(hil_sensor(++sent)));
     fixture.collect();
   }
-  /// Sends until it holds.
+  /// Sends until it holds. A look may take a while: casd answers who asks without a pause slowly.
   bool send_until(const std::function<bool()>& condition) {
+    constexpr int kPacketsALook = 20;
     return wait_until([&] {
-      send();
+      for (int i = 0; i < kPacketsALook; ++i) send();
       return condition();
     });
   }
