@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -82,6 +83,15 @@ class Watch {
     }
   }
 
+  /// What falls when the record ends hits the ground where nobody looks any more.
+  void look_at_end(const PoseSample& last, std::string_view step) {
+    const double sink_m_s = -last.v_m_s[2];
+    if (sink_m_s <= kCrashSpeed_m_s) return;
+    note(IncidentKind::kCrash, last,
+         fmt::format("was still falling at {:.1f} m/s when the record ended, after step '{}'",
+                     sink_m_s, step));
+  }
+
   std::vector<Incident> found;
 
  private:
@@ -108,8 +118,9 @@ class Watch {
 Place place_in(StepKind kind, Place before) {
   switch (kind) {
     case StepKind::kArm:
-    case StepKind::kDisarm:
       return Place::kGround;
+    case StepKind::kDisarm:
+      return before;  // a vehicle may be disarmed in the air, and falls
     case StepKind::kTakeoff:
       return Place::kRising;
     case StepKind::kLand:
@@ -127,14 +138,18 @@ std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
   Watch watch(truth.front(), kFarthestExtents * extent_m(stages));
   Place place = Place::kGround;
   const PoseSample* before = &truth.front();
-  for (const Stage& stage : stages) {
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const Stage& stage = stages[i];
     place = place_in(stage.step.kind, place);
-    for (const PoseSample& sample :
-         between(truth, microseconds(stage.begin), microseconds(stage.end))) {
+    // What comes between two steps, and after the last one, belongs to the one before.
+    const std::int64_t until = i + 1 < stages.size() ? microseconds(stages[i + 1].begin)
+                                                     : std::numeric_limits<std::int64_t>::max();
+    for (const PoseSample& sample : between(truth, microseconds(stage.begin), until)) {
       watch.look(*before, sample, place, phase_of(stage.step));
       before = &sample;
     }
   }
+  if (place == Place::kSinking) watch.look_at_end(*before, phase_of(stages.back().step));
   return watch.found;
 }
 

@@ -25,8 +25,8 @@ struct Incident {
   std::string what;   ///< a sentence without a full stop
 };
 
-/// The first incident of each kind in a flight. Ground is where the vehicle stood at the start:
-/// over terrain only kCrash tells of a touch.
+/// The first incident of each kind in a flight, from its first step to the end of the record.
+/// Ground is where the vehicle stood at the start: over terrain only kCrash tells of a touch.
 ///
 /// @param stages  the flight as it went
 /// @param truth   in the order of time

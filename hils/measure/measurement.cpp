@@ -88,16 +88,30 @@ void measure_echoes(const std::vector<base::LedgerEntry>& simulator,
 /// The UDP hops between simulator and casd, where nothing but the machine takes time.
 double handover_p99_us(const std::vector<PathAccount>& paths) {
   constexpr std::size_t kHopsThroughCasd = 3;
+  constexpr std::size_t kLeastForAShareOf1Percent = 200;  // of fewer it is the longest one
   double slowest = 0;
   for (const PathAccount& path : paths) {
     if (path.hops.size() != kHopsThroughCasd) continue;
     for (const HopFigures& hop : {path.hops.front(), path.hops.back()}) {
+      if (hop.delay.count < kLeastForAShareOf1Percent) continue;
       if (hop.name == "simulator -> casd in" || hop.name == "casd out -> simulator") {
         slowest = std::max(slowest, hop.delay.p99);
       }
     }
   }
   return slowest;
+}
+
+/// How much later than the median the controller reads what casd wrote to the line.
+double reading_spread_us(const std::vector<PathAccount>& paths) {
+  for (const PathAccount& path : paths) {
+    for (const HopFigures& hop : path.hops) {
+      if (path.message == "HIL_SENSOR" && hop.name == "casd out -> controller") {
+        return hop.delay.p99 - hop.delay.p50;
+      }
+    }
+  }
+  return 0;
 }
 
 void measure_stream(const Scenario& scenario, const RunRecord& record, Measurement& figures) {
@@ -125,8 +139,9 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
   figures.pace = pace(simulator, HilSensor::kId, window);
   // With one blocking thread casd reads when the line has taken what came before: that is the
   // architecture's delay, not the machine's.
-  if (figures.architecture != Architecture::kTs)
-    figures.handover_p99_us = handover_p99_us(figures.paths);
+  if (figures.architecture == Architecture::kTs) return;
+  figures.handover_p99_us = handover_p99_us(figures.paths);
+  figures.reading_spread_us = reading_spread_us(figures.paths);
 }
 
 }  // namespace
@@ -150,6 +165,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.faults = record.faults;
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   figures.responses = step_responses(record.stages, truth);
+  figures.truth_samples = truth.size();
   figures.incidents = find_incidents(record.stages, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);

@@ -45,6 +45,7 @@ struct Measurement {
   double wall_s = 0;
   std::vector<std::pair<std::string, double>> cpu_s;
   std::vector<Stage> stages;
+  std::size_t truth_samples = 0;  ///< of the whole flight
 
   StreamWindow window;     ///< of rates and delays
   bool over_hold = false;  ///< the window is the measured hold, else all that there was
@@ -57,7 +58,8 @@ struct Measurement {
   MeterReadings meter;
   std::vector<PathAccount> paths;  ///< hop by hop: sensor, GPS, controls
   PaceFigures pace;
-  double handover_p99_us = 0;  ///< slowest hop between two programs of the bench; 0: not measured
+  double handover_p99_us = 0;    ///< slowest hop between two programs of the bench; 0: not measured
+  double reading_spread_us = 0;  ///< p99 less p50 of HIL_SENSOR from casd to the controller's read
   std::optional<double> cpu_pressure;
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench
   std::vector<Incident> incidents;             ///< crashes and their kin, in the order of time

@@ -13,6 +13,7 @@ Measurement RunResult::whole() const {
     whole.pace.real_time_factor = std::min(whole.pace.real_time_factor, pace.real_time_factor);
     whole.pace.worst_stall_ms = std::max(whole.pace.worst_stall_ms, pace.worst_stall_ms);
     whole.pace.late_p99_ms = std::max(whole.pace.late_p99_ms, pace.late_p99_ms);
+    whole.reading_spread_us = std::max(whole.reading_spread_us, vehicle.figures.reading_spread_us);
     whole.handover_p99_us = std::max(whole.handover_p99_us, vehicle.figures.handover_p99_us);
   }
   return whole;

@@ -235,6 +235,7 @@ Json run_json(const Measurement& figures, const Verdict& verdict) {
   summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
   summary["late_p99_ms"] = figures.pace.late_p99_ms;
   summary["handover_p99_us"] = figures.handover_p99_us;
+  summary["reading_spread_us"] = figures.reading_spread_us;
   summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
   summary["simulated_s"] = figures.simulated_s;
   summary["wall_s"] = figures.wall_s;

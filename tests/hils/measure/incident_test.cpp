@@ -80,6 +80,41 @@ TEST(Incident, AFallIsACrashAndATouchWithNameAndTime) {
   EXPECT_EQ(crash.what.rfind("hit the ground at 1", 0), 0U) << crash.what;
 }
 
+/// Between two steps, and after the last one: a step ends on the vehicle's own word.
+TEST(Incident, NothingGoesUnseenBetweenStepsAndAfterThem) {
+  std::vector<Stage> stages = flight();
+  stages[2].end = base::SimTime(seconds(9));  // then it waits for others
+  EXPECT_EQ(incidents_of(fall, stages).size(), 2U);
+
+  stages = flight();
+  stages[3].end = base::SimTime(seconds(17));  // "on the ground", 7 m above it
+  Stage disarm;
+  disarm.step.kind = StepKind::kDisarm;
+  disarm.begin = stages[3].end;
+  disarm.end = base::SimTime(std::chrono::milliseconds(17'100));
+  stages.push_back(disarm);
+  const auto found = incidents_of(
+      [](double t, PoseSample& sample) {
+        good_height(t, sample);
+        if (t > 17) sample.pose.z_m = std::max(0.0, 7 - 0.5 * 9.81 * (t - 17) * (t - 17));
+      },
+      stages);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].what.rfind("hit the ground at 11", 0), 0U) << found[0].what;
+  EXPECT_NEAR(found[0].time_s, 18.19, 0.03);
+}
+
+TEST(Incident, WhatFallsWhenTheRecordEndsIsACrash) {
+  const auto found = incidents_of([](double t, PoseSample& sample) {
+    good_height(t, sample);
+    if (t > 15) sample.pose.z_m = 10;
+    if (t > 24) sample.pose.z_m = 10 - 0.5 * 9.81 * (t - 24) * (t - 24);
+  });
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, IncidentKind::kCrash);
+  EXPECT_EQ(found[0].what.rfind("was still falling at 9.8 m/s", 0), 0U) << found[0].what;
+}
+
 TEST(Incident, ALandingFasterThan3MetresASecondIsACrash) {
   const auto landing = [](double speed) {
     return incidents_of([speed](double t, PoseSample& sample) {

@@ -111,6 +111,8 @@ const MissCase kStarved[] = {
        m.age_by_arrival = {.count = 12001, .p50 = 100, .p99 = 4600, .max = 9000};
      },
      "the controller took 4.6 ms from a sample to its answer in 1 % of the cases, and 4.5 ms"},
+    {"ControllerWithoutAProcessor", [](Measurement& m) { m.reading_spread_us = 10'000; },
+     "1 % of HIL_SENSOR was read 10.0 ms later than the median one, and 2 ms is the most"},
     {"SlowPrograms", [](Measurement& m) { m.handover_p99_us = 113'000; },
      "simulator and casd took 113.0 ms to hand a packet over in 1 % of the cases"}};
 
@@ -146,7 +148,16 @@ TEST(Judgement, HoldsAMachineThatJustKeepsUpForGood) {
   Measurement figures = good();
   figures.pace = {.real_time_factor = 0.99, .worst_stall_ms = 50, .late_p99_ms = 2};
   figures.handover_p99_us = 2000;
+  figures.reading_spread_us = 2000;
   EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitPassed);
+}
+
+TEST(Judgement, AFlightThatNobodyRecordedHasNoVerdict) {
+  Measurement figures = good();
+  figures.stages.resize(1);
+  EXPECT_EQ(judge(figures, Limits{}).exit_code(), kExitInvalid);
+  figures.truth_samples = 1;
+  EXPECT_EQ(judge(figures, Limits{}).exit_code(), kExitPassed);
 }
 
 TEST(Judgement, CpuPressureAloneDecidesNothing) {
