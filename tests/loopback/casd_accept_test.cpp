@@ -7,12 +7,13 @@ namespace cas::test {
 namespace {
 
 /// A simulator's link with this `accept`, the controller's line, and nothing else.
+/// On a loaded machine nothing is dropped by age.
 std::string topology(const std::string& accept) {
   return R"(schema: 1
 links:
   - {name: sim, type: udp_server, local: "127.0.0.1:0", accept: )" +
-         accept + R"(}
-  - {name: fcu, type: serial, device: "$FCU"}
+         accept + R"(, queue: {hil_max_age_ms: 60000}}
+  - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}
 )";
 }
 
@@ -46,8 +47,8 @@ TEST(CasdAccept, AFloodOfSendersTakesNothingFromTheOthers) {
   CasdFixture fixture;
   fixture.start(R"(schema: 1
 links:
-  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
-  - {name: fcu, type: serial, device: "$FCU"}
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM", queue: {hil_max_age_ms: 60000}}
+  - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}
   - {name: gcs, type: udp_server, local: "127.0.0.1:0"}
 routes:
   - {from: sim, to: fcu}
@@ -60,7 +61,7 @@ routes:
   for (std::uint64_t i = 0; i < kSenders; ++i) {
     mav::Encoder stranger{{static_cast<std::uint8_t>(i >> 8U), static_cast<std::uint8_t>(i)}};
     flood.send(stranger(mavlink::common::Heartbeat{}));
-    if (i % 512 == 511) {  // no faster than casd reads, so that every one of them counts
+    if (i % 128 == 127) {  // no faster than casd reads, so that every one of them counts
       ASSERT_TRUE(wait_until([&] {
         const auto rx = fixture.status("gcs").rx;
         return rx.packets + rx.kernel_drops >= i + 1;

@@ -100,7 +100,7 @@ TEST(CasdAddress, ReachesAStationBeforeItFirstSpeaksAndFromItsFirstMoment) {
                 "  - {name: net, type: udp, remote: \"127.0.0.1:" + std::to_string(port) + "\"}\n");
   // Nobody listens: the answers to these say so.
   for (std::uint64_t i = 1; i <= 5; ++i) fixture.fcu.write(fixture.from_fcu(hil_controls(i)));
-  ASSERT_TRUE(wait_until([&] { return fixture.status("fcu").rx.packets == 5; }));
+  ASSERT_TRUE(wait_until([&] { return fixture.status("net").tx.packets == 5; }));
   AnyUdpPeer station("127.0.0.1:" + std::to_string(port));
   ASSERT_TRUE(station.bound());
   fixture.fcu.write(fixture.from_fcu(hil_controls(6)));

@@ -195,7 +195,7 @@ TEST_F(CasdInterlock, PeersOfOneServerDoNotShareAVehicle) {
   ASSERT_TRUE(wait_vehicle(
       [](const json& vehicle) { return vehicle.at("hil") == true && !vehicle.contains("rival"); }));
   EXPECT_EQ(arm_refusal(), "armed");
-  EXPECT_EQ(arm_commands(twin.stop()), 1);
+  EXPECT_GE(arm_commands(twin.stop()), 1);  // again, when the answer is late
   EXPECT_EQ(arm_commands_left(first), 0);
 }
 
@@ -221,7 +221,7 @@ TEST_F(CasdInterlock, ArmsAgainWhenTheTwinIsSilent) {
   EXPECT_EQ(arm_commands(twin.stop()), 0);
   ASSERT_TRUE(wait_alone("fcu"));
   EXPECT_EQ(arm_refusal(), "armed");
-  EXPECT_EQ(arm_commands(vehicle.stop()), 1);
+  EXPECT_GE(arm_commands(vehicle.stop()), 1);
   EXPECT_EQ(arm_commands_left(net), 0);
 }
 
@@ -301,7 +301,7 @@ TEST_F(CasdInterlock, InventedSystemsOnOneLinkKeepNoVehicleOfAnotherOut) {
     return vehicles().size() == 33;
   }));
   EXPECT_EQ(arm_refusal({{"vehicle", 1}}), "armed");
-  EXPECT_EQ(arm_commands(vehicle.stop()), 1);
+  EXPECT_GE(arm_commands(vehicle.stop()), 1);
 }
 
 }  // namespace

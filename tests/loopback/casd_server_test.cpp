@@ -19,12 +19,16 @@ struct Station {
   mav::Encoder encoder;
 };
 
-const std::string kServers = R"(schema: 1
+std::string servers(const std::string& expiry_s) {
+  return R"(schema: 1
 links:
   - {name: fcu, type: serial, device: "$FCU"}
-  - {name: gcs, type: udp_server, local: "127.0.0.1:0", expiry_s: 0.4}
+  - {name: gcs, type: udp_server, local: "127.0.0.1:0", expiry_s: )" +
+         expiry_s + R"(}
   - {name: tcp, type: tcp_server, local: "127.0.0.1:0"}
 )";
+}
+const std::string kServers = servers("60");
 
 TEST(CasdUdpServer, Serves64StationsOnOnePort) {
   CasdFixture fixture;
@@ -72,7 +76,7 @@ TEST(CasdUdpServer, Serves64StationsOnOnePort) {
 
 TEST(CasdUdpServer, SendsAddressedPacketsToTheirPeerAloneAndForgetsSilentOnes) {
   CasdFixture fixture;
-  fixture.start(kServers);
+  fixture.start(servers("4"));
   Station one(101);
   Station other(102);
   for (Station* station : {&one, &other}) {

@@ -34,13 +34,14 @@ class CasdSigning : public testing::Test {
   }
   std::filesystem::path key_file() const { return fixture.folder / "radio.key"; }
 
+  /// On a loaded machine nothing is dropped by age.
   static std::string topology(const std::string& more = {}) {
     return R"(schema: 1
 links:
-  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM",
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM", queue: {hil_max_age_ms: 60000},
      signing: {key_file: "$DIR/radio.key", link_id: 7)" +
            more + R"(}}
-  - {name: fcu, type: serial, device: "$FCU"}
+  - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}
 )";
   }
 
