@@ -174,10 +174,8 @@ struct App::Impl {
   }
 
   std::string link_name(LinkId id) const {
-    for (const LinkStatus& link : links.figures().links()) {
-      if (link.id == id) return link.name;
-    }
-    return "?";
+    const std::string name = links.figures().name(id);
+    return name.empty() ? "?" : name;
   }
 
   void listen() {

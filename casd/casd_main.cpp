@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "base/cli/manual.hpp"
@@ -116,7 +117,9 @@ std::string topology_text(const Topology& topology) {
 /// base::ConfigError
 void check_named_files(const Topology& topology) {
   const std::filesystem::path& token = topology.command_port.token_file;
-  if (!token.empty() && std::filesystem::exists(token)) base::rpc::read_token(token);
+  std::error_code unknown;
+  const bool is_there = !token.empty() && std::filesystem::exists(token, unknown);
+  if (is_there || unknown) base::rpc::read_token(token);
   for (const LinkConfig& link : topology.links) {
     if (link.signing) read_signing_key(link.signing->key_file);
   }

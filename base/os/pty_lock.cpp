@@ -20,7 +20,7 @@
 namespace cas::base {
 namespace {
 
-// One line of this length, so that a new one covers the old one whole.
+// Of the record, whatever it names, so that a new one overwrites the old one completely.
 constexpr std::size_t kRecordBytes = 64;
 
 std::filesystem::path lock_file(std::filesystem::path link) { return link += ".lock"; }
@@ -29,8 +29,8 @@ std::filesystem::path lock_file(std::filesystem::path link) { return link += ".l
   throw ConfigError(file.string() + ": " + std::generic_category().message(errno));
 }
 
-/// A lock of an open file (not of a process): it ends with the last descriptor of it, and is seen
-/// from within the same process too.
+/// For an open-file-description lock: it is released with its last descriptor, and conflicts within
+/// one process too.
 struct flock whole_file(short type) {
   struct flock lock {};
   lock.l_type = type;
@@ -73,12 +73,23 @@ Number number_behind(std::string_view text, std::string_view word) {
   return number;
 }
 
-PtyIdentity read_record(int fd) {
+std::string read_text(int fd) {
   std::array<char, kRecordBytes> bytes{};
   const ssize_t size = ::pread(fd, bytes.data(), bytes.size(), 0);
-  const std::string_view text(bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  return {bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0};
+}
+
+PtyIdentity read_record(int fd) {
+  const std::string text = read_text(fd);
   return {.device = number_behind<std::uint64_t>(text, "pty "),
           .changed_ns = number_behind<std::int64_t>(text, "changed_ns ")};
+}
+
+/// Whether it is a lock file, old or new, and not some file of that name ("poetry.lock").
+bool may_be_replaced(int fd) {
+  struct stat file {};
+  if (::fstat(fd, &file) != 0 || !S_ISREG(file.st_mode) || file.st_nlink > 1) return false;
+  return file.st_size == 0 || read_text(fd).starts_with("pty ");
 }
 
 bool may_vouch(uid_t owner, const struct stat& slave) {
@@ -94,7 +105,7 @@ PtyOffer offer_beside(const std::filesystem::path& link, int slave) {
     return PtyOffer::kNone;
   }
   if (!S_ISREG(file.st_mode) || !may_vouch(file.st_uid, terminal)) return PtyOffer::kNone;
-  // Read first: who clears the record does so while he still holds the lock and the pair.
+  // Read before testing the lock: the owner clears the record while it still holds the lock.
   const PtyIdentity named = read_record(lock.get());
   if (!is_taken(lock.get())) return PtyOffer::kNone;
   return identify_pty(slave) == named ? PtyOffer::kThis : PtyOffer::kOther;
@@ -121,8 +132,12 @@ PtyLock::PtyLock(std::filesystem::path link) : file_(lock_file(link)) {
         ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, kReadable));
     if (!lock_) fail(file_);
     if (!take(lock_.get())) throw ConfigError(link.string() + " is offered by another program");
-    // Its last owner may have taken the file away meanwhile: then the lock is nobody's.
+    // Its last owner may have unlinked the file between open and lock: then once more.
   } while (!is_at(lock_.get(), file_));
+  if (!may_be_replaced(lock_.get())) {
+    throw ConfigError(file_.string() + ": is no lock of a pseudo-terminal; " + link.string() +
+                      " cannot be offered beside it");
+  }
   ::fchmod(lock_.get(), kReadable);
   if (::ftruncate(lock_.get(), 0) != 0) fail(file_);
 }
@@ -139,7 +154,7 @@ void PtyLock::name(int slave) {
 
 void PtyLock::clear() noexcept {
   named_ = {};
-  // Should it fail, the record still names a terminal that nobody gets again.
+  // Should it fail, the old record does no harm: its device and time of change never come again.
   [[maybe_unused]] const int result = ::ftruncate(lock_.get(), 0);
 }
 

@@ -22,22 +22,22 @@ struct PtyIdentity {
 /// Of an open slave; nothing when `fd` is no pseudo-terminal's slave.
 CAS_BASE_EXPORT std::optional<PtyIdentity> identify_pty(int fd);
 
-/// A pseudo-terminal is offered under a symlink; this is "LINK.lock" beside it. It is locked as
-/// long as the program that offers the line runs, however that ends, and names the slave that the
-/// symlink stands for now. So a symlink that was left behind is told from one that is meant.
+/// The lock file LINK.lock beside the symlink LINK of an offered pseudo-terminal. The program holds
+/// its lock while it runs (a crash releases it), and the file records the slave that LINK leads to.
+/// So a reader tells an offer from a symlink that was left behind.
 class CAS_BASE_EXPORT PtyLock {
  public:
-  /// @throws ConfigError "LINK is offered by another program"
+  /// @throws ConfigError when another program offers LINK, or LINK.lock is a file of another kind
   explicit PtyLock(std::filesystem::path link);
-  /// Takes the file away.
+  /// Removes the lock file.
   ~PtyLock();
   PtyLock(const PtyLock&) = delete;
   PtyLock& operator=(const PtyLock&) = delete;
 
   /// Names the slave from now on: before the symlink points to it, and again after its mode or
-  /// owner has changed. Does nothing when it stands there already. @throws ConfigError
+  /// owner has changed. No effect if it is recorded already. @throws ConfigError
   void name(int slave);
-  /// Names none: before the pair is closed.
+  /// Clears the record: before the pair is closed.
   void clear() noexcept;
 
  private:

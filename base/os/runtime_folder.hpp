@@ -9,6 +9,9 @@
 
 namespace cas::base {
 
+/// Runtime folder of casd as a service: the unit's RuntimeDirectory.
+inline constexpr const char* kServiceFolder = "/run/cas";
+
 /// Where the programs of one user find each other: links of emulated lines, sockets. The first of
 ///   $CAS_RUNTIME_DIR
 ///   $XDG_RUNTIME_DIR/cas      where that folder is there and may be written to
@@ -16,7 +19,7 @@ namespace cas::base {
 ///   /tmp/cas-UID              made, mode 0700; a folder of somebody else is refused
 /// It need not be there yet. @throws ConfigError
 CAS_BASE_EXPORT std::filesystem::path runtime_folder(
-    const std::filesystem::path& service_folder = "/run/cas");
+    const std::filesystem::path& service_folder = kServiceFolder);
 
 /// `text` with the value of an environment variable for each ${NAME}; for ${CAS_RUNTIME_DIR}, where
 /// it is not set, runtime_folder(). @throws ConfigError "environment variable NAME is not set"

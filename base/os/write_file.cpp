@@ -109,8 +109,9 @@ void write_file(const fs::path& file, std::string_view text, Durability durabili
   } else if (!S_ISREG(old.st_mode)) {
     error = write_in_place(file, text);
   } else {
+    // A symlink stays one. What was no symlink is not looked at again: it may be one by now.
     std::error_code unresolved;
-    const fs::path behind = fs::canonical(file, unresolved);  // a symlink stays one
+    const fs::path behind = is_link ? fs::canonical(file, unresolved) : file;
     error = replace(unresolved ? file : behind, &old, text, durability);
   }
   if (error == 0) return;

@@ -14,11 +14,10 @@ enum class Durability {
   kCache,  ///< it outlives this process: the files of one run, and writers that cannot wait
 };
 
-/// Writes a file as a whole: whoever reads it finds what it held before, or all of `text`. It is
-/// written beside the file ("FILE.PID.new", never over anything) and renamed. An existing file
-/// keeps its mode; what is no regular file (a pipe, /dev/stdout) is written as it is. A symlink
-/// keeps its place where this user or root laid it and it leads to a file; any other one is
-/// refused.
+/// Replaces a file atomically: a reader sees the old content or the new. The new content is written
+/// beside the file ("FILE.PID.new", never over anything) and renamed. An existing file keeps its
+/// mode; a pipe or a device (/dev/stdout) is written in place. A symlink is followed when this user
+/// or root owns it and its target exists; otherwise the file is refused.
 /// @throws ConfigError "FILE: cannot be written: No space left on device"; then the file is as it
 /// was and nothing lies beside it
 CAS_BASE_EXPORT void write_file(const std::filesystem::path& file, std::string_view text,

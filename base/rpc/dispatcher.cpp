@@ -164,9 +164,9 @@ Dispatcher::Dispatcher()
                        {"methods", &Dispatcher::methods}} {}
 
 void Dispatcher::add_method(const std::string& name, Method method, double weight) {
-  weights_[name] = weight;
   CAS_CHECK(!session_methods_.contains(name));
-  CAS_CHECK(methods_.emplace(name, std::make_shared<const Method>(std::move(method))).second);
+  Weighed weighed{std::make_shared<const Method>(std::move(method)), weight};
+  CAS_CHECK(methods_.emplace(name, std::move(weighed)).second);
 }
 
 void Dispatcher::add_topic(const std::string& topic) { topics_.insert(topic); }
@@ -235,8 +235,8 @@ void Dispatcher::invoke(const std::string& method, const Json& params,
     peer->weight = std::max(peer->weight, 1.0);
     return reply.error(kMethodNotFound, "there is no method '" + method + "'", nullptr);
   }
-  peer->weight = std::max(peer->weight, weights_.at(method));
-  const std::shared_ptr<const Method> function = found->second;
+  peer->weight = std::max(peer->weight, found->second.weight);
+  const std::shared_ptr<const Method> function = found->second.method;
   try {
     (*function)(params, reply);
   } catch (const Json::exception& error) {  // params.at("x").get<T>() on what the client sent

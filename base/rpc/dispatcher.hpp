@@ -30,7 +30,7 @@ class CAS_BASE_EXPORT Peer {
   bool authorised = true;
   Refusal refusal = Refusal::kNone;
   std::size_t calls = 0;  ///< under way
-  double weight = 0;      ///< the greatest of what was called since it was set to 0
+  double weight = 0;  ///< the greatest among the calls of a line; who hands lines in sets it to 0
 };
 
 /// JSON-RPC 2.0 without a socket: takes a line, calls methods, delivers answers. Not for several
@@ -39,7 +39,7 @@ class CAS_BASE_EXPORT Dispatcher {
  public:
   Dispatcher();
 
-  /// @param weight  of a call, for Peer::weight; what is no call of such a method weighs 1
+  /// @param weight  share of a call's processor time that its client pays for (1: all of it)
   void add_method(const std::string& name, Method method, double weight = 1);
   void add_topic(const std::string& topic);
   /// Peers that are not authorised must first call `authorise` {"token": ...}.
@@ -74,8 +74,11 @@ class CAS_BASE_EXPORT Dispatcher {
   void methods(const Json& params, Peer& peer, const Reply& reply);
 
   // Shared with a running call, which may end the server that holds it.
-  std::map<std::string, std::shared_ptr<const Method>> methods_;
-  std::map<std::string, double> weights_;
+  struct Weighed {
+    std::shared_ptr<const Method> method;
+    double weight = 1;
+  };
+  std::map<std::string, Weighed> methods_;
   std::map<std::string, SessionMethod> session_methods_;
   std::set<std::string> topics_;
   std::optional<std::string> token_;

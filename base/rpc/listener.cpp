@@ -100,9 +100,9 @@ void remove_stale(const std::filesystem::path& path, const sockaddr_un& address)
   ::unlink(path.c_str());
 }
 
-/// Holds the folder of a socket while one looks for a stale file and binds: a socket that another
-/// program has bound and does not listen on yet would look stale. It waits a moment and no longer:
-/// in /tmp anybody may lock the folder.
+/// Locks a socket's folder from the check for a stale file until listen(): a socket that is bound
+/// and does not listen yet looks stale. Gives up after kFolderPatience: in /tmp anybody may lock
+/// the folder.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder)

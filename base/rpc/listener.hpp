@@ -19,7 +19,7 @@
 
 namespace cas::base::rpc {
 
-/// Names the file of a Unix socket: another one in its place is not ours.
+/// Tells the file of our Unix socket from one that took its place: close() must not unlink that.
 struct SocketFile {
   dev_t device = 0;
   ino_t inode = 0;
@@ -48,8 +48,8 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   using OnClient = std::function<void(StreamSocket)>;
 
   /// Takes over the descriptor.
-  /// @param max_accepts_s  clients in a second, and as many at once; others wait. 0: any
-  /// @param patience  how long the next client has to wait; empty: never
+  /// @param max_accepts_s  rate, and burst, at which clients are accepted; 0: no limit
+  /// @param patience  asked before each accept how long to delay it; empty: never
   Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client,
            double max_accepts_s = 0, std::function<Duration()> patience = {});
 

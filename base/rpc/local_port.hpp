@@ -8,7 +8,7 @@
 
 namespace cas::base::rpc {
 
-/// casd's TCP port where nobody names another one.
+/// casd's TCP port, unless configured otherwise.
 inline constexpr std::uint16_t kCommandPort = 5790;
 /// The token's file in a runtime folder, or in the service's state folder.
 inline constexpr const char* kCommandToken = "casd.token";
@@ -20,8 +20,6 @@ std::string command_socket_name(std::uint16_t port);
 /// Whether an address is of this machine alone: 127.0.0.0/8, ::1 or "localhost".
 bool is_loopback_address(const std::string& address);
 
-/// Where casd has its socket as a service: the unit's RuntimeDirectory.
-inline constexpr const char* kServiceFolder = "/run/cas";
 /// Where the service keeps its token: the unit's StateDirectory.
 inline constexpr const char* kServiceState = "/var/lib/cas";
 
@@ -29,7 +27,7 @@ inline constexpr const char* kServiceState = "/var/lib/cas";
 /// @throws ConfigError when it cannot be made, is no folder, or others may write into it
 std::filesystem::path make_runtime_folder();
 
-/// Sockets of casd on this machine that are there, this user's before the service's.
+/// Sockets of casd that exist on this machine, this user's before the service's.
 std::vector<std::filesystem::path> local_command_sockets();
 /// Token files of casd on this machine that this user may read, in the same order.
 std::vector<std::filesystem::path> local_command_tokens();

@@ -8,11 +8,10 @@
 
 namespace cas::base::rpc {
 
-/// How much of a processor's time all clients of a server may take together: a share, and that of a
-/// second at once after a rest. While they ask for more, each waits after a line for as long as
-/// its own cost takes to earn from an equal part of the share; so one that asks for little, or now
-/// and then, hardly waits for others that ask for much. New clients are let in when the debt of all
-/// is earned back, or after a second. For one thread.
+/// Share of a processor that all clients of a server may take together, with a burst of one
+/// second's share. Above it each client waits, after a line, for (what the line cost) x (clients
+/// that wait) / share; so one that asks for little hardly waits for others that ask for much. New
+/// clients are let in when the debt of all is earned back, or after a second. For one thread.
 class ServeBudget {
  public:
   /// Nobody waits longer, whatever a line has cost: who waits keeps a place.

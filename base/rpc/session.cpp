@@ -223,7 +223,6 @@ void Session::end_when_idle() {
   AsioError ignored;
   socket_.shutdown(asio::socket_base::shutdown_send, ignored);
   close_after(kDrainTime);
-  rx_.assign(4096, '\0');
   do_drain();
 }
 
@@ -234,8 +233,9 @@ void Session::close_after(std::chrono::seconds time) {
   });
 }
 
+// A read of a line may still be under way, into rx_.
 void Session::do_drain() {
-  socket_.async_read_some(asio::buffer(rx_),
+  socket_.async_read_some(asio::buffer(drained_),
                           [self = shared_from_this()](const AsioError& error, std::size_t) {
                             if (self->closed_) return;
                             if (error) return self->close();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
@@ -75,6 +76,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   Duration cost_{};                      // of the newest line, processor time
   std::function<void(const std::shared_ptr<Session>&)> on_closed_;
   std::string rx_;
+  std::array<char, 4096> drained_{};
   std::deque<Line> tx_;
   std::size_t tx_bytes_ = 0;
   bool asked_ = false;

@@ -52,7 +52,8 @@ int write_token(int fd) {
   text += '\n';
   const ssize_t written = ::write(fd, text.data(), text.size());
   if (written < 0) return errno;
-  return static_cast<std::size_t>(written) == text.size() ? 0 : ENOSPC;
+  if (static_cast<std::size_t>(written) != text.size()) return ENOSPC;
+  return ::fsync(fd) == 0 ? 0 : errno;  // no power cut leaves a file without its secret
 }
 
 }  // namespace

@@ -222,6 +222,11 @@ void LinkFigures::sample_counters(LinkId id, int direction, const MessageCounter
   });
 }
 
+std::string LinkFigures::name(LinkId id) const {
+  const auto found = links_.find(id);
+  return found == links_.end() ? "" : found->second->name;
+}
+
 std::vector<LinkStatus> LinkFigures::links() const {
   std::vector<LinkStatus> all;
   for (const auto& [id, link] : links_) {

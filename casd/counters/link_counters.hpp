@@ -263,6 +263,8 @@ class LinkFigures {
   /// Once a second: forms the rates.
   void sample(base::RunTime now);
   std::vector<LinkStatus> links() const;
+  /// Of a link; empty: there is none with this id.
+  std::string name(LinkId id) const;
   /// @param link  only of this one; nothing: all
   /// @param most  no more than these many
   std::vector<MessageStatus> messages(base::RunTime now,

@@ -85,7 +85,7 @@ bool BlockingTxPort::write_one(const PacketRef& packet) {
       if (begun) return true;
       if (queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
       begun = !still && write_some({&packet, 1}, now) == 1;
-      if (begun && tail_.empty()) return true;
+      if (begun && !has_tail()) return true;
     }
     if (still) tend_still_line(now);
     // A line that stands still may have room, and must be looked at.

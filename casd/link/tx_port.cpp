@@ -93,7 +93,7 @@ void TxPort::drop_all(DropCause cause) {
   const std::scoped_lock lock(queue_mutex_);
   for (; batch_at_ < batch_.size(); ++batch_at_) count_drop(*batch_[batch_at_].info, cause);
   queue_.clear(cause);
-  tail_.clear();
+  drop_tail(cause);
   backlog_.store(false, std::memory_order_release);
   busy_.store(false, std::memory_order_relaxed);
   busy_since_ns_.store(0, std::memory_order_relaxed);
@@ -125,36 +125,48 @@ std::size_t TxPort::write_some(std::span<const PacketRef> packets, base::RunTime
   const WriteResult result = writer_->write(packets);
   counters_->tx.write_calls.add();
   std::size_t gone = result.packets;
-  if (result.part_of_next > 0) {
-    const auto rest = packets[gone].bytes.subspan(result.part_of_next);
-    tail_.assign(rest.begin(), rest.end());
-    tail_info_ = *packets[gone].info;
-    tail_spoilt_ = false;
-    ++gone;
-  }
   settle(packets.first(gone), result.unsignable, now);
+  if (result.part_of_next > 0) begin_tail(packets[gone++], result.part_of_next, now);
   if (result.broken) {
     broken_.store(true, std::memory_order_relaxed);
     wake_();
-  } else if (gone < packets.size() || !tail_.empty()) {
+  } else if (gone < packets.size() || has_tail()) {
     if (gone > 0) busy_since_ns_.store(0, std::memory_order_relaxed);
     wait_for_room(now);
   }
   return gone;
 }
 
+// It takes the line from now on, and counts as sent once it is whole.
+void TxPort::begin_tail(const PacketRef& packet, std::size_t gone, base::RunTime now) {
+  tail_packet_.assign(packet.bytes.begin(), packet.bytes.end());
+  tail_at_ = gone;
+  tail_info_ = *packet.info;
+  tail_spoilt_ = false;
+  take_line({&packet, 1}, now);
+}
+
+void TxPort::drop_tail(DropCause cause) {
+  if (has_tail() && !tail_spoilt_) count_drop(tail_info_, cause);
+  tail_packet_.clear();
+  tail_at_ = 0;
+}
+
 bool TxPort::write_tail(base::RunTime now) {
-  if (tail_.empty()) return true;
+  if (!has_tail()) return true;
   spoil_late_tail(now);
-  const std::ptrdiff_t gone = writer_->write_rest(tail_);
+  const std::ptrdiff_t gone = writer_->write_rest(std::span(tail_packet_).subspan(tail_at_));
   if (gone < 0) {
     broken_.store(true, std::memory_order_relaxed);
     wake_();
     return false;
   }
   if (gone > 0) busy_since_ns_.store(ns(now), std::memory_order_relaxed);
-  tail_.erase(tail_.begin(), tail_.begin() + gone);
-  return tail_.empty();
+  tail_at_ += static_cast<std::size_t>(gone);
+  if (has_tail()) return false;
+  const PacketRef whole{&tail_info_, tail_packet_};
+  if (!tail_spoilt_) counters_->count_sent({&whole, 1}, now, base::steady_now());
+  return true;
 }
 
 bool TxPort::take_batch(base::RunTime now) {
@@ -210,6 +222,11 @@ void TxPort::settle(std::span<const PacketRef> done, std::span<const std::size_t
 }
 
 void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
+  take_line(written, now);
+  counters_->count_sent(written, now, base::steady_now());
+}
+
+void TxPort::take_line(std::span<const PacketRef> written, base::RunTime now) {
   std::size_t bytes = 0;
   for (const PacketRef& packet : written) {
     bytes += packet.bytes.size() + writer_->added_bytes();
@@ -218,7 +235,6 @@ void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
   if (still_since_ == base::RunTime{}) still_since_ = now;
   pacer_.sent(bytes, now);
   line_check_.wrote(now);
-  counters_->count_sent(written, now, base::steady_now());
 }
 
 void TxPort::wait_for_room(base::RunTime now) {
@@ -231,11 +247,12 @@ void TxPort::wait_for_room(base::RunTime now) {
 }
 
 // A packet that was begun is finished, so that the next one is found; one that has become too old
-// meanwhile with a checksum that is wrong. (A signature is wrong by then anyway.)
+// meanwhile with a checksum or a signature that is wrong.
 void TxPort::spoil_late_tail(base::RunTime now) {
-  if (tail_spoilt_ || writer_->added_bytes() > 0) return;
-  if (!queue_.too_late(tail_info_, tail_.size(), now, pacer_)) return;
-  tail_.back() ^= 0xFFU;
+  if (tail_spoilt_) return;
+  if (!queue_.too_late(tail_info_, tail_packet_.size() - tail_at_, now, pacer_)) return;
+  tail_packet_.back() ^= 0xFFU;
+  writer_->spoil_rest();
   tail_spoilt_ = true;
   count_drop(tail_info_, DropCause::kAge);
 }
@@ -245,6 +262,7 @@ bool TxPort::stands_still(base::RunTime now) {
   if (!writer_->moved()) return now - still_since_ > patience(now);
   if (flushed_) base::log::info("link " + counters_->name + ": moves again");
   moves_again();
+  if (has_tail()) still_since_ = now;  // its rest waits for the next move
   return false;
 }
 
@@ -269,11 +287,10 @@ base::RunTime TxPort::tend_still_line(base::RunTime now) {
   if (!flushed_ && still > std::max(kFlushAfter, standstill_)) {
     base::log::warn("link " + counters_->name + ": stands still, gets nothing until it moves");
     writer_->flush();
-    if (!tail_.empty() && !tail_spoilt_) count_drop(tail_info_, DropCause::kStalled);
-    tail_.clear();
+    drop_tail(DropCause::kStalled);
     flushed_ = true;
   }
-  if (still > next_nudge_ && tail_.empty()) {
+  if (still > next_nudge_ && !has_tail()) {
     writer_->nudge();
     next_nudge_ = 2 * still;
   }
@@ -378,12 +395,12 @@ void DirectTxPort::drain(base::RunTime now) {
   due_ns_.store(0, std::memory_order_relaxed);
   if (!write_tail(now)) wait_for_room(now);
   if (stands_still(now)) return wait_for_reader(now);
-  if (!tail_.empty()) return;
+  if (has_tail()) return;
   drop_late_batch(now);
   while (take_batch(now)) {
     const std::span<const PacketRef> rest = std::span(batch_).subspan(batch_at_);
     batch_at_ += write_some(rest, now);
-    if (batch_at_ < batch_.size() || !tail_.empty()) return;  // wait_for_room() was called
+    if (batch_at_ < batch_.size() || has_tail()) return;  // wait_for_room() was called
   }
   if (!busy_.load(std::memory_order_relaxed)) busy_since_ns_.store(0, std::memory_order_relaxed);
 }

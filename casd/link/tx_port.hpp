@@ -70,6 +70,7 @@ class TxPort : public PacketPort {
   std::size_t write_some(std::span<const PacketRef> packets, base::RunTime now);
   /// Writes the rest of a begun packet. @return true when none is left
   bool write_tail(base::RunTime now);
+  bool has_tail() const { return tail_at_ < tail_packet_.size(); }
   /// Fills the batch from the queue. @return false when nothing may be written now
   bool take_batch(base::RunTime now);
   /// Whether the pacer lets the next packet out.
@@ -78,8 +79,7 @@ class TxPort : public PacketPort {
   /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
   void wait_for_room(base::RunTime now);
   /// Whether the other side has made no way for longer than a HIL packet is worth sending, although
-  /// it was given something. What is written then would only grow old where
-  /// nobody can drop it.
+  /// it was given something. What is written then would only grow old where nobody can drop it.
   bool stands_still(base::RunTime now);
   base::Duration patience(base::RunTime now) const;
   /// Cares for a line that stands still. @return when to look at it again
@@ -105,9 +105,10 @@ class TxPort : public PacketPort {
   LinePacer pacer_;
   std::atomic<bool> capped_{false};  ///< the pacer holds to the topology's cap, not to the line
   LineCheck line_check_;
-  std::vector<std::uint8_t> tail_;  ///< rest of a packet that was begun
+  std::vector<std::uint8_t> tail_packet_;  ///< the packet that was begun
+  std::size_t tail_at_ = 0;                ///< how much of it is gone
   PacketInfo tail_info_;
-  bool tail_spoilt_ = false;  ///< its checksum was made wrong
+  bool tail_spoilt_ = false;  ///< its check was made wrong, and it was counted as dropped
   std::vector<PacketRef> worth_sending_;
   base::RunTime still_since_{};  ///< when it was given what it has not taken; zero: nothing
   base::Duration next_nudge_{};  ///< after so long a standstill
@@ -134,6 +135,9 @@ class TxPort : public PacketPort {
   void settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
               base::RunTime now);
   void account(std::span<const PacketRef> written, base::RunTime now);
+  void take_line(std::span<const PacketRef> written, base::RunTime now);
+  void begin_tail(const PacketRef& packet, std::size_t gone, base::RunTime now);
+  void drop_tail(DropCause cause);
   void spoil_late_tail(base::RunTime now);
   void moves_again();
   void wait_for_line();

@@ -39,6 +39,8 @@ class PacketWriter {
   virtual WriteResult write(std::span<const PacketRef> packets) = 0;
   /// Writes raw bytes: the rest of a packet that was begun. @return bytes gone, -1 when broken
   virtual std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) = 0;
+  /// Makes the check wrong of a packet that was begun and whose rest it keeps itself.
+  virtual void spoil_rest() {}
   /// Bytes that it adds to each packet.
   virtual std::size_t added_bytes() const { return 0; }
   /// Bytes that were written and have not left this machine; 0 where the driver cannot tell.

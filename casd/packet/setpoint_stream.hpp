@@ -13,8 +13,9 @@ namespace cas::casd {
 bool same_stream(const PacketInfo& a, const PacketInfo& b);
 
 /// Whether a setpoint says all that an older one of its stream says, so that the older one need not
-/// be sent. Only RC_CHANNELS_OVERRIDE may say less: it leaves channels as they are, and one that
-/// gives a channel back must not vanish behind one that does not name it.
+/// be sent. What may say less, or something else: RC_CHANNELS_OVERRIDE (channels it does not name),
+/// SET_ATTITUDE_TARGET and SET_POSITION_TARGET_* (what their type mask ignores; another frame),
+/// MANUAL_CONTROL (other buttons), SET_ACTUATOR_CONTROL_TARGET (another group).
 bool replaces(const PacketInfo& info, std::span<const std::uint8_t> newer,
               std::span<const std::uint8_t> older);
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "casd/packet/signing_clock.hpp"
 #include "casd/port/call_json.hpp"
 #include "casd/port/daemon_methods.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -36,13 +37,6 @@ json signatures_json(const LinkStatus& link) {
     counts[kSignatureWords[i]] = link.rx.signatures[i];
   }
   return counts;
-}
-
-/// The wall clock as signatures count it.
-mav::SigningTime signing_now() {
-  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_1970).count();
-  return mav::signing_time(us < 0 ? 0 : static_cast<std::uint64_t>(us));
 }
 
 /// How far a time of signatures is ahead of the clock; 0 when it is not.
@@ -240,7 +234,7 @@ json FigureMethods::links() const {
       if (config.baud > 0) entry["baud"] = config.baud;
       if (config.signing) {
         entry["rx"]["signatures"] = signatures_json(link);
-        entry["signing"] = signing_json(link, source_.now(), signing_now());
+        entry["signing"] = signing_json(link, source_.now(), signing_clock());
       }
     }
     all.push_back(std::move(entry));
@@ -384,10 +378,8 @@ json FigureMethods::echo() const {
 
 /// "casd" is its own station.
 std::string FigureMethods::link_name(LinkId id) const {
-  for (const LinkStatus& link : source_.figures->links()) {
-    if (link.id == id) return link.name;
-  }
-  return "casd";
+  const std::string name = source_.figures->name(id);
+  return name.empty() ? "casd" : name;
 }
 
 MetricsSource FigureMethods::metrics_source() const {

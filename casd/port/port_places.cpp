@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "base/os/runtime_folder.hpp"
 #include "base/rpc/local_port.hpp"
 #include "base/rpc/token.hpp"
 
@@ -35,7 +36,7 @@ std::filesystem::path default_token() {
 }
 
 std::string default_group(const std::filesystem::path& folder) {
-  const bool shared = folder == base::rpc::kServiceFolder && ::getgrnam(kServiceGroup) != nullptr;
+  const bool shared = folder == base::kServiceFolder && ::getgrnam(kServiceGroup) != nullptr;
   return shared ? kServiceGroup : "";
 }
 

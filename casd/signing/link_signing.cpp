@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "casd/packet/signing_clock.hpp"
 #include "mavlink/common/all.hpp"
 
 namespace cas::casd {
@@ -24,6 +25,9 @@ class SigningWriter final : public PacketWriter {
   WriteResult write(std::span<const PacketRef> packets) override;
   /// The caller's rest has no signature; what is written is the rest of the signed packet.
   std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) override;
+  void spoil_rest() override {
+    if (!rest_.empty()) rest_.back() ^= 0xFFU;  // of the signature
+  }
   int descriptor() const override { return writer_->descriptor(); }
   std::size_t unsent() const override { return writer_->unsent(); }
   bool moved() override { return writer_->moved(); }

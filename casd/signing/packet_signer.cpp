@@ -16,6 +16,7 @@
 #include "base/os/log.hpp"
 #include "base/os/write_file.hpp"
 #include "base/rpc/token.hpp"
+#include "casd/packet/signing_clock.hpp"
 #include "mavlink_gen/runtime/crc.hpp"
 
 namespace cas::casd {
@@ -67,12 +68,6 @@ std::string flat_name(const std::filesystem::path& file) {
 }
 
 }  // namespace
-
-mav::SigningTime signing_clock() {
-  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_1970).count();
-  return mav::signing_time(us < 0 ? 0 : static_cast<std::uint64_t>(us));
-}
 
 int fitting_crc_extra(const mav::PacketView& packet) {
   const bool v1 = packet.version == 1;

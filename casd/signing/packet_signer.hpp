@@ -16,9 +16,6 @@ namespace cas::casd {
 /// read or write it
 mav::SigningKey read_signing_key(const std::filesystem::path& file);
 
-/// The wall clock as MAVLink's signatures count it.
-mav::SigningTime signing_clock();
-
 /// Where the time of signatures outlives a restart: a small text file with the bound that no
 /// signature has reached yet.
 class SigningTimeFile {
@@ -52,9 +49,8 @@ class PacketSigner {
   /// taken in again by a later one. Until then the stored time stays as it was. From one thread.
   void begin();
 
-  /// @param max_ahead  how far ahead of the clock a packet may be. MAVLink lets each accepted
-  /// packet
-  ///                   move the receiver's time: one with a wrong clock would lock out all others
+  /// @param max_ahead  how far ahead of the clock a packet may be: each accepted packet moves the
+  /// receiver's time, so that one with a wrong clock would lock out all others
   mav::SignatureVerdict verify(const mav::PacketView& packet,
                                mav::SigningTime max_ahead = mav::kMaxSigningTime);
 

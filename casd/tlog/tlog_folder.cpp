@@ -62,8 +62,12 @@ TlogFolder::TlogFolder(std::filesystem::path path) : path_(std::move(path)) {
 
 base::Descriptor TlogFolder::make(const std::string& name) const {
   base::Descriptor folder = open_folder(path_);
-  if (!folder && errno == ENOENT && ::mkdir(path_.c_str(), kNewFolder) == 0) {
-    folder = open_folder(path_);
+  if (!folder && errno == ENOENT) {
+    if (::mkdir(path_.c_str(), kNewFolder) == 0) {
+      folder = open_folder(path_);
+    } else if (errno == EEXIST) {
+      errno = ENOENT;  // a symlink that leads nowhere; no name is taken
+    }
   }
   if (!folder) return {};
   // Appending: what follows a record that was cut off begins where that one began.

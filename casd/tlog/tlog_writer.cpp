@@ -2,7 +2,11 @@
 #include "casd/tlog/tlog_writer.hpp"
 
 #include <chrono>
+#include <string>
+#include <system_error>
 #include <utility>
+
+#include "base/error.hpp"
 
 namespace cas::casd {
 namespace {
@@ -25,6 +29,7 @@ TlogWriter::~TlogWriter() {
 
 void TlogWriter::start(TlogRecording::Options options) {
   stop();
+  start_thread();
   {
     const base::RunTime now = base::steady_now();
     const std::scoped_lock files(files_mutex_);
@@ -39,11 +44,21 @@ void TlogWriter::start(TlogRecording::Options options) {
     }
     publish();
   }
-  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
   more_.notify_one();
 }
 
+// Nobody may find out only when a vehicle arms that the machine has no thread left.
+void TlogWriter::start_thread() {
+  if (thread_.joinable()) return;
+  try {
+    thread_ = std::thread([this] { run(); });
+  } catch (const std::system_error& error) {
+    throw base::ConfigError(std::string("cannot record: no thread for it: ") + error.what());
+  }
+}
+
 void TlogWriter::stand_by() {
+  start_thread();
   const std::scoped_lock lock(mutex_);
   stands_by_ = true;
   set_zero(base::steady_now());

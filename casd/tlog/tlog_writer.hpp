@@ -52,10 +52,11 @@ class TlogWriter {
   TlogWriter& operator=(const TlogWriter&) = delete;
 
   /// Begins a recording and ends the one before. It begins with what was kept while it stood by.
-  /// @throws base::ConfigError when its file cannot be made; then nothing has changed but that the
-  /// recording before has ended
+  /// @throws base::ConfigError when its file, or a thread to write it, cannot be made; then nothing
+  /// has changed but that the recording before has ended
   void start(TlogRecording::Options options);
   /// From now on the newest packets are kept while nothing is recorded, for the next start().
+  /// @throws base::ConfigError when the machine has no thread for it
   void stand_by();
   /// The time of day at run time zero of the logs to come, where run time is no clock of this
   /// machine (lockstep); else the logs have the time of day as it is.
@@ -75,6 +76,7 @@ class TlogWriter {
   /// Both what waits and what was kept before stay below this.
   static constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
 
+  void start_thread();
   void run();
   void flush(base::RunTime now);
   void set_zero(base::RunTime now);

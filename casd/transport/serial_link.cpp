@@ -27,6 +27,8 @@ namespace {
 constexpr std::size_t kReadBytes = 16 * 1024;
 // threads: blocking gives up on the rest of a packet after this silence.
 constexpr int kBlockingPatience_ms = 20;
+// Changes in the folder of a missing device that come faster are looked into together.
+constexpr base::Duration kBetweenLooks = std::chrono::milliseconds(10);
 // A line that breaks sooner is not looked at again before: it may break each time.
 constexpr base::Duration kLeastUptime = std::chrono::milliseconds(50);
 
@@ -109,7 +111,10 @@ void SerialLink::watch(PollSet& set, base::RunTime) {
 void SerialLink::serve(const PollSet& set, base::RunTime now) {
   const short events = set.revents(poll_entry_);
   if (fd_ < 0) {
-    if ((events & POLLIN) != 0 && path_watch_.take_changes()) core_.backoff().reset();
+    if ((events & POLLIN) != 0 && path_watch_.take_changes()) {
+      core_.backoff().reset();
+      core_.backoff().look_at(std::max(now, tried_at_ + kBetweenLooks));
+    }
     if (core_.backoff().due(now)) open(now);
     return;
   }
@@ -127,6 +132,7 @@ void SerialLink::open(base::RunTime now) {
   const LinkConfig& config = core_.config();
   std::string error;
   base::Descriptor line;
+  tried_at_ = now;
   const bool found = path_watch_.found_by([&] {
     line = open_serial(config.device,
                        {.baud = config.baud,

@@ -36,6 +36,7 @@ class SerialLink final : public Link {
   std::vector<std::uint8_t> buffer_;
   int fd_ = -1;  ///< owned by the port's writer
   base::RunTime opened_at_{};
+  base::RunTime tried_at_{};
   std::size_t poll_entry_ = 0;
 };
 

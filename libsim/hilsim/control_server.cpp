@@ -144,7 +144,7 @@ struct ControlServer::Impl {
   void watch_pace() {
     pace_timer.expires_after(kPacePeriod);
     pace_timer.async_wait([this](const boost::system::error_code& error) {
-      if (error) return;
+      if (error || closing) return;
       loop.post([this] {
         asio::post(io, [this, figures = loop.figures()] {
           if (const auto trouble = pace.look(figures)) base::log::warn(*trouble);
@@ -160,6 +160,7 @@ struct ControlServer::Impl {
   asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
   asio::signal_set signals{io};
   asio::steady_timer pace_timer{io};
+  bool closing = false;  // a timer that was due before its cancel is not armed again
   base::rpc::Server server{io};
   std::thread thread;
 };
@@ -181,6 +182,7 @@ ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem:
 
 ControlServer::~ControlServer() {
   asio::post(impl_->io, [this] {
+    impl_->closing = true;
     impl_->signals.cancel();
     impl_->pace_timer.cancel();
     impl_->server.close();

@@ -22,8 +22,8 @@ struct FakeLine {
   std::size_t unsent = 0;              ///< what the driver says
   std::size_t bytes = 0;
   std::vector<std::uint8_t> last;  ///< bytes of the last call
-  bool moves = true;
-  bool counts = false;  ///< the other side reads
+  bool moves = true;    ///< the other side reads
+  bool counts = false;  ///< its moves, byte by byte
   int nudges = 0;
   int flushes = 0;
 };
@@ -148,15 +148,34 @@ TEST_F(TxPortTest, WhatAgedInABatchThatFoundNoRoomIsDropped) {
   EXPECT_EQ(line.bytes, 400U);  // the packet that was begun is finished
   EXPECT_EQ(line.last.back(), 0xFF) << "but with a wrong checksum: it is too old as well";
   EXPECT_EQ(dropped(DropCause::kAge), 9U);
+  EXPECT_EQ(counters->tx.packets.get(), 3U) << "each packet counts once";
+}
+
+TEST_F(TxPortTest, SeesAReaderThatStopsInTheMiddleOfAPacket) {
+  open({});
+  line.room = 150;
+  deliver(TrafficClass::kCommand, 2, at({}));
+  line.room = 20;  // it reads a little once more, and then no more
+  port->carry_on(at(milliseconds(5)));
+  line.moves = false;
+  line.room = 0;
+  port->carry_on(at(milliseconds(40)));
+  EXPECT_EQ(line.flushes, 0);
+  port->carry_on(at(milliseconds(1100)));
+  EXPECT_EQ(line.flushes, 1);
+  EXPECT_EQ(dropped(DropCause::kStalled), 1U);
+  EXPECT_EQ(counters->tx.packets.get(), 1U);
 }
 
 TEST_F(TxPortTest, FinishesAPacketThatIsStillWorthIt) {
   open({});
   line.room = 150;
   deliver(TrafficClass::kHil, 2, at({}));
+  EXPECT_EQ(counters->tx.packets.get(), 1U) << "half a packet is none";
   line.room = 1'000'000;
   port->carry_on(at(milliseconds(5)));
   EXPECT_EQ(line.bytes, 200U);
+  EXPECT_EQ(counters->tx.packets.get(), 2U);
   EXPECT_EQ(line.last.back(), 0);
   EXPECT_EQ(dropped(DropCause::kAge), 0U);
 }
@@ -267,7 +286,7 @@ TEST_F(TxPortTest, NothingOfBeforeIsSentAfterAReopen) {
   port->attach(std::make_unique<FakeWriter>(line));
   port->carry_on(at({}));
   EXPECT_EQ(line.bytes, 0U);
-  EXPECT_EQ(dropped(DropCause::kClosed), 5U);
+  EXPECT_EQ(dropped(DropCause::kClosed), 6U) << "the one that was begun, too";
   deliver(TrafficClass::kHil, 1, at({}));
   EXPECT_EQ(line.written, (std::vector<std::uint32_t>{8}));
 }

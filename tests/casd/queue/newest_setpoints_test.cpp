@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "casd/packet/setpoint_stream.hpp"
+#include "mavlink/common/manual_control.hpp"
+#include "mavlink/common/set_attitude_target.hpp"
+#include "mavlink/common/set_position_target_local_ned.hpp"
 #include "tests/casd/packets.hpp"
 
 namespace cas::casd::test {
@@ -102,6 +105,56 @@ mav::PacketBuffer override_of(std::uint16_t first, std::uint16_t second) {
   rc.chan2_raw = second;
   rc.chan3_raw = rc.chan4_raw = rc.chan5_raw = rc.chan6_raw = rc.chan7_raw = rc.chan8_raw = kLeave;
   return packet(rc, {255, 190});
+}
+
+/// Whether the newer one takes the older one's place.
+template <class Message>
+bool takes_place(const Message& newer, const Message& older) {
+  return replaces(of_stream(Message::kId), packet(newer, {255, 190}).view(),
+                  packet(older, {255, 190}).view());
+}
+
+TEST(SetpointStream, TargetTakesThePlaceOfOneThatNamesNoMore) {
+  using mavlink::common::AttitudeTargetTypemask;
+  mavlink::common::SetAttitudeTarget all;
+  mavlink::common::SetAttitudeTarget thrust_only;
+  thrust_only.type_mask = static_cast<AttitudeTargetTypemask>(0b1000'0111);
+  mavlink::common::SetAttitudeTarget attitude_only;
+  attitude_only.type_mask = static_cast<AttitudeTargetTypemask>(0b0100'0111);
+  EXPECT_TRUE(takes_place(all, thrust_only));
+  EXPECT_TRUE(takes_place(thrust_only, thrust_only));
+  EXPECT_FALSE(takes_place(thrust_only, all));
+  EXPECT_FALSE(takes_place(attitude_only, thrust_only));
+}
+
+TEST(SetpointStream, TargetInAnotherFrameIsAnother) {
+  mavlink::common::SetPositionTargetLocalNed ned;
+  ned.coordinate_frame = mavlink::common::MavFrame::kLocalNed;
+  mavlink::common::SetPositionTargetLocalNed body = ned;
+  body.coordinate_frame = mavlink::common::MavFrame::kBodyNed;
+  EXPECT_TRUE(takes_place(ned, ned));
+  EXPECT_FALSE(takes_place(body, ned));
+}
+
+TEST(SetpointStream, TapOfAButtonIsNotLost) {
+  mavlink::common::ManualControl pressed;
+  pressed.buttons = 4;
+  const mavlink::common::ManualControl released;
+  EXPECT_TRUE(takes_place(released, released));
+  EXPECT_FALSE(takes_place(released, pressed));
+}
+
+TEST(SetpointStream, GroupsOfActuatorsAreStreams) {
+  const auto of_group = [](std::uint8_t group) {
+    std::vector<std::uint8_t> bytes(10 + 43 + 2);
+    bytes[0] = 0xFD;
+    bytes[1] = 43;
+    bytes[7] = 139;
+    bytes[10 + 40] = group;
+    return bytes;
+  };
+  EXPECT_TRUE(replaces(of_stream(139), of_group(3), of_group(3)));
+  EXPECT_FALSE(replaces(of_stream(139), of_group(0), of_group(3)));
 }
 
 TEST_F(NewestSetpointsTest, ChannelThatIsGivenBackIsNotLostBehindOthers) {
