@@ -89,6 +89,8 @@ void read_tx(const LinkCounters& link, LinkStatus& status) {
   status.tx.forwarding_p50 = forwarding.quantile(0.50);
   status.tx.forwarding_p99 = forwarding.quantile(0.99);
   status.tx.forwarding_max = forwarding.max();
+  status.tx.forwarding_mean = forwarding.mean();
+  status.tx.forwarding = forwarding.octaves();
   for (const auto& [from, times] : routes) {
     status.tx.routes.push_back(RouteLatency::figures(from, times));
   }

@@ -229,7 +229,8 @@ struct LinkStatus {
   struct {
     std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0;
     std::array<std::uint64_t, kDropCauses> dropped{};  ///< by DropCause
-    base::Duration forwarding_p50{}, forwarding_p99{}, forwarding_max{};
+    base::Duration forwarding_p50{}, forwarding_p99{}, forwarding_max{}, forwarding_mean{};
+    std::vector<base::Histogram::Bin> forwarding;  ///< the whole distribution, by octaves
     std::vector<RouteLatency::Figures> routes;
   } tx;
 };

@@ -39,12 +39,19 @@ class Metric {
     out_ += "# HELP " + name_ + " " + std::string(help) + "\n";
     out_ += "# TYPE " + name_ + " " + std::string(type) + "\n";
   }
-  void add(const std::string& labels, std::uint64_t value) { add(labels, std::to_string(value)); }
-  void add(const std::string& labels, double value) { add(labels, number(value)); }
+  void add(const std::string& labels, std::uint64_t value) { add_part("", labels, value); }
+  void add(const std::string& labels, double value) { add_part("", labels, value); }
+  /// A sample of a histogram: "_bucket", "_sum" or "_count".
+  void add_part(const char* part, const std::string& labels, std::uint64_t value) {
+    write(part, labels, std::to_string(value));
+  }
+  void add_part(const char* part, const std::string& labels, double value) {
+    write(part, labels, number(value));
+  }
 
  private:
-  void add(const std::string& labels, const std::string& value) {
-    out_ += name_ + (labels.empty() ? "" : "{" + labels + "}") + " " + value + "\n";
+  void write(const char* part, const std::string& labels, const std::string& value) {
+    out_ += name_ + part + (labels.empty() ? "" : "{" + labels + "}") + " " + value + "\n";
   }
   std::string& out_;
   const std::string name_;
@@ -110,15 +117,26 @@ void add_drops(std::string& out, const MetricsSource& source) {
   }
 }
 
-void add_forwarding(std::string& out, const MetricsSource& source) {
-  Metric time(out, "casd_link_forwarding_seconds", "gauge",
-              "From read on another link to written on this one, since the start.");
-  for (const LinkStatus& link : source.links) {
-    const std::string label = link_label(link) + ",quantile=";
-    time.add(label + "\"0.5\"", base::to_seconds(link.tx.forwarding_p50));
-    time.add(label + "\"0.99\"", base::to_seconds(link.tx.forwarding_p99));
-    time.add(label + "\"1\"", base::to_seconds(link.tx.forwarding_max));
+/// Forwarding times of a link as a histogram. Its bounds are those of the octaves (powers of two in
+/// ns), from 16 us to 0.27 s, whatever has been seen: a scraper wants the same ones each time.
+void add_forwarding(Metric& time, const LinkStatus& link) {
+  constexpr int kFirst = 14;
+  constexpr int kLast = 28;
+  std::uint64_t total = 0;
+  for (const base::Histogram::Bin& bin : link.tx.forwarding) total += bin.count;
+  for (int octave = kFirst; octave <= kLast; ++octave) {
+    const base::Duration bound(std::int64_t{1} << octave);
+    std::uint64_t below = 0;
+    for (const base::Histogram::Bin& bin : link.tx.forwarding) {
+      if (bin.upper <= bound) below += bin.count;
+    }
+    time.add_part("_bucket", link_label(link) + ",le=\"" + number(base::to_seconds(bound)) + "\"",
+                  below);
   }
+  time.add_part("_bucket", link_label(link) + ",le=\"+Inf\"", total);
+  time.add_part("_sum", link_label(link),
+                base::to_seconds(link.tx.forwarding_mean) * static_cast<double>(total));
+  time.add_part("_count", link_label(link), total);
 }
 
 void add_recording(std::string& out, const TlogStatus& recording) {
@@ -166,7 +184,9 @@ std::string metrics_text(const MetricsSource& source) {
     for (const LinkStatus& link : source.links) metric.add(link_label(link), counter.count(link));
   }
   add_drops(out, source);
-  add_forwarding(out, source);
+  Metric time(out, "casd_link_forwarding_seconds", "histogram",
+              "From read on another link to written on this one, since the start.");
+  for (const LinkStatus& link : source.links) add_forwarding(time, link);
   add_recording(out, source.recording);
   add_messages(out, source);
   return out;

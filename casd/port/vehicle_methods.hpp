@@ -64,7 +64,7 @@ class VehicleMethods {
   void run(const std::string& name, bool audited, const Parse& parse, const Answer& answer,
            const nlohmann::json& params, const base::rpc::Reply& reply);
   void audit(const std::string& client, const std::string& name, const nlohmann::json& params,
-             std::uint8_t system, const Outcome& outcome) const;
+             std::uint8_t system, const Outcome& outcome);
   void publish_text(const VehicleState& vehicle, const StatusText& text);
   const GainLoop* find_loop(std::uint8_t system, const std::string& loop, const Done& done) const;
 
@@ -73,6 +73,8 @@ class VehicleMethods {
   GainMap gains_;
   VehicleHooks hooks_;
   std::optional<base::RunTime> last_sticks_;
+  std::string last_refusal_;  ///< line of the audit
+  std::uint64_t refused_again_ = 0;
 };
 
 }  // namespace cas::casd

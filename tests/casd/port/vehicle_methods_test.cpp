@@ -258,5 +258,15 @@ TEST_F(VehicleMethodsTest, AuditsWhoChangesAVehicleAndWhatCameOfIt) {
   EXPECT_NE(fixture_.audit()[1].find("'WARP' is no mode of PX4"), std::string::npos);
 }
 
+TEST_F(VehicleMethodsTest, AuditsARefusalThatRepeatsItselfOnce) {
+  for (int i = 0; i < 10; ++i) error("vehicle.mode", {{"mode", "WARP"}});
+  error("vehicle.mode", {{"mode", "WOOF"}});
+  fixture_.stop();
+  ASSERT_EQ(fixture_.audit().size(), 3U);
+  EXPECT_NE(fixture_.audit()[0].find("WARP"), std::string::npos);
+  EXPECT_EQ(fixture_.audit()[1], "(the same again 9 times)");
+  EXPECT_NE(fixture_.audit()[2].find("WOOF"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace cas::casd

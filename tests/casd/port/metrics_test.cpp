@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/port/metrics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <map>
+#include <sstream>
+#include <string>
+
+namespace cas::casd::test {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::seconds;
+
+MetricsSource with_forwarding(const base::Histogram& times) {
+  LinkStatus link;
+  link.name = "fcu";
+  link.tx.forwarding = times.octaves();
+  link.tx.forwarding_mean = times.mean();
+  MetricsSource source{};
+  source.links.push_back(link);
+  return source;
+}
+
+/// The samples of a page by name and labels.
+std::map<std::string, double> samples_of(const std::string& page) {
+  std::map<std::string, double> samples;
+  std::istringstream lines(page);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('#')) continue;
+    const std::size_t space = line.rfind(' ');
+    samples[line.substr(0, space)] = std::stod(line.substr(space + 1));
+  }
+  return samples;
+}
+
+TEST(Metrics, ForwardingTimesAreAHistogramWithTheSameBoundsAlways) {
+  base::Histogram times;
+  times.add(microseconds(10));
+  times.add(microseconds(100));
+  times.add(microseconds(110));
+  times.add(seconds(1));
+  const auto samples = samples_of(metrics_text(with_forwarding(times)));
+  const std::string name = "casd_link_forwarding_seconds";
+  const auto below = [&](const std::string& bound) {
+    return samples.at(name + "_bucket{link=\"fcu\",le=\"" + bound + "\"}");
+  };
+  EXPECT_EQ(below("1.6384e-05"), 1);
+  EXPECT_EQ(below("6.5536e-05"), 1);
+  EXPECT_EQ(below("0.000131072"), 3);
+  EXPECT_EQ(below("0.268435456"), 3);
+  EXPECT_EQ(below("+Inf"), 4);
+  EXPECT_EQ(samples.at(name + "_count{link=\"fcu\"}"), 4);
+  EXPECT_NEAR(samples.at(name + "_sum{link=\"fcu\"}"), 1.00022, 1e-8)
+      << "exact to a nanosecond each";
+  EXPECT_EQ(samples_of(metrics_text(with_forwarding({}))).size(), samples.size());
+}
+
+TEST(Metrics, NothingButAHistogramOrASummaryHasQuantiles) {
+  EXPECT_EQ(metrics_text(with_forwarding({})).find("quantile"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cas::casd::test
