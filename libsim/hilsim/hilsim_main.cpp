@@ -92,7 +92,8 @@ int run(const Flags& flags) {
   runner.start();
   if (pace.lock_memory) base::lock_memory();
   const base::CpuLatencyRequest latency(pace.cpu_dma_latency_us);
-  base::configure_this_thread("simulation", pace.thread);
+  base::configure_this_thread("hilsim",
+                              pace.thread);        // of the main thread: the name of the process
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // wake at the deadline, not up to 50 us later
   if (flags.paused) loop.post([&loop] { loop.pause(); });
 
