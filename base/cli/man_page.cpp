@@ -119,8 +119,9 @@ void add_see_also(std::string& text, const std::string& program) {
 }  // namespace
 
 std::string man_page(const std::string& program, const std::string& version,
-                     const Command& command) {
-  std::string text = ".TH " + upper(program) + " 1 \"\" \"CAS " + version + "\" \"CAS\"\n";
+                     const std::string& date, const Command& command) {
+  std::string text =
+      ".TH " + upper(program) + " 1 \"" + date + "\" \"CAS " + version + "\" \"CAS\"\n";
   text += ".SH NAME\n" + escaped(program) + " \\- " + escaped(what_it_does(command.description)) +
           "\n.SH SYNOPSIS\n\\fB" + escaped(program) + "\\fR" + synopsis(command) + "\n";
   text += ".SH OPTIONS\n";

@@ -8,7 +8,8 @@
 namespace cas::base::cli {
 
 /// The manual page of a program, in man(7) macros.
+/// @param date  of the text: "2026-11-22"
 std::string man_page(const std::string& program, const std::string& version,
-                     const Command& command);
+                     const std::string& date, const Command& command);
 
 }  // namespace cas::base::cli

@@ -61,19 +61,19 @@ TEST(Completion, KeepsHiddenOptionsHidden) {
   EXPECT_EQ(completed("kite --se", 1), "");
   for (const std::string& script :
        {zsh_completion("kite", sample()), fish_completion("kite", sample()),
-        man_page("kite", "1", sample())}) {
+        man_page("kite", "1", "2026-01-02", sample())}) {
     EXPECT_EQ(script.find("secret"), std::string::npos) << script;
     EXPECT_NE(script.find("slowly"), std::string::npos) << script;
   }
 }
 
 TEST(ManPage, HasTheSectionsOfOne) {
-  const std::string page = man_page("kite", "1.2", sample());
+  const std::string page = man_page("kite", "1.2", "2026-01-02", sample());
   for (const char* part :
-       {".TH KITE 1", ".SH NAME\nkite \\- flies kites\n", ".SH SYNOPSIS", ".SH OPTIONS",
-        "\\fB\\-s\\fR, \\fB\\-\\-speed\\fR \\fITEXT\\fR\nm/s (default: 3).\n", ".SS \"line reel\"",
-        "\\fIMETRES\\fR", "Example: kite status", ".SH ENVIRONMENT", "KITE_SPEED",
-        ".SH SEE ALSO"}) {
+       {".TH KITE 1 \"2026-01-02\" \"CAS 1.2\"", ".SH NAME\nkite \\- flies kites\n", ".SH SYNOPSIS",
+        ".SH OPTIONS", "\\fB\\-s\\fR, \\fB\\-\\-speed\\fR \\fITEXT\\fR\nm/s (default: 3).\n",
+        ".SS \"line reel\"", "\\fIMETRES\\fR", "Example: kite status", ".SH ENVIRONMENT",
+        "KITE_SPEED", ".SH SEE ALSO"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part << " in\n" << page;
   }
 }
@@ -81,7 +81,7 @@ TEST(ManPage, HasTheSectionsOfOne) {
 TEST(ManPage, PrintsWhatLooksLikeARequestAsText) {
   CLI::App app("Reads things.");
   app.footer(".so many\n'things' and a back\\slash");
-  const std::string page = man_page("reader", "1", describe(app));
+  const std::string page = man_page("reader", "1", "2026-01-02", describe(app));
   EXPECT_NE(page.find("\n\\&.so many\n\\&'things' and a back\\eslash"), std::string::npos) << page;
 }
 
