@@ -13,6 +13,8 @@ namespace {
 
 // Written at the latest after this: a log survives a crash but for the last moments.
 constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
+// Who is later than this has another clock: one that was set back, or a simulation begun anew.
+constexpr std::uint64_t kClockStep_us = 1'000'000;
 
 }  // namespace
 
@@ -101,16 +103,29 @@ void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now)
     stretch_began_ = now;
     set_zero(base::steady_now());
   }
-  const auto stamp =
-      static_cast<std::uint64_t>((now.time_since_epoch().count() + unix_minus_run_ns_) / 1000);
-  append_tlog_record(stamp, packet, waiting_);
+  append_tlog_record(stamp_of(now), packet, waiting_);
 }
 
-/// With mutex_ held: what the stamps are made from.
+/// With mutex_ held. Threads come a moment after they have read, so not in the order of their
+/// times; readers of a log count on times that never go back.
+std::uint64_t TlogWriter::stamp_of(base::RunTime now) {
+  const auto us =
+      static_cast<std::uint64_t>((now.time_since_epoch().count() + unix_minus_run_ns_) / 1000);
+  const bool a_moment_late = us < newest_us_ && newest_us_ - us < kClockStep_us;
+  if (!a_moment_late) newest_us_ = us;
+  return newest_us_;
+}
+
+/// With mutex_ held: what the stamps are made from. When the wall clock was set back, what was kept
+/// would lie behind what is to come.
 void TlogWriter::set_zero(base::RunTime now) {
+  const std::int64_t before = unix_minus_run_ns_;
   const auto unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::system_clock::now().time_since_epoch());
   unix_minus_run_ns_ = epoch_ ? epoch_->count() : (unix_ns - now.time_since_epoch()).count();
+  if (before - unix_minus_run_ns_ < static_cast<std::int64_t>(1000 * kClockStep_us)) return;
+  before_.clear();
+  waiting_.clear();
 }
 
 /// With both locks held.

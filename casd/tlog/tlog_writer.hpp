@@ -80,6 +80,7 @@ class TlogWriter {
   void run();
   void flush(base::RunTime now);
   void set_zero(base::RunTime now);
+  std::uint64_t stamp_of(base::RunTime now);
   void take_waiting();
   void write_taken(base::RunTime now);
   void publish();
@@ -94,6 +95,7 @@ class TlogWriter {
   base::RunTime stretch_began_{};
   std::uint64_t overflowed_ = 0;
   std::int64_t unix_minus_run_ns_ = 0;  ///< wall clock at run time zero
+  std::uint64_t newest_us_ = 0;         ///< since 1970, of the newest record
   bool ending_ = false;
 
   std::mutex files_mutex_;

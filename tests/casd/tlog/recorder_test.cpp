@@ -57,6 +57,19 @@ class RecorderTest : public testing::Test {
   TlogWriter writer;
 };
 
+/// Threads of links come in the order of the writer's lock, not of their times.
+TEST_F(RecorderTest, TimesNeverGoBackButWithTheClock) {
+  Recorder recorder = make({.tlog = "flight", .overwrite = true});
+  recorder.begin();
+  for (const int ms : {10, 12, 11, 13}) say(milliseconds(ms));
+  say(milliseconds(5000));
+  say(milliseconds(1));  // a simulation that began anew
+  recorder.stop();
+  EXPECT_EQ(times(folder / "flight.tlog"),
+            (std::vector<base::Duration>{milliseconds(10), milliseconds(12), milliseconds(12),
+                                         milliseconds(13), milliseconds(5000), milliseconds(1)}));
+}
+
 TEST_F(RecorderTest, RecordsAFlightFromBeforeItsArmingUntilAfterItsEnd) {
   Recorder recorder = make({.while_armed = true});
   recorder.begin();
