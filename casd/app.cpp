@@ -90,12 +90,14 @@ base::rpc::ServerLimits server_limits(const Topology& topology) {
 }
 
 /// Where the command port takes its figures from; both outlive it.
-FiguresSource make_figures_source(LinkSet& links, const VehicleMethods& vehicles,
-                                  const Recorder& recorder) {
+FiguresSource make_figures_source(const AppOptions& options, LinkSet& links,
+                                  const VehicleMethods& vehicles, const Recorder& recorder) {
   return {.figures = &links.figures(),
           .topology = [&links]() -> const Topology& { return links.topology(); },
           .now = base::steady_now,
           .started = base::steady_now(),
+          .name = options.name,
+          .topology_file = std::filesystem::absolute(options.topology_file),
           .vehicles = [&vehicles] { return vehicles.vehicles(); },
           .recording = [&recorder] { return recorder.status(base::steady_now()); },
           .taps = &links.taps(),
@@ -133,7 +135,7 @@ struct App::Impl {
             {.now = [this] { return station_now(); },
              .link_name = [this](LinkId id) { return link_name(id); },
              .audit = [](const std::string& line) { base::log::info("audit: " + line); }}),
-        figures(server, make_figures_source(links, vehicle_methods, recorder)) {
+        figures(server, make_figures_source(options, links, vehicle_methods, recorder)) {
     if (lockstep()) {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
       links.tlog().set_epoch(TlogWriter::kStreamEpoch);
@@ -184,13 +186,21 @@ struct App::Impl {
     if (!token.empty()) server.require_token(token, port.loopback_without_token);
     const std::uint16_t bound = server.listen_tcp(port.address, port.port);
     command_endpoint = port.address + ":" + std::to_string(bound);
-    if (const CommandSocket socket = command_socket(port); !socket.path.empty()) {
-      server.listen_unix(socket.path, socket.group);
-      unix_endpoint = socket.path.string();
-    }
+    for (const CommandSocket& socket : command_sockets(port, bound)) listen_on(socket);
     if (const auto& http = links.topology().metrics) {
       metrics_endpoint =
           http->address + ":" + std::to_string(metrics.listen(http->address, http->port));
+    }
+  }
+
+  /// @throws base::ConfigError
+  void listen_on(const CommandSocket& socket) {
+    try {
+      server.listen_unix(socket.path, socket.group);
+      if (unix_endpoint.empty()) unix_endpoint = socket.path.string();
+    } catch (const base::ConfigError& error) {
+      if (socket.required) throw;
+      warn_not_found(error.what());
     }
   }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "casd/topology/topology.hpp"
 
@@ -12,6 +13,7 @@ struct AppOptions {
   std::filesystem::path topology_file;
   std::filesystem::path ledger_file;  ///< each HIL packet at each link, at the end; empty: none
   std::filesystem::path stats_file;   ///< written at the end; empty: none
+  std::string name;                   ///< of this casd, for people; empty: its topology's file
   bool lockstep = false;              ///< whatever `pace` the topology has, after a reload too
 };
 

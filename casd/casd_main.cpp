@@ -131,6 +131,7 @@ struct Flags {
   std::string topology;
   std::string ledger;
   std::string stats;
+  std::string name;
   std::string log_level = "info";
   bool check = false;
   bool lockstep = false;
@@ -156,6 +157,7 @@ int run(const Flags& flags) {
   App app({.topology_file = file,
            .ledger_file = flags.ledger,
            .stats_file = flags.stats,
+           .name = flags.name,
            .lockstep = flags.lockstep},
           std::move(topology));
   base::bind_command_port([&app] { app.listen(); });
@@ -178,6 +180,8 @@ int main(int argc, char** argv) {
   cli.add_flag("--lockstep", flags.lockstep,
                "Run every protocol timer on the stream's time, as 'pace: lockstep' does");
   cli.add_option("--stats", flags.stats, "Write figures to this file at the end");
+  cli.add_option("--name", flags.name,
+                 "What this casd runs, for whoever chooses among several (`casctl --address`)");
   cli.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
   base::cli::add_manual(cli, "casd", CAS_VERSION);
   if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;

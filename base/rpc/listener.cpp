@@ -23,6 +23,7 @@
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "base/rpc/local_port.hpp"
 #include "base/time/clock.hpp"
 
 namespace cas::base::rpc {
@@ -82,6 +83,14 @@ sockaddr_un unix_address(const std::filesystem::path& path) {
   return address;
 }
 
+/// Whether nobody listens on a socket file. Asks by connecting.
+bool is_abandoned(const sockaddr_un& address) {
+  const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  return probe &&
+         ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
+         errno == ECONNREFUSED;
+}
+
 /// Removes a socket file of ours that nobody listens on; refuses anything else in its place.
 void remove_stale(const std::filesystem::path& path, const sockaddr_un& address) {
   struct stat status {};
@@ -91,10 +100,7 @@ void remove_stale(const std::filesystem::path& path, const sockaddr_un& address)
     throw ConfigError(path.string() + ": is a socket of another user (uid " +
                       std::to_string(status.st_uid) + ")");
   }
-  const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  const int connected =
-      ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  if (connected == 0 || errno != ECONNREFUSED) {
+  if (!is_abandoned(address)) {
     throw ConfigError(path.string() + ": is in use by another program");
   }
   ::unlink(path.c_str());
@@ -193,6 +199,23 @@ ListeningSocket open_unix(const std::filesystem::path& path, const std::string& 
   socket.file = socket_file(path);
   socket.fd = std::move(fd);
   return socket;
+}
+
+void remove_stale_sockets(const std::filesystem::path& folder) {
+  const FolderLock lock(folder);
+  std::error_code end;
+  for (std::filesystem::directory_iterator entry(folder, end), none; !end && entry != none;
+       entry.increment(end)) {
+    const std::filesystem::path& path = entry->path();
+    struct stat status {};
+    if (!is_command_socket_name(path.filename().native()) ||
+        path.native().size() >= sizeof(sockaddr_un::sun_path) ||
+        ::lstat(path.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode) ||
+        status.st_uid != ::geteuid()) {
+      continue;
+    }
+    if (is_abandoned(unix_address(path))) ::unlink(path.c_str());
+  }
 }
 
 Listener::Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client,

@@ -41,6 +41,10 @@ ListeningSocket open_tcp(const std::string& address, std::uint16_t port);
 /// @throws ConfigError
 ListeningSocket open_unix(const std::filesystem::path& path, const std::string& group = {});
 
+/// Removes the socket files of earlier casds in their runtime folder: this user's, by their names,
+/// that nobody listens on.
+void remove_stale_sockets(const std::filesystem::path& folder);
+
 /// Accepts clients with SOCK_CLOEXEC, which Asio's own acceptor leaves out.
 class Listener final : public std::enable_shared_from_this<Listener> {
  public:

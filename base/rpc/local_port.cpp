@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -40,6 +41,28 @@ std::vector<fs::path> runtime_folders() {
   return folders;
 }
 
+/// The sockets of casd in one folder, by name; those of strangers are left out.
+std::vector<fs::path> sockets_in(const fs::path& folder) {
+  std::vector<fs::path> sockets;
+  struct stat owner {};
+  if (::lstat(folder.c_str(), &owner) != 0 || !S_ISDIR(owner.st_mode)) return sockets;
+  const auto is_trusted_user = [&owner](uid_t user) {
+    return user == ::geteuid() || user == 0 || user == owner.st_uid;
+  };
+  std::error_code end;  // a folder that is gone, or that this user may not list
+  for (fs::directory_iterator entry(folder, end), none; !end && entry != none;
+       entry.increment(end)) {
+    struct stat status {};
+    if (!is_command_socket_name(entry->path().filename().native()) ||
+        ::lstat(entry->path().c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) {
+      continue;
+    }
+    if (is_trusted_user(status.st_uid)) sockets.push_back(entry->path());
+  }
+  std::sort(sockets.begin(), sockets.end());
+  return sockets;
+}
+
 }  // namespace
 
 fs::path make_runtime_folder() {
@@ -66,6 +89,10 @@ std::string command_socket_name(std::uint16_t port) {
   return port == kCommandPort ? "casd.sock" : "casd-" + std::to_string(port) + ".sock";
 }
 
+bool is_command_socket_name(std::string_view name) {
+  return name == "casd.sock" || (name.starts_with("casd-") && name.ends_with(".sock"));
+}
+
 bool is_loopback_address(const std::string& address) {
   if (address == "localhost") return true;
   sockaddr_in v4{};
@@ -82,9 +109,8 @@ bool is_loopback_address(const std::string& address) {
 std::vector<fs::path> local_command_sockets() {
   std::vector<fs::path> sockets;
   for (const fs::path& folder : runtime_folders()) {
-    const fs::path path = folder / command_socket_name(kCommandPort);
-    struct stat status {};
-    if (::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) sockets.push_back(path);
+    const std::vector<fs::path> found = sockets_in(folder);
+    sockets.insert(sockets.end(), found.begin(), found.end());
   }
   return sockets;
 }

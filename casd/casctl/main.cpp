@@ -30,8 +30,8 @@ void add_options(CommandLine& line) {
   app.set_version_flag("--version", std::string("casctl ") + CAS_VERSION);
   app.require_subcommand(1);
   app.add_option("--address", options.address,
-                 "Command port of casd, HOST:PORT or unix:PATH; without it casd's Unix socket on "
-                 "this machine, else 127.0.0.1:5790")
+                 "Command port of casd, HOST:PORT or unix:PATH; without it the one casd that runs "
+                 "on this machine (several are listed), else 127.0.0.1:5790")
       ->envname("CASD_ADDRESS");
   app.add_option("--token-file", options.token_file,
                  "File with the command port's token; over TCP to this machine casd's own is found")
@@ -86,6 +86,8 @@ std::string hint(int code) {
   }
 }
 
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
 int run_verb(const CommandLine& line) {
   const Options& options = line.options();
   try {
@@ -100,6 +102,10 @@ int run_verb(const CommandLine& line) {
              : "; is casd running there? Start it with `casd TOPOLOGY.yaml`, or give --address";
     print_error(options, 0, error.what() + next, "");
     return late ? kTimeout : kNoDaemon;
+  } catch (const SeveralDaemons& error) {
+    const std::string what = options.json ? first_line(error.what()) : error.what();
+    print_error(options, 0, what, error.daemons().dump());
+    return kUsage;
   } catch (const WaitTimeout& error) {
     print_error(options, 0, error.what(), "");
     return kTimeout;

@@ -212,6 +212,8 @@ json FigureMethods::status() const {
               {"clients", server_.clients()},
               {"links", links()},
               {"vehicles", source_.vehicles()}};
+  if (!source_.name.empty()) status["name"] = source_.name;
+  if (!source_.topology_file.empty()) status["topology"] = source_.topology_file.string();
   if (last_reload_) status["reload"] = reload_json(*last_reload_, source_.now());
   if (source_.recording) status["recording"] = recording_json(source_.recording());
   return status;

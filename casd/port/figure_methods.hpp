@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -30,6 +31,10 @@ struct FiguresSource {
   std::function<const Topology&()> topology;
   std::function<base::RunTime()> now;
   base::RunTime started{};
+  /// What tells this casd from others on the machine: a name, empty where it has none, and its
+  /// topology's file.
+  std::string name{};
+  std::filesystem::path topology_file{};
   /// The `vehicles` of casd.status.
   std::function<nlohmann::json()> vehicles;
   /// The `recording` of casd.status; without it there is none.

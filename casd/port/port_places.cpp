@@ -4,11 +4,13 @@
 #include <grp.h>
 
 #include <cstdlib>
-#include <optional>
+#include <system_error>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/runtime_folder.hpp"
+#include "base/rpc/listener.hpp"
 #include "base/rpc/local_port.hpp"
 #include "base/rpc/token.hpp"
 
@@ -40,14 +42,51 @@ std::string default_group(const std::filesystem::path& folder) {
   return shared ? kServiceGroup : "";
 }
 
+/// Where casctl finds this casd.
+CommandSocket socket_in_runtime_folder(const CommandPortConfig& port, std::uint16_t bound) {
+  const std::filesystem::path folder = folder_for("unix");
+  base::rpc::remove_stale_sockets(folder);
+  const bool take_default = !port.unix_path && port.unix_group.empty();
+  return {.path = folder / base::rpc::command_socket_name(bound),
+          .group = take_default ? default_group(folder) : port.unix_group};
+}
+
+/// The same where casd also runs without it.
+std::vector<CommandSocket> optional_socket(const CommandPortConfig& port, std::uint16_t bound) {
+  try {
+    CommandSocket socket = socket_in_runtime_folder(port, bound);
+    socket.required = false;
+    return {std::move(socket)};
+  } catch (const base::ConfigError& error) {
+    warn_not_found(error.what());
+    return {};
+  }
+}
+
+/// Whether casctl sees a socket where it is.
+bool is_found_at(const std::filesystem::path& path) {
+  if (!base::rpc::is_command_socket_name(path.filename().native())) return false;
+  std::error_code none;  // a folder that is not there is not the same
+  return std::filesystem::equivalent(path.parent_path(), base::runtime_folder(), none) ||
+         std::filesystem::equivalent(path.parent_path(), base::kServiceFolder, none);
+}
+
 }  // namespace
 
-CommandSocket command_socket(const CommandPortConfig& port) {
-  if (port.unix_path) return {*port.unix_path, port.unix_group};
-  if (port.port == 0) return {};
-  const std::filesystem::path folder = folder_for("unix");
-  return {folder / base::rpc::command_socket_name(port.port),
-          port.unix_group.empty() ? default_group(folder) : port.unix_group};
+void warn_not_found(const std::string& reason) {
+  base::log::warn("casctl finds this casd by its address alone: " + reason);
+}
+
+std::vector<CommandSocket> command_sockets(const CommandPortConfig& port, std::uint16_t bound) {
+  if (!port.unix_path && port.port != 0) return {socket_in_runtime_folder(port, bound)};
+  if (!port.unix_path) return optional_socket(port, bound);
+  if (port.unix_path->empty()) return {};
+  std::vector<CommandSocket> sockets{{.path = *port.unix_path, .group = port.unix_group}};
+  if (is_found_at(*port.unix_path)) return sockets;
+  for (CommandSocket& further : optional_socket(port, bound)) {
+    sockets.push_back(std::move(further));
+  }
+  return sockets;
 }
 
 std::filesystem::path command_token(const CommandPortConfig& port) {

@@ -4,21 +4,29 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {
 
-/// The Unix socket of a command port.
+/// A Unix socket of a command port.
 struct CommandSocket {
-  std::filesystem::path path;  ///< empty: none
-  std::string group;           ///< whose members may connect; empty: none
+  std::filesystem::path path;
+  std::string group;     ///< whose members may connect; empty: none
+  bool required = true;  ///< casd does not start without it
 };
 
-/// Where the Unix socket goes: as configured, else into the runtime folder, which is made. In the
-/// service's folder it is for the group `cas` where there is one. A port that was taken at random
-/// has none: whoever starts casd so names one. @throws base::ConfigError
-CommandSocket command_socket(const CommandPortConfig& port);
+/// Where the Unix sockets go: as configured, and into the runtime folder, which is made, because
+/// casctl looks there for every casd that runs. In the service's folder that socket is for the
+/// group `cas` where there is one. It is not required where `unix` names another place or the TCP
+/// port was taken at random: such a casd is reached by its address. Stale sockets of earlier casds
+/// in the folder are removed.
+/// @param bound  the TCP port that casd listens on @return none with `unix: none`
+/// @throws base::ConfigError
+std::vector<CommandSocket> command_sockets(const CommandPortConfig& port, std::uint16_t bound);
+/// Says in the log why casd has no socket in the runtime folder.
+void warn_not_found(const std::string& reason);
 
 /// The token that TCP clients must give: the file as configured, in systemd's $STATE_DIRECTORY
 /// where there is one, or in the runtime folder; made where it is missing. @return empty when

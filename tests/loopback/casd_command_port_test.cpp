@@ -86,6 +86,10 @@ class CommandPort : public testing::Test {
     status_ = *status + " ";
     tcp_ = word("command_port");
   }
+  void stop() {
+    casd_->signal(SIGTERM);
+    ASSERT_EQ(casd_->wait_exit(), 0) << casd_->output();
+  }
   std::string word(const std::string& key) const {
     const std::size_t at = status_.find(key + " ");
     if (at == std::string::npos) return "";
@@ -109,6 +113,15 @@ class CommandPort : public testing::Test {
     return {code, child.output()};
   }
   fs::path runtime() const { return session_.path() / "cas"; }
+  /// Socket files in the runtime folder.
+  std::vector<fs::path> sockets() const {
+    std::vector<fs::path> found;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(runtime(), none)) {
+      if (entry.is_socket()) found.push_back(entry.path());
+    }
+    return found;
+  }
 
   TemporaryFolder folder_;
   TemporaryFolder session_;
@@ -151,6 +164,98 @@ TEST_F(CommandPort, CasctlTakesTheSocketFirst) {
   })) << casd_->output();
 }
 
+TEST_F(CommandPort, CasctlFindsACasdThatTookAFreePort) {
+  start("{port: 0}");
+  EXPECT_EQ(word("command_socket"),
+            (runtime() / ("casd-" + std::to_string(port()) + ".sock")).string());
+  EXPECT_EQ(casctl({"status"}).code, 0);
+
+  casd_->signal(SIGKILL);
+  ASSERT_TRUE(casd_->wait_exit().has_value());
+  ASSERT_EQ(sockets().size(), 1U) << "nobody removed it";
+  EXPECT_EQ(casctl({"status"}).code, 3) << "nobody listens there";
+  start("{port: 0}");
+  EXPECT_EQ(sockets(), std::vector<fs::path>{word("command_socket")});
+  EXPECT_EQ(casctl({"status"}).code, 0);
+}
+
+TEST_F(CommandPort, CasctlFindsACasdWithASocketElsewhere) {
+  start("{port: 0, unix: $DIR/casd.sock}");
+  EXPECT_EQ(word("command_socket"), (folder_ / "casd.sock").string());
+  ASSERT_EQ(sockets().size(), 1U);
+  struct stat status {};
+  ASSERT_EQ(::lstat(sockets().front().c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  EXPECT_EQ(casctl({"status"}).code, 0);
+
+  stop();
+  start("{port: 0, unix: " + (runtime() / "casd-mine.sock").string() + "}");
+  EXPECT_EQ(sockets(), std::vector<fs::path>{runtime() / "casd-mine.sock"}) << "it is there";
+  stop();
+  start("{port: 0, unix: none}");
+  EXPECT_TRUE(sockets().empty());
+}
+
+TEST_F(CommandPort, ACasdWithoutARuntimeFolderRuns) {
+  fs::create_symlink(folder_ / "elsewhere", runtime());
+  start("{port: 0, unix: $DIR/casd.sock, token_file: $DIR/secret}");
+  EXPECT_NE(casd_->output().find("casctl finds this casd by its address alone: "),
+            std::string::npos)
+      << casd_->output();
+  EXPECT_EQ(casctl({"--address", "unix:" + (folder_ / "casd.sock").string(), "status"}).code, 0);
+}
+
+TEST_F(CommandPort, CasctlListsSeveralCasds) {
+  UdpPeer vehicle;
+  start("{port: 0}", "links:\n  - {name: fcu, type: udp, local: '127.0.0.1:0', remote: '" +
+                         vehicle.endpoint() + "'}\n");
+  const std::string first = "unix:" + word("command_socket");
+  Client client(first);
+  vehicle.set_remote(port_of(word("fcu")));
+  mav::Encoder encode({7, 1});
+  mavlink::common::Heartbeat heartbeat;
+  heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
+  ASSERT_TRUE(wait_until([&] {
+    vehicle.send(encode(heartbeat));
+    return !client.call("casd.status", json::object())["vehicles"].empty();
+  }));
+  const fs::path second = folder_.write(
+      "bench two.yaml", std::string("schema: 1\n") + "command_port: {port: 0}\n" + kLinks);
+  ChildProcess other(in_session(session_.path(), "casd", {second.string()}));
+  ASSERT_TRUE(other.wait_ready().has_value()) << other.output();
+  ChildProcess named(in_session(session_.path(), "casd", {second.string(), "--name", "hover"}));
+  ASSERT_TRUE(named.wait_ready().has_value()) << named.output();
+  ChildProcess killed(in_session(session_.path(), "casd", {second.string()}));
+  ASSERT_TRUE(killed.wait_ready().has_value()) << killed.output();
+  killed.signal(SIGKILL);
+  ASSERT_TRUE(killed.wait_exit().has_value());
+  ASSERT_EQ(sockets().size(), 4U);
+
+  const Ended said = casctl({"arm"});
+  EXPECT_EQ(said.code, 2) << said.output;
+  EXPECT_NE(said.output.find("casctl: 3 casds run on this machine: say which with --address or "
+                             "CASD_ADDRESS\n"),
+            std::string::npos)
+      << said.output;
+  EXPECT_NE(said.output.find(second.string()), std::string::npos) << said.output;
+  EXPECT_NE(said.output.find("  hover  "), std::string::npos) << said.output;
+
+  const Ended listed = casctl({"--json", "status"});
+  EXPECT_EQ(listed.code, 2);
+  const json daemons = json::parse(listed.output)["error"]["data"];
+  ASSERT_EQ(daemons.size(), 3U) << listed.output;
+  for (const json& daemon : daemons) {
+    const auto address = daemon["address"].get<std::string>();
+    EXPECT_EQ(daemon["vehicles"], address == first ? json{7} : json::array()) << daemon;
+    EXPECT_LT(daemon["uptime_s"].get<double>(), 600);
+    EXPECT_EQ(casctl({"--address", address, "status"}).code, 0);
+  }
+  named.signal(SIGTERM);
+  other.signal(SIGTERM);
+  ASSERT_TRUE(named.wait_exit().has_value() && other.wait_exit().has_value());
+  EXPECT_EQ(casctl({"status"}).code, 0) << "one is left";
+}
+
 TEST_F(CommandPort, CasctlFindsTheTokenByItself) {
   start("{port: 0}");
   const Ended ended = casctl({"--address", tcp_, "status"});
@@ -173,7 +278,7 @@ TEST_F(CommandPort, MakesTheTokenFileThatIsConfigured) {
   struct stat status {};
   ASSERT_EQ(::lstat((folder_ / "secret").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777U, 0600U);
-  EXPECT_FALSE(fs::exists(runtime()));
+  EXPECT_FALSE(fs::exists(runtime() / "casd.token"));
   const std::string made = base::rpc::read_token(folder_ / "secret");
   start("{port: 0, token_file: $DIR/secret}");
   EXPECT_EQ(base::rpc::read_token(folder_ / "secret"), made);
@@ -193,7 +298,7 @@ TEST_F(CommandPort, RefusesATokenThatOthersMayReadOrPlanted) {
 TEST_F(CommandPort, ThisMachineIsExemptOnlyWhereTheTopologySaysSo) {
   start("{port: 0, loopback_without_token: true}");
   EXPECT_EQ(RawClient(port()).ask(kStatus)["result"]["program"], "casd");
-  EXPECT_FALSE(fs::exists(runtime())) << "nobody needs a token";
+  EXPECT_FALSE(fs::exists(runtime() / "casd.token")) << "nobody needs a token";
 
   start("{port: 0, address: 0.0.0.0}");
   EXPECT_EQ(RawClient(port_of(tcp_)).ask(kStatus)["error"]["code"], base::rpc::kNotAuthorised);

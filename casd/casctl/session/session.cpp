@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "base/os/host_port.hpp"
+#include "base/rpc/local_clients.hpp"
 #include "base/rpc/local_port.hpp"
+#include "casd/casctl/session/daemon_list.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -57,13 +59,11 @@ base::rpc::Client Session::connect() {
 }
 
 base::rpc::Client Session::connect_here() {
-  for (const std::filesystem::path& path : base::rpc::local_command_sockets()) {
-    try {
-      address_ = "unix:" + path.string();
-      return base::rpc::Client(address_);
-    } catch (const base::rpc::ConnectionError&) {
-      // Nobody listens there any more, or only others may connect.
-    }
+  std::vector<base::rpc::LocalClient> clients = base::rpc::connect_local();
+  if (clients.size() > 1) throw_several(clients);
+  if (clients.size() == 1) {
+    address_ = clients.front().address;
+    return std::move(clients.front().client);
   }
   address_ = kTcpAddress;
   return base::rpc::Client(address_);

@@ -5,7 +5,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "base/rpc/client.hpp"
 
@@ -22,12 +24,25 @@ enum ExitCode : int {
 
 /// The options that every verb takes.
 struct Options {
-  std::string address;     ///< empty: casd's Unix socket on this machine, else its TCP port here
+  std::string address;     ///< empty: the one casd that runs on this machine
   std::string token_file;  ///< empty: the one in the runtime folder, for TCP to this machine
   std::optional<int> vehicle;
   bool json = false;
   bool wait = false;
   double timeout_s = 60;
+};
+
+/// Several casds run on this machine and --address names none: what() lists them.
+class SeveralDaemons : public std::runtime_error {
+ public:
+  /// @param daemons  of each `address`, and where it tells them `name`, `topology`, `vehicles` and
+  /// `uptime_s`
+  SeveralDaemons(const std::string& what, nlohmann::json daemons)
+      : std::runtime_error(what), daemons_(std::move(daemons)) {}
+  const nlohmann::json& daemons() const { return daemons_; }
+
+ private:
+  nlohmann::json daemons_;
 };
 
 /// A state that --wait waited for and that did not come.
@@ -40,7 +55,8 @@ class WaitTimeout : public std::runtime_error {
 /// waits up to --timeout for casd to answer and for the vehicle's first HEARTBEAT.
 class Session {
  public:
-  /// @throws base::rpc::ConnectionError, CallError; std::runtime_error for an unreadable token
+  /// @throws base::rpc::ConnectionError, CallError, SeveralDaemons; std::runtime_error for an
+  /// unreadable token
   explicit Session(const Options& options);
 
   const Options& options() const { return options_; }
@@ -59,7 +75,7 @@ class Session {
 
  private:
   base::rpc::Client connect();
-  /// Without --address: the first way to casd that is open.
+  /// Without --address: the one casd that has a socket on this machine, else its TCP port.
   base::rpc::Client connect_here();
   void authorise();
   bool is_asked_for_token();

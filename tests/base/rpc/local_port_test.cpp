@@ -12,6 +12,8 @@
 #include <cstring>
 
 #include "base/error.hpp"
+#include "base/rpc/listener.hpp"
+#include "base/rpc/local_clients.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base::rpc {
@@ -33,6 +35,18 @@ class LocalPort : public testing::Test {
   static bool contains(const std::vector<fs::path>& list, const fs::path& path) {
     return std::find(list.begin(), list.end(), path) != list.end();
   }
+
+  /// A socket that is bound there. @return its descriptor
+  static int open_socket(const fs::path& path) {
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+    EXPECT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    return fd;
+  }
+  /// A socket file that nobody listens on.
+  static void bind_socket(const fs::path& path) { ::close(open_socket(path)); }
 
   test::TemporaryFolder session_;
   fs::path folder_ = session_.path() / "cas";
@@ -88,15 +102,60 @@ TEST_F(LocalPort, FindsSocketAndTokenOfItsUser) {
   const fs::path token = folder_ / kCommandToken;
   EXPECT_FALSE(contains(local_command_sockets(), path));
   EXPECT_FALSE(contains(local_command_tokens(), token));
-  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-  EXPECT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  ::close(fd);
+  bind_socket(path);
   session_.write("cas/casd.token", "0123456789abcdef");
   EXPECT_TRUE(contains(local_command_sockets(), path));
   EXPECT_TRUE(contains(local_command_tokens(), token));
+}
+
+TEST_F(LocalPort, FindsEveryCasdsSocketAndNothingElse) {
+  make_runtime_folder();
+  for (const char* name : {"casd.sock", "casd-6000.sock", "casd-lab.sock", "other.sock"}) {
+    bind_socket(folder_ / name);
+  }
+  session_.write("cas/casd-file.sock", "no socket");
+  std::vector<fs::path> own = local_command_sockets();
+  std::erase_if(own, [this](const fs::path& path) { return path.parent_path() != folder_; });
+  EXPECT_EQ(own, (std::vector<fs::path>{folder_ / "casd-6000.sock", folder_ / "casd-lab.sock",
+                                        folder_ / "casd.sock"}));
+}
+
+TEST_F(LocalPort, LeavesOutASocketOfAnotherUser) {
+  if (::geteuid() != 0) GTEST_SKIP() << "root alone gives files away";
+  make_runtime_folder();
+  const fs::path path = folder_ / "casd.sock";
+  bind_socket(path);
+  ASSERT_TRUE(contains(local_command_sockets(), path));
+  constexpr uid_t kNobody = 65534;
+  ASSERT_EQ(::lchown(path.c_str(), kNobody, static_cast<gid_t>(-1)), 0);
+  EXPECT_FALSE(contains(local_command_sockets(), path));
+}
+
+TEST_F(LocalPort, ConnectsToThoseThatListen) {
+  make_runtime_folder();
+  bind_socket(folder_ / "casd-1.sock");
+  const int listening = open_socket(folder_ / "casd-2.sock");
+  ASSERT_EQ(::listen(listening, 1), 0);
+  std::vector<std::string> found;
+  for (const LocalClient& local : connect_local()) found.push_back(local.address);
+  ::close(listening);
+  std::erase_if(found, [this](const std::string& address) {
+    return address.find(folder_.string()) == std::string::npos;
+  });
+  EXPECT_EQ(found, std::vector<std::string>{"unix:" + (folder_ / "casd-2.sock").string()});
+}
+
+TEST_F(LocalPort, RemovesSocketsThatNobodyListensOn) {
+  make_runtime_folder();
+  bind_socket(folder_ / "casd-1.sock");
+  bind_socket(folder_ / "other.sock");
+  const int listening = open_socket(folder_ / "casd-2.sock");
+  ASSERT_EQ(::listen(listening, 1), 0);
+  remove_stale_sockets(folder_);
+  EXPECT_FALSE(fs::exists(folder_ / "casd-1.sock"));
+  EXPECT_TRUE(fs::exists(folder_ / "casd-2.sock")) << "it is in use";
+  EXPECT_TRUE(fs::exists(folder_ / "other.sock")) << "it is no casd's";
+  ::close(listening);
 }
 
 }  // namespace
