@@ -7,14 +7,14 @@
 
 namespace cas::base {
 
-/// A program's command port or control socket that cannot be bound; `main` exits with
+/// A program's command port, control socket or UDP port that cannot be bound; `main` exits with
 /// kExitCommandPort. Unlike a wrong configuration, it may be free when the program starts again.
-class CommandPortError final : public ConfigError {
+class CAS_BASE_EXPORT CommandPortError final : public ConfigError {
  public:
   using ConfigError::ConfigError;
 };
 
-/// Runs what binds the program's own command port. @return what `bind` returns
+/// Runs what binds a port of the program's own. @return what `bind` returns
 /// @throws CommandPortError with the sentence of a ConfigError
 template <class Bind>
 decltype(auto) bind_command_port(Bind&& bind) {

@@ -9,6 +9,8 @@
 #include <ctime>
 #include <thread>
 
+#include "base/os/command_port.hpp"
+
 namespace cas::sim {
 namespace {
 
@@ -89,9 +91,11 @@ UdpPort::UdpPort(const base::ConfigNode& local, const std::optional<base::Config
   set_option(socket_, SO_RCVBUF, kSocketBufferBytes);
   set_option(socket_, SO_SNDBUF, kSocketBufferBytes);
   if (bind(socket_, address.data(), address.size()) != 0) {
-    const std::string why = std::strerror(errno);
+    const int error = errno;
     close(socket_);
-    local.fail("cannot be bound: " + why);
+    const auto fail = [&] { local.fail(std::string("cannot be bound: ") + std::strerror(error)); };
+    if (error != EADDRINUSE) fail();
+    base::bind_command_port(fail);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "base/os/command_port.hpp"
 #include "base/random.hpp"
 
 namespace cas::sim {
@@ -71,6 +72,8 @@ void PluginHost::configure(const std::vector<VehicleConfig>& vehicles,
         config.params.find("plugin");
         instance.plugin->configure(context, config.params);
         config.params.reject_unused();
+      } catch (const base::CommandPortError& error) {
+        throw base::CommandPortError("plugin " + instance.label + ": " + error.what());
       } catch (const base::ConfigError& error) {
         throw base::ConfigError("plugin " + instance.label + ": " + error.what());
       } catch (const std::exception& error) {

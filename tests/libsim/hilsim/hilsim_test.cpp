@@ -12,6 +12,7 @@
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/udp_peer.hpp"
 
 namespace cas::sim {
 namespace {
@@ -159,6 +160,17 @@ TEST_F(Hilsim, RefusesWithOneSentenceAndExitCode78) {
   EXPECT_THAT(refuse(command(write("realtime", "[{plugin: fake_throws_in_configure}]"))),
               HasSubstr("the sensor is not there"));
   EXPECT_THAT(refuse(command(write("realtime"), {"--log-level", "loud"})), HasSubstr("loud"));
+}
+
+/// A supervisor tries again, as it does not for a wrong file.
+TEST_F(Hilsim, RefusesATakenUdpPortWithExitCode71) {
+  cas::test::UdpPeer taken;
+  const std::string plugin =
+      "[{plugin: mavlink_interface, transport: udp, system_id: 1, component_id: 200, local: \"" +
+      taken.endpoint() + "\", remote: \"127.0.0.1:9\"}]";
+  ChildProcess hilsim(command(write("realtime", plugin)));
+  EXPECT_EQ(hilsim.wait_exit(), 71);
+  EXPECT_THAT(hilsim.output(), HasSubstr("local: cannot be bound: Address already in use"));
 }
 
 TEST_F(Hilsim, RefusesATakenControlSocketWithExitCode71) {
