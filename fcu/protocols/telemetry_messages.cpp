@@ -233,7 +233,9 @@ void send_sys_status(FcuCore& core, RunTime now, int version) {
   m.onboard_control_sensors_present = always;
   m.onboard_control_sensors_enabled = always;
   const auto alive = [&](SensorHealth::Sensor s) { return core.sensors.alive(s, now); };
-  S health = S::kMotorOutputs | S::kBattery;
+  // Nothing breaches a fence that is not there; a ground station (MAVProxy) takes less for a
+  // breach.
+  S health = S::kMotorOutputs | S::kBattery | S::kGeofence;
   if (alive(SensorHealth::kImu)) health |= S::k3dGyro | S::k3dAccel | S::kAngularRateControl;
   if (alive(SensorHealth::kMag)) health |= S::k3dMag;
   if (alive(SensorHealth::kBaro)) health |= S::kAbsolutePressure;

@@ -78,6 +78,13 @@ TEST_F(Telemetry, RatesAreTheUsualOnes) {
   EXPECT_NEAR(count<CurrentMode>(), 0.5 * kWindow_s, 1);
 }
 
+TEST_F(Telemetry, TellsOfNoBreachOfAFenceThatIsNotThere) {
+  using mavlink::common::MavSysStatusSensor;
+  const auto m = last<SysStatus>();
+  EXPECT_FALSE(has(m.onboard_control_sensors_present, MavSysStatusSensor::kGeofence));
+  EXPECT_TRUE(has(m.onboard_control_sensors_health, MavSysStatusSensor::kGeofence));
+}
+
 TEST_F(Telemetry, AttitudeIsInRadians) {
   const auto m = last<Attitude>();
   const Eigen::Vector3d rpy = base::euler_rpy(loop_->truth().q_ND);
