@@ -13,196 +13,328 @@ namespace cas::hils {
 
 namespace {
 
-using Sentences = std::vector<std::string>;
+using Checks = std::vector<LimitCheck>;
+using Kind = LimitCheck::Kind;
+using Sense = LimitCheck::Sense;
 using NamedRate = std::pair<std::string_view, const RateFigures*>;
+
+/// Marks the check as missed, for the reason that the sentence gives.
+LimitCheck missed(LimitCheck check, std::string sentence) {
+  check.kept = false;
+  check.sentence = std::move(sentence);
+  return check;
+}
+
+/// Adds the check; `sentence` counts when its value is not within its bound. Not-a-number is not.
+void add_bounded(Checks& checks, LimitCheck check, const std::string& sentence) {
+  const auto margin = check.margin();
+  const bool kept = margin && *margin >= 0;
+  checks.push_back(kept ? std::move(check) : missed(std::move(check), sentence));
+}
 
 std::array<NamedRate, 3> named_rates(const StreamFigures& rates) {
   return {NamedRate{"HIL_SENSOR", &rates.sensor}, NamedRate{"HIL_GPS", &rates.gps},
           NamedRate{"HIL_CONTROLS", &rates.controls}};
 }
 
-void check_account(std::string_view name, const RateFigures& rate, Sentences& reasons) {
+void check_account(std::string_view name, const RateFigures& rate, Checks& checks) {
+  const auto open = [&](const std::string& found, const std::string& why) {
+    checks.push_back(missed({.kind = Kind::kValidity,
+                             .what = fmt::format("account of {}", name),
+                             .found = found,
+                             .wanted = "closes"},
+                            fmt::format("the account of {} does not close: {}", name, why)));
+  };
   if (rate.duplicated > 0) {
-    reasons.push_back(fmt::format("the account of {} does not close: {} packets arrived twice",
-                                  name, rate.duplicated));
+    open(fmt::format("{} twice", rate.duplicated),
+         fmt::format("{} packets arrived twice", rate.duplicated));
   }
   if (rate.unexplained > 0) {
-    reasons.push_back(
-        fmt::format("the account of {} does not close: {} packets arrived that were never sent",
-                    name, rate.unexplained));
+    open(fmt::format("{} never sent", rate.unexplained),
+         fmt::format("{} packets arrived that were never sent", rate.unexplained));
   }
   if (!rate.drained) {
-    reasons.push_back(fmt::format(
-        "the account of {} does not close: the stream ended before its packets could arrive",
-        name));
+    open("ended early", "the stream ended before its packets could arrive");
   }
+  if (!rate.closes()) return;
+  checks.push_back({.kind = Kind::kValidity,
+                    .what = fmt::format("account of {}", name),
+                    .found = "closes",
+                    .wanted = "closes"});
 }
 
 constexpr const char* kRemedy =
     "; end other programs, or give these real-time rights (docs/operations.md), or use --virtual";
 
+/// A figure of the machine, ms or a factor, with its bound.
+void add_machine(Checks& checks, LimitCheck check, const std::string& sentence) {
+  check.kind = Kind::kValidity;
+  add_bounded(checks, std::move(check), "the machine was too busy: " + sentence + kRemedy);
+}
+
 /// Whether simulator and programs kept up with real time, before any limit is looked at: a delay of
 /// theirs is none of the vehicle's.
-void check_machine(const Measurement& figures, Sentences& reasons) {
+void check_machine(const Measurement& figures, Checks& checks) {
   const PaceFigures& pace = figures.pace;
-  const auto busy = [&reasons](const std::string& what) {
-    reasons.push_back("the machine was too busy: " + what + kRemedy);
-  };
-  if (!(pace.real_time_factor >= kLeastRealTimeFactor)) {
-    busy(fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
-                     pace.real_time_factor, kLeastRealTimeFactor));
-  }
-  if (pace.worst_stall_ms > kMostStallMs) {
-    busy(fmt::format("the simulation stood still for {:.0f} ms, and {:.0f} ms is the most",
-                     pace.worst_stall_ms, kMostStallMs));
-  }
+  add_machine(checks,
+              {.what = "real-time factor",
+               .sense = Sense::kAtLeast,
+               .value = pace.real_time_factor,
+               .bound = kLeastRealTimeFactor},
+              fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
+                          pace.real_time_factor, kLeastRealTimeFactor));
+  add_machine(checks,
+              {.what = "longest stall of the simulation",
+               .unit = "ms",
+               .digits = 1,
+               .value = pace.worst_stall_ms,
+               .bound = kMostStallMs},
+              fmt::format("the simulation stood still for {:.0f} ms, and {:.0f} ms is the most",
+                          pace.worst_stall_ms, kMostStallMs));
   const double most_ms = most_late_ms(figures);
-  if (pace.late_p99_ms > most_ms) {
-    busy(fmt::format("1 % of HIL_SENSOR left {:.1f} ms late or later, and {:g} ms is the most",
-                     pace.late_p99_ms, most_ms));
-  }
-  if (figures.handover_p99_us > 1e3 * most_ms) {
-    busy(
-        fmt::format("simulator and casd took {:.1f} ms to hand a packet over in 1 % of the cases, "
-                    "and {:g} ms is the most",
-                    1e-3 * figures.handover_p99_us, most_ms));
-  }
+  add_machine(checks,
+              {.what = "HIL_SENSOR sent late, 99 %",
+               .unit = "ms",
+               .digits = 2,
+               .value = pace.late_p99_ms,
+               .bound = most_ms},
+              fmt::format("1 % of HIL_SENSOR left {:.1f} ms late or later, and {:g} ms is the most",
+                          pace.late_p99_ms, most_ms));
+  add_machine(checks,
+              {.what = "handover between simulator and casd, 99 %",
+               .unit = "ms",
+               .digits = 2,
+               .value = 1e-3 * figures.handover_p99_us,
+               .bound = most_ms},
+              fmt::format("simulator and casd took {:.1f} ms to hand a packet over in 1 % of the "
+                          "cases, and {:g} ms is the most",
+                          1e-3 * figures.handover_p99_us, most_ms));
 }
 
 /// What is late in the emulated controller is the machine's, too: it answers a sample at once, or
 /// with the next control that is due.
-void check_controller(const Measurement& figures, Sentences& reasons) {
+void check_controller(const Measurement& figures, Checks& checks) {
   if (figures.from_device) return;
   // It stamps a sample when it reads it: later than others, when it had no processor.
   const double most_late = most_late_ms(figures);
   const double spread_ms = 1e-3 * figures.reading_spread_us;
-  if (spread_ms > most_late) {
-    reasons.push_back(
-        fmt::format("the machine was too busy: 1 % of HIL_SENSOR was read {:.1f} ms later than "
-                    "the median one, and {:g} ms is the most{}",
-                    spread_ms, most_late, kRemedy));
-  }
+  add_machine(checks,
+              {.what = "HIL_SENSOR read by the controller, 99 % less the median",
+               .unit = "ms",
+               .digits = 2,
+               .value = spread_ms,
+               .bound = most_late},
+              fmt::format("1 % of HIL_SENSOR was read {:.1f} ms later than the median one, and "
+                          "{:g} ms is the most",
+                          spread_ms, most_late));
   if (figures.age_by_arrival.count == 0) return;
   const double control_hz = figures.rates.controls.nominal_hz;
   const double most_ms = most_late + (control_hz > 0 ? 1e3 / control_hz : 0);
-  if (figures.age_by_arrival.p99 <= 1e3 * most_ms) return;
-  reasons.push_back(
-      fmt::format("the machine was too busy: the controller took {:.1f} ms from a sample to its "
-                  "answer in 1 % of "
-                  "the cases, and {:g} ms is the most{}",
-                  1e-3 * figures.age_by_arrival.p99, most_ms, kRemedy));
+  add_machine(checks,
+              {.what = "controller's answer to a sample, 99 %",
+               .unit = "ms",
+               .digits = 2,
+               .value = 1e-3 * figures.age_by_arrival.p99,
+               .bound = most_ms},
+              fmt::format("the controller took {:.1f} ms from a sample to its answer in 1 % of "
+                          "the cases, and {:g} ms is the most",
+                          1e-3 * figures.age_by_arrival.p99, most_ms));
 }
 
-/// Why the figures mean nothing; empty when they do.
-Sentences reasons_against(const Measurement& figures) {
-  Sentences reasons;
+/// Whether the figures mean anything.
+Checks validity_checks(const Measurement& figures) {
+  Checks checks;
   if (!figures.virtual_clock) {
-    check_machine(figures, reasons);
-    check_controller(figures, reasons);
+    check_machine(figures, checks);
+    check_controller(figures, checks);
   }
   if (!figures.stages.empty() && figures.truth_samples == 0) {
-    reasons.push_back("there is no record of the true flight");
+    checks.push_back(missed({.kind = Kind::kValidity,
+                             .what = "record of the true flight",
+                             .found = "none",
+                             .wanted = "there"},
+                            "there is no record of the true flight"));
   }
   for (const auto& [name, rate] : named_rates(figures.rates)) {
-    check_account(name, *rate, reasons);
+    check_account(name, *rate, checks);
   }
   for (const PathAccount& path : figures.paths) {
-    if (!path.closes()) {
-      reasons.push_back(
-          fmt::format("the account of {} does not close: {}", path.message, path.open));
-    }
+    const LimitCheck check{.kind = Kind::kValidity,
+                           .what = fmt::format("account of {}, hop by hop", path.message),
+                           .found = path.closes() ? "closes" : "open",
+                           .wanted = "closes"};
+    checks.push_back(path.closes()
+                         ? check
+                         : missed(check, fmt::format("the account of {} does not close: {}",
+                                                     path.message, path.open)));
   }
-  return reasons;
+  return checks;
 }
 
 void check_rate(std::string_view name, const RateFigures& rate, const Limits& limits,
-                Sentences& failures) {
+                Checks& checks) {
   if (rate.sent == 0) {
-    failures.push_back(fmt::format("no {} was sent", name));
+    checks.push_back(
+        missed({.what = fmt::format("{} sent", name), .found = "none", .wanted = "some"},
+               fmt::format("no {} was sent", name)));
     return;
   }
-  if (limits.lost && rate.lost > *limits.lost) {
-    failures.push_back(fmt::format("{} of {} {} were lost; the limit is {}", rate.lost, rate.sent,
-                                   name, *limits.lost));
+  if (limits.lost) {
+    add_bounded(checks,
+                {.what = fmt::format("{} lost", name),
+                 .digits = 0,
+                 .value = static_cast<double>(rate.lost),
+                 .bound = static_cast<double>(*limits.lost)},
+                fmt::format("{} of {} {} were lost; the limit is {}", rate.lost, rate.sent, name,
+                            *limits.lost));
   }
   const double delivered =
       100.0 * static_cast<double>(rate.received) / static_cast<double>(rate.sent);
-  if (limits.delivered_pct && !(delivered >= *limits.delivered_pct)) {
-    failures.push_back(fmt::format("{:.3f} % of {} arrived; the limit is {:g} %", delivered, name,
-                                   *limits.delivered_pct));
+  if (limits.delivered_pct) {
+    add_bounded(checks,
+                {.what = fmt::format("{} delivered", name),
+                 .unit = "%",
+                 .digits = 3,
+                 .sense = Sense::kAtLeast,
+                 .value = delivered,
+                 .bound = *limits.delivered_pct},
+                fmt::format("{:.3f} % of {} arrived; the limit is {:g} %", delivered, name,
+                            *limits.delivered_pct));
   }
-  if (limits.rate_error_pct && std::abs(rate.error_pct) > *limits.rate_error_pct) {
-    failures.push_back(
-        fmt::format("{} arrived at {:.2f} Hz instead of {:g} Hz; the limit is {:g} %", name,
-                    rate.received_hz, rate.nominal_hz, *limits.rate_error_pct));
+  if (limits.rate_error_pct) {
+    add_bounded(checks,
+                {.what = fmt::format("rate of {}, error either way", name),
+                 .unit = "%",
+                 .value = std::abs(rate.error_pct),
+                 .bound = *limits.rate_error_pct},
+                fmt::format("{} arrived at {:.2f} Hz instead of {:g} Hz; the limit is {:g} %", name,
+                            rate.received_hz, rate.nominal_hz, *limits.rate_error_pct));
   }
 }
 
 void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
-               const std::map<std::string, double>& limits, Sentences& failures) {
+               const std::map<std::string, double>& limits, Checks& checks) {
   if (limits.empty()) return;
   if (!rms || rms->samples == 0) {
-    failures.push_back(fmt::format("there is no {} to compare with the reference", what));
+    checks.push_back(missed({.what = fmt::format("RMS error of the {}", what),
+                             .found = "none recorded",
+                             .wanted = "a record"},
+                            fmt::format("there is no {} to compare with the reference", what)));
     return;
   }
   const std::map<std::string, double> values{
       {"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
   for (const auto& [axis, limit] : limits) {
     const double value = values.at(axis);
-    if (value <= limit) continue;  // not-a-number fails
-    failures.push_back(fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what,
-                                   axis, value, limit));
+    add_bounded(checks,
+                {.what = fmt::format("RMS error of the {}, {}", what, axis),
+                 .unit = axis == "yaw_rad" ? "rad" : "m",
+                 .value = value,
+                 .bound = limit},
+                fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what, axis,
+                            value, limit));
   }
 }
 
-void check_most(std::string_view what, const StepResponse& response, std::optional<double> value,
-                std::optional<double> limit, Sentences& failures) {
-  if (!limit || (value && *value <= *limit)) return;
-  failures.push_back(value
-                         ? fmt::format("{} of step '{}' is {:.3f}; the limit is {:g}", what,
-                                       response.name, *value, *limit)
-                         : fmt::format("step '{}' ends before there is a {}", response.name, what));
+void check_most(std::string_view what, const char* unit, const StepResponse& response,
+                std::optional<double> value, std::optional<double> limit, Checks& checks) {
+  if (!limit) return;
+  add_bounded(checks,
+              {.what = fmt::format("{} of step '{}'", what, response.name),
+               .unit = unit,
+               .digits = 3,
+               .value = value,
+               .bound = limit,
+               .found = "never"},
+              value ? fmt::format("{} of step '{}' is {:.3f}; the limit is {:g}", what,
+                                  response.name, *value, *limit)
+                    : fmt::format("step '{}' ends before there is a {}", response.name, what));
 }
 
 void check_responses(const std::vector<StepResponse>& responses,
-                     const std::map<std::string, ResponseLimits>& limits, Sentences& failures) {
+                     const std::map<std::string, ResponseLimits>& limits, Checks& checks) {
   for (const auto& [name, limit] : limits) {
     const auto found = std::ranges::find(responses, name, &StepResponse::name);
     if (found == responses.end()) {
-      failures.push_back(fmt::format("step '{}' was not flown", name));
+      checks.push_back(
+          missed({.what = fmt::format("step '{}'", name), .found = "not flown", .wanted = "flown"},
+                 fmt::format("step '{}' was not flown", name)));
       continue;
     }
-    check_most("rise time", *found, found->rise_s, limit.rise_s, failures);
-    check_most("overshoot", *found, found->overshoot_pct, limit.overshoot_pct, failures);
-    check_most("settling time", *found, found->settling_s, limit.settling_s, failures);
+    check_most("rise time", "s", *found, found->rise_s, limit.rise_s, checks);
+    check_most("overshoot", "%", *found, found->overshoot_pct, limit.overshoot_pct, checks);
+    check_most("settling time", "s", *found, found->settling_s, limit.settling_s, checks);
   }
 }
 
-Sentences missed_limits(const Measurement& figures, const Limits& limits) {
-  Sentences failures;
-  if (!figures.flight_failure.empty()) {
-    failures.push_back("the flight was not completed: " + figures.flight_failure);
+void check_flown(const Measurement& figures, Checks& checks) {
+  const LimitCheck check{.what = "flight",
+                         .found = figures.flight_failure.empty() ? "completed" : "not completed",
+                         .wanted = "completed"};
+  checks.push_back(figures.flight_failure.empty()
+                       ? check
+                       : missed(check, "the flight was not completed: " + figures.flight_failure));
+}
+
+/// Those that happened in the order of time, then the kinds that did not happen.
+void check_incidents(const std::vector<Incident>& incidents, const Limits& limits, Checks& checks) {
+  const auto wanted = [&limits](IncidentKind kind) {
+    return limits.allow.contains(kind) ? "allowed" : "none";
+  };
+  const auto what = [](IncidentKind kind) { return fmt::format("incident: {}", to_string(kind)); };
+  for (const Incident& incident : incidents) {
+    const LimitCheck check{.what = what(incident.kind),
+                           .found = fmt::format("at {:.2f} s", incident.time_s),
+                           .wanted = wanted(incident.kind)};
+    const bool allowed = limits.allow.contains(incident.kind);
+    checks.push_back(allowed ? check : missed(check, "the vehicle " + incident.what));
   }
-  for (const Incident& incident : figures.incidents) {
-    if (!limits.allow.contains(incident.kind)) failures.push_back("the vehicle " + incident.what);
+  for (const IncidentKind kind : kIncidentKinds) {
+    if (std::ranges::find(incidents, kind, &Incident::kind) != incidents.end()) continue;
+    checks.push_back({.what = what(kind), .found = "none", .wanted = wanted(kind)});
   }
+}
+
+void check_latency(const DelayFigures& loop, const Limits& limits, Checks& checks) {
+  if (!limits.latency_p99_us) return;
+  LimitCheck check{.what = "delay of the loop, 99 %",
+                   .unit = "us",
+                   .digits = 0,
+                   .bound = *limits.latency_p99_us,
+                   .found = "not measured"};
+  if (loop.count == 0) {
+    checks.push_back(
+        missed(std::move(check), "the loop's delay has a limit, but no packet to measure it by"));
+    return;
+  }
+  check.value = loop.p99;
+  add_bounded(checks, std::move(check),
+              fmt::format("the loop takes {:.0f} us in 99 % of the cases; the limit is {:g} us",
+                          loop.p99, *limits.latency_p99_us));
+}
+
+Checks flight_checks(const Measurement& figures, const Limits& limits) {
+  Checks checks;
+  check_flown(figures, checks);
+  check_incidents(figures.incidents, limits, checks);
   for (const auto& [name, rate] : named_rates(figures.rates)) {
-    check_rate(name, *rate, limits, failures);
+    check_rate(name, *rate, limits, checks);
   }
-  if (limits.latency_p99_us && figures.sensor_to_control.count == 0) {
-    failures.push_back("the loop's delay has a limit, but no packet to measure it by");
-  } else if (limits.latency_p99_us && !(figures.sensor_to_control.p99 <= *limits.latency_p99_us)) {
-    failures.push_back(
-        fmt::format("the loop takes {:.0f} us in 99 % of the cases; the limit is "
-                    "{:g} us",
-                    figures.sensor_to_control.p99, *limits.latency_p99_us));
-  }
-  check_responses(figures.responses, limits.responses, failures);
+  check_latency(figures.sensor_to_control, limits, checks);
+  check_responses(figures.responses, limits.responses, checks);
   if (figures.over_hold) {
-    check_rms("true position", figures.rms, limits.rms, failures);
-    check_rms("estimate", figures.rms_estimate, limits.rms_estimate, failures);
+    check_rms("true position", figures.rms, limits.rms, checks);
+    check_rms("estimate", figures.rms_estimate, limits.rms_estimate, checks);
   }
-  return failures;
+  return checks;
+}
+
+std::vector<std::string> sentences_of(const Checks& checks) {
+  std::vector<std::string> sentences;
+  for (const LimitCheck& check : checks) {
+    if (!check.kept) sentences.push_back(check.sentence);
+  }
+  return sentences;
 }
 
 }  // namespace
@@ -215,11 +347,18 @@ double most_late_ms(const Measurement& figures) {
 
 Verdict judge(const Measurement& figures, const Limits& limits) {
   Verdict verdict;
-  verdict.failures = reasons_against(figures);
-  if (!verdict.failures.empty()) return verdict;
-  verdict.failures = missed_limits(figures, limits);
-  verdict.passed = verdict.failures.empty();
-  verdict.valid = true;
+  verdict.checks = validity_checks(figures);
+  verdict.failures = sentences_of(verdict.checks);
+  verdict.valid = verdict.failures.empty();
+  Checks flight = flight_checks(figures, limits);
+  if (verdict.valid) {
+    verdict.failures = sentences_of(flight);
+    verdict.passed = verdict.failures.empty();
+  }
+  for (LimitCheck& check : flight) {
+    check.judged = verdict.valid;
+    verdict.checks.push_back(std::move(check));
+  }
   return verdict;
 }
 

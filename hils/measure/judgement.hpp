@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hils/measure/limit_check.hpp"
 #include "hils/measure/measurement.hpp"
 #include "hils/scenario/scenario.hpp"
 
@@ -23,6 +24,7 @@ struct Verdict {
   bool valid = false;   ///< the machine kept up and the accounts close: the figures mean something
   bool passed = false;  ///< valid, flown to the end, and every limit kept
   std::vector<std::string> failures;  ///< sentences: why it is not valid, else what was missed
+  std::vector<LimitCheck> checks{};   ///< all that it was held to, kept or not; of one vehicle
 
   ExitCode exit_code() const {
     if (!valid) return kExitInvalid;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -81,6 +82,70 @@ INSTANTIATE_TEST_SUITE_P(
                  [](Measurement& m) { m.flight_failure = "arm was not done within 10 s"; },
                  "the flight was not completed: arm was not done within 10 s"}),
     [](const auto& test) { return test.param.name; });
+
+const LimitCheck* find(const Verdict& verdict, const std::string& what) {
+  const auto found = std::ranges::find(verdict.checks, what, &LimitCheck::what);
+  return found == verdict.checks.end() ? nullptr : &*found;
+}
+
+TEST(Judgement, ListsEachLimitWithItsMargin) {
+  Limits limits = hover_limits();
+  limits.delivered_pct = 99;
+  limits.latency_p99_us = 3000;
+  Measurement figures = good();
+  figures.rates.gps.received_hz = 4.99;
+  figures.rates.gps.error_pct = -0.2;
+  const Verdict verdict = judge(figures, limits);
+  EXPECT_TRUE(verdict.passed);
+  struct Expected {
+    const char* what;
+    double value, bound, margin;
+  };
+  for (const auto& [what, value, bound, margin] :
+       {Expected{"RMS error of the true position, z_m", 0.05, 0.15, 0.1},
+        Expected{"rate of HIL_GPS, error either way", 0.2, 0.5, 0.3},
+        Expected{"HIL_SENSOR delivered", 100, 99, 1}, Expected{"HIL_CONTROLS lost", 0, 0, 0},
+        Expected{"delay of the loop, 99 %", 2500, 3000, 500},
+        Expected{"real-time factor", 1, 0.99, 0.01},
+        Expected{"longest stall of the simulation", 2, 50, 48}}) {
+    const LimitCheck* check = find(verdict, what);
+    ASSERT_NE(check, nullptr) << what;
+    EXPECT_TRUE(check->kept) << what;
+    EXPECT_TRUE(check->sentence.empty()) << what;
+    EXPECT_DOUBLE_EQ(check->value.value(), value) << what;
+    EXPECT_DOUBLE_EQ(check->bound.value(), bound) << what;
+    EXPECT_NEAR(check->margin().value(), margin, 1e-12) << what;
+  }
+}
+
+TEST(Judgement, ListsWhatWasMissedWithANegativeMarginAndItsSentence) {
+  Measurement figures = good();
+  figures.rms->z_m = 0.2;
+  figures.incidents = {{IncidentKind::kCrash, 23.4, "hit the ground at 9.5 m/s"}};
+  const Verdict verdict = judge(figures, hover_limits());
+  const LimitCheck* height = find(verdict, "RMS error of the true position, z_m");
+  ASSERT_NE(height, nullptr);
+  EXPECT_FALSE(height->kept);
+  EXPECT_NEAR(height->margin().value(), -0.05, 1e-12);
+  EXPECT_EQ(height->sentence, verdict.failures.back());
+  const LimitCheck* crash = find(verdict, "incident: crash");
+  ASSERT_NE(crash, nullptr);
+  EXPECT_FALSE(crash->kept);
+  EXPECT_EQ(crash->found, "at 23.40 s");
+  const LimitCheck* flyaway = find(verdict, "incident: flyaway");
+  ASSERT_NE(flyaway, nullptr);
+  EXPECT_TRUE(flyaway->kept);
+}
+
+TEST(Judgement, JudgesNoLimitOfARunThatDoesNotCount) {
+  Measurement figures = good();
+  figures.pace.worst_stall_ms = 51;
+  const Verdict verdict = judge(figures, hover_limits());
+  for (const LimitCheck& check : verdict.checks) {
+    EXPECT_EQ(check.judged, check.kind == LimitCheck::Kind::kValidity) << check.what;
+  }
+  EXPECT_NE(find(verdict, "RMS error of the true position, z_m"), nullptr);
+}
 
 TEST(Judgement, AnUnmeasuredDelayMeetsNoLimit) {
   Limits limits = hover_limits();
