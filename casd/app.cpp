@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/app.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
@@ -15,6 +16,7 @@
 #include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -140,11 +142,27 @@ struct App::Impl {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
       links.tlog().set_epoch(TlogWriter::kStreamEpoch);
     }
+    figures.set_memory([this](const MessageTaps::Key& key) { return remembered(key); });
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
     add_daemon_methods(server, {.reload = [this] { return reload(); }, .recorder = recorder});
   }
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
+
+  /// What a vehicle said on a link before anybody looked at it.
+  std::optional<MessageTaps::Sample> remembered(const MessageTaps::Key& key) const {
+    const VehicleState* vehicle = commander.find(key.source.system);
+    if (vehicle == nullptr || vehicle->source() != key.source || vehicle->link() != key.link) {
+      return std::nullopt;
+    }
+    const MessageMemory::Kept* kept = vehicle->messages().find(key.message_id);
+    if (kept == nullptr) return std::nullopt;
+    MessageTaps::Sample sample;
+    sample.size = std::min(kept->payload.size(), sample.payload.size());
+    std::copy_n(kept->payload.begin(), sample.size, sample.payload.begin());
+    sample.at = base::steady_now() - (station_now() - kept->at);  // lockstep has another clock
+    return sample;
+  }
 
   /// The clock of casd's own station.
   base::RunTime station_now() const {

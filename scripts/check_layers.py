@@ -101,8 +101,8 @@ LAYERS = {
     "casd":
         BASE | MAVLINK | RPC | PROGRAM | {"Asio"}
         | rooms("casd", "packet routing queue tlog topology counters signing link station transport port"),
-    "casd/casctl/session": BASE | RPC | {"CLI11"},
-    "casd/casctl/verbs": BASE | RPC | {"casd/casctl/session"},
+    "casd/casctl/session": BASE | RPC | PROGRAM,
+    "casd/casctl/verbs": BASE | RPC | {"base/cli", "casd/casctl/session"},
     "casd/casctl/doctor": BASE | RPC | {"casd/casctl/session"},
     "casd/casctl/monitor": BASE | RPC | {"casd/casctl/session", "ncurses"},
     "casd/casctl": BASE | RPC | PROGRAM | rooms("casd/casctl", "session verbs doctor monitor"),

@@ -126,6 +126,8 @@ int main(int argc, char** argv) {
   add_status_verbs(line);
   add_flight_verbs(line);
   add_param_verbs(line);
+  add_watch_verb(line);
+  add_message_verb(line);
   add_service_verbs(line);
   add_monitor_verb(line);
   add_doctor_verb(line);

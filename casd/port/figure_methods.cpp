@@ -254,7 +254,7 @@ json FigureMethods::messages(const std::string* link) const {
   return all;
 }
 
-/// The newest packet of one message since somebody looks at it.
+/// The newest packet of one message: since somebody looks at it, else what is remembered.
 json FigureMethods::value(CallParams& params) const {
   MessageTaps::Key key;
   key.link = require_link(params.text("link"));
@@ -264,7 +264,9 @@ json FigureMethods::value(CallParams& params) const {
   params.finish();
   const base::RunTime now = source_.now();
   json answer{{"id", key.message_id}, {"name", message_name(key.message_id)}, {"fields", nullptr}};
-  if (const auto sample = source_.taps->look(key, now)) {
+  std::optional<MessageTaps::Sample> sample = source_.taps->look(key, now);
+  if (!sample && memory_) sample = memory_(key);
+  if (sample) {
     answer["fields"] =
         source_.decoder->fields(key.message_id, std::span(sample->payload).first(sample->size));
     answer["age_s"] = base::to_seconds(now - sample->at);

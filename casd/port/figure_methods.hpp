@@ -67,6 +67,9 @@ class FigureMethods {
   void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
   /// A reload was asked for, by whatever way: casd.status tells of the last one.
   void set_last_reload(ReloadReport reload) { last_reload_ = std::move(reload); }
+  /// Where message.value finds packets that came before anybody looked; nothing: none came.
+  using Memory = std::function<std::optional<MessageTaps::Sample>(const MessageTaps::Key&)>;
+  void set_memory(Memory memory) { memory_ = std::move(memory); }
   /// After each LinkFigures::sample: tells subscribers.
   void publish();
 
@@ -89,6 +92,7 @@ class FigureMethods {
   std::map<std::string, std::string> last_states_;
   std::uint64_t last_dropped_ = 0;
   std::optional<ReloadReport> last_reload_;  ///< nothing: none yet
+  Memory memory_;
 };
 
 }  // namespace cas::casd

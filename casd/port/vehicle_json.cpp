@@ -76,31 +76,6 @@ json texts_json(const VehicleState& vehicle, base::RunTime now) {
   return texts;
 }
 
-/// MAV_STATE of the HEARTBEAT in words.
-std::string_view state_word(mavlink::common::MavState state) {
-  using enum mavlink::common::MavState;
-  switch (state) {
-    case kBoot:
-      return "boot";
-    case kCalibrating:
-      return "calibrating";
-    case kStandby:
-      return "standby";
-    case kActive:
-      return "active";
-    case kCritical:
-      return "critical";
-    case kEmergency:
-      return "emergency";
-    case kPoweroff:
-      return "poweroff";
-    case kFlightTermination:
-      return "flight_termination";
-    default:
-      return "uninit";
-  }
-}
-
 std::string_view checks_word(ArmingChecks checks) {
   switch (checks) {
     case ArmingChecks::kPass:
@@ -125,6 +100,30 @@ json complaints_json(const VehicleState& vehicle, const LinkName& link_name, bas
 }
 
 }  // namespace
+
+std::string_view state_word(mavlink::common::MavState state) {
+  using enum mavlink::common::MavState;
+  switch (state) {
+    case kBoot:
+      return "boot";
+    case kCalibrating:
+      return "calibrating";
+    case kStandby:
+      return "standby";
+    case kActive:
+      return "active";
+    case kCritical:
+      return "critical";
+    case kEmergency:
+      return "emergency";
+    case kPoweroff:
+      return "poweroff";
+    case kFlightTermination:
+      return "flight_termination";
+    default:
+      return "uninit";
+  }
+}
 
 json summary_json(const VehicleState& vehicle, const LinkName& link_name, base::RunTime now) {
   json summary{{"system", vehicle.source().system},

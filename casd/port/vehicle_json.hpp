@@ -4,6 +4,7 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 
 #include "base/time/clock.hpp"
 #include "casd/station/vehicle_state.hpp"
@@ -17,6 +18,9 @@ using LinkName = std::function<std::string(LinkId)>;
 /// @param link_name  of the link that its HEARTBEATs come from
 nlohmann::json summary_json(const VehicleState& vehicle, const LinkName& link_name,
                             base::RunTime now);
+
+/// MAV_STATE of the HEARTBEAT in words: "standby", "active".
+std::string_view state_word(mavlink::common::MavState state);
 
 /// The answer of vehicle.state: the summary, and what of attitude, place and home is known.
 nlohmann::json state_json(const VehicleState& vehicle, const LinkName& link_name,

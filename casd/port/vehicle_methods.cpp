@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "casd/port/call_json.hpp"
+#include "casd/port/telemetry_json.hpp"
 #include "casd/port/vehicle_json.hpp"
 
 namespace cas::casd {
@@ -343,6 +344,16 @@ void VehicleMethods::add_state_methods() {
         const VehicleState* vehicle = commander_.find(system);
         if (vehicle == nullptr) return json();
         return state_json(*vehicle, hooks_.link_name, hooks_.now());
+      });
+  add(
+      "vehicle.telemetry", false,
+      [](CallParams&) -> Action {
+        return [](std::uint8_t, base::RunTime, const Done& done) { done(Outcome{}); };
+      },
+      [this](std::uint8_t system, const Outcome&) {
+        const VehicleState* vehicle = commander_.find(system);
+        if (vehicle == nullptr) return json();
+        return telemetry_json(*vehicle, hooks_.now());
       });
 }
 

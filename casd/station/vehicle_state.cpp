@@ -124,6 +124,7 @@ std::optional<Rival> VehicleState::rival(base::RunTime now) const {
 
 void VehicleState::on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) {
   heard_over(from, now);
+  messages_.on_packet(packet, now);
   switch (packet.message_id) {
     case Heartbeat::kId:
       if (const auto message = mav::decode<Heartbeat>(packet)) on_heartbeat(*message, now);
@@ -145,6 +146,22 @@ void VehicleState::on_packet(const Origin& from, const mav::PacketView& packet, 
       break;
     case SysStatus::kId:
       hear(sys_status_, packet, now);
+      break;
+    case BatteryStatus::kId:
+      if (const auto message = mav::decode<BatteryStatus>(packet); message && message->id == 0) {
+        battery_ = {*message, now};
+      }
+      break;
+    case GpsRawInt::kId:
+      hear(gps_raw_, packet, now);
+      break;
+    case EstimatorStatus::kId:
+      hear(estimator_, packet, now);
+      break;
+    case ServoOutputRaw::kId:
+      if (const auto message = mav::decode<ServoOutputRaw>(packet); message && message->port == 0) {
+        servo_output_ = {*message, now};
+      }
       break;
     case AutopilotVersion::kId:
       if (const auto message = mav::decode<AutopilotVersion>(packet)) {

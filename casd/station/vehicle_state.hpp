@@ -11,14 +11,19 @@
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/packet/packet_info.hpp"
+#include "casd/station/message_memory.hpp"
 #include "casd/station/param_exchange.hpp"
 #include "casd/station/vehicle_modes.hpp"
 #include "mavlink/common/attitude.hpp"
+#include "mavlink/common/battery_status.hpp"
+#include "mavlink/common/estimator_status.hpp"
 #include "mavlink/common/extended_sys_state.hpp"
 #include "mavlink/common/global_position_int.hpp"
+#include "mavlink/common/gps_raw_int.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/home_position.hpp"
 #include "mavlink/common/local_position_ned.hpp"
+#include "mavlink/common/servo_output_raw.hpp"
 #include "mavlink/common/statustext.hpp"
 #include "mavlink/common/sys_status.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -121,6 +126,20 @@ class VehicleState {
     return global_position_;
   }
   const std::optional<Heard<mavlink::common::SysStatus>>& sys_status() const { return sys_status_; }
+  /// Of the first battery.
+  const std::optional<Heard<mavlink::common::BatteryStatus>>& battery_status() const {
+    return battery_;
+  }
+  const std::optional<Heard<mavlink::common::GpsRawInt>>& gps_raw() const { return gps_raw_; }
+  const std::optional<Heard<mavlink::common::EstimatorStatus>>& estimator_status() const {
+    return estimator_;
+  }
+  /// Of the main outputs.
+  const std::optional<Heard<mavlink::common::ServoOutputRaw>>& servo_output() const {
+    return servo_output_;
+  }
+  /// The newest packet of each message that casd's station hears: all but the HIL messages.
+  const MessageMemory& messages() const { return messages_; }
   /// HOME_POSITION, or what GLOBAL_POSITION_INT and LOCAL_POSITION_NED together imply.
   std::optional<HomeAmsl> home() const;
   /// Height above home in m, from the newest of what the vehicle tells.
@@ -154,6 +173,11 @@ class VehicleState {
   std::optional<Heard<mavlink::common::GlobalPositionInt>> global_position_;
   std::optional<Heard<mavlink::common::HomePosition>> home_;
   std::optional<Heard<mavlink::common::SysStatus>> sys_status_;
+  std::optional<Heard<mavlink::common::BatteryStatus>> battery_;
+  std::optional<Heard<mavlink::common::GpsRawInt>> gps_raw_;
+  std::optional<Heard<mavlink::common::EstimatorStatus>> estimator_;
+  std::optional<Heard<mavlink::common::ServoOutputRaw>> servo_output_;
+  MessageMemory messages_;
   std::optional<std::uint64_t> capabilities_;
   StatusTextJoiner joiner_;
   std::deque<StatusText> status_texts_;

@@ -53,6 +53,8 @@ const std::vector<Verb>& verbs() {
       {"goto", {"goto", "1", "0", "-2"}, 1, "home position"},
       {"doctor", {"doctor"}, 1, "gets no HIL_SENSOR"},
       {"monitor", {"monitor", "--once"}, 0, "HEARTBEAT"},
+      {"watch", {"watch", "attitude", "--count", "2"}, 0, "roll 0.00 deg"},
+      {"message", {"message", "HEARTBEAT"}, 0, "HEARTBEAT (0) from 1/1 on link fcu"},
       {"reboot", {"reboot"}, 0, "vehicle 1 restarts"},
   };
   return list;

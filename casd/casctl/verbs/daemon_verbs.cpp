@@ -5,6 +5,7 @@
 #include <memory>
 #include <thread>
 
+#include "base/rpc/client.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -337,13 +338,30 @@ void add_log(CommandLine& line) {
   });
 }
 
+/// What each vehicle measures, beside what casd.status says of it.
+void add_telemetry(Session& session, json& status) {
+  for (json& vehicle : status.at("vehicles")) {
+    try {
+      json telemetry = session.call("vehicle.telemetry", {{"vehicle", vehicle.at("system")}});
+      telemetry.erase("vehicle");
+      vehicle["telemetry"] = std::move(telemetry);
+    } catch (const base::rpc::CallError& error) {
+      // It fell silent just now, or casd is older than this method.
+      if (error.code() != base::rpc::kNoSuchVehicle && error.code() != base::rpc::kMethodNotFound) {
+        throw;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void add_status_verbs(CommandLine& line) {
   line.add_verb("status", "Show links and vehicles", "casctl status --json", [](Session& session) {
     if (session.options().vehicle) session.vehicle_call("vehicle.state");  // or it is refused
-    const json status = session.call("casd.status");
+    json status = session.call("casd.status");
     if (session.options().json) {
+      add_telemetry(session, status);
       report(session.options(), status, "");
     } else {
       print_status(status);

@@ -11,6 +11,10 @@ void add_status_verbs(CommandLine& line);
 void add_flight_verbs(CommandLine& line);
 /// setgain, gains, param.
 void add_param_verbs(CommandLine& line);
+/// watch: telemetry as lines.
+void add_watch_verb(CommandLine& line);
+/// message: the newest of a kind.
+void add_message_verb(CommandLine& line);
 /// routes, drops, latency, budget, log, reload, reboot.
 void add_service_verbs(CommandLine& line);
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/casctl/session/word_arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "base/cli/suggestion.hpp"
+
+namespace cas::casctl {
+namespace {
+
+/// What is wrong with a word; empty when nothing is.
+std::string fault_of(const std::string& word, const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), word) != known.end()) return {};
+  const std::string meant = base::cli::did_you_mean(word, known);
+  if (!meant.empty()) return "there is no '" + word + "'" + meant;
+  std::string words;
+  for (const std::string& each : known) words += " " + each;
+  return "there is no '" + word + "'; there is" + words;
+}
+
+}  // namespace
+
+Argument add_words(CommandLine& line, const WordArguments& arguments,
+                   std::vector<std::string>& words) {
+  CLI::App* verb = line.app().get_subcommand(arguments.verb);
+  return Argument(verb->add_option(arguments.name, words, arguments.help)
+                      ->check([known = arguments.known](const std::string& word) {
+                        return fault_of(word, known);
+                      }));
+}
+
+}  // namespace cas::casctl

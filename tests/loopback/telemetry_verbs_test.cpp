@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `casctl watch` and `casctl message` through the real casd, beside the emulated controller.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/loopback/emulator_fixture.hpp"
+
+namespace cas::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells{""};
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+/// On the ground without a simulator: attitude and battery are told, a place is not.
+class TelemetryVerbs : public testing::Test {
+ protected:
+  void SetUp() override {
+    fixture.start();
+    ASSERT_TRUE(fixture.hears_the_vehicle()) << fixture.output();
+    ASSERT_TRUE(wait_until([this] {
+      const Said said = fixture.casctl({"watch", "attitude", "battery", "--json", "--count", "1"});
+      if (said.code != 0) return false;
+      const json sample = json::parse(said.text);
+      return sample.at("attitude").at("roll_deg").is_number() &&
+             sample.at("battery").at("voltage_v").is_number();
+    })) << fixture.output();
+  }
+  /// Runs casctl with a --timeout that is soon over.
+  Said impatient(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {cas::test::binary_dir() + "/bin/casctl", "--address",
+                                         "unix:" + fixture.socket(), "--timeout", "0.3"});
+    ChildProcess child(arguments);
+    const int code = child.wait_exit(std::chrono::seconds(60)).value_or(-1);
+    return {code, child.output()};
+  }
+
+  EmulatorFixture fixture;
+};
+
+TEST_F(TelemetryVerbs, WatchPrintsAnObjectALineWithNullForWhatIsNotKnown) {
+  const Said said =
+      fixture.casctl({"watch", "attitude", "position", "battery", "--json", "--count", "3"});
+  EXPECT_EQ(said.code, 0) << said.text;
+  const std::vector<std::string> lines = lines_of(said.text);
+  ASSERT_EQ(lines.size(), 3U) << said.text;
+  double last_s = -1;
+  for (const std::string& line : lines) {
+    const json sample = json::parse(line);
+    EXPECT_EQ(sample.size(), 6U) << line;  // two times, the vehicle and three topics
+    EXPECT_EQ(sample.at("vehicle"), 1);
+    EXPECT_GT(sample.at("time_s"), last_s);
+    last_s = sample.at("time_s");
+    EXPECT_TRUE(sample.at("attitude").at("roll_deg").is_number());
+    EXPECT_GE(sample.at("attitude").at("age_s"), 0.0);
+    EXPECT_TRUE(sample.at("position").at("north_m").is_null());
+    EXPECT_TRUE(sample.at("position").at("age_s").is_null());
+    EXPECT_NEAR(sample.at("battery").at("voltage_v").get<double>(), 16.2, 1.0);
+  }
+}
+
+TEST_F(TelemetryVerbs, WatchPrintsATableForOtherPrograms) {
+  const Said said = fixture.casctl({"watch", "attitude", "gps", "--csv", "--count", "2"});
+  EXPECT_EQ(said.code, 0) << said.text;
+  const std::vector<std::string> lines = lines_of(said.text);
+  ASSERT_EQ(lines.size(), 3U) << said.text;
+  const std::vector<std::string> header = cells_of(lines[0]);
+  EXPECT_EQ(header[3], "attitude_roll_deg");
+  EXPECT_EQ(header.back(), "gps_age_s");
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string> cells = cells_of(lines[i]);
+    ASSERT_EQ(cells.size(), header.size()) << lines[i];
+    EXPECT_EQ(cells[2], "1");
+    EXPECT_NE(cells[3], "");
+    EXPECT_EQ(cells.back(), "");  // no GPS without a simulator
+  }
+}
+
+TEST_F(TelemetryVerbs, WatchEndsAfterItsTimeAndNamesUnits) {
+  const Said said = fixture.casctl({"watch", "--rate", "10", "--for", "0.35"});
+  EXPECT_EQ(said.code, 0) << said.text;
+  EXPECT_NE(said.text.find("roll 0.00 deg"), std::string::npos) << said.text;
+  EXPECT_NE(said.text.find("position  not heard yet"), std::string::npos) << said.text;
+  EXPECT_NE(said.text.find(" V, current "), std::string::npos) << said.text;
+  EXPECT_LE(lines_of(said.text).size(), 4U * 6U) << said.text;  // at 0, 0.1, 0.2, 0.3 s; six topics
+}
+
+TEST_F(TelemetryVerbs, WatchKnowsItsTopics) {
+  const Said said = fixture.casctl({"watch", "atitude"});
+  EXPECT_EQ(said.code, 2);
+  EXPECT_NE(said.text.find("did you mean 'attitude'?"), std::string::npos) << said.text;
+  EXPECT_EQ(fixture.casctl({"watch", "--csv", "--json"}).code, 2);
+}
+
+TEST_F(TelemetryVerbs, StatusHasTheSameTelemetry) {
+  const Said said = fixture.casctl({"status", "--json"});
+  ASSERT_EQ(said.code, 0) << said.text;
+  const json telemetry = json::parse(said.text).at("vehicles").at(0).at("telemetry");
+  EXPECT_TRUE(telemetry.at("battery").at("voltage_v").is_number()) << telemetry;
+  EXPECT_TRUE(telemetry.at("gps").at("fix").is_null()) << telemetry;
+  EXPECT_EQ(telemetry.size(), 10U) << telemetry;
+}
+
+TEST_F(TelemetryVerbs, MessageShowsAllFieldsOfTheNewest) {
+  const Said table = fixture.casctl({"message", "attitude"});
+  EXPECT_EQ(table.code, 0) << table.text;
+  EXPECT_NE(table.text.find("ATTITUDE (30) from 1/1 on link fcu"), std::string::npos) << table.text;
+  EXPECT_NE(table.text.find("yawspeed"), std::string::npos) << table.text;
+  const Said said = fixture.casctl({"message", "ATTITUDE", "--json", "--system", "1"});
+  ASSERT_EQ(said.code, 0) << said.text;
+  const json message = json::parse(said.text);
+  EXPECT_EQ(message.at("fields").size(), 7U) << message;
+  EXPECT_EQ(message.at("units").at("roll"), "rad");
+}
+
+// Sent once, on request, before anybody looked.
+TEST_F(TelemetryVerbs, MessageShowsOneThatCameBeforeAnybodyLooked) {
+  ASSERT_TRUE(wait_until([this] {
+    return fixture.casctl({"monitor", "--once"}).text.find("AUTOPILOT_VERSION") !=
+           std::string::npos;
+  }));
+  const Said said = fixture.casctl({"message", "AUTOPILOT_VERSION", "--json"});
+  ASSERT_EQ(said.code, 0) << said.text;
+  EXPECT_EQ(json::parse(said.text).at("fields").at("uid"), 1);
+}
+
+TEST_F(TelemetryVerbs, MessageSaysInASentenceThatNoneCame) {
+  const Said none = fixture.casctl({"message", "GPS_RAW_INT"});
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.text.find("no GPS_RAW_INT has come yet"), std::string::npos) << none.text;
+  const Said other = fixture.casctl({"message", "ATTITUDE", "--system", "9"});
+  EXPECT_EQ(other.code, 1);
+  EXPECT_NE(other.text.find("no ATTITUDE of system 9 has come yet"), std::string::npos)
+      << other.text;
+  const Said unknown = fixture.casctl({"message", "ATTITUD"});
+  EXPECT_EQ(unknown.code, 1);
+  EXPECT_NE(unknown.text.find("did you mean 'ATTITUDE'?"), std::string::npos) << unknown.text;
+  const Said late = impatient({"message", "GPS_RAW_INT", "--wait"});
+  EXPECT_EQ(late.code, 4) << late.text;
+}
+
+}  // namespace
+}  // namespace cas::test
