@@ -46,7 +46,8 @@ void add_options(CommandLine& line) {
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();
   app.footer(
-      "Exit codes: 0 done and acknowledged, 1 refused, 2 usage, 3 no daemon, 4 timeout.\n"
+      "Exit codes: 0 done and acknowledged, 1 refused, 2 usage, 3 no daemon, 4 timeout (also of "
+      "--wait).\n"
       "`casctl VERB --help` has an example for each verb.");
 }
 
@@ -88,13 +89,20 @@ std::string hint(int code) {
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
+/// Of a call that was answered with an error.
+int exit_code(const Options& options, int error) {
+  // With --wait a vehicle that is not there was waited for until the time was over.
+  const bool waited_in_vain = options.wait && error == base::rpc::kNoSuchVehicle;
+  return error == base::rpc::kTimeout || waited_in_vain ? kTimeout : kRefused;
+}
+
 int run_verb(const CommandLine& line) {
   const Options& options = line.options();
   try {
     return line.run();
   } catch (const CallError& error) {
     print_error(options, error.code(), error.what() + hint(error.code()), error.data_json());
-    return error.code() == base::rpc::kTimeout ? kTimeout : kRefused;
+    return exit_code(options, error.code());
   } catch (const ConnectionError& error) {
     const bool late = error.timeout();
     const std::string next =

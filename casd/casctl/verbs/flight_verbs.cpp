@@ -68,7 +68,10 @@ json arm(Session& session, const json& params) {
     try {
       return session.vehicle_call("vehicle.arm", params);
     } catch (const base::rpc::CallError& error) {
-      if (!is_temporary(error) || !session.may_wait()) throw;
+      if (!is_temporary(error) || !session.options().wait) throw;
+      if (!session.may_wait()) {
+        throw WaitTimeout(std::string("the vehicle did not let one arm in time: ") + error.what());
+      }
       session.wait_because(error.what(), std::chrono::seconds(1));
     }
   }

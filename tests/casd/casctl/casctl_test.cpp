@@ -111,14 +111,70 @@ TEST_F(CasctlTest, SaysThatItWaitsForTheDaemon) {
 
 TEST_F(CasctlTest, WaitsForTheFirstHeartbeat) {
   const Ended unheard = run("--vehicle 7 land --wait --timeout 0.3");
-  EXPECT_EQ(unheard.code, 1);
+  EXPECT_EQ(unheard.code, 4);
   EXPECT_NE(unheard.out.find("casctl: waiting: "), std::string::npos) << unheard.out;
+}
+
+TEST_F(CasctlTest, EndsWithFourWhereAVerbWaitedInVainForItsVehicle) {
+  const std::string nowhere = (directory_ / "none.params").string();
+  std::ofstream(nowhere) << "MC_ROLL_P 1\n";
+  for (const std::string verb :
+       {"status", "arm", "disarm", "takeoff 2", "land", "hold", "rtl", "goto 1 2 -3", "mode HOLD",
+        "manual --for 0.1", "message-interval ATTITUDE 10", "setgain roll 6", "gains", "gains roll",
+        "param list", "param get A", "param set A 1", "reboot", "watch --count 1"}) {
+    const Ended ended = run("--vehicle 7 --wait --timeout 0.2 " + verb);
+    EXPECT_EQ(ended.code, 4) << verb << ": " << ended.out;
+    EXPECT_EQ(run("--vehicle 7 " + verb).code, 1) << verb;  // without --wait it is a refusal
+  }
+  const Ended load = run("--vehicle 7 --wait --timeout 0.2 param load " + nowhere);
+  EXPECT_EQ(load.code, 4) << load.out;
+  const Ended save = run("--vehicle 7 --wait --timeout 0.2 param save " + nowhere);
+  EXPECT_EQ(save.code, 4) << save.out;
+}
+
+TEST_F(CasctlTest, EndsWithFourWhereAStateDoesNotCome) {
+  mavlink::common::LocalPositionNed local;
+  local.z = -2.4F;
+  mavlink::common::ExtendedSysState in_air;
+  in_air.landed_state = mavlink::common::MavLandedState::kInAir;
+  fixture_.vehicle().base_mode |= MavModeFlag::kSafetyArmed;
+  fixture_.vehicle().say_heartbeat(base::steady_now());
+  fixture_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
+  fixture_.vehicle().say(in_air, base::steady_now());
+  fixture_.vehicle().say(local, base::steady_now());
+  for (const std::string verb :
+       {"disarm", "takeoff 50", "land", "rtl", "goto 50 0 -3", "mode LAND"}) {
+    const Ended ended = run(verb + " --wait --timeout 0.3");
+    EXPECT_EQ(ended.code, 4) << verb << ": " << ended.out;
+    EXPECT_NE(ended.out.find("acknowledged, but the vehicle was not"), std::string::npos)
+        << ended.out;
+  }
+}
+
+TEST_F(CasctlTest, SaysWhatAMisspeltVerbOrOptionMayHaveMeant) {
+  const Ended verb = casctl("stauts");
+  EXPECT_EQ(verb.code, 2);
+  EXPECT_EQ(verb.out,
+            "there is no command 'stauts'; did you mean 'status'?\n"
+            "Run with --help for more information.\n");
+  const Ended below = casctl("param gte MC_ROLL_P");
+  EXPECT_EQ(below.code, 2);
+  EXPECT_NE(below.out.find("did you mean 'get'?"), std::string::npos) << below.out;
+  const Ended option = casctl("land --tiemout=3");
+  EXPECT_EQ(option.code, 2);
+  EXPECT_NE(option.out.find("--tiemout"), std::string::npos) << option.out;
+  EXPECT_NE(option.out.find("did you mean '--timeout'?"), std::string::npos) << option.out;
+  const Ended own = casctl("watch --cvs");
+  EXPECT_NE(own.out.find("did you mean '--csv'?"), std::string::npos) << own.out;
+  const Ended far = casctl("frobnicate");
+  EXPECT_EQ(far.out.find("did you mean"), std::string::npos) << far.out;
 }
 
 TEST_F(CasctlTest, AsksAgainToArmWhileTheVehicleSaysNotNow) {
   fixture_.vehicle().script.result = MavResult::kTemporarilyRejected;
   const Ended later = run("arm --wait --timeout 0.3");
-  EXPECT_EQ(later.code, 1);
+  EXPECT_EQ(later.code, 4);
+  EXPECT_EQ(run("arm").code, 1);  // without --wait it is a refusal
   EXPECT_NE(later.out.find("casctl: waiting: MAV_CMD 400"), std::string::npos) << later.out;
 }
 
@@ -265,10 +321,10 @@ TEST_F(CasctlTest, GivesTheTokenOfAFile) {
 
 TEST_F(CasctlTest, EveryVerbHasAnExample) {
   const std::string help = casctl("--help").out;
-  for (const char* verb :
-       {"status",  "links",  "arm",    "disarm",           "takeoff", "land",  "hold",   "rtl",
-        "goto",    "mode",   "manual", "message-interval", "setgain", "gains", "routes", "drops",
-        "latency", "budget", "reload", "reboot",           "monitor", "doctor"}) {
+  for (const char* verb : {"status",  "links",  "arm",     "disarm", "takeoff", "land",
+                           "hold",    "rtl",    "goto",    "mode",   "manual",  "message-interval",
+                           "setgain", "gains",  "routes",  "drops",  "latency", "budget",
+                           "reload",  "reboot", "monitor", "doctor", "watch",   "message"}) {
     EXPECT_NE(help.find(verb), std::string::npos) << verb;
     EXPECT_NE(casctl(std::string(verb) + " --help").out.find("Example: casctl"), std::string::npos)
         << verb;
