@@ -182,7 +182,7 @@ CLI::App* add_compare(CLI::App& app, CompareFlags& flags) {
   command->add_option("--hold", flags.hold_s, "Seconds measured (60)");
   command->add_flag("--virtual", flags.on_virtual_clock,
                     "Compute time instead of waiting for it: the same to the byte each time");
-  command->add_flag("--keep", flags.keep, "Keep truth.csv and flight.tlog of each run");
+  command->add_flag("--keep", flags.keep, "Keep truth.csv, sensors and flight.tlog of each run");
   command->add_option("--out", flags.out, "Folder for the results (the last, if several)")
       ->required()
       ->take_last();

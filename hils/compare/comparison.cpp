@@ -60,6 +60,7 @@ void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
   result.verdicts.push_back(verdict);
   if (keep) return;
   std::filesystem::remove(record.truth_csv);
+  std::filesystem::remove_all(record.sensors);
   std::filesystem::remove(record.flight_tlog);
 }
 

@@ -58,6 +58,7 @@ std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& pla
     record.vehicle = scenario.vehicles[i].name;
     record.system = scenario.vehicles[i].system_id;
     record.truth_csv = places.vehicles[i].truth_csv();
+    record.sensors = places.vehicles[i].sensors();
     record.flight_tlog = places.flight_tlog();
   }
   return records;

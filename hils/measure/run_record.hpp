@@ -28,6 +28,7 @@ struct RunRecord {
   std::uint64_t lost_by_sequence = 0;  ///< then: gaps in the sequence from the controller
   bool foreign_stamps = false;  ///< controls are stamped by another clock: nothing is an echo
   std::filesystem::path truth_csv;
+  std::filesystem::path sensors;  ///< folder with a CSV file of each sensor
   std::filesystem::path flight_tlog;
   std::vector<Stage> stages;
   std::optional<Stage> hold;  ///< the measured one; nothing when the flight did not get there

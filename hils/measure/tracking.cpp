@@ -2,16 +2,15 @@
 #include "hils/measure/tracking.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "base/earth/frames.hpp"
 #include "base/error.hpp"
 #include "casd/tlog/tlog_files.hpp"
+#include "hils/measure/csv_row.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/local_position_ned.hpp"
 #include "mavlink/common/table.hpp"
@@ -35,22 +34,6 @@ enum Column : std::size_t {
   kOmega = 13,
   kColumns = 17,
 };
-
-std::optional<std::vector<double>> parse_row(std::string_view line) {
-  std::vector<double> values;
-  while (true) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
-    if (error != std::errc{}) return std::nullopt;
-    values.push_back(value);
-    line.remove_prefix(static_cast<std::size_t>(end - line.data()));
-    if (line.empty()) break;
-    if (line.front() != ',') return std::nullopt;
-    line.remove_prefix(1);
-  }
-  if (values.size() < kColumns) return std::nullopt;
-  return values;
-}
 
 PoseSample to_sample(const std::vector<double>& row) {
   return {.time_us = std::llround(row[kTime] * 1e6),
@@ -90,8 +73,8 @@ std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
   std::string line;
   std::getline(in, line);  // header
   for (int number = 2; std::getline(in, line); ++number) {
-    const std::optional<std::vector<double>> row = parse_row(line);
-    if (!row) {
+    const std::optional<std::vector<double>> row = parse_csv_row(line);
+    if (!row || row->size() < kColumns) {
       throw base::ConfigError(file.string() + ":" + std::to_string(number) +
                               ": not a row of truth.csv");
     }

@@ -228,6 +228,7 @@ YAML::Node vehicle_plugins(const Scenario& scenario, std::size_t vehicle, Transp
   recorder["plugin"] = "recorder";
   recorder["file"] = full_path(places.truth_csv());
   recorder["rate_hz"] = kTruthHz;
+  recorder["sensor_dir"] = full_path(places.sensors());
   plugins.push_back(recorder);
   return plugins;
 }

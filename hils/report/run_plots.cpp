@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/report/run_plots.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
+#include <span>
 
 #include "base/time/clock.hpp"
+#include "hils/measure/gyro_record.hpp"
 #include "hils/measure/tracking.hpp"
+#include "hils/report/spectrum.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
@@ -24,12 +31,11 @@ std::int64_t microseconds(base::SimTime t) {
   return static_cast<std::int64_t>(base::to_time_usec(t));
 }
 
-using mavlink::common::HilGps;
-using mavlink::common::HilSensor;
 using Direction = base::LedgerEntry::Direction;
 
 constexpr double kDegreesPerRadian = 180.0 / M_PI;
 constexpr int kBucketsPerDecade = 20;
+constexpr const char* kTimeLabel = "simulated time, s";
 
 double seconds(std::uint64_t usec) { return static_cast<double>(usec) * 1e-6; }
 
@@ -84,7 +90,7 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record, const M
   plots.emplace_back(
       "rates",
       Plot{.title = "Received per second, share of nominal",
-           .x_label = "simulated time, s",
+           .x_label = kTimeLabel,
            .y_label = "%",
            .series = {rate_series("HIL_SENSOR", record.controller, HilSensor::kId,
                                   scenario.rates.sensor_hz),
@@ -96,7 +102,7 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record, const M
       "losses",
       Plot{
           .title = "Lost per second",
-          .x_label = "simulated time, s",
+          .x_label = kTimeLabel,
           .y_label = "packets",
           .series = {loss_series("HIL_SENSOR", record.simulator, record.controller, HilSensor::kId),
                      loss_series("HIL_GPS", record.simulator, record.controller, HilGps::kId),
@@ -107,7 +113,7 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record, const M
   const auto add_hops = [&](const char* name, const char* title, const PacketPath& path,
                             const std::string& whole, std::vector<std::int64_t> whole_delays) {
     Plot plot{.title = title,
-              .x_label = "us",
+              .x_label = "us (what is below 1 counts as 1)",
               .y_label = "% of the packets",
               .log_x = true,
               .from_zero = true};
@@ -126,7 +132,140 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record, const M
            echo_delays_ns(record.simulator, HilSensor::kId, controls, window));
 }
 
-void add_motion_plots(const RunRecord& record, NamedPlots& plots) {
+/// Where a vehicle was, seen from above: east to the right, north upwards.
+Series track_series(const std::string& name, std::span<const PoseSample> samples,
+                    const Pose& start) {
+  Series series{.name = name};
+  for (const PoseSample& sample : samples) {
+    series.points.emplace_back(sample.pose.y_m - start.y_m, sample.pose.x_m - start.x_m);
+  }
+  return series;
+}
+
+Series track_reference(const std::vector<Stage>& stages) {
+  Series track = reference_series(stages, &Pose::y_m);
+  const Series north = reference_series(stages, &Pose::x_m);
+  for (std::size_t i = 0; i < track.points.size(); ++i) {
+    track.points[i] = {track.points[i].second, north.points[i].second};
+  }
+  return track;
+}
+
+/// Samples per second, by their stamps.
+double rate_of(std::int64_t first_us, std::int64_t last_us, std::size_t count) {
+  if (last_us <= first_us) return 0;
+  return 1e6 * static_cast<double>(count - 1) / static_cast<double>(last_us - first_us);
+}
+
+Series spectrum_series(const std::string& name, const Spectrum& spectrum, double scale) {
+  Series series{.name = name};
+  for (std::size_t i = 1; i < spectrum.amplitude.size(); ++i) {  // the mean was taken away
+    series.points.emplace_back(static_cast<double>(i) * spectrum.resolution_hz,
+                               scale * spectrum.amplitude[i]);
+  }
+  return series;
+}
+
+/// One spectrum for each component that `value(sample, component)` reads. Nothing where there are
+/// too few samples in the window.
+template <class Sample, class Value>
+std::vector<Series> spectra(const std::vector<Sample>& all, StreamWindow window,
+                            const std::vector<std::string>& names, double scale, Value value) {
+  const auto begin = std::ranges::lower_bound(all, static_cast<std::int64_t>(window.begin_usec), {},
+                                              &Sample::time_us);
+  const auto end = std::ranges::upper_bound(all, static_cast<std::int64_t>(window.end_usec), {},
+                                            &Sample::time_us);
+  std::vector<Series> curves;
+  if (end - begin < 2) return curves;
+  const std::span<const Sample> samples(begin, end);
+  const double rate_hz = rate_of(samples.front().time_us, samples.back().time_us, samples.size());
+  for (std::size_t component = 0; component < names.size(); ++component) {
+    std::vector<double> values;
+    values.reserve(samples.size());
+    for (const Sample& sample : samples) values.push_back(value(sample, component));
+    const Spectrum spectrum = amplitude_spectrum(values, rate_hz);
+    if (spectrum.amplitude.empty()) return {};
+    curves.push_back(spectrum_series(names[component], spectrum, scale));
+  }
+  return curves;
+}
+
+/// Mean speed of the rotors in the window, turns per second.
+double turns_per_second(const std::vector<PoseSample>& truth, StreamWindow window) {
+  const auto samples = between(truth, static_cast<std::int64_t>(window.begin_usec),
+                               static_cast<std::int64_t>(window.end_usec));
+  double sum = 0;
+  for (const PoseSample& sample : samples) {
+    for (const double omega : sample.omega_rad_s) sum += omega;
+  }
+  const double count = 4 * static_cast<double>(samples.size());
+  return samples.empty() ? 0 : sum / count / (2 * std::numbers::pi);
+}
+
+std::string spectrum_title(const std::string& of, const std::vector<Series>& curves) {
+  const auto& points = curves.front().points;
+  return fmt::format("Spectrum of the {}, measured stretch (to {:.0f} Hz in steps of {:.2f} Hz)",
+                     of, points.back().first, points.front().first);
+}
+
+void add_spectra(const RunRecord& record, const std::vector<PoseSample>& truth, StreamWindow window,
+                 NamedPlots& plots) {
+  const auto add = [&plots](const char* name, const std::string& of, const char* unit,
+                            std::vector<Series> curves, std::vector<Mark> marks) {
+    if (curves.empty()) return;
+    const std::string title = spectrum_title(of, curves);
+    plots.emplace_back(name, Plot{.title = title,
+                                  .x_label = "Hz",
+                                  .y_label = unit,
+                                  .series = std::move(curves),
+                                  .marks = std::move(marks),
+                                  .log_y = true});
+  };
+  const double turns_hz = turns_per_second(truth, window);
+  std::vector<Mark> marks;
+  if (turns_hz > 0) {
+    marks.push_back({.x = turns_hz, .text = fmt::format("rotors turn at {:.0f} Hz", turns_hz)});
+  }
+  add("gyro_spectrum", "gyro", "amplitude, deg/s",
+      spectra(read_gyro(record.sensors / "imu.csv"), window,
+              {"about forward", "about right", "about down"}, kDegreesPerRadian,
+              [](const GyroSample& sample, std::size_t axis) { return sample.rate_rad_s[axis]; }),
+      std::move(marks));
+  add("motors_spectrum", "rotor speeds", "amplitude, rad/s",
+      spectra(
+          truth, window, {"rotor 1", "rotor 2", "rotor 3", "rotor 4"}, 1,
+          [](const PoseSample& sample, std::size_t rotor) { return sample.omega_rad_s[rotor]; }),
+      {});
+}
+
+void add_track(const RunRecord& record, const std::vector<PoseSample>& truth,
+               const std::vector<PoseSample>& estimate, const Pose& start, NamedPlots& plots) {
+  plots.emplace_back("track", Plot{.title = "Track from above, equal scales",
+                                   .x_label = "east, m from the start",
+                                   .y_label = "north, m from the start",
+                                   .series = {track_series("truth", truth, start),
+                                              track_series("estimate", estimate, Pose{}),
+                                              track_reference(record.stages)},
+                                   .equal_scales = true});
+}
+
+/// One curve for each component that `value(sample, component)` reads.
+template <class Value>
+std::vector<Series> time_series(const std::vector<PoseSample>& samples,
+                                const std::vector<std::string>& names, Value value) {
+  std::vector<Series> curves;
+  for (std::size_t component = 0; component < names.size(); ++component) {
+    Series series{.name = names[component]};
+    for (const PoseSample& sample : samples) {
+      series.points.emplace_back(static_cast<double>(sample.time_us) * 1e-6,
+                                 value(sample, component));
+    }
+    curves.push_back(std::move(series));
+  }
+  return curves;
+}
+
+void add_motion_plots(const RunRecord& record, StreamWindow window, NamedPlots& plots) {
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   const std::vector<PoseSample> estimate =
       read_estimate(record.flight_tlog, record.system, record.log_clock);
@@ -141,30 +280,38 @@ void add_motion_plots(const RunRecord& record, NamedPlots& plots) {
         Axis{"position_z", "Height", &Pose::z_m}}) {
     plots.emplace_back(axis.name,
                        Plot{.title = axis.title,
-                            .x_label = "simulated time, s",
+                            .x_label = kTimeLabel,
                             .y_label = "m from the start",
                             .series = {pose_series("truth", truth, axis.member, start.*axis.member),
                                        pose_series("estimate", estimate, axis.member, 0),
                                        reference_series(record.stages, axis.member)}});
   }
+  add_track(record, truth, estimate, start, plots);
+  plots.emplace_back("velocity",
+                     Plot{.title = "Velocity (true)",
+                          .x_label = kTimeLabel,
+                          .y_label = "m/s",
+                          .series = time_series(truth, {"north", "east", "up"},
+                                                [](const PoseSample& sample, std::size_t axis) {
+                                                  return sample.v_m_s[axis];
+                                                })});
   plots.emplace_back(
       "attitude",
       Plot{.title = "Attitude (true)",
-           .x_label = "simulated time, s",
+           .x_label = kTimeLabel,
            .y_label = "deg",
            .series = {pose_series("roll", truth, &Pose::roll_rad, 0, kDegreesPerRadian),
                       pose_series("pitch", truth, &Pose::pitch_rad, 0, kDegreesPerRadian),
                       pose_series("yaw", truth, &Pose::yaw_rad, 0, kDegreesPerRadian)}});
-  Plot motors{.title = "Rotor speeds", .x_label = "simulated time, s", .y_label = "rad/s"};
-  for (std::size_t rotor = 0; rotor < 4; ++rotor) {
-    Series series{.name = "rotor " + std::to_string(rotor + 1)};
-    for (const PoseSample& sample : truth) {
-      series.points.emplace_back(static_cast<double>(sample.time_us) * 1e-6,
-                                 sample.omega_rad_s[rotor]);
-    }
-    motors.series.push_back(std::move(series));
-  }
-  plots.emplace_back("motors", std::move(motors));
+  plots.emplace_back("motors",
+                     Plot{.title = "Rotor speeds",
+                          .x_label = kTimeLabel,
+                          .y_label = "rad/s",
+                          .series = time_series(truth, {"rotor 1", "rotor 2", "rotor 3", "rotor 4"},
+                                                [](const PoseSample& sample, std::size_t rotor) {
+                                                  return sample.omega_rad_s[rotor];
+                                                })});
+  add_spectra(record, truth, window, plots);
 }
 
 }  // namespace
@@ -244,7 +391,7 @@ RunCurves run_curves(const std::string& name, const Scenario& scenario, const Ru
 NamedPlots run_plots(const Scenario& scenario, const RunRecord& record,
                      const Measurement& figures) {
   NamedPlots plots;
-  add_motion_plots(record, plots);
+  add_motion_plots(record, figures.window, plots);
   add_stream_plots(scenario, record, figures, plots);
   std::vector<Mark> marks = stage_marks(record.stages);
   for (const auto& fault : record.faults) {
@@ -252,7 +399,7 @@ NamedPlots run_plots(const Scenario& scenario, const RunRecord& record,
     if (fault.end) marks.push_back({.x = base::to_seconds(*fault.end), .text = {}, .fault = true});
   }
   for (auto& [name, plot] : plots) {
-    if (plot.log_x) continue;
+    if (plot.x_label != kTimeLabel) continue;
     plot.marks = marks;
     plot.shaded = {seconds(figures.window.begin_usec), seconds(figures.window.end_usec)};
   }

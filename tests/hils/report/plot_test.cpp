@@ -3,11 +3,46 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
+#include <regex>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace cas::hils {
 namespace {
+
+using Points = std::vector<std::pair<double, double>>;
+
+/// Corners of the first curve, px.
+Points first_curve(const std::string& svg) {
+  std::smatch path;
+  const std::regex curve("<path d=\"([^\"]*)\" fill=\"none\" stroke-width=\"1.4\"");
+  if (!std::regex_search(svg, path, curve)) return {};
+  const std::string corners = path[1];
+  const std::regex corner("[ML]([-0-9.]+) ([-0-9.]+)");
+  Points points;
+  for (std::sregex_iterator it(corners.begin(), corners.end(), corner), end; it != end; ++it) {
+    points.emplace_back(std::stod((*it)[1]), std::stod((*it)[2]));
+  }
+  return points;
+}
+
+/// A text of the plot with its place, px.
+struct Text {
+  double x = 0;
+  double y = 0;
+};
+
+Text place_of(const std::string& svg, const std::string& text) {
+  std::smatch place;
+  const std::regex element("<text x=\"([-0-9.]+)\" y=\"([-0-9.]+)\"[^>]*>" + text + "</text>");
+  if (!std::regex_search(svg, place, element)) return {-1, -1};
+  return {std::stod(place[1]), std::stod(place[2])};
+}
 
 TEST(Plot, IsOneSvgElementWithItsWords) {
   const std::string svg = to_svg({.title = "a < b",
@@ -35,6 +70,78 @@ TEST(Plot, DrawsNothingWithoutValues) {
       {.series = {{.name = "x", .points = {{0, std::numeric_limits<double>::quiet_NaN()}}}, {}}});
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+TEST(Plot, DrawsACircleRoundWhereScalesAreEqual) {
+  Series circle{.name = "truth"};
+  for (int i = 0; i <= 360; ++i) {
+    const double angle = i * std::numbers::pi / 180;
+    circle.points.emplace_back(30 + 2 * std::sin(angle), 5 + 2 * std::cos(angle));
+  }
+  const Points points = first_curve(to_svg({.series = {circle}, .equal_scales = true}));
+  ASSERT_GT(points.size(), 100U);
+  const auto [left, right] = std::ranges::minmax(points, {}, &Points::value_type::first);
+  const auto [high, low] = std::ranges::minmax(points, {}, &Points::value_type::second);
+  EXPECT_NEAR(right.first - left.first, low.second - high.second, 0.5);
+  EXPECT_GT(right.first - left.first, 300);                     // fills the shorter side
+  EXPECT_NEAR(points.front().first, points.back().first, 0.5);  // and goes all the way round
+}
+
+TEST(Plot, KeepsTextsOfMarksOffTheCurvesAndOffEachOther) {
+  Plot plot{.series = {{.name = "truth", .points = {{0, 0}, {50, 1}, {100, 1}}}}};
+  plot.marks = {{.x = 20, .text = "takeoff"}, {.x = 21, .text = "hold"}, {.x = 60, .text = "land"}};
+  const std::string svg = to_svg(plot);
+  const Text takeoff = place_of(svg, "takeoff");
+  const Text hold = place_of(svg, "hold");
+  const Text land = place_of(svg, "land");
+  EXPECT_GE(hold.y - takeoff.y, 10);  // a row below
+  EXPECT_EQ(land.y, takeoff.y);       // there is room in the first
+  double highest = std::numeric_limits<double>::infinity();
+  for (const auto& [x, y] : first_curve(svg)) highest = std::min(highest, y);
+  EXPECT_LT(std::max({takeoff.y, hold.y, land.y}), highest);
+}
+
+TEST(Plot, MovesATextThatTheEdgeWouldClip) {
+  Plot plot{.series = {{.name = "truth", .points = {{0, 0}, {100, 1}}}}};
+  plot.marks = {{.x = 99.9, .text = "a rather long phase"}};
+  constexpr double kCharacter_px = 5.6;
+  constexpr double kWidth_px = 720;
+  const Text text = place_of(to_svg(plot), plot.marks.front().text);
+  ASSERT_GE(text.x, 0);
+  EXPECT_LE(text.x + kCharacter_px * static_cast<double>(plot.marks.front().text.size()),
+            kWidth_px);
+}
+
+TEST(Plot, BreaksALegendBeforeTheRightEdge) {
+  Plot plot;
+  for (int i = 0; i < 9; ++i) {
+    plot.series.push_back(
+        {.name = "variant 46080" + std::to_string(i), .points = {{0, 0}, {1, i}}});
+  }
+  const std::string svg = to_svg(plot);
+  EXPECT_GT(place_of(svg, "variant 460808").y, place_of(svg, "variant 460800").y);
+  for (const Series& series : plot.series) EXPECT_LT(place_of(svg, series.name).x, 640) << svg;
+}
+
+TEST(Plot, LabelsNoTickMinusZero) {
+  const std::string svg = to_svg({.series = {{.points = {{-1, -0.1}, {1, 0.1}}}}});
+  EXPECT_NE(svg.find(">0<"), std::string::npos);
+  EXPECT_EQ(svg.find(">-0<"), std::string::npos);
+}
+
+TEST(Plot, HasDecadesOnALogarithmicAxis) {
+  const std::string svg =
+      to_svg({.series = {{.points = {{1, 0}, {2, 0.01}, {3, 100}}}}, .log_y = true});
+  EXPECT_NE(svg.find(">0.1<"), std::string::npos);
+  EXPECT_NE(svg.find(">100<"), std::string::npos);
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+  EXPECT_EQ(first_curve(svg).size(), 2U);  // zero has no place there
+}
+
+TEST(Plot, HasColoursForReadersWhoPreferTheDark) {
+  const std::string svg = to_svg({.series = {{.name = "truth", .points = {{0, 0}, {1, 1}}}}});
+  EXPECT_NE(svg.find("prefers-color-scheme:dark"), std::string::npos);
+  EXPECT_NE(svg.find("class=\"c0\""), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/csv_row.hpp"
+
+#include <charconv>
+
+namespace cas::hils {
+
+std::optional<std::vector<double>> parse_csv_row(std::string_view line) {
+  std::vector<double> values;
+  while (true) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
+    if (error != std::errc{}) return std::nullopt;
+    values.push_back(value);
+    line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+    if (line.empty()) return values;
+    if (line.front() != ',') return std::nullopt;
+    line.remove_prefix(1);
+  }
+}
+
+}  // namespace cas::hils
