@@ -31,6 +31,15 @@ std::string markdown_table(const Rows& rows) {
   return text;
 }
 
+/// Columns become rows: a page is less wide than it is long.
+Rows transposed(const Rows& rows) {
+  Rows result(rows.front().size());
+  for (const std::vector<std::string>& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) result[i].push_back(row[i]);
+  }
+  return result;
+}
+
 Json mean_json(const std::optional<Mean>& mean) {
   if (!mean) return nullptr;
   return {{"mean", mean->mean}, {"half_width_95", mean->half_width}, {"runs", mean->count}};
@@ -179,12 +188,15 @@ std::string comparison_html(const ComparisonPlan& plan, const std::vector<Varian
   for (const ColumnGroup& group : comparison_groups()) {
     if (!has_figures(group, results)) continue;
     const Rows rows = group_rows(group, results);
-    std::vector<std::size_t> quiet;
-    for (std::size_t i = results.size(); i + 1 < rows.size(); ++i) quiet.push_back(i);
-    page.table(group.title, rows, quiet);
+    std::vector<HtmlPage::Row> looks(results.size(), HtmlPage::Row::kPlain);
+    looks.resize(rows.size() - 1, HtmlPage::Row::kQuiet);
+    page.table(group.title, rows, looks);
   }
   page.table("Lost packets, by cause, of all valid runs", loss_rows(results));
-  page.table("Paired differences by seed: mean and 95 % interval", difference_rows(results));
+  const Rows pairs = difference_rows(results);
+  if (pairs.size() > 1) {
+    page.table("Paired differences by seed: mean and 95 % interval", transposed(pairs));
+  }
   page.heading("First seed");
   for (const auto& [name, plot] : comparison_plots(results)) page.figure(to_svg(plot));
   return page.finish();

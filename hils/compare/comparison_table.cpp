@@ -8,6 +8,8 @@
 #include <map>
 #include <string_view>
 
+#include "hils/report/experiment.hpp"
+#include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
 
 namespace cas::hils {
@@ -51,7 +53,9 @@ ColumnGroup rates() {
   using M = const Measurement&;
   return {
       "rates",
-      "Table 4. Rates at the receiver: mean and 95 % interval over the seeds",
+      "Table 4. Rates at the receiver: mean and 95 % interval over the seeds; error: how far they "
+      "fall "
+      "short of the nominal rate, negative above it",
       {{"sensor_hz", "IMU Hz", 4, number([](M m) { return m.rates.sensor.received_hz; })},
        {"sensor_error_pct", "error %", 4, number([](M m) { return m.rates.sensor.error_pct; })},
        {"gps_hz", "GPS Hz", 4, number([](M m) { return m.rates.gps.received_hz; })},
@@ -63,7 +67,7 @@ ColumnGroup rates() {
 
 ColumnGroup rms_errors() {
   return {"rms",
-          "Table 5. RMS error of the hover, true position against the reference",
+          "Table 5. RMS error while measured, true position against the reference",
           {{"x_m", "X m", 4, rms(&RmsFigures::x_m)},
            {"y_m", "Y m", 4, rms(&RmsFigures::y_m)},
            {"z_m", "Z m", 4, rms(&RmsFigures::z_m)},
@@ -223,8 +227,8 @@ std::vector<std::pair<std::size_t, std::size_t>> comparison_pairs(
 
 std::string to_text(const std::optional<Mean>& mean, int digits) {
   if (!mean) return "-";
-  if (mean->count < 2) return fmt::format("{:.{}f}", mean->mean, digits);
-  return fmt::format("{:.{}f} ± {:.{}f}", mean->mean, digits, mean->half_width, digits);
+  if (mean->count < 2) return fixed(mean->mean, digits);
+  return fmt::format("{} ± {}", fixed(mean->mean, digits), fixed(mean->half_width, digits));
 }
 
 std::map<std::string, std::uint64_t> losses_of(const VariantResult& result) {
@@ -264,7 +268,10 @@ Rows group_rows(const ColumnGroup& group, const std::vector<VariantResult>& resu
       rows.back().push_back(to_text(mean_of_valid(result, column), column.digits));
     }
   }
-  add_paper_rows(group, rows);
+  const bool is_comparable = std::ranges::all_of(results, [](const VariantResult& result) {
+    return std::ranges::all_of(result.runs, measures_station_keeping);
+  });
+  if (group.key != "rms" || is_comparable) add_paper_rows(group, rows);
   return rows;
 }
 

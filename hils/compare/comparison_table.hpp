@@ -57,7 +57,8 @@ using Rows = std::vector<std::vector<std::string>>;
 
 /// Whether any variant has any figure of the group.
 bool has_figures(const ColumnGroup& group, const std::vector<VariantResult>& results);
-/// A group with one row for each variant; Tables 4 and 5 have the rows of [HILS] below.
+/// A group with one row for each variant; Tables 4 and 5 have the rows of [HILS] below, the latter
+/// where a vehicle that kept its place was measured.
 Rows group_rows(const ColumnGroup& group, const std::vector<VariantResult>& results);
 /// Lost packets, one row for each cause.
 Rows loss_rows(const std::vector<VariantResult>& results);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/report/html_page.hpp"
 
-#include <algorithm>
 #include <string_view>
 
 #include "hils/report/plot.hpp"
@@ -11,30 +10,47 @@ namespace cas::hils {
 namespace {
 
 constexpr std::string_view kStyle = R"(
-:root{color-scheme:light}
-body{font:15px/1.5 system-ui,sans-serif;color:#212529;background:#f1f3f5;margin:0}
-main{max-width:60rem;margin:0 auto;padding:1.5rem 1rem 4rem}
-h1{font-size:1.5rem;margin:0 0 .8rem}
+:root{color-scheme:light dark;--ink:#212529;--page:#f1f3f5;--box:#fff;--line:#e9ecef;--head:#e9ecef;
+ --quiet:#6c757d;--missed:#c92a2a}
+@media screen and (prefers-color-scheme:dark){
+ :root{--ink:#dee2e6;--page:#121518;--box:#1c2024;--line:#343a40;--head:#2b3035;--quiet:#909aa3;
+  --missed:#ff8787}
+}
+body{font:15px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--page);margin:0}
+main{max-width:76rem;margin:0 auto;padding:1.5rem 1rem 4rem}
+h1{font-size:1.5rem;margin:0 0 .8rem;overflow-wrap:anywhere}
 h2{font-size:1.15rem;margin:2.2rem 0 .6rem}
-.verdict{border-radius:8px;padding:1rem 1.3rem;color:#fff}
-.good{background:#2b8a3e}.bad{background:#c92a2a}.neutral{background:#e67700}
+.verdict{border-radius:8px;padding:1rem 1.3rem;color:#fff;overflow-wrap:anywhere}
+.good{background:#2b8a3e}.bad{background:#c92a2a}.neutral{background:#b35c00}
 .verdict strong{font-size:1.6rem;letter-spacing:.03em}
 .verdict p{margin:.2rem 0 0}.verdict ul{margin:.6rem 0 0;padding-left:1.2rem}
-.scroll{overflow-x:auto}
-table{border-collapse:collapse;background:#fff;width:100%;font-variant-numeric:tabular-nums}
-caption{text-align:left;font-weight:600;padding:.5rem 0}
-th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid #e9ecef;white-space:nowrap}
-th:first-child,td:first-child{text-align:left}
-thead th{background:#e9ecef}
-tr.quiet{color:#868e96}
-figure{margin:.8rem 0;background:#fff;border:1px solid #e9ecef;border-radius:6px;padding:.4rem}
+.caption{font-weight:600;margin:1.2rem 0 .3rem}
+.scroll{overflow-x:auto;border:1px solid var(--line);border-radius:6px;background:var(--box)}
+table{border-collapse:collapse;width:100%;font-size:14px;font-variant-numeric:tabular-nums}
+th,td{padding:.3rem .55rem;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
+thead th{background:var(--head);white-space:normal;vertical-align:bottom}
+th:first-child,td:first-child{text-align:left;white-space:normal;position:sticky;left:0;
+ background:var(--box)}
+thead th:first-child{background:var(--head)}
+tbody tr:last-child td{border-bottom:0}
+tr.quiet{color:var(--quiet)}
+tr.missed{color:var(--missed);font-weight:600}
+figure{margin:.8rem auto;max-width:60rem;background:var(--box);border:1px solid var(--line);
+ border-radius:6px;padding:.4rem}
 figure svg{display:block;width:100%;height:auto}
-details{background:#fff;border:1px solid #e9ecef;border-radius:6px;margin:.5rem 0;padding:.4rem .8rem}
+details{background:var(--box);border:1px solid var(--line);border-radius:6px;margin:.5rem 0;
+ padding:.4rem .8rem}
 pre{overflow-x:auto;font-size:12px;line-height:1.35}
+@media (max-width:40rem){
+ main{padding:1rem .5rem 3rem}
+ table{font-size:13px}th,td{padding:.25rem .4rem}
+ figure{padding:.2rem}
+}
 @media print{
  body{background:#fff;font-size:10pt}main{padding:0;max-width:none}
  .verdict{print-color-adjust:exact;-webkit-print-color-adjust:exact}
- figure,table,tr{break-inside:avoid}h2{break-after:avoid}details{display:none}
+ figure,.scroll,tr{break-inside:avoid}.scroll{overflow:visible}h2{break-after:avoid}
+ details{display:none}
 }
 )";
 
@@ -48,6 +64,18 @@ std::string_view css_class(HtmlPage::Mood mood) {
       break;
   }
   return "neutral";
+}
+
+std::string_view row_tag(HtmlPage::Row look) {
+  switch (look) {
+    case HtmlPage::Row::kQuiet:
+      return "<tr class=\"quiet\">";
+    case HtmlPage::Row::kMissed:
+      return "<tr class=\"missed\">";
+    case HtmlPage::Row::kPlain:
+      break;
+  }
+  return "<tr>";
 }
 
 }  // namespace
@@ -73,13 +101,13 @@ void HtmlPage::heading(const std::string& text) { body_ += "<h2>" + escape_xml(t
 void HtmlPage::paragraph(const std::string& text) { body_ += "<p>" + escape_xml(text) + "</p>\n"; }
 
 void HtmlPage::table(const std::string& caption, const std::vector<std::vector<std::string>>& rows,
-                     const std::vector<std::size_t>& quiet_rows) {
-  body_ += "<div class=\"scroll\"><table><caption>" + escape_xml(caption) + "</caption>\n";
+                     const std::vector<Row>& looks) {
+  body_ += "<p class=\"caption\">" + escape_xml(caption) + "</p><div class=\"scroll\"><table>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const bool head = i == 0;
-    const bool quiet = !head && std::ranges::count(quiet_rows, i - 1) > 0;
+    const Row look = !head && i - 1 < looks.size() ? looks[i - 1] : Row::kPlain;
     const std::string cell = head ? "th" : "td";
-    body_ += head ? "<thead><tr>" : quiet ? "<tr class=\"quiet\">" : "<tr>";
+    body_ += (head ? "<thead>" : "") + std::string(row_tag(look));
     for (const std::string& text : rows[i]) {
       body_ += "<" + cell + ">" + escape_xml(text) + "</" + cell + ">";
     }

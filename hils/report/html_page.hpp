@@ -6,7 +6,8 @@
 
 namespace cas::hils {
 
-/// Builds one self-contained HTML file for screen and paper: no script, no other file.
+/// Builds one self-contained HTML file for screen and paper: no script, no other file. Dark where
+/// the reader prefers it, and readable from 500 pixels of width.
 class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);
@@ -17,10 +18,18 @@ class HtmlPage {
                const std::vector<std::string>& sentences);
   void heading(const std::string& text);
   void paragraph(const std::string& text);
-  /// First row: headings. Cells of the first column are names, all others figures. Rows of
-  /// `quiet_rows` (by index below the headings) are set back, such as those of a reference.
+  /// How a row of a table looks.
+  enum class Row {
+    kPlain,
+    kQuiet,   ///< set back: of a reference
+    kMissed,  ///< in red
+  };
+  /// First row: headings. Cells of the first column are names, all others figures. A table that is
+  /// wider than the page scrolls inside its own box.
+  ///
+  /// @param looks  of the rows below the headings; those beyond its end are plain
   void table(const std::string& caption, const std::vector<std::vector<std::string>>& rows,
-             const std::vector<std::size_t>& quiet_rows = {});
+             const std::vector<Row>& looks = {});
   /// An SVG element.
   void figure(const std::string& svg);
   /// A text that is shown on demand: a configuration file.

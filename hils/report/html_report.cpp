@@ -4,13 +4,18 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <optional>
 #include <thread>
 
 #include "base/time/clock.hpp"
+#include "hils/report/delay_note.hpp"
+#include "hils/report/experiment.hpp"
 #include "hils/report/html_page.hpp"
+#include "hils/report/limit_table.hpp"
+#include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
 #include "hils/report/report.hpp"
 
@@ -19,8 +24,6 @@ namespace cas::hils {
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
-
-std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
 
 std::string word_of(const Verdict& verdict) {
   if (!verdict.valid) return "Not valid";
@@ -43,6 +46,24 @@ void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verd
                fmt::format("{}, {}, seed {}; {}", figures.scenario, title_of(figures.architecture),
                            figures.seed, pace),
                verdict.failures);
+}
+
+/// What the run was held to, in front of all figures.
+void add_limits(HtmlPage& page, const std::string& who, const VehicleResult& vehicle) {
+  std::vector<LimitCheck> checks = vehicle.verdict.checks;  // what decided comes first
+  std::ranges::stable_partition(checks, [&vehicle](const LimitCheck& check) {
+    return check.judged && (check.kind == LimitCheck::Kind::kFlight) == vehicle.verdict.valid;
+  });
+  std::vector<HtmlPage::Row> looks;
+  for (const LimitCheck& check : checks) {
+    looks.push_back(!check.judged ? HtmlPage::Row::kQuiet
+                    : check.kept  ? HtmlPage::Row::kPlain
+                                  : HtmlPage::Row::kMissed);
+  }
+  page.table(who + "Limits", limit_rows(checks), looks);
+  if (vehicle.figures.virtual_clock) {
+    page.paragraph("Nothing is asked of the machine: time was computed, not waited for.");
+  }
 }
 
 std::vector<std::string> rate_cells(const RateFigures& rate) {
@@ -73,7 +94,12 @@ void add_rates(HtmlPage& page, const Measurement& figures) {
                      fixed(row.gps_error_pct, 4), fixed(row.controls_hz, 4),
                      fixed(row.controls_error_pct, 4)});
   }
-  page.table("Rates at the receiver, beside Table 4 of [HILS]", paper, {1, 2, 3});
+  const std::vector<HtmlPage::Row> looks{HtmlPage::Row::kPlain, HtmlPage::Row::kQuiet,
+                                         HtmlPage::Row::kQuiet, HtmlPage::Row::kQuiet};
+  page.table(
+      "Rates at the receiver, beside Table 4 of [HILS]; error: how far they fall short of the "
+      "nominal rate, negative above it",
+      paper, looks);
 }
 
 void add_rms(HtmlPage& page, const Measurement& figures) {
@@ -89,12 +115,17 @@ void add_rms(HtmlPage& page, const Measurement& figures) {
     const RmsFigures& own = *figures.rms_estimate;
     add(name + ", its own estimate", own.x_m, own.y_m, own.z_m, own.yaw_rad);
   }
-  std::vector<std::size_t> quiet;
+  const std::string title = fmt::format("RMS error of the {}", measured_part(figures));
+  if (!measures_station_keeping(figures)) {
+    page.table(title, rows);
+    return;
+  }
+  std::vector<HtmlPage::Row> looks(rows.size() - 1, HtmlPage::Row::kPlain);
   for (const PaperRms& row : kPaperTable5) {
-    quiet.push_back(rows.size() - 1);
+    looks.push_back(HtmlPage::Row::kQuiet);
     add(fmt::format("[HILS] {}", row.name), row.x_m, row.y_m, row.z_m, row.yaw_rad);
   }
-  page.table("RMS error of the hover, beside Table 5 of [HILS]", rows, quiet);
+  page.table(title + ", beside Table 5 of [HILS]", rows, looks);
 }
 
 void add_delays(HtmlPage& page, const Measurement& figures) {
@@ -121,6 +152,9 @@ void add_hops(HtmlPage& page, const Measurement& figures) {
     }
   }
   page.table("Each packet from hop to hop", rows);
+  if (has_negative_delay(figures) || has_negative_hop(figures)) {
+    page.paragraph(kNegativeDelayNote);
+  }
   Rows losses{{"Lost", "packets"}};
   for (const PathAccount& path : figures.paths) {
     for (const auto& [cause, count] : path.losses) {
@@ -151,10 +185,8 @@ void add_responses(HtmlPage& page, const Measurement& figures) {
   if (figures.responses.empty()) return;
   Rows rows{{"Step", "size m", "rise s", "overshoot %", "settling s", "integrated error m s"}};
   for (const StepResponse& response : figures.responses) {
-    rows.push_back({response.name, fixed(response.size, 2),
-                    response.rise_s ? fixed(*response.rise_s, 2) : "-",
-                    fixed(response.overshoot_pct, 1),
-                    response.settling_s ? fixed(*response.settling_s, 2) : "-",
+    rows.push_back({response.name, fixed(response.size, 2), fixed(response.rise_s, 2),
+                    fixed(response.overshoot_pct, 1), fixed(response.settling_s, 2),
                     fixed(response.integrated_error, 3)});
   }
   page.table("Responses to steps of the reference", rows);
@@ -204,8 +236,8 @@ void add_vehicle(HtmlPage& page, const std::string& who, const Measurement& figu
   add_delays(page, figures);
   add_hops(page, figures);
   page.heading(who + "Flight");
-  add_rms(page, figures);
   add_responses(page, figures);
+  add_rms(page, figures);
   add_faults(page, figures);
   for (const auto& [name, plot] : plots) page.figure(to_svg(plot));
 }
@@ -215,9 +247,12 @@ void add_vehicle(HtmlPage& page, const std::string& who, const Measurement& figu
 std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plots,
                         const std::vector<std::filesystem::path>& config_files) {
   const Measurement whole = run.whole();
-  HtmlPage page(fmt::format("{} ({})", whole.scenario, title_of(whole.architecture)));
+  HtmlPage page(report_title(whole));
   add_verdict(page, whole, run.verdict);
   add_overview(page, run);
+  for (const VehicleResult& vehicle : run.vehicles) {
+    add_limits(page, run.has_several() ? vehicle.figures.vehicle + ": " : "", vehicle);
+  }
   for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
     const Measurement& figures = run.vehicles[i].figures;
     add_vehicle(page, run.has_several() ? figures.vehicle + ": " : "", figures, plots[i]);

@@ -8,6 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/time/clock.hpp"
+#include "hils/report/delay_note.hpp"
+#include "hils/report/experiment.hpp"
+#include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
 #include "hils/report/plot.hpp"
 
@@ -39,17 +42,17 @@ struct RateCells {
 RateCells cells_of(const RateFigures& rate) { return {rate.received_hz, rate.error_pct}; }
 
 std::string rate_row(std::string_view name, RateCells sensor, RateCells gps, RateCells controls) {
-  return fmt::format("{:<16} {:>10.4f} {:>9.4f} {:>9.4f} {:>9.4f} {:>11.4f} {:>9.4f}\n", name,
-                     sensor.hz, sensor.error_pct, gps.hz, gps.error_pct, controls.hz,
-                     controls.error_pct);
+  return fmt::format("{:<16} {:>10} {:>9} {:>9} {:>9} {:>11} {:>9}\n", name, fixed(sensor.hz, 4),
+                     fixed(sensor.error_pct, 4), fixed(gps.hz, 4), fixed(gps.error_pct, 4),
+                     fixed(controls.hz, 4), fixed(controls.error_pct, 4));
 }
 
 std::string rate_table(const Measurement& figures) {
   const StreamFigures& rates = figures.rates;
-  std::string text =
-      fmt::format("\nTable 4. Rates at the receiver over {:.1f} s{}\n",
-                  static_cast<double>(figures.window.end_usec - figures.window.begin_usec) * 1e-6,
-                  figures.over_hold ? " of hover" : " (no hover was reached)");
+  std::string text = fmt::format(
+      "\nTable 4. Rates at the receiver over {:.1f} s of {}\n",
+      static_cast<double>(figures.window.end_usec - figures.window.begin_usec) * 1e-6,
+      figures.over_hold ? measured_part(figures) : "flight (the measured step was not reached)");
   text += fmt::format("{:<16} {:>20} {:>19} {:>21}\n", "",
                       fmt::format("IMU {:g} Hz", rates.sensor.nominal_hz),
                       fmt::format("GPS {:g} Hz", rates.gps.nominal_hz),
@@ -70,17 +73,20 @@ std::string rate_table(const Measurement& figures) {
 }
 
 std::string rms_row(std::string_view name, const RmsFigures& rms) {
-  return fmt::format("{:<16} {:>8.4f} {:>8.4f} {:>8.4f} {:>10.4f}\n", name, rms.x_m, rms.y_m,
-                     rms.z_m, rms.yaw_rad);
+  return fmt::format("{:<16} {:>8} {:>8} {:>8} {:>10}\n", name, fixed(rms.x_m, 4),
+                     fixed(rms.y_m, 4), fixed(rms.z_m, 4), fixed(rms.yaw_rad, 4));
 }
 
 std::string rms_table(const Measurement& figures) {
   if (!figures.rms) return {};
-  std::string text = "\nTable 5. RMS error of the hover\n";
+  const bool as_table_5 = measures_station_keeping(figures);
+  std::string text = fmt::format("\n{}RMS error of the {}\n", as_table_5 ? "Table 5. " : "",
+                                 measured_part(figures));
   text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>10}\n", "Name", "X m", "Y m", "Z m", "Yaw rad");
   const std::string name = title_of(figures.architecture);
   text += rms_row(name + " true", *figures.rms);
   if (figures.rms_estimate) text += rms_row(name + " estimate", *figures.rms_estimate);
+  if (!as_table_5) return text;
   for (const PaperRms& row : kPaperTable5) {
     text += rms_row(fmt::format("[HILS] {}", row.name),
                     {.x_m = row.x_m, .y_m = row.y_m, .z_m = row.z_m, .yaw_rad = row.yaw_rad});
@@ -89,7 +95,8 @@ std::string rms_table(const Measurement& figures) {
 }
 
 std::string delay_row(std::string_view name, const DelayFigures& delay) {
-  return fmt::format("{:<34} {:>9.0f} {:>9.0f} {:>9.0f}\n", name, delay.p50, delay.p99, delay.max);
+  return fmt::format("{:<34} {:>9} {:>9} {:>9}\n", name, fixed(delay.p50, 0), fixed(delay.p99, 0),
+                     fixed(delay.max, 0));
 }
 
 std::string delay_table(const Measurement& figures) {
@@ -100,6 +107,7 @@ std::string delay_table(const Measurement& figures) {
   text += delay_row("control to the simulator", figures.controls_downlink);
   text += delay_row("age of the sample at use (made)", figures.age_by_stamp);
   text += delay_row("age of the sample at use (arrived)", figures.age_by_arrival);
+  if (has_negative_delay(figures)) text += fmt::format("{}\n", kNegativeDelayNote);
   return text;
 }
 
@@ -113,8 +121,7 @@ std::string loss_lines(const Measurement& figures) {
   if (figures.from_device) {
     text += fmt::format(
         "The controller keeps no ledger: packets are followed from the simulator to casd's port "
-        "and "
-        "back.\nBeyond it only gaps in its sequence numbers tell of losses: {} packets.\n",
+        "and back.\nBeyond it only gaps in its sequence numbers tell of losses: {} packets.\n",
         figures.lost_by_sequence);
   }
   return text.empty() ? text : "\n" + text;
@@ -125,19 +132,17 @@ std::string response_table(const Measurement& figures) {
   std::string text = fmt::format("\n{:<16} {:>8} {:>8} {:>12} {:>12} {:>16}\n", "Step", "size m",
                                  "rise s", "overshoot %", "settling s", "int. error m s");
   for (const StepResponse& response : figures.responses) {
-    const auto seconds = [](const std::optional<double>& value) {
-      return value ? fmt::format("{:.2f}", *value) : std::string("-");
-    };
-    text += fmt::format("{:<16} {:>8.2f} {:>8} {:>12.1f} {:>12} {:>16.3f}\n", response.name,
-                        response.size, seconds(response.rise_s), response.overshoot_pct,
-                        seconds(response.settling_s), response.integrated_error);
+    text += fmt::format("{:<16} {:>8} {:>8} {:>12} {:>12} {:>16}\n", response.name,
+                        fixed(response.size, 2), fixed(response.rise_s, 2),
+                        fixed(response.overshoot_pct, 1), fixed(response.settling_s, 2),
+                        fixed(response.integrated_error, 3));
   }
   return text;
 }
 
 std::string figures_text(const Measurement& figures) {
-  return rate_table(figures) + rms_table(figures) + delay_table(figures) + loss_lines(figures) +
-         response_table(figures);
+  return rate_table(figures) + response_table(figures) + rms_table(figures) + delay_table(figures) +
+         loss_lines(figures);
 }
 
 /// One line for each vehicle.
@@ -320,7 +325,7 @@ std::string_view verdict_word(const Verdict& verdict) {
 }
 
 std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*axis) {
-  return rms ? fmt::format("{:.4f}", (*rms).*axis) : "-";
+  return rms ? fixed((*rms).*axis, 4) : "-";
 }
 
 std::string text_report(const Measurement& figures, const Verdict& verdict) {

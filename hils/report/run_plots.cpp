@@ -208,6 +208,11 @@ std::string spectrum_title(const std::string& of, const std::vector<Series>& cur
                      of, points.back().first, points.front().first);
 }
 
+std::vector<GyroSample> gyro_of(const RunRecord& record) {
+  if (record.sensors.empty()) return {};
+  return read_gyro(record.sensors / "imu.csv");
+}
+
 void add_spectra(const RunRecord& record, const std::vector<PoseSample>& truth, StreamWindow window,
                  NamedPlots& plots) {
   const auto add = [&plots](const char* name, const std::string& of, const char* unit,
@@ -227,8 +232,8 @@ void add_spectra(const RunRecord& record, const std::vector<PoseSample>& truth, 
     marks.push_back({.x = turns_hz, .text = fmt::format("rotors turn at {:.0f} Hz", turns_hz)});
   }
   add("gyro_spectrum", "gyro", "amplitude, deg/s",
-      spectra(read_gyro(record.sensors / "imu.csv"), window,
-              {"about forward", "about right", "about down"}, kDegreesPerRadian,
+      spectra(gyro_of(record), window, {"about forward", "about right", "about down"},
+              kDegreesPerRadian,
               [](const GyroSample& sample, std::size_t axis) { return sample.rate_rad_s[axis]; }),
       std::move(marks));
   add("motors_spectrum", "rotor speeds", "amplitude, rad/s",

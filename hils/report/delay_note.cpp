@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/report/delay_note.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace cas::hils {
+
+namespace {
+
+/// Below what is written as zero microseconds.
+bool is_negative(const DelayFigures& delay) {
+  constexpr double kRoundsToZero_us = -0.5;
+  return std::min({delay.p50, delay.p90, delay.p99, delay.max}) < kRoundsToZero_us;
+}
+
+}  // namespace
+
+bool has_negative_delay(const Measurement& figures) {
+  const std::array delays{figures.sensor_to_control, figures.sensor_uplink,
+                          figures.controls_downlink, figures.age_by_stamp, figures.age_by_arrival};
+  return std::ranges::any_of(delays, is_negative);
+}
+
+bool has_negative_hop(const Measurement& figures) {
+  return std::ranges::any_of(figures.paths, [](const PathAccount& path) {
+    return std::ranges::any_of(path.hops, is_negative, &HopFigures::delay);
+  });
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/report/experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cas::hils {
+
+namespace {
+
+const FlightStep* measured_step(const Measurement& figures) {
+  const auto found =
+      std::ranges::find_if(figures.stages, [](const Stage& stage) { return stage.step.measure; });
+  return found == figures.stages.end() ? nullptr : &found->step;
+}
+
+bool has(const Measurement& figures, StepKind kind) {
+  return std::ranges::any_of(figures.stages,
+                             [kind](const Stage& stage) { return stage.step.kind == kind; });
+}
+
+std::string shape_name(fcu::PatternShape shape) {
+  switch (shape) {
+    case fcu::PatternShape::kCircle:
+      return "circle";
+    case fcu::PatternShape::kFigureEight:
+      return "figure eight";
+    case fcu::PatternShape::kSteps:
+      return "step response";
+    case fcu::PatternShape::kNone:
+      break;
+  }
+  return "trajectory";
+}
+
+std::string kind_of(const Measurement& figures) {
+  if (!figures.responses.empty()) return "step responses";
+  for (const Stage& stage : figures.stages) {
+    if (stage.step.kind == StepKind::kTrajectory) return shape_name(stage.step.trajectory.shape);
+  }
+  return has(figures, StepKind::kGoto) ? "flight from place to place" : "hover";
+}
+
+}  // namespace
+
+std::string experiment_of(const Measurement& figures) {
+  return kind_of(figures) + (figures.faults.empty() ? "" : " with faults");
+}
+
+bool measures_station_keeping(const Measurement& figures) {
+  const FlightStep* step = measured_step(figures);
+  return step == nullptr || step->kind != StepKind::kTrajectory;
+}
+
+std::string measured_part(const Measurement& figures) {
+  if (!figures.over_hold) return "whole flight";
+  const FlightStep* step = measured_step(figures);
+  if (step != nullptr && step->kind == StepKind::kTrajectory) {
+    const std::string shape = shape_name(step->trajectory.shape);
+    return step->name.empty() ? shape : fmt::format("{} '{}'", shape, step->name);
+  }
+  return kind_of(figures) == "hover" ? "hover" : "hold";
+}
+
+std::string report_title(const Measurement& figures) {
+  const std::string kind = experiment_of(figures);
+  const std::string scenario =
+      figures.scenario == kind ? kind : fmt::format("{}: {}", figures.scenario, kind);
+  return fmt::format("{}, {}", scenario, title_of(figures.architecture));
+}
+
+}  // namespace cas::hils
