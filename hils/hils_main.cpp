@@ -29,6 +29,7 @@
 #include "hils/programs/supervisor.hpp"
 #include "hils/report/report.hpp"
 #include "hils/report/results_folder.hpp"
+#include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/virtual/virtual_run.hpp"
 
@@ -44,6 +45,7 @@ struct RunFlags {
   std::string fcu_device;
   unsigned fcu_baud = 921600;
   std::string out;
+  std::string ground_station;
   bool on_virtual_clock = false;
   bool lockstep = false;
 };
@@ -73,6 +75,12 @@ std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
 int run(const RunFlags& flags) {
   const std::filesystem::path file = base::find_config(flags.scenario);
   if (FirmwareScenario::is(file)) {
+    if (!flags.ground_station.empty()) {
+      throw base::ConfigError(
+          flags.scenario +
+          ": --gcs has no place in a flight of stock firmware: its topology has "
+          "a link for a ground station");
+    }
     return fly_firmware(FirmwareScenario::load(file), std::filesystem::absolute(flags.out));
   }
   RunRequest request;
@@ -88,6 +96,13 @@ int run(const RunFlags& flags) {
       (flags.on_virtual_clock || request.architecture == Architecture::kDirect)) {
     throw base::ConfigError("a real controller cannot be flown on the virtual clock");
   }
+  if (!flags.ground_station.empty()) {
+    request.station = StationEndpoint::parse(flags.ground_station);
+    if (flags.on_virtual_clock || request.architecture == Architecture::kDirect) {
+      throw base::ConfigError("--gcs: a ground station cannot join a run on the virtual clock");
+    }
+  }
+  request.announced = true;
   request.out = std::filesystem::absolute(flags.out);
   std::filesystem::create_directories(request.out);
 
@@ -214,6 +229,10 @@ int main(int argc, char** argv) {
   command->add_option("--fcu", flags.fcu_device,
                       "Serial port of a real controller, instead of the emulator");
   command->add_option("--fcu-baud", flags.fcu_baud, "Baud rate of that port (921600)");
+  command->add_option("--gcs", flags.ground_station,
+                      "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
+                      "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
+                      "TYPE:HOST:PORT. In real time only");
   command->add_option("--seed", flags.seed, "Seed instead of the scenario's")
       ->check(base::cli::whole_number);
   CompareFlags compare_flags;

@@ -16,6 +16,7 @@
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/programs/watch_line.hpp"
 #include "hils/report/report.hpp"
 #include "hils/run/run_places.hpp"
 
@@ -41,8 +42,10 @@ class FirmwareBench {
   }
 
   void start() {
-    casd_ = &supervisor_.start(options("casd", {program("casd"), places_.casd_config()}),
-                               kReadyTimeout);
+    casd_ = &supervisor_.start(
+        options("casd", {program("casd"), places_.casd_config(), "--name", scenario_.name}),
+        kReadyTimeout);
+    tell_how_to_watch(places_.command_port(), std::nullopt);
     std::vector<std::string> hilsim{program("hilsim"), places_.simulator_config(),
                                     "--control",       places_.simulator_control(),
                                     "--output",        places_.out,

@@ -5,8 +5,12 @@
 
 #include <chrono>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
+#include "base/rpc/client.hpp"
+#include "hils/programs/watch_line.hpp"
 
 namespace cas::hils {
 
@@ -22,10 +26,12 @@ std::filesystem::path program_folder() {
 }  // namespace
 
 void BenchPrograms::start(bool paused) {
-  if (emulate_) {
+  if (request_.fcu_device.empty()) {
     for (const VehiclePlaces& vehicle : places_.vehicles) start_emulator(vehicle);
   }
   start_casd();
+  refuse_closed_station();
+  if (request_.announced) tell_how_to_watch(places_.command_port(), request_.station);
   std::vector<std::string> arguments{"--control", places_.simulator_control(), "--output",
                                      places_.out};
   if (paused) arguments.push_back("--paused");
@@ -34,6 +40,18 @@ void BenchPrograms::start(bool paused) {
   }
   hilsim_ = &supervisor_.start(options("hilsim", "hilsim", places_.simulator_config(), arguments),
                                kReadyTimeout);
+}
+
+void BenchPrograms::refuse_closed_station() const {
+  if (!request_.station) return;
+  base::rpc::Client casd("unix:" + places_.command_port().string());
+  for (const base::rpc::Json& link : casd.call("link.list", base::rpc::Json::object())) {
+    if (link.value("name", "") != station_link(places_) || link.value("state", "") == "up")
+      continue;
+    throw base::ConfigError(fmt::format(
+        "--gcs: {} cannot be opened; does another program have this port? {} has the reason",
+        request_.station->address, (places_.run / "casd.log").string()));
+  }
 }
 
 void BenchPrograms::start_emulator(const VehiclePlaces& places) {
@@ -83,7 +101,8 @@ void BenchPrograms::join_logs() {
 void BenchPrograms::start_casd() {
   if (casd_ != nullptr) return;
   casd_ = &supervisor_.start(
-      options("casd", "casd", places_.casd_config(), {"--ledger", places_.casd_ledger()}),
+      options("casd", "casd", places_.casd_config(),
+              {"--ledger", places_.casd_ledger(), "--name", request_.scenario.name}),
       kReadyTimeout);
 }
 

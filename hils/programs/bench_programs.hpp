@@ -12,9 +12,9 @@ namespace cas::hils {
 /// The programs of a run in real time: hilsim, casd and a controller for each vehicle.
 class BenchPrograms {
  public:
-  /// @param emulate  whether the controller is fcu_emulator
-  BenchPrograms(Supervisor& supervisor, const RunPlaces& places, bool emulate)
-      : supervisor_(supervisor), places_(places), emulate_(emulate) {}
+  /// Both outlive it. The controller is fcu_emulator where the request names no device.
+  BenchPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request)
+      : supervisor_(supervisor), places_(places), request_(request) {}
 
   /// The controllers first (they make the PTYs), then casd, then the simulator, which starts the
   /// stream. @throws RunStopped, base::ConfigError
@@ -29,6 +29,8 @@ class BenchPrograms {
 
  private:
   void start_emulator(const VehiclePlaces& places);
+  /// @throws base::ConfigError when casd cannot open the link for a ground station
+  void refuse_closed_station() const;
   void join_logs();
   ChildProcess::Options options(const std::string& name, const std::string& program,
                                 const std::filesystem::path& config,
@@ -36,7 +38,7 @@ class BenchPrograms {
 
   Supervisor& supervisor_;
   const RunPlaces& places_;
-  bool emulate_;
+  const RunRequest& request_;
   std::vector<ChildProcess*> emulators_;
   ChildProcess* casd_ = nullptr;
   ChildProcess* hilsim_ = nullptr;

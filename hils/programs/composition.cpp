@@ -99,19 +99,30 @@ void add_vehicle_links(const RunRequest& request, const VehiclePlaces& places, Y
   links.push_back(controller);
 }
 
+/// A link that takes in what ground stations say, and nothing in the name of a vehicle.
+YAML::Node ground_link(const RunRequest& request, const std::string& name,
+                       const StationEndpoint& station) {
+  YAML::Node link;
+  link["name"] = name;
+  link["type"] = station.type;
+  link[station.is_server() ? "local" : "remote"] = station.address;
+  link["accept"]["traffic"] = "ground_station";
+  for (const std::uint8_t vehicle : request.scenario.systems()) {
+    link["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
+  }
+  return link;
+}
+
 YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
   YAML::Node links;
   for (const VehiclePlaces& vehicle : places.vehicles) add_vehicle_links(request, vehicle, links);
-  if (places.ground_station_port == 0) return links;
-  YAML::Node ground_station;
-  ground_station["name"] = kGroundLink;
-  ground_station["type"] = "udp";
-  ground_station["remote"] = local_port(places.ground_station_port);
-  ground_station["accept"]["traffic"] = "ground_station";
-  for (const std::uint8_t vehicle : request.scenario.systems()) {
-    ground_station["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
+  if (places.ground_station_port != 0) {
+    const StationEndpoint own{.type = "udp", .address = local_port(places.ground_station_port)};
+    links.push_back(ground_link(request, kGroundLink, own));
   }
-  links.push_back(ground_station);
+  if (request.station) {
+    links.push_back(ground_link(request, station_link(places), *request.station));
+  }
   return links;
 }
 
@@ -126,27 +137,32 @@ void add_routes_without_filter(const VehiclePlaces& places, bool ground, YAML::N
   }
 }
 
+void add_ground_routes(const VehiclePlaces& places, const std::string& link, YAML::Node& routes) {
+  YAML::Node to_ground = route(places.controller_link, link);
+  to_ground["block"] = list({"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
+  routes.push_back(to_ground);
+  routes.push_back(route(link, places.controller_link));
+}
+
 void add_routes(const VehiclePlaces& places, bool ground, YAML::Node& routes) {
   YAML::Node to_controller = route(places.simulator_link, places.controller_link);
-  to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"});
+  to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS", "DISTANCE_SENSOR"});
   YAML::Node to_simulator = route(places.controller_link, places.simulator_link);
   to_simulator["allow"] = list({"HEARTBEAT", "HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
   routes.push_back(to_controller);
   routes.push_back(to_simulator);
-  if (!ground) return;
-  YAML::Node to_ground = route(places.controller_link, kGroundLink);
-  to_ground["block"] = list({"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
-  routes.push_back(to_ground);
-  routes.push_back(route(kGroundLink, places.controller_link));
+  if (ground) add_ground_routes(places, kGroundLink, routes);
 }
 
-/// No packet of one vehicle goes to another.
-YAML::Node casd_routes(Architecture architecture, const RunPlaces& places) {
+/// No packet of one vehicle goes to another. A station that joins gets the same from every
+/// architecture.
+YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
   const bool ground = places.ground_station_port != 0;
   YAML::Node routes;
   for (const VehiclePlaces& vehicle : places.vehicles) {
-    architecture == Architecture::kTs ? add_routes_without_filter(vehicle, ground, routes)
-                                      : add_routes(vehicle, ground, routes);
+    request.architecture == Architecture::kTs ? add_routes_without_filter(vehicle, ground, routes)
+                                              : add_routes(vehicle, ground, routes);
+    if (request.station) add_ground_routes(vehicle, station_link(places), routes);
   }
   return routes;
 }
@@ -259,6 +275,10 @@ YAML::Node simulated_vehicle(const Scenario& scenario, std::size_t vehicle, Tran
 
 }  // namespace
 
+std::string station_link(const RunPlaces& places) {
+  return places.ground_station_port == 0 ? kGroundLink : "gcs2";
+}
+
 std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   YAML::Node root;
   root["schema"] = 1;
@@ -272,7 +292,7 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["command_port"]["unix"] = places.command_port().string();
   root["command_port"]["token_file"] = places.command_token().string();
   root["links"] = casd_links(request, places);
-  root["routes"] = casd_routes(request.architecture, places);
+  root["routes"] = casd_routes(request, places);
   root["commanding"]["heartbeat_hz"] = 1;
   root["gains"] = full_path(base::find_config("gains.yaml"));
   root["log"]["folder"] = full_path(places.out);

@@ -180,7 +180,7 @@ void refuse_other_clocks(const RunRequest& request) {
     throw base::ConfigError(request.scenario.file.string() + ": " + what +
                             " has a clock of its own and no place in lockstep");
   };
-  if (request.scenario.ground_station) refuse("a ground station");
+  if (request.scenario.ground_station || request.station) refuse("a ground station");
   if (!request.scenario.faults.bench.empty()) refuse("a fault of the bench");
   if (!request.fcu_device.empty()) refuse("a real controller");
 }
@@ -200,7 +200,7 @@ std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   RunRecord& record = records.front();
   record.virtual_clock = true;
   record.log_clock.add(std::chrono::microseconds(casd::TlogWriter::kStreamEpoch).count(), 0);
-  BenchPrograms programs(supervisor, places, true);
+  BenchPrograms programs(supervisor, places, request);
   programs.start(true);
   const base::RunTime begin = base::steady_now();
   try {

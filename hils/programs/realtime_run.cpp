@@ -325,7 +325,7 @@ std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   write_configs(request, Transport::kUdp, places);
 
   std::vector<RunRecord> records = records_of(request.scenario, places);
-  BenchPrograms programs(supervisor, places, request.fcu_device.empty());
+  BenchPrograms programs(supervisor, places, request);
   programs.start();
   try {
     if (!request.fcu_device.empty()) check_device(supervisor, places, request);

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
+#include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
@@ -16,7 +18,9 @@ struct RunRequest {
   std::string line_preset{};  ///< instead of the scenario's; empty: the scenario's
   std::string fcu_device{};   ///< a real controller's serial port; empty: the emulator
   unsigned fcu_baud = 921600;
-  bool lockstep = false;  ///< the processes run on the stream's time
+  bool lockstep = false;                     ///< the processes run on the stream's time
+  bool announced = false;                    ///< says how to watch it once casd is ready
+  std::optional<StationEndpoint> station{};  ///< where a ground station may join; nothing: none
   std::filesystem::path
       out;  ///< folder of the results; the programs' configurations are in out/run
 };

@@ -38,5 +38,23 @@ TEST(HilsProgram, RefusesANegativeSeed) {
   EXPECT_NE(text.find("'-1' is not a whole number"), std::string::npos) << text;
 }
 
+TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
+  const TemporaryFolder folder;
+  const std::string hover = source_dir() + "/config/scenarios/hover.yaml";
+  const auto refused = [&](const std::string& endpoint, const std::vector<std::string>& further) {
+    std::vector<std::string> arguments{hover, "--out", folder / "out", "--gcs", endpoint};
+    arguments.insert(arguments.end(), further.begin(), further.end());
+    return refusal(arguments);
+  };
+  const std::string sentence = "a ground station cannot join a run on the virtual clock";
+  EXPECT_NE(refused("udp:14550", {"--virtual"}).find(sentence), std::string::npos);
+  EXPECT_NE(refused("udp:14550", {"--architecture", "direct"}).find(sentence), std::string::npos);
+  EXPECT_NE(refused("udp:14550", {"--lockstep"})
+                .find("a ground station has a clock of its own and no place in lockstep"),
+            std::string::npos);
+  EXPECT_NE(refused("14550", {}).find("--gcs '14550' is none of udp:PORT"), std::string::npos);
+  EXPECT_NE(refused("udp:0", {}).find("no port from 1 to 65535"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace cas::test

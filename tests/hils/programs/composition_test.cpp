@@ -15,12 +15,14 @@ namespace {
 class Composition : public testing::TestWithParam<Architecture> {
  protected:
   /// The topology of a shipped scenario, with a ground station.
-  casd::Topology topology(const char* scenario, const std::string& device = "") const {
+  casd::Topology topology(const char* scenario, const std::string& device = "",
+                          const std::string& station = "") const {
     RunRequest request;
     request.scenario =
         Scenario::load(cas::test::source_dir() + "/config/scenarios/" + scenario + ".yaml");
     request.architecture = GetParam();
     request.fcu_device = device;
+    if (!station.empty()) request.station = StationEndpoint::parse(station);
     RunPlaces places = RunPlaces::of(request.scenario, folder_.path(), folder_.path());
     places.ground_station_port = 14550;
     return casd::Topology::parse(
@@ -40,6 +42,21 @@ TEST_P(Composition, LetsNoGroundStationSpeakForVehicleOrSimulator) {
   EXPECT_EQ(link(one, "gcs").accept.block_systems, (std::vector<std::uint8_t>{1}));
   const casd::Topology two = topology("two_vehicles");
   EXPECT_EQ(link(two, "gcs").accept.block_systems, (std::vector<std::uint8_t>{1, 2}));
+}
+
+TEST_P(Composition, GivesAStationThatJoinsALinkBesideTheScenariosOwn) {
+  const casd::Topology two = topology("two_vehicles", "", "tcp_server:5761");
+  const casd::LinkConfig& joined = link(two, "gcs2");
+  EXPECT_EQ(joined.type, casd::LinkType::kTcpServer);
+  EXPECT_EQ(joined.local, "127.0.0.1:5761");
+  EXPECT_TRUE(joined.accept.ground_station);
+  EXPECT_EQ(joined.accept.block_systems, (std::vector<std::uint8_t>{1, 2}));
+  std::vector<std::string> partners;
+  for (const casd::RouteConfig& route : two.routes) {
+    if (route.from == "gcs2") partners.push_back("to " + route.to);
+    if (route.to == "gcs2") partners.push_back("from " + route.from);
+  }
+  EXPECT_EQ(partners, (std::vector<std::string>{"from fcu1", "to fcu1", "from fcu2", "to fcu2"}));
 }
 
 TEST_P(Composition, AsksForALockWhereItOffersTheTerminalItself) {

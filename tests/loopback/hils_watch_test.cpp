@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A run of hils is watched: casctl finds its casd, and a ground station joins.
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "base/os/descriptor.hpp"
+#include "mavlink/common/all.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/packet_stream.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/udp_peer.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+namespace {
+
+namespace fs = std::filesystem;
+namespace mv = mavlink::common;
+
+constexpr int kExitUsage = 2;
+constexpr int kExitInterrupted = 130;
+
+/// Stands on the ground for longer than any test: whoever started it ends it.
+std::string scenario_text() {
+  return "schema: 1\nname: long look\nvehicle: " + source_dir() +
+         "/config/vehicles/iris_paper.yaml\n"
+         "home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}\n"
+         "rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}\n"
+         "steps:\n  - hold: {duration_s: 3600}\n  - arm\n  - takeoff: {altitude_m: 2}\n  - hold: "
+         "{duration_s: 1, measure: true}\n  - land\n";
+}
+
+sockaddr* generic(sockaddr_in& address) { return reinterpret_cast<sockaddr*>(&address); }
+
+/// QGroundControl, as far as a vehicle sees it: it answers whoever sent to it last.
+class Station {
+ public:
+  Station() : fd_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+    sockaddr_in local = loopback(0);
+    socklen_t size = sizeof local;
+    EXPECT_EQ(::bind(fd_.get(), generic(local), size), 0);
+    EXPECT_EQ(::getsockname(fd_.get(), generic(local), &size), 0);
+    port_ = ntohs(local.sin_port);
+  }
+  std::uint16_t port() const { return port_; }
+  void send_to(std::uint16_t port) { peer_ = loopback(port); }
+
+  /// Says that it is there, asks the vehicle for its parameters, and reads what has come.
+  void speak_and_hear() {
+    mv::Heartbeat heartbeat;
+    heartbeat.type = mv::MavType::kGcs;
+    heartbeat.autopilot = mv::MavAutopilot::kInvalid;
+    mv::ParamRequestList request;
+    request.target_system = 1;
+    request.target_component = 1;
+    if (peer_.sin_port != 0) {
+      send(encode_(heartbeat));
+      if (!heard(mv::ParamValue::kId)) send(encode_(request));
+    }
+    std::array<std::uint8_t, 2048> buffer;
+    socklen_t size = sizeof peer_;
+    ssize_t count = 0;
+    while ((count = ::recvfrom(fd_.get(), buffer.data(), buffer.size(), 0, generic(peer_), &size)) >
+           0) {
+      stream_.feed(std::span(buffer).first(static_cast<std::size_t>(count)));
+    }
+  }
+  /// Whether the vehicle's autopilot has said this.
+  bool heard(std::uint32_t message) {
+    for (const PacketStream::Packet& packet : stream_.packets()) {
+      if (packet.message_id == message && packet.source == mav::Source{1, 1}) return true;
+    }
+    return false;
+  }
+  bool meets_the_vehicle() {
+    return wait_until([this] {
+      speak_and_hear();
+      return heard(mv::Heartbeat::kId) && heard(mv::ParamValue::kId);
+    });
+  }
+
+ private:
+  static sockaddr_in loopback(std::uint16_t port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(port);
+    return address;
+  }
+  void send(std::span<const std::uint8_t> bytes) {
+    ::sendto(fd_.get(), bytes.data(), bytes.size(), 0, generic(peer_), sizeof peer_);
+  }
+
+  base::Descriptor fd_;
+  std::uint16_t port_ = 0;
+  sockaddr_in peer_{};
+  mav::Encoder encode_{{255, 190}};
+  PacketStream stream_;
+};
+
+/// Programs in a session of their own, with a runtime folder that nobody else uses.
+class HilsWatch : public testing::Test {
+ protected:
+  std::vector<std::string> in_session(const std::string& program,
+                                      const std::vector<std::string>& arguments) const {
+    std::vector<std::string> command{"/usr/bin/env",
+                                     "-u",
+                                     "CASD_ADDRESS",
+                                     "-u",
+                                     "CASD_TOKEN_FILE",
+                                     "CAS_RUNTIME_DIR=" + (session_.path() / "cas").string(),
+                                     binary_dir() + "/bin/" + program};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return command;
+  }
+  std::unique_ptr<ChildProcess> hils(const std::string& endpoint) const {
+    return std::make_unique<ChildProcess>(
+        in_session("hils", {"run", folder_.write("long.yaml", scenario_text()).string(), "--gcs",
+                            endpoint, "--out", folder_ / "out"}));
+  }
+  /// The line that tells how to watch a run; empty when none comes.
+  static std::string watch_line(const ChildProcess& hils) {
+    std::string line;
+    wait_until([&] {
+      const std::string text = hils.output();
+      const std::size_t begin = text.find("Watch it: ");
+      const std::size_t end = text.find('\n', begin);
+      if (begin == std::string::npos || end == std::string::npos) return false;
+      line = text.substr(begin, end - begin);
+      return true;
+    });
+    return line;
+  }
+  std::unique_ptr<ChildProcess> casd() const {
+    const fs::path topology =
+        folder_.write("bench.yaml",
+                      "schema: 1\ncommand_port: {port: 0}\nlinks:\n  - {name: a, type: udp, local: "
+                      "'127.0.0.1:0'}\n");
+    return std::make_unique<ChildProcess>(in_session("casd", {topology.string()}));
+  }
+  struct Ended {
+    int code;
+    std::string output;
+  };
+  Ended casctl(const std::vector<std::string>& arguments) const {
+    ChildProcess child(in_session("casctl", arguments));
+    const int code = child.wait_exit().value_or(-1);
+    return {code, child.output()};
+  }
+  static void end(ChildProcess& hils) {
+    hils.signal(SIGINT);
+    EXPECT_EQ(hils.wait_exit(), kExitInterrupted) << hils.output();
+  }
+
+  TemporaryFolder folder_;
+  TemporaryFolder session_;
+};
+
+TEST_F(HilsWatch, CasctlFindsARunAndAGroundStationJoinsIt) {
+  Station station;
+  const auto run = hils("udp:" + std::to_string(station.port()));
+  EXPECT_EQ(watch_line(*run), "Watch it: casctl monitor; a ground station at 127.0.0.1:" +
+                                  std::to_string(station.port()) + " is sent to over UDP")
+      << run->output();
+  EXPECT_TRUE(station.meets_the_vehicle()) << run->output();
+
+  const Ended status = casctl({"--json", "status"});
+  EXPECT_EQ(status.code, 0) << status.output;
+  EXPECT_EQ(nlohmann::json::parse(status.output)["name"], "long look");
+
+  const auto other = casd();
+  ASSERT_TRUE(other->wait_ready().has_value()) << other->output();
+  const Ended listed = casctl({"status"});
+  EXPECT_EQ(listed.code, kExitUsage);
+  EXPECT_NE(listed.output.find("2 casds run"), std::string::npos) << listed.output;
+  EXPECT_TRUE(std::regex_search(listed.output, std::regex("long look +1 +20"))) << listed.output;
+  end(*run);
+  EXPECT_EQ(casctl({"status"}).code, 0) << "the run's casd is gone";
+}
+
+TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
+  const auto other = casd();
+  ASSERT_TRUE(other->wait_ready().has_value()) << other->output();
+  const std::uint16_t port = free_udp_port();
+  const auto run = hils("udp_server:" + std::to_string(port));
+  const std::string line = watch_line(*run);
+  const std::string begin = "Watch it: casctl --address ";
+  const std::string rest =
+      " monitor; a ground station joins at 127.0.0.1:" + std::to_string(port) + " over UDP";
+  ASSERT_TRUE(line.starts_with(begin) && line.ends_with(rest)) << run->output();
+  const std::string address = line.substr(begin.size(), line.size() - begin.size() - rest.size());
+  const Ended status = casctl({"--address", address, "--json", "status"});
+  EXPECT_EQ(status.code, 0) << status.output;
+  EXPECT_EQ(nlohmann::json::parse(status.output)["name"], "long look");
+
+  Station station;
+  station.send_to(port);
+  EXPECT_TRUE(station.meets_the_vehicle()) << run->output();
+  end(*run);
+}
+
+TEST_F(HilsWatch, RefusesAPortThatAnotherProgramHas) {
+  const Station station;
+  const auto run = hils("udp_server:" + std::to_string(station.port()));
+  EXPECT_EQ(run->wait_exit(), kExitUsage);
+  EXPECT_NE(run->output().find("cannot be opened; does another program have this port?"),
+            std::string::npos)
+      << run->output();
+}
+
+}  // namespace
+}  // namespace cas::test
