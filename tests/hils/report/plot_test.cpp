@@ -72,19 +72,33 @@ TEST(Plot, DrawsNothingWithoutValues) {
   EXPECT_EQ(svg.find("inf"), std::string::npos);
 }
 
-TEST(Plot, DrawsACircleRoundWhereScalesAreEqual) {
-  Series circle{.name = "truth"};
-  for (int i = 0; i <= 360; ++i) {
-    const double angle = i * std::numbers::pi / 180;
-    circle.points.emplace_back(30 + 2 * std::sin(angle), 5 + 2 * std::cos(angle));
-  }
-  const Points points = first_curve(to_svg({.series = {circle}, .equal_scales = true}));
-  ASSERT_GT(points.size(), 100U);
+/// Width and height of what the first curve draws, px.
+std::pair<double, double> extent_of(const Points& points) {
   const auto [left, right] = std::ranges::minmax(points, {}, &Points::value_type::first);
   const auto [high, low] = std::ranges::minmax(points, {}, &Points::value_type::second);
-  EXPECT_NEAR(right.first - left.first, low.second - high.second, 0.5);
-  EXPECT_GT(right.first - left.first, 300);                     // fills the shorter side
-  EXPECT_NEAR(points.front().first, points.back().first, 0.5);  // and goes all the way round
+  return {right.first - left.first, low.second - high.second};
+}
+
+TEST(Plot, DrawsACircleRoundWhereScalesAreEqual) {
+  Series circle{.name = "truth"};
+  for (int i = 0; i <= 7200; ++i) {
+    const double angle = i * std::numbers::pi / 3600;
+    circle.points.emplace_back(30 + 2 * std::sin(angle), 5 + 2 * std::cos(angle));
+  }
+  const Series far_east{.points = {{30, 5}, {50, 5}}};
+  const Series far_north{.points = {{30, 5}, {30, 25}}};
+  for (const Series& other : {Series{}, far_east, far_north}) {
+    const Points points = first_curve(to_svg({.series = {circle, other}, .equal_scales = true}));
+    ASSERT_GT(points.size(), 50U);
+    const auto [width, height] = extent_of(points);
+    EXPECT_NEAR(width, height, 0.5);
+    EXPECT_GT(width, other.points.empty() ? 300 : 50);  // alone it fills the shorter side
+    for (std::size_t i = 1; i < points.size(); ++i) {   // all the way round
+      EXPECT_LT(std::hypot(points[i].first - points[i - 1].first,
+                           points[i].second - points[i - 1].second),
+                2);
+    }
+  }
 }
 
 TEST(Plot, KeepsTextsOfMarksOffTheCurvesAndOffEachOther) {
@@ -124,7 +138,7 @@ TEST(Plot, BreaksALegendBeforeTheRightEdge) {
 }
 
 TEST(Plot, LabelsNoTickMinusZero) {
-  const std::string svg = to_svg({.series = {{.points = {{-1, -0.1}, {1, 0.1}}}}});
+  const std::string svg = to_svg({.series = {{.points = {{-0.1, -0.01}, {10, 1}}}}});
   EXPECT_NE(svg.find(">0<"), std::string::npos);
   EXPECT_EQ(svg.find(">-0<"), std::string::npos);
 }

@@ -46,7 +46,7 @@ TEST(Spectrum, FindsASineBetweenTwoOfItsValues) {
   EXPECT_NEAR(*std::ranges::max_element(spectrum.amplitude), 2.0, 2.0 * kHannScallop);
 }
 
-TEST(Spectrum, ToldApartTwoSines) {
+TEST(Spectrum, TellsTwoSinesApart) {
   std::vector<double> samples = sine(1.0, 50, 15'000);
   const std::vector<double> other = sine(0.5, 60, 15'000);
   std::ranges::transform(samples, other, samples.begin(), std::plus<>());
