@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,17 +18,17 @@ namespace {
 
 using Points = std::vector<std::pair<double, double>>;
 
-/// Corners of the first curve, px.
+/// Corners of the first curve, px. (Long paths are too much for std::regex.)
 Points first_curve(const std::string& svg) {
-  std::smatch path;
-  const std::regex curve("<path d=\"([^\"]*)\" fill=\"none\" stroke-width=\"1.4\"");
-  if (!std::regex_search(svg, path, curve)) return {};
-  const std::string corners = path[1];
-  const std::regex corner("[ML]([-0-9.]+) ([-0-9.]+)");
+  const std::size_t style = svg.find("\" fill=\"none\" stroke-width=\"1.4\"");
+  if (style == std::string::npos) return {};
+  const std::size_t path = svg.rfind("d=\"", style) + 3;
+  std::string corners = svg.substr(path, style - path);
+  std::ranges::replace_if(
+      corners, [](char c) { return c == 'M' || c == 'L'; }, ' ');
+  std::istringstream in(corners);
   Points points;
-  for (std::sregex_iterator it(corners.begin(), corners.end(), corner), end; it != end; ++it) {
-    points.emplace_back(std::stod((*it)[1]), std::stod((*it)[2]));
-  }
+  for (double x = 0, y = 0; in >> x >> y;) points.emplace_back(x, y);
   return points;
 }
 
