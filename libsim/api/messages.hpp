@@ -79,6 +79,14 @@ struct BarometerSample {
   double temperature_degc = 0;
 };
 
+/// Pressure in a pitot tube above the static pressure.
+struct AirspeedSample {
+  static constexpr std::string_view kTypeName = "cas.AirspeedSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  double differential_pressure_pa = 0;
+};
+
 /// Distance along the beam of a rangefinder, and the limits of its range.
 struct RangeSample {
   static constexpr std::string_view kTypeName = "cas.RangeSample";

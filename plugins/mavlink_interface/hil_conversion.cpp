@@ -95,6 +95,11 @@ void fill(mv::HilSensor& packet, const BarometerSample& sample) {
   flag(packet, kUpdatedBaro);
 }
 
+void fill(mv::HilSensor& packet, const AirspeedSample& sample) {
+  packet.diff_pressure = to_float(sample.differential_pressure_pa / kPascalPerHectopascal);
+  flag(packet, kUpdatedDiffPressure);
+}
+
 mv::HilGps to_hil_gps(const GpsSample& sample) {
   mv::HilGps packet;
   packet.time_usec = base::to_time_usec(sample.time);

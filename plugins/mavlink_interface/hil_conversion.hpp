@@ -23,6 +23,7 @@ inline constexpr std::uint32_t kUpdatedAccel = 0x0007;
 inline constexpr std::uint32_t kUpdatedGyro = 0x0038;
 inline constexpr std::uint32_t kUpdatedMag = 0x01C0;
 inline constexpr std::uint32_t kUpdatedBaro = 0x1A00;  // pressure, pressure altitude, temperature
+inline constexpr std::uint32_t kUpdatedDiffPressure = 0x0400;
 
 /// Stamp and inertial fields (m/s^2, rad/s in D), flagged as updated.
 void fill(mavlink::common::HilSensor& packet, const ImuSample& sample);
@@ -30,6 +31,9 @@ void fill(mavlink::common::HilSensor& packet, const ImuSample& sample);
 void fill(mavlink::common::HilSensor& packet, const MagnetometerSample& sample);
 /// Pressure (hPa), pressure altitude (m) and temperature (deg C), flagged as updated.
 void fill(mavlink::common::HilSensor& packet, const BarometerSample& sample);
+
+/// Differential pressure (hPa), flagged as updated.
+void fill(mavlink::common::HilSensor& packet, const AirspeedSample& sample);
 
 /// Degrees * 1e7, mm, cm/s, cm (eph, epv: what PX4 reads, [HILS] has no such fields), centidegrees.
 /// Without a fix, place and velocity are zero and speed and course unknown (65535). A place or

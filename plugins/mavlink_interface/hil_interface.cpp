@@ -110,6 +110,7 @@ void HilInterface::send_sensor() {
   fill(sensor_, *imu_);
   if (magnetometer_) fill(sensor_, *magnetometer_);
   if (barometer_) fill(sensor_, *barometer_);
+  if (airspeed_) fill(sensor_, *airspeed_);
   const base::RunTime at = port_.now();
   const bool sent = send(sensor_);
   if (sent && ledger_) ledger_->sent(mv::HilSensor::kId, sensor_.time_usec, at);
@@ -122,6 +123,7 @@ void HilInterface::send_sensor() {
   imu_.reset();
   magnetometer_.reset();
   barometer_.reset();
+  airspeed_.reset();
 }
 
 void HilInterface::receive() {

@@ -76,6 +76,7 @@ class HilInterface {
   void on_gps(const GpsSample& sample) { gps_ = sample; }
   void on_magnetometer(const MagnetometerSample& sample) { magnetometer_ = sample; }
   void on_barometer(const BarometerSample& sample) { barometer_ = sample; }
+  void on_airspeed(const AirspeedSample& sample) { airspeed_ = sample; }
   void on_range(const RangeSample& sample) { range_ = sample; }
 
   /// Sends what is new: HEARTBEAT when due, DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU
@@ -130,6 +131,7 @@ class HilInterface {
   std::optional<GpsSample> gps_;
   std::optional<MagnetometerSample> magnetometer_;
   std::optional<BarometerSample> barometer_;
+  std::optional<AirspeedSample> airspeed_;
   std::optional<RangeSample> range_;
   mavlink::common::HilSensor sensor_;  // keeps the last value of what is not new
 

@@ -145,6 +145,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     listen<MagnetometerSample>(context, "magnetometer", &HilInterface::on_magnetometer,
                                magnetometer_);
     listen<BarometerSample>(context, "barometer", &HilInterface::on_barometer, barometer_);
+    listen<AirspeedSample>(context, "airspeed", &HilInterface::on_airspeed, airspeed_);
     listen<RangeSample>(context, "rangefinder", &HilInterface::on_range, range_);
   }
 
@@ -157,6 +158,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   Subscription gps_;
   Subscription magnetometer_;
   Subscription barometer_;
+  Subscription airspeed_;
   Subscription range_;
   Publisher<MotorCommand> command_;
 };

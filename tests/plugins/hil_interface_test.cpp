@@ -53,6 +53,20 @@ TEST(HilInterface, FlagsOnlyWhatIsNew) {
   EXPECT_EQ(port.sensors[1].time_usec, 4000U);
 }
 
+TEST(HilInterface, APitotTubeFillsDiffPressureWhenItHasASample) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  interface.on_imu(imu_at(2));
+  interface.on_airspeed({at_ms(2), 250});
+  interface.flush(at_ms(2));
+  interface.on_imu(imu_at(4));
+  interface.flush(at_ms(4));
+  ASSERT_EQ(port.sensors.size(), 2U);
+  EXPECT_EQ(updated(port.sensors[0]), 0x043FU);
+  EXPECT_FLOAT_EQ(port.sensors[0].diff_pressure, 2.5F);  // hPa
+  EXPECT_EQ(updated(port.sensors[1]), 0x003FU);
+}
+
 TEST(HilInterface, SendsNothingWithoutANewSample) {
   RecordingPort port;
   HilInterface interface(interface_params(), port, nullptr);

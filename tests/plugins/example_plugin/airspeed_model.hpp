@@ -4,20 +4,14 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <string_view>
 
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
+#include "libsim/api/messages.hpp"
 
 namespace airspeed {
 
-/// What the plugin publishes. A topic's type declares its name and version.
-struct AirspeedSample {
-  static constexpr std::string_view kTypeName = "example.AirspeedSample";
-  static constexpr unsigned kTypeVersion = 1;
-  cas::base::SimTime time;
-  double differential_pressure_pa = 0;
-};
+using cas::sim::AirspeedSample;
 
 /// A pitot tube along Bx: q = 1/2 rho v^2 of the air from ahead, with white noise.
 class AirspeedModel {
