@@ -45,7 +45,7 @@ class FirmwareBench {
     casd_ = &supervisor_.start(
         options("casd", {program("casd"), places_.casd_config(), "--name", scenario_.name}),
         kReadyTimeout);
-    tell_how_to_watch(places_.command_port(), std::nullopt);
+    tell_how_to_watch(places_.command_port, std::nullopt);
     std::vector<std::string> hilsim{program("hilsim"), places_.simulator_config(),
                                     "--control",       places_.simulator_control(),
                                     "--output",        places_.out,
@@ -115,7 +115,7 @@ class FirmwarePilot {
       : scenario_(scenario),
         supervisor_(supervisor),
         simulator_("unix:" + places.simulator_control().string()),
-        casd_("unix:" + places.command_port().string()),
+        casd_("unix:" + places.command_port.string()),
         plan_(scenario.steps) {}
 
   FirmwareFigures fly() {
@@ -223,7 +223,10 @@ std::vector<std::string> misses(const FirmwareScenario& scenario, const Firmware
 
 int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out) {
   const RunDirectory sockets;
-  const FirmwarePlaces places{.out = out, .run = out / "run", .sockets = sockets.path()};
+  const FirmwarePlaces places{.out = out,
+                              .run = out / "run",
+                              .sockets = sockets.path(),
+                              .command_port = sockets.command_socket()};
   write_firmware_configs(scenario, places);
   FirmwareBench bench(scenario, places);
   FirmwareFigures figures;

@@ -75,7 +75,7 @@ std::string world_text(const FirmwareScenario& scenario, const FirmwarePlaces& p
 std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces& places) {
   YAML::Node topology = YAML::LoadFile(scenario.topology.string());
   topology["command_port"]["port"] = 0;
-  topology["command_port"]["unix"] = places.command_port().string();
+  topology["command_port"]["unix"] = places.command_port.string();
   topology["command_port"]["token_file"] = places.command_token().string();
   topology["log"] = YAML::Node(YAML::NodeType::Map);
   topology["log"]["folder"] = places.out.string();

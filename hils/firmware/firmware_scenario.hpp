@@ -49,14 +49,14 @@ std::string with_variables(const std::string& text, const std::map<std::string, 
 
 /// Where the pieces of a flight of stock firmware are.
 struct FirmwarePlaces {
-  std::filesystem::path out;      ///< results: truth.csv, flight.tlog, summary.json
-  std::filesystem::path run;      ///< effective configurations, figures, program output
-  std::filesystem::path sockets;  ///< short-lived: control sockets, ends of the serial line
+  std::filesystem::path out;             ///< results: truth.csv, flight.tlog, summary.json
+  std::filesystem::path run;             ///< effective configurations, figures, program output
+  std::filesystem::path sockets;         ///< short-lived: control sockets, ends of the serial line
+  std::filesystem::path command_port{};  ///< casd's Unix socket
 
   std::filesystem::path simulator_config() const { return run / "hilsim.yaml"; }
   std::filesystem::path casd_config() const { return run / "casd.yaml"; }
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
-  std::filesystem::path command_port() const { return sockets / "casd"; }
   std::filesystem::path command_token() const { return sockets / "casd.token"; }
   std::filesystem::path casd_tty() const { return sockets / "casd_tty"; }
   std::filesystem::path firmware_tty() const { return sockets / "firmware_tty"; }

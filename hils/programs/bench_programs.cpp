@@ -31,7 +31,7 @@ void BenchPrograms::start(bool paused) {
   }
   start_casd();
   refuse_closed_station();
-  if (request_.announced) tell_how_to_watch(places_.command_port(), request_.station);
+  if (request_.announced) tell_how_to_watch(places_.command_port, request_.station);
   std::vector<std::string> arguments{"--control", places_.simulator_control(), "--output",
                                      places_.out};
   if (paused) arguments.push_back("--paused");
@@ -44,7 +44,7 @@ void BenchPrograms::start(bool paused) {
 
 void BenchPrograms::refuse_closed_station() const {
   if (!request_.station) return;
-  base::rpc::Client casd("unix:" + places_.command_port().string());
+  base::rpc::Client casd("unix:" + places_.command_port.string());
   for (const base::rpc::Json& link : casd.call("link.list", base::rpc::Json::object())) {
     if (link.value("name", "") != station_link(places_) || link.value("state", "") == "up")
       continue;

@@ -289,7 +289,7 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["drain_tick_ms"] = request.scenario.drain_tick_ms;
   root["command_port"]["address"] = "127.0.0.1";
   root["command_port"]["port"] = 0;
-  root["command_port"]["unix"] = places.command_port().string();
+  root["command_port"]["unix"] = places.command_port.string();
   root["command_port"]["token_file"] = places.command_token().string();
   root["links"] = casd_links(request, places);
   root["routes"] = casd_routes(request, places);

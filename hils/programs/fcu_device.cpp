@@ -144,7 +144,7 @@ void refuse_emulator_faults(const RunRequest& request) {
 }
 
 void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
-  base::rpc::Client casd("unix:" + places.command_port().string());
+  base::rpc::Client casd("unix:" + places.command_port.string());
   const FcuFacts facts = probe_fcu(casd, supervisor, request.fcu_device);
   const base::Vehicle vehicle = base::Vehicle::load(request.scenario.vehicles.front().vehicle);
   const std::vector<FcuFinding> findings = check_fcu(facts, request.scenario.rates, vehicle);

@@ -69,7 +69,7 @@ class LockstepPilot {
       : supervisor_(supervisor),
         simulator_("unix:" + places.simulator_control().string()),
         controller_("unix:" + places.vehicles.front().fcu_control().string()),
-        casd_("unix:" + places.command_port().string()),
+        casd_("unix:" + places.command_port.string()),
         plan_(std::move(steps)) {}
 
   void fly(RunRecord& record) {
@@ -191,6 +191,7 @@ std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   refuse_other_clocks(request);
   const RunDirectory sockets;
   RunPlaces places = RunPlaces::of(request.scenario, request.out, sockets.path());
+  places.command_port = sockets.command_socket();
   places.choose_ports();
   const VehiclePlaces& vehicle = places.vehicles.front();
   Supervisor supervisor;  // before any thread: it blocks signals for all of them

@@ -142,7 +142,7 @@ RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
       places_(places),
       ground_station_(ground_station),
       simulator_(address(places.simulator_control())),
-      casd_(address(places.command_port())),
+      casd_(address(places.command_port)),
       line_(line_of(request)),
       plan_(request.scenario),
       faults_(request.scenario.faults.bench),
@@ -249,7 +249,7 @@ void RealtimePilot::play(const BenchFault& fault, bool begins) {
     casd_.reset();
     if (begins) return programs_.kill_casd();
     programs_.start_casd();
-    casd_.emplace(address(places_.command_port()));
+    casd_.emplace(address(places_.command_port));
   } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
     if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
   }
@@ -315,6 +315,7 @@ std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   const base::RunTime begin = base::steady_now();
   const RunDirectory sockets;
   RunPlaces places = RunPlaces::of(request.scenario, request.out, sockets.path());
+  places.command_port = sockets.command_socket();
   places.choose_ports();
   Supervisor supervisor;  // before any thread: it blocks signals for all of them
   std::optional<GroundStationThread> ground_station;

@@ -5,12 +5,15 @@
 #include <netinet/in.h>
 #include <stdlib.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 
 #include <cstdlib>
+#include <optional>
 #include <string>
 
 #include "base/error.hpp"
 #include "base/os/descriptor.hpp"
+#include "base/rpc/local_port.hpp"
 
 namespace cas::hils {
 
@@ -22,6 +25,18 @@ std::filesystem::path parent_folder() {
   return std::filesystem::temp_directory_path();
 }
 
+/// "casd-NAME.sock" for a run's folder NAME.
+std::optional<std::filesystem::path> socket_in_runtime_folder(const std::filesystem::path& run) {
+  try {
+    std::filesystem::path socket =
+        base::rpc::make_runtime_folder() / ("casd-" + run.filename().string() + ".sock");
+    if (socket.native().size() < sizeof(sockaddr_un::sun_path)) return socket;
+  } catch (const base::ConfigError&) {
+    // There is none that is this user's alone.
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 RunDirectory::RunDirectory() {
@@ -30,10 +45,12 @@ RunDirectory::RunDirectory() {
     throw base::ConfigError("cannot make a folder for the run's sockets: " + name);
   }
   path_ = name;
+  command_socket_ = socket_in_runtime_folder(path_).value_or(path_ / "casd");
 }
 
 RunDirectory::~RunDirectory() {
   std::error_code ignored;
+  std::filesystem::remove(command_socket_, ignored);  // of a casd that was killed
   std::filesystem::remove_all(path_, ignored);
 }
 
@@ -59,7 +76,11 @@ std::vector<std::uint16_t> free_udp_ports(std::size_t count) {
 
 RunPlaces RunPlaces::of(const Scenario& scenario, const std::filesystem::path& out,
                         const std::filesystem::path& sockets) {
-  RunPlaces places{.out = out, .run = out / "run", .sockets = sockets, .vehicles = {}};
+  RunPlaces places{.out = out,
+                   .run = out / "run",
+                   .sockets = sockets,
+                   .command_port = sockets / "casd",
+                   .vehicles = {}};
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     VehiclePlaces& vehicle = places.vehicles.emplace_back();
     vehicle.out = places.out;

@@ -11,7 +11,8 @@
 
 namespace cas::hils {
 
-/// A private folder with a short path, for sockets and the PTY's link; removed at the end.
+/// A private folder with a short path, for sockets and the PTY's link, and the place of casd's
+/// socket; removed at the end.
 class RunDirectory {
  public:
   /// Below XDG_RUNTIME_DIR, else below the temporary folder. @throws base::ConfigError
@@ -20,9 +21,13 @@ class RunDirectory {
   RunDirectory(const RunDirectory&) = delete;
   RunDirectory& operator=(const RunDirectory&) = delete;
   const std::filesystem::path& path() const { return path_; }
+  /// Where the run's casd puts its Unix socket: in the user's runtime folder, where casctl looks
+  /// for it; without such a folder, or where its path is too long for a socket, in this one.
+  const std::filesystem::path& command_socket() const { return command_socket_; }
 
  private:
   std::filesystem::path path_;
+  std::filesystem::path command_socket_;
 };
 
 /// UDP ports of 127.0.0.1 that are free now, all different. @throws base::ConfigError
@@ -59,6 +64,7 @@ struct RunPlaces {
   std::filesystem::path out;      ///< results: flight.tlog, summary.json
   std::filesystem::path run;      ///< effective configurations, ledgers, figures, program output
   std::filesystem::path sockets;  ///< short-lived: control sockets
+  std::filesystem::path command_port{};   ///< casd's Unix socket
   std::uint16_t ground_station_port = 0;  ///< where casd's link "gcs" sends; 0: no such link
   std::vector<VehiclePlaces> vehicles;    ///< in the order of the scenario
 
@@ -75,7 +81,6 @@ struct RunPlaces {
   std::filesystem::path casd_ledger() const { return run / "casd_ledger.csv"; }
   std::filesystem::path flight_tlog() const { return out / "flight.tlog"; }
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
-  std::filesystem::path command_port() const { return sockets / "casd"; }
   std::filesystem::path command_token() const { return sockets / "casd.token"; }
 };
 

@@ -206,6 +206,8 @@ TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
   EXPECT_EQ(status.code, 0) << status.output;
   EXPECT_EQ(nlohmann::json::parse(status.output)["name"], "long look");
 
+  EXPECT_NE(casctl({"status"}).output.find(address + " "), std::string::npos) << "as listed";
+
   Station station;
   station.send_to(port);
   EXPECT_TRUE(station.meets_the_vehicle()) << run->output();

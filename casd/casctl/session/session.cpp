@@ -41,6 +41,7 @@ std::chrono::steady_clock::time_point deadline(const Options& options) {
 
 Session::Session(const Options& options)
     : options_(options), give_up_(deadline(options)), client_(connect()) {
+  options_.address = address_;  // a session made from these options goes to the same casd
   authorise();
 }
 

@@ -59,6 +59,7 @@ class Session {
   /// unreadable token
   explicit Session(const Options& options);
 
+  /// As given, with the address that was found where none was given.
   const Options& options() const { return options_; }
   /// Calls a method with the parameters as they are.
   nlohmann::json call(const std::string& method, nlohmann::json params = nlohmann::json::object());

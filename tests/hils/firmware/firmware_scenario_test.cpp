@@ -48,7 +48,8 @@ TEST(FirmwareScenario, NamesShippedFilesByTheirWholePathInWhatItWrites) {
   FirmwareScenario scenario;
   scenario.world = folder.path() / "worlds/px4_sitl.yaml";
   scenario.topology = folder.path() / "topologies/px4_sitl.yaml";
-  const FirmwarePlaces places{folder.path(), folder.path() / "run", folder.path()};
+  const FirmwarePlaces places{folder.path(), folder.path() / "run", folder.path(),
+                              folder.path() / "casd"};
   write_firmware_configs(scenario, places);
   const auto world = base::ConfigNode::load(places.simulator_config());
   const auto vehicle = world.at("vehicles").items().at(0).require<std::string>("vehicle");
