@@ -8,6 +8,7 @@
 
 #include "base/rpc/client.hpp"
 #include "tests/casd/port/command_port_fixture.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace cas::casd {
 namespace {
@@ -229,6 +230,54 @@ TEST_F(VehicleMethodsTest, LeavesOutWhatTheVehicleDoesNotKnow) {
   EXPECT_EQ(state.at("statustexts").size(), 1U);
   EXPECT_FALSE(state.contains("position_N"));
   EXPECT_FALSE(state.contains("altitude_m"));
+}
+
+TEST_F(VehicleMethodsTest, TellsTelemetryWithNullForWhatIsNotKnown) {
+  auto& vehicle = fixture_.vehicle();
+  mavlink::common::Attitude attitude;
+  attitude.roll = 0.1F;
+  attitude.yaw = std::numeric_limits<float>::quiet_NaN();
+  mavlink::common::SysStatus no_battery;
+  no_battery.voltage_battery = 0xFFFF;
+  mavlink::common::BatteryStatus battery;
+  battery.voltages.fill(0xFFFF);
+  battery.voltages[0] = 4000;
+  battery.voltages[1] = 4100;
+  battery.current_battery = 150;
+  battery.battery_remaining = -1;
+  mavlink::common::BatteryStatus second = battery;
+  second.id = 1;
+  second.voltages[0] = 1000;
+  mavlink::common::GpsRawInt gps;
+  gps.fix_type = mavlink::common::GpsFixType::kNoFix;
+  gps.lat = 473977420;
+  gps.eph = 0xFFFF;
+  gps.satellites_visible = 4;
+  const base::RunTime now = base::steady_now();
+  vehicle.say_heartbeat(now);
+  vehicle.say(attitude, now);
+  vehicle.say(no_battery, now);
+  vehicle.say(battery, now);
+  vehicle.say(second, now);
+  vehicle.say(gps, now);
+  vehicle.say_text("that is all", now);
+  json telemetry;
+  EXPECT_TRUE(cas::test::wait_until([&] {
+    telemetry = call("vehicle.telemetry");
+    return !telemetry.at("gps").at("age_s").is_null();
+  }));
+  EXPECT_EQ(telemetry.at("vehicle"), 1);
+  EXPECT_NEAR(telemetry.at("attitude").at("roll_deg").get<double>(), 5.73, 0.01);
+  EXPECT_TRUE(telemetry.at("attitude").at("yaw_deg").is_null());
+  EXPECT_EQ(telemetry.at("battery").at("voltage_v"), 8.1);
+  EXPECT_EQ(telemetry.at("battery").at("current_a"), 1.5);
+  EXPECT_TRUE(telemetry.at("battery").at("remaining_percent").is_null());
+  EXPECT_EQ(telemetry.at("gps").at("fix"), "no_fix");
+  EXPECT_EQ(telemetry.at("gps").at("satellites"), 4);
+  EXPECT_TRUE(telemetry.at("gps").at("lat_deg").is_null());
+  EXPECT_TRUE(telemetry.at("gps").at("hdop").is_null());
+  EXPECT_TRUE(telemetry.at("estimator").at("attitude_ok").is_null());
+  EXPECT_TRUE(telemetry.at("position").at("age_s").is_null());
 }
 
 TEST_F(VehicleMethodsTest, PublishesStatusTextsToSubscribers) {
