@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -46,9 +47,25 @@ struct RunFlags {
   unsigned fcu_baud = 921600;
   std::string out;
   std::string ground_station;
+  std::vector<std::string> plugin_dirs;
   bool on_virtual_clock = false;
   bool lockstep = false;
 };
+
+/// Puts folders before those of CAS_PLUGIN_PATH, for this process and those that it starts.
+/// @throws base::ConfigError "FOLDER: no such folder"
+void search_plugins_in(const std::vector<std::string>& folders) {
+  std::string path;
+  for (const std::string& folder : folders) {
+    if (!std::filesystem::is_directory(folder)) {
+      throw base::ConfigError("--plugin-dir " + folder + ": no such folder");
+    }
+    path += std::filesystem::absolute(folder).string() + ":";
+  }
+  if (path.empty()) return;
+  const char* before = std::getenv("CAS_PLUGIN_PATH");
+  ::setenv("CAS_PLUGIN_PATH", (path + (before != nullptr ? before : "")).c_str(), 1);
+}
 
 /// Flags of `hils compare`.
 struct CompareFlags {
@@ -73,6 +90,7 @@ std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
 }
 
 int run(const RunFlags& flags) {
+  search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
   if (FirmwareScenario::is(file)) {
     if (!flags.ground_station.empty()) {
@@ -233,6 +251,8 @@ int main(int argc, char** argv) {
                       "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
                       "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
                       "TYPE:HOST:PORT. In real time only");
+  command->add_option("--plugin-dir", flags.plugin_dirs,
+                      "Folder searched for plugins first, before CAS_PLUGIN_PATH");
   command->add_option("--seed", flags.seed, "Seed instead of the scenario's")
       ->check(base::cli::whole_number);
   CompareFlags compare_flags;

@@ -56,5 +56,44 @@ TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
   EXPECT_NE(refused("udp:0", {}).find("no port from 1 to 65535"), std::string::npos);
 }
 
+/// A plugin from a folder of its own flies, and its figures are in the run's folder.
+TEST(HilsProgram, FindsPluginsInAFolderOfTheirOwn) {
+  const TemporaryFolder folder;
+  const std::string scenario =
+      folder
+          .write("own.yaml",
+                 "schema: 1\n"
+                 "name: own\ndescription: With a plugin of its own\n"
+                 "vehicle: " +
+                     source_dir() + "/config/vehicles/iris_paper.yaml\n" + R"(
+home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
+decimal_year: 2026.5
+seed: 1
+architecture: tcas
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+line: {preset: baud_921600}
+plugins:
+  - {plugin: fake_listener}
+steps:
+  - arm
+  - takeoff: {altitude_m: 2}
+  - wait_until: {condition: altitude > 1.5, of: truth}
+  - hold: {duration_s: 1, measure: true}
+  - land
+  - disarm
+)")
+          .string();
+  const std::vector<std::string> run{scenario, "--virtual", "--out", folder / "out"};
+  EXPECT_NE(refusal(run).find("fake_listener"), std::string::npos);
+  std::vector<std::string> with_folder = run;
+  with_folder.insert(with_folder.end(), {"--plugin-dir", binary_dir() + "/tests/fake_plugins"});
+  EXPECT_NE(refusal({scenario, "--virtual", "--out", folder / "out", "--plugin-dir", "/nowhere"})
+                .find("--plugin-dir /nowhere: no such folder"),
+            std::string::npos);
+  with_folder.insert(with_folder.begin(), {binary_dir() + "/bin/hils", "run"});
+  ChildProcess hils(with_folder);
+  EXPECT_EQ(hils.wait_exit(), 0) << hils.output();
+}
+
 }  // namespace
 }  // namespace cas::test
