@@ -26,12 +26,13 @@ Argument describe(const CLI::Option& option) {
   return argument;
 }
 
-Command describe(const CLI::App& app, std::vector<std::string> path) {
+Command describe(const CLI::App& app, std::vector<std::string> path, const WordsByCommand& offers) {
   Command command{.path = std::move(path),
                   .description = app.get_description(),
                   .footer = app.get_footer(),
                   .arguments = {},
-                  .commands = {}};
+                  .commands = {},
+                  .offers = {}};
   for (const CLI::Option* option : app.get_options()) {
     if (!option->get_group().empty()) command.arguments.push_back(describe(*option));
   }
@@ -41,7 +42,10 @@ Command describe(const CLI::App& app, std::vector<std::string> path) {
   for (const CLI::App* below : app.get_subcommands(is_shown)) {
     std::vector<std::string> words = command.path;
     words.push_back(below->get_name());
-    command.commands.push_back(describe(*below, std::move(words)));
+    command.commands.push_back(describe(*below, std::move(words), offers));
+  }
+  if (const auto own = offers.find(command.words()); own != offers.end()) {
+    command.offers = own->second;
   }
   return command;
 }
@@ -54,6 +58,8 @@ std::string Command::words() const {
   return text;
 }
 
-Command describe(const CLI::App& app) { return describe(app, {}); }
+Command describe(const CLI::App& app, const WordsByCommand& offers) {
+  return describe(app, {}, offers);
+}
 
 }  // namespace cas::base::cli

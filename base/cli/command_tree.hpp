@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,18 @@ struct Argument {
   bool required = false;
 };
 
+/// What a shell offers where a verb's arguments stand, instead of files.
+struct ArgumentWords {
+  std::vector<std::string> known{};
+  std::string command{};  ///< prints further words, one a line; empty: there are none
+  bool repeated = false;  ///< they stand for every argument, not for the first alone
+
+  bool empty() const { return known.empty() && command.empty(); }
+};
+
+/// By the words of the verb: "param get".
+using WordsByCommand = std::map<std::string, ArgumentWords>;
+
 /// A program or a verb, with all that belongs to it.
 struct Command {
   std::vector<std::string> path;  ///< empty for the program itself, {"param", "get"} for a verb
@@ -25,12 +38,14 @@ struct Command {
   std::string footer;
   std::vector<Argument> arguments;
   std::vector<Command> commands;
+  ArgumentWords offers{};  ///< what a shell offers as arguments
 
   std::string words() const;  ///< the path with spaces
 };
 
 /// What a command line has to offer, without what is hidden from its help.
-Command describe(const CLI::App& app);
+/// @param offers  to shells, by verb
+Command describe(const CLI::App& app, const WordsByCommand& offers = {});
 
 /// Calls visit(command) for the command and all below it, outer ones first.
 template <class Visit>

@@ -50,6 +50,19 @@ std::string words_of(const Command& command) {
   return words;
 }
 
+/// Known words of a verb's arguments, with spaces.
+std::string known_words(const Command& command) {
+  std::string words;
+  for (const std::string& word : command.offers.known) words += word + " ";
+  return words;
+}
+
+/// For a shell's arithmetic: behind how many arguments its words are still offered.
+std::string word_limit(const Command& command) {
+  if (command.offers.empty()) return "0";
+  return command.offers.repeated ? "999" : "1";
+}
+
 /// The options that may stand behind a command: its own, then the program's.
 std::vector<Argument> options_at(const Command& command, const Command& program) {
   std::vector<Argument> options;
@@ -70,33 +83,38 @@ std::string bash_completion(const std::string& program, const Command& command) 
     std::string options;
     for (const Argument& option : options_at(c, command)) options += option.names.back() + " ";
     cases += "    " + single_quoted(c.words()) + ") verbs=" + single_quoted(words_of(c)) +
-             "; options=" + single_quoted(options) + " ;;\n";
+             "; options=" + single_quoted(options) + "; words=" + single_quoted(known_words(c)) +
+             "; ask=" + single_quoted(c.offers.command) + "; most=" + word_limit(c) + " ;;\n";
   });
   const std::string patterns = verb_patterns(command);
   const std::string walk =
-      patterns.empty() ? "" : R"(  for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
+      patterns.empty() ? "" : R"sh(  for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
     case "${at:+$at }$word" in
-      )" + patterns + R"() at="${at:+$at }$word" ;;
+      )sh" + patterns + R"sh() at="${at:+$at }$word"; given=0 ;;
+      *) [[ $word == -* ]] || given=$((given + 1)) ;;
     esac
   done
-)";
+)sh";
   return "# bash completion for " + program + "\n" + function_name(program) +
-         R"(() {
-  local cur=${COMP_WORDS[COMP_CWORD]} at='' word verbs options
-)" + walk +
-         R"(  case $at in
-)" + cases +
-         R"(  esac
+         R"sh(() {
+  local cur=${COMP_WORDS[COMP_CWORD]} at='' word verbs options words ask most=0 given=0
+)sh" + walk +
+         R"sh(  case $at in
+)sh" + cases +
+         R"sh(  esac
   if [[ $cur == -* ]]; then
     COMPREPLY=($(compgen -W "$options" -- "$cur"))
   elif [[ -n $verbs ]]; then
     COMPREPLY=($(compgen -W "$verbs" -- "$cur"))
+  elif (( given < most )); then
+    [[ -z $ask ]] || words+=" $($ask 2>/dev/null)"
+    COMPREPLY=($(compgen -W "$words" -- "$cur"))
   else
     COMPREPLY=($(compgen -f -- "$cur"))
     compopt -o filenames 2>/dev/null
   fi
 }
-complete -F )" +
+complete -F )sh" +
          function_name(program) + " " + program + "\n";
 }
 
@@ -114,49 +132,54 @@ std::string zsh_completion(const std::string& program, const Command& command) {
       options += described(option.names.back(), option.description);
     }
     cases += "    " + single_quoted(c.words()) + ")\n      verbs=(" + verbs + ")\n      options=(" +
-             options + ") ;;\n";
+             options + ")\n      given_words=(" + known_words(c) + ")\n      ask=(" +
+             c.offers.command + ")\n      most=" + word_limit(c) + " ;;\n";
   });
   const std::string patterns = verb_patterns(command);
-  const std::string walk = patterns.empty() ? "" : R"(  for word in "${(@)words[2,CURRENT-1]}"; do
+  const std::string walk = patterns.empty() ? "" : R"sh(  for word in "${(@)words[2,CURRENT-1]}"; do
     case "${at:+$at }$word" in
-      ()" + patterns + R"() at="${at:+$at }$word" ;;
+      ()sh" + patterns + R"sh() at="${at:+$at }$word"; given=0 ;;
+      (*) [[ $word == -* ]] || (( given += 1 )) ;;
     esac
   done
-)";
-  return "#compdef " + program + "\n" + function_name(program) + R"(() {
-  local at='' word
-  local -a verbs options
-)" + walk +
-         R"(  case $at in
-)" + cases +
-         R"(  esac
+)sh";
+  return "#compdef " + program + "\n" + function_name(program) + R"sh(() {
+  local at='' word most=0 given=0
+  local -a verbs options given_words ask
+)sh" + walk +
+         R"sh(  case $at in
+)sh" + cases +
+         R"sh(  esac
   if [[ $PREFIX == -* ]]; then
     _describe -o option options
   elif (( $#verbs )); then
     _describe command verbs
+  elif (( given < most )); then
+    (( $#ask )) && given_words+=($($ask 2>/dev/null))
+    compadd -a given_words
   else
     _files
   fi
 }
-)" + function_name(program) +
+)sh" + function_name(program) +
          " \"$@\"\n";
 }
 
 std::string fish_completion(const std::string& program, const Command& command) {
   const std::string where = "__" + replaced(program, "-", "_") + "_at";
   const std::string patterns = replaced(verb_patterns(command), "|", " ");
-  std::string text = "# fish completion for " + program + "\nfunction " + where + R"(
+  std::string text = "# fish completion for " + program + "\nfunction " + where + R"sh(
   set -l at
   for word in (commandline -opc)[2..-1]
     set -l longer (string join ' ' $at $word)
-    if contains -- $longer )" +
-                     (patterns.empty() ? "''" : patterns) + R"(
+    if contains -- $longer )sh" +
+                     (patterns.empty() ? "''" : patterns) + R"sh(
       set at (string split ' ' $longer)
     end
   end
   test "$at" = "$argv"
 end
-)";
+)sh";
   for_each_command(command, [&](const Command& c) {
     const std::string condition =
         c.path.empty() ? "" : " -n " + single_quoted(where + " " + c.words());
@@ -164,6 +187,12 @@ end
     for (const Command& below : c.commands) {
       text += "complete -c " + program + here + " -f -a " + below.path.back() + " -d " +
               single_quoted(below.description) + "\n";
+    }
+    if (!c.offers.empty()) {
+      const std::string asked =
+          c.offers.command.empty() ? "" : "(" + c.offers.command + " 2>/dev/null)";
+      text += "complete -c " + program + here + " -f -a " + single_quoted(known_words(c) + asked) +
+              "\n";
     }
     for (const Argument& argument : c.arguments) {
       if (argument.positional) continue;

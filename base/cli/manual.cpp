@@ -6,7 +6,6 @@
 #include <iostream>
 #include <string>
 
-#include "base/cli/command_tree.hpp"
 #include "base/cli/completion.hpp"
 #include "base/cli/man_page.hpp"
 
@@ -25,9 +24,10 @@ std::string page_date() {
 
 }  // namespace
 
-void add_manual(CLI::App& app, const std::string& program, const std::string& version) {
-  const auto print = [&app, program, version](const std::string& form) {
-    const Command command = describe(app);
+void add_manual(CLI::App& app, const std::string& program, const std::string& version,
+                const WordsByCommand& offers) {
+  const auto print = [&app, program, version, offers](const std::string& form) {
+    const Command command = describe(app, offers);
     if (form == "man") std::cout << man_page(program, version, page_date(), command);
     if (form == "bash") std::cout << bash_completion(program, command);
     if (form == "zsh") std::cout << zsh_completion(program, command);

@@ -11,6 +11,7 @@
 #include "base/cli/parse.hpp"
 #include "base/rpc/local_port.hpp"
 #include "base/rpc/message.hpp"
+#include "casd/casctl/completion_words.hpp"
 #include "casd/casctl/doctor/doctor.hpp"
 #include "casd/casctl/monitor/monitor_screen.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
@@ -139,7 +140,9 @@ int main(int argc, char** argv) {
   add_service_verbs(line);
   add_monitor_verb(line);
   add_doctor_verb(line);
-  cas::base::cli::add_manual(line.app(), "casctl", CAS_VERSION);
+  add_words_verb(line);
+  line.app().get_subcommand("words")->group("");  // not in the help: for shells
+  cas::base::cli::add_manual(line.app(), "casctl", CAS_VERSION, completion_words());
   if (const auto ended = cas::base::cli::parse(line.app(), argc, argv, kUsage)) return *ended;
   return run_verb(line);
 }

@@ -134,6 +134,45 @@ TEST_F(TelemetryVerbs, MessageShowsAllFieldsOfTheNewest) {
   EXPECT_EQ(message.at("units").at("roll"), "rad");
 }
 
+/// What bash offers for the last of these words.
+std::string offered(const EmulatorFixture& fixture, const std::string& words, int position) {
+  const auto script = fixture.folder.write(
+      "complete.bash", "PATH='" + cas::test::binary_dir() + "/bin':$PATH\n" +
+                           "export CASD_ADDRESS='unix:" + fixture.socket() +
+                           "'\nsource <(casctl --manual bash)\nCOMP_WORDS=(" + words +
+                           ")\nCOMP_CWORD=" + std::to_string(position) +
+                           "\n_casctl_completion\necho \"${COMPREPLY[@]}\"\n");
+  ChildProcess bash({"/bin/bash", script.string()});
+  EXPECT_EQ(bash.wait_exit(std::chrono::seconds(60)), 0) << bash.output();
+  return bash.output();
+}
+
+TEST_F(TelemetryVerbs, CompletionKnowsWhatTheVehicleHas) {
+  EXPECT_EQ(offered(fixture, "casctl setgain rollr", 2), "rollrate\n");
+  EXPECT_EQ(offered(fixture, "casctl mode POSC", 2), "POSCTL\n");
+  EXPECT_EQ(offered(fixture, "casctl watch attitude batt", 3), "battery\n");
+  EXPECT_EQ(offered(fixture, "casctl message SYS_ST", 2), "SYS_STATUS\n");
+  EXPECT_EQ(offered(fixture, "casctl param get MC_ROLLRATE_P", 3), "MC_ROLLRATE_P\n");
+}
+
+TEST_F(TelemetryVerbs, CompletionLacksNoLoopAndNoModeOfTheVehicle) {
+  const std::string modes = " " + offered(fixture, "casctl mode ''", 2);
+  const std::string refusal = fixture.casctl({"mode", "NOPE"}).text;
+  std::istringstream words(refusal.substr(refusal.find("it has ") + 7));
+  int compared = 0;
+  for (std::string word; words >> word; ++compared) {
+    EXPECT_NE((modes + " ").find(" " + word), std::string::npos) << word << " in" << modes;
+  }
+  EXPECT_GT(compared, 10) << refusal;
+  const std::string loops = " " + offered(fixture, "casctl gains ''", 2);
+  const Said gains = fixture.casctl({"gains", "--json"});
+  ASSERT_EQ(gains.code, 0) << gains.text;
+  for (const json& loop : json::parse(gains.text)) {
+    const auto name = loop.at("loop").get<std::string>();
+    EXPECT_NE(loops.find(" " + name), std::string::npos) << name << " in" << loops;
+  }
+}
+
 // Sent once, on request, before anybody looked.
 TEST_F(TelemetryVerbs, MessageShowsOneThatCameBeforeAnybodyLooked) {
   ASSERT_TRUE(wait_until([this] {

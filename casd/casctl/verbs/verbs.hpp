@@ -15,6 +15,8 @@ void add_param_verbs(CommandLine& line);
 void add_watch_verb(CommandLine& line);
 /// message: the newest of a kind.
 void add_message_verb(CommandLine& line);
+/// words: what the completion scripts ask.
+void add_words_verb(CommandLine& line);
 /// routes, drops, latency, budget, log, reload, reboot.
 void add_service_verbs(CommandLine& line);
 

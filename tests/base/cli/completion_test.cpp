@@ -27,7 +27,10 @@ Command sample() {
   CLI::App* reel = line->add_subcommand("reel", "Reel it in");
   reel->add_option("METRES", text, "how far")->required();
   reel->add_flag("--slowly")->description("with care");
-  return describe(app);
+  app.add_subcommand("colour", "Paint it")->add_option("COLOUR", text);
+  app.add_subcommand("towns", "Fly to these")->add_option("TOWN", text);
+  return describe(app, {{"colour", {.known = {"red", "green"}}},
+                        {"towns", {.command = "echo Bern Basel", .repeated = true}}});
 }
 
 /// What bash offers behind these words.
@@ -47,7 +50,20 @@ std::string completed(const std::string& words, int position) {
   return result;
 }
 
-TEST(Completion, OffersVerbsFirst) { EXPECT_EQ(completed("kite ''", 1), "status line"); }
+TEST(Completion, OffersVerbsFirst) {
+  EXPECT_EQ(completed("kite ''", 1), "status line colour towns");
+}
+
+TEST(Completion, OffersTheWordsOfTheFirstArgument) {
+  EXPECT_EQ(completed("kite colour ''", 2), "red green");
+  EXPECT_EQ(completed("kite --json colour --speed gr", 4), "green");
+  EXPECT_EQ(completed("kite colour red gr", 3), "");
+}
+
+TEST(Completion, AsksForWords) {
+  EXPECT_EQ(completed("kite towns Be", 2), "Bern");
+  EXPECT_EQ(completed("kite towns Bern Ba", 3), "Basel");
+}
 
 TEST(Completion, OffersWhatBeginsLikeTheWord) { EXPECT_EQ(completed("kite st", 1), "status"); }
 
