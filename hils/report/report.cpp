@@ -290,31 +290,56 @@ Json vehicle_json(const Measurement& figures, const Verdict& verdict) {
   return summary;
 }
 
+/// Counts of a suite, and its cases.
+struct JunitCases {
+  std::string suite;
+  std::string text{};
+  std::size_t tests = 0, failures = 0, errors = 0, skipped = 0;
+
+  /// @param outcome  an element within the case; empty: it passed
+  void add(const std::string& name, double time_s, const std::string& outcome) {
+    ++tests;
+    text += fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", suite,
+                        escape_xml(name), time_s);
+    text += outcome.empty() ? "/>\n" : ">" + outcome + "</testcase>\n";
+  }
+  /// @param invalid  the run does not count: an error, no failure
+  void add_missed(const std::string& name, double time_s, bool invalid,
+                  const std::string& sentence) {
+    ++(invalid ? errors : failures);
+    add(name, time_s,
+        fmt::format("<{} message=\"{}\"/>", invalid ? "error" : "failure", escape_xml(sentence)));
+  }
+};
+
+/// A case for the verdict and one for each thing that a run is held to, under the same names
+/// whatever comes out.
 /// @param who  behind the name of the suite: ".left", or nothing
 std::string junit_suite(const Measurement& figures, const Verdict& verdict,
                         const std::string& who) {
-  const std::string suite = escape_xml(
-      fmt::format("hils.{}.{}{}", figures.scenario, to_string(figures.architecture), who));
-  std::string cases;
-  std::size_t failed = 0;
-  std::size_t errors = 0;
+  JunitCases cases{.suite = escape_xml(fmt::format("hils.{}.{}{}", figures.scenario,
+                                                   to_string(figures.architecture), who))};
   if (verdict.passed) {
-    cases += fmt::format("  <testcase classname=\"{}\" name=\"limits\" time=\"{:.3f}\"/>\n", suite,
-                         figures.wall_s);
+    cases.add("verdict", figures.wall_s, "");
+  } else {
+    cases.add_missed("verdict", figures.wall_s, !verdict.valid,
+                     fmt::format("{}", fmt::join(verdict.failures, "; ")));
   }
-  for (std::size_t i = 0; i < verdict.failures.size(); ++i) {
-    const std::string sentence = escape_xml(verdict.failures[i]);
-    cases +=
-        fmt::format("  <testcase classname=\"{}\" name=\"{} {}\" time=\"{:.3f}\">", suite,
-                    verdict.valid ? "limit" : "validity", i + 1, i == 0 ? figures.wall_s : 0.0);
-    cases += fmt::format("<{} message=\"{}\"/></testcase>\n", verdict.valid ? "failure" : "error",
-                         sentence);
-    ++(verdict.valid ? failed : errors);
+  for (const LimitCheck& check : verdict.checks) {
+    if (!check.judged) {
+      ++cases.skipped;
+      cases.add(check.what, 0, "<skipped/>");
+    } else if (check.kept) {
+      cases.add(check.what, 0, "");
+    } else {
+      cases.add_missed(check.what, 0, check.kind == LimitCheck::Kind::kValidity, check.sentence);
+    }
   }
   return fmt::format(
-      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"0\" "
+      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" "
       "time=\"{:.3f}\">\n{}</testsuite>\n",
-      suite, failed + errors + (verdict.passed ? 1 : 0), failed, errors, figures.wall_s, cases);
+      cases.suite, cases.tests, cases.failures, cases.errors, cases.skipped, figures.wall_s,
+      cases.text);
 }
 
 }  // namespace

@@ -81,6 +81,42 @@ TEST(SeveralResults, AreASuiteEachForContinuousIntegration) {
       << xml;
 }
 
+TEST(OneResult, ThatDoesNotCountIsAnErrorForContinuousIntegration) {
+  RunResult run;
+  run.vehicles = {flown("iris0", kOpen)};
+  run.verdict = kOpen;
+  const std::string xml = junit_report(run);
+  EXPECT_NE(xml.find("tests=\"1\" failures=\"0\" errors=\"1\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("<error message=\"the account does not close\"/>"), std::string::npos) << xml;
+  EXPECT_NE(xml.find("name=\"verdict\" time"), std::string::npos) << xml;
+  EXPECT_EQ(text_report(run).rfind("INVALID: ", 0), 0U) << text_report(run);
+  EXPECT_FALSE(nlohmann::json::parse(summary_json(run)).at("valid"));
+}
+
+/// Who follows a case over the runs finds it by its name.
+TEST(OneResult, HasTheSameCasesHoweverItEnds) {
+  const auto cases = [](bool kept) {
+    Verdict verdict = kept ? kPassed : kMissed;
+    verdict.checks = {{.what = "loss", .kept = true},
+                      {.what = "RMS z_m", .kept = kept, .sentence = kept ? "" : "z_m is 0.2"},
+                      {.what = "settling", .judged = false}};
+    RunResult run;
+    run.vehicles = {flown("iris0", verdict)};
+    run.verdict = verdict;
+    return junit_report(run);
+  };
+  for (const char* name : {"verdict", "loss", "RMS z_m", "settling"}) {
+    const std::string attribute = "name=\"" + std::string(name) + "\"";
+    EXPECT_NE(cases(true).find(attribute), std::string::npos) << cases(true);
+    EXPECT_NE(cases(false).find(attribute), std::string::npos) << cases(false);
+  }
+  EXPECT_NE(cases(true).find("tests=\"4\" failures=\"0\" errors=\"0\" skipped=\"1\""),
+            std::string::npos)
+      << cases(true);
+  EXPECT_NE(cases(false).find("failures=\"2\""), std::string::npos) << cases(false);
+  EXPECT_NE(cases(false).find("<failure message=\"z_m is 0.2\"/>"), std::string::npos);
+}
+
 TEST(OneResult, IsReportedWithoutAName) {
   RunResult run;
   run.vehicles = {flown("iris0", kPassed)};
