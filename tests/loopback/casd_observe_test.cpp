@@ -216,6 +216,18 @@ TEST_F(CasdObserve, ShowsMessagesOfADialectReadAtRunTime) {
   EXPECT_EQ(value.at("name"), "LAB_THING");
   EXPECT_EQ(value.at("fields").at(1), (json{{"name", "heat"}, {"units", "degC"}, {"value", 42}}));
   EXPECT_EQ(call("message.list").at(0).at("name"), "LAB_THING");
+  ChildProcess casctl({cas::test::binary_dir() + "/bin/casctl", "--address",
+                       "127.0.0.1:" + std::to_string(port_in(status, "command_port")), "message",
+                       "lab_thing", "--json", "--wait"});
+  // It needs one that comes while it looks, also on a machine where it starts late.
+  std::optional<int> code;
+  EXPECT_TRUE(wait_until([&] {
+    fixture.sim.send(lab_thing(77));
+    code = casctl.wait_exit(std::chrono::milliseconds(50));
+    return code.has_value();
+  }));
+  EXPECT_EQ(code, 0) << casctl.output();
+  EXPECT_EQ(json::parse(casctl.output()).at("fields"), (json{{"state", 7}, {"heat", 42}}));
 }
 
 TEST_F(CasdObserve, RefusesABadDialectAtTheStartAndAtAReload) {
