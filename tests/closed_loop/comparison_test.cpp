@@ -67,6 +67,27 @@ TEST(Comparison, AccountsForEveryPacketOfEveryArchitecture) {
 }
 
 // The kernel's tick leaves the one thread about 300 packets a second ([HILS] Table 4: 353 of 500).
+TEST(Comparison, SaysHowManyRunsCountAndHowManyWereFlown) {
+  VariantResult result;
+  result.runs.resize(3);
+  result.runs[1].flight_failure = "arm: refused";
+  result.verdicts = {{.valid = true, .passed = true, .failures = {}},
+                     {.valid = true, .passed = false, .failures = {"the flight was not completed"}},
+                     {.valid = false, .passed = false, .failures = {"the machine was too busy"}}};
+  EXPECT_EQ(validity_words(result),
+            "2 of 3 runs valid, 2 flown to the end; first remark: the flight was not completed");
+}
+
+TEST(Comparison, ThePageSaysThatARunDoesNotCount) {
+  const ComparisonPlan plan = small_plan({Architecture::kDirect});
+  std::vector<VariantResult> results = compare_in("page", plan);
+  EXPECT_NE(comparison_html(plan, results).find("All runs valid"), std::string::npos);
+  results.at(0).verdicts.at(0).valid = false;
+  const std::string page = comparison_html(plan, results);
+  EXPECT_EQ(page.find("All runs valid"), std::string::npos);
+  EXPECT_NE(page.find("Not all runs valid"), std::string::npos);
+}
+
 TEST(Comparison, LosesSensorPacketsInTheBlockingThread) {
   const ComparisonPlan plan = small_plan({Architecture::kTs, Architecture::kTcas});
   const auto results = compare_in("losses", plan);

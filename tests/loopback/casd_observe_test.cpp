@@ -96,6 +96,16 @@ TEST_F(CasdObserve, TellsPrometheusItsFigures) {
           "system=\"1\",component=\"200\"} 1"));
 }
 
+TEST_F(CasdObserve, TellsPrometheusOfALinkThatIsDown) {
+  start("metrics: {port: 0}\n");
+  fixture.fcu.hang_up();
+  EXPECT_TRUE(wait_until([&] {
+    const auto lines = http("GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+    return std::find(lines.begin(), lines.end(), "casd_link_up{link=\"fcu\",type=\"serial\"} 0") !=
+           lines.end();
+  }));
+}
+
 TEST_F(CasdObserve, AnswersOnlyGetOfMetricsOverHttp) {
   start("metrics: {port: 0}\n");
   EXPECT_EQ(http("GET / HTTP/1.1\r\n\r\n").front(), "HTTP/1.1 404 Not Found\r");

@@ -29,6 +29,19 @@ TEST(FlightVerbs, FlyAVehicleFromTheGroundAndBack) {
   expect_done({"disarm", "--wait"}, "disarmed");
 }
 
+TEST(FlightVerbs, BudgetFindsALineThatIsTooSlow) {
+  EmulatorFixture fixture;
+  fixture.start("{preset: baud_115200}", 115200);
+  fixture.start_simulator();
+  ASSERT_TRUE(fixture.hears_the_vehicle()) << fixture.output();
+  Said said;
+  EXPECT_TRUE(wait_until([&] {
+    said = fixture.casctl({"budget"});
+    return said.code == 1;
+  })) << said.text;
+  EXPECT_NE(said.text.find("TOO SLOW"), std::string::npos) << said.text;
+}
+
 TEST(FlightVerbs, DoctorFindsALineThatIsTooSlow) {
   EmulatorFixture fixture;
   fixture.start("{preset: baud_115200}", 115200);

@@ -151,6 +151,13 @@ TEST_F(CasctlTest, EndsWithFourWhereAStateDoesNotCome) {
   }
 }
 
+TEST_F(CasctlTest, EndsWithFourWhereTheVehicleAcceptsAndDoesNotArm) {
+  const Ended ended = run("arm --wait --timeout 0.5");
+  EXPECT_EQ(ended.code, 4) << ended.out;
+  EXPECT_NE(ended.out.find("acknowledged, but the vehicle was not armed"), std::string::npos)
+      << ended.out;
+}
+
 TEST_F(CasctlTest, SaysWhatAMisspeltVerbOrOptionMayHaveMeant) {
   const Ended verb = casctl("stauts");
   EXPECT_EQ(verb.code, 2);

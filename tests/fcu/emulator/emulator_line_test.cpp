@@ -30,6 +30,13 @@ class Line : public testing::Test {
   EmulatorFixture emulator_;
 };
 
+TEST_F(Line, WithoutSensorsTheEstimateIsNotReady) {
+  const auto heartbeat = emulator_.next<Heartbeat>();
+  ASSERT_TRUE(heartbeat);
+  EXPECT_EQ(heartbeat->system_status, MavState::kBoot);
+  EXPECT_FALSE(emulator_.call("fcu.status")["estimator_ready"].get<bool>());
+}
+
 TEST_F(Line, StatusAndFiguresAreToldByTheControlSocket) {
   emulator_.settle();
   const Json status = emulator_.call("fcu.status");
