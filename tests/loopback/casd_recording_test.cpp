@@ -205,6 +205,8 @@ TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
   const std::string found = casctl({"doctor", "--seconds", "0.1"});
   EXPECT_NE(found.find("the recording has gaps"), std::string::npos) << found;
   expect_true_figures(recordings);
+  const std::string stopped = casctl({"log", "stop"});
+  EXPECT_NE(stopped.find("; the disk did not take "), std::string::npos) << stopped;
 }
 
 TEST_F(CasdRecording, GoesOnWhenAFullDiskHasRoomAgain) {
