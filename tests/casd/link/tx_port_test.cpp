@@ -22,8 +22,8 @@ struct FakeLine {
   std::size_t unsent = 0;              ///< what the driver says
   std::size_t bytes = 0;
   std::vector<std::uint8_t> last;  ///< bytes of the last call
-  bool moves = true;    ///< the other side reads
-  bool counts = false;  ///< its moves, byte by byte
+  bool moves = true;               ///< the other side reads
+  bool counts = false;             ///< its moves, byte by byte
   int nudges = 0;
   int flushes = 0;
 };
