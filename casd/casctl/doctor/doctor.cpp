@@ -8,11 +8,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <set>
+#include <string>
 
 #include "casd/casctl/session/table.hpp"
 
@@ -181,6 +183,18 @@ std::string remedy_for_down(const json& link) {
   return "plug the board in, and compare `device` in the topology with /dev/serial/by-id";
 }
 
+/// What casd did not send, but for setpoints that a newer one replaced, and links that were away.
+void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) {
+  for (const char* cause : {"age", "bandwidth", "queue_full", "stalled", "unsignable"}) {
+    const double drops = drop_growth(facts, link, cause);
+    if (drops <= 0) continue;
+    warn(own,
+         "link " + link.value("name", "?") + ": casd dropped " +
+             std::to_string(static_cast<std::uint64_t>(drops)) + " packets (" + cause + ")",
+         "`casctl drops` names the messages; docs/troubleshooting.md has a line for each cause");
+  }
+}
+
 void check_links(const DoctorFacts& facts, Findings& all) {
   for (const json& link : facts.after.value("links", json::array())) {
     const std::string name = "link " + link.value("name", "?");
@@ -202,6 +216,7 @@ void check_links(const DoctorFacts& facts, Findings& all) {
       warn(own, name + ": packets are lost before they reach casd",
            "the sender has more than the line carries: lower its rates or raise the baud rate");
     }
+    check_own_drops(facts, link, own);
     if (own.empty()) good(own, name + " is up and clean");
     all.insert(all.end(), own.begin(), own.end());
   }
