@@ -184,22 +184,25 @@ bool VehicleMethods::is_more_of_sticks(const std::string& name, base::RunTime no
 }
 
 /// "127.0.0.1:40412 vehicle.takeoff {"altitude_m":2.5} vehicle 1: accepted". Who waits until a
-/// vehicle can arm asks again and again: the same refusal leaves one line.
+/// vehicle can arm asks again and again: the same refusal leaves one line in a minute.
 void VehicleMethods::audit(const std::string& client, const std::string& name, const json& params,
                            std::uint8_t system, const Outcome& outcome) {
+  constexpr auto kStretch = std::chrono::minutes(1);
   if (!hooks_.audit) return;
+  const base::RunTime now = hooks_.now();
   const std::string asked =
       params.is_null() ? "{}" : params.dump(-1, ' ', false, json::error_handler_t::replace);
   const std::string line = client + " " + name + " " + asked + " vehicle " +
                            std::to_string(system) + ": " +
                            (outcome.ok() ? "accepted" : outcome.message);
-  if (line == last_refusal_) {
+  if (line == last_refusal_ && now - refused_at_ < kStretch) {
     ++refused_again_;
     return;
   }
   const std::uint64_t again = std::exchange(refused_again_, 0);
   if (again > 0) hooks_.audit("(the same again " + std::to_string(again) + " times)");
   last_refusal_ = outcome.ok() ? "" : line;
+  refused_at_ = now;
   hooks_.audit(line);
 }
 

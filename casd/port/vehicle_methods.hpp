@@ -73,7 +73,8 @@ class VehicleMethods {
   GainMap gains_;
   VehicleHooks hooks_;
   std::optional<base::RunTime> last_sticks_;
-  std::string last_refusal_;  ///< line of the audit
+  std::string last_refusal_;    ///< line of the audit
+  base::RunTime refused_at_{};  ///< when that line was left
   std::uint64_t refused_again_ = 0;
 };
 
