@@ -7,10 +7,13 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/config/config.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/time/clock.hpp"
+#include "libsim/api/figure.hpp"
+#include "libsim/api/mavlink_message.hpp"
 #include "libsim/api/topic_bus.hpp"
 #include "libsim/api/world.hpp"
 
@@ -69,6 +72,24 @@ class PluginContext {
   virtual void add_force_model(ForceModel& model) = 0;
   /// Makes the runner wait for this peer in lockstep. The plugin owns it.
   virtual void set_lockstep_peer(LockstepPeer& peer) = 0;
+  /// Where the plugin publishes the MAVLink messages that its CAS_PLUGIN_SENDS declares; they leave
+  /// by the vehicle's mavlink_interface. Once. A host without one hears nothing.
+  /// @throws base::ConfigError when it declares none
+  virtual Publisher<MavlinkMessage> mavlink() {
+    return Publisher<MavlinkMessage>(std::make_shared<detail::Topic>());
+  }
+  /// The vehicle's plugins that declare MAVLink messages: for a plugin that sends them.
+  virtual std::vector<MavlinkSender> mavlink_senders() const { return {}; }
+  /// A figure of the plugin for the summary and the report of a run. Its name is unique within the
+  /// plugin. A host without a report hears nothing.
+  /// @param name  1 to 48 bytes of UTF-8 without control characters: "voltage"
+  /// @param unit  0 to 48 of them: "V"
+  /// @throws base::ConfigError for another name or unit, and beyond 64 figures
+  virtual Publisher<FigureSample> figure(const std::string& name, const std::string& unit,
+                                         FigureKind kind = FigureKind::kSeries) {
+    (void)name, (void)unit, (void)kind;
+    return Publisher<FigureSample>(std::make_shared<detail::Topic>());
+  }
 };
 
 /// A part of the simulation that lives in a shared library.

@@ -4,11 +4,36 @@
 #include <algorithm>
 
 #include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
 
 namespace cas::sim {
 
 namespace mv = mavlink::common;
+
+namespace {
+
+constexpr std::size_t kMostWaiting = 32;  ///< messages of plugins in one step
+
+/// Packs a payload as an unsigned MAVLink 2 packet, trailing zeros cut. @return bytes written
+std::size_t encode_payload(const mav::MessageInfo& info, const MavlinkMessage& message,
+                           mav::Source source, std::uint8_t sequence,
+                           std::span<std::uint8_t, mav::kMaxPacketBytes> out) {
+  const std::size_t length = mav::truncated_length(std::span(message.payload).first(message.size));
+  out[0] = mav::kStartV2;
+  out[1] = static_cast<std::uint8_t>(length);
+  out[2] = out[3] = 0;
+  out[4] = sequence;
+  out[5] = source.system;
+  out[6] = source.component;
+  out[7] = static_cast<std::uint8_t>(info.id & 0xFFU);
+  out[8] = static_cast<std::uint8_t>(info.id >> 8U & 0xFFU);
+  out[9] = static_cast<std::uint8_t>(info.id >> 16U);
+  std::copy_n(message.payload.begin(), length, out.begin() + mav::kHeaderBytesV2);
+  return mav::detail::append_checksum(out.data(), mav::kHeaderBytesV2 + length, info.crc_extra);
+}
+
+}  // namespace
 
 void MessageCounts::add(std::uint32_t id) {
   for (auto& [known, count] : counts_) {
@@ -29,7 +54,7 @@ std::uint64_t MessageCounts::of(std::uint32_t id) const {
 std::string MessageCounts::json() const {
   std::string text = "{";
   for (const auto& [id, count] : counts_) {
-    const mav::MessageInfo* info = mv::table().find(id);
+    const mav::MessageInfo* info = mav::public_table().find(id);
     const std::string name = info ? std::string(info->name) : std::to_string(id);
     text += (text.size() > 1 ? ",\"" : "\"") + name + "\":" + std::to_string(count);
   }
@@ -44,17 +69,19 @@ HilInterface::HilInterface(const HilInterfaceParams& params, HilPort& port,
       on_bytes_([this](std::span<const std::uint8_t> bytes, base::RunTime at) {
         parser_.feed(bytes, [&](const mav::PacketView& packet) { on_packet(packet, at); });
       }),
-      encode_(params.self),
       heartbeat_(params.heartbeat_hz),
       peers_(port.peers()),
       parser_(mv::table()),
       in_step_(!params.joins_by_answering),
-      control_due_(params.control_rate_hz) {}
+      control_due_(params.control_rate_hz) {
+  waiting_.reserve(kMostWaiting);
+}
 
 void HilInterface::flush(base::SimTime now) {
   look_for_new_peer();
   send_heartbeat(now);
   // Slow sensors first, so that the answer to HIL_SENSOR knows them.
+  send_messages();
   if (range_) send(to_distance_sensor(*range_));
   range_.reset();
   if (gps_) send_gps();
@@ -82,11 +109,28 @@ void HilInterface::join() {
 
 template <class Message>
 bool HilInterface::send(const Message& message) {
-  if (!port_.send(encode_(message))) return false;
-  sent_.add(Message::kId);
+  return send_packet(Message::kId, mav::encode(message, params_.self, sequence_++, packet_));
+}
+
+bool HilInterface::send_packet(std::uint32_t id, std::size_t size) {
+  if (!port_.send(std::span(packet_).first(size))) return false;
+  sent_.add(id);
   on_its_way_ = true;
-  sensor_sent_last_ = Message::kId == mv::HilSensor::kId;
+  sensor_sent_last_ = id == mv::HilSensor::kId;
   return true;
+}
+
+bool HilInterface::on_message(const mav::MessageInfo& info, const MavlinkMessage& message) {
+  if (waiting_.size() == kMostWaiting) return false;
+  waiting_.push_back({&info, message});
+  return true;
+}
+
+void HilInterface::send_messages() {
+  for (const auto& [info, message] : waiting_) {
+    send_packet(info->id, encode_payload(*info, message, params_.self, sequence_++, packet_));
+  }
+  waiting_.clear();
 }
 
 void HilInterface::send_heartbeat(base::SimTime now) {

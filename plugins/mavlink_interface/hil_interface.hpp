@@ -14,9 +14,11 @@
 #include "base/measure/ledger.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
+#include "libsim/api/mavlink_message.hpp"
 #include "libsim/api/messages.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/message_table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"
 #include "plugins/mavlink_interface/hil_port.hpp"
@@ -78,9 +80,11 @@ class HilInterface {
   void on_barometer(const BarometerSample& sample) { barometer_ = sample; }
   void on_airspeed(const AirspeedSample& sample) { airspeed_ = sample; }
   void on_range(const RangeSample& sample) { range_ = sample; }
+  /// A message of a plugin, for the next flush(). @return false when too many wait already
+  bool on_message(const mav::MessageInfo& info, const MavlinkMessage& message);
 
-  /// Sends what is new: HEARTBEAT when due, DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU
-  /// sample).
+  /// Sends what is new: HEARTBEAT when due, messages of plugins, DISTANCE_SENSOR, HIL_GPS,
+  /// HIL_SENSOR (with each IMU sample).
   void flush(base::SimTime now);
 
   /// Reads what the port has.
@@ -106,8 +110,16 @@ class HilInterface {
   std::string stats_json() const;
 
  private:
+  /// A message that waits for the next flush().
+  struct Waiting {
+    const mav::MessageInfo* info;
+    MavlinkMessage message;
+  };
+
   template <class Message>
   bool send(const Message& message);
+  bool send_packet(std::uint32_t id, std::size_t size);
+  void send_messages();
   void look_for_new_peer();
   void join();
   void send_heartbeat(base::SimTime now);
@@ -123,7 +135,8 @@ class HilInterface {
   HilPort::OnBytes on_bytes_;
 
   // Out.
-  mav::Encoder encode_;
+  std::array<std::uint8_t, mav::kMaxPacketBytes> packet_{};
+  std::uint8_t sequence_ = 0;
   base::RateGate heartbeat_;
   bool announced_ = false;
   std::uint64_t peers_;  // of the port, that were greeted
@@ -133,6 +146,7 @@ class HilInterface {
   std::optional<BarometerSample> barometer_;
   std::optional<AirspeedSample> airspeed_;
   std::optional<RangeSample> range_;
+  std::vector<Waiting> waiting_;
   mavlink::common::HilSensor sensor_;  // keeps the last value of what is not new
 
   // In.

@@ -6,13 +6,17 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "base/config/config_whole.hpp"
 #include "base/measure/ledger.hpp"
+#include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"
 #include "plugins/mavlink_interface/hil_interface.hpp"
+#include "plugins/mavlink_interface/plugin_messages.hpp"
 #include "plugins/mavlink_interface/tcp_server_port.hpp"
 #include "plugins/mavlink_interface/udp_port.hpp"
 
@@ -78,17 +82,20 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     }
     begin();
     subscribe(context);
+    listen_to_plugins(context);
     command_ = context.bus().advertise<MotorCommand>(context.topic("motor_command"));
     context.set_lockstep_peer(*this);
   }
 
   void pre_step(const StepInfo& step, World&) override {
+    now_ = step.time;
     port_->set_sim_time(step.time);
     interface_->receive();
     if (const auto command = interface_->take_command(step.time)) command_.publish(*command);
   }
 
   void post_step(const StepInfo& step, const World&) override {
+    now_ = step.time;
     port_->set_sim_time(step.time);
     interface_->flush(step.time);
   }
@@ -113,6 +120,9 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     if (params_.joins_by_answering) {
       params_.wire_epoch = std::max(params_.wire_epoch, interface_->wire_end());
     }
+    messages_.reset();
+    too_many_ = 0;
+    now_ = {};
     begin();
   }
   bool settled() const override { return interface_->settled(); }
@@ -123,7 +133,13 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     ledger_->write(ledger_file_);
   }
 
-  std::string stats_json() const override { return interface_->stats_json(); }
+  std::string stats_json() const override {
+    std::string text = interface_->stats_json();
+    if (plugins_.empty()) return text;
+    text.back() = ',';
+    return text + "\"plugins\":" + messages_.json() +
+           ",\"too_many_in_a_step\":" + std::to_string(too_many_) + "}";
+  }
 
  private:
   void begin() {
@@ -149,6 +165,23 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     listen<RangeSample>(context, "rangefinder", &HilInterface::on_range, range_);
   }
 
+  void listen_to_plugins(PluginContext& context) {
+    const std::vector<MavlinkSender> senders = context.mavlink_senders();
+    messages_ = PluginMessages(senders);
+    for (std::size_t i = 0; i < senders.size(); ++i) {
+      plugins_.push_back(context.bus().subscribe<MavlinkMessage>(
+          senders[i].topic, [this, i](const MavlinkMessage& message) { on_message(i, message); },
+          Need::kOptional));
+    }
+  }
+
+  void on_message(std::size_t sender, const MavlinkMessage& message) {
+    std::string refusal;
+    const mav::MessageInfo* info = messages_.admit(sender, message, now_, refusal);
+    if (!refusal.empty()) base::log::warn(refusal);
+    if (info != nullptr && !interface_->on_message(*info, message)) ++too_many_;
+  }
+
   HilInterfaceParams params_;
   std::unique_ptr<HilPort> port_;
   std::filesystem::path ledger_file_;
@@ -161,6 +194,10 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   Subscription airspeed_;
   Subscription range_;
   Publisher<MotorCommand> command_;
+  base::SimTime now_{};
+  PluginMessages messages_;
+  std::vector<Subscription> plugins_;  ///< to what they send of their own accord
+  std::uint64_t too_many_ = 0;         ///< messages of plugins that one step had no room for
 };
 
 }  // namespace

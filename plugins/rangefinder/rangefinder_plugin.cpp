@@ -46,3 +46,4 @@ class RangefinderPlugin final : public Plugin {
 }  // namespace cas::sim
 
 CAS_PLUGIN(cas::sim::RangefinderPlugin, "rangefinder")
+CAS_PLUGIN_SENDS("DISTANCE_SENSOR")  // which mavlink_interface makes of the topic

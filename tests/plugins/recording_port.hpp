@@ -21,6 +21,7 @@ class RecordingPort final : public sim::HilPort {
  public:
   bool send(std::span<const std::uint8_t> packet) override {
     if (refuses) return false;
+    packets.emplace_back(packet.begin(), packet.end());
     parser.feed(packet, [this](const mav::PacketView& view) {
       ids.push_back(view.message_id);
       source = view.source;
@@ -46,6 +47,7 @@ class RecordingPort final : public sim::HilPort {
   mav::PacketParser parser{mv::table()};
   mav::Encoder encoder{{1, 1}};
   std::vector<std::uint32_t> ids;
+  std::vector<std::vector<std::uint8_t>> packets;  ///< as bytes
   std::vector<mv::HilSensor> sensors;
   std::vector<mv::HilGps> fixes;
   mav::Source source;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libsim/api/plugin.hpp"
+#include "libsim/core/run/figure_book.hpp"
 #include "libsim/core/run/plugin_loader.hpp"
 #include "libsim/core/run/sim_world.hpp"
 
@@ -26,6 +27,8 @@ struct PluginInstance {
   std::string label;  ///< "imu@iris0"
   VehicleId vehicle{};
   PluginPtr plugin;
+  std::string name;                ///< the label without the vehicle: "imu", or "imu#2" for a twin
+  std::vector<std::string> sends;  ///< MAVLink messages that it declares
 };
 
 /// The plugins of a world in the order in which they are stepped.
@@ -47,6 +50,7 @@ class PluginHost {
   }
   void reset() {
     for (const PluginInstance& p : plugins_) p.plugin->reset();
+    figures_.reset();
   }
   void finish() {
     for (const PluginInstance& p : plugins_) p.plugin->finish();
@@ -54,9 +58,12 @@ class PluginHost {
 
   const std::vector<PluginInstance>& plugins() const { return plugins_; }
   const std::vector<LockstepPeer*>& peers() const { return peers_; }
+  /// What the plugins report of themselves.
+  const FigureBook& figures() const { return figures_; }
 
  private:
   PluginLoader loader_;
+  FigureBook figures_;  // outlives the plugins that publish
   std::vector<PluginInstance> plugins_;
   std::vector<LockstepPeer*> peers_;
 };

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <string_view>
 
@@ -15,6 +16,9 @@ namespace cas::sim {
 namespace {
 
 constexpr const char* kEntryPoint = "cas_plugin_v1";
+constexpr const char* kSendsEntryPoint = "cas_plugin_sends_v1";
+constexpr std::size_t kMostMessages = 32;  ///< that one plugin may declare
+constexpr std::size_t kMostNameBytes = 64;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& sentence) {
   throw base::ConfigError("plugin " + file.string() + ": " + sentence);
@@ -49,6 +53,19 @@ void check(const PluginDescriptor& descriptor, const std::filesystem::path& file
   }
 }
 
+void* open_library(const std::filesystem::path& file) {
+  void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) refuse(file, std::string("cannot be opened: ") + dlerror());
+  return library;
+}
+
+/// A name of MAVLink, or an id.
+bool is_message_word(std::string_view word) {
+  return !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
 }  // namespace
 
 PluginLoader::PluginLoader(std::vector<std::filesystem::path> first_dirs)
@@ -74,8 +91,7 @@ std::filesystem::path PluginLoader::find(const std::string& name) const {
 const PluginDescriptor& PluginLoader::open(const std::string& name) {
   if (const auto known = open_.find(name); known != open_.end()) return *known->second;
   const std::filesystem::path file = find(name);
-  void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) refuse(file, std::string("cannot be opened: ") + dlerror());
+  void* const library = open_library(file);
   void* const symbol = dlsym(library, kEntryPoint);
   if (symbol == nullptr) refuse(file, std::string("has no symbol ") + kEntryPoint);
   const auto entry = reinterpret_cast<const PluginDescriptor* (*)()>(symbol);
@@ -84,6 +100,26 @@ const PluginDescriptor& PluginLoader::open(const std::string& name) {
   check(*descriptor, file, name);
   open_.emplace(name, descriptor);
   return *descriptor;
+}
+
+std::vector<std::string> PluginLoader::sends(const std::string& name) {
+  open(name);
+  const std::filesystem::path file = find(name);
+  void* const symbol = dlsym(open_library(file), kSendsEntryPoint);
+  std::vector<std::string> messages;
+  if (symbol == nullptr) return messages;
+  const auto entry = reinterpret_cast<const char* const* (*)()>(symbol);
+  for (const char* const* word = entry(); word != nullptr && *word != nullptr; ++word) {
+    if (messages.size() == kMostMessages) {
+      refuse(file, "declares more than " + std::to_string(kMostMessages) + " MAVLink messages");
+    }
+    const std::string_view text(*word, strnlen(*word, kMostNameBytes + 1));
+    if (text.size() > kMostNameBytes || !is_message_word(text)) {
+      refuse(file, "declares '" + std::string(text) + "', which is no name or id of MAVLink");
+    }
+    messages.emplace_back(text);
+  }
+  return messages;
 }
 
 PluginPtr PluginLoader::create(const std::string& name) {

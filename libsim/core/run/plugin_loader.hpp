@@ -29,6 +29,9 @@ class CAS_SIM_EXPORT PluginLoader {
   /// Finds lib<name>.so, opens it once, checks its descriptor and creates a plugin.
   /// @throws base::ConfigError that says what is wrong with which file
   PluginPtr create(const std::string& name);
+  /// The MAVLink messages that the plugin declares, by name or id; empty when it declares none.
+  /// @throws base::ConfigError as create(), and for a declaration that cannot be one
+  std::vector<std::string> sends(const std::string& name);
 
  private:
   const PluginDescriptor& open(const std::string& name);

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "base/os/write_file.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "libsim/core/load/model_loader.hpp"
@@ -23,6 +24,7 @@ constexpr base::Duration kDefaultStep = std::chrono::milliseconds(1);
 constexpr base::Duration kWaitSlice = std::chrono::milliseconds(50);
 /// A vehicle file and its URDF may round, not disagree.
 constexpr double kMassTolerance = 0.01;
+constexpr const char* kFiguresFile = "plugin_figures.json";
 
 void log_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& sentence : warnings) base::log::warn(sentence);
@@ -154,6 +156,10 @@ void SimRunner::reset() {
 void SimRunner::finish() {
   if (std::exchange(impl_->finished, true)) return;
   impl_->plugins.finish();
+  const FigureBook& figures = impl_->plugins.figures();
+  if (figures.empty()) return;
+  base::write_file(impl_->options.output_dir / kFiguresFile, figures.json(),
+                   base::Durability::kCache);
 }
 
 bool SimRunner::settled() {

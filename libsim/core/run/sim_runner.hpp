@@ -46,7 +46,8 @@ class CAS_SIM_EXPORT SimRunner {
   void step();
   /// Back to time zero with the same seed: the same run again, byte for byte.
   void reset();
-  /// Tells the plugins that the run has ended in good order. Once.
+  /// Tells the plugins that the run has ended in good order, and writes plugin_figures.json where
+  /// they have figures. Once.
   void finish();
 
   base::SimTime time() const;  ///< end of the last step

@@ -23,6 +23,14 @@ TEST(PluginLoader, MakesPluginsThatOutliveTheLoader) {
   EXPECT_EQ(plugin->stats_json(), R"({"pre":0,"post":0,"endpoint":"fake 1"})");
 }
 
+TEST(PluginLoader, ReadsWhatAPluginDeclaresToSend) {
+  PluginLoader loader({test::kFakePluginDir});
+  EXPECT_EQ(loader.sends("fake_sender"),
+            (std::vector<std::string>{"147", "HIL_OPTICAL_FLOW", "OPTICAL_FLOW"}));
+  EXPECT_TRUE(loader.sends("fake_counter").empty());
+  EXPECT_THAT(test::refusal([&] { loader.sends("fake_absent"); }), HasSubstr("fake_absent"));
+}
+
 struct RefusalCase {
   const char* plugin;
   const char* because;

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/mavlink_interface/plugin_messages.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+
+#include "base/error.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+/// Their stamps and counts are those of the loop: a second sender would break its accounts.
+constexpr std::array<std::string_view, 5> kOfTheLoop{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS",
+                                                     "HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"};
+
+const mav::MessageInfo* find_message(const std::string& word) {
+  std::uint32_t id = 0;
+  const auto read = std::from_chars(word.data(), word.data() + word.size(), id);
+  const bool is_id = read.ec == std::errc() && read.ptr == word.data() + word.size();
+  return is_id ? mav::public_table().find(id) : mav::public_table().find(word);
+}
+
+std::string name_of(std::uint32_t id) {
+  const mav::MessageInfo* info = mav::public_table().find(id);
+  return info != nullptr ? std::string(info->name) : "message " + std::to_string(id);
+}
+
+}  // namespace
+
+const mav::MessageInfo& declared_message(const std::string& word) {
+  const mav::MessageInfo* info = find_message(word);
+  if (info == nullptr) {
+    throw base::ConfigError("declares " + word +
+                            ", which is no message of the public MAVLink dialects");
+  }
+  if (std::ranges::find(kOfTheLoop, std::string_view(info->name)) != kOfTheLoop.end()) {
+    throw base::ConfigError("declares " + std::string(info->name) +
+                            ", which the loop of simulator and controller has for itself");
+  }
+  return *info;
+}
+
+PluginMessages::PluginMessages(const std::vector<MavlinkSender>& senders) {
+  for (const MavlinkSender& from : senders) {
+    Sender& sender = senders_.emplace_back();
+    sender.plugin = from.plugin;
+    for (const std::string& word : from.messages) {
+      try {
+        sender.declared.push_back({.info = &declared_message(word)});
+      } catch (const base::ConfigError& error) {
+        throw base::ConfigError("plugin " + from.plugin + " " + error.what());
+      }
+    }
+  }
+}
+
+const mav::MessageInfo* PluginMessages::admit(std::size_t sender, const MavlinkMessage& message,
+                                              base::SimTime now, std::string& refusal) {
+  Sender& from = senders_[sender];
+  const auto known = std::ranges::find_if(
+      from.declared, [&](const Declared& declared) { return declared.info->id == message.id; });
+  if (known == from.declared.end()) return refuse(from, kUndeclared, message.id, refusal);
+  if (message.size == 0 || message.size > known->info->max_length) {
+    return refuse(from, kWrongSize, message.id, refusal);
+  }
+  const std::int64_t second =
+      std::chrono::floor<std::chrono::seconds>(now.time_since_epoch()).count();
+  if (second != known->second) {
+    known->second = second;
+    known->count = 0;
+  }
+  if (known->count == kMostPerSecond) return refuse(from, kTooOften, message.id, refusal);
+  ++known->count;
+  return known->info;
+}
+
+const mav::MessageInfo* PluginMessages::refuse(Sender& sender, Reason reason, std::uint32_t id,
+                                               std::string& refusal) {
+  if (sender.refused[reason]++ > 0) return nullptr;
+  constexpr std::array<const char*, kReasons> kSentences{
+      ", which it does not declare (CAS_PLUGIN_SENDS); it is not sent",
+      " with a payload of a wrong size; it is not sent",
+      " more than 250 times in a second; the rest is not sent"};
+  refusal = "plugin " + sender.plugin + " publishes " + name_of(id) + kSentences[reason];
+  return nullptr;
+}
+
+void PluginMessages::reset() {
+  for (Sender& sender : senders_) {
+    std::ranges::fill(sender.refused, 0);
+    for (Declared& declared : sender.declared) declared = {.info = declared.info};
+  }
+}
+
+std::uint64_t PluginMessages::refused() const {
+  std::uint64_t sum = 0;
+  for (const Sender& sender : senders_) {
+    for (const std::uint64_t count : sender.refused) sum += count;
+  }
+  return sum;
+}
+
+std::string PluginMessages::json() const {
+  std::string text = "{";
+  for (const Sender& sender : senders_) {
+    text += (text.size() > 1 ? ",\"" : "\"") + sender.plugin + "\":{\"declares\":[";
+    for (const Declared& declared : sender.declared) {
+      if (text.back() != '[') text += ',';
+      text += "\"" + std::string(declared.info->name) + "\"";
+    }
+    text += "],\"undeclared\":" + std::to_string(sender.refused[kUndeclared]) +
+            ",\"wrong_size\":" + std::to_string(sender.refused[kWrongSize]) +
+            ",\"too_often\":" + std::to_string(sender.refused[kTooOften]) + "}";
+  }
+  return text + "}";
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "libsim/api/mavlink_message.hpp"
+#include "mavlink_gen/runtime/message_table.hpp"
+
+namespace cas::sim {
+
+/// The public message of this name or id, as a plugin declares it.
+/// @throws base::ConfigError for what is none, and for the messages that the simulator itself sends
+/// or takes
+const mav::MessageInfo& declared_message(const std::string& word);
+
+/// Decides which of the messages that the plugins of a vehicle publish go out: those that their
+/// plugin declares, of the right size, each at most 250 times in a second of simulated time. What
+/// is refused is counted.
+class PluginMessages {
+ public:
+  static constexpr unsigned kMostPerSecond = 250;
+
+  PluginMessages() = default;
+  /// @throws base::ConfigError that names the plugin, as declared_message()
+  explicit PluginMessages(const std::vector<MavlinkSender>& senders);
+
+  /// The message's entry in the table; null when it is refused.
+  /// @param sender  index in `senders`
+  /// @param refusal  told once for each plugin and reason: a sentence; else left alone
+  const mav::MessageInfo* admit(std::size_t sender, const MavlinkMessage& message,
+                                base::SimTime now, std::string& refusal);
+
+  /// Back to time zero; what was refused is forgotten.
+  void reset();
+  std::uint64_t refused() const;
+  /// {"battery":{"declares":["BATTERY_STATUS"],"undeclared":0,"wrong_size":0,"too_often":0}}
+  std::string json() const;
+
+ private:
+  enum Reason : std::size_t { kUndeclared, kWrongSize, kTooOften, kReasons };
+  struct Declared {
+    const mav::MessageInfo* info;
+    std::int64_t second = -1;  ///< of simulated time, in which `count` were admitted
+    unsigned count = 0;
+  };
+  struct Sender {
+    std::string plugin;
+    std::vector<Declared> declared;
+    std::uint64_t refused[kReasons] = {};
+  };
+
+  const mav::MessageInfo* refuse(Sender& sender, Reason reason, std::uint32_t id,
+                                 std::string& refusal);
+
+  std::vector<Sender> senders_;
+};
+
+}  // namespace cas::sim
