@@ -18,6 +18,8 @@ import tempfile
 
 import numpy
 
+from steps import Steps
+
 PROJECT = pathlib.Path(__file__).resolve().parents[1]
 RATE_HZ = 100
 CONFIG = """schema: 1
@@ -113,9 +115,12 @@ def main():
     taus = taus[taus <= arguments.hours * 3600 / 6]
     figure, axes = plt.subplots(1, 2, figsize=(13, 5))
     print("| set | sensor | density, configured | measured at 1 s | error |\n|---|---|---|---|---|")
+    steps = Steps("allan_report", len(arguments.presets))
     for colour, preset in enumerate(arguments.presets):
+        steps.next(f"{preset}, {arguments.hours:g} h of simulated time")
         with tempfile.TemporaryDirectory() as folder:
             columns = record(arguments.hilsim, preset, arguments.hours, pathlib.Path(folder))
+        steps.clear()
         for panel, (column, name, unit, factor) in zip(axes, TRIADS):
             figures = figures_of(preset, name, unit)
             measured = allan_deviation(columns[column] * factor, taus)

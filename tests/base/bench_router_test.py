@@ -11,6 +11,7 @@ import sys
 import unittest
 
 sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 SCRIPT = str(pathlib.Path(__file__).resolve().parents[2] / "scripts" / "bench_router")
 SPEC = importlib.util.spec_from_loader("bench_router", importlib.machinery.SourceFileLoader("bench_router", SCRIPT))
 bench_router = importlib.util.module_from_spec(SPEC)
