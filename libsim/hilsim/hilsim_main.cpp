@@ -21,6 +21,7 @@
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
 #include "libsim/core/load/sim_config.hpp"
+#include "libsim/core/run/left_world.hpp"
 #include "libsim/core/run/sim_loop.hpp"
 #include "libsim/core/run/sim_runner.hpp"
 #include "libsim/hilsim/control_server.hpp"
@@ -39,6 +40,7 @@ struct Flags {
   std::vector<std::filesystem::path> plugin_dirs;
   std::string log_level = "info";
   std::optional<double> duration_s;
+  bool ignore_missing = false;
   bool lockstep = false;
   bool paused = false;
 };
@@ -54,6 +56,9 @@ void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
   app.add_option("--duration", flags.duration_s, "End after this much simulated time, s")
       ->check(CLI::PositiveNumber);
+  app.add_flag("--ignore-missing", flags.ignore_missing,
+               "Fly in an SDF world without the models and meshes that are nowhere to be found, as "
+               "'missing: ignore' does");
   app.add_flag("--lockstep", flags.lockstep,
                "Wait for the controls that are due before each step, as 'pace: lockstep' does");
   app.add_flag("--paused", flags.paused, "Start paused at time zero");
@@ -78,6 +83,7 @@ void order_ledgers(sim::SimConfig& config, const std::filesystem::path& file) {
 int run(const Flags& flags) {
   sim::SimConfig config = sim::SimConfig::load(base::find_config(flags.config));
   if (flags.lockstep) config.pace.mode = sim::PaceMode::kLockstep;
+  if (flags.ignore_missing) config.world.missing = sim::Missing::kIgnore;
   if (flags.ledger) order_ledgers(config, *flags.ledger);
   std::error_code error;
   std::filesystem::create_directories(flags.output, error);
@@ -101,7 +107,12 @@ int run(const Flags& flags) {
   base::log::info("running");
   std::optional<base::SimTime> until;
   if (flags.duration_s) until = base::SimTime(base::from_seconds(*flags.duration_s));
-  loop.run(until);
+  std::optional<sim::LeftWorldError> lost;
+  try {
+    loop.run(until);
+  } catch (const sim::LeftWorldError& fallen) {
+    lost = fallen;  // what was recorded is written all the same
+  }
 
   base::notify("STOPPING=1");
   runner.finish();
@@ -112,6 +123,7 @@ int run(const Flags& flags) {
                 base::to_seconds(f.time), f.real_time_factor,
                 static_cast<unsigned long long>(f.late_steps));
   base::log::info(line);
+  if (lost) throw *lost;
   return base::kExitOk;
 }
 

@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/uri.hpp"
+#include "libsim/core/load/xml_tree.hpp"
 
 namespace cas::sim {
 
@@ -206,9 +207,15 @@ VehicleModel load_vehicle_model(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) fail(file, "vehicle model cannot be read");
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  // A template may parse, without what its macros stand for.
+  if (const auto sentence = template_language(text)) fail(file, "is not a URDF: " + *sentence);
   const UrdfMessages messages;
   const urdf::ModelInterfaceSharedPtr urdf = urdf::parseURDF(text);
   if (!urdf || !urdf->getRoot()) {
+    const XmlElement root = parse_xml(text, file.string());  // broken XML ends here, with its line
+    if (root.name == "sdf") {
+      fail(file, "is an SDF file; a vehicle's model is a URDF (an SDF file may be a 'world')");
+    }
     fail(file, "is not a URDF: " + (messages.first().empty() ? "no root link" : messages.first()));
   }
   return Assembler(file, *urdf).run();

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <optional>
 #include <set>
-#include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/sdf_headers.hpp"
+#include "libsim/core/load/sdf_omissions.hpp"
 #include "libsim/core/load/uri.hpp"
 #include "libsim/core/load/world_loader.hpp"
+#include "libsim/core/load/xml_tree.hpp"
 
 namespace cas::sim {
 
@@ -38,15 +43,49 @@ Eigen::Isometry3d pose_of(const Part& part) {
   return to_eigen(pose);
 }
 
-/// Turns the DOM into a WorldModel; names once what it leaves out.
+/// A model or mesh that is nowhere to be found.
+struct MissingFile {
+  std::string what;   ///< "model model://oak_tree"
+  std::string place;  ///< FILE:LINE of who names it
+  std::string uri;
+};
+
+std::string place_of_error(const sdf::Error& error, const fs::path& file) {
+  return error.FilePath().value_or(file.string()) +
+         (error.LineNumber() ? ":" + std::to_string(*error.LineNumber()) : "");
+}
+
+bool is_missing_model(const sdf::Error& error) {
+  return error.Code() == sdf::ErrorCode::URI_LOOKUP;
+}
+
+/// "Unable to find uri[model://x]": the URI; else the whole sentence.
+std::string uri_in(const std::string& message) {
+  const std::size_t begin = message.find("uri[");
+  if (begin == std::string::npos) return message;
+  const std::size_t end = message.find(']', begin);
+  return message.substr(begin + 4, end - begin - 4);
+}
+
+/// Turns the DOM into a WorldModel; names what it leaves out.
 class Translator {
  public:
   Translator(const fs::path& file, const std::vector<fs::path>& model_path)
       : file_(file), model_path_(model_path) {}
 
   void take_errors(const sdf::Errors& errors) {
-    for (const sdf::Error& error : errors) warn(error.Message());
+    for (const sdf::Error& error : errors) {
+      if (is_missing_model(error)) {
+        const std::string uri = uri_in(error.Message());
+        missing_.push_back({"model " + uri, place_of_error(error, file_), uri});
+      } else {
+        warn(place_of_error(error, file_), error.Message());
+      }
+    }
   }
+
+  /// Models and meshes that were not found, in the order of the file.
+  const std::vector<MissingFile>& missing() const { return missing_; }
 
   WorldModel run(const sdf::World& world) {
     model_.name = world.Name();
@@ -57,7 +96,9 @@ class Translator {
     for (std::uint64_t i = 0; i < world.ModelCount(); ++i) {
       take_model(*world.ModelByIndex(i), Eigen::Isometry3d::Identity());
     }
-    note_unsupported(world);
+    for (std::string& sentence : sdf_omissions(world.Element())) {
+      model_.warnings.push_back(std::move(sentence));
+    }
     return std::move(model_);
   }
 
@@ -70,7 +111,7 @@ class Translator {
     if (step_s >= kShortestStep_s && step_s <= kLongestStep_s) {
       model_.step = base::from_seconds(step_s);
     } else {
-      warn("<max_step_size> must lie in [0.0001, 0.01] s; left out");
+      warn(place_of(*physics->Element()), "<max_step_size> must lie in [0.0001, 0.01] s; left out");
     }
     if (physics->RealTimeFactor() > 0) model_.real_time_factor = physics->RealTimeFactor();
   }
@@ -82,37 +123,37 @@ class Translator {
                                  .lon_deg = place->LongitudeReference().Degree(),
                                  .alt_m = place->ElevationReference()};
     if (std::abs(place->HeadingOffset().Degree()) > 1e-9) {
-      warn("<heading_deg> is not supported: x is east");
+      warn(place_of(*world.Element()->GetElement("spherical_coordinates")),
+           "<heading_deg> is left out: x is east here");
     }
   }
 
   void take_model(const sdf::Model& model, const Eigen::Isometry3d& X_WP) {
     const Eigen::Isometry3d X_WM = X_WP * pose_of(model);
-    if (!model.Static()) warn_of("model", model.Name(), "is not static; it stands still here");
-    if (model.JointCount() > 0) warn_of("model", model.Name(), "has joints; they are stiff here");
     for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
       const sdf::Link& link = *model.LinkByIndex(i);
-      if (link.SensorCount() > 0) warn("<sensor> in worlds is left out: sensors are plugins");
       const Eigen::Isometry3d X_WL = X_WM * pose_of(link);
       for (std::uint64_t c = 0; c < link.CollisionCount(); ++c) {
         take_collision(model, *link.CollisionByIndex(c), X_WL);
       }
     }
     for (std::uint64_t i = 0; i < model.ModelCount(); ++i) take_model(*model.ModelByIndex(i), X_WM);
-    if (model.Element()->HasElement("plugin")) warn("<plugin> in models is left out");
   }
 
   void take_collision(const sdf::Model& model, const sdf::Collision& collision,
                       const Eigen::Isometry3d& X_WL) {
+    if (!is_solid(collision)) return;
     Shape shape;
     shape.name = model.Name() + "/" + collision.Name();
     shape.pose = X_WL * pose_of(collision);
     shape.surface = surface_of(collision);
-    if (bounces(collision)) warn("<restitution_coefficient> is left out: nothing bounces");
-    if (take_geometry(*collision.Geom(), shape)) model_.statics.push_back(std::move(shape));
+    if (take_geometry(*collision.Geom(), place_of(*collision.Element()), shape)) {
+      model_.statics.push_back(std::move(shape));
+    }
   }
 
-  bool take_geometry(const sdf::Geometry& geometry, Shape& shape) {
+  /// @param place  of the collision, for warnings
+  bool take_geometry(const sdf::Geometry& geometry, const std::string& place, Shape& shape) {
     switch (geometry.Type()) {
       case sdf::GeometryType::BOX:
         shape.geometry = Box{to_eigen(geometry.BoxShape()->Size())};
@@ -130,23 +171,18 @@ class Translator {
             Eigen::Vector3d::UnitZ(), to_eigen(geometry.PlaneShape()->Normal())));
         return true;
       case sdf::GeometryType::MESH:
-        return take_mesh(*geometry.MeshShape(), shape);
+        return take_mesh(*geometry.MeshShape(), place, shape);
       default:
-        warn_of("collision", shape.name,
-                "has a geometry other than box, sphere, cylinder, plane and mesh; left out");
-        return false;
+        return false;  // sdf_omissions() names it
     }
   }
 
-  bool take_mesh(const sdf::Mesh& mesh, Shape& shape) {
-    if (!mesh.Submesh().empty()) {
-      warn_of("collision", shape.name, "names a <submesh>; the whole mesh collides here");
-    }
+  bool take_mesh(const sdf::Mesh& mesh, const std::string& place, Shape& shape) {
     const fs::path folder =
         mesh.FilePath().empty() ? file_.parent_path() : fs::path(mesh.FilePath()).parent_path();
     const auto found = find_model_file(mesh.Uri(), folder, model_path_);
     if (!found) {
-      warn_of("collision", shape.name, "names the mesh " + mesh.Uri() + ", which is not there");
+      missing_.push_back({"mesh " + mesh.Uri(), place, mesh.Uri()});
       return false;
     }
     try {
@@ -154,18 +190,25 @@ class Translator {
           Mesh{std::make_shared<const TriangleMesh>(load_mesh(*found, to_eigen(mesh.Scale())))};
       return true;
     } catch (const base::ConfigError& error) {
-      warn_of("collision", shape.name, std::string("is left out: ") + error.what());
+      warn(place, "collision '" + shape.name + "' is left out: " + error.what());
       return false;
     }
   }
 
-  static bool bounces(const sdf::Collision& collision) {
+  /// Whether a vehicle, which has all 16 bits, feels it.
+  static bool is_solid(const sdf::Collision& collision) {
     sdf::ElementPtr element = collision.Element();
-    for (const char* name : {"surface", "bounce"}) {
+    for (const char* name : {"surface", "contact"}) {
       if (element) element = element->HasElement(name) ? element->GetElement(name) : nullptr;
     }
-    return element && element->HasElement("restitution_coefficient") &&
-           element->Get<double>("restitution_coefficient") > 0;
+    if (!element) return true;
+    constexpr unsigned kEveryBit = 0xFFFF;
+    if (element->HasElement("collide_without_contact") &&
+        element->Get<bool>("collide_without_contact")) {
+      return false;
+    }
+    return !element->HasElement("collide_bitmask") ||
+           (element->Get<unsigned>("collide_bitmask") & kEveryBit) != 0;
   }
 
   static Surface surface_of(const sdf::Collision& collision) {
@@ -178,26 +221,15 @@ class Translator {
     return surface;
   }
 
-  void note_unsupported(const sdf::World& world) {
-    if (world.ActorCount() > 0) warn("<actor> is left out");
-    for (const char* name : {"plugin", "road", "state", "population", "joint"}) {
-      if (world.Element()->HasElement(name)) {
-        warn(std::string("<").append(name).append("> is left out"));
-      }
-    }
-  }
-
-  void warn_of(const std::string& kind, const std::string& name, const std::string& sentence) {
-    warn(kind + " '" + name + "' " + sentence);
-  }
-  void warn(const std::string& sentence) {
-    if (!warned_.insert(sentence).second) return;
-    model_.warnings.push_back(file_.string() + ": " + sentence);
+  void warn(const std::string& place, const std::string& sentence) {
+    std::string line = place + ": " + sentence;
+    if (warned_.insert(line).second) model_.warnings.push_back(std::move(line));
   }
 
   const fs::path& file_;
   const std::vector<fs::path>& model_path_;
   WorldModel model_;
+  std::vector<MissingFile> missing_;
   std::set<std::string> warned_;
 };
 
@@ -207,9 +239,67 @@ std::string joined(const sdf::Errors& errors) {
   return text.empty() ? "no reason given" : text;
 }
 
+/// Why a file is no world, in a sentence that helps. The reader has refused it.
+[[noreturn]] void explain(const fs::path& file, const sdf::Errors& errors) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const auto no_world = [&](const std::string& sentence) {
+    return base::ConfigError(file.string() + ": holds no SDF world: " + sentence);
+  };
+  if (const auto sentence = template_language(text)) throw no_world(*sentence);
+  const XmlElement root = parse_xml(text, file.string());  // broken XML ends here, with its line
+  if (root.name == "robot") {
+    throw no_world("it is a URDF; a vehicle file names one, a world is an SDF file");
+  }
+  if (root.name == "COLLADA") {
+    throw no_world("it is a COLLADA mesh; a <model> of an SDF file may name it");
+  }
+  if (root.name != "sdf" && root.name != "gazebo") {
+    throw no_world("its outermost element is <" + root.name + ">, not <sdf>");
+  }
+  if (const XmlElement* const model = root.child("model")) {
+    throw no_world("it is the model '" + std::string(model->attribute("name")) +
+                   "' alone; write a world around it: <sdf version='1.9'><world "
+                   "name='w'><include><uri>" +
+                   fs::absolute(file).string() + "</uri></include></world></sdf>");
+  }
+  throw no_world(joined(errors));
+}
+
+/// Says of each missing file who names it, and of all where they were looked for.
+std::string sentence_of(const std::vector<MissingFile>& missing, const fs::path& file,
+                        const std::vector<fs::path>& model_path) {
+  std::string text = missing.front().place + ": ";
+  for (const MissingFile& each : missing) {
+    const bool first = &each == &missing.front();
+    text += (first ? "" : ", ") + each.what + (first ? "" : " (" + each.place + ")");
+  }
+  text += missing.size() == 1 ? " is nowhere to be found" : " are nowhere to be found";
+  text += "; looked for it at ";
+  bool first = true;
+  for (const fs::path& place :
+       places_of_model_file(missing.front().uri, file.parent_path(), model_path)) {
+    text +=
+        (std::exchange(first, false) ? "" : ", ") + fs::absolute(place).lexically_normal().string();
+  }
+  return text +
+         ". Name its folder in 'model_path' or GZ_SIM_RESOURCE_PATH; 'missing: ignore' "
+         "(--ignore-missing) goes without it";
+}
+
+void require_all(const std::vector<MissingFile>& missing, const fs::path& file,
+                 const std::vector<fs::path>& model_path, Missing rule, WorldModel& model) {
+  if (missing.empty()) return;
+  if (rule == Missing::kError) throw base::ConfigError(sentence_of(missing, file, model_path));
+  for (const MissingFile& each : missing) {
+    model.warnings.push_back(each.place + ": " + each.what + " is nowhere to be found; left out");
+  }
+}
+
 }  // namespace
 
-WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& given_model_path) {
+WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& given_model_path,
+                          Missing missing) {
   std::error_code error;
   std::vector<fs::path> model_path = given_model_path;
   model_path.push_back(file.parent_path() / "models");
@@ -223,12 +313,18 @@ WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& giv
   });
   sdf::Root root;
   const sdf::Errors errors = root.Load(file.string(), parser);
-  if (root.WorldCount() == 0) {
-    throw base::ConfigError(file.string() + ": holds no SDF world: " + joined(errors));
-  }
+  if (root.WorldCount() == 0) explain(file, errors);
   Translator translator(file, model_path);
   translator.take_errors(errors);
-  return translator.run(*root.WorldByIndex(0));
+  WorldModel model = translator.run(*root.WorldByIndex(0));
+  for (std::uint64_t i = 1; i < root.WorldCount(); ++i) {
+    const sdf::World& other = *root.WorldByIndex(i);
+    model.warnings.push_back(place_of(*other.Element()) + ": the <world> '" + other.Name() +
+                             "' is left out: the first of a file is flown in, '" + model.name +
+                             "'");
+  }
+  require_all(translator.missing(), file, model_path, missing, model);
+  return model;
 }
 
 }  // namespace cas::sim

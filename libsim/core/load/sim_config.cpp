@@ -37,6 +37,9 @@ constexpr std::array<std::pair<std::string_view, PaceMode>, 3> kPaceModes{
 constexpr std::array<std::pair<std::string_view, Integrator>, 2> kIntegrators{
     {{"rk4", Integrator::kRk4}, {"ode", Integrator::kOde}}};
 
+constexpr std::array<std::pair<std::string_view, Missing>, 2> kMissing{
+    {{"error", Missing::kError}, {"ignore", Missing::kIgnore}}};
+
 constexpr double kShortestStepUs = 100;
 constexpr double kLongestStepUs = 10'000;
 
@@ -45,6 +48,7 @@ WorldConfig parse_world(const ConfigNode& node, const ConfigNode& root) {
   for (const auto& folder : root.get("model_path", std::vector<std::string>{})) {
     world.model_path.push_back(root.resolve(folder));
   }
+  if (const auto word = root.find("missing")) world.missing = one_of(*word, kMissing);
   if (node.is_scalar()) {
     world.sdf = base::find_config(node);
     return world;

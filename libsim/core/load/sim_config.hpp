@@ -44,9 +44,16 @@ struct PaceConfig {
   std::optional<int> cpu_dma_latency_us{};  ///< base::CpuLatencyRequest
 };
 
+/// What becomes of a world that names a model or mesh which is nowhere to be found.
+enum class Missing {
+  kError,   ///< it is refused
+  kIgnore,  ///< it is flown in without them, with a warning for each
+};
+
 struct WorldConfig {
   std::optional<std::filesystem::path> sdf;       ///< replaces the keys below
   std::vector<std::filesystem::path> model_path;  ///< where model:// URIs are looked up
+  Missing missing = Missing::kError;
   double gravity_m_s2 = 0;
   bool ground = true;  ///< a horizontal plane at z = 0
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/uri.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <sstream>
 #include <string_view>
@@ -51,6 +53,55 @@ std::optional<fs::path> find_in_package(const fs::path& rest, const fs::path& fo
   return std::nullopt;
 }
 
+/// The parts of "server/1.0/Owner/models/Name/rest", without the version of the interface.
+std::vector<std::string> fuel_parts(const std::string& url) {
+  std::vector<std::string> parts;
+  std::istringstream words(url);
+  for (std::string word; std::getline(words, word, '/');) {
+    if (!word.empty()) parts.push_back(word);
+  }
+  if (parts.size() > 1 && std::isdigit(static_cast<unsigned char>(parts[1].front())) != 0) {
+    parts.erase(parts.begin() + 1);
+  }
+  return parts;
+}
+
+constexpr std::size_t kFuelName = 3;  // server, owner, "models", name
+
+/// Name of the model that an address of Gazebo's Fuel means, with a file in it if there is one.
+std::string fuel_name(const std::string& url) {
+  const std::vector<std::string> parts = fuel_parts(url);
+  if (parts.size() <= kFuelName) return url;
+  std::string name = parts[kFuelName];
+  // Behind the name come a version ("2", "tip"), "files" and the file's path.
+  const auto files = std::find(parts.begin(), parts.end(), "files");
+  for (auto part = files; part != parts.end(); ++part) {
+    if (part != files) name += "/" + *part;
+  }
+  return name;
+}
+
+/// Where `gz fuel download` puts it: ~/.gz/fuel/SERVER/owner/models/name/VERSION, newest first.
+void add_fuel_cache(const std::string& url, std::vector<fs::path>& places) {
+  const std::vector<std::string> parts = fuel_parts(url);
+  const char* const home = std::getenv("HOME");
+  if (home == nullptr || parts.size() <= kFuelName) return;
+  fs::path folder = fs::path(home) / ".gz/fuel";
+  for (std::size_t i = 0; i <= kFuelName; ++i) {
+    std::string part = parts[i];
+    std::transform(part.begin(), part.end(), part.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    folder /= part;
+  }
+  int newest = 0;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    newest = std::max(newest, std::atoi(entry.path().filename().c_str()));
+  }
+  const std::string rest = fuel_name(url).substr(parts[kFuelName].size());
+  places.push_back(folder / (newest > 0 ? std::to_string(newest) + rest : rest));
+}
+
 }  // namespace
 
 std::optional<fs::path> find_package_file(const std::string& uri, const fs::path& folder) {
@@ -61,21 +112,28 @@ std::optional<fs::path> find_package_file(const std::string& uri, const fs::path
   return existing(folder / uri);
 }
 
+std::vector<fs::path> places_of_model_file(const std::string& uri, const fs::path& folder,
+                                           std::span<const fs::path> model_path) {
+  std::vector<fs::path> places;
+  const auto url = behind(uri, "https://");
+  std::string name = url ? fuel_name(*url) : behind(uri, "model://").value_or(uri);
+  if (const auto rest = behind(uri, "file://")) {
+    places.push_back(folder / *rest);
+    name = *rest;
+  }
+  if (url) add_fuel_cache(*url, places);
+  if (!url) places.push_back(folder / name);
+  for (const fs::path& root : model_path) places.push_back(root / name);
+  for (const char* variable : {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "SDF_PATH"}) {
+    for (const fs::path& root : path_list(variable)) places.push_back(root / name);
+  }
+  return places;
+}
+
 std::optional<fs::path> find_model_file(const std::string& uri, const fs::path& folder,
                                         std::span<const fs::path> model_path) {
-  if (const auto rest = behind(uri, "file://")) {
-    if (auto found = existing(folder / *rest)) return found;
-  }
-  const auto model = behind(uri, "model://");
-  const std::string name = model ? *model : uri;
-  if (auto found = existing(folder / name)) return found;
-  for (const fs::path& root : model_path) {
-    if (auto found = existing(root / name)) return found;
-  }
-  for (const char* variable : {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "SDF_PATH"}) {
-    for (const fs::path& root : path_list(variable)) {
-      if (auto found = existing(root / name)) return found;
-    }
+  for (const fs::path& place : places_of_model_file(uri, folder, model_path)) {
+    if (auto found = existing(place)) return found;
   }
   return std::nullopt;
 }

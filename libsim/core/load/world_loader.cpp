@@ -4,7 +4,7 @@
 namespace cas::sim {
 
 WorldModel load_world(const WorldConfig& config) {
-  if (config.sdf) return load_sdf_world(*config.sdf, config.model_path);
+  if (config.sdf) return load_sdf_world(*config.sdf, config.model_path, config.missing);
   WorldModel model;
   model.gravity_W = {0, 0, -config.gravity_m_s2};
   if (config.ground) {

@@ -14,9 +14,13 @@ CAS_SIM_EXPORT WorldModel load_world(const WorldConfig& config);
 /// Reads the first world of an SDF file through libsdformat: models with their poses and their
 /// box, sphere, cylinder, plane and mesh (STL, OBJ) collisions with friction, nested models,
 /// <include> by path and model://, gravity, wind, spherical coordinates, physics step and real-time
-/// factor. All models stand still; each thing that is left out is named once in `warnings`.
-/// @throws base::ConfigError when there is no readable world
+/// factor. Models stand still; what the file says and is not done is named in `warnings`, with
+/// file and line. A collision that touches nothing (<collide_without_contact>, a <collide_bitmask>
+/// without a bit of a vehicle's) is no obstacle here.
+/// @throws base::ConfigError when there is no readable world, or a model or mesh is not found and
+/// `missing` does not allow that
 CAS_SIM_EXPORT WorldModel load_sdf_world(const std::filesystem::path& file,
-                                         const std::vector<std::filesystem::path>& model_path);
+                                         const std::vector<std::filesystem::path>& model_path,
+                                         Missing missing = Missing::kError);
 
 }  // namespace cas::sim

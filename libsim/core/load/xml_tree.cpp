@@ -51,6 +51,17 @@ const XmlElement* XmlElement::child(std::string_view child_name) const {
   return found == children.end() ? nullptr : &*found;
 }
 
+std::optional<std::string> template_language(std::string_view text) {
+  const auto has = [text](std::string_view mark) { return text.find(mark) != text.npos; };
+  if (has("<xacro:")) {
+    return "it is a xacro file, a template; expand it first: xacro FILE.xacro > FILE";
+  }
+  if (has("<%") || has("{%")) {
+    return "it is a template with <% %> or {% %} in it; run the program that fills it in first";
+  }
+  return std::nullopt;
+}
+
 XmlElement parse_xml(std::string_view text, const std::string& file) {
   const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(
       XML_ParserCreate(nullptr), &XML_ParserFree);

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,10 @@ struct XmlElement {
   /// The first child of that name, or nothing.
   const XmlElement* child(std::string_view child_name) const;
 };
+
+/// A sentence for a text that a program has to fill in before it is a model: xacro, or ERB and
+/// other templates; nothing for any other.
+std::optional<std::string> template_language(std::string_view text);
 
 /// Reads a whole XML text. @throws base::ConfigError "FILE:LINE: what is wrong"
 XmlElement parse_xml(std::string_view text, const std::string& file);

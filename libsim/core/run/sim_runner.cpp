@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "base/error.hpp"
@@ -12,8 +13,10 @@
 #include "libsim/api/plugin.hpp"
 #include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/load/world_loader.hpp"
+#include "libsim/core/run/left_world.hpp"
 #include "libsim/core/run/plugin_host.hpp"
 #include "libsim/core/run/sim_world.hpp"
+#include "libsim/core/run/start.hpp"
 
 namespace cas::sim {
 
@@ -62,8 +65,21 @@ struct SimRunner::Impl {
       const VehicleModel vehicle_model = load_vehicle_model(vehicle.vehicle.urdf);
       log_warnings(vehicle_model.warnings);
       compare_mass(vehicle, vehicle_model);
+      require_free_start(model, vehicle_model, vehicle);
       plugins.load(world.add_vehicle(vehicle_model, vehicle.pose), vehicle);
     }
+  }
+
+  /// @throws LeftWorldError
+  void require_in_world(VehicleId id) const {
+    if (!world.is_below_everything(id)) return;
+    const Eigen::Vector3d& p_W = world.state(id).p_WB;
+    char place[120];
+    std::snprintf(place, sizeof(place), "%.3f s it is at x %.1f, y %.1f, z %.1f m",
+                  base::to_seconds(time), p_W.x(), p_W.y(), p_W.z());
+    throw LeftWorldError("vehicle '" + config.vehicles[static_cast<std::size_t>(id)].name +
+                         "' has fallen out of the world: at " + place +
+                         ", below everything that is there");
   }
 
   bool interrupted() const { return interrupt != nullptr && interrupt->load(); }
@@ -143,6 +159,9 @@ void SimRunner::step() {
   s.time = end;
   s.plugins.post_step({.time = end, .dt = s.step, .index = s.steps}, s.world);
   ++s.steps;
+  for (std::size_t i = 0; i < s.config.vehicles.size(); ++i) {
+    s.require_in_world(static_cast<VehicleId>(i));
+  }
 }
 
 void SimRunner::reset() {

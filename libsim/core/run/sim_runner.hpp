@@ -42,7 +42,8 @@ class CAS_SIM_EXPORT SimRunner {
   /// @throws base::ConfigError
   void start();
 
-  /// Advances simulated time by exactly one step.
+  /// Advances simulated time by exactly one step. @throws LeftWorldError when a vehicle has fallen
+  /// out of the world
   void step();
   /// Back to time zero with the same seed: the same run again, byte for byte.
   void reset();

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/earth/atmosphere.hpp"
 #include "base/error.hpp"
+#include "libsim/core/run/start.hpp"
 
 namespace cas::sim {
 
@@ -17,18 +17,6 @@ constexpr double kSettleStep = 1e-3;      // s
 constexpr int kSettleSteps = 2000;        // at most
 constexpr double kSettleReach = 1e-3;     // m: a start this near to a surface is a start on it
 constexpr double kSettleDistance = 0.01;  // m: who moves farther does not stand
-
-BodyState start_state(const VehicleModel& model, const StartPose& pose) {
-  BodyState state;
-  const double yaw = pose.yaw_deg * M_PI / 180.0;
-  state.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const Shape& shape : model.shapes) {
-    lowest = std::min(lowest, lowest_point(shape, state.q_WB.toRotationMatrix()));
-  }
-  state.p_WB = {pose.x_m, pose.y_m, pose.z_m - lowest};
-  return state;
-}
 
 /// Distance of a point from a ray's segment.
 double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& origin,
@@ -46,6 +34,7 @@ SimWorld::SimWorld(const WorldModel& model, const base::LocalProjection& project
       integrator_(integrator),
       gravity_W_(model.gravity_W),
       wind_W_(model.wind_W),
+      floor_(model.statics),
       solver_(std::make_unique<ContactSolver>(model.gravity_W)) {
   for (const Shape& shape : model.statics) solver_->add_static(shape);
 }
@@ -289,6 +278,10 @@ std::optional<double> SimWorld::ray_distance(VehicleId vehicle, const Eigen::Vec
     if (hit && (!nearest || *hit < *nearest)) nearest = hit;
   }
   return nearest;
+}
+
+bool SimWorld::is_below_everything(VehicleId vehicle) const {
+  return floor_.is_above(state(vehicle).p_WB, solver_->radius(static_cast<std::size_t>(vehicle)));
 }
 
 void SimWorld::set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libsim/api/world.hpp"
+#include "libsim/core/body/floor.hpp"
 #include "libsim/core/body/rest_detector.hpp"
 #include "libsim/core/body/rigid_body.hpp"
 #include "libsim/core/body/world_model.hpp"
@@ -42,6 +43,8 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   void reset();
   /// Advances everything by `dt` s.
   void advance(double dt);
+  /// Whether the vehicle has fallen out of the world: nothing is left below it.
+  bool is_below_everything(VehicleId vehicle) const;
 
   const BodyState& state(VehicleId vehicle) const override { return at(vehicle).state; }
   std::span<const double> states_of(const ForceModel& model) const override;
@@ -102,6 +105,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   Integrator integrator_;
   Eigen::Vector3d gravity_W_;
   Eigen::Vector3d wind_W_;
+  Floor floor_;
   std::unique_ptr<ContactSolver> solver_;
   std::deque<VehicleBody> vehicles_;
   std::vector<std::pair<std::size_t, std::size_t>> touching_pairs_;  // of the part step

@@ -151,7 +151,13 @@ TEST_F(ModelLoader, RefusesWhatCannotFly) {
   EXPECT_THAT(refuse(link("base", kCollision)), HasSubstr("no link has an <inertial>"));
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall))),
               HasSubstr("has no <collision>"));
-  EXPECT_THAT(refuse("<link name="), HasSubstr("v.urdf: is not a URDF"));
+  EXPECT_THAT(refuse("<link name="), HasSubstr("v.urdf:1: "));
+  EXPECT_THAT(refuse("<robot name='r'>\n<link>\n</robot>"), HasSubstr("v.urdf:3: mismatched tag"));
+  EXPECT_THAT(refuse("<robot name='r'/>"), HasSubstr("v.urdf: is not a URDF"));
+  const auto sdf = folder_.write("v.sdf", "<sdf version='1.6'/>");
+  EXPECT_THAT(test::refusal([&] { load_vehicle_model(sdf); }), HasSubstr("v.sdf: is an SDF file"));
+  EXPECT_THAT(refuse("<robot name='r'><xacro:rotor n='1'/></robot>"),
+              HasSubstr("it is a xacro file, a template; expand it first"));
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
                                       "<collision><geometry><mesh filename='package://a/b.stl'/>"
                                       "</geometry></collision>")),

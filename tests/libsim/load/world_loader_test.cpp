@@ -14,6 +14,7 @@
 namespace cas::sim {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::Each;
 using testing::HasSubstr;
@@ -55,25 +56,33 @@ TEST(SdfWorld, VillageHasHousesTreesCarsAndWind) {
   EXPECT_NEAR(ramp->pose.linear().col(0).z(), std::sin(0.3), 1e-9) << "pitch -0.3 lifts x";
 }
 
-TEST(SdfWorld, ClassicFileLoadsAndEachOmissionIsNamedOnce) {
-  const WorldModel model = load_sdf_world(kData / "classic.world", {kWorlds / "models"});
+WorldModel classic_world() {
+  return load_sdf_world(kData / "classic.world", {kWorlds / "models"}, Missing::kIgnore);
+}
+
+TEST(SdfWorld, ClassicFileLoadsAndEachOmissionIsNamedWithItsLine) {
+  const WorldModel model = classic_world();
   EXPECT_EQ(model.gravity_W.z(), -9.8066) << "of <physics>, as SDF 1.5 has it";
   EXPECT_EQ(model.step, 4ms);
   EXPECT_EQ(model.real_time_factor, 2.0);
   EXPECT_FALSE(model.home);
   EXPECT_TRUE(find(model, "crate/box"));
 
-  EXPECT_EQ(model.warnings.size(), 9u);
-  EXPECT_THAT(model.warnings, Each(HasSubstr("classic.world: ")));
-  for (const char* sentence : {"asphalt_plane", "'crate' is not static", "<sensor>", "'pipe/egg'",
-                               "'pipe/dae'", "'pipe/shed' names a <submesh>", "nothing bounces",
-                               "<actor> is left out", "<plugin> is left out"}) {
+  EXPECT_THAT(model.warnings, Each(HasSubstr("classic.world:")));
+  for (const char* sentence :
+       {":6: model model://asphalt_plane is nowhere", ":21: model 'crate' is not <static>",
+        ":25: model 'crate': <sensor name='s'> is left out",
+        ":41: collision 'pipe/egg': <ellipsoid>", ":42: mesh model://nowhere/x.dae is nowhere",
+        ":44: collision 'pipe/shed' names a <submesh>",
+        "'pipe/tube': <restitution_coefficient> is left out: nothing bounces",
+        ":20: <actor name='walker'>", ":19: <plugin name='ros_link'> is left out",
+        ": <magnetic_field> is left out"}) {
     EXPECT_THAT(model.warnings, Contains(HasSubstr(sentence)));
   }
 }
 
 TEST(SdfWorld, PosesChainThroughModelLinkAndCollision) {
-  const WorldModel model = load_sdf_world(kData / "classic.world", {kWorlds / "models"});
+  const WorldModel model = classic_world();
   const Shape* const tube = find(model, "pipe/tube");
   ASSERT_TRUE(tube);
   // Model at (0 5 1), link at (0 0 1) rolled by 90 degrees, collision 0.5 along the link's z.
@@ -82,7 +91,7 @@ TEST(SdfWorld, PosesChainThroughModelLinkAndCollision) {
 }
 
 TEST(SdfWorld, ColladaMeshesCollide) {
-  const WorldModel model = load_sdf_world(kData / "classic.world", {kWorlds / "models"});
+  const WorldModel model = classic_world();
   const Shape* const shed = find(model, "pipe/shed");
   ASSERT_TRUE(shed);
   const TriangleMesh& mesh = *std::get<Mesh>(shed->geometry).triangles;
@@ -96,11 +105,126 @@ TEST(SdfWorld, RefusesWhatIsNoWorld) {
   const auto load = [&](const std::string& text) {
     return test::refusal([&] { load_sdf_world(folder.write("w.sdf", text), {}); });
   };
-  EXPECT_THAT(load("no xml"), HasSubstr("w.sdf: holds no SDF world"));
+  EXPECT_THAT(load("no xml"), HasSubstr("w.sdf:1: "));
+  EXPECT_THAT(load("<sdf version='1.6'>\n<world name='w'>\n</sdf>"),
+              HasSubstr("w.sdf:3: mismatched tag"));
   EXPECT_THAT(load("<sdf version='1.6'><model name='m'><link name='l'/></model></sdf>"),
-              HasSubstr("holds no SDF world"));
+              AllOf(HasSubstr("holds no SDF world: it is the model 'm' alone"),
+                    HasSubstr("<include><uri>")));
+  EXPECT_THAT(load("<robot name='r'/>"), HasSubstr("it is a URDF"));
+  EXPECT_THAT(load("<mesh/>"), HasSubstr("its outermost element is <mesh>, not <sdf>"));
+  EXPECT_THAT(load("<sdf version='1.6'><% n = 3 %><world name='w'/></sdf>"),
+              HasSubstr("it is a template"));
   EXPECT_THAT(test::refusal([] { load_sdf_world("/nowhere.sdf", {}); }),
               HasSubstr("/nowhere.sdf: world cannot be read"));
+}
+
+/// A world of one file with these elements in it.
+std::string world_of(const std::string& elements) {
+  return "<sdf version='1.6'>\n<world name='w'>\n" + elements + "\n</world></sdf>";
+}
+
+/// Loads a world of these elements.
+WorldModel load_elements(const std::string& elements) {
+  const cas::test::TemporaryFolder folder;
+  return load_sdf_world(folder.write("w.sdf", world_of(elements)), {});
+}
+
+std::string obstacle(const std::string& surface) {
+  return "<model name='m'><static>1</static><link name='l'><collision "
+         "name='c'><geometry><box><size>"
+         "1 1 1</size></box></geometry>\n<surface>" +
+         surface + "</surface></collision></link></model>";
+}
+
+TEST(SdfWorld, RefusesToGoWithoutAModelAndSaysWhereItLooked) {
+  const cas::test::TemporaryFolder folder;
+  const auto file = folder.write(
+      "w.sdf", world_of("<include><uri>model://oak</uri></include>\n<include><uri>https://"
+                        "fuel.gazebosim.org/1.0/OpenRobotics/models/Elm</uri></include>"));
+  const std::string refusal = test::refusal([&] { load_sdf_world(file, {"/my/models"}); });
+  EXPECT_THAT(refusal, HasSubstr("w.sdf:3: model model://oak, model https://"));
+  EXPECT_THAT(refusal, HasSubstr("w.sdf:4) are nowhere to be found; looked for it at " +
+                                 (folder / "oak").string() + ", /my/models/oak"));
+  EXPECT_THAT(refusal, HasSubstr("--ignore-missing"));
+  const WorldModel without = load_sdf_world(file, {}, Missing::kIgnore);
+  EXPECT_EQ(without.warnings.size(), 2u);
+  EXPECT_THAT(without.warnings,
+              Contains(HasSubstr("model://oak is nowhere to be found; left out")));
+}
+
+TEST(SdfWorld, FindsAFuelModelByItsNameInTheModelPath) {
+  const cas::test::TemporaryFolder folder;
+  folder.write(
+      "models/Elm/model.config",
+      "<model><name>Elm</name><version>1</version><sdf version='1.6'>model.sdf</sdf></model>");
+  folder.write(
+      "models/Elm/model.sdf", "<sdf version='1.6'>" + [] {
+        std::string model = obstacle("");
+        return model.erase(model.find("<surface>"), std::string("<surface></surface>").size());
+      }() + "</sdf>");
+  const WorldModel model = load_sdf_world(
+      folder.write("w.sdf", world_of("<include><uri>https://fuel.gazebosim.org/1.0/OpenRobotics/"
+                                     "models/Elm</uri></include>")),
+      {});
+  EXPECT_EQ(model.statics.size(), 1u);
+}
+
+TEST(SdfWorld, WarnsOfWhatItDoesNotDoByNameAndLine) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"<friction><ode><mu>0.5</mu><mu2>0.8</mu2></ode></friction>",
+       "collision 'm/c': <mu2> 0.8 is left out: <mu> 0.5 holds in every direction"},
+      {"<friction><ode><mu2>0.8</mu2><fdir1>1 0 0</fdir1></ode></friction>",
+       "collision 'm/c': <fdir1> is left out"},
+      {"<friction><ode><slip1>0.1</slip1></ode></friction>", "<slip1> is left out"},
+      {"<friction><bullet><friction>0.4</friction></bullet></friction>", "of <bullet> is left out"},
+      {"<friction><torsional><coefficient>1</coefficient></torsional></friction>", "<torsional>"},
+      {"<bounce><restitution_coefficient>0.4</restitution_coefficient></bounce>",
+       "nothing bounces"},
+      {"<contact><ode><max_vel>0.1</max_vel></ode></contact>", "<max_vel> is left out"}};
+  for (const auto& [surface, sentence] : cases) {
+    const WorldModel model = load_elements(obstacle(surface));
+    EXPECT_THAT(model.warnings, Contains(AllOf(HasSubstr("w.sdf:4: "), HasSubstr(sentence))));
+    EXPECT_EQ(model.statics.size(), 1u) << surface;
+  }
+  EXPECT_THAT(load_elements(obstacle("<friction><ode><mu>0.5</mu><mu2>0.5</mu2></ode></friction>"))
+                  .warnings,
+              IsEmpty())
+      << "what changes nothing";
+  EXPECT_THAT(
+      load_elements("<atmosphere type='adiabatic'><temperature>250</temperature></atmosphere>")
+          .warnings,
+      Contains(HasSubstr("w.sdf:3: <atmosphere> is left out")));
+  EXPECT_THAT(load_elements("<atmosphere type='adiabatic'/>").warnings, IsEmpty());
+}
+
+TEST(SdfWorld, NamesThreeOfAKindAndCountsTheOthers) {
+  std::string elements;
+  for (int i = 0; i < 5; ++i) {
+    elements += "<model name='m" + std::to_string(i) + "'><link name='l'/></model>\n";
+  }
+  const WorldModel model = load_elements(elements);
+  ASSERT_EQ(model.warnings.size(), 3u);
+  EXPECT_THAT(model.warnings[2], HasSubstr("w.sdf:5: model 'm2' is not <static>; it stands still "
+                                           "here; and 2 more places like this"));
+}
+
+TEST(SdfWorld, WhatTouchesNothingIsNoObstacle) {
+  EXPECT_TRUE(load_elements(obstacle("<contact><collide_bitmask>0</collide_bitmask></contact>"))
+                  .statics.empty());
+  EXPECT_TRUE(load_elements(obstacle("<contact><collide_without_contact>1"
+                                     "</collide_without_contact></contact>"))
+                  .statics.empty());
+  EXPECT_FALSE(load_elements(obstacle("<contact><collide_bitmask>2</collide_bitmask></contact>"))
+                   .statics.empty());
+}
+
+TEST(SdfWorld, WarnsOfASecondWorld) {
+  const cas::test::TemporaryFolder folder;
+  const WorldModel model = load_sdf_world(
+      folder.write("w.sdf", "<sdf version='1.6'><world name='a'/>\n<world name='b'/></sdf>"), {});
+  EXPECT_EQ(model.name, "a");
+  EXPECT_THAT(model.warnings, Contains(HasSubstr("w.sdf:2: the <world> 'b' is left out")));
 }
 
 TEST(SdfWorld, LeavesOutAStepOfZero) {
@@ -127,6 +251,55 @@ TEST(SdfWorld, RunsWithItsOwnHomeStepAndFactor) {
   EXPECT_TRUE(runner.world().in_contact(VehicleId{0}));
 }
 
+/// A run in a world of these elements; its only vehicle starts at this pose.
+SimConfig config_in(const cas::test::TemporaryFolder& folder, const std::string& elements,
+                    const std::string& pose) {
+  const auto world = folder.write("w.sdf", world_of("<gravity>0 0 -9.8</gravity>" + elements));
+  std::string vehicle = test::vehicle("a");
+  SimConfig config = SimConfig::parse(base::ConfigNode::parse(
+      "schema: 1\ndecimal_year: 2026.5\nhome: {lat_deg: 47, lon_deg: 8, alt_m: 488}\nworld: " +
+          world.string() + "\nvehicles:\n" + vehicle,
+      "s.yaml"));
+  const base::ConfigNode node = base::ConfigNode::parse(pose);
+  config.vehicles[0].pose = {.x_m = node.require<double>("x_m"),
+                             .z_m = node.require<double>("z_m")};
+  return config;
+}
+
+TEST(SdfWorld, AStartInsideAnObstacleIsRefusedWithTheHeightAboveIt) {
+  const cas::test::TemporaryFolder folder;
+  const std::string box = obstacle("<friction/>");  // from -0.5 to 0.5 m
+  EXPECT_THAT(test::refusal([&] { SimRunner(config_in(folder, box, "{x_m: 0, z_m: 0}")); }),
+              AllOf(HasSubstr("vehicle 'a', obstacle 'm/c': the vehicle starts inside it"),
+                    HasSubstr("the uppermost surface there is at z_m 0.50")));
+  EXPECT_NO_THROW(SimRunner(config_in(folder, box, "{x_m: 0, z_m: 0.49}")));
+  EXPECT_NO_THROW(SimRunner(config_in(folder, box, "{x_m: 3, z_m: 0}")));
+}
+
+TEST(SdfWorld, AStartInsideAClosedMeshIsRefusedToo) {
+  const cas::test::TemporaryFolder folder;
+  folder.write("cube.obj",
+               "v -9 -9 -9\nv 9 -9 -9\nv 9 9 -9\nv -9 9 -9\nv -9 -9 9\nv 9 -9 9\nv 9 9 9\n"
+               "v -9 9 9\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+  const std::string cube =
+      "<model name='m'><static>1</static><link name='l'><collision name='c'><geometry><mesh><uri>"
+      "cube.obj</uri></mesh></geometry></collision></link></model>";
+  EXPECT_THAT(test::refusal([&] { SimRunner(config_in(folder, cube, "{x_m: 0, z_m: 0}")); }),
+              HasSubstr("obstacle 'm/c'"));
+  EXPECT_NO_THROW(SimRunner(config_in(folder, cube, "{x_m: 20, z_m: 0}")));
+}
+
+TEST(SdfWorld, AVehicleBelowEverythingEndsTheRunWithTimeAndPlace) {
+  const cas::test::TemporaryFolder folder;
+  SimRunner runner(config_in(folder, obstacle("<friction/>"), "{x_m: 3, z_m: 0}"));
+  runner.start();
+  const std::string refusal = test::refusal([&] {
+    for (int i = 0; i < 5000; ++i) runner.step();
+  });
+  EXPECT_THAT(refusal, AllOf(HasSubstr("vehicle 'a' has fallen out of the world: at 0."),
+                             HasSubstr("s it is at x 3.0, y 0.0, z -")));
+}
+
 TEST(ShippedWorlds, LoadWithVehiclesAndPlugins) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kWorlds)) {
@@ -143,7 +316,7 @@ TEST(ShippedWorlds, LoadWithVehiclesAndPlugins) {
 }
 
 TEST(SdfWorld, NeedsAHomeFromSomewhere) {
-  const std::string world = "world: " + (kData / "classic.world").string() + "\n";
+  const std::string world = "missing: ignore\nworld: " + (kData / "classic.world").string() + "\n";
   EXPECT_THAT(
       test::refusal([&] {
         const SimRunner runner(SimConfig::parse(base::ConfigNode::parse(

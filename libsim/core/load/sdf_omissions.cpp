@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/load/sdf_omissions.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <set>
+#include <string_view>
+
+namespace cas::sim {
+
+namespace {
+
+constexpr std::size_t kNamed = 3;  // of one kind; the others are counted
+constexpr unsigned kEveryBit = 0xFFFF;
+
+/// The child, or nothing; reading it never makes one up.
+sdf::ElementPtr child(const sdf::ElementPtr& element, const std::string& name) {
+  if (!element || !element->HasElement(name)) return nullptr;
+  sdf::ElementPtr found = element->GetElement(name);
+  return found->GetExplicitlySetInFile() ? found : nullptr;
+}
+
+sdf::ElementPtr descendant(sdf::ElementPtr element, std::initializer_list<const char*> names) {
+  for (const char* name : names) element = child(element, name);
+  return element;
+}
+
+double number(const sdf::ElementPtr& element, const std::string& name, double fallback) {
+  const sdf::ElementPtr found = child(element, name);
+  return found ? found->Get<double>() : fallback;
+}
+
+std::string text_of(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", value);
+  return text.data();
+}
+
+std::string name_of(const sdf::Element& element) {
+  return element.HasAttribute("name") ? element.GetAttribute("name")->GetAsString() : std::string();
+}
+
+/// Collects sentences; the same place and sentence (a model that is included twice) counts once.
+class Omissions {
+ public:
+  void note(const std::string& kind, const sdf::Element& at, const std::string& sentence) {
+    const std::string line = place_of(at) + ": " + sentence;
+    if (!seen_.insert(line).second) return;
+    std::vector<std::string>& lines = kinds_[kind];
+    if (lines.empty()) order_.push_back(kind);
+    lines.push_back(line);
+  }
+
+  std::vector<std::string> sentences() const {
+    std::vector<std::string> all;
+    for (const std::string& kind : order_) {
+      const std::vector<std::string>& lines = kinds_.at(kind);
+      for (std::size_t i = 0; i < lines.size() && i < kNamed; ++i) all.push_back(lines[i]);
+      if (lines.size() <= kNamed) continue;
+      all.back() += "; and " + std::to_string(lines.size() - kNamed) + " more places like this";
+    }
+    return all;
+  }
+
+ private:
+  std::set<std::string> seen_;
+  std::map<std::string, std::vector<std::string>> kinds_;
+  std::vector<std::string> order_;
+};
+
+/// Goes through the elements that could move, hold or stop a vehicle.
+class Walk {
+ public:
+  std::vector<std::string> run(const sdf::ElementPtr& world) {
+    look_at_world(world);
+    for (sdf::ElementPtr part = world->GetFirstElement(); part; part = part->GetNextElement()) {
+      if (part->GetName() == "model") look_at_model(part, "");
+    }
+    return omissions_.sentences();
+  }
+
+ private:
+  void look_at_world(const sdf::ElementPtr& world) {
+    for (const char* name : {"plugin", "road", "state", "population", "joint", "actor"}) {
+      for_each(world, name, [&](const sdf::ElementPtr& part) {
+        note(std::string("world ") + name, part,
+             "<" + std::string(name) + named(*part) + "> is left out");
+      });
+    }
+    if (const auto field = child(world, "magnetic_field")) note_field(field);
+    // As SDF 1.5 has it.
+    if (const auto field = descendant(world, {"physics", "magnetic_field"})) note_field(field);
+    look_at_air(child(world, "atmosphere"));
+  }
+
+  void note_field(const sdf::ElementPtr& field) {
+    note("magnetic_field", field,
+         "<magnetic_field> is left out: the field is the World Magnetic Model's at home and "
+         "decimal_year");
+  }
+
+  /// The standard atmosphere is what SDF's defaults say.
+  void look_at_air(const sdf::ElementPtr& air) {
+    if (!air) return;
+    const bool standard = std::abs(number(air, "temperature", 288.15) - 288.15) < 0.01 &&
+                          std::abs(number(air, "temperature_gradient", -0.0065) + 0.0065) < 1e-5 &&
+                          std::abs(number(air, "pressure", 101325) - 101325) < 1;
+    if (standard) return;
+    note("atmosphere", air,
+         "<atmosphere> is left out: the air is the standard atmosphere; plugin barometer has "
+         "qnh_hpa and temperature_offset_degc");
+  }
+
+  void look_at_model(const sdf::ElementPtr& model, const std::string& parent) {
+    const std::string path = parent + name_of(*model);
+    const std::string who = "model '" + path + "'";
+    const auto is_static = child(model, "static");
+    if (parent.empty() && !(is_static && is_static->Get<bool>())) {
+      note("moves", model, who + " is not <static>; it stands still here");
+    }
+    if (const auto joint = child(model, "joint")) {
+      note("joints", joint, who + " has joints; they are stiff here");
+    }
+    for_each(model, "plugin", [&](const sdf::ElementPtr& part) {
+      note("model plugin", part, who + ": <plugin" + named(*part) + "> is left out");
+    });
+    for_each(model, "link", [&](const sdf::ElementPtr& link) { look_at_link(link, path); });
+    for_each(model, "model",
+             [&](const sdf::ElementPtr& inner) { look_at_model(inner, path + "::"); });
+  }
+
+  void look_at_link(const sdf::ElementPtr& link, const std::string& model) {
+    for_each(link, "sensor", [&](const sdf::ElementPtr& sensor) {
+      note("sensor", sensor,
+           "model '" + model + "': <sensor" + named(*sensor) +
+               "> is left out: sensors are plugins of a vehicle");
+    });
+    for_each(link, "collision", [&](const sdf::ElementPtr& collision) {
+      const std::string who = "collision '" + model + "/" + name_of(*collision) + "'";
+      const auto surface = child(collision, "surface");
+      look_at_friction(child(surface, "friction"), who);
+      look_at_contact(surface, who);
+      look_at_geometry(child(collision, "geometry"), who);
+    });
+  }
+
+  void look_at_friction(const sdf::ElementPtr& friction, const std::string& who) {
+    const auto ode = child(friction, "ode");
+    const double mu = number(ode, "mu", 1);
+    const auto mu2 = child(ode, "mu2");
+    if (mu2 && mu2->Get<double>() != mu) {
+      note("mu2", mu2,
+           who + ": <mu2> " + text_of(mu2->Get<double>()) + " is left out: <mu> " + text_of(mu) +
+               " holds in every direction");
+      if (const auto along = child(ode, "fdir1")) {
+        note("fdir1", along,
+             who + ": <fdir1> is left out: friction is the same in every direction");
+      }
+    }
+    for (const char* name : {"slip1", "slip2"}) {
+      if (number(ode, name, 0) == 0) continue;
+      note("slip", child(ode, name),
+           who + ": <" + name + "> is left out: what rests does not slip");
+    }
+    const auto bullet = child(friction, "bullet");
+    if (bullet && !child(ode, "mu") && number(bullet, "friction", 1) != 1) {
+      note("bullet", bullet,
+           who + ": <friction> of <bullet> is left out: only <ode> is read, and <mu> is 1 here");
+    }
+    if (const auto torsion = child(friction, "torsional")) {
+      note("torsional", torsion, who + ": <torsional> friction is left out");
+    }
+  }
+
+  void look_at_contact(const sdf::ElementPtr& surface, const std::string& who) {
+    const auto ode = descendant(surface, {"contact", "ode"});
+    for (const char* name : {"kp", "kd", "soft_cfm", "soft_erp", "max_vel", "min_depth"}) {
+      const auto key = child(ode, name);
+      if (!key) continue;
+      note("contact", key,
+           who + ": <" + name +
+               "> is left out: a contact's spring and damper go by the vehicle's mass");
+      break;
+    }
+    const auto category = descendant(surface, {"contact", "category_bitmask"});
+    if (category && (category->Get<unsigned>() & kEveryBit) != kEveryBit) {
+      note("category", category, who + ": <category_bitmask> is left out");
+    }
+    const auto bounce = descendant(surface, {"bounce", "restitution_coefficient"});
+    if (bounce && bounce->Get<double>() > 0) {
+      note("bounce", bounce, who + ": <restitution_coefficient> is left out: nothing bounces");
+    }
+    if (const auto soft = child(surface, "soft_contact")) {
+      note("soft", soft, who + ": <soft_contact> is left out: nothing deforms");
+    }
+  }
+
+  void look_at_geometry(const sdf::ElementPtr& geometry, const std::string& who) {
+    if (const auto part = descendant(geometry, {"mesh", "submesh"})) {
+      note("submesh", part, who + " names a <submesh>; the whole mesh collides here");
+    }
+    for (const char* name : {"heightmap", "image", "polyline", "ellipsoid", "capsule", "cone"}) {
+      if (const auto shape = child(geometry, name)) {
+        note("geometry", shape,
+             who + ": <" + name +
+                 "> is left out: box, sphere, cylinder, plane and mesh can be touched");
+      }
+    }
+  }
+
+  template <class Action>
+  static void for_each(const sdf::ElementPtr& parent, const char* name, const Action& action) {
+    if (!parent->HasElement(name)) return;
+    for (sdf::ElementPtr part = parent->GetElement(name); part; part = part->GetNextElement(name)) {
+      action(part);
+    }
+  }
+
+  static std::string named(const sdf::Element& element) {
+    const std::string name = name_of(element);
+    return name.empty() ? "" : " name='" + name + "'";
+  }
+
+  void note(const std::string& kind, const sdf::ElementPtr& at, const std::string& sentence) {
+    omissions_.note(kind, *at, sentence);
+  }
+
+  Omissions omissions_;
+};
+
+}  // namespace
+
+std::string place_of(const sdf::Element& element) {
+  const auto line = element.LineNumber();  // 0: of what an older version of SDF has elsewhere
+  return element.FilePath() + (line.value_or(0) > 0 ? ":" + std::to_string(*line) : "");
+}
+
+std::vector<std::string> sdf_omissions(const sdf::ElementPtr& world) { return Walk().run(world); }
+
+}  // namespace cas::sim

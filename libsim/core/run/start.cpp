@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/run/start.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "base/error.hpp"
+#include "libsim/core/ode/contact_solver.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+constexpr double kOverlap_m = 0.05;  // less is a start on a surface
+constexpr double kStep_s = 1e-3;
+constexpr double kHighest_m = 1e4;  // a ray from here meets what is on top
+
+/// Whether a closed mesh is around a point: a ray to anywhere leaves it an odd number of times.
+bool is_inside(const TriangleMesh& mesh, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d ray = Eigen::Vector3d(0.31, 0.47, 0.83).normalized();  // along no edge
+  bool inside = false;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d& a = mesh.vertices[t[0]];
+    const Eigen::Vector3d ab = mesh.vertices[t[1]] - a;
+    const Eigen::Vector3d ac = mesh.vertices[t[2]] - a;
+    // Moeller and Trumbore: p + s ray = a + u ab + v ac.
+    const Eigen::Vector3d h = ray.cross(ac);
+    const double det = ab.dot(h);
+    if (std::abs(det) < 1e-15) continue;
+    const Eigen::Vector3d q = (p - a).cross(ab);
+    const double u = (p - a).dot(h) / det;
+    const double v = ray.dot(q) / det;
+    if (u >= 0 && v >= 0 && u + v <= 1 && ac.dot(q) / det > 0) inside = !inside;
+  }
+  return inside;
+}
+
+/// Whether a vehicle, raised by the overlap that is allowed, is in a shape.
+bool overlaps(const Shape& shape, const VehicleModel& model, BodyState state) {
+  ContactSolver solver(Eigen::Vector3d::Zero());
+  solver.add_static(shape);
+  solver.add_body(model.shapes, model.mass);
+  if (!solver.near_world(0, state.p_WB)) return false;
+  if (const auto* const mesh = std::get_if<Mesh>(&shape.geometry)) {
+    if (is_inside(*mesh->triangles, shape.pose.inverse() * state.p_WB)) return true;
+  }
+  state.p_WB.z() += kOverlap_m;
+  solver.begin(kStep_s);
+  solver.place(0, state);
+  solver.collide_world(0);
+  return solver.touching(0);
+}
+
+double radius_of(const VehicleModel& model) {
+  double radius = 0;
+  for (const Shape& shape : model.shapes) radius = std::max(radius, bounding_radius(shape));
+  return radius;
+}
+
+/// Cheap: whether the spheres around shape and vehicle meet.
+bool is_near(Shape shape, const Eigen::Vector3d& p_W, double radius) {
+  const Eigen::Vector3d centre = shape.pose.translation();
+  shape.pose.translation().setZero();
+  return (centre - p_W).norm() <= bounding_radius(shape) + radius;  // a plane's is infinite
+}
+
+/// z of the uppermost surface at a place.
+std::optional<double> surface_at(const WorldModel& world, double x_m, double y_m) {
+  ContactSolver solver(Eigen::Vector3d::Zero());
+  for (const Shape& shape : world.statics) solver.add_static(shape);
+  const auto hit =
+      solver.ray_to_world({x_m, y_m, kHighest_m}, -Eigen::Vector3d::UnitZ(), 2 * kHighest_m);
+  if (!hit) return std::nullopt;
+  return kHighest_m - *hit;
+}
+
+}  // namespace
+
+BodyState start_state(const VehicleModel& model, const StartPose& pose) {
+  BodyState state;
+  const double yaw = pose.yaw_deg * M_PI / 180.0;
+  state.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Shape& shape : model.shapes) {
+    lowest = std::min(lowest, lowest_point(shape, state.q_WB.toRotationMatrix()));
+  }
+  state.p_WB = {pose.x_m, pose.y_m, pose.z_m - lowest};
+  return state;
+}
+
+void require_free_start(const WorldModel& world, const VehicleModel& model,
+                        const VehicleConfig& vehicle) {
+  const BodyState state = start_state(model, vehicle.pose);
+  const double radius = radius_of(model);
+  for (const Shape& shape : world.statics) {
+    if (!is_near(shape, state.p_WB, radius) || !overlaps(shape, model, state)) continue;
+    const StartPose& pose = vehicle.pose;
+    char text[240];
+    std::snprintf(text, sizeof(text), "starts inside it: x_m %.2f, y_m %.2f, z_m %.2f", pose.x_m,
+                  pose.y_m, pose.z_m);
+    std::string sentence =
+        "vehicle '" + vehicle.name + "', obstacle '" + shape.name + "': the vehicle " + text;
+    if (const auto top = surface_at(world, pose.x_m, pose.y_m)) {
+      std::snprintf(text, sizeof(text), "; the uppermost surface there is at z_m %.2f", *top);
+      sentence += text;
+    }
+    throw base::ConfigError(sentence + "; give it another 'pose'");
+  }
+}
+
+}  // namespace cas::sim

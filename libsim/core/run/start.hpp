@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "libsim/api/world.hpp"
+#include "libsim/core/body/world_model.hpp"
+#include "libsim/core/export.hpp"
+#include "libsim/core/load/model_loader.hpp"
+#include "libsim/core/load/sim_config.hpp"
+
+namespace cas::sim {
+
+/// A vehicle at rest and level, its lowest point `pose.z_m` above z = 0.
+CAS_SIM_EXPORT BodyState start_state(const VehicleModel& model, const StartPose& pose);
+
+/// Refuses a vehicle that starts inside something: its centre of gravity is in it, or it still
+/// touches it 5 cm higher. Vehicles are not compared with each other.
+/// @throws base::ConfigError naming vehicle, place and obstacle, and the height to start from
+CAS_SIM_EXPORT void require_free_start(const WorldModel& world, const VehicleModel& model,
+                                       const VehicleConfig& vehicle);
+
+}  // namespace cas::sim
