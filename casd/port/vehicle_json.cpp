@@ -101,6 +101,8 @@ json complaints_json(const VehicleState& vehicle, const LinkName& link_name, bas
 
 }  // namespace
 
+double moment_s(base::RunTime now) { return base::to_seconds(now.time_since_epoch()); }
+
 std::string_view state_word(mavlink::common::MavState state) {
   using enum mavlink::common::MavState;
   switch (state) {
@@ -157,7 +159,12 @@ json state_json(const VehicleState& vehicle, const LinkName& link_name, base::Ru
   }
   if (vehicle.global_position()) state["global"] = global_json(*vehicle.global_position(), now);
   if (const auto home = vehicle.home()) state["home"] = home_json(*home);
-  if (const auto altitude_m = vehicle.altitude_m()) state["altitude_m"] = *altitude_m;
+  if (const auto altitude = vehicle.altitude()) {
+    state["altitude_m"] = altitude->message;
+    state["altitude_age_s"] = age_s(*altitude, now);
+  }
+  if (const auto at = vehicle.landed_at()) state["landed_age_s"] = base::to_seconds(now - *at);
+  state["at_s"] = moment_s(now);
   state["statustexts"] = texts_json(vehicle, now);
   return state;
 }

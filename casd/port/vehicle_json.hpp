@@ -19,6 +19,10 @@ using LinkName = std::function<std::string(LinkId)>;
 nlohmann::json summary_json(const VehicleState& vehicle, const LinkName& link_name,
                             base::RunTime now);
 
+/// `at_s` of an answer: a moment of the clock by which casd hears vehicles. It says nothing by
+/// itself; what was heard `age_s` before one moment can be compared with another moment.
+double moment_s(base::RunTime now);
+
 /// MAV_STATE of the HEARTBEAT in words: "standby", "active".
 std::string_view state_word(mavlink::common::MavState state);
 

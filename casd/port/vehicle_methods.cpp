@@ -49,10 +49,6 @@ void answer_error(const Reply& reply, const Outcome& outcome) {
   reply.error(error_code(outcome.kind), outcome.message, error_data(outcome));
 }
 
-json accepted(std::uint8_t system, const Outcome&) {
-  return json{{"vehicle", system}, {"result", "ACCEPTED"}};
-}
-
 /// Period for SET_MESSAGE_INTERVAL: `hz` above 0, 0 for off, absent for the vehicle's default.
 double period_us(CallParams& params) {
   const std::optional<double> hz = params.optional_number("hz");
@@ -118,6 +114,13 @@ json gains_json(std::uint8_t system, const GainLoop& loop, const Outcome& outcom
 }
 
 }  // namespace
+
+/// The vehicle acknowledged a command now.
+VehicleMethods::Answer VehicleMethods::accepted() const {
+  return [this](std::uint8_t system, const Outcome&) {
+    return json{{"vehicle", system}, {"result", "ACCEPTED"}, {"at_s", moment_s(hooks_.now())}};
+  };
+}
 
 VehicleMethods::VehicleMethods(base::rpc::Server& server, VehicleCommander& commander,
                                GainMap gains, VehicleHooks hooks)
@@ -222,7 +225,7 @@ void VehicleMethods::add_arming_methods() {
           commander_.arm(system, options, now, std::move(done));
         };
       },
-      accepted);
+      accepted());
   add(
       "vehicle.disarm", true,
       [this](CallParams& params) -> Action {
@@ -230,7 +233,7 @@ void VehicleMethods::add_arming_methods() {
           commander_.disarm(system, force, now, std::move(done));
         };
       },
-      accepted);
+      accepted());
 }
 
 void VehicleMethods::add_flight_methods() {
@@ -243,7 +246,7 @@ void VehicleMethods::add_flight_methods() {
           commander_.takeoff(system, altitude_m, now, std::move(done));
         };
       },
-      accepted);
+      accepted());
   const auto plain = [this](const std::string& name,
                             void (VehicleCommander::*verb)(std::uint8_t, RunTime, Done)) {
     add(
@@ -253,7 +256,7 @@ void VehicleMethods::add_flight_methods() {
             (commander_.*verb)(system, now, std::move(done));
           };
         },
-        accepted);
+        accepted());
   };
   plain("vehicle.land", &VehicleCommander::land);
   plain("vehicle.hold", &VehicleCommander::hold);
@@ -269,7 +272,7 @@ void VehicleMethods::add_flight_methods() {
           commander_.go_to(system, target, now, std::move(done));
         };
       },
-      accepted);
+      accepted());
   add(
       "vehicle.mode", true,
       [this](CallParams& params) -> Action {
@@ -277,7 +280,7 @@ void VehicleMethods::add_flight_methods() {
           commander_.set_mode(system, mode, now, std::move(done));
         };
       },
-      accepted);
+      accepted());
 }
 
 void VehicleMethods::add_raw_methods() {
@@ -314,7 +317,7 @@ void VehicleMethods::add_raw_methods() {
           commander_.message_interval(system, id, period, now, std::move(done));
         };
       },
-      accepted);
+      accepted());
   add(
       "vehicle.command", true,
       [this](CallParams& params) -> Action {
@@ -326,7 +329,7 @@ void VehicleMethods::add_raw_methods() {
           commander_.command(system, command, not_hil, now, std::move(done));
         };
       },
-      accepted);
+      accepted());
 }
 
 json VehicleMethods::vehicles() const {

@@ -49,6 +49,7 @@ class VehicleMethods {
   /// Makes the result of an accepted request.
   using Answer = std::function<nlohmann::json(std::uint8_t system, const Outcome&)>;
 
+  Answer accepted() const;
   void add_arming_methods();
   void add_flight_methods();
   void add_raw_methods();

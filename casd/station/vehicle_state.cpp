@@ -218,6 +218,10 @@ MavLandedState VehicleState::landed() const {
   return extended_ ? extended_->message.landed_state : MavLandedState::kUndefined;
 }
 
+std::optional<base::RunTime> VehicleState::landed_at() const {
+  return extended_ ? std::optional(extended_->at) : std::nullopt;
+}
+
 std::string_view VehicleState::landed_word() const {
   switch (landed()) {
     case MavLandedState::kOnGround:
@@ -250,13 +254,15 @@ std::optional<HomeAmsl> VehicleState::home() const {
   return HomeAmsl{origin.lat_deg, origin.lon_deg, alt_m, 0, 0, z_m};
 }
 
-std::optional<double> VehicleState::altitude_m() const {
+std::optional<Heard<double>> VehicleState::altitude() const {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const double z_m = local_position_ ? double{local_position_->message.z} : kUnknown;
   const double home_z_m = home_ ? double{home_->message.z} : kUnknown;
-  if (std::isfinite(home_z_m - z_m)) return home_z_m - z_m;
-  if (global_position_) return global_position_->message.relative_alt * 1e-3;
-  if (std::isfinite(z_m)) return -z_m;
+  if (std::isfinite(home_z_m - z_m)) return Heard<double>{home_z_m - z_m, local_position_->at};
+  if (global_position_) {
+    return Heard<double>{global_position_->message.relative_alt * 1e-3, global_position_->at};
+  }
+  if (std::isfinite(z_m)) return Heard<double>{-z_m, local_position_->at};
   return std::nullopt;
 }
 

@@ -118,6 +118,8 @@ class VehicleState {
 
   mavlink::common::MavLandedState landed() const;
   std::string_view landed_word() const;
+  /// When it last said whether it has landed.
+  std::optional<base::RunTime> landed_at() const;
   const std::optional<Heard<mavlink::common::Attitude>>& attitude() const { return attitude_; }
   const std::optional<Heard<mavlink::common::LocalPositionNed>>& local_position() const {
     return local_position_;
@@ -142,8 +144,8 @@ class VehicleState {
   const MessageMemory& messages() const { return messages_; }
   /// HOME_POSITION, or what GLOBAL_POSITION_INT and LOCAL_POSITION_NED together imply.
   std::optional<HomeAmsl> home() const;
-  /// Height above home in m, from the newest of what the vehicle tells.
-  std::optional<double> altitude_m() const;
+  /// Height above home in m, from the newest of what the vehicle tells, and when it told it.
+  std::optional<Heard<double>> altitude() const;
   ParamEncoding param_encoding() const;
 
   /// The newest whole status texts, oldest first, at most ten.

@@ -15,9 +15,11 @@ void FakeVehicle::handle(const mav::PacketView& packet, base::RunTime now) {
   if (const auto command = mav::decode<CommandLong>(packet)) {
     if (command->target_system != source_.system) return;
     commands.push_back(*command);
+    fall_silent(command->command);
     if (!deaf()) answer(command->command, now);
   } else if (const auto placed = mav::decode<CommandInt>(packet)) {
     int_commands.push_back(*placed);
+    fall_silent(placed->command);
     if (!deaf()) answer(placed->command, now);
   } else if (const auto set = mav::decode<ParamSet>(packet)) {
     param_sets.push_back(*set);
@@ -38,6 +40,13 @@ void FakeVehicle::handle(const mav::PacketView& packet, base::RunTime now) {
 }
 
 bool FakeVehicle::deaf() { return script.deaf_for > 0 && script.deaf_for-- > 0; }
+
+/// What it would have said by itself is not said.
+void FakeVehicle::fall_silent(MavCmd command) {
+  if (command != script.silent_from) return;
+  silent_ = true;
+  out_.clear();
+}
 
 void FakeVehicle::answer(MavCmd command, base::RunTime now) {
   CommandAck ack;
@@ -90,6 +99,7 @@ void FakeVehicle::say_param(const std::string& name, base::RunTime at, std::uint
 }
 
 void FakeVehicle::say_heartbeat(base::RunTime at) {
+  if (silent_) return;
   Heartbeat message;
   message.type = MavType::kQuadrotor;
   message.autopilot = autopilot;

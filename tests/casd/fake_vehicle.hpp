@@ -24,6 +24,8 @@ class FakeVehicle {
     int deaf_for = 0;                                     ///< commands and requests it misses first
     bool in_progress_first = false;
     std::string text;  ///< STATUSTEXT sent just after an ACK
+    /// The command that is the last thing it answers; it says nothing else from then on.
+    std::optional<mavlink::common::MavCmd> silent_from;
   };
 
   explicit FakeVehicle(mav::Source source = {1, 1}) : source_(source) {}
@@ -70,6 +72,7 @@ class FakeVehicle {
   };
 
   bool deaf();
+  void fall_silent(mavlink::common::MavCmd command);
   void answer(mavlink::common::MavCmd command, base::RunTime now);
   void on_param_set(const mavlink::common::ParamSet& message, base::RunTime now);
   void on_param_list(base::RunTime now);
@@ -78,6 +81,7 @@ class FakeVehicle {
   mav::Source source_;
   std::uint8_t sequence_ = 0;
   std::deque<Outgoing> out_;
+  bool silent_ = false;
 };
 
 }  // namespace cas::casd::test

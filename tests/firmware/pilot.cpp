@@ -26,7 +26,7 @@ void Pilot::tick(base::RunTime now) {
 void Pilot::step(base::RunTime now) {
   const casd::VehicleState* state = vehicle();
   if (state == nullptr) return;
-  const auto altitude_m = state->altitude_m();
+  const auto altitude = state->altitude();
   switch (stage_) {
     case Stage::kWait:
       // A vehicle says by its refusal that it is not ready yet: ask again.
@@ -42,11 +42,11 @@ void Pilot::step(base::RunTime now) {
       commander_.takeoff(kSystem, plan_.altitude_m, now, then(Stage::kClimb));
       break;
     case Stage::kClimb:
-      if (altitude_m && *altitude_m > 0.9 * plan_.altitude_m) enter(Stage::kHover, now);
+      if (altitude && altitude->message > 0.9 * plan_.altitude_m) enter(Stage::kHover, now);
       break;
     case Stage::kHover:
       if (now - since_ < plan_.hover) break;
-      hover_altitude_m_ = altitude_m.value_or(0);
+      hover_altitude_m_ = altitude ? altitude->message : 0;
       enter(Stage::kLand, now);
       commander_.land(kSystem, now, then(Stage::kDescend));
       break;

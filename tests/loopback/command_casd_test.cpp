@@ -18,6 +18,7 @@ namespace {
 using base::rpc::CallError;
 using base::rpc::Client;
 using casd::test::FakeVehicle;
+using mavlink::common::MavCmd;
 using mavlink::common::MavModeFlag;
 using mavlink::common::MavParamType;
 using mavlink::common::MavResult;
@@ -127,6 +128,81 @@ TEST_F(CommandCasdTest, HoldsTheInterlock) {
 TEST_F(CommandCasdTest, ReportsAVehicleThatNeverAnswers) {
   start([](FakeVehicle& vehicle) { vehicle.script.answers = 0; });
   EXPECT_EQ(casctl({"land"}), 4);
+}
+
+struct OldNewsCase {
+  const char* name;
+  MavCmd command;  ///< the vehicle acknowledges it and says nothing more
+  std::vector<std::string> verb;
+  bool armed;
+};
+
+/// A vehicle whose packets of before the command say that its state is reached.
+class OldNews : public CommandCasdTest, public testing::WithParamInterface<OldNewsCase> {
+ protected:
+  static void say_all(FakeVehicle& vehicle, base::RunTime now) {
+    mavlink::common::LocalPositionNed place;
+    place.z = -2.5F;
+    mavlink::common::ExtendedSysState landed;
+    landed.landed_state = mavlink::common::MavLandedState::kOnGround;
+    for (int i = 0; i < 300; ++i) {
+      const base::RunTime at = now + i * std::chrono::milliseconds(100);
+      vehicle.say(mavlink::common::HomePosition{}, at);
+      vehicle.say(place, at);
+      vehicle.say(landed, at);
+    }
+  }
+
+  void start_with(std::optional<MavCmd> silent_from) {
+    start([silent_from, armed = GetParam().armed](FakeVehicle& vehicle) {
+      vehicle.script.silent_from = silent_from;
+      vehicle.custom_mode = 4U << 16U | 3U << 24U;  // PX4's HOLD
+      if (armed) vehicle.base_mode |= MavModeFlag::kSafetyArmed;
+      say_all(vehicle, base::steady_now());
+    });
+    ASSERT_TRUE(wait_until([this] {
+      const json state = client_->call("vehicle.state", json::object());
+      return state.contains("altitude_m") && state.contains("landed_age_s");
+    })) << "what was heard before the command";
+  }
+
+  std::vector<std::string> waiting(const char* timeout_s) const {
+    std::vector<std::string> call = GetParam().verb;
+    call.insert(call.end(), {"--wait", "--timeout", timeout_s});
+    return call;
+  }
+};
+
+TEST_P(OldNews, IsNotTakenForTheStateThatACommandReached) {
+  start_with(GetParam().command);
+  std::string said;
+  EXPECT_EQ(casctl(waiting("0.5"), &said), 4) << said;
+  EXPECT_NE(said.find("acknowledged, but the vehicle was not heard to be"), std::string::npos)
+      << said;
+}
+
+TEST_P(OldNews, IsFollowedByNewOfAVehicleThatGoesOnTalking) {
+  start_with(std::nullopt);
+  std::string said;
+  EXPECT_EQ(casctl(waiting("20"), &said), 0) << said;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Verbs, OldNews,
+    testing::Values(OldNewsCase{"Arm", MavCmd::kComponentArmDisarm, {"arm"}, true},
+                    OldNewsCase{"Disarm", MavCmd::kComponentArmDisarm, {"disarm"}, false},
+                    OldNewsCase{"Takeoff", MavCmd::kNavTakeoff, {"takeoff", "2.5"}, true},
+                    OldNewsCase{"Land", MavCmd::kNavLand, {"land"}, true},
+                    OldNewsCase{"Rtl", MavCmd::kNavReturnToLaunch, {"rtl"}, true},
+                    OldNewsCase{"Goto", MavCmd::kDoReposition, {"goto", "0", "0", "-2.5"}, true},
+                    OldNewsCase{"Mode", MavCmd::kDoSetMode, {"mode", "HOLD"}, true}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(CommandCasdTest, SaysForHowLongAVehicleHasBeenSilent) {
+  start([](FakeVehicle& vehicle) { vehicle.script.silent_from = MavCmd::kComponentArmDisarm; });
+  std::string said;
+  EXPECT_EQ(casctl({"arm", "--wait", "--timeout", "4"}, &said), 4) << said;
+  EXPECT_NE(said.find("; no HEARTBEAT has come for "), std::string::npos) << said;
 }
 
 TEST_F(CommandCasdTest, SetsAGainOnTheVehicle) {

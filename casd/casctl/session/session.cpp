@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/session/session.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -140,17 +141,30 @@ json Session::vehicle_call(const std::string& method, json params) {
   }
 }
 
+namespace {
+
+/// What a person may do about a state that does not come.
+std::string advice(const json& state) {
+  constexpr double kSilent_s = 3;  // as casd has it
+  const double age_s = state.value("heartbeat_age_s", 0.0);
+  if (age_s > kSilent_s) {
+    return "; no HEARTBEAT has come for " + std::to_string(std::lround(age_s)) +
+           " s: look at `casctl links`";
+  }
+  if (!state.value("armed", true)) return "; it is disarmed: arm it with `casctl arm --wait`";
+  return "; look at `casctl status`, or give a longer --timeout";
+}
+
+}  // namespace
+
 json Session::wait_for(const std::string& what, const std::function<bool(const json&)>& reached) {
   const auto give_up = deadline(options_);
   for (;;) {
     json state = vehicle_call("vehicle.state");
     if (reached(state)) return state;
     if (std::chrono::steady_clock::now() > give_up) {
-      const bool disarmed = !state.value("armed", true);
-      throw WaitTimeout("acknowledged, but the vehicle was not " + what + " within " +
-                        json(options_.timeout_s).dump() + " s" +
-                        (disarmed ? "; it is disarmed: arm it with `casctl arm --wait`"
-                                  : "; look at `casctl status`, or give a longer --timeout"));
+      throw WaitTimeout("acknowledged, but the vehicle was not heard to be " + what + " within " +
+                        json(options_.timeout_s).dump() + " s" + advice(state));
     }
     std::this_thread::sleep_for(kPollPeriod);
   }

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -28,22 +30,65 @@ std::string sentence(const json& result, const std::string& what) {
   return "vehicle " + result.at("vehicle").dump() + " " + what;
 }
 
-bool airborne_at(const json& state, double altitude_m) {
-  constexpr double kNear = 0.9;  // of the height asked for: vehicles settle slowly on the rest
-  return state.value("altitude_m", 0.0) >= kNear * altitude_m;
-}
+/// What a vehicle has said, of which only what came after its acknowledgement counts: an older
+/// packet tells of the vehicle before the command.
+class SaidSince {
+ public:
+  /// @param acknowledged_s  `at_s` of the acknowledgement
+  SaidSince(const json& state, double acknowledged_s)
+      : state_(state), youngest_s_(state.value("at_s", 0.0) - acknowledged_s) {}
 
-bool landed(const json& state) {
-  const std::string word = state.value("landed", "");
-  return word == "on_ground" || (word == "undefined" && !state.value("armed", true));
-}
+  bool armed() const { return heartbeat() && state_.value("armed", false); }
+  bool disarmed() const { return heartbeat() && !state_.value("armed", true); }
+  bool in_mode(const std::string& mode) const {
+    return heartbeat() && lower(state_.value("mode", "")) == lower(mode);
+  }
+  bool airborne_at(double altitude_m) const {
+    constexpr double kNear = 0.9;  // of the height asked for: vehicles settle slowly on the rest
+    return is_new(state_, "altitude_age_s") &&
+           state_.value("altitude_m", 0.0) >= kNear * altitude_m;
+  }
+  bool landed() const {
+    const std::string word = state_.value("landed", "");
+    if (word == "undefined") return disarmed();
+    return word == "on_ground" && is_new(state_, "landed_age_s");
+  }
+  bool near(double north_m, double east_m, double down_m) const {
+    constexpr double kNear_m = 0.5;
+    if (!state_.contains("position_N")) return false;
+    const json& p = state_["position_N"];
+    return is_new(p, "age_s") &&
+           std::hypot(p.value("x_m", 1e9) - north_m,  //
+                      p.value("y_m", 1e9) - east_m, p.value("z_m", 1e9) - down_m) < kNear_m;
+  }
+
+ private:
+  /// What came with the acknowledgement may have been sent before it.
+  bool is_new(const json& holder, const char* age_key) const {
+    constexpr double kRounding_s = 1e-6;
+    return holder.value(age_key, 1e9) < youngest_s_ - kRounding_s;
+  }
+  bool heartbeat() const { return is_new(state_, "heartbeat_age_s"); }
+
+  const json& state_;
+  double youngest_s_;  ///< age of the acknowledgement
+};
+
+using Reached = std::function<bool(const SaidSince&)>;
 
 /// Waits where asked, and says in words what is so now.
 int tell(Session& session, json result, const std::string& did, const std::string& state_word,
-         const std::function<bool(const json&)>& reached) {
+         const Reached& reached) {
   std::string words = did;
   if (session.options().wait && reached) {
-    result["state"] = session.wait_for(state_word, reached);
+    if (!result.contains("at_s")) {
+      throw std::runtime_error(
+          "acknowledged, but --wait cannot tell old packets from new ones: casd is of an older "
+          "version than casctl");
+    }
+    const double acknowledged_s = result["at_s"];
+    result["state"] = session.wait_for(
+        state_word, [&](const json& state) { return reached(SaidSince(state, acknowledged_s)); });
     words = state_word;
   }
   report(session.options(), result, sentence(result, words));
@@ -51,7 +96,7 @@ int tell(Session& session, json result, const std::string& did, const std::strin
 }
 
 int fly(Session& session, const std::string& method, const json& params, const std::string& did,
-        const std::string& state_word, const std::function<bool(const json&)>& reached) {
+        const std::string& state_word, const Reached& reached) {
   return tell(session, session.vehicle_call(method, params), did, state_word, reached);
 }
 
@@ -88,7 +133,7 @@ void add_arm(CommandLine& line) {
                     [flags](Session& session) {
                       const json params{{"force", flags->force}, {"not_hil", flags->not_hil}};
                       return tell(session, arm(session, params), "armed", "armed",
-                                  [](const json& state) { return state.value("armed", false); });
+                                  [](const SaidSince& now) { return now.armed(); });
                     });
   verb.add_flag("--force", flags->force, "Skip the vehicle's own checks");
   verb.add_flag("--not-hil", flags->not_hil,
@@ -101,7 +146,7 @@ void add_disarm(CommandLine& line) {
   line.add_verb("disarm", "Stop the motors", "casctl disarm --force",
                 [force](Session& session) {
                   return fly(session, "vehicle.disarm", {{"force", *force}}, "disarmed", "disarmed",
-                             [](const json& state) { return !state.value("armed", true); });
+                             [](const SaidSince& now) { return now.disarmed(); });
                 })
       .add_flag("--force", *force, "Also in flight: the vehicle falls");
 }
@@ -116,8 +161,8 @@ void add_takeoff(CommandLine& line) {
                   return fly(session, "vehicle.takeoff", {{"altitude_m", *altitude_m}},
                              "takes off to " + fixed(*altitude_m, 1) + " m" +
                                  (armed ? "" : " when armed; it was last heard disarmed"),
-                             "airborne", [altitude_m](const json& now) {
-                               return airborne_at(now, *altitude_m);
+                             "airborne", [altitude_m](const SaidSince& now) {
+                               return now.airborne_at(*altitude_m);
                              });
                 })
       .add_option("ALT", *altitude_m, "Metres above home")
@@ -138,13 +183,8 @@ void add_goto(CommandLine& line) {
             {"north_m", target->north_m}, {"east_m", target->east_m}, {"down_m", target->down_m}};
         if (target->yaw_deg) params["yaw_deg"] = *target->yaw_deg;
         return fly(session, "vehicle.goto", params, "goes there", "there",
-                   [target](const json& state) {
-                     constexpr double kNear_m = 0.5;
-                     if (!state.contains("position_N")) return false;
-                     const json& p = state["position_N"];
-                     return std::hypot(p.value("x_m", 1e9) - target->north_m,
-                                       p.value("y_m", 1e9) - target->east_m,
-                                       p.value("z_m", 1e9) - target->down_m) < kNear_m;
+                   [target](const SaidSince& now) {
+                     return now.near(target->north_m, target->east_m, target->down_m);
                    });
       });
   verb.add_option("NORTH", target->north_m, "Metres to the north").required();
@@ -159,9 +199,8 @@ void add_mode(CommandLine& line) {
   line.add_verb("mode", "Set a flight mode by its word", "casctl mode POSCTL --wait",
                 [mode](Session& session) {
                   return fly(session, "vehicle.mode", {{"mode", *mode}}, "took mode " + *mode,
-                             "in mode " + *mode, [mode](const json& state) {
-                               return lower(state.value("mode", "")) == lower(*mode);
-                             });
+                             "in mode " + *mode,
+                             [mode](const SaidSince& now) { return now.in_mode(*mode); });
                 })
       .add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
       .required();
@@ -237,18 +276,20 @@ void add_message_interval(CommandLine& line) {
 }  // namespace
 
 void add_flight_verbs(CommandLine& line) {
+  const Reached landed = [](const SaidSince& now) { return now.landed(); };
   add_arm(line);
   add_disarm(line);
   add_takeoff(line);
-  line.add_verb("land", "Land here", "casctl land --wait --timeout 60", [](Session& session) {
+  line.add_verb("land", "Land here", "casctl land --wait --timeout 60", [landed](Session& session) {
     return fly(session, "vehicle.land", json::object(), "lands", "landed", landed);
   });
   line.add_verb("hold", "Stop and hold position", "casctl hold", [](Session& session) {
     return fly(session, "vehicle.hold", json::object(), "holds position", "", nullptr);
   });
-  line.add_verb("rtl", "Return to launch and land", "casctl rtl --wait", [](Session& session) {
-    return fly(session, "vehicle.rtl", json::object(), "returns to launch", "landed", landed);
-  });
+  line.add_verb(
+      "rtl", "Return to launch and land", "casctl rtl --wait", [landed](Session& session) {
+        return fly(session, "vehicle.rtl", json::object(), "returns to launch", "landed", landed);
+      });
   add_goto(line);
   add_mode(line);
   add_manual(line);
