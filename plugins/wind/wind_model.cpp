@@ -10,16 +10,35 @@
 namespace cas::sim {
 namespace {
 
-constexpr double kReferenceHeight = 6.096;  // m, 20 ft
-constexpr double kRoughness = 0.04572;      // m, 0.15 ft: MIL-F-8785C, flight phases of category C
 constexpr double kSlowestSweep = 1.0;  // m/s: in a hover in still air the field stands otherwise
 constexpr double kMetresPerSecondPerKnot = 0.514444;
 
-WindProfile parse_profile(const base::ConfigNode& node) {
+WindLaw parse_law(const base::ConfigNode& node) {
   const auto word = node.as<std::string>();
-  if (word == "uniform") return WindProfile::kUniform;
-  if (word == "log") return WindProfile::kLog;
-  node.fail("must be uniform or log");
+  if (word == "uniform") return WindLaw::kUniform;
+  if (word == "log") return WindLaw::kLog;
+  if (word == "power") return WindLaw::kPower;
+  node.fail("must be uniform, log or power");
+}
+
+/// A word, or a law with its figures.
+WindProfile parse_profile(const base::ConfigNode& node) {
+  WindProfile profile;
+  if (node.is_scalar()) {
+    profile.law = parse_law(node);
+    return profile;
+  }
+  profile.law = parse_law(node.at("law"));
+  profile.reference_m = node.get_in("reference_m", profile.reference_m, 0.1, 1000);
+  if (profile.law == WindLaw::kLog) {
+    // Below half of the reference, so that the logarithm of their ratio is not near 0.
+    profile.roughness_m =
+        node.get_in("roughness_m", profile.roughness_m, 1e-5, 0.5 * profile.reference_m);
+  }
+  if (profile.law == WindLaw::kPower) {
+    profile.exponent = node.get_in("exponent", profile.exponent, 0, 1);
+  }
+  return profile;
 }
 
 /// A number of metres per second at 20 ft, or a word of MIL-F-8785C.
@@ -44,6 +63,19 @@ WindParams::Gust parse_gust(const base::ConfigNode& node) {
 }
 
 }  // namespace
+
+double WindProfile::share_at(double height_m) const {
+  switch (law) {
+    case WindLaw::kUniform:
+      return 1;
+    case WindLaw::kLog:
+      return std::log(std::max(height_m, roughness_m) / roughness_m) /
+             std::log(reference_m / roughness_m);
+    case WindLaw::kPower:
+      return std::pow(std::max(height_m, 0.0) / reference_m, exponent);
+  }
+  return 1;
+}
 
 WindParams parse_wind_params(const base::ConfigNode& node) {
   WindParams params;
@@ -94,8 +126,8 @@ void WindModel::start(const GustCommand& gust) {
 }
 
 Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height_m,
-                                     const Eigen::Vector3d& v_N) {
-  Eigen::Vector3d wind_N = mean_N(height_m);
+                                     const Eigen::Vector3d& v_N, const Eigen::Vector3d& field_N) {
+  Eigen::Vector3d wind_N = field_N + params_.mean_N_m_s * params_.profile.share_at(height_m);
   const double sweep = std::max((v_N - wind_N).norm(), kSlowestSweep);
   wind_N += turbulence_N(height_m, sweep, dt);
   for (; next_gust_ < params_.gusts.size() && params_.gusts[next_gust_].start <= now;
@@ -106,13 +138,6 @@ Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height
     if (!gust.over()) wind_N += gust.advance_N(sweep, dt);
   }
   return wind_N;
-}
-
-Eigen::Vector3d WindModel::mean_N(double height_m) const {
-  if (params_.profile == WindProfile::kUniform) return params_.mean_N_m_s;
-  const double height = std::max(height_m, kRoughness);
-  return params_.mean_N_m_s *
-         (std::log(height / kRoughness) / std::log(kReferenceHeight / kRoughness));
 }
 
 Eigen::Vector3d WindModel::turbulence_N(double height_m, double speed_m_s, double dt) {

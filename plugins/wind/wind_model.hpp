@@ -14,14 +14,25 @@
 namespace cas::sim {
 
 /// How the mean wind changes with height.
-enum class WindProfile {
+enum class WindLaw {
   kUniform,  ///< not at all
-  kLog,      ///< MIL-F-8785C: W20 ln(h / z0) / ln(20 ft / z0), z0 = 0.15 ft
+  kLog,      ///< ln(h / z0) / ln(reference / z0); MIL-F-8785C has 20 ft and z0 = 0.15 ft
+  kPower,    ///< (h / reference)^exponent
+};
+
+struct WindProfile {
+  WindLaw law = WindLaw::kUniform;
+  double reference_m = 6.096;    ///< height at which the mean wind holds: 20 ft
+  double roughness_m = 0.04572;  ///< z0: 0.15 ft
+  double exponent = 0.143;       ///< 1/7, of open land
+
+  /// Wind at a height over its value at the reference.
+  double share_at(double height_m) const;
 };
 
 struct WindParams {
-  Eigen::Vector3d mean_N_m_s = Eigen::Vector3d::Zero();  ///< air velocity at 20 ft
-  WindProfile profile = WindProfile::kUniform;
+  Eigen::Vector3d mean_N_m_s = Eigen::Vector3d::Zero();  ///< air velocity at the reference height
+  WindProfile profile;
   double turbulence_w20_m_s = 0;  ///< 0: none
   struct Gust {
     base::SimTime start;
@@ -61,11 +72,12 @@ class WindModel {
   void start(const GustCommand& gust);
   /// Air velocity in N for the step that begins at `now`.
   /// @param v_N  vehicle's velocity over ground, m/s
+  /// @param field_N  air velocity besides, at its place: of the world, of a grid
   Eigen::Vector3d advance_N(base::SimTime now, double dt, double height_m,
-                            const Eigen::Vector3d& v_N);
+                            const Eigen::Vector3d& v_N,
+                            const Eigen::Vector3d& field_N = Eigen::Vector3d::Zero());
 
  private:
-  Eigen::Vector3d mean_N(double height_m) const;
   Eigen::Vector3d turbulence_N(double height_m, double speed_m_s, double dt);
 
   WindParams params_;

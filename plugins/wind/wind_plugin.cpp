@@ -1,29 +1,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <optional>
+
+#include "base/config/install_paths.hpp"
 #include "base/earth/frames.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/wind/wind_grid.hpp"
 #include "plugins/wind/wind_model.hpp"
 
 namespace cas::sim {
 namespace {
 
-/// Moves the air around its vehicle; starts the gusts that topic `gust` asks for.
+/// Moves the air around its vehicle, besides the wind of the world; starts the gusts that topic
+/// `gust` asks for.
 class WindPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& params) override {
     vehicle_ = context.vehicle_id();
     initial_ = WindModel(parse_wind_params(params), context.seed());
     model_ = initial_;
+    if (const auto grid = params.find("grid")) grid_ = WindGrid::load(base::find_config(*grid));
     gusts_ = context.bus().subscribe<GustCommand>(
         context.topic("gust"), [this](const GustCommand& gust) { model_.start(gust); },
         Need::kOptional);
   }
 
   void pre_step(const StepInfo& step, World& world) override {
-    const Eigen::Vector3d v_N = base::swap_WN(world.state(vehicle_).v_WB);
+    const BodyState& body = world.state(vehicle_);
+    // Nobody has set the vehicle's wind before the first step: it is the world's.
+    if (!world_wind_W_) world_wind_W_ = world.environment(vehicle_).wind_W;
+    Eigen::Vector3d field_W = *world_wind_W_;
+    if (grid_) field_W += grid_->at(body.p_WB);
     const double height = world.environment(vehicle_).height_above_ground_m;
     const Eigen::Vector3d wind_N =
-        model_.advance_N(step.time, base::to_seconds(step.dt), height, v_N);
+        model_.advance_N(step.time, base::to_seconds(step.dt),
+                         std::isfinite(height) ? height : body.p_WB.z(),  // over nothing
+                         base::swap_WN(body.v_WB), base::swap_WN(field_W));
     world.set_wind_W(vehicle_, base::swap_WN(wind_N));
   }
 
@@ -33,6 +46,8 @@ class WindPlugin final : public Plugin {
   VehicleId vehicle_{};
   WindModel initial_;
   WindModel model_;
+  std::optional<WindGrid> grid_;
+  std::optional<Eigen::Vector3d> world_wind_W_;
   Subscription gusts_;
 };
 

@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "plugins/wind/dryden.hpp"
+#include "plugins/wind/wind_grid.hpp"
 #include "plugins/wind/wind_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 #include "tests/plugins/statistics.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
 namespace {
@@ -151,9 +153,67 @@ TEST(Wind, GustRisesByOneMinusCosineHoldsAndFalls) {
   EXPECT_NEAR(gust_at(8100), 0, 1e-9);
 }
 
+TEST(Wind, FollowsALawWithItsOwnReference) {
+  WindModel power(
+      parse("{mean_m_s: 8, from_deg: 180, profile: {law: power, reference_m: 10, exponent: 0.2}}"),
+      1);
+  EXPECT_NEAR(power.advance_N({}, 1e-3, 10, Vector3d::Zero()).x(), 8, 1e-9);
+  EXPECT_NEAR(power.advance_N({}, 1e-3, 40, Vector3d::Zero()).x(), 8 * std::pow(4, 0.2), 1e-9);
+  EXPECT_NEAR(power.advance_N({}, 1e-3, -1, Vector3d::Zero()).x(), 0, 1e-9);
+  WindModel log(
+      parse("{mean_m_s: 8, from_deg: 180, profile: {law: log, reference_m: 10, roughness_m: 0.1}}"),
+      1);
+  EXPECT_NEAR(log.advance_N({}, 1e-3, 10, Vector3d::Zero()).x(), 8, 1e-9);
+  EXPECT_NEAR(log.advance_N({}, 1e-3, 1, Vector3d::Zero()).x(), 4, 1e-9);
+}
+
+TEST(Wind, AddsToTheFieldAtItsPlace) {
+  WindModel wind(parse("{mean_m_s: 5, from_deg: 270}"), 1);
+  EXPECT_TRUE(
+      wind.advance_N({}, 1e-3, 10, Vector3d::Zero(), {1, 2, 3}).isApprox(Vector3d(1, 7, 3), 1e-12));
+}
+
+/// Rises by 1 m/s per 10 m eastwards at the ground, twice as fast at 100 m; north is always 3.
+constexpr const char* kGrid =
+    "x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n"
+    "0,0,0,0,3,0\n"
+    "10,0,0,1,3,0\n"
+    "0,0,100,0,3,-1\n"
+    "10,0,100,2,3,-1\r\n";
+
+TEST(WindGrid, IsLinearBetweenItsPlacesAndConstantOutside) {
+  const cas::test::TemporaryFolder folder;
+  const WindGrid grid = WindGrid::load(folder.write("g.csv", kGrid));
+  EXPECT_TRUE(grid.at({10, 0, 0}).isApprox(Vector3d(1, 3, 0), 1e-12));
+  EXPECT_TRUE(grid.at({5, 77, 0}).isApprox(Vector3d(0.5, 3, 0), 1e-12)) << "one value of y";
+  EXPECT_TRUE(grid.at({5, 0, 50}).isApprox(Vector3d(0.75, 3, -0.5), 1e-12));
+  EXPECT_TRUE(grid.at({-5, 0, -5}).isApprox(Vector3d(0, 3, 0), 1e-12));
+  EXPECT_TRUE(grid.at({500, 0, 500}).isApprox(Vector3d(2, 3, -1), 1e-12));
+}
+
+TEST(WindGrid, RefusesWhatIsNoGridWithItsLine) {
+  const cas::test::TemporaryFolder folder;
+  const auto refusal = [&](const std::string& text) -> std::string {
+    try {
+      WindGrid::load(folder.write("g.csv", text));
+    } catch (const base::ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string grid = kGrid;
+  const auto npos = std::string::npos;
+  EXPECT_NE(refusal("x,y\n").find("g.csv:1: the first line must be x_m"), npos);
+  EXPECT_NE(refusal(grid + "10,0,\n").find("g.csv:6: needs six numbers"), npos);
+  EXPECT_NE(refusal(grid + "1,2,3,4,5,6,7\n").find("g.csv:6: has more than six"), npos);
+  EXPECT_NE(refusal(grid + "5,0,0,1,1,1\n").find("5 places, and the 3 values of x"), npos);
+  EXPECT_NE(refusal("x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n").find("has no place"), npos);
+}
+
 TEST(Wind, RefusesAWindFromNowhere) {
   EXPECT_THROW(parse("{mean_m_s: 5}"), base::ConfigError);
   EXPECT_THROW(parse("{turbulence: stormy}"), base::ConfigError);
+  EXPECT_THROW(parse("{profile: {law: cubic}}"), base::ConfigError);
 }
 
 TEST(WindPlugin, MovesTheAirTheSameWayAfterReset) {
@@ -170,6 +230,20 @@ TEST(WindPlugin, MovesTheAirTheSameWayAfterReset) {
   EXPECT_EQ(first, second);
   EXPECT_NE(first[0], first[99]);
   EXPECT_LT(first[0].y(), 0);  // a north wind moves air south
+}
+
+TEST(WindPlugin, AddsToTheWindOfTheWorldAndToAGrid) {
+  const cas::test::TemporaryFolder folder;
+  test::PluginHarness harness;
+  harness.world.air.wind_W = {1, 0, 0};
+  harness.world.body.p_WB = {10, 0, 0};
+  harness.add("wind",
+              "{mean_m_s: 5, from_deg: 270, grid: " + folder.write("g.csv", kGrid).string() + "}");
+  for (int i = 0; i < 3; ++i) {
+    harness.step();
+    EXPECT_TRUE(harness.world.air.wind_W.isApprox(Vector3d(1 + 5 + 1, 3, 0), 1e-12))
+        << harness.world.air.wind_W.transpose();
+  }
 }
 
 TEST(RangefinderPlugin, MeasuresAlongItsRay) {

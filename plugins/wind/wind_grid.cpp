@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/wind/wind_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "base/error.hpp"
+
+namespace cas::sim {
+namespace {
+
+constexpr const char* kHeader = "x_m,y_m,z_m,u_m_s,v_m_s,w_m_s";
+
+struct Row {
+  Eigen::Vector3d place;
+  Eigen::Vector3d wind;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file) : file_(file), stream_(file) {
+    if (!stream_) throw base::ConfigError(file.string() + ": wind grid cannot be read");
+  }
+
+  std::vector<Row> rows() {
+    std::vector<Row> rows;
+    std::string text;
+    if (!next(text) || text != kHeader) fail(std::string("the first line must be ") + kHeader);
+    while (next(text)) {
+      if (!text.empty()) rows.push_back(parse(text));
+    }
+    if (rows.empty()) fail("has no place");
+    return rows;
+  }
+
+  [[noreturn]] void fail(const std::string& sentence) const {
+    throw base::ConfigError(file_.string() + ":" + std::to_string(line_) + ": " + sentence);
+  }
+
+ private:
+  bool next(std::string& text) {
+    if (!std::getline(stream_, text)) return false;
+    ++line_;
+    if (!text.empty() && text.back() == '\r') text.pop_back();
+    return true;
+  }
+
+  Row parse(const std::string& text) const {
+    std::istringstream words(text);
+    std::array<double, 6> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const bool read = static_cast<bool>(words >> values[i]);
+      if (!read || !std::isfinite(values[i])) fail("needs six numbers with commas between them");
+      if (i + 1 < values.size() && words.get() != ',') fail("needs six numbers");
+    }
+    if (words.get() != std::istringstream::traits_type::eof()) fail("has more than six numbers");
+    return {{values[0], values[1], values[2]}, {values[3], values[4], values[5]}};
+  }
+
+  std::filesystem::path file_;
+  std::ifstream stream_;
+  int line_ = 0;
+};
+
+/// The two neighbours of a value on an axis, and the share of the upper one.
+struct Between {
+  std::size_t low;
+  std::size_t high;
+  double share;
+
+  Between(const std::vector<double>& axis, double value) {
+    const auto above = std::upper_bound(axis.begin(), axis.end(), value);
+    high = std::min(static_cast<std::size_t>(above - axis.begin()), axis.size() - 1);
+    low = high == 0 || axis[high] <= value ? high : high - 1;
+    share = low == high ? 0 : (value - axis[low]) / (axis[high] - axis[low]);
+  }
+};
+
+}  // namespace
+
+WindGrid WindGrid::load(const std::filesystem::path& file) {
+  Reader reader(file);
+  const std::vector<Row> rows = reader.rows();
+  WindGrid grid;
+  std::size_t places = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    std::vector<double>& axis = grid.axes_[a];
+    for (const Row& row : rows) axis.push_back(row.place[static_cast<Eigen::Index>(a)]);
+    std::sort(axis.begin(), axis.end());
+    axis.erase(std::unique(axis.begin(), axis.end()), axis.end());
+    places *= axis.size();
+  }
+  if (places != rows.size()) {
+    reader.fail("has " + std::to_string(rows.size()) + " places, and the " +
+                std::to_string(grid.axes_[0].size()) + " values of x, " +
+                std::to_string(grid.axes_[1].size()) + " of y and " +
+                std::to_string(grid.axes_[2].size()) + " of z make " + std::to_string(places));
+  }
+  grid.wind_W_.resize(places);
+  std::vector<bool> filled(places, false);
+  for (const Row& row : rows) {
+    std::array<std::size_t, 3> cell{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::vector<double>& axis = grid.axes_[a];
+      cell[a] = static_cast<std::size_t>(
+          std::lower_bound(axis.begin(), axis.end(), row.place[static_cast<Eigen::Index>(a)]) -
+          axis.begin());
+    }
+    const std::size_t at = grid.index(cell);
+    if (filled[at]) reader.fail("names a place twice");
+    filled[at] = true;
+    grid.wind_W_[at] = row.wind;
+  }
+  return grid;
+}
+
+Eigen::Vector3d WindGrid::at(const Eigen::Vector3d& p_W) const {
+  const std::array<Between, 3> sides{Between(axes_[0], p_W.x()), Between(axes_[1], p_W.y()),
+                                     Between(axes_[2], p_W.z())};
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    std::array<std::size_t, 3> cell{};
+    double weight = 1;
+    for (unsigned a = 0; a < 3; ++a) {
+      const bool upper = (corner >> a & 1U) != 0;
+      cell[a] = upper ? sides[a].high : sides[a].low;
+      weight *= upper ? sides[a].share : 1 - sides[a].share;
+    }
+    if (weight > 0) wind += weight * wind_W_[index(cell)];
+  }
+  return wind;
+}
+
+std::size_t WindGrid::index(const std::array<std::size_t, 3>& cell) const {
+  return cell[0] + axes_[0].size() * (cell[1] + axes_[1].size() * cell[2]);
+}
+
+}  // namespace cas::sim
