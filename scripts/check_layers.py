@@ -63,7 +63,8 @@ LAYERS = {
     "base/os": SYSTEM | {"base", "base/config", "spdlog"},
     "base/measure": SYSTEM | rooms("base", "os time") | {"base"},
     "base/cli": {"std", "CLI11"},
-    "base/rpc": SYSTEM | rooms("base", "os time") | {"base", "Asio", "nlohmann"},
+    # of the runtime: SHA-256
+    "base/rpc": SYSTEM | rooms("base", "os time") | {"base", "mavlink_gen/runtime", "Asio", "nlohmann"},
 
     "libsim/api": BASE | {"Eigen"},
     "libsim/core": SYSTEM,

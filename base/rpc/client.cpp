@@ -23,6 +23,8 @@
 
 #include "base/os/descriptor.hpp"
 #include "base/os/host_port.hpp"
+#include "base/rpc/token.hpp"
+#include "base/rpc/token_proof.hpp"
 
 namespace cas::base::rpc {
 namespace {
@@ -220,6 +222,25 @@ Client::Client(const std::string& address, Duration connect_timeout)
 Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
+
+bool Client::authorise_by_proof(const std::vector<std::string>& tokens) {
+  ProofContext context;
+  context.endpoint = server_endpoint(impl_->fd.get(), Prover::kClient);
+  context.client_nonce = make_nonce();
+  const Json hello = call("authorise", Json{{"nonce", context.client_nonce}});
+  if (!hello.is_object() || !hello.contains("nonce") || !hello["nonce"].is_string() ||
+      !hello.contains("proof") || !hello["proof"].is_string()) {
+    return false;
+  }
+  context.server_nonce = hello["nonce"];
+  const std::string proof = hello["proof"];
+  const auto known = std::find_if(tokens.begin(), tokens.end(), [&](const std::string& token) {
+    return same_token(token_proof(token, Prover::kServer, context), proof);
+  });
+  if (known == tokens.end()) return false;
+  call("authorise", Json{{"proof", token_proof(*known, Prover::kClient, context)}});
+  return true;
+}
 
 Json Client::call(const std::string& method, const Json& params, Duration timeout) {
   const RunTime deadline = steady_now() + timeout;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "base/export.hpp"
 #include "base/rpc/message.hpp"
@@ -43,6 +44,11 @@ class CAS_BASE_EXPORT Client {
   ~Client();
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
+
+  /// Authorises over TCP without telling the token: the server must prove first that it knows one
+  /// of these, and is answered with a proof (token_proof()).
+  /// @return whether it proved it; else it was told nothing @throws CallError, ConnectionError
+  bool authorise_by_proof(const std::vector<std::string>& tokens);
 
   /// @throws CallError, ConnectionError
   Json call(const std::string& method, const Json& params,

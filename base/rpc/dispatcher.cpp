@@ -272,18 +272,46 @@ void Dispatcher::methods(const Json&, Peer&, const Reply& reply) {
 }
 
 void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {
-  const bool given = params.is_object() && params.contains("token") && params["token"].is_string();
-  if (!given) return reply.error(kInvalidParams, "\"token\" must be a string", nullptr);
+  const auto given = [&params](const char* key) {
+    return params.is_object() && params.contains(key) && params[key].is_string();
+  };
+  if (!given("token") && !given("nonce") && !given("proof")) {
+    return reply.error(kInvalidParams, "\"token\" must be a string, or \"nonce\", or \"proof\"",
+                       nullptr);
+  }
   // One token a connection: a batch must not try many.
   if (peer.refusal == Refusal::kWrongToken) {
     return reply.error(kNotAuthorised, "an earlier token was wrong", nullptr);
   }
-  if (!token_ || same_token(*token_, params["token"].get<std::string>())) {
+  if (token_ && given("nonce")) return exchange_nonces(params["nonce"], peer, reply);
+  if (!token_ || knows_token(params, peer)) {
     peer.authorised = true;
     return reply.result(true);
   }
   peer.refusal = Refusal::kWrongToken;
-  reply.error(kNotAuthorised, "the token is wrong", nullptr);
+  reply.error(kNotAuthorised,
+              given("token") ? "the token is wrong" : "the proof is wrong; a nonce comes first",
+              nullptr);
+}
+
+/// The server proves itself first: a client tells a stranger nothing.
+void Dispatcher::exchange_nonces(const std::string& nonce, Peer& peer, const Reply& reply) {
+  constexpr std::size_t kShortest = 16;
+  constexpr std::size_t kLongest = 256;
+  if (nonce.size() < kShortest || nonce.size() > kLongest) {
+    return reply.error(kInvalidParams, "\"nonce\" must have 16 to 256 characters", nullptr);
+  }
+  peer.proof.client_nonce = nonce;
+  peer.proof.server_nonce = make_nonce();
+  reply.result({{"nonce", peer.proof.server_nonce},
+                {"proof", token_proof(*token_, Prover::kServer, peer.proof)}});
+}
+
+bool Dispatcher::knows_token(const Json& params, const Peer& peer) const {
+  if (params.contains("token")) return same_token(*token_, params["token"].get<std::string>());
+  if (peer.proof.server_nonce.empty()) return false;
+  return same_token(token_proof(*token_, Prover::kClient, peer.proof),
+                    params["proof"].get<std::string>());
 }
 
 std::string Dispatcher::notification(const std::string& topic, const Json& params) {

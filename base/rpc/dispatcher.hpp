@@ -11,6 +11,7 @@
 
 #include "base/export.hpp"
 #include "base/rpc/message.hpp"
+#include "base/rpc/token_proof.hpp"
 
 namespace cas::base::rpc {
 
@@ -27,6 +28,7 @@ class CAS_BASE_EXPORT Peer {
 
   std::string name;              ///< for an audit: "127.0.0.1:40412", "unix:uid 1000"
   std::set<std::string> topics;  ///< subscribed
+  ProofContext proof;            ///< `endpoint`, and the nonces once they are exchanged
   bool authorised = true;
   Refusal refusal = Refusal::kNone;
   std::size_t calls = 0;  ///< under way
@@ -42,7 +44,8 @@ class CAS_BASE_EXPORT Dispatcher {
   /// @param weight  share of a call's processor time that its client pays for (1: all of it)
   void add_method(const std::string& name, Method method, double weight = 1);
   void add_topic(const std::string& topic);
-  /// Peers that are not authorised must first call `authorise` {"token": ...}.
+  /// Peers that are not authorised must first call `authorise`: {"token": ...}, or {"nonce": ...}
+  /// and then {"proof": ...} (token_proof()), so that the token itself is not told.
   void set_token(std::string token) { token_ = std::move(token); }
   bool has_token() const { return token_.has_value(); }
 
@@ -71,6 +74,8 @@ class CAS_BASE_EXPORT Dispatcher {
   void subscribe(const Json& params, Peer& peer, const Reply& reply);
   void unsubscribe(const Json& params, Peer& peer, const Reply& reply);
   void authorise(const Json& params, Peer& peer, const Reply& reply);
+  void exchange_nonces(const std::string& nonce, Peer& peer, const Reply& reply);
+  bool knows_token(const Json& params, const Peer& peer) const;
   void methods(const Json& params, Peer& peer, const Reply& reply);
 
   // Shared with a running call, which may end the server that holds it.

@@ -61,8 +61,8 @@ class CAS_BASE_EXPORT Server {
   /// topics.
   void add_topic(const std::string& topic);
 
-  /// TCP clients must first call `authorise` {"token": ...} with the first line of this file, which
-  /// its owner alone may read. Unix sockets are guarded by their mode.
+  /// TCP clients must first call `authorise` with the first line of this file, or a proof that they
+  /// know it; its owner alone may read it. Unix sockets are guarded by their mode.
   /// @param loopback_exempt  clients of this machine need none @throws ConfigError
   void require_token(const std::filesystem::path& file, bool loopback_exempt = false);
 

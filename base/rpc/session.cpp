@@ -85,6 +85,7 @@ Session::Session(StreamSocket socket, std::shared_ptr<Dispatcher> dispatcher,
   PeerAddress peer = peer_address(socket_.native_handle());
   name = std::move(peer.name);
   origin_ = std::move(peer.origin);
+  proof.endpoint = server_endpoint(socket_.native_handle(), Prover::kServer);
 }
 
 void Session::start() {

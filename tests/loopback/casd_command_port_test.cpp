@@ -10,10 +10,13 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/rpc/client.hpp"
@@ -268,9 +271,126 @@ TEST_F(CommandPort, CasctlFindsTheTokenByItself) {
   EXPECT_EQ(casctl({"--address", tcp_, "--token-file", (folder_ / "kept").string(), "status"}).code,
             0);
   session_.write("cas/casd.token", "the token of another casd");
+  ASSERT_EQ(::chmod((runtime() / "casd.token").c_str(), 0600), 0);
   const Ended wrong = casctl({"--address", tcp_, "status"});
   EXPECT_EQ(wrong.code, 1);
-  EXPECT_NE(wrong.output.find("casd.token: the token is wrong"), std::string::npos) << wrong.output;
+  EXPECT_NE(wrong.output.find("did not prove that it knows the token in "), std::string::npos)
+      << wrong.output;
+}
+
+/// A program that listens where casd would, on a thread; it keeps every byte that it is told.
+class Impostor {
+ public:
+  /// @param answer  to the request in each line
+  explicit Impostor(std::function<json(const json& request)> answer)
+      : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)), answer_(std::move(answer)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::listen(fd_, 4), 0);
+    socklen_t size = sizeof address;
+    ::getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size);
+    port_ = ntohs(address.sin_port);
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~Impostor() { end(); }
+
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  /// Ends. @return what it was told
+  std::string end() {
+    ::shutdown(fd_, SHUT_RDWR);
+    if (thread_.joinable()) {
+      thread_.join();
+      ::close(fd_);
+    }
+    return told_;
+  }
+
+ private:
+  void serve() {
+    for (int client = 0; (client = ::accept(fd_, nullptr, nullptr)) >= 0; ::close(client)) {
+      char buffer[4096];
+      std::string line;
+      for (ssize_t size = 0; (size = ::recv(client, buffer, sizeof buffer, 0)) > 0;) {
+        told_.append(buffer, static_cast<std::size_t>(size));
+        line.append(buffer, static_cast<std::size_t>(size));
+        if (line.back() != '\n') continue;
+        const json request = json::parse(std::exchange(line, ""));
+        json reply = answer_(request);
+        reply["jsonrpc"] = "2.0";
+        reply["id"] = request["id"];
+        const std::string text = reply.dump() + "\n";
+        ::send(client, text.data(), text.size(), MSG_NOSIGNAL);
+      }
+    }
+  }
+
+  int fd_;
+  std::function<json(const json&)> answer_;
+  std::uint16_t port_ = 0;
+  std::string told_;
+  std::thread thread_;
+};
+
+json asks_for_token(const json& request) {
+  if (request["method"] != "authorise") {
+    return {{"error", {{"code", base::rpc::kNotAuthorised}, {"message", "the token, please"}}}};
+  }
+  return {{"result", {{"nonce", std::string(64, '0')}, {"proof", std::string(64, '0')}}}};
+}
+
+TEST_F(CommandPort, CasctlTellsAnImpostorNothingOfTheToken) {
+  const std::string token = "0123456789abcdef0123456789abcdef";
+  fs::create_directories(runtime());
+  session_.write("cas/casd.token", token + "\n");
+  ASSERT_EQ(::chmod((runtime() / "casd.token").c_str(), 0600), 0);
+  Impostor impostor(asks_for_token);
+  const Ended ended = casctl({"--address", impostor.address(), "status"});
+  EXPECT_EQ(ended.code, 1) << ended.output;
+  EXPECT_NE(ended.output.find("so it was not told it"), std::string::npos) << ended.output;
+  const std::string told = impostor.end();
+  EXPECT_NE(told.find("nonce"), std::string::npos) << told;
+  EXPECT_EQ(told.find(token), std::string::npos) << told;
+  EXPECT_EQ(told.find("proof"), std::string::npos) << "it may be passed on: " << told;
+}
+
+TEST_F(CommandPort, CasctlTellsACasdOfBeforeNothingEither) {
+  const std::string token = "0123456789abcdef0123456789abcdef";
+  fs::create_directories(runtime());
+  session_.write("cas/casd.token", token + "\n");
+  ASSERT_EQ(::chmod((runtime() / "casd.token").c_str(), 0600), 0);
+  Impostor before([](const json& request) -> json {
+    const bool nonce = request["method"] == "authorise" && !request["params"].contains("token");
+    if (request["method"] == "authorise" && !nonce) return {{"result", true}};
+    const int code = nonce ? base::rpc::kInvalidParams : base::rpc::kNotAuthorised;
+    return {{"error", {{"code", code}, {"message", "no"}}}};
+  });
+  const Ended ended = casctl({"--address", before.address(), "status"});
+  EXPECT_EQ(ended.code, 1) << ended.output;
+  EXPECT_NE(ended.output.find("--token-file"), std::string::npos) << ended.output;
+  // Whoever names the token's file says whom it may be told.
+  casctl({"--address", before.address(), "--token-file", (runtime() / "casd.token").string(),
+          "status"});
+  const std::string told = before.end();
+  EXPECT_NE(told.find(token), std::string::npos) << told;
+  EXPECT_LT(told.find("nonce"), told.find(token)) << told;
+}
+
+TEST_F(CommandPort, AnImpostorCannotPassTheProofOn) {
+  start("{port: 0}");
+  // It asks the real casd, at another port, for what it is to answer.
+  RawClient real(port());
+  Impostor impostor([&real](const json& request) -> json {
+    json answer = real.ask(request.dump());
+    answer.erase("jsonrpc");
+    return answer;
+  });
+  const Ended ended = casctl({"--address", impostor.address(), "status"});
+  EXPECT_EQ(ended.code, 1) << ended.output;
+  EXPECT_NE(ended.output.find("did not prove"), std::string::npos) << ended.output;
+  impostor.end();
+  EXPECT_EQ(real.ask(kStatus)["error"]["code"], base::rpc::kNotAuthorised);
 }
 
 TEST_F(CommandPort, MakesTheTokenFileThatIsConfigured) {

@@ -9,9 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/os/host_port.hpp"
 #include "base/rpc/local_clients.hpp"
 #include "base/rpc/local_port.hpp"
+#include "base/rpc/token.hpp"
 #include "casd/casctl/session/daemon_list.hpp"
 
 namespace cas::casctl {
@@ -79,8 +81,8 @@ void Session::authorise() {
   }
 }
 
-/// Whether this is TCP to this machine and casd wants a token there: it is never sent unasked, and
-/// to other machines not at all.
+/// Whether this is TCP to this machine and casd wants a token there; for other machines none is
+/// looked for.
 bool Session::is_asked_for_token() {
   const std::optional<base::HostPort> tcp = base::parse_host_port(address_);
   if (address_.starts_with("unix:") || !tcp || !base::rpc::is_loopback_address(tcp->host)) {
@@ -94,25 +96,32 @@ bool Session::is_asked_for_token() {
   }
 }
 
-/// With the tokens that casd has on this machine, this user's first. A wrong one ends a connection.
+/// With the tokens that casd has on this machine. Whoever listens at a TCP port of this machine may
+/// be any program: the token is not sent, and nothing at all to one that does not prove itself.
 void Session::authorise_with_own_token() {
   const std::vector<std::filesystem::path> files = base::rpc::local_command_tokens();
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    try {
-      client_.call("authorise", json{{"token", first_line(files[i])}});
-      return;
-    } catch (const base::rpc::CallError& error) {
-      if (i + 1 == files.size()) {
-        throw base::rpc::CallError(error.code(), files[i].string() + ": " + error.what(),
-                                   error.data_json());
-      }
-      client_ = base::rpc::Client(address_);
-    } catch (const base::rpc::ConnectionError&) {
-      throw;
-    } catch (const std::runtime_error&) {  // a file that holds no token
-      if (i + 1 == files.size()) throw;
+  std::vector<std::string> tokens;
+  std::string names;
+  for (const std::filesystem::path& file : files) {
+    try {  // one that could be guessed would prove nothing
+      tokens.push_back(base::rpc::read_token(file));
+      names += (names.empty() ? "" : " or ") + file.string();
+    } catch (const base::ConfigError&) {
+      if (file == files.back() && tokens.empty()) throw;
     }
   }
+  if (tokens.empty()) return;
+  try {
+    if (client_.authorise_by_proof(tokens)) return;
+  } catch (const base::rpc::CallError& error) {
+    if (error.code() != base::rpc::kInvalidParams) throw;  // else it is a casd of before
+  }
+  throw base::rpc::CallError(base::rpc::kNotAuthorised,
+                             "what listens at " + address_ +
+                                 " did not prove that it knows the token in " + names +
+                                 ", so it was not told it: it has another token, is an older casd, "
+                                 "or is no casd",
+                             "null");
 }
 
 bool Session::may_wait() const {
