@@ -49,7 +49,8 @@ double ahead_s(mav::SigningTime time, mav::SigningTime clock) {
 /// The time of a link's key, and who signs with one from the future.
 json signing_json(const LinkStatus& link, base::RunTime now, mav::SigningTime clock) {
   json entry{{"time_file", link.rx.signing_file},
-             {"time_ahead_s", ahead_s(link.rx.signing_time, clock)}};
+             {"time_ahead_s", ahead_s(link.rx.signing_time, clock)},
+             {"too_far_ahead", link.rx.signing_time > clock + kMaxPlausibleLead}};
   if (const auto& future = link.rx.future_signature) {
     entry["future"] = {
         {"system", future->source.system}, {"component", future->source.component},

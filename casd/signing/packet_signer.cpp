@@ -22,9 +22,6 @@
 namespace cas::casd {
 namespace {
 
-/// Restarts that follow each other quickly put the stored time some minutes ahead.
-constexpr mav::SigningTime kPlainFuture = 3600 * mav::kSigningUnitsPerSecond;
-
 /// The same message as MAVLink 2: version 1 has no place for a signature.
 std::size_t as_version_2(const mav::PacketView& packet, std::uint8_t crc_extra,
                          std::span<std::uint8_t, mav::kMaxPacketBytes> out) {
@@ -106,7 +103,7 @@ void PacketSigner::begin() {
 /// A clock that was once wrong lasts: the stored time never goes back.
 void PacketSigner::warn_of_future() const {
   const mav::SigningTime clock = signing_clock();
-  if (signing_.time() <= clock + kPlainFuture) return;
+  if (signing_.time() <= clock + kMaxPlausibleLead) return;
   const double ahead_h = static_cast<double>(signing_.time() - clock) /
                          static_cast<double>(mav::kSigningUnitsPerSecond) / 3600;
   base::log::warn(time_file_.path().string() + ": the time of signatures is " +

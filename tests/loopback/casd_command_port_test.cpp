@@ -557,5 +557,41 @@ TEST_F(CommandPort, NamesAStreamThatIsSignedInTheFuture) {
       << doctor.output();
 }
 
+/// Between "some restarts" and "wrong" lies one limit, for casd's log, link.list and doctor.
+TEST_F(CommandPort, CallsATimeOfSignaturesTooFarAheadInOneVoice) {
+  constexpr const char* kPassPhrase = "a pass phrase of the laboratory";
+  const fs::path key = folder_.write("radio.key", kPassPhrase);
+  ASSERT_EQ(::chmod(key.c_str(), 0600), 0);
+  UdpPeer radio;
+  const std::string links = "links:\n  - {name: radio, type: udp, local: '127.0.0.1:0', remote: '" +
+                            radio.endpoint() + "', signing: {key_file: radio.key}}\n";
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto now_us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  for (const std::uint64_t minutes : {5U, 30U}) {
+    const bool wrong = minutes == 30;
+    start("{port: 0}", links);
+    radio.set_remote(port_of(word("radio")));
+    mav::Signing<> ahead(mav::signing_key(kPassPhrase),
+                         mav::signing_time(static_cast<std::uint64_t>(now_us)) +
+                             minutes * 60 * mav::kSigningUnitsPerSecond);
+    Client client("unix:" + word("command_socket"));
+    const auto signing = [&] { return client.call("link.list", json::object())[0]["signing"]; };
+    ASSERT_TRUE(wait_until([&] {
+      std::array<std::uint8_t, mav::kMaxPacketBytes> out;
+      radio.send(std::span(out).first(ahead.encode(
+          mavlink::common::Heartbeat{}, {static_cast<std::uint8_t>(minutes), 200}, 0, 3, out)));
+      return signing()["time_ahead_s"] > 60.0 * static_cast<double>(minutes) - 60;
+    })) << signing();
+    EXPECT_EQ(signing()["too_far_ahead"], wrong);
+    const std::string doctor = casctl({"doctor", "--seconds", "0.5"}).output;
+    EXPECT_EQ(doctor.find("the time of its signatures is") != std::string::npos, wrong) << doctor;
+    stop();
+    start("{port: 0}", links);
+    stop();
+    EXPECT_EQ(casd_->output().find("the time of signatures is") != std::string::npos, wrong)
+        << casd_->output();
+  }
+}
+
 }  // namespace
 }  // namespace cas::test

@@ -117,8 +117,7 @@ constexpr double kSensorHz = 200;  // the least that stock firmware flies well o
 constexpr double kClockStep_s = 0.005;
 constexpr double kLateWake_us = 1000;
 constexpr double kFresh_s = 3;
-constexpr double kSigningAhead_s = 600;  // restarts put the time some minutes ahead
-constexpr int kGroundStation = 190;      // component id of ground stations
+constexpr int kGroundStation = 190;  // component id of ground stations
 
 using Findings = std::vector<Finding>;
 
@@ -237,18 +236,18 @@ void check_signing(const DoctorFacts& facts, Findings& all) {
     if (signing == link.end()) continue;
     const std::string name = "link " + link.value("name", "?");
     const json future = signing->value("future", json::object());
-    const double ahead_s = signing->value("time_ahead_s", 0.0);
     if (signature_growth(facts, link, "too_new") > 0) {
       bad(all,
           name + ": " + stream_text(future) + " signs " +
               duration_text(future.value("ahead_s", 0.0)) + " ahead of casd's clock and is refused",
           "put that sender's clock right, or this machine's (`date`); see docs/troubleshooting.md");
     }
-    if (ahead_s > kSigningAhead_s) {
+    if (signing->value("too_far_ahead", false)) {
       const bool moved = future.value("ahead_s", 0.0) > 0 && !future.value("refused", true);
       bad(all,
-          name + ": the time of its signatures is " + duration_text(ahead_s) +
-              " ahead of the clock" + (moved ? ", moved there by " + stream_text(future) : "") +
+          name + ": the time of its signatures is " +
+              duration_text(signing->value("time_ahead_s", 0.0)) + " ahead of the clock" +
+              (moved ? ", moved there by " + stream_text(future) : "") +
               "; other senders are refused as too old",
           "put the clocks right, stop casd, remove " + signing->value("time_file", "KEY.time") +
               ", start casd; see docs/troubleshooting.md");

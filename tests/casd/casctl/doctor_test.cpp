@@ -173,6 +173,7 @@ INSTANTIATE_TEST_SUITE_P(
                 [](DoctorFacts& f) {
                   f.after["links"][0]["signing"] = {{"time_file", "/etc/cas/radio.key.time"},
                                                     {"time_ahead_s", 86'400.0},
+                                                    {"too_far_ahead", true},
                                                     {"future",
                                                      {{"system", 1},
                                                       {"component", 200},
