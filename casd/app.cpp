@@ -144,7 +144,10 @@ struct App::Impl {
     }
     figures.set_memory([this](const MessageTaps::Key& key) { return remembered(key); });
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
-    add_daemon_methods(server, {.reload = [this] { return reload(); }, .recorder = recorder});
+    add_daemon_methods(
+        server, {.reload = [this] { return reload(); },
+                 .recorder = recorder,
+                 .post = [this](std::function<void()> work) { asio::post(io, std::move(work)); }});
   }
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }

@@ -24,7 +24,7 @@ json log_status(const Recorder& recorder) {
 
 /// A recording goes into a new file in the one folder for recordings: a client of the port must not
 /// make files where it likes.
-json start_log(Recorder& recorder, CallParams& params) {
+void start_log(Recorder& recorder, CallParams& params, TlogWriter::Done done) {
   const std::string name = params.optional_text("file").value_or("");
   const auto at_least = [&params](const std::string& key, double least) {
     const double number = params.optional_number(key).value_or(0);
@@ -43,8 +43,27 @@ json start_log(Recorder& recorder, CallParams& params) {
     throw BadParams("\"file\" " + fault + ": it is a name in " + recorder.config().folder.string() +
                     ", the folder for recordings");
   }
-  recorder.start(name, rotation);
-  return log_status(recorder);
+  recorder.start(name, rotation, std::move(done));
+}
+
+void audit(const Reply& reply, const std::string& name, const std::string& what) {
+  base::log::info("audit: " + reply.client + " " + name + ": " + what);
+}
+
+/// Calls `body`, which answers. @return why it could not, answered; empty: it could
+std::string attempt(const json& params, const Reply& reply,
+                    const std::function<void(CallParams&)>& body) {
+  try {
+    CallParams reader(params);
+    body(reader);
+    return "";
+  } catch (const BadParams& error) {
+    reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
+    return error.what();
+  } catch (const base::ConfigError& error) {
+    reply.error(base::rpc::kRefused, error.what(), nullptr);
+    return error.what();
+  }
 }
 
 /// A method of the daemon itself. Changes are audited; failures are returned as error messages.
@@ -53,20 +72,35 @@ void add_method(base::rpc::Server& server, const std::string& name, bool audited
   server.add_method(
       name,
       [name, audited, body](const json& params, const Reply& reply) {
-        std::string what = "done";
-        try {
-          CallParams reader(params);
-          reply.result(body(reader));
-        } catch (const BadParams& error) {
-          what = error.what();
-          reply.error(base::rpc::kInvalidParams, what, nullptr);
-        } catch (const base::ConfigError& error) {
-          what = error.what();
-          reply.error(base::rpc::kRefused, what, nullptr);
-        }
-        if (audited) base::log::info("audit: " + reply.client + " " + name + ": " + what);
+        const std::string fault =
+            attempt(params, reply, [&](CallParams& reader) { reply.result(body(reader)); });
+        if (audited) audit(reply, name, fault.empty() ? "done" : fault);
       },
       audited ? kWeightOfChange : 1);
+}
+
+/// A method that begins or ends a recording: answered with its state once the disk has answered.
+void add_log_method(base::rpc::Server& server, const std::string& name, const DaemonHooks& hooks,
+                    std::function<void(CallParams&, TlogWriter::Done)> body) {
+  server.add_method(
+      name,
+      [name, hooks, body](const json& params, const Reply& reply) {
+        const TlogWriter::Done done = [name, hooks, reply](const std::string& fault,
+                                                           const TlogStatus&) {
+          hooks.post([name, hooks, reply, fault] {
+            if (fault.empty()) {
+              reply.result(log_status(hooks.recorder));
+            } else {
+              reply.error(base::rpc::kRefused, fault, nullptr);
+            }
+            audit(reply, name, fault.empty() ? "done" : fault);
+          });
+        };
+        const std::string fault =
+            attempt(params, reply, [&](CallParams& reader) { body(reader, done); });
+        if (!fault.empty()) audit(reply, name, fault);
+      },
+      kWeightOfChange);
 }
 
 }  // namespace
@@ -92,12 +126,13 @@ void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
     return json{{"reloaded", true}};
   });
   Recorder& recorder = hooks.recorder;
-  add_method(server, "log.start", true,
-             [&recorder](CallParams& params) { return start_log(recorder, params); });
-  add_method(server, "log.stop", true, [&recorder](CallParams& params) {
+  add_log_method(server, "log.start", hooks,
+                 [&recorder](CallParams& params, TlogWriter::Done done) {
+                   start_log(recorder, params, std::move(done));
+                 });
+  add_log_method(server, "log.stop", hooks, [&recorder](CallParams& params, TlogWriter::Done done) {
     params.finish();
-    recorder.stop();
-    return log_status(recorder);
+    recorder.stop(std::move(done));
   });
   add_method(server, "log.status", false, [&recorder](CallParams& params) {
     params.finish();

@@ -15,6 +15,8 @@ struct DaemonHooks {
   /// Reads the topology again. @return why not; empty when it is in force
   std::function<std::string()> reload;
   Recorder& recorder;
+  /// Runs work on the server's thread; from any thread.
+  std::function<void(std::function<void()> work)> post;
 };
 
 /// A recording as log.status and casd.status tell it.

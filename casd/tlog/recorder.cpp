@@ -32,13 +32,18 @@ void Recorder::begin() {
   writer_.start(std::move(wanted));
 }
 
-void Recorder::start(const std::string& name, const TlogRotation& rotation) {
+void Recorder::start(const std::string& name, const TlogRotation& rotation, TlogWriter::Done done) {
   if (const std::string fault = tlog_name_fault(name); !name.empty() && !fault.empty()) {
     throw base::ConfigError("a recording has a name in " + config_.folder.string() +
                             ", and this one " + fault);
   }
   of_flight_ = false;
-  writer_.start(options(name, rotation));
+  writer_.start(options(name, rotation), std::move(done));
+}
+
+void Recorder::stop(TlogWriter::Done done) {
+  of_flight_ = false;
+  writer_.stop(std::move(done));
 }
 
 void Recorder::stop() {
@@ -53,13 +58,16 @@ void Recorder::on_vehicles(bool any_armed, base::RunTime now) {
   if (open && !writer_.active()) {
     TlogRecording::Options wanted = options(config_.tlog, config_.rotation);
     wanted.insist = true;
-    writer_.start(std::move(wanted));
+    writer_.start(std::move(wanted), [](const std::string&, const TlogStatus& status) {
+      if (status.file.empty()) return;  // the pause has been told
+      base::log::info("a vehicle is armed: recording into " + status.file.string());
+    });
     of_flight_ = true;
-    base::log::info("a vehicle is armed: recording into " + writer_.status(now).file.string());
   } else if (!open && std::exchange(of_flight_, false)) {
-    writer_.stop();
-    base::log::info("no vehicle is armed any more: recorded " +
-                    std::to_string(writer_.status(now).recorded) + " packets");
+    writer_.stop([](const std::string&, const TlogStatus& status) {
+      base::log::info("no vehicle is armed any more: recorded " + std::to_string(status.recorded) +
+                      " packets");
+    });
   }
 }
 

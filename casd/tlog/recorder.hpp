@@ -31,13 +31,16 @@ class Recorder {
 
   /// What the configuration asks for from the start. @throws base::ConfigError
   void begin();
-  /// A recording on request; one under way ends.
-  /// @param name  empty: its date alone. @throws base::ConfigError when it is no name for a file,
-  /// or the file cannot be made
-  void start(const std::string& name, const TlogRotation& rotation);
-  /// Ends the recording; the next arming begins another one where the configuration says so.
+  /// A recording on request; one under way ends. Waits for no disk.
+  /// @param name  empty: its date alone. @throws base::ConfigError when it is no name for a file
+  void start(const std::string& name, const TlogRotation& rotation, TlogWriter::Done done);
+  /// Ends the recording; the next arming begins another one where the configuration says so. Waits
+  /// for no disk.
+  void stop(TlogWriter::Done done);
+  /// The same, and waits until the disk has it.
   void stop();
-  /// Tells whether a vehicle is armed: at each change at the latest, and every now and then.
+  /// Tells whether a vehicle is armed: at each change at the latest, and every now and then. Waits
+  /// for no disk.
   void on_vehicles(bool any_armed, base::RunTime now);
 
   TlogStatus status(base::RunTime now) const { return writer_.status(now); }

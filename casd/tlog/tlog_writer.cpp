@@ -2,6 +2,7 @@
 #include "casd/tlog/tlog_writer.hpp"
 
 #include <chrono>
+#include <future>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -16,10 +17,13 @@ constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
 // Who is later than this has another clock: one that was set back, or a simulation begun anew.
 constexpr std::uint64_t kClockStep_us = 1'000'000;
 
+/// For what nobody waits for.
+void tell_nobody(const std::string&, const TlogStatus&) {}
+
 }  // namespace
 
 TlogWriter::~TlogWriter() {
-  stop();
+  stop(tell_nobody);
   if (!thread_.joinable()) return;
   {
     const std::scoped_lock lock(mutex_);
@@ -29,24 +33,30 @@ TlogWriter::~TlogWriter() {
   thread_.join();
 }
 
-void TlogWriter::start(TlogRecording::Options options) {
-  stop();
+void TlogWriter::start(TlogRecording::Options options, Done done) {
   start_thread();
   {
-    const base::RunTime now = base::steady_now();
-    const std::scoped_lock files(files_mutex_);
-    recording_.begin(std::move(options), now);
-    recorded_ = 0;
-    left_out_ = 0;
-    {
-      const std::scoped_lock lock(mutex_);
-      set_zero(now);
-      overflowed_ = 0;
-      phase_.store(Phase::kRecording, std::memory_order_relaxed);
-    }
-    publish();
+    const std::scoped_lock lock(status_mutex_);
+    ++beginning_;
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    if (active()) order_end(tell_nobody);
+    orders_.push_back({.begin = std::move(options), .rest = {}, .done = std::move(done)});
+    set_zero(base::steady_now());
+    overflowed_ = 0;
+    phase_.store(Phase::kRecording, std::memory_order_relaxed);
   }
   more_.notify_one();
+}
+
+void TlogWriter::start(TlogRecording::Options options) {
+  std::promise<std::string> answer;
+  start(std::move(options),
+        [&answer](const std::string& fault, const TlogStatus&) { answer.set_value(fault); });
+  if (const std::string fault = answer.get_future().get(); !fault.empty()) {
+    throw base::ConfigError(fault);
+  }
 }
 
 // Nobody may find out only when a vehicle arms that the machine has no thread left.
@@ -67,23 +77,53 @@ void TlogWriter::stand_by() {
   if (!active()) phase_.store(Phase::kStandby, std::memory_order_relaxed);
 }
 
-void TlogWriter::stop() {
-  if (!active()) return;
-  const std::scoped_lock files(files_mutex_);
+void TlogWriter::stop(Done done) {
   {
     const std::scoped_lock lock(mutex_);
-    phase_.store(stands_by_ ? Phase::kStandby : Phase::kOff, std::memory_order_relaxed);
-    take_waiting();
+    if (active()) {
+      order_end(std::move(done));
+      phase_.store(stands_by_ ? Phase::kStandby : Phase::kOff, std::memory_order_relaxed);
+      done = nullptr;
+    }
   }
-  write_taken(base::steady_now());
-  recording_.end();
-  publish();
+  if (done) return done("", status(base::steady_now()));
+  more_.notify_one();
+}
+
+void TlogWriter::stop() {
+  std::promise<void> answer;
+  stop([&answer](const std::string&, const TlogStatus&) { answer.set_value(); });
+  answer.get_future().wait();
+}
+
+/// With mutex_ held.
+void TlogWriter::order_end(Done done) {
+  Order end{.begin = std::nullopt, .rest = take_waiting(), .done = std::move(done)};
+  const std::size_t bytes = end.rest.before.size() + end.rest.records.size();
+  if (ordered_bytes_ + bytes > 2 * kMaxWaitingBytes) {  // flight after flight, and the disk hangs
+    end.rest = {.before = {},
+                .records = {},
+                .overflowed = end.rest.overflowed + count_tlog_records(end.rest.before) +
+                              count_tlog_records(end.rest.records)};
+  } else {
+    ordered_bytes_ += bytes;
+  }
+  orders_.push_back(std::move(end));
 }
 
 TlogStatus TlogWriter::status(base::RunTime now) const {
+  constexpr base::Duration kPatience = std::chrono::seconds(1);
   const std::scoped_lock lock(status_mutex_);
-  TlogStatus status = status_;
+  TlogStatus status;
+  status.active = true;
+  if (beginning_ == 0) status = status_;
   if (!status.paused.empty()) status.paused_for = now - paused_since_;
+  const base::Duration hangs =
+      asked_disk_ ? base::steady_now() - *asked_disk_ : base::Duration::zero();
+  if (status.active && hangs > kPatience) {
+    status.paused = "the disk does not answer";
+    status.paused_for = hangs;
+  }
   return status;
 }
 
@@ -128,57 +168,101 @@ void TlogWriter::set_zero(base::RunTime now) {
   waiting_.clear();
 }
 
-/// With both locks held.
-void TlogWriter::take_waiting() {
-  taken_before_.swap(before_);
-  taken_.swap(waiting_);
-  left_out_ += std::exchange(overflowed_, 0);
+/// With mutex_ held.
+TlogWriter::Load TlogWriter::take_waiting() {
+  return {.before = std::exchange(before_, {}),
+          .records = std::exchange(waiting_, {}),
+          .overflowed = std::exchange(overflowed_, 0)};
 }
 
-/// With files_mutex_ held.
-void TlogWriter::write_taken(base::RunTime now) {
-  for (std::vector<std::uint8_t>* taken : {&taken_before_, &taken_}) {
+void TlogWriter::write(Load load, base::RunTime now) {
+  left_out_ += load.overflowed;
+  for (const std::vector<std::uint8_t>* taken : {&load.before, &load.records}) {
     if (taken->empty()) continue;
     const std::size_t written = recording_.write(*taken, now);
     recorded_ += written;
     left_out_ += count_tlog_records(*taken) - written;
-    taken->clear();
   }
 }
 
-/// With files_mutex_ held.
-void TlogWriter::publish() {
+TlogStatus TlogWriter::publish() {
   const std::scoped_lock lock(status_mutex_);
-  status_.active = active();
+  status_.active = open_;
   status_.file = recording_.file();
-  status_.paused = status_.active ? recording_.pause() : "";
+  status_.paused = open_ ? recording_.pause() : "";
   status_.recorded = recorded_;
   status_.left_out = left_out_;
   status_.bytes = recording_.bytes();
   paused_since_ = recording_.paused_since();
+  return status_;
 }
 
+/// Orders first: what waits belongs to the recording that was begun last.
 void TlogWriter::run() {
   for (;;) {
+    std::deque<Order> orders;
+    Load load;
     {
       std::unique_lock lock(mutex_);
-      more_.wait(lock, [this] { return ending_ || active(); });
-      more_.wait_for(lock, kFlushPeriod, [this] { return ending_; });
-      if (ending_) return;
+      const auto has_orders = [this] { return ending_ || !orders_.empty(); };
+      more_.wait(lock, [&] { return has_orders() || active(); });
+      more_.wait_for(lock, kFlushPeriod, has_orders);
+      if (ending_ && orders_.empty()) return;
+      orders.swap(orders_);
+      ordered_bytes_ = 0;
+      if (active()) load = take_waiting();
     }
-    flush(base::steady_now());
+    const base::RunTime now = base::steady_now();
+    {
+      const std::scoped_lock lock(status_mutex_);
+      asked_disk_ = now;
+    }
+    for (; !orders.empty(); orders.pop_front()) {
+      carry_out(std::move(orders.front()), orders.size() == 1, now);
+    }
+    if (open_) write(std::move(load), now);
+    publish();
+    const std::scoped_lock lock(status_mutex_);
+    asked_disk_.reset();
   }
 }
 
-void TlogWriter::flush(base::RunTime now) {
-  const std::scoped_lock files(files_mutex_);
-  {
-    const std::scoped_lock lock(mutex_);
-    if (!active()) return;  // stop() has written all
-    take_waiting();
+/// @param newest  whether it is the last that was taken
+void TlogWriter::carry_out(Order order, bool newest, base::RunTime now) {
+  if (order.begin) return begin_recording(std::move(order), newest, now);
+  if (open_) {
+    write(std::move(order.rest), now);
+    recording_.end();
   }
-  write_taken(now);
-  publish();
+  open_ = false;
+  order.done("", publish());
+}
+
+void TlogWriter::begin_recording(Order order, bool newest, base::RunTime now) {
+  std::string fault;
+  try {
+    recording_.begin(std::move(*order.begin), now);
+    recorded_ = 0;
+    left_out_ = 0;
+    open_ = true;
+  } catch (const base::ConfigError& error) {
+    fault = error.what();
+    if (newest) begin_failed();
+  }
+  const TlogStatus status = publish();
+  {
+    const std::scoped_lock lock(status_mutex_);
+    --beginning_;
+  }
+  order.done(fault, status);
+}
+
+/// Nothing is recorded, unless somebody has ordered another recording or an end meanwhile.
+void TlogWriter::begin_failed() {
+  const std::scoped_lock lock(mutex_);
+  if (!orders_.empty() || !active()) return;
+  phase_.store(stands_by_ ? Phase::kStandby : Phase::kOff, std::memory_order_relaxed);
+  if (!stands_by_) take_waiting();
 }
 
 }  // namespace cas::casd

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -32,13 +34,13 @@ struct TlogStatus {
 /// Writes packets into a telemetry log as ground stations read it: for each packet the time as an
 /// 8-byte big-endian number of microseconds since 1970, then the packet as it came.
 ///
-/// `record` only copies into memory; a thread of its own writes. What the disk does not take (it is
-/// full or too slow) is left out of the log and counted.
+/// `record` only copies into memory; a thread of its own makes, writes and closes the files, so
+/// that a disk that hangs keeps nobody else waiting. What the disk does not take (it is full or too
+/// slow) is left out of the log and counted.
 ///
-///   link threads --record()--> waiting_ --every 200 ms--> recording_ --> disk
-///                    (mutex_)                      (files_mutex_)
-///
-/// Whoever holds files_mutex_ may wait for the disk; it is never taken with mutex_ held.
+///   link threads --record()---> waiting_ --every 200 ms--+
+///   main ---------begin, end--> orders_ -----at once-----+--> recording_ --> disk
+///                   (mutex_)                                 (its thread)
 class TlogWriter {
  public:
   /// Stamp of stream time zero in a log made in lockstep: 2026-01-01T00:00:00Z.
@@ -51,9 +53,17 @@ class TlogWriter {
   TlogWriter(const TlogWriter&) = delete;
   TlogWriter& operator=(const TlogWriter&) = delete;
 
-  /// Begins a recording and ends the one before. It begins with what was kept while it stood by.
-  /// @throws base::ConfigError when its file, or a thread to write it, cannot be made; then nothing
-  /// has changed but that the recording before has ended
+  /// Told on the thread that writes, once the disk has answered; where there was nothing to do, at
+  /// once.
+  /// @param fault   why the recording has not begun; empty: done
+  /// @param status  of the recording that began or ended
+  using Done = std::function<void(const std::string& fault, const TlogStatus& status)>;
+
+  /// Begins a recording and ends the one before, without waiting for the disk. It begins with what
+  /// was kept while it stood by. Where its file cannot be made, nothing has changed but that the
+  /// recording before has ended. @throws base::ConfigError when no thread to write it can be made
+  void start(TlogRecording::Options options, Done done);
+  /// The same, and waits for the disk. @throws base::ConfigError also when its file cannot be made
   void start(TlogRecording::Options options);
   /// From now on the newest packets are kept while nothing is recorded, for the next start().
   /// @throws base::ConfigError when the machine has no thread for it
@@ -61,7 +71,9 @@ class TlogWriter {
   /// The time of day at run time zero of the logs to come, where run time is no clock of this
   /// machine (lockstep); else the logs have the time of day as it is.
   void set_epoch(std::chrono::nanoseconds since_1970) { epoch_ = since_1970; }
-  /// Writes what is left and closes.
+  /// Ends the recording: writes what is left and closes, without waiting for it.
+  void stop(Done done);
+  /// The same, and waits until the disk has it.
   void stop();
   bool active() const { return phase_.load(std::memory_order_relaxed) == Phase::kRecording; }
   /// Whether record() does anything; what it does not want need not be brought to it.
@@ -73,21 +85,39 @@ class TlogWriter {
 
  private:
   enum class Phase : std::uint8_t { kOff, kStandby, kRecording };
-  /// Both what waits and what was kept before stay below this.
+  /// What waits, what was kept before, and what the ends of recordings wait with stay below this.
   static constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
+
+  /// Packets on their way to the disk.
+  struct Load {
+    std::vector<std::uint8_t> before;
+    std::vector<std::uint8_t> records;
+    std::uint64_t overflowed = 0;  ///< packets that there was no room for
+  };
+  /// The beginning of a recording, or its end with the last of its packets.
+  struct Order {
+    std::optional<TlogRecording::Options> begin;
+    Load rest;
+    Done done;
+  };
 
   void start_thread();
   void run();
-  void flush(base::RunTime now);
+  void carry_out(Order order, bool newest, base::RunTime now);
+  void begin_recording(Order order, bool newest, base::RunTime now);
+  void begin_failed();
+  void order_end(Done done);
   void set_zero(base::RunTime now);
   std::uint64_t stamp_of(base::RunTime now);
-  void take_waiting();
-  void write_taken(base::RunTime now);
-  void publish();
+  Load take_waiting();
+  void write(Load load, base::RunTime now);
+  TlogStatus publish();
 
   std::atomic<Phase> phase_{Phase::kOff};
 
-  std::mutex mutex_;  ///< held for copies only: packets come through it
+  mutable std::mutex mutex_;  ///< held for copies only: packets come through it
+  std::deque<Order> orders_;
+  std::size_t ordered_bytes_ = 0;  ///< that ends of recordings wait with
   bool stands_by_ = false;
   std::condition_variable more_;
   std::vector<std::uint8_t> waiting_;
@@ -98,16 +128,17 @@ class TlogWriter {
   std::uint64_t newest_us_ = 0;         ///< since 1970, of the newest record
   bool ending_ = false;
 
-  std::mutex files_mutex_;
+  // Of the thread that writes.
   TlogRecording recording_;
-  std::vector<std::uint8_t> taken_before_;
-  std::vector<std::uint8_t> taken_;
+  bool open_ = false;  ///< a recording has begun and not ended
   std::uint64_t recorded_ = 0;
   std::uint64_t left_out_ = 0;
 
   mutable std::mutex status_mutex_;  ///< of a copy that can be read while the disk is slow
   TlogStatus status_;
   base::RunTime paused_since_{};
+  int beginning_ = 0;                        ///< recordings that were ordered and have not begun
+  std::optional<base::RunTime> asked_disk_;  ///< since when the disk has not answered
 
   std::optional<std::chrono::nanoseconds> epoch_;
   std::thread thread_;

@@ -256,6 +256,7 @@ TEST_F(CasdRecording, RunsWhileAVehicleIsArmedAndKeepsWhatCameBefore) {
     fixture.collect();
   };
   const auto active = [&] { return call("log.status").at("active").get<bool>(); };
+  const auto file = [&] { return call("log.status").at("file").get<std::string>(); };
   ASSERT_TRUE(wait_until([&] {
     say(false);
     return call("casd.status").at("vehicles").size() == 1;
@@ -271,8 +272,8 @@ TEST_F(CasdRecording, RunsWhileAVehicleIsArmedAndKeepsWhatCameBefore) {
   std::set<std::string> files;
   for (int flight = 0; flight < 2; ++flight) {
     say(true);
-    ASSERT_TRUE(wait_until([&] { return active(); }));
-    files.insert(call("log.status").at("file").get<std::string>());
+    ASSERT_TRUE(wait_until([&] { return active() && !file().empty(); }));
+    files.insert(file());
     ASSERT_TRUE(wait_until([&] {
       say(false);
       return !active();
@@ -290,6 +291,69 @@ TEST_F(CasdRecording, RunsWhileAVehicleIsArmedAndKeepsWhatCameBefore) {
     });
   }
   EXPECT_TRUE(has_what_came_before);
+}
+
+/// A vehicle arms, and the disk for its recording does not answer: casd's main thread, which sends
+/// commands and feeds the watchdog, goes on.
+TEST_F(CasdRecording, ADiskThatHangsDelaysNobodyButTheRecording) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers want to be the first library";
+#endif
+  const fs::path hang = fixture.folder.write("hang", "");
+  start("tlog: wing, while_armed: true, free_space_min_mib: 0",
+        {"/usr/bin/env", "LD_PRELOAD=" + binary_dir() + "/tests/hanging_open.so",
+         "CAS_TEST_HANG=" + hang.string(), "CAS_TEST_HANG_AT=.tlog", "/bin/sh", "-c", "true"});
+  mavlink::common::Heartbeat heartbeat;
+  heartbeat.type = mavlink::common::MavType::kQuadrotor;
+  heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
+  const auto say = [&](bool armed) {
+    heartbeat.base_mode = armed ? mavlink::common::MavModeFlag::kSafetyArmed
+                                : mavlink::common::MavModeFlag::kCustomModeEnabled;
+    fixture.fcu.write(fixture.from_fcu(heartbeat));
+    fixture.collect();
+  };
+  const auto quickly = std::chrono::seconds(5);  // the disk hangs as long as the test
+  const auto status = [&] { return client->call("log.status", json::object(), quickly); };
+  ASSERT_TRUE(wait_until([&] {
+    say(false);
+    return call("casd.status").at("vehicles").size() == 1;
+  }));
+  ASSERT_TRUE(wait_until([&] {
+    say(true);
+    return fs::exists(hang.string() + ".reached");
+  })) << casd->output();
+  ASSERT_TRUE(
+      wait_until([&] { return status().value("paused", "") == "the disk does not answer"; }));
+  EXPECT_TRUE(status().at("active"));
+  EXPECT_EQ(status().at("file"), "");
+  EXPECT_TRUE(client->call("vehicle.state", json::object(), quickly).at("armed"));
+  send();
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
+  // The flight ends while the disk still hangs; then it answers.
+  ASSERT_TRUE(wait_until([&] {
+    say(false);
+    return status().at("awaits_arming").get<bool>();
+  }));
+  fs::remove(hang);
+  ASSERT_TRUE(wait_until([&] { return !status().at("active").get<bool>(); }));
+  EXPECT_GE(status().at("recorded"), 2) << "HEARTBEAT and HIL_SENSOR of the flight";
+  EXPECT_EQ(status().at("left_out"), 0);
+}
+
+TEST_F(CasdRecording, ADiskThatHangsKeepsOnlyWhoAskedForARecordingWaiting) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers want to be the first library";
+#endif
+  const fs::path hang = fixture.folder.write("hang", "");
+  start("free_space_min_mib: 0",
+        {"/usr/bin/env", "LD_PRELOAD=" + binary_dir() + "/tests/hanging_open.so",
+         "CAS_TEST_HANG=" + hang.string(), "CAS_TEST_HANG_AT=.tlog", "/bin/sh", "-c", "true"});
+  ChildProcess asker({binary_dir() + "/bin/casctl", "--address", address, "log", "start", "mine"});
+  ASSERT_TRUE(wait_until([&] { return fs::exists(hang.string() + ".reached"); }));
+  EXPECT_EQ(client->call("log.status", json::object(), std::chrono::seconds(5)).at("file"), "");
+  fs::remove(hang);
+  EXPECT_EQ(asker.wait_exit(), 0) << asker.output();
+  EXPECT_NE(asker.output().find("recording into "), std::string::npos) << asker.output();
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <future>
 #include <set>
 
 #include "base/error.hpp"
@@ -41,6 +42,13 @@ class RecorderTest : public testing::Test {
   }
   void say(base::Duration when) {
     writer.record(packet(mavlink::common::Heartbeat{}, {1, 1}).view(), at(when));
+  }
+  /// Starts one and waits for the disk.
+  static void start(Recorder& recorder, const std::string& name) {
+    std::promise<std::string> fault;
+    recorder.start(name, {},
+                   [&](const std::string& why, const TlogStatus&) { fault.set_value(why); });
+    EXPECT_EQ(fault.get_future().get(), "");
   }
   /// When its packets came, since at({}).
   std::vector<base::Duration> times(const std::filesystem::path& file) const {
@@ -88,7 +96,7 @@ TEST_F(RecorderTest, RecordsAFlightFromBeforeItsArmingUntilAfterItsEnd) {
   recorder.on_vehicles(false, at(seconds(6) + milliseconds(500)));
   EXPECT_TRUE(recorder.status(at({})).active);
   recorder.on_vehicles(false, at(seconds(7)));
-  EXPECT_FALSE(recorder.status(at({})).active);
+  ASSERT_TRUE(cas::test::wait_until([&] { return !recorder.status(at({})).active; }));
 
   const TlogStatus status = recorder.status(at({}));
   const auto heard = times(status.file);
@@ -110,6 +118,7 @@ TEST_F(RecorderTest, GivesEachFlightAFileOfItsOwn) {
     say(start);
     recorder.on_vehicles(false, at(start + seconds(2)));
     recorder.on_vehicles(false, at(start + seconds(4)));
+    ASSERT_TRUE(cas::test::wait_until([&] { return !recorder.status(at({})).active; }));
     EXPECT_EQ(times(recorder.status(at({})).file).back(), start);
     files.insert(recorder.status(at({})).file);
   }
@@ -120,7 +129,7 @@ TEST_F(RecorderTest, GivesEachFlightAFileOfItsOwn) {
 TEST_F(RecorderTest, LeavesARecordingThatSomebodyAskedForAlone) {
   Recorder recorder = make({.while_armed = true});
   recorder.begin();
-  recorder.start("mine", {});
+  start(recorder, "mine");
   const auto file = recorder.status(at({})).file;
   recorder.on_vehicles(true, at({}));
   recorder.on_vehicles(false, at(seconds(1)));
@@ -135,8 +144,8 @@ TEST_F(RecorderTest, TakesNamesAndNoPaths) {
   Recorder recorder = make({});
   recorder.begin();
   EXPECT_FALSE(recorder.status(at({})).active);
-  EXPECT_THROW(recorder.start("../x", {}), base::ConfigError);
-  recorder.start("x", {});
+  EXPECT_THROW(start(recorder, "../x"), base::ConfigError);
+  start(recorder, "x");
   EXPECT_EQ(recorder.status(at({})).file.parent_path(), folder.path());
 }
 
@@ -166,6 +175,43 @@ TEST_F(RecorderTest, CountsWhatTheDiskDidNotTakeAndOnlyWhatItTook) {
     in_files += times(entry.path()).size();
   }
   EXPECT_EQ(status.recorded, in_files);
+}
+
+/// What is ordered one after the other without waiting lands where it belongs.
+TEST_F(RecorderTest, KeepsFlightsApartThatTheDiskHasNotSeenYet) {
+  Recorder recorder = make({.tlog = "wing", .while_armed = true});
+  recorder.begin();
+  for (int flight = 0; flight < 3; ++flight) {
+    const base::Duration start = flight * seconds(10);
+    recorder.on_vehicles(true, at(start));
+    say(start);
+    recorder.on_vehicles(false, at(start + seconds(2)));
+    say(start + seconds(3));
+    recorder.on_vehicles(false, at(start + seconds(4)));
+  }
+  ASSERT_TRUE(cas::test::wait_until([&] { return !recorder.status(at({})).active; }));
+  std::set<std::vector<base::Duration>> flights;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    flights.insert(times(entry.path()));
+  }
+  const auto flight = [](int n) {
+    return std::vector<base::Duration>{n * seconds(10), n * seconds(10) + seconds(3)};
+  };
+  EXPECT_EQ(flights, (std::set<std::vector<base::Duration>>{flight(0), flight(1), flight(2)}));
+}
+
+TEST_F(RecorderTest, StandsByAgainAfterARecordingThatCouldNotBegin) {
+  Recorder recorder = make({.while_armed = true});
+  recorder.begin();
+  std::promise<std::string> fault;
+  TlogRecording::Options nowhere;
+  nowhere.files.folder = folder / "none" / "none";
+  nowhere.files.name = "x";
+  writer.start(nowhere, [&](const std::string& why, const TlogStatus&) { fault.set_value(why); });
+  EXPECT_NE(fault.get_future().get(), "");
+  EXPECT_FALSE(recorder.status(at({})).active);
+  EXPECT_TRUE(recorder.awaits_arming());
+  EXPECT_TRUE(writer.listens());
 }
 
 }  // namespace
