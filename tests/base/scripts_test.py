@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests of the exit codes of scripts: each is run in a tree of its own, among programs that do as the test says."""
+
+import contextlib
+import importlib.machinery
+import importlib.util
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "scripts"))  # what scripts share
+NAMES = ("x_m", "y_m", "z_m", "yaw_rad")
+
+
+def module(name):
+    spec = importlib.util.spec_from_loader(
+        name, importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name)))
+    loaded = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
+
+
+class Script(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="cas-scripts-")
+        self.addCleanup(folder.cleanup)
+        self.tree = pathlib.Path(folder.name)
+        shutil.copytree(ROOT / "scripts", self.tree / "scripts")
+        (self.tree / "bin").mkdir()
+
+    def write(self, file, text):
+        """A program of the tree."""
+        path = self.tree / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        path.chmod(0o755)
+
+    def run_script(self, *words, **environment):
+        path = f"{self.tree / 'bin'}:{os.environ['PATH']}"
+        return subprocess.run([str(self.tree / "scripts" / words[0]), *words[1:]], capture_output=True, text=True,
+                              timeout=100, env=dict(os.environ, PATH=path, **environment))
+
+
+class TestScript(Script):
+    """scripts/test: what ctest says is what it says."""
+
+    def setUp(self):
+        super().setUp()
+        for name in ("setup", "build"):
+            self.write(f"scripts/{name}", "#!/bin/sh\ntest \"$FAILS\" != \"$1\"\n")
+        self.write("bin/ctest", "#!/bin/sh\necho \"ctest $*\"\ntest \"$FAILS\" != \"tests of $2\" || exit 8\n")
+
+    def code(self, *words, fails=""):
+        return self.run_script("test", *words, FAILS=fails).returncode
+
+    def test_all_is_well(self):
+        self.assertEqual(self.code(), 0)
+        self.assertEqual(self.code("--sanitize"), 0)
+
+    def test_a_test_fails(self):
+        self.assertNotEqual(self.code(fails="tests of release"), 0)
+        self.assertNotEqual(self.code("--sanitize", fails="tests of asan"), 0)
+        self.assertNotEqual(self.code("--sanitize", fails="tests of tsan"), 0)
+
+    def test_a_build_fails(self):
+        self.assertNotEqual(self.code(fails="release"), 0)
+        self.assertNotEqual(self.code("--sanitize", fails="asan"), 0)
+        self.assertNotEqual(self.code("--sanitize", fails="tsan"), 0)
+
+    def test_nothing_was_tested(self):
+        """ctest without a test ends with 0 unless it is told otherwise."""
+        self.assertIn("--no-tests=error", self.run_script("test", FAILS="").stdout)
+
+
+class BenchMavlink(Script):
+    def code(self, **figures):
+        names = {"encode_hil_sensor": 1.0, "receive_hil_sensor": 1.0, "receive_mixed": 1.0,
+                 "encode_signed<Sha256>": 1.0, **{name: value for name, value in figures.items() if name != "allocations"}}
+        runs = [{"aggregate_name": "median", "run_name": name, "per_message": value * 1e-9,
+                 "allocations": figures.get("allocations", 0)} for name, value in names.items()]
+        (self.tree / "figures.json").write_text(json.dumps({"benchmarks": runs}))
+        self.write("bin/cmake", "#!/bin/sh\n")
+        self.write("bin/compiler", "#!/bin/sh\n")
+        self.write("build/bench/bench/bench_mavlink", f"#!/bin/sh\ncat {self.tree}/figures.json\n")
+        self.write("build/bench/bin/mavlink_gen", "#!/bin/sh\n")
+        return self.run_script("bench_mavlink", CXX=str(self.tree / "bin" / "compiler")).returncode
+
+    def test_within_its_limits(self):
+        self.assertEqual(self.code(), 0)
+
+    def test_a_limit_is_missed(self):
+        self.assertEqual(self.code(encode_hil_sensor=81.0), 1)
+        self.assertEqual(self.code(receive_mixed=float("nan")), 1)
+
+    def test_it_allocates(self):
+        self.assertEqual(self.code(allocations=1), 1)
+
+
+class BenchCommandPort(unittest.TestCase):
+    def test_limits(self):
+        missed = module("bench_command_port").missed_limits
+        self.assertEqual(missed(5.0, 5.0), [])
+        self.assertEqual(len(missed(5.1, 0)), 1)
+        self.assertEqual(len(missed(0, 5.1)), 1)
+        self.assertEqual(len(missed(float("nan"), float("nan"))), 2)
+
+
+class RealtimeAgreement(Script):
+    """A hils whose virtual flights have errors of 1 and 2, and whose flights in real time have $REAL."""
+
+    def code(self, real, hils=0):
+        self.write("build/release/bin/hils", f"""#!{sys.executable}
+import json, os, pathlib, sys
+words = sys.argv
+out = pathlib.Path(words[words.index("--out") + 1])
+out.mkdir(parents=True, exist_ok=True)
+virtual = "--virtual" in words
+rms = 1 + int(words[words.index("--seed") + 1]) % 2 if virtual else float(os.environ["REAL"])
+(out / "summary.json").write_text(json.dumps({{"rms": {{name: rms for name in {NAMES!r}}}}}))
+sys.exit(0 if virtual else int(os.environ["HILS"]))
+""")
+        return self.run_script("realtime_agreement", "--flights", "2", "--virtual", "2", "--scenario", "hover.yaml",
+                               REAL=str(real), HILS=str(hils)).returncode
+
+    def test_within_the_spread(self):
+        self.assertEqual(self.code(1.5), 0)
+
+    def test_outside_of_it(self):
+        self.assertEqual(self.code(2.1), 1)
+        self.assertEqual(self.code(0.9), 1)
+        self.assertEqual(self.code("nan"), 1)
+
+    def test_a_busy_machine_is_no_agreement(self):
+        self.assertEqual(self.code(1.5, hils=3), 77)
+
+    def test_a_flight_that_failed_is_none(self):
+        self.assertNotIn(self.code(1.5, hils=2), (0, 77))
+
+
+class TestPackages(Script):
+    """A root folder in which nothing runs: chroot notes what it is asked for and fails where $FAILS says."""
+
+    def run_packages(self, fails="", code=1, leaves=""):
+        packages = self.tree / "build" / "packages"
+        packages.mkdir(parents=True)
+        (packages / "casd_1_amd64.deb").write_text("")
+        base = self.tree / "base"
+        for folder in ("proc", "dev/pts", "etc/cas", "usr/share/cas", "usr/lib", "lib/systemd"):
+            (base / folder).mkdir(parents=True)
+        (base / "etc/cas/casd.yaml").write_text("schema: 1\n")
+        self.write("bin/id", "#!/bin/sh\necho 0\n")
+        for name in ("mount", "umount", "debootstrap", "sudo"):
+            self.write(f"bin/{name}", "#!/bin/sh\n")
+        purge = "rm -rf \"$root\"/etc/cas \"$root\"/usr/share/cas"
+        leave = f"mkdir -p \"$root\"/{leaves}; " if leaves else ""
+        self.write("bin/chroot", "#!/bin/sh\nroot=$1\n"
+                   'case "$*" in *purge*) ' + purge + "; " + leave + ";; esac\n"
+                   'test -z "$FAILS" || case "$*" in *"$FAILS"*) exit "$CODE" ;; esac\n')
+        return self.run_script("test_packages", str(base), FAILS=fails, CODE=str(code))
+
+    def test_in_order(self):
+        done = self.run_packages()
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("packages are in order", done.stdout)
+
+    def test_a_step_fails(self):
+        for step in ("apt-get install", "hilsim --version", "casd.1.gz", "--check /etc/cas/casd.yaml", "getent group",
+                     "--out /root/direct", "--out /root/hover", "--reinstall", "purge"):
+            with self.subTest(step):
+                done = self.run_packages(step)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertNotIn("packages are in order", done.stdout)
+            shutil.rmtree(self.tree / "build")
+            shutil.rmtree(self.tree / "base")
+
+    def test_a_flight_that_was_not_judged_is_told(self):
+        done = self.run_packages("--out /root/hover", 3)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("was not judged", done.stdout)
+
+    def test_something_is_left_behind(self):
+        done = self.run_packages(leaves="usr/lib/libcas")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("left behind", done.stdout)
+
+
+class ConfigReference(unittest.TestCase):
+    """config_reference_test.py in a copy of what it reads."""
+
+    @contextlib.contextmanager
+    def tree(self):
+        with tempfile.TemporaryDirectory() as name:
+            copy = pathlib.Path(name)
+            shutil.copytree(ROOT / "docs", copy / "docs")
+            for folder in ("hils", "libsim", "base", "casd", "fcu", "plugins"):
+                (copy / folder).symlink_to(ROOT / folder)
+            yield copy
+
+    def code(self, tree):
+        script = ROOT / "tests" / "base" / "config" / "config_reference_test.py"
+        return subprocess.run([sys.executable, script, tree], capture_output=True, text=True, timeout=100)
+
+    def test_a_key_that_nobody_describes_or_reads(self):
+        for before, after, complaint in (
+                ("`cpu_dma_latency_us`", "`nothing`", "'cpu_dma_latency_us' is read by"),
+                ("| `cpu_dma_latency_us` |", "| `cpu_dma_latency_us`, `no_such_key` |", "'no_such_key' is described")):
+            with self.tree() as tree:
+                page = tree / "docs" / "config.md"
+                text = page.read_text()
+                self.assertIn(before, text)
+                self.assertNotIn(complaint, self.code(tree).stdout)
+                page.write_text(text.replace(before, after))
+                done = self.code(tree)
+                self.assertEqual(done.returncode, 1, done.stdout)
+                self.assertIn(complaint, done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
