@@ -211,8 +211,8 @@ class ConfigReference(unittest.TestCase):
 
     def test_a_key_that_nobody_describes_or_reads(self):
         for before, after, complaint in (
-                ("`cpu_dma_latency_us`", "`nothing`", "'cpu_dma_latency_us' is read by"),
-                ("| `cpu_dma_latency_us` |", "| `cpu_dma_latency_us`, `no_such_key` |", "'no_such_key' is described")):
+                ("`home_hint`", "`nothing`", "'home_hint' is read by"),
+                ("| `home_hint` |", "| `home_hint`, `no_such_key` |", "'no_such_key' is described")):
             with self.tree() as tree:
                 page = tree / "docs" / "config.md"
                 text = page.read_text()
