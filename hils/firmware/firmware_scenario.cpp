@@ -60,6 +60,10 @@ std::string world_text(const FirmwareScenario& scenario, const FirmwarePlaces& p
   const auto source = base::ConfigNode::load(scenario.world);
   const auto scene = source.at("world");
   if (scene.is_scalar()) world["world"] = full_path(scene);
+  const auto folders = source.get("model_path", std::vector<std::string>{});
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    world["model_path"][i] = std::filesystem::weakly_canonical(source.resolve(folders[i])).string();
+  }
   const auto vehicles = source.at("vehicles").items();
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     world["vehicles"][i]["vehicle"] = full_path(vehicles[i].at("vehicle"));

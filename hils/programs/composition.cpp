@@ -168,6 +168,24 @@ YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
 }
 
 constexpr double kGravity = 9.80665;  ///< standard gravity, m/s^2
+
+/// Keys `world`, `model_path`, `missing` and `home`.
+void add_world(const Scenario& scenario, YAML::Node& root) {
+  const ScenarioWorld& world = scenario.world;
+  if (world.sdf.empty()) {
+    root["world"]["gravity_m_s2"] = kGravity;
+    root["world"]["ground"] = true;
+  } else {
+    root["world"] = full_path(world.sdf);
+    for (const auto& folder : world.model_path) root["model_path"].push_back(folder.string());
+    if (world.ignore_missing) root["missing"] = "ignore";
+  }
+  if (!scenario.home) return;
+  root["home"]["lat_deg"] = scenario.home->lat_deg;
+  root["home"]["lon_deg"] = scenario.home->lon_deg;
+  root["home"]["alt_m"] = scenario.home->alt_m;
+}
+
 constexpr double kTruthHz = 100;
 constexpr int kLockstepTimeoutMs = 10'000;  ///< a controller that died, not a machine that is busy
 constexpr int kSimulatorComponent = 200;    ///< the simulator beside autopilot 1 of its system
@@ -217,6 +235,13 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
   return node;
 }
 
+/// Entry of a plugin of the scenario; a file that it names is given by its full path.
+YAML::Node further_plugin(const base::ConfigNode& entry) {
+  YAML::Node node = copy(entry);
+  if (const auto grid = entry.find("grid")) node["grid"] = full_path(base::find_config(*grid));
+  return node;
+}
+
 /// Entry of plugin `fault` for this vehicle; nothing when it has no faults.
 std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle) {
   YAML::Node faults;
@@ -237,7 +262,7 @@ YAML::Node vehicle_plugins(const Scenario& scenario, std::size_t vehicle, Transp
   for (const char* name : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
     plugins.push_back(plugin(name));
   }
-  for (const base::ConfigNode& further : scenario.plugins) plugins.push_back(copy(further));
+  for (const base::ConfigNode& further : scenario.plugins) plugins.push_back(further_plugin(further));
   if (const auto faults = fault_plugin(scenario, vehicle)) plugins.push_back(*faults);
   plugins.push_back(interface_plugin(scenario, vehicle, transport, places));
   YAML::Node recorder;
@@ -266,7 +291,7 @@ YAML::Node simulated_vehicle(const Scenario& scenario, std::size_t vehicle, Tran
   node["vehicle"] = full_path(own.vehicle);
   node["pose"]["x_m"] = own.pose.x_m;
   node["pose"]["y_m"] = own.pose.y_m;
-  node["pose"]["z_m"] = 0;
+  node["pose"]["z_m"] = own.pose.z_m;
   node["pose"]["yaw_deg"] = own.pose.yaw_deg;
   node["sensors"] = sensors(scenario, vehicle);
   node["plugins"] = vehicle_plugins(scenario, vehicle, transport, places);
@@ -307,14 +332,12 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   const Scenario& scenario = request.scenario;
   YAML::Node root;
   root["schema"] = 1;
-  root["world"]["gravity_m_s2"] = kGravity;
-  root["world"]["ground"] = true;
-  root["home"]["lat_deg"] = scenario.home.lat_deg;
-  root["home"]["lon_deg"] = scenario.home.lon_deg;
-  root["home"]["alt_m"] = scenario.home.alt_m;
+  add_world(scenario, root);
   root["decimal_year"] = scenario.decimal_year;
   root["step_us"] = scenario.step_us;
   root["pace"] = transport == Transport::kBus ? "free_run" : pace_word(request);
+  // A world's own real-time factor is no part of an experiment.
+  if (transport == Transport::kUdp && !request.lockstep) root["speed"] = 1;
   if (request.lockstep) root["pacing"]["lockstep_timeout_ms"] = kLockstepTimeoutMs;
   root["seed"] = request.seed;
   root["integrator"] = scenario.integrator;

@@ -117,6 +117,7 @@ std::string parse_name(const base::ConfigNode& node, const std::vector<ScenarioV
 VehiclePose parse_pose(const base::ConfigNode& node) {
   return {.x_m = node.require_in("x_m", -kFarthest_m, kFarthest_m),
           .y_m = node.require_in("y_m", -kFarthest_m, kFarthest_m),
+          .z_m = node.get_in("z_m", 0, -kFarthest_m, kFarthest_m),
           .yaw_deg = node.get_in("yaw_deg", VehiclePose{}.yaw_deg, -360, 360)};
 }
 
@@ -149,6 +150,7 @@ ScenarioVehicle parse_alone(const base::ConfigNode& root) {
   ScenarioVehicle vehicle;
   vehicle.vehicle = base::find_config(root.at("vehicle"));
   vehicle.system_id = base::Vehicle::load(vehicle.vehicle).system_id;
+  if (const auto pose = root.find("pose")) vehicle.pose = parse_pose(*pose);
   return vehicle;
 }
 
@@ -199,6 +201,24 @@ base::Geodetic parse_home(const base::ConfigNode& node) {
   return {.lat_deg = node.require_in("lat_deg", -90, 90),
           .lon_deg = node.require_in("lon_deg", -180, 180),
           .alt_m = node.require_in("alt_m", -500, 9000)};
+}
+
+/// Reads `world`, `model_path` and `missing`. @throws base::ConfigError when there is no such file
+ScenarioWorld parse_world(const base::ConfigNode& root) {
+  ScenarioWorld world;
+  const std::optional<base::ConfigNode> node = root.find("world");
+  if (!node) return world;
+  if (!node->is_scalar()) {
+    node->fail("is the name of an SDF file; without it a scenario has flat ground");
+  }
+  world.sdf = base::find_config(*node);
+  for (const auto& folder : root.get("model_path", std::vector<std::string>{})) {
+    world.model_path.push_back(std::filesystem::weakly_canonical(root.resolve(folder)));
+  }
+  const auto missing = root.get<std::string>("missing", "error");
+  if (missing != "error" && missing != "ignore") root.at("missing").fail("is error or ignore");
+  world.ignore_missing = missing == "ignore";
+  return world;
 }
 
 WakeUpFigures parse_wake_up(const base::ConfigNode& node) {
@@ -300,7 +320,9 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   scenario.name = root.get<std::string>("name", file.stem().string());
   scenario.description = root.get<std::string>("description", "");
   scenario.vehicles = parse_vehicles(root);
-  scenario.home = parse_home(root.at("home"));
+  scenario.world = parse_world(root);
+  if (const auto home = root.find("home")) scenario.home = parse_home(*home);
+  if (!scenario.home && scenario.world.sdf.empty()) root.at("home");  // says that it is missing
   scenario.decimal_year = root.get_in("decimal_year", scenario.decimal_year, 2000, 2100);
   scenario.seed = root.get<std::uint64_t>("seed", scenario.seed);
   try {

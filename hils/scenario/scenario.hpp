@@ -39,10 +39,19 @@ struct Limits {
   std::set<IncidentKind> allow;                     ///< of the scenario: these fail no run
 };
 
-/// Where a vehicle stands when a run begins, as in a world: x east and y north of home.
+/// Where a run is flown: keys `world`, `model_path` and `missing` of a simulation file.
+struct ScenarioWorld {
+  std::filesystem::path sdf;  ///< empty: flat ground at the height of home
+  std::vector<std::filesystem::path> model_path;
+  bool ignore_missing = false;
+};
+
+/// Where a vehicle stands when a run begins, as in a world: x east and y north of home, z of its
+/// lowest point.
 struct VehiclePose {
   double x_m = 0;
   double y_m = 0;
+  double z_m = 0;
   double yaw_deg = 90;  ///< of the nose, counter-clockwise from east: north
 };
 
@@ -98,7 +107,8 @@ struct Scenario {
   std::string description;
   std::filesystem::path file;
   std::vector<ScenarioVehicle> vehicles;  ///< key `vehicle` stands for a list of one
-  base::Geodetic home;
+  ScenarioWorld world;
+  std::optional<base::Geodetic> home;  ///< nothing: that of the world
   double decimal_year = 2026.5;
   std::uint64_t seed = 1;
   Architecture architecture = Architecture::kTcas;

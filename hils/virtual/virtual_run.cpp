@@ -31,6 +31,7 @@
 #include "hils/virtual/virtual_pilot.hpp"
 #include "hils/virtual/virtual_relay.hpp"
 #include "hils/virtual/virtual_simulator.hpp"
+#include "libsim/core/run/left_world.hpp"
 
 namespace cas::hils {
 
@@ -298,7 +299,11 @@ std::vector<RunRecord> run_on_virtual_clock(const RunRequest& request) {
   write_configs(request, Transport::kBus, places);
 
   VirtualBench bench(request, places);
-  bench.fly();
+  try {
+    bench.fly();
+  } catch (const sim::LeftWorldError& error) {
+    throw RunStopped(error.what(), false);
+  }
   const double wall_s = base::to_seconds(base::steady_now() - begin);
   std::vector<RunRecord> records = records_of(request.scenario, places);
   for (std::size_t i = 0; i < records.size(); ++i) {

@@ -77,6 +77,11 @@ TEST(Scenario, WindHoldsThePlaceThroughAGust) {
   EXPECT_TRUE(flown.verdict.passed) << flown.text;
 }
 
+TEST(Scenario, VillageLandsOnTheRoof) {
+  const Flown flown = fly("village");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+}
+
 TEST(Scenario, LineLossNamesTheLineForEachLostPacket) {
   const Flown flown = fly("line_loss");
   EXPECT_TRUE(flown.verdict.passed) << flown.text;
