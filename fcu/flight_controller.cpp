@@ -237,6 +237,8 @@ const FlightStatus& FlightController::status() const { return impl_->core.status
 
 const Estimator& FlightController::estimator() const { return impl_->core.estimator; }
 
+const ParamStore& FlightController::params() const { return impl_->core.params; }
+
 FlightControllerStats FlightController::stats() const {
   FlightControllerStats stats;
   const auto named = [](const auto& counts, auto& out) {

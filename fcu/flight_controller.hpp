@@ -24,6 +24,7 @@ struct PacketView;
 namespace cas::fcu {
 
 class Estimator;
+class ParamStore;
 
 /// Counts of one flight controller.
 struct FlightControllerStats {
@@ -69,6 +70,7 @@ class FlightController {
   /// Copies the counts (not for every step).
   FlightControllerStats stats() const;
 
+  const ParamStore& params() const;
   /// Sets a parameter as PARAM_SET would. @return false when unknown or out of range
   bool set_param(std::string_view name, double value);
   /// All parameters that differ from those of the configuration, as "NAME VALUE" lines.

@@ -32,6 +32,7 @@
 #include "hils/report/results_folder.hpp"
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
+#include "hils/ulog/run_ulog.hpp"
 #include "hils/virtual/virtual_run.hpp"
 
 namespace {
@@ -126,6 +127,9 @@ int run(const RunFlags& flags) {
 
   const RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
   write_results(request, result);
+  for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
+    write_ulog(request, result.vehicles[i].record, i);
+  }
   fmt::print("{}\nResults: {}\n", text_report(result), flags.out);
   return result.verdict.exit_code();
 }

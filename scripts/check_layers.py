@@ -133,11 +133,12 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/measure": rooms("hils", "flight scenario run"),
     "hils/report": rooms("hils", "measure run"),
     "hils/programs": rooms("hils", "flight scenario run measure"),
+    "hils/ulog": rooms("hils", "measure run"),
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
     "hils/firmware": rooms("hils", "flight run measure report programs"),
     "hils/compare": rooms("hils", "run measure report programs virtual"),
-    "hils/figures": rooms("hils", "measure report virtual"),
-    "hils": rooms("hils", "flight scenario run measure report programs virtual firmware compare"),
+    "hils/figures": rooms("hils", "measure report programs virtual"),
+    "hils": rooms("hils", "flight scenario run measure report ulog programs virtual firmware compare"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

@@ -36,7 +36,7 @@ std::vector<std::uint16_t> free_udp_ports(std::size_t count);
 /// Where the pieces of one vehicle of a run are, and what they are called. With several vehicles
 /// the names of files bear the vehicle's and those of links its number.
 struct VehiclePlaces {
-  std::filesystem::path out;            ///< results: truth.csv, sensors/
+  std::filesystem::path out;            ///< results: truth.csv, sensors/, flight.ulg
   std::filesystem::path run;            ///< effective configuration, ledgers
   std::filesystem::path sockets;        ///< short-lived: control socket, the PTY's link
   std::string suffix{};                 ///< behind the names of files: "_NAME"
@@ -52,6 +52,7 @@ struct VehiclePlaces {
   std::filesystem::path controller_ledger() const { return csv("controller_ledger"); }
   std::filesystem::path truth_csv() const { return out / ("truth" + suffix + ".csv"); }
   std::filesystem::path sensors() const { return out / ("sensors" + suffix); }
+  std::filesystem::path flight_ulog() const { return out / ("flight" + suffix + ".ulg"); }
   std::filesystem::path fcu_link() const { return sockets / tty; }
   std::filesystem::path fcu_control() const { return sockets / ("fcu" + suffix); }
 

@@ -6,7 +6,7 @@
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"
-#include "plugins/recorder/ulog_file.hpp"
+#include "plugins/common/ulog_file.hpp"
 
 namespace cas::sim {
 

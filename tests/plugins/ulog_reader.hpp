@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cas::test {
@@ -40,7 +42,24 @@ class UlogReader {
   const std::map<std::string, Format>& formats() const { return formats_; }
   const std::vector<Message>& messages(const std::string& topic) const { return data_.at(topic); }
   bool has(const std::string& topic) const { return data_.count(topic) != 0; }
+  /// The bytes of a fact's value.
   const std::string& info(const std::string& key) const { return info_.at(key); }
+  /// Parameters as they were when the log began.
+  const std::map<std::string, double>& params() const { return params_; }
+  struct Change {
+    std::uint64_t timestamp = 0;  ///< of the message before it
+    std::string name;
+    double value = 0;
+  };
+  const std::vector<Change>& changes() const { return changes_; }
+  struct Text {
+    std::uint64_t timestamp = 0;
+    int severity = 0;
+    std::string text;
+  };
+  const std::vector<Text>& texts() const { return texts_; }
+  /// Whether no message of any topic is older than the one before it.
+  bool is_in_order() const { return in_order_; }
 
   /// A number of a message, whatever its type.
   double value(const std::string& topic, const Message& message, const std::string& field,
@@ -71,6 +90,9 @@ class UlogReader {
     if (type == "float") return load<float>(bytes);
     if (type == "double") return load<double>(bytes);
     if (type == "uint64_t") return static_cast<double>(load<std::uint64_t>(bytes));
+    if (type == "int32_t") return load<std::int32_t>(bytes);
+    if (type == "uint32_t") return load<std::uint32_t>(bytes);
+    if (type == "int8_t") return load<std::int8_t>(bytes);
     require(size_of(type) == 1, "reader knows no " + type);
     return *bytes;
   }
@@ -106,6 +128,10 @@ class UlogReader {
         return read_format(std::string(body.begin(), body.end()));
       case 'I':
         return read_info(body);
+      case 'P':
+        return read_param(body);
+      case 'L':
+        return read_text(body);
       case 'A':
         return read_subscription(body);
       case 'D':
@@ -151,14 +177,35 @@ class UlogReader {
     return field;
   }
 
-  void read_info(const std::vector<std::uint8_t>& body) {
+  static std::pair<Field, std::string> read_pair(const std::vector<std::uint8_t>& body) {
     const std::size_t length = body.at(0);
     require(1 + length <= body.size(), "info has a key");
     const Field key =
         read_field(std::string(body.begin() + 1, body.begin() + 1 + static_cast<long>(length)));
     const std::string value(body.begin() + 1 + static_cast<long>(length), body.end());
     require(value.size() == size_of(key.type) * key.count, "info value has its type's size");
-    info_[key.name] = value;
+    return {key, value};
+  }
+
+  void read_info(const std::vector<std::uint8_t>& body) {
+    const auto [key, value] = read_pair(body);
+    require(subscriptions_.empty(), "info comes before data");
+    require(info_.emplace(key.name, value).second, "info keys are unique");
+  }
+
+  void read_param(const std::vector<std::uint8_t>& body) {
+    const auto [key, value] = read_pair(body);
+    require(key.count == 1 && (key.type == "int32_t" || key.type == "float"), "type of parameters");
+    const double v = number(key.type, reinterpret_cast<const std::uint8_t*>(value.data()));
+    if (!subscriptions_.empty()) return changes_.push_back({newest_, key.name, v});
+    require(params_.emplace(key.name, v).second, "parameters are unique before data");
+  }
+
+  void read_text(const std::vector<std::uint8_t>& body) {
+    require(body.size() >= 9, "text has severity and time");
+    require(body[0] >= '0' && body[0] <= '7', "severity of syslog");
+    texts_.push_back({load<std::uint64_t>(body.data() + 1), body[0] - '0',
+                      std::string(body.begin() + 9, body.end())});
   }
 
   void read_subscription(const std::vector<std::uint8_t>& body) {
@@ -177,6 +224,8 @@ class UlogReader {
     Message message{load<std::uint64_t>(body.data() + 2), {body.begin() + 2, body.end()}};
     auto& messages = data_[subscription->second];
     require(messages.empty() || messages.back().timestamp <= message.timestamp, "time goes on");
+    in_order_ = in_order_ && message.timestamp >= newest_;
+    newest_ = std::max(newest_, message.timestamp);
     messages.push_back(std::move(message));
   }
 
@@ -184,6 +233,11 @@ class UlogReader {
   std::size_t place_ = 0;
   std::map<std::string, Format> formats_;
   std::map<std::string, std::string> info_;
+  std::map<std::string, double> params_;
+  std::vector<Change> changes_;
+  std::vector<Text> texts_;
+  std::uint64_t newest_ = 0;  ///< stamp
+  bool in_order_ = true;
   std::map<std::uint16_t, std::string> subscriptions_;
   std::map<std::string, std::vector<Message>> data_;
 };

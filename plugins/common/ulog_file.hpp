@@ -8,7 +8,9 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "base/error.hpp"
 #include "base/time/clock.hpp"
@@ -19,6 +21,23 @@ namespace cas::sim {
 struct UlogTopic {
   std::string_view name;
   std::string_view fields;
+};
+
+/// A fact about the whole log, as its key (type and name) and the bytes of its value.
+struct UlogInfo {
+  std::string key;
+  std::string value;
+
+  static UlogInfo text(std::string_view name, std::string_view value);
+  static UlogInfo int32(std::string_view name, std::int32_t value);
+  static UlogInfo uint32(std::string_view name, std::uint32_t value);
+};
+
+/// A parameter of the vehicle; ULog knows int32_t and float.
+struct UlogParam {
+  std::string name;
+  bool is_integer = false;
+  double value = 0;
 };
 
 /// The bytes of one logged message, in the order of the topic's fields; the timestamp comes first.
@@ -53,10 +72,18 @@ class UlogRecord {
 class UlogFile {
  public:
   UlogFile() = default;
-  /// Writes header and definitions; topic i gets the message id i. @throws base::ConfigError
-  UlogFile(const std::filesystem::path& file, std::span<const UlogTopic> topics);
+  /// Writes header and definitions; topic i gets the message id i. The system's name is CAS.
+  ///
+  /// @param params  as they were when the log began
+  /// @throws base::ConfigError
+  UlogFile(const std::filesystem::path& file, std::span<const UlogTopic> topics,
+           std::span<const UlogInfo> infos = {}, std::span<const UlogParam> params = {});
 
   void write(std::uint16_t topic, const UlogRecord& record);
+  /// A parameter that has another value from here on.
+  void write(const UlogParam& param);
+  /// A sentence of the vehicle. @param severity  MAV_SEVERITY, 0 to 7: that of syslog, too
+  void write_text(base::SimTime time, int severity, std::string_view text);
   /// @throws base::ConfigError when what was written did not reach the disk
   void close();
 
@@ -66,7 +93,7 @@ class UlogFile {
   };
 
   void write_header();
-  void write_info(std::string_view key, std::string_view value);
+  void write_pair(char type, std::string_view key, std::string_view value);
   void write_message(char type, std::span<const std::uint8_t> head,
                      std::span<const std::uint8_t> body);
 

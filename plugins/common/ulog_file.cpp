@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/recorder/ulog_file.hpp"
+#include "plugins/common/ulog_file.hpp"
 
 #include <bit>
 #include <cerrno>
@@ -19,25 +19,52 @@ std::array<std::uint8_t, sizeof(T)> bytes_of_number(T value) {
   return std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
 }
 
+template <class T>
+std::string text_of_number(T value) {
+  const auto bytes = bytes_of_number(value);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string key_of(const char* type, std::string_view name) {
+  return std::string(type).append(" ").append(name);
+}
+
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
   throw base::ConfigError(path.string() + ": " + what + ": " + std::strerror(errno));
 }
 
 }  // namespace
 
-UlogFile::UlogFile(const std::filesystem::path& file, std::span<const UlogTopic> topics)
+UlogInfo UlogInfo::text(std::string_view name, std::string_view value) {
+  const std::string type = "char[" + std::to_string(value.size()) + "]";
+  return {key_of(type.c_str(), name), std::string(value)};
+}
+
+UlogInfo UlogInfo::int32(std::string_view name, std::int32_t value) {
+  return {key_of("int32_t", name), text_of_number(value)};
+}
+
+UlogInfo UlogInfo::uint32(std::string_view name, std::uint32_t value) {
+  return {key_of("uint32_t", name), text_of_number(value)};
+}
+
+UlogFile::UlogFile(const std::filesystem::path& file, std::span<const UlogTopic> topics,
+                   std::span<const UlogInfo> infos, std::span<const UlogParam> params)
     : path_(file) {
   std::error_code ignored;  // opening says what is wrong
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
   file_.reset(std::fopen(file.c_str(), "wbe"));
   if (!file_) fail(path_, "cannot be written");
   write_header();
-  write_info("char[3] sys_name", "CAS");
+  const UlogInfo name = UlogInfo::text("sys_name", "CAS");
+  write_pair('I', name.key, name.value);
+  for (const UlogInfo& info : infos) write_pair('I', info.key, info.value);
   for (const UlogTopic& topic : topics) {
     const std::string format =
         std::string(topic.name).append(":uint64_t timestamp;").append(topic.fields).append(";");
     write_message('F', bytes_of(format), {});
   }
+  for (const UlogParam& param : params) write(param);
   for (std::size_t id = 0; id < topics.size(); ++id) {
     const auto low = static_cast<std::uint8_t>(id & 0xFFU);
     const auto high = static_cast<std::uint8_t>(id >> 8U);
@@ -55,10 +82,26 @@ void UlogFile::write_header() {
   write_message('B', kNoFlags, {});
 }
 
-void UlogFile::write_info(std::string_view key, std::string_view value) {
+void UlogFile::write_pair(char type, std::string_view key, std::string_view value) {
+  CAS_CHECK(key.size() <= 255);  // its length is one byte
   std::string body(1, static_cast<char>(key.size()));
   body.append(key).append(value);
-  write_message('I', bytes_of(body), {});
+  write_message(type, bytes_of(body), {});
+}
+
+void UlogFile::write(const UlogParam& param) {
+  if (param.is_integer) {
+    write_pair('P', key_of("int32_t", param.name),
+               text_of_number(static_cast<std::int32_t>(param.value)));
+  } else {
+    write_pair('P', key_of("float", param.name), text_of_number(static_cast<float>(param.value)));
+  }
+}
+
+void UlogFile::write_text(base::SimTime time, int severity, std::string_view text) {
+  std::string head(1, static_cast<char>('0' + severity));
+  head.append(text_of_number(base::to_time_usec(time)));
+  write_message('L', bytes_of(head), bytes_of(text));
 }
 
 void UlogFile::write(std::uint16_t topic, const UlogRecord& record) {

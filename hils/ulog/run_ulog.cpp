@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/ulog/run_ulog.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/earth/atmosphere.hpp"
+#include "base/earth/frames.hpp"
+#include "base/earth/geodesy.hpp"
+#include "base/error.hpp"
+#include "casd/tlog/tlog_files.hpp"
+#include "fcu/flight_controller.hpp"
+#include "fcu/params/params.hpp"
+#include "hils/measure/csv_row.hpp"
+#include "hils/ulog/telemetry_ulog.hpp"
+#include "hils/ulog/ulog_topics.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using base::SimTime;
+using sim::UlogRecord;
+using Topic = UlogTopicId;
+using Row = std::vector<double>;
+
+/// One file of the run, read from its begin to its end.
+class Track {
+ public:
+  virtual ~Track() = default;
+  /// Time of what comes next; nothing at the end.
+  virtual std::optional<SimTime> next() const = 0;
+  /// Writes it and goes on.
+  virtual void write_next() = 0;
+};
+
+/// A CSV file with the time in its first column.
+class CsvTrack final : public Track {
+ public:
+  using Write = std::function<void(SimTime, const Row&)>;
+
+  /// @param file  one that is not there has no rows: no such sensor
+  CsvTrack(std::filesystem::path file, std::size_t columns, Write write)
+      : path_(std::move(file)), columns_(columns), in_(path_), write_(std::move(write)) {
+    std::string header;
+    std::getline(in_, header);
+    read();
+  }
+
+  std::optional<SimTime> next() const override { return time_; }
+  void write_next() override {
+    write_(*time_, row_);
+    read();
+  }
+
+ private:
+  void read() {
+    std::string line;
+    time_.reset();
+    if (!std::getline(in_, line)) return;
+    ++number_;
+    auto row = parse_csv_row(line);
+    if (!row || row->size() < columns_) {
+      throw base::ConfigError(path_.string() + ":" + std::to_string(number_) +
+                              ": not a row of this file");
+    }
+    row_ = *std::move(row);
+    time_ = SimTime(base::from_seconds(row_.front()));
+  }
+
+  std::filesystem::path path_;
+  std::size_t columns_;
+  std::ifstream in_;
+  Write write_;
+  int number_ = 1;  ///< of the line, after the header
+  Row row_;
+  std::optional<SimTime> time_;
+};
+
+/// The flight log: what the vehicle said, at the simulated time at which casd heard it.
+class TlogTrack final : public Track {
+ public:
+  TlogTrack(const RunRecord& record, sim::UlogFile& file, std::span<const sim::UlogParam> params)
+      : clock_(record.log_clock),
+        telemetry_(file, record.system, params),
+        parser_(mavlink::common::table()) {
+    if (!log_.open(record.flight_tlog)) {
+      throw base::ConfigError("cannot read " + record.flight_tlog.string());
+    }
+    read();
+  }
+
+  std::optional<SimTime> next() const override {
+    return entry_ ? std::optional(time_) : std::nullopt;
+  }
+  void write_next() override {
+    parser_.reset();  // a damaged record must not swallow the next one
+    parser_.feed(entry_->packet,
+                 [this](const mav::PacketView& packet) { telemetry_.on_packet(time_, packet); });
+    read();
+  }
+
+ private:
+  void read() {
+    entry_ = log_.next();
+    if (!entry_) return;
+    const std::int64_t us = clock_.to_sim_us(static_cast<std::int64_t>(entry_->unix_us));
+    // A wall clock that is set back, or a log that begins before the simulation: time goes on.
+    time_ = std::max(time_, SimTime(std::chrono::microseconds(us)));
+  }
+
+  const ClockMap& clock_;
+  TelemetryUlog telemetry_;
+  casd::TlogReader log_;
+  mav::PacketParser parser_;
+  std::optional<casd::TlogReader::Record> entry_;
+  SimTime time_{};
+};
+
+UlogRecord& put_three(UlogRecord& record, const Row& row, std::size_t first) {
+  return record.put_float(row[first]).put_float(row[first + 1]).put_float(row[first + 2]);
+}
+
+/// A row of truth.csv: z up there, down here.
+///
+/// @param home  the origin's place on earth; nothing: the run has none
+void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home, SimTime time,
+                 const Row& row) {
+  const Eigen::Vector3d p_N(row[1], row[2], -row[3]);
+  const Eigen::Vector3d v_N(row[4], row[5], -row[6]);
+  const Eigen::Quaterniond q = base::quaternion_rpy(row[7], row[8], row[9]);
+  write(file, Topic::kAttitudeTruth,
+        UlogRecord(time).put_float(q.w()).put_float(q.x()).put_float(q.y()).put_float(q.z()));
+  UlogRecord rates(time);
+  write(file, Topic::kAngularVelocityTruth, put_three(rates, row, 10));
+  write(file, Topic::kLocalPositionTruth, UlogRecord(time).put_floats(p_N).put_floats(v_N));
+  UlogRecord speeds(time);
+  write(file, Topic::kRotorSpeeds, put_three(speeds, row, 13).put_float(row[16]));
+  if (!home) return;
+  const base::Geodetic place = base::LocalProjection(*home).to_geodetic(p_N);
+  write(file, Topic::kGlobalPositionTruth,
+        UlogRecord(time).put(place.lat_deg).put(place.lon_deg).put_float(place.alt_m));
+}
+
+void write_imu(sim::UlogFile& file, SimTime time, const Row& row) {
+  UlogRecord record(time);
+  write(file, Topic::kSensorCombined, put_three(put_three(record, row, 1), row, 4));
+}
+
+void write_gps(sim::UlogFile& file, SimTime time, const Row& row) {
+  const double north = row[6];
+  const double east = row[7];
+  write(file, Topic::kGpsPosition,
+        UlogRecord(time)
+            .put(row[3])
+            .put(row[4])
+            .put(row[5])
+            .put_float(row[9])
+            .put_float(row[10])
+            .put_float(std::hypot(north, east))
+            .put_float(north)
+            .put_float(east)
+            .put_float(row[8])
+            .put_float(std::atan2(east, north))
+            .put(static_cast<std::uint8_t>(row[1]))
+            .put(static_cast<std::uint8_t>(row[2])));
+}
+
+void write_magnetometer(sim::UlogFile& file, SimTime time, const Row& row) {
+  UlogRecord record(time);
+  write(file, Topic::kMagnetometer, put_three(record, row, 1));
+}
+
+void write_barometer(sim::UlogFile& file, SimTime time, const Row& row) {
+  write(file, Topic::kAirData,
+        UlogRecord(time)
+            .put_float(base::isa::altitude_m(row[1]))
+            .put_float(row[1])
+            .put_float(row[2]));
+}
+
+void write_rangefinder(sim::UlogFile& file, SimTime time, const Row& row) {
+  constexpr std::int8_t kUnknown = -1;  // of distance_sensor.msg; 0: no signal
+  write(file, Topic::kDistance,
+        UlogRecord(time).put_float(row[1]).put(row[2] > 0 ? kUnknown : std::int8_t{0}));
+}
+
+/// What the emulated controller began with; empty for a real one, whose file nobody has.
+std::vector<sim::UlogParam> initial_params(const RunRequest& request, const VehiclePlaces& places) {
+  std::vector<sim::UlogParam> params;
+  if (!request.fcu_device.empty()) return params;
+  const fcu::FlightController controller(fcu::FcuConfig::load(places.fcu_config()), [](auto) {});
+  const fcu::ParamStore& store = controller.params();
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    const fcu::Param& param = store.at(i);
+    params.push_back({.name = param.name,
+                      .is_integer = param.type == fcu::ParamType::kInt32,
+                      .value = param.value});
+  }
+  return params;
+}
+
+/// "1.2.3" as ULog has versions: a byte each, and 255 for a release.
+std::uint32_t version_number(const char* version) {
+  unsigned major = 0;
+  unsigned minor = 0;
+  unsigned patch = 0;
+  std::sscanf(version, "%u.%u.%u", &major, &minor, &patch);
+  return major << 24U | minor << 16U | patch << 8U | 255U;
+}
+
+std::vector<sim::UlogInfo> infos(const RunRequest& request, const RunRecord& record) {
+  constexpr std::uint32_t kDataFormat = 2;  // vehicle_gps_position in degrees and metres
+  using sim::UlogInfo;
+  std::vector<UlogInfo> infos{
+      UlogInfo::uint32("ver_data_format", kDataFormat),
+      UlogInfo::int32("time_ref_utc", 0),  // simulated time knows no time zone
+      UlogInfo::text("cas_version", CAS_VERSION),
+      UlogInfo::text("cas_scenario", request.scenario.name),
+      UlogInfo::text("cas_vehicle", record.vehicle),
+      UlogInfo::text("cas_architecture", to_string(request.architecture)),
+      UlogInfo::text("cas_seed", std::to_string(request.seed))};
+  if (request.fcu_device.empty()) {
+    infos.push_back(UlogInfo::text("ver_hw", "fcu_emulator"));
+    infos.push_back(UlogInfo::text("ver_sw", CAS_VERSION));
+    infos.push_back(UlogInfo::uint32("ver_sw_release", version_number(CAS_VERSION)));
+  }
+  return infos;
+}
+
+}  // namespace
+
+void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t vehicle) {
+  const RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
+  const VehiclePlaces& own = places.vehicles.at(vehicle);
+  const std::vector<sim::UlogParam> params = initial_params(request, own);
+  sim::UlogFile file(own.flight_ulog(), ulog_topics(), infos(request, record), params);
+  const std::optional<base::Geodetic> home = request.scenario.home;
+
+  std::vector<std::unique_ptr<Track>> tracks;
+  const auto add_csv = [&](const std::filesystem::path& path, std::size_t columns, auto write) {
+    tracks.push_back(std::make_unique<CsvTrack>(
+        path, columns, [&file, write](SimTime time, const Row& row) { write(file, time, row); }));
+  };
+  add_csv(record.truth_csv, 17, [&home](sim::UlogFile& to, SimTime time, const Row& row) {
+    write_truth(to, home, time, row);
+  });
+  add_csv(record.sensors / "imu.csv", 7, write_imu);
+  add_csv(record.sensors / "gps.csv", 11, write_gps);
+  add_csv(record.sensors / "magnetometer.csv", 4, write_magnetometer);
+  add_csv(record.sensors / "barometer.csv", 3, write_barometer);
+  add_csv(record.sensors / "rangefinder.csv", 3, write_rangefinder);
+  tracks.push_back(std::make_unique<TlogTrack>(record, file, params));
+
+  // Whatever is next in time, from whichever file; of the same moment in the order above.
+  const auto time_of = [](const auto& track) { return track->next().value_or(SimTime::max()); };
+  while (true) {
+    const auto first = std::ranges::min_element(tracks, {}, time_of);
+    if (!(*first)->next()) break;
+    (*first)->write_next();
+  }
+  file.close();
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "mavlink/common/estimator_status.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+#include "plugins/common/ulog_file.hpp"
+
+namespace cas::hils {
+
+/// PX4's number of a mode (vehicle_status.nav_state) by HEARTBEAT.custom_mode; nothing for a mode
+/// that has none here.
+std::optional<std::uint8_t> px4_nav_state(std::uint32_t custom_mode);
+
+/// Turns what a vehicle says over MAVLink into the topics that PX4 has for it, each message when it
+/// comes.
+class TelemetryUlog {
+ public:
+  /// @param file  outlives it
+  /// @param params  that the log begins with: one is written again when it has another value
+  TelemetryUlog(sim::UlogFile& file, std::uint8_t system, std::span<const sim::UlogParam> params);
+
+  void on_packet(base::SimTime time, const mav::PacketView& packet);
+
+ private:
+  void on_estimate(base::SimTime time, const mav::PacketView& packet);
+  void on_setpoint(base::SimTime time, const mav::PacketView& packet);
+  void on_actuators(base::SimTime time, const mav::PacketView& packet);
+  void on_state(base::SimTime time, const mav::PacketView& packet);
+  void on_param(const mav::PacketView& packet);
+
+  sim::UlogFile& file_;
+  std::uint8_t system_;
+  std::map<std::string, double> params_;
+  mavlink::common::EstimatorStatusFlags estimator_{};  ///< the newest; nothing is valid before it
+  std::string sentence_;                               ///< as far as its STATUSTEXTs have come
+  bool by_motor_ = false;  ///< HIL_ACTUATOR_CONTROLS has the motors' outputs
+};
+
+}  // namespace cas::hils

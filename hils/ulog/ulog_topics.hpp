@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "plugins/common/ulog_file.hpp"
+
+namespace cas::hils {
+
+/// Topics of a run's ULog, by message id. Names and fields are PX4's, so that the views people have
+/// for its logs fit; a field that no run has a value for is left out. docs/config.md has the table.
+enum class UlogTopicId : std::uint16_t {
+  // The controller's own word.
+  kAttitude,
+  kAngularVelocity,
+  kLocalPosition,
+  kGlobalPosition,
+  kAttitudeSetpoint,
+  kRatesSetpoint,
+  kLocalPositionSetpoint,
+  kTrajectorySetpoint,
+  kTorqueSetpoint,
+  kThrustSetpoint,
+  kActuatorMotors,
+  kActuatorOutputs,
+  kVehicleStatus,
+  kLandDetected,
+  kBattery,
+  // What the simulated sensors measured.
+  kSensorCombined,
+  kGpsPosition,
+  kMagnetometer,
+  kAirData,
+  kDistance,
+  // The truth.
+  kAttitudeTruth,
+  kAngularVelocityTruth,
+  kLocalPositionTruth,
+  kGlobalPositionTruth,
+  kRotorSpeeds,
+};
+
+/// Definitions of all of them, in the order of UlogTopicId.
+std::span<const sim::UlogTopic> ulog_topics();
+
+/// Writes a message of a topic.
+inline void write(sim::UlogFile& file, UlogTopicId topic, const sim::UlogRecord& record) {
+  file.write(static_cast<std::uint16_t>(topic), record);
+}
+
+}  // namespace cas::hils
