@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "base/os/write_file.hpp"
+#include "base/time/clock.hpp"
+#include "hils/programs/batch_progress.hpp"
 #include "hils/programs/realtime_run.hpp"
 #include "hils/report/report.hpp"
 #include "hils/virtual/virtual_run.hpp"
@@ -111,10 +114,15 @@ std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
   std::vector<VariantResult> results;
   for (const Variant& variant : plan.variants) results.push_back({.variant = variant});
   std::size_t done = 0;
+  const base::RunTime begin = base::steady_now();
   const std::size_t all = plan.seeds.size() * plan.variants.size();
   for (const std::uint64_t seed : plan.seeds) {
     for (VariantResult& result : results) {
-      fmt::print(stderr, "[{}/{}] {} seed {}\n", ++done, all, result.variant.name(), seed);
+      const auto elapsed =
+          std::chrono::duration_cast<std::chrono::seconds>(base::steady_now() - begin);
+      fmt::print(stderr, "{}; {}, seed {}\n", batch_line("compare", done, all, elapsed),
+                 result.variant.name(), seed);
+      ++done;
       run_one(plan, request_of(scenario, result.variant, seed, out), keep, result);
     }
   }

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/os/descriptor.hpp"
+#include "hils/programs/batch_progress.hpp"
 
 namespace cas::hils {
 
@@ -114,7 +115,9 @@ void fly_in_processes(const FlightBatch& batch, const FlyInto& fly, std::span<st
   for (int first = 0; first < batch.jobs; ++first) {
     jobs.emplace_back(batch, first, fly, result_bytes);
   }
+  BatchProgress progress("flights", static_cast<std::size_t>(batch.flights));
   for (int i = 0; i < batch.flights; ++i) {
+    progress.show(static_cast<std::size_t>(i));
     Job& job = jobs[static_cast<std::size_t>(i % batch.jobs)];
     if (job.read(results.subspan(static_cast<std::size_t>(i) * result_bytes, result_bytes))) {
       continue;

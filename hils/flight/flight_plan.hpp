@@ -65,6 +65,8 @@ class FlightPlan {
   bool done() const { return current_ == steps_.size(); }
   /// Steps that the vehicle has done, and whether it has begun with the next one.
   std::size_t completed() const { return current_; }
+  /// Steps that it has in all.
+  std::size_t size() const { return steps_.size(); }
   bool begun() const { return begun_; }
   /// Steps that other vehicles need not wait for: those done, and one in which it stands by.
   std::size_t through() const { return current_ + (stands_by() ? 1 : 0); }

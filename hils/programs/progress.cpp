@@ -5,6 +5,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 
 namespace cas::hils {
@@ -13,6 +15,8 @@ namespace {
 
 constexpr const char* kEraseLine = "\r\x1b[K";
 constexpr std::size_t kUsualColumns = 80;
+constexpr base::Duration kFirstPlain = std::chrono::seconds(2);
+constexpr base::Duration kPlainPeriod = std::chrono::seconds(10);
 
 /// A line that reaches the last column would wrap, and the terminal would keep half of it.
 std::size_t usable_columns() {
@@ -54,13 +58,26 @@ std::string progress_line(base::SimTime now, const FlightPlan& plan, const Vehic
   return line;
 }
 
-Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+std::string plain_progress_line(base::SimTime now, const FlightPlan& plan,
+                                const VehicleReport& vehicle, const std::string& pace) {
+  constexpr std::size_t kNoEdge = 160;
+  return fmt::format("hils: step {} of {}, {}", std::min(plan.completed() + 1, plan.size()),
+                     plan.size(), progress_line(now, plan, vehicle, pace, {}, kNoEdge));
+}
+
+Progress::Progress()
+    : terminal_(::isatty(STDERR_FILENO) == 1), next_plain_(base::steady_now() + kFirstPlain) {}
 
 Progress::~Progress() { clear(); }
 
 void Progress::show(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
                     const std::string& pace, const std::string& stream) {
-  if (!terminal_) return;
+  if (!terminal_) {
+    if (!shows()) return;
+    next_plain_ = base::steady_now() + kPlainPeriod;
+    fmt::print(stderr, "{}\n", plain_progress_line(now, plan, vehicle, pace));
+    return;
+  }
   const std::string line = progress_line(now, plan, vehicle, pace, stream, usable_columns());
   if (line == shown_) return;
   shown_ = line;

@@ -21,8 +21,12 @@ std::string pace_words(double real_time_factor, std::optional<std::uint64_t> lat
 std::string progress_line(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
                           const std::string& pace, const std::string& stream, std::size_t columns);
 
-/// One line on a terminal that is rewritten while the run goes on; nothing where standard error is
-/// no terminal.
+/// The same with the step's number, for where there is no terminal: "hils: step 3 of 8, ...".
+std::string plain_progress_line(base::SimTime now, const FlightPlan& plan,
+                                const VehicleReport& vehicle, const std::string& pace);
+
+/// One line on a terminal that is rewritten while the run goes on. Where standard error is no
+/// terminal a line of its own every ten seconds, the first after two.
 class Progress {
  public:
   Progress();
@@ -31,8 +35,9 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// Whether anybody looks: else nothing needs to be found out for it.
-  bool shows() const { return terminal_; }
-  /// Shows progress_line(), drawn again only when it has changed.
+  bool shows() const { return terminal_ || base::steady_now() >= next_plain_; }
+  /// Shows progress_line(), drawn again only when it has changed; or plain_progress_line() when it
+  /// is due.
   void show(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
             const std::string& pace, const std::string& stream = {});
   /// Takes the line away.
@@ -40,6 +45,7 @@ class Progress {
 
  private:
   bool terminal_;
+  base::RunTime next_plain_;
   std::string shown_;  ///< empty: no line is there
 };
 

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "base/rpc/client.hpp"
+#include "hils/programs/batch_progress.hpp"
 #include "mavlink/common/all.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/packet_stream.hpp"
@@ -459,9 +461,21 @@ int run(const std::vector<std::string>& only) {
       {"requests", requests},
       {"descriptors", descriptors},
       {"clock", [] { clock_steps(10); }}};
+  const auto wanted = [&only](const auto& entry) {
+    return only.empty() || std::find(only.begin(), only.end(), entry.first) != only.end();
+  };
+  const auto count = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), wanted));
+  const auto begin = std::chrono::steady_clock::now();
+  std::size_t done = 0;
   std::printf("| what | seen |\n|---|---|\n");
-  for (const auto& [name, does] : all) {
-    if (only.empty() || std::find(only.begin(), only.end(), name) != only.end()) does();
+  for (const auto& entry : all) {
+    if (!wanted(entry)) continue;
+    const auto elapsed =
+        std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - begin);
+    std::fprintf(stderr, "%s; %s\n",
+                 hils::batch_line("casd_torture", done++, count, elapsed).c_str(),
+                 entry.first.c_str());
+    entry.second();
   }
   return 0;
 }

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <string>
 
+#include "hils/programs/batch_progress.hpp"
+
 namespace cas::hils {
 namespace {
 
@@ -48,6 +50,20 @@ TEST(ProgressLine, LeavesOutWhatDoesNotFit) {
   const std::string stream = "HIL_SENSOR 500.0 Hz, HIL_CONTROLS 400.0 Hz";
   EXPECT_EQ(line_of(measured_hold(), {}, stream).find("HIL_SENSOR"), std::string::npos);
   EXPECT_NE(line_of(measured_hold(), {}, stream, 160).find(stream), std::string::npos);
+}
+
+TEST(ProgressLine, CountsTheStepsWhereThereIsNoTerminal) {
+  const FlightPlan plan({measured_hold(), measured_hold(), measured_hold()});
+  const std::string line = plain_progress_line(base::SimTime(seconds(4)), plan, {}, "1.00x");
+  EXPECT_EQ(line.find("hils: step 1 of 3, "), 0U) << line;
+  EXPECT_NE(line.find("measured  4.0 of 30.0 s"), std::string::npos) << line;
+}
+
+TEST(BatchLine, TellsWhatIsDoneOfHowMuchAndHowLongYet) {
+  EXPECT_EQ(batch_line("compare", 3, 20, seconds(72)), "compare: 3 of 20, 1:12, about 6:48 left");
+  EXPECT_EQ(batch_line("compare", 0, 20, seconds(0)), "compare: 0 of 20, 0:00");
+  EXPECT_EQ(batch_line("flights", 9, 1000, seconds(9)), "flights: 9 of 1000, 0:09");
+  EXPECT_EQ(batch_line("flights", 20, 20, seconds(61)), "flights: 20 of 20, 1:01");
 }
 
 TEST(ProgressLine, NeverReachesTheLastColumn) {
