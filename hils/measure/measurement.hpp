@@ -10,6 +10,7 @@
 #include "hils/flight/flight_plan.hpp"
 #include "hils/measure/incident.hpp"
 #include "hils/measure/packet_account.hpp"
+#include "hils/measure/plugin_figure.hpp"
 #include "hils/measure/run_record.hpp"
 #include "hils/measure/step_response.hpp"
 #include "hils/measure/tracking.hpp"
@@ -66,6 +67,7 @@ struct Measurement {
   std::vector<StepResponse> responses;         ///< to the steps of the flight
   std::optional<RmsFigures> rms;               ///< truth against reference during the hold
   std::optional<RmsFigures> rms_estimate;      ///< estimate against reference during the hold
+  std::vector<PluginFigure> plugins;           ///< what the vehicle's plugins report
 };
 
 /// Works out the figures of a vehicle. @throws base::ConfigError when its files cannot be read

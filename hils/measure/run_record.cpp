@@ -60,6 +60,7 @@ std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& pla
     record.truth_csv = places.vehicles[i].truth_csv();
     record.sensors = places.vehicles[i].sensors();
     record.flight_tlog = places.flight_tlog();
+    record.plugin_figures = places.plugin_figures();
   }
   return records;
 }

@@ -30,6 +30,7 @@ struct RunRecord {
   std::filesystem::path truth_csv;
   std::filesystem::path sensors;  ///< folder with a CSV file of each sensor
   std::filesystem::path flight_tlog;
+  std::filesystem::path plugin_figures;  ///< what plugins report; there may be no such file
   std::vector<Stage> stages;
   std::optional<Stage> hold;  ///< the measured one; nothing when the flight did not get there
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench, as they went

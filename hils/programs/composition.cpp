@@ -14,6 +14,7 @@
 #include "base/os/write_file.hpp"
 #include "base/random.hpp"
 #include "fcu/line/line_model.hpp"
+#include "hils/programs/declared_messages.hpp"
 
 namespace cas::hils {
 
@@ -144,9 +145,12 @@ void add_ground_routes(const VehiclePlaces& places, const std::string& link, YAM
   routes.push_back(route(link, places.controller_link));
 }
 
-void add_routes(const VehiclePlaces& places, bool ground, YAML::Node& routes) {
+/// @param declared  messages of plugins that pass to the controller, too
+void add_routes(const VehiclePlaces& places, bool ground, const std::vector<std::string>& declared,
+                YAML::Node& routes) {
   YAML::Node to_controller = route(places.simulator_link, places.controller_link);
-  to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS", "DISTANCE_SENSOR"});
+  to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"});
+  for (const std::string& message : declared) to_controller["allow"].push_back(message);
   YAML::Node to_simulator = route(places.controller_link, places.simulator_link);
   to_simulator["allow"] = list({"HEARTBEAT", "HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
   routes.push_back(to_controller);
@@ -158,10 +162,11 @@ void add_routes(const VehiclePlaces& places, bool ground, YAML::Node& routes) {
 /// architecture.
 YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
   const bool ground = places.ground_station_port != 0;
+  const std::vector<std::string> declared = declared_messages(request.scenario);
   YAML::Node routes;
   for (const VehiclePlaces& vehicle : places.vehicles) {
     request.architecture == Architecture::kTs ? add_routes_without_filter(vehicle, ground, routes)
-                                              : add_routes(vehicle, ground, routes);
+                                              : add_routes(vehicle, ground, declared, routes);
     if (request.station) add_ground_routes(vehicle, station_link(places), routes);
   }
   return routes;
@@ -373,6 +378,7 @@ fcu::LineConfig line_of(const RunRequest& request) {
 
 void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {
   std::filesystem::create_directories(places.run);
+  std::filesystem::remove(places.plugin_figures());  // of an earlier run in this folder
   base::write_file(places.simulator_config(), simulator_config(request, transport, places),
                    base::Durability::kCache);
   for (std::size_t i = 0; i < places.vehicles.size(); ++i) {

@@ -17,6 +17,7 @@
 #include "hils/report/limit_table.hpp"
 #include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
+#include "hils/report/plugin_section.hpp"
 #include "hils/report/report.hpp"
 
 namespace cas::hils {
@@ -239,7 +240,15 @@ void add_vehicle(HtmlPage& page, const std::string& who, const Measurement& figu
   add_responses(page, figures);
   add_rms(page, figures);
   add_faults(page, figures);
-  for (const auto& [name, plot] : plots) page.figure(to_svg(plot));
+  for (const auto& [name, plot] : plots) {
+    if (!is_of_plugin(name)) page.figure(to_svg(plot));
+  }
+  if (figures.plugins.empty()) return;
+  page.heading(who + "Plugins");
+  add_plugin_tables(page, figures.plugins);
+  for (const auto& [name, plot] : plots) {
+    if (is_of_plugin(name)) page.figure(to_svg(plot));
+  }
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
 #include "hils/report/plot.hpp"
+#include "hils/report/plugin_section.hpp"
 
 namespace cas::hils {
 
@@ -140,9 +141,20 @@ std::string response_table(const Measurement& figures) {
   return text;
 }
 
+/// What plugins report: the value, or the range of a series.
+std::string plugin_table(const Measurement& figures) {
+  if (figures.plugins.empty()) return {};
+  std::string text = fmt::format("\n{:<48} {}\n", "Plugin", "reports");
+  for (const PluginFigure& figure : figures.plugins) {
+    text += fmt::format("{:<48} {}{}{}\n", figure.plugin + ": " + figure.name, value_text(figure),
+                        figure.unit.empty() ? "" : " ", figure.unit);
+  }
+  return text;
+}
+
 std::string figures_text(const Measurement& figures) {
   return rate_table(figures) + response_table(figures) + rms_table(figures) + delay_table(figures) +
-         loss_lines(figures);
+         loss_lines(figures) + plugin_table(figures);
 }
 
 /// One line for each vehicle.
@@ -225,6 +237,26 @@ Json stages_json(const std::vector<Stage>& stages) {
   return list;
 }
 
+/// By plugin and name.
+Json plugins_json(const std::vector<PluginFigure>& figures) {
+  Json plugins = Json::object();
+  for (const PluginFigure& figure : figures) {
+    Json& own = plugins[figure.plugin][figure.name];
+    own["unit"] = figure.unit;
+    if (figure.series) {
+      own["samples"] = figure.samples;
+      own["min"] = optional_json(figure.least);
+      own["max"] = optional_json(figure.greatest);
+      own["mean"] = optional_json(figure.mean);
+      own["last"] = optional_json(figure.last);
+    } else {
+      own["value"] = optional_json(figure.last);
+    }
+    if (figure.not_finite > 0) own["not_finite"] = figure.not_finite;
+  }
+  return plugins;
+}
+
 /// Fields that every run has.
 Json run_json(const Measurement& figures, const Verdict& verdict) {
   Json summary;
@@ -282,6 +314,7 @@ void add_figures(const Measurement& figures, Json& summary) {
   summary["rms"] = rms_json(figures.rms);
   summary["rms_estimate"] = rms_json(figures.rms_estimate);
   summary["stages"] = stages_json(figures.stages);
+  summary["plugins"] = plugins_json(figures.plugins);
 }
 
 Json vehicle_json(const Measurement& figures, const Verdict& verdict) {

@@ -14,6 +14,7 @@
 #include "base/time/clock.hpp"
 #include "hils/measure/gyro_record.hpp"
 #include "hils/measure/tracking.hpp"
+#include "hils/report/plugin_section.hpp"
 #include "hils/report/spectrum.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -35,7 +36,6 @@ using Direction = base::LedgerEntry::Direction;
 
 constexpr double kDegreesPerRadian = 180.0 / M_PI;
 constexpr int kBucketsPerDecade = 20;
-constexpr const char* kTimeLabel = "simulated time, s";
 
 double seconds(std::uint64_t usec) { return static_cast<double>(usec) * 1e-6; }
 
@@ -398,6 +398,7 @@ NamedPlots run_plots(const Scenario& scenario, const RunRecord& record,
   NamedPlots plots;
   add_motion_plots(record, figures.window, plots);
   add_stream_plots(scenario, record, figures, plots);
+  add_plugin_plots(figures.plugins, plots);
   std::vector<Mark> marks = stage_marks(record.stages);
   for (const auto& fault : record.faults) {
     marks.push_back({.x = base::to_seconds(fault.begin), .text = fault.name, .fault = true});

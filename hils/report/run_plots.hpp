@@ -34,6 +34,9 @@ struct RunCurves {
 };
 RunCurves run_curves(const std::string& name, const Scenario& scenario, const RunRecord& record);
 
+/// Title of the x axis of what is drawn over time.
+inline constexpr const char* kTimeLabel = "simulated time, s";
+
 using NamedPlots = std::vector<std::pair<std::string, Plot>>;
 
 /// The curves of one vehicle of a run, by short name ("rates", "position_x", ...), on simulated
