@@ -267,7 +267,9 @@ YAML::Node vehicle_plugins(const Scenario& scenario, std::size_t vehicle, Transp
   for (const char* name : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
     plugins.push_back(plugin(name));
   }
-  for (const base::ConfigNode& further : scenario.plugins) plugins.push_back(further_plugin(further));
+  for (const base::ConfigNode& further : scenario.plugins) {
+    plugins.push_back(further_plugin(further));
+  }
   if (const auto faults = fault_plugin(scenario, vehicle)) plugins.push_back(*faults);
   plugins.push_back(interface_plugin(scenario, vehicle, transport, places));
   YAML::Node recorder;

@@ -64,6 +64,40 @@ TEST_P(Composition, AsksForALockWhereItOffersTheTerminalItself) {
   EXPECT_TRUE(link(topology("hover", "/dev/pts/9"), "fcu").unlocked_pty);
 }
 
+TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
+  const cas::test::TemporaryFolder folder;
+  folder.write("grid.csv", "");
+  folder.write("w.sdf", "");
+  const auto file = folder.write(
+      "s.yaml",
+      "schema: 1\nvehicle: " + cas::test::source_dir() +
+          "/config/vehicles/iris_paper.yaml\nworld: w.sdf\nmodel_path: [models]\nmissing: "
+          "ignore\npose: {x_m: 1, y_m: 2, z_m: 3}\nrates: {sensor_hz: 500, gps_hz: 5, "
+          "controls_hz: 400}\nplugins: [{plugin: wind, grid: grid.csv}]\nsteps:\n  - arm\n  - "
+          "takeoff: {altitude_m: 2}\n  - hold: {duration_s: 1, measure: true}\n  - land\n");
+  RunRequest request;
+  request.scenario = Scenario::load(file);
+  const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
+  const base::ConfigNode config =
+      base::ConfigNode::parse(simulator_config(request, Transport::kUdp, places), "hilsim.yaml");
+  const auto full = [&](const char* name) {
+    return std::filesystem::weakly_canonical(folder / name).string();
+  };
+  EXPECT_EQ(config.require<std::string>("world"), full("w.sdf"));
+  EXPECT_EQ(config.require<std::vector<std::string>>("model_path").at(0), full("models"));
+  EXPECT_EQ(config.require<std::string>("missing"), "ignore");
+  EXPECT_EQ(config.require<double>("speed"), 1) << "not the world's real-time factor";
+  EXPECT_FALSE(config.has("home")) << "the world's";
+  const base::ConfigNode vehicle = config.at("vehicles").items().at(0);
+  EXPECT_EQ(vehicle.at("pose").require<double>("z_m"), 3);
+  bool found = false;
+  for (const base::ConfigNode& plugin : vehicle.at("plugins").items()) {
+    if (plugin.require<std::string>("plugin") != "wind") continue;
+    found = plugin.require<std::string>("grid") == full("grid.csv");
+  }
+  EXPECT_TRUE(found);
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, Composition, testing::Values(Architecture::kTcas, Architecture::kTs));
 
 }  // namespace
