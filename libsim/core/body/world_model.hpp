@@ -8,6 +8,7 @@
 
 #include "base/earth/geodesy.hpp"
 #include "base/time/clock.hpp"
+#include "libsim/core/body/obstacle_path.hpp"
 #include "libsim/core/body/shape.hpp"
 
 namespace cas::sim {
@@ -18,6 +19,7 @@ struct WorldModel {
   Eigen::Vector3d gravity_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d wind_W = Eigen::Vector3d::Zero();
   std::vector<Shape> statics;  ///< poses in W
+  std::vector<MovingObstacle> moving;
   std::optional<base::Geodetic> home;
   std::optional<base::Duration> step;
   std::optional<double> real_time_factor;

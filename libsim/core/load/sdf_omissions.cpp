@@ -84,7 +84,7 @@ class Walk {
 
  private:
   void look_at_world(const sdf::ElementPtr& world) {
-    for (const char* name : {"plugin", "road", "state", "population", "joint", "actor"}) {
+    for (const char* name : {"plugin", "road", "state", "population", "joint"}) {
       for_each(world, name, [&](const sdf::ElementPtr& part) {
         note(std::string("world ") + name, part,
              "<" + std::string(name) + named(*part) + "> is left out");

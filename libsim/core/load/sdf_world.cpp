@@ -73,14 +73,21 @@ class Translator {
   Translator(const fs::path& file, const std::vector<fs::path>& model_path)
       : file_(file), model_path_(model_path) {}
 
+  /// Of what libsdformat complains of (joints that no longer resolve, by the dozen) three are named.
   void take_errors(const sdf::Errors& errors) {
+    constexpr std::size_t kNamed = 3;
+    std::set<std::string> others;
     for (const sdf::Error& error : errors) {
       if (is_missing_model(error)) {
         const std::string uri = uri_in(error.Message());
         missing_.push_back({"model " + uri, place_of_error(error, file_), uri});
-      } else {
+      } else if (others.insert(error.Message()).second && others.size() <= kNamed) {
         warn(place_of_error(error, file_), error.Message());
       }
+    }
+    if (others.size() > kNamed) {
+      warn(file_.string(), "libsdformat has " + std::to_string(others.size() - kNamed) +
+                               " further complaints");
     }
   }
 
@@ -96,6 +103,7 @@ class Translator {
     for (std::uint64_t i = 0; i < world.ModelCount(); ++i) {
       take_model(*world.ModelByIndex(i), Eigen::Isometry3d::Identity());
     }
+    for (std::uint64_t i = 0; i < world.ActorCount(); ++i) take_actor(*world.ActorByIndex(i));
     for (std::string& sentence : sdf_omissions(world.Element())) {
       model_.warnings.push_back(std::move(sentence));
     }
@@ -142,14 +150,72 @@ class Translator {
 
   void take_collision(const sdf::Model& model, const sdf::Collision& collision,
                       const Eigen::Isometry3d& X_WL) {
-    if (!is_solid(collision)) return;
-    Shape shape;
-    shape.name = model.Name() + "/" + collision.Name();
-    shape.pose = X_WL * pose_of(collision);
-    shape.surface = surface_of(collision);
-    if (take_geometry(*collision.Geom(), place_of(*collision.Element()), shape)) {
-      model_.statics.push_back(std::move(shape));
+    if (auto shape = shape_of(model.Name(), collision, X_WL)) {
+      model_.statics.push_back(std::move(*shape));
     }
+  }
+
+  /// @param X  of the link, in the frame of the result
+  std::optional<Shape> shape_of(const std::string& owner, const sdf::Collision& collision,
+                                const Eigen::Isometry3d& X) {
+    if (!is_solid(collision)) return std::nullopt;
+    Shape shape;
+    shape.name = owner + "/" + collision.Name();
+    shape.pose = X * pose_of(collision);
+    shape.surface = surface_of(collision);
+    if (!take_geometry(*collision.Geom(), place_of(*collision.Element()), shape)) {
+      return std::nullopt;
+    }
+    return shape;
+  }
+
+  /// An actor with collisions and a trajectory is an obstacle on its way.
+  void take_actor(const sdf::Actor& actor) {
+    const std::string place = place_of(*actor.Element());
+    std::vector<Shape> shapes = shapes_of(actor, place);
+    std::vector<Waypoint> waypoints = waypoints_of(actor, place);
+    if (shapes.empty()) {
+      return warn(place, "<actor name='" + actor.Name() +
+                             "'> has no <link> with a <collision>: it is a picture, and left out");
+    }
+    if (waypoints.empty()) waypoints.push_back({0, to_eigen(actor.RawPose())});
+    model_.moving.push_back(
+        {actor.Name(), std::move(shapes),
+         ObstaclePath(std::move(waypoints), actor.ScriptLoop(), actor.ScriptDelayStart())});
+  }
+
+  std::vector<Shape> shapes_of(const sdf::Actor& actor, const std::string& place) {
+    std::vector<Shape> shapes;
+    for (std::uint64_t i = 0; i < actor.LinkCount(); ++i) {
+      const sdf::Link& link = *actor.LinkByIndex(i);
+      for (std::uint64_t c = 0; c < link.CollisionCount(); ++c) {
+        auto shape = shape_of(actor.Name(), *link.CollisionByIndex(c), pose_of(link));
+        if (!shape) continue;
+        if (std::holds_alternative<Plane>(shape->geometry)) {
+          warn(place, "collision '" + shape->name + "' is left out: a plane cannot move");
+        } else {
+          shapes.push_back(std::move(*shape));
+        }
+      }
+    }
+    return shapes;
+  }
+
+  /// Of the first trajectory; poses are relative to the actor's own.
+  std::vector<Waypoint> waypoints_of(const sdf::Actor& actor, const std::string& place) {
+    std::vector<Waypoint> waypoints;
+    if (actor.TrajectoryCount() == 0 || !actor.ScriptAutoStart()) return waypoints;
+    const std::string who = "<actor name='" + actor.Name() + "'>: ";
+    if (actor.TrajectoryCount() > 1) warn(place, who + "only its first <trajectory> is driven");
+    const sdf::Trajectory& way = *actor.TrajectoryByIndex(0);
+    for (std::uint64_t i = 0; i < way.WaypointCount(); ++i) {
+      const sdf::Waypoint& point = *way.WaypointByIndex(i);
+      if (!waypoints.empty() && point.Time() <= waypoints.back().time_s) {
+        throw base::ConfigError(place + ": " + who + "the <time> of its waypoints must rise");
+      }
+      waypoints.push_back({point.Time(), to_eigen(actor.RawPose()) * to_eigen(point.Pose())});
+    }
+    return waypoints;
   }
 
   /// @param place  of the collision, for warnings

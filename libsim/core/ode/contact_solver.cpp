@@ -57,6 +57,7 @@ struct Body {
   dSpaceID space = nullptr;
   double radius = 0;
   double mass_kg = 0;
+  bool driven = false;  // an obstacle on its way: nothing that touches it moves it
   bool touching = false;
 };
 
@@ -121,8 +122,11 @@ struct ContactSolver::Impl {
     align_friction(contact);
   }
 
+  /// What gives way at a contact, kg; 0 for the world and for obstacles.
   double mass_of(const Owner& owner) const {
-    return owner.body < 0 ? 0.0 : bodies[static_cast<std::size_t>(owner.body)].mass_kg;
+    if (owner.body < 0) return 0.0;
+    const Body& body = bodies[static_cast<std::size_t>(owner.body)];
+    return body.driven ? 0.0 : body.mass_kg;
   }
 
   /// ODE's friction pyramid is exact along its axes: turn one against the slip.
@@ -203,6 +207,14 @@ void ContactSolver::add_body(std::span<const Shape> shapes, const MassProperties
   dBodyDisable(body.id);
   impl_->bodies.push_back(body);
   set_mass(impl_->bodies.size() - 1, mass);
+}
+
+std::size_t ContactSolver::add_obstacle(std::span<const Shape> shapes) {
+  add_body(shapes, MassProperties(1.0, Eigen::Matrix3d::Identity()));  // which nothing asks for
+  Body& obstacle = impl_->bodies.back();
+  obstacle.driven = true;
+  dBodySetKinematic(obstacle.id);
+  return impl_->bodies.size() - 1;
 }
 
 void ContactSolver::set_mass(std::size_t body, const MassProperties& mass) {

@@ -35,6 +35,9 @@ class CAS_SIM_EXPORT ContactSolver {
   /// Adds a vehicle; its shapes are about its centre of gravity in B. Bodies are numbered from 0 in
   /// the order in which they are added.
   void add_body(std::span<const Shape> shapes, const MassProperties& mass);
+  /// Adds an obstacle that place() moves and nothing else; its velocity counts in its contacts.
+  /// Numbered as the bodies are. @return its number
+  std::size_t add_obstacle(std::span<const Shape> shapes);
   /// Gives a body another mass and inertia from the next step on.
   void set_mass(std::size_t body, const MassProperties& mass);
 

@@ -37,6 +37,9 @@ SimWorld::SimWorld(const WorldModel& model, const base::LocalProjection& project
       floor_(model.statics),
       solver_(std::make_unique<ContactSolver>(model.gravity_W)) {
   for (const Shape& shape : model.statics) solver_->add_static(shape);
+  for (const MovingObstacle& obstacle : model.moving) {
+    obstacles_.push_back({.model = obstacle, .body = 0, .state = obstacle.path.at(0)});
+  }
 }
 
 SimWorld::~SimWorld() = default;
@@ -68,12 +71,15 @@ void SimWorld::add_force_model(VehicleId vehicle, ForceModel& model) {
 void SimWorld::start() {
   solver_->reset();
   touching_pairs_.reserve(vehicles_.size() * vehicles_.size());
+  for (Obstacle& obstacle : obstacles_) obstacle.body = solver_->add_obstacle(obstacle.model.shapes);
   for (std::size_t i = 0; i < vehicles_.size(); ++i) settle(i);
   reset();
 }
 
 void SimWorld::reset() {
   solver_->reset();
+  elapsed_ = {};
+  place_obstacles();
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     vehicles_[i].mass = vehicles_[i].start_mass;
     solver_->set_mass(i, vehicles_[i].mass);
@@ -126,7 +132,12 @@ void SimWorld::advance(double dt) {
     body.w_before_B = body.state.w_WB_B;
   }
   const int parts = substeps(dt);
-  for (int part = 0; part < parts; ++part) advance_part(dt / parts);
+  const base::Duration begin = elapsed_;
+  for (int part = 0; part < parts; ++part) {
+    elapsed_ = begin + base::from_seconds(dt * part / parts);
+    advance_part(dt / parts);
+  }
+  elapsed_ = begin + base::from_seconds(dt);
   for (VehicleBody& body : vehicles_) {
     body.state.a_WB = (body.state.v_WB - body.v_before_W) / dt;
     body.state.alpha_WB_B = (body.state.w_WB_B - body.w_before_B) / dt;
@@ -137,8 +148,10 @@ void SimWorld::advance(double dt) {
 
 void SimWorld::advance_part(double h) {
   solver_->begin(h);
+  place_obstacles();
   choose_modes(h);
   collide_pairs();
+  collide_obstacles();
 
   bool pushed = false;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
@@ -160,6 +173,7 @@ void SimWorld::advance_part(double h) {
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     if (vehicles_[i].mode == Mode::kContact) take_contact_result(i, h);
   }
+  wake_beside_obstacles();
   hold_what_rests();
 }
 
@@ -208,6 +222,40 @@ void SimWorld::collide_pairs() {
       wake_when_hit(i);
       wake_when_hit(j);
     }
+  }
+}
+
+/// Moves the obstacles to where they are now.
+void SimWorld::place_obstacles() {
+  for (Obstacle& obstacle : obstacles_) {
+    obstacle.state = obstacle.model.path.at(base::to_seconds(elapsed_));
+  }
+}
+
+/// Contacts of vehicles with obstacles; a held vehicle that is hit wakes.
+void SimWorld::collide_obstacles() {
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    VehicleBody& body = vehicles_[i];
+    body.beside_obstacle = false;
+    for (const Obstacle& obstacle : obstacles_) {
+      if (!solver_->near_each_other(i, body.state.p_WB, obstacle.body, obstacle.state.p_WB))
+        continue;
+      solver_->place(i, body.state);
+      solver_->place(obstacle.body, obstacle.state);
+      if (!solver_->collide_bodies(i, obstacle.body)) continue;
+      body.beside_obstacle = true;
+      if (body.mode != Mode::kHeld) continue;
+      body.mode = Mode::kContact;
+      body.rest.wake();
+      solver_->collide_world(i);
+    }
+  }
+}
+
+/// What an obstacle touches goes where that goes, so it never counts as resting.
+void SimWorld::wake_beside_obstacles() {
+  for (VehicleBody& body : vehicles_) {
+    if (body.beside_obstacle) body.rest.wake();
   }
 }
 
@@ -275,6 +323,15 @@ std::optional<double> SimWorld::ray_distance(VehicleId vehicle, const Eigen::Vec
       continue;
     solver_->place(i, other);
     const auto hit = solver_->ray_to_body(i, origin_W, direction, range_m);
+    if (hit && (!nearest || *hit < *nearest)) nearest = hit;
+  }
+  for (const Obstacle& obstacle : obstacles_) {
+    if (distance_to_segment(obstacle.state.p_WB, origin_W, direction, range_m) >
+        solver_->radius(obstacle.body)) {
+      continue;
+    }
+    solver_->place(obstacle.body, obstacle.state);
+    const auto hit = solver_->ray_to_body(obstacle.body, origin_W, direction, range_m);
     if (hit && (!nearest || *hit < *nearest)) nearest = hit;
   }
   return nearest;

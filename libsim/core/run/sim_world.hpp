@@ -27,7 +27,8 @@ namespace cas::sim {
 ///   free     nothing within reach: our RK4; ODE is not asked
 ///   contact  touching the world or another vehicle: ODE's stepper with contact joints
 ///   held     at rest under unchanged forces: stands still
-/// Position, velocity and forces pass from one to the other unchanged.
+/// Position, velocity and forces pass from one to the other unchanged. Moving obstacles go their way
+/// whatever they meet; what they touch is in contact and never held.
 class CAS_SIM_EXPORT SimWorld final : public World {
  public:
   SimWorld(const WorldModel& model, const base::LocalProjection& projection, double decimal_year,
@@ -77,6 +78,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
     Wrench applied;  // mean over the part step, in contact
     bool has_applied = false;
     bool touching = false;
+    bool beside_obstacle = false;  // touches one that moves
     Eigen::Vector3d v_before_W = Eigen::Vector3d::Zero();  // at the start of the step
     Eigen::Vector3d w_before_B = Eigen::Vector3d::Zero();
     Mode mode = Mode::kFree;
@@ -98,6 +100,9 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   void push(std::size_t index, double h);
   void take_contact_result(std::size_t index, double h);
   void hold_what_rests();
+  void place_obstacles();
+  void collide_obstacles();
+  void wake_beside_obstacles();
   void refresh_environment(VehicleBody& body);
 
   base::LocalProjection projection_;
@@ -106,7 +111,15 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   Eigen::Vector3d gravity_W_;
   Eigen::Vector3d wind_W_;
   Floor floor_;
+  struct Obstacle {
+    MovingObstacle model;
+    std::size_t body = 0;  // number in the solver, behind the vehicles'
+    BodyState state;
+  };
+
   std::unique_ptr<ContactSolver> solver_;
+  std::vector<Obstacle> obstacles_;
+  base::Duration elapsed_{};  // since time zero, at the start of the part step
   std::deque<VehicleBody> vehicles_;
   std::vector<std::pair<std::size_t, std::size_t>> touching_pairs_;  // of the part step
 };
