@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a plugin sends reaches the controller when it declares it, and what it reports is in the
+// results.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/config/config.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kExitUsage = 2;
+constexpr base::Duration kFlight = std::chrono::seconds(180);  // in lockstep, on a busy machine
+
+/// A short flight with further plugins.
+class PluginOutput : public testing::Test {
+ protected:
+  /// Flies, or is refused. @param plugins  as in a scenario
+  void run(const std::string& plugins, const std::vector<std::string>& flags, int exit_code) {
+    const std::string scenario =
+        folder_
+            .write("own.yaml",
+                   "schema: 1\nname: own\ndescription: With plugins of its own\nvehicle: " +
+                       source_dir() + "/config/vehicles/iris_paper.yaml\n" + R"(
+home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
+decimal_year: 2026.5
+seed: 1
+architecture: tcas
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+line: {preset: baud_921600}
+steps:
+  - arm
+  - takeoff: {altitude_m: 2}
+  - hold: {duration_s: 1, measure: true}
+  - land
+  - disarm
+plugins:
+)" + plugins)
+            .string();
+    std::vector<std::string> command{binary_dir() + "/bin/hils",
+                                     "run",
+                                     scenario,
+                                     "--out",
+                                     out().string(),
+                                     "--plugin-dir",
+                                     binary_dir() + "/tests/fake_plugins"};
+    command.insert(command.end(), flags.begin(), flags.end());
+    ChildProcess hils(command);
+    EXPECT_EQ(hils.wait_exit(kFlight), exit_code) << hils.output();
+    output_ = hils.output();
+  }
+
+  std::filesystem::path out() const { return folder_ / "out"; }
+  std::string text(const std::string& file) const { return TemporaryFolder::read(out() / file); }
+  json figures(const std::string& file) const { return json::parse(text(file)); }
+
+  /// What the route from simulator to controller lets pass.
+  std::vector<std::string> allowed() const {
+    const auto casd = base::ConfigNode::load(out() / "run" / "casd.yaml");
+    std::vector<std::string> names;
+    const auto route = casd.at("routes").items().at(0);
+    for (const auto& name : route.at("allow").items()) names.push_back(name.as<std::string>());
+    return names;
+  }
+
+  TemporaryFolder folder_;
+  std::string output_;
+};
+
+TEST_F(PluginOutput, PassesTheRoutesOfARunWhenItIsDeclared) {
+  run("  - {plugin: rangefinder, rate_hz: 20, stddev_m: 0.01, min_m: 0.1, max_m: 40}\n"
+      "  - {plugin: fake_sender}\n",
+      {"--lockstep"}, 0);
+  EXPECT_EQ(allowed(),
+            (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS", "DISTANCE_SENSOR",
+                                      "BATTERY_STATUS", "HIL_OPTICAL_FLOW", "OPTICAL_FLOW"}));
+
+  const json sent = figures("run/hilsim_stats.json").at("plugins").at("mavlink_interface@iris0");
+  const json received = figures("run/fcu_emulator_stats.json").at("received");
+  EXPECT_GT(sent.at("sent").at("BATTERY_STATUS"), 30);
+  for (const char* message : {"DISTANCE_SENSOR", "BATTERY_STATUS", "HIL_OPTICAL_FLOW"}) {
+    const int count = sent.at("sent").at(message);
+    EXPECT_NEAR(received.value(message, 0), count, 2) << message;  // what was under way at the end
+  }
+  EXPECT_FALSE(sent.at("sent").contains("STATUSTEXT"));
+  EXPECT_FALSE(received.contains("STATUSTEXT"));
+
+  const json refused = sent.at("plugins").at("fake_sender");
+  EXPECT_EQ(refused.at("declares"), json({"BATTERY_STATUS", "HIL_OPTICAL_FLOW", "OPTICAL_FLOW"}));
+  EXPECT_EQ(refused.at("undeclared"), sent.at("sent").at("BATTERY_STATUS"));
+  EXPECT_EQ(refused.at("wrong_size"), sent.at("sent").at("BATTERY_STATUS"));
+  EXPECT_NE(text("run/hilsim.log")
+                .find("plugin fake_sender publishes STATUSTEXT, which it does not declare"),
+            std::string::npos)
+      << text("run/hilsim.log");
+}
+
+TEST_F(PluginOutput, LeavesTheRoutesAloneWhereNothingIsDeclared) {
+  run("  - {plugin: fake_listener}\n", {"--virtual"}, 0);
+  EXPECT_EQ(allowed(), (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"}));
+  EXPECT_EQ(figures("summary.json").at("plugins"), json::object());
+  EXPECT_EQ(text("report.html").find(">Plugins<"), std::string::npos);
+}
+
+TEST_F(PluginOutput, IsInSummaryAndReportUnderNamesThatAreText) {
+  run("  - {plugin: fake_sender}\n", {"--virtual"}, 0);
+  const json own = figures("summary.json").at("plugins").at("fake_sender");
+  const json sine = own.at("<script>alert(\"sine\")</script>");
+  EXPECT_EQ(sine.at("unit"), "\"&<b>");
+  EXPECT_GT(sine.at("samples"), 30);
+  EXPECT_LE(sine.at("max"), 1.0);
+  EXPECT_GE(sine.at("min"), -1.0);
+  EXPECT_EQ(own.at("sum & <i>total</i>").at("value"), sine.at("samples"));
+  EXPECT_TRUE(own.at("never").at("value").is_null());
+  EXPECT_EQ(own.at("../../etc/passwd").at("not_finite"), sine.at("samples"));
+  EXPECT_EQ(own.at("../../etc/passwd").at("unit"), "\xC2\xB5V");
+
+  const std::string report = text("report.html");
+  EXPECT_NE(report.find("<h2>Plugins</h2>"), std::string::npos);
+  EXPECT_NE(report.find("<td>sum &amp; &lt;i&gt;total&lt;/i&gt;</td>"), std::string::npos);
+  EXPECT_NE(report.find("fake_sender: &lt;script&gt;alert(&quot;sine&quot;)"), std::string::npos);
+  EXPECT_EQ(report.find("<script"), std::string::npos);
+  EXPECT_EQ(report.find("<i>total"), std::string::npos);
+
+  const std::filesystem::path plots = out() / "plots";
+  EXPECT_TRUE(is_regular_file(plots / "plugin_fake_sender_______etc_passwd.svg"));
+  EXPECT_NE(text("plots/plugin_fake_sender_______etc_passwd.svg").find("../../etc/passwd"),
+            std::string::npos);
+  EXPECT_NE(output_.find("fake_sender: sum & <i>total</i>"), std::string::npos) << output_;
+}
+
+TEST_F(PluginOutput, ComesFromThisRunAlone) {
+  run("  - {plugin: fake_sender}\n", {"--virtual"}, 0);
+  EXPECT_TRUE(is_regular_file(out() / "plugin_figures.json"));
+  run("  - {plugin: fake_listener}\n", {"--virtual"}, 0);
+  EXPECT_FALSE(is_regular_file(out() / "plugin_figures.json"));
+  EXPECT_EQ(figures("summary.json").at("plugins"), json::object());
+}
+
+TEST_F(PluginOutput, IsRefusedWhereItMayNotBe) {
+  run("  - {plugin: fake_undeclared}\n", {"--virtual"}, kExitUsage);
+  EXPECT_NE(output_.find("plugin fake_undeclared@iris0: sends MAVLink messages and declares none"),
+            std::string::npos)
+      << output_;
+  run("  - {plugin: fake_second_imu}\n", {"--virtual"}, kExitUsage);
+  EXPECT_NE(output_.find("own.yaml:"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("plugin fake_second_imu declares HIL_SENSOR, which the loop"),
+            std::string::npos)
+      << output_;
+}
+
+}  // namespace
+}  // namespace cas::test
