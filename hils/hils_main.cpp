@@ -153,10 +153,6 @@ ComparisonPlan make_plan(const CompareFlags& flags) {
   return plan;
 }
 
-bool any_valid(const VariantResult& result) {
-  return std::ranges::any_of(result.verdicts, [](const Verdict& verdict) { return verdict.valid; });
-}
-
 /// Flies and reports a comparison. @return exit code: 0, or 3 when no run of some variant is valid
 /// @throws RunStopped, base::ConfigError
 int compare(const CompareFlags& flags) {
@@ -182,7 +178,7 @@ int compare(const CompareFlags& flags) {
   }
   fmt::print("{}\n{:.0f} s simulated in {:.1f} s\nResults: {}\n", tables, simulated_s, wall_s,
              flags.out);
-  return std::ranges::all_of(results, any_valid) ? kExitPassed : kExitInvalid;
+  return exit_code(results);
 }
 
 /// Runs a command and turns what it throws into a sentence and an exit code.

@@ -129,4 +129,12 @@ std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
   return results;
 }
 
+int exit_code(const std::vector<VariantResult>& results) {
+  const auto counts = [](const VariantResult& result) {
+    return std::ranges::any_of(result.verdicts,
+                               [](const Verdict& verdict) { return verdict.valid; });
+  };
+  return std::ranges::all_of(results, counts) ? kExitPassed : kExitInvalid;
+}
+
 }  // namespace cas::hils

@@ -56,4 +56,8 @@ struct VariantResult {
 std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
                                           const std::filesystem::path& out, bool keep);
 
+/// What `hils compare` ends with: kExitPassed where each variant has a valid run, else
+/// kExitInvalid.
+int exit_code(const std::vector<VariantResult>& results);
+
 }  // namespace cas::hils

@@ -16,6 +16,7 @@
 #include "fcu/estimation/sensor_figures.hpp"
 #include "fcu/estimation_bound/estimation_bound.hpp"
 #include "hils/figures/flight_batch.hpp"
+#include "hils/measure/judgement.hpp"
 #include "hils/virtual/direct_flight.hpp"
 
 namespace cas::hils {
@@ -309,6 +310,10 @@ std::vector<FlightFigure> crash_figures(const FlightBatch& batch) {
   });
   return {{fmt::format("60 s, mass +-20 %, wind to 6 m/s: crashed, of {}", batch.flights),
            crashes(flights), 0.0, "", fmt::format("farthest off {:.2f} m", worst(flights))}};
+}
+
+int exit_code(const std::vector<FlightFigure>& figures) {
+  return std::ranges::any_of(figures, &FlightFigure::missed) ? kExitLimitsMissed : kExitPassed;
 }
 
 }  // namespace cas::hils

@@ -19,6 +19,9 @@ struct FlightFigure {
   bool missed() const { return bound && !(value <= *bound); }
 };
 
+/// What flight_figures ends with: kExitPassed, or kExitLimitsMissed where a bound is missed.
+int exit_code(const std::vector<FlightFigure>& figures);
+
 /// How many flights, with which seeds, on how many processors.
 struct FlightBatch {
   int flights = 30;

@@ -8,11 +8,13 @@
 #include <optional>
 
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "base/rpc/client.hpp"
 #include "hils/firmware/firmware_scenario.hpp"
 #include "hils/firmware/pty_cable.hpp"
 #include "hils/measure/judgement.hpp"
+#include "hils/measure/tracking.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
@@ -134,6 +136,7 @@ class FirmwarePilot {
     }
     figures_.stages = plan_.stages();
     figures_.flight_failure = plan_.failure();
+    add_losses(casd_.call("link.list", Json::object()), figures_);
     return figures_;
   }
 
@@ -194,7 +197,14 @@ std::string summary(const FirmwareScenario& scenario, const FirmwareFigures& fig
             {"drift_m", figures.drift_m},
             {"simulated_s", figures.simulated_s},
             {"real_time_factor", figures.real_time_factor},
+            {"dropped", figures.dropped},
+            {"lost", figures.lost},
+            {"incidents", Json::array()},
             {"stages", Json::array()}};
+  for (const Incident& incident : figures.incidents) {
+    json["incidents"].push_back(
+        {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
+  }
   for (const Stage& stage : figures.stages) {
     json["stages"].push_back({{"step", to_string(stage.step.kind)},
                               {"begin_s", base::to_seconds(stage.begin)},
@@ -204,6 +214,28 @@ std::string summary(const FirmwareScenario& scenario, const FirmwareFigures& fig
 }
 
 }  // namespace
+
+void add_incidents(const std::filesystem::path& truth, FirmwareFigures& figures) {
+  try {
+    const std::vector<PoseSample> samples = read_truth(truth);
+    if (samples.empty()) {
+      figures.unwatched = truth.string() + " is empty";
+    } else {
+      figures.incidents = find_incidents(figures.stages, samples);
+    }
+  } catch (const base::ConfigError& error) {
+    figures.unwatched = error.what();
+  }
+}
+
+void add_losses(const Json& links, FirmwareFigures& figures) {
+  for (const Json& link : links) {
+    for (const Json& count : link.at("tx").at("dropped")) {
+      figures.dropped += count.get<std::uint64_t>();
+    }
+    figures.lost += link.at("rx").at("lost").get<std::uint64_t>();
+  }
+}
 
 std::vector<std::string> misses(const FirmwareScenario& scenario, const FirmwareFigures& figures) {
   std::vector<std::string> missed;
@@ -218,6 +250,12 @@ std::vector<std::string> misses(const FirmwareScenario& scenario, const Firmware
   };
   check("height error", figures.height_error_m, scenario.height_error_m);
   check("drift", figures.drift_m, scenario.drift_m);
+  for (const Incident& incident : figures.incidents) {
+    missed.push_back("the vehicle " + incident.what);
+  }
+  if (!figures.unwatched.empty()) {
+    missed.push_back("the true flight was not recorded: " + figures.unwatched);
+  }
   return missed;
 }
 
@@ -238,6 +276,7 @@ int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& 
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
   }
   bench.stop();
+  add_incidents(out / "truth.csv", figures);
 
   const std::vector<std::string> missed = misses(scenario, figures);
   base::write_file(out / "summary.json", summary(scenario, figures, missed),
@@ -247,6 +286,9 @@ int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& 
   fmt::print("  {:.1f} s simulated at {:.2f} x real time; height error {:.2f} m, drift {:.2f} m\n",
              figures.simulated_s, figures.real_time_factor, figures.height_error_m,
              figures.drift_m);
+  fmt::print(
+      "  casd dropped {} packets and missed {} by their numbers; not judged, nor is the pace\n",
+      figures.dropped, figures.lost);
   if (const std::uint64_t lost = bench.lost_bytes(); lost > 0) {
     fmt::print("  the serial line lost {} bytes that were not read in time\n", lost);
   }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "hils/firmware/firmware_scenario.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/measure/incident.hpp"
 
 namespace cas::hils {
 
@@ -19,9 +22,19 @@ struct FirmwareFigures {
   double drift_m = 0;          ///< farthest from where the hold began, horizontal
   double simulated_s = 0;
   double real_time_factor = 0;
+  std::vector<Incident> incidents;  ///< by the true flight
+  std::string unwatched;            ///< why nobody could look for incidents; empty: somebody did
+  std::uint64_t dropped = 0;        ///< packets, by casd at all its links until the flight's end
+  std::uint64_t lost = 0;  ///< packets, by the gaps in the sequence numbers that casd heard
 };
 
-/// Compares figures with the scenario's limits: a sentence for each that was missed.
+/// Looks for incidents in the true flight, truth.csv.
+void add_incidents(const std::filesystem::path& truth, FirmwareFigures& figures);
+/// Takes over what casd's counters say (link.list).
+void add_losses(const nlohmann::json& links, FirmwareFigures& figures);
+
+/// A sentence for each limit of the scenario that was missed, for a flight that was not completed,
+/// and for each incident.
 std::vector<std::string> misses(const FirmwareScenario& scenario, const FirmwareFigures& figures);
 
 /// Starts casd, hilsim and the firmware, flies the steps through casd, prints and writes the

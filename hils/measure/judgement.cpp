@@ -56,6 +56,9 @@ void check_account(std::string_view name, const RateFigures& rate, Checks& check
   if (!rate.drained) {
     open("ended early", "the stream ended before its packets could arrive");
   }
+  if (rate.began_late) {
+    open("began late", "the stream began after the measurement");
+  }
   if (!rate.closes()) return;
   checks.push_back({.kind = Kind::kValidity,
                     .what = fmt::format("account of {}", name),

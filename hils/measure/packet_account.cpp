@@ -33,6 +33,17 @@ Moments moments(std::span<const base::LedgerEntry> ledger, Direction direction,
   return found;
 }
 
+/// A stream that begins within the window has its rate from then on: what was not sent before is
+/// not missed. GPS begins up to a fifth of a second late by its own rate.
+constexpr std::uint64_t kLatestBeginUsec = 500'000;
+
+bool begins_late(const Moments& sent, StreamWindow window) {
+  const auto early = [&](const auto& entry) {
+    return entry.first <= window.begin_usec + kLatestBeginUsec;
+  };
+  return !sent.empty() && std::ranges::none_of(sent, early);
+}
+
 std::uint64_t last_stamp(std::span<const base::LedgerEntry> ledger) {
   std::uint64_t last = 0;
   for (const base::LedgerEntry& entry : ledger) {
@@ -201,6 +212,7 @@ RateFigures account(std::span<const base::LedgerEntry> sender,
   figures.sent = static_cast<std::uint64_t>(
       std::ranges::count_if(sent, [&](const auto& entry) { return window.holds(entry.first); }));
   figures.drained = last_stamp(sender) >= window.end_usec + kDrainUsec;
+  figures.began_late = begins_late(sent, window);
 
   Moments arrived;
   std::int64_t first = std::numeric_limits<std::int64_t>::max();

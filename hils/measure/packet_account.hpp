@@ -34,10 +34,11 @@ struct RateFigures {
 
   std::uint64_t duplicated = 0;   ///< identities that arrived more than once
   std::uint64_t unexplained = 0;  ///< identities that arrived and were never sent
-  bool drained = false;  ///< the sender went on long enough for the window's packets to arrive
+  bool drained = false;     ///< the sender went on long enough for the window's packets to arrive
+  bool began_late = false;  ///< the sender began over half a second after the window
 
   /// Every packet is sent and then received once or lost; nothing else arrived.
-  bool closes() const { return duplicated == 0 && unexplained == 0 && drained; }
+  bool closes() const { return duplicated == 0 && unexplained == 0 && drained && !began_late; }
 };
 
 /// Follows `message_id` by (message id, time_usec) from the sender's ledger to the receiver's.

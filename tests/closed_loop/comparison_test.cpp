@@ -78,6 +78,18 @@ TEST(Comparison, SaysHowManyRunsCountAndHowManyWereFlown) {
             "2 of 3 runs valid, 2 flown to the end; first remark: the flight was not completed");
 }
 
+TEST(Comparison, EndsWithThreeWhereAVariantHasNoRunThatCounts) {
+  VariantResult good;
+  good.verdicts = {{.valid = false, .passed = false, .failures = {"the machine was too busy"}},
+                   {.valid = true, .passed = false, .failures = {}}};
+  VariantResult none;
+  none.verdicts = {{.valid = false, .passed = false, .failures = {"the machine was too busy"}}};
+  EXPECT_EQ(exit_code({good, good}), kExitPassed);
+  EXPECT_EQ(exit_code({good, none}), kExitInvalid);
+  none.verdicts.clear();
+  EXPECT_EQ(exit_code({good, none}), kExitInvalid);
+}
+
 TEST(Comparison, ThePageSaysThatARunDoesNotCount) {
   const ComparisonPlan plan = small_plan({Architecture::kDirect});
   std::vector<VariantResult> results = compare_in("page", plan);

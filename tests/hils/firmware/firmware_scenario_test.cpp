@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
 #include "base/error.hpp"
 #include "hils/firmware/firmware_run.hpp"
 #include "tests/support/paths.hpp"
@@ -87,6 +91,73 @@ TEST(FirmwareScenario, SaysWhatWasMissed) {
   figures.flight_failure = "arm: refused";
   EXPECT_EQ(misses(scenario, figures),
             (std::vector<std::string>{"arm: refused", "drift 1.10 m, limit 1.00 m"}));
+}
+
+/// A flight of 10 s: armed, up to 10 m, held there.
+FirmwareFigures flown() {
+  FirmwareFigures figures;
+  const auto add = [&](StepKind kind, int begin, int end, double height_m) {
+    Stage stage;
+    stage.step.kind = kind;
+    stage.begin = base::SimTime(std::chrono::seconds(begin));
+    stage.end = base::SimTime(std::chrono::seconds(end));
+    stage.reference_m = {0, 0, height_m};
+    figures.stages.push_back(stage);
+  };
+  add(StepKind::kArm, 0, 1, 0);
+  add(StepKind::kTakeoff, 1, 5, 10);
+  add(StepKind::kHold, 5, 10, 10);
+  return figures;
+}
+
+/// truth.csv of that flight, which falls from its height at a moment.
+std::string truth(double falls_at_s) {
+  std::string rows = "t,x,y,z,vx,vy,vz,roll,pitch,yaw,p,q,r,w1,w2,w3,w4\n";
+  for (int i = 0; i <= 1000; ++i) {
+    const double t = 0.01 * i;
+    const double fallen = t > falls_at_s ? t - falls_at_s : 0;
+    const double up = t < 1 ? 0 : t < 5 ? 2.5 * (t - 1) : 10;
+    const double z = std::max(0.0, up - 0.5 * 9.81 * fallen * fallen);
+    const double vz = fallen == 0 ? (t < 1 || t > 5 ? 0 : 2.5) : z > 0 ? -9.81 * fallen : 0;
+    rows += std::to_string(t) + ",0,0," + std::to_string(z) + ",0,0," + std::to_string(vz) +
+            ",0,0,0,0,0,0,0,0,0,0\n";
+  }
+  return rows;
+}
+
+TEST(FirmwareFlight, ThatCrashedHasFailedWithoutAnyLimit) {
+  const test::TemporaryFolder folder;
+  FirmwareFigures good = flown();
+  add_incidents(folder.write("good.csv", truth(99)), good);
+  EXPECT_TRUE(misses({}, good).empty()) << misses({}, good).front();
+  FirmwareFigures fallen = flown();
+  add_incidents(folder.write("fallen.csv", truth(7)), fallen);
+  const std::vector<std::string> missed = misses({}, fallen);
+  EXPECT_TRUE(std::ranges::any_of(missed, [](const std::string& sentence) {
+    return sentence.find("the vehicle hit the ground at ") == 0;
+  })) << testing::PrintToString(missed);
+}
+
+TEST(FirmwareFlight, ThatNobodyRecordedHasFailed) {
+  const test::TemporaryFolder folder;
+  for (const std::filesystem::path& file :
+       {folder.path() / "none.csv", folder.write("empty.csv", "t,x\n")}) {
+    FirmwareFigures figures = flown();
+    add_incidents(file, figures);
+    const std::vector<std::string> missed = misses({}, figures);
+    ASSERT_EQ(missed.size(), 1U) << file;
+    EXPECT_EQ(missed[0].find("the true flight was not recorded: "), 0U) << missed[0];
+  }
+}
+
+TEST(FirmwareFlight, TellsWhatCasdCounted) {
+  FirmwareFigures figures;
+  add_losses(nlohmann::json::parse(R"([
+      {"tx": {"dropped": {"age": 2, "queue_full": 1}}, "rx": {"lost": 4}},
+      {"tx": {"dropped": {"age": 0}}, "rx": {"lost": 5}}])"),
+             figures);
+  EXPECT_EQ(figures.dropped, 3U);
+  EXPECT_EQ(figures.lost, 9U);
 }
 
 }  // namespace

@@ -82,6 +82,19 @@ TEST(Account, DoesNotCloseWhenTheStreamEndsWithTheWindow) {
   EXPECT_FALSE(account(out, arrivals(out, kNone), kSensor, kOneToThree, 500).closes());
 }
 
+/// Its rate is right from then on, so that the rate alone says nothing of it.
+TEST(Account, DoesNotCloseWhenTheStreamBeginsInsideTheWindow) {
+  auto out = sensor_stream(4);
+  std::erase_if(out, [](const LedgerEntry& entry) { return entry.time_usec < 1'600'000; });
+  const RateFigures late = account(out, arrivals(out, kNone), kSensor, kOneToThree, 500);
+  EXPECT_NEAR(late.error_pct, 0.0, 1e-9);
+  EXPECT_TRUE(late.began_late);
+  EXPECT_FALSE(late.closes());
+  out = sensor_stream(4);
+  std::erase_if(out, [](const LedgerEntry& entry) { return entry.time_usec < 1'400'000; });
+  EXPECT_TRUE(account(out, arrivals(out, kNone), kSensor, kOneToThree, 500).closes());
+}
+
 TEST(Account, DoesNotCloseOnAPacketThatWasNeverSent) {
   const auto out = sensor_stream(4);
   auto in = arrivals(out, kNone);

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/figures/flight_figures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "hils/measure/judgement.hpp"
+
+namespace cas::hils {
+namespace {
+
+FlightFigure figure(double value, std::optional<double> bound) {
+  return {.name = "hover: true x", .value = value, .bound = bound, .unit = "m", .note = ""};
+}
+
+TEST(FlightFigures, EndWithOneWhereABoundIsMissed) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(exit_code({figure(1, 1), figure(99, std::nullopt)}), kExitPassed);
+  EXPECT_EQ(exit_code({figure(1, 1), figure(1.1, 1)}), kExitLimitsMissed);
+  EXPECT_EQ(exit_code({figure(kNan, 1)}), kExitLimitsMissed) << "no flight gave a figure";
+}
+
+}  // namespace
+}  // namespace cas::hils
