@@ -45,6 +45,7 @@ pre{overflow-x:auto;font-size:12px;line-height:1.35}
  main{padding:1rem .5rem 3rem}
  table{font-size:13px}th,td{padding:.25rem .4rem}
  figure{padding:.2rem}
+ .cas-plot text{font-size:13px}
 }
 @media print{
  body{background:#fff;font-size:10pt}main{padding:0;max-width:none}

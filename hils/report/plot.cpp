@@ -23,8 +23,8 @@ constexpr double kBottom = 42;
 constexpr double kLegendTop = 34;  ///< base line of its first row
 constexpr double kLegendRow = 15;
 constexpr double kMarkRow = 12;
-constexpr double kLegendCharacter = 6.3;  ///< width at 11 px
-constexpr double kMarkCharacter = 5.6;    ///< width at 10 px
+constexpr double kLegendCharacter = 7.4;  ///< width at 13 px, which it has on a narrow page
+constexpr double kMarkCharacter = 7.2;    ///< the same, of the usual words
 constexpr std::array<std::string_view, 8> kColors{"#0b6bcb", "#d9480f", "#2b8a3e", "#862e9c",
                                                   "#e0a100", "#0c8599", "#a61e4d", "#495057"};
 /// Colours stand in attributes, for programs that know no style sheets; this overrides them. Inside
