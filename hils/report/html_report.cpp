@@ -52,7 +52,7 @@ void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verd
 /// What the run was held to, in front of all figures.
 void add_limits(HtmlPage& page, const std::string& who, const VehicleResult& vehicle) {
   std::vector<LimitCheck> checks = vehicle.verdict.checks;  // what decided comes first
-  std::ranges::stable_partition(checks, [&vehicle](const LimitCheck& check) {
+  std::stable_partition(checks.begin(), checks.end(), [&vehicle](const LimitCheck& check) {
     return check.judged && (check.kind == LimitCheck::Kind::kFlight) == vehicle.verdict.valid;
   });
   std::vector<HtmlPage::Row> looks;
