@@ -105,7 +105,7 @@ LAYERS = {
     "casd/casctl/session": BASE | RPC | PROGRAM,
     "casd/casctl/verbs": BASE | RPC | {"base/cli", "casd/casctl/session"},
     "casd/casctl/doctor": BASE | RPC | {"casd/casctl/session"},
-    "casd/casctl/monitor": BASE | RPC | {"casd/casctl/session", "ncurses"},
+    "casd/casctl/monitor": BASE | RPC | {"base/cli", "casd/casctl/session", "ncurses"},
     "casd/casctl": BASE | RPC | PROGRAM | rooms("casd/casctl", "session verbs doctor monitor"),
 
     "fcu/line": BASE,

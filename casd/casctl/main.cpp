@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
   add_watch_verb(line);
   add_message_verb(line);
   add_service_verbs(line);
-  add_monitor_verb(line);
+  add_monitor_verb(line, completion_words());
   add_doctor_verb(line);
   add_words_verb(line);
   line.app().get_subcommand("words")->group("");  // not in the help: for shells

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <map>
 #include <memory>
 #include <string>
@@ -102,6 +103,9 @@ class EmulatorFixture {
              casctl({"status"}).text.find("PX4") != std::string::npos;
     });
   }
+
+  void kill_controller() { fcu_->signal(SIGKILL); }
+  void kill_casd() { casd_->signal(SIGKILL); }
 
   std::string device() const { return (folder / "fcu0").string(); }
   std::string socket() const { return (folder / "casd.sock").string(); }

@@ -3,117 +3,260 @@
 
 #include <unistd.h>
 
-#include <charconv>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <future>
 #include <iostream>
 #include <memory>
-#include <sstream>
+#include <set>
+#include <utility>
 
 #include "casd/casctl/monitor/monitor_model.hpp"
+#include "casd/casctl/monitor/monitor_view.hpp"
+#include "casd/casctl/monitor/prompt.hpp"
 #include "casd/casctl/monitor/terminal.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
 namespace {
 
+using base::rpc::CallError;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
+using Page = MonitorModel::Page;
 
 volatile std::sig_atomic_t stop_wanted = 0;
 
 void on_stop(int) { stop_wanted = 1; }
 
-/// The screen, its keys and the connection behind it. Commands run beside, so that the screen goes
-/// on while the vehicle thinks.
+double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+template <class T>
+bool is_ready(const std::future<T>& future) {
+  return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+/// What one look asks casd for, and what it answered.
+struct Look {
+  std::optional<int> vehicle;      ///< system id; nothing: the first one
+  std::optional<MessageKey> open;  ///< whose values are wanted
+  json status, messages, state, telemetry, value;
+  std::string fault;  ///< why casd did not answer
+  double time_s = 0;
+};
+
+/// The result, or null where this casd or this vehicle has none: the rest is shown.
+json call_or_null(Session& session, const std::string& method, const json& params) {
+  try {
+    return session.call(method, params);
+  } catch (const CallError&) {
+    return nullptr;
+  }
+}
+
+/// Asks casd, over a connection of its own that it makes again when it is gone.
+Look take_look(std::unique_ptr<Session>& session, const Options& options, Look look) {
+  try {
+    if (!session) session = std::make_unique<Session>(options);
+    look.status = session->call("casd.status");
+    look.messages = session->call("message.list");
+    const json vehicles = look.status.value("vehicles", json::array());
+    if (!look.vehicle && !vehicles.empty()) look.vehicle = vehicles[0].value("system", 0);
+    if (look.vehicle && !vehicles.empty()) {
+      look.state = call_or_null(*session, "vehicle.state", {{"vehicle", *look.vehicle}});
+      look.telemetry = call_or_null(*session, "vehicle.telemetry", {{"vehicle", *look.vehicle}});
+    }
+    if (look.open) {
+      look.value = call_or_null(*session, "message.value",
+                                {{"link", look.open->link},
+                                 {"message", look.open->id},
+                                 {"system", look.open->system},
+                                 {"component", look.open->component}});
+    }
+  } catch (const std::exception& error) {
+    session.reset();
+    look.fault = error.what();
+  }
+  look.time_s = now_s();
+  return look;
+}
+
+/// The gains of all loops, or a sentence.
+struct GainsAnswer {
+  json gains = json::array();
+  std::string fault;
+};
+
+GainsAnswer ask_gains(const Options& options) {
+  GainsAnswer answer;
+  try {
+    Session session(options);
+    const json list = session.vehicle_call("gain.list");
+    for (const json& loop : list.at("loops")) {
+      answer.gains.push_back(session.vehicle_call("gain.get", {{"loop", loop.at("loop")}}));
+    }
+  } catch (const std::exception& error) {
+    answer.fault = error.what();
+  }
+  return answer;
+}
+
+/// Names of all parameters; none where the vehicle does not tell them.
+std::vector<std::string> ask_parameters(const Options& options) {
+  std::vector<std::string> names;
+  try {
+    Session session(options);
+    const json list = session.vehicle_call("param.list");
+    for (const json& entry : list.at("parameters")) names.push_back(entry.at("name"));
+  } catch (const std::exception&) {
+  }
+  return names;
+}
+
+/// What came of a command, and whether it was done.
+using CommandAnswer = std::pair<std::string, bool>;
+
+CommandAnswer run_command(const Options& options, const std::string& line, const PromptCall& call) {
+  try {
+    Session session(options);
+    const json result = call.of_vehicle ? session.vehicle_call(call.method, call.params)
+                                        : session.call(call.method, call.params);
+    return {line + ": " + answer_text(call, result), true};
+  } catch (const std::exception& error) {
+    return {line + ": " + error.what(), false};
+  }
+}
+
+/// The screen, its keys and the connections behind it. Looks and commands run beside, so that keys
+/// and ages go on while casd or the vehicle thinks.
 ///
-///   every interval: fetch -> model -> draw        each key: model or prompt -> draw
+///   every interval: look -> model -> draw        each key: model or prompt -> draw
 class MonitorScreen {
  public:
-  MonitorScreen(Options options, double interval_s)
+  MonitorScreen(Options options, double interval_s, base::cli::WordsByCommand words)
       : options_(std::move(options)),
         interval_(
             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(interval_s))),
-        session_(std::make_unique<Session>(quick(options_))) {
-    model_.use_unicode(terminal_.unicode());
+        session_(std::make_unique<Session>(patient(3))) {
+    options_ = session_->options();  // the casd that was found, also when another one starts
+    words_.by_verb = std::move(words);
+    terminal_.emplace();
+    model_.use_unicode(terminal_->unicode());
+    model_.set_interval(interval_s);
+    if (options_.vehicle) model_.choose_vehicle(*options_.vehicle);
+    take_in(take_look(session_, patient(3), wanted()));  // the first screen knows already
   }
 
   void run() {
     while (stop_wanted == 0 && !quit_) {
-      if (Clock::now() >= next_fetch_) fetch();
+      look();
       finish_command();
-      terminal_.draw(model_.render(terminal_.rows(), terminal_.width()));
-      on_key(terminal_.read_key(50));
+      look_at_gains();
+      take_in_parameters();
+      if (entry_ == Entry::kCommand) show_entry();
+      terminal_->draw(render(model_.state(), terminal_->rows(), terminal_->width(), now_s()));
+      on_key(terminal_->read_key(50));
     }
+    leave();
   }
 
  private:
   enum class Entry { kNone, kFilter, kCommand, kGain };
 
-  /// The screen waits only shortly for its figures.
-  static Options quick(Options options) {
-    options.timeout_s = 3;
+  /// The terminal is the user's again at once; a command under way is waited for.
+  void leave() {
+    terminal_.reset();
+    std::signal(SIGINT, SIG_DFL);
+    if (command_.valid()) {
+      std::cerr << "casctl: " << history_.back()
+                << " has not been answered yet; Ctrl-C ends without waiting\n";
+    }
+  }
+
+  /// Options for a session that waits this long for answers, and never for casd to start.
+  Options patient(double timeout_s) const {
+    Options options = options_;
+    options.timeout_s = timeout_s;
+    options.wait = false;
     return options;
   }
 
-  void fetch() {
-    next_fetch_ = Clock::now() + interval_;
-    if (model_.paused()) return;
-    try {
-      if (!session_) session_ = std::make_unique<Session>(quick(options_));
-      fetch_figures();
-    } catch (const base::rpc::ConnectionError& error) {
-      session_.reset();
-      next_fetch_ = Clock::now() + std::chrono::seconds(1);
-      model_.set_note(std::string(error.what()) + "; trying again every second", true);
-      lost_ = true;
-    } catch (const base::rpc::CallError&) {
-      // A method that this casd does not have, or a vehicle that went away: the rest is shown.
+  /// The same, for the vehicle that is on the screen.
+  Options for_vehicle(double timeout_s) const {
+    Options options = patient(timeout_s);
+    options.vehicle = shown_vehicle();
+    return options;
+  }
+
+  std::optional<int> shown_vehicle() const {
+    if (model_.state().chosen_vehicle) return model_.state().chosen_vehicle;
+    const json vehicles = model_.state().status.value("vehicles", json::array());
+    if (vehicles.empty()) return std::nullopt;
+    return vehicles[0].value("system", 0);
+  }
+
+  Look wanted() const {
+    Look look;
+    look.vehicle = model_.state().chosen_vehicle;
+    look.open = model_.state().open;
+    return look;
+  }
+
+  void look() {
+    if (is_ready(look_)) {
+      take_in(look_.get());
     }
+    if (look_.valid() || Clock::now() < next_look_) return;
+    next_look_ = Clock::now() + interval_;
+    look_ = std::async(std::launch::async, [this, options = patient(3), look = wanted()] {
+      return take_look(session_, options, look);
+    });
   }
 
-  void fetch_figures() {
-    const json status = session_->call("casd.status");
-    model_.update(status, session_->call("message.list"),
-                  std::chrono::duration<double>(Clock::now().time_since_epoch()).count());
-    if (lost_) model_.set_note("", false);
-    lost_ = false;
-    if (status.value("vehicles", json::array()).empty()) return;
-    model_.update_vehicle(session_->call("vehicle.state", vehicle_params(status)));
-    if (const auto open = model_.open()) {
-      model_.update_value(session_->call("message.value", {{"link", open->link},
-                                                           {"message", open->id},
-                                                           {"system", open->system},
-                                                           {"component", open->component}}));
+  void take_in(const Look& look) {
+    model_.set_casd_fault(look.fault);
+    if (!look.fault.empty()) {
+      next_look_ = Clock::now() + std::chrono::seconds(1);
+      return;
     }
-    if (model_.page() == MonitorModel::Page::kGains && gains_wanted_) fetch_gains(status);
+    model_.update(look.status, look.messages, look.time_s);
+    if (look.state.is_object() && look.telemetry.is_object()) {
+      model_.update_vehicle(look.state, look.telemetry, look.time_s);
+    }
+    if (look.value.is_object()) model_.update_value(look.value, look.time_s);
   }
 
-  /// --vehicle, or the first one that casd knows.
-  json vehicle_params(const json& status) const {
-    if (options_.vehicle) return {{"vehicle", *options_.vehicle}};
-    return {{"vehicle", status.at("vehicles").at(0).at("system")}};
+  bool hears_the_vehicle() const {
+    return presence(model_.state(), now_s()).kind == Presence::Kind::kHere;
   }
 
-  void fetch_gains(const json& status) {
+  /// Asks once for each vehicle whose gains are on the screen, and again when they may have
+  /// changed.
+  void look_at_gains() {
+    if (is_ready(gains_)) {
+      const GainsAnswer answer = gains_.get();
+      if (gains_of_ == shown_vehicle()) model_.update_gains(answer.gains, answer.fault, now_s());
+    }
+    const bool shown = model_.state().page == Page::kGains || panes(terminal_->width()) > 1;
+    if (!hears_the_vehicle()) gains_of_.reset();  // one that comes back may have other gains
+    if (!shown || gains_.valid() || !hears_the_vehicle()) return;
+    if (!gains_wanted_ && gains_of_ == shown_vehicle()) return;
     gains_wanted_ = false;
-    json gains = json::array();
-    json params = vehicle_params(status);
-    const json list = session_->call("gain.list", params);
-    for (const json& loop : list.at("loops")) {
-      params["loop"] = loop.at("loop");
-      gains.push_back(session_->call("gain.get", params));
-    }
-    model_.update_gains(gains);
+    gains_of_ = shown_vehicle();
+    model_.set_gains_asked(now_s());
+    gains_ = std::async(std::launch::async, ask_gains, for_vehicle(10));
+  }
+
+  void take_in_parameters() {
+    if (is_ready(parameters_)) words_.parameters = parameters_.get();
   }
 
   void on_key(int key) {
     if (key == Terminal::kNone || key == Terminal::kResize) return;
     if (entry_ != Entry::kNone) return on_entry_key(key);
     model_.set_note("", false);
-    const int page = static_cast<int>(terminal_.rows()) / 2;
+    const int half = static_cast<int>(terminal_->rows()) / 2;
     switch (key) {
       case 'q':
         quit_ = true;
@@ -127,11 +270,24 @@ class MonitorScreen {
         model_.move(1);
         break;
       case Terminal::kPageUp:
-        model_.move(-page);
+        model_.move(-half);
         break;
       case Terminal::kPageDown:
-        model_.move(page);
+        model_.move(half);
         break;
+      case Terminal::kLeft:
+        model_.move_field(-1);
+        break;
+      case Terminal::kRight:
+        model_.move_field(1);
+        break;
+      default:
+        on_view_key(key);
+    }
+  }
+
+  void on_view_key(int key) {
+    switch (key) {
       case Terminal::kTab:
         model_.cycle_link();
         break;
@@ -140,6 +296,10 @@ class MonitorScreen {
         break;
       case 's':
         model_.cycle_sort();
+        break;
+      case 'v':
+        model_.cycle_vehicle();
+        next_look_ = Clock::now();
         break;
       case 'p':
       case ' ':
@@ -151,16 +311,25 @@ class MonitorScreen {
   }
 
   void on_page_key(int key) {
-    if (key == '?') model_.show(MonitorModel::Page::kHelp);
-    if (key == Terminal::kEscape) model_.show(MonitorModel::Page::kMessages);
-    if (key == '/') begin_entry(Entry::kFilter, "");
+    if (key == '?') model_.show(Page::kHelp);
+    if (key == 'a') model_.show(Page::kVehicle);
+    if (key == '/') begin_entry(Entry::kFilter, model_.state().filter);
     if (key == ':') begin_entry(Entry::kCommand, "");
     if (key == 'g') {
-      model_.show(MonitorModel::Page::kGains);
-      gains_wanted_ = true;
-      next_fetch_ = Clock::now();
+      gains_wanted_ = model_.state().page != Page::kGains;
+      model_.show(Page::kGains);
     }
+    if (key == Terminal::kEscape) on_escape();
     if (key == Terminal::kEnter) on_enter();
+  }
+
+  /// One step back: the answer, the page, the filter, the open message.
+  void on_escape() {
+    const MonitorState& state = model_.state();
+    if (!state.answer.empty()) return model_.set_answer("", false, now_s());
+    if (state.page != Page::kMessages) return model_.show(Page::kMessages);
+    if (!state.filter.empty()) return model_.set_filter("");
+    if (state.open) model_.close();
   }
 
   void on_enter() {
@@ -173,26 +342,67 @@ class MonitorScreen {
       loop_ = gains->value("loop", "");
       return begin_entry(Entry::kGain, values);
     }
+    if (model_.state().page == Page::kGains) return;
+    if (model_.state().page != Page::kMessages) model_.show(Page::kMessages);
     model_.toggle_open();
-    next_fetch_ = Clock::now();
+    next_look_ = Clock::now();
   }
 
   void begin_entry(Entry entry, const std::string& text) {
     entry_ = entry;
     text_ = text;
+    earlier_ = history_.size();
     show_entry();
+  }
+
+  /// The words that the prompt completes with: messages as they come.
+  const PromptWords& words() {
+    std::set<std::string> heard;
+    for (const MessageRow& row : model_.state().rows) {
+      if (row.key.direction == "rx") heard.insert(row.key.name);
+    }
+    words_.messages.assign(heard.begin(), heard.end());
+    return words_;
+  }
+
+  /// Who gets the command, where casd hears several.
+  std::string addressee() const {
+    const std::size_t heard = model_.state().status.value("vehicles", json::array()).size();
+    const auto vehicle = shown_vehicle();
+    return heard > 1 && vehicle ? "vehicle " + std::to_string(*vehicle) + " " : "";
   }
 
   void show_entry() {
     const std::string label = entry_ == Entry::kFilter    ? "filter: "
-                              : entry_ == Entry::kCommand ? ": "
+                              : entry_ == Entry::kCommand ? addressee() + ": "
                                                           : "gains of " + loop_ + " (P I D): ";
-    model_.set_prompt(label + text_ + "_");
+    model_.set_prompt(label + text_, hint());
+  }
+
+  /// What may stand here: as many words as a line has room for.
+  std::string hint() {
+    if (entry_ == Entry::kFilter) return "part of a name; Enter keeps it, Esc shows all";
+    if (entry_ == Entry::kGain) return "Enter sends them, Esc leaves them as they are";
+    const Completion completion = complete(text_, words());
+    std::string text = completion.usage;
+    if (completion.wants_parameters) {
+      return text + "; " +
+             (parameters_.valid() ? "asking for the parameters' names" : "Tab asks for the names");
+    }
+    const std::size_t room = terminal_->width();
+    if (!completion.offers.empty()) text += text.empty() ? "" : ";";
+    for (std::size_t i = 0; i < completion.offers.size(); ++i) {
+      const std::string rest = " and " + std::to_string(completion.offers.size() - i) + " more";
+      if (text.size() + 1 + completion.offers[i].size() + rest.size() > room) return text + rest;
+      text += (text.empty() ? "" : " ") + completion.offers[i];
+    }
+    return text;
   }
 
   void on_entry_key(int key) {
     if (key == Terminal::kBackspace && !text_.empty()) text_.pop_back();
     if (key >= ' ' && key < 127) text_ += static_cast<char>(key);
+    if (entry_ == Entry::kCommand) on_command_key(key);
     if (entry_ == Entry::kFilter) model_.set_filter(key == Terminal::kEscape ? "" : text_);
     if (key == Terminal::kEnter || key == Terminal::kEscape) {
       const Entry ended = std::exchange(entry_, Entry::kNone);
@@ -203,55 +413,72 @@ class MonitorScreen {
     show_entry();
   }
 
-  void start_command(const std::string& line) {
+  void on_command_key(int key) {
+    if (key == Terminal::kTab) {
+      const Completion completion = complete(text_, words());
+      text_ = completion.line;
+      if (completion.wants_parameters && !parameters_.valid() && hears_the_vehicle()) {
+        parameters_ = std::async(std::launch::async, ask_parameters, for_vehicle(30));
+      }
+    }
+    if (key == Terminal::kUp && earlier_ > 0) text_ = history_[--earlier_];
+    if (key == Terminal::kDown && earlier_ < history_.size()) {
+      ++earlier_;
+      text_ = earlier_ < history_.size() ? history_[earlier_] : "";
+    }
+  }
+
+  void start_command(std::string line) {
+    line.erase(line.find_last_not_of(' ') + 1);
+    history_.push_back(line);
     const auto parsed = parse_prompt(line);
-    if (const auto* fault = std::get_if<std::string>(&parsed)) return model_.set_note(*fault, true);
+    if (const auto* fault = std::get_if<std::string>(&parsed)) {
+      return model_.set_answer(*fault, true, now_s());
+    }
     if (command_.valid()) return model_.set_note("the last command is still under way", true);
-    model_.set_note(line + " ...", false);
-    command_ = std::async(std::launch::async,
-                          [options = options_, line, call = std::get<PromptCall>(parsed)] {
-                            try {
-                              Session session(options);
-                              session.vehicle_call(call.method, call.params);
-                              return std::pair{line + ": done", true};
-                            } catch (const std::exception& error) {
-                              return std::pair{line + ": " + error.what(), false};
-                            }
-                          });
+    model_.set_answer(line + " ...", false, now_s());
+    command_ = std::async(std::launch::async, run_command, for_vehicle(options_.timeout_s), line,
+                          std::get<PromptCall>(parsed));
   }
 
   void finish_command() {
-    if (!command_.valid() || command_.wait_for(milliseconds(0)) != std::future_status::ready)
-      return;
-    const auto [note, good] = command_.get();
-    model_.set_note(note, !good);
+    if (!is_ready(command_)) return;
+    const auto [answer, good] = command_.get();
+    model_.set_answer(answer, !good, now_s());
     gains_wanted_ = true;
+    next_look_ = Clock::now();
   }
 
   Options options_;
   Clock::duration interval_;
-  std::unique_ptr<Session> session_;
-  Terminal terminal_;
+  std::unique_ptr<Session> session_;  ///< of the look that is under way
+  std::optional<Terminal> terminal_;
   MonitorModel model_;
-  Clock::time_point next_fetch_{};
+  Clock::time_point next_look_{};
   Entry entry_ = Entry::kNone;
-  std::string text_;
-  std::string loop_;
+  std::string text_;                  ///< under edit
+  std::string loop_;                  ///< whose gains are under edit
+  std::vector<std::string> history_;  ///< of commands
+  std::size_t earlier_ = 0;           ///< place in it
+  PromptWords words_;
+  std::optional<int> gains_of_;
   bool gains_wanted_ = false;
-  bool lost_ = false;
   bool quit_ = false;
-  std::future<std::pair<std::string, bool>> command_;
+  std::future<Look> look_;
+  std::future<GainsAnswer> gains_;
+  std::future<std::vector<std::string>> parameters_;
+  std::future<CommandAnswer> command_;
 };
 
 /// The full-screen monitor; returns when the user quits. The terminal is left as it was.
-int run_monitor(const Options& options, double interval_s) {
+int run_monitor(const Options& options, double interval_s, const base::cli::WordsByCommand& words) {
   if (::isatty(STDOUT_FILENO) == 0) {
     throw std::runtime_error("the output is no terminal; `casctl monitor --once` prints a table");
   }
   std::signal(SIGINT, on_stop);
   std::signal(SIGTERM, on_stop);
   std::signal(SIGHUP, on_stop);
-  MonitorScreen(options, interval_s).run();
+  MonitorScreen(options, interval_s, words).run();
   return kDone;
 }
 
@@ -274,87 +501,21 @@ int print_monitor(Session& session) {
   return kDone;
 }
 
-std::optional<double> number(const std::string& text) {
-  double value = 0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end.ec != std::errc() || end.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-/// A verb of the prompt: the method, and the names of its arguments.
-struct PromptVerb {
-  const char* word;
-  const char* method;
-  std::size_t needed;
-  std::vector<const char*> numbers;  ///< after the word argument, where there is one
-  const char* text = nullptr;        ///< name of the first argument when it is a word
-};
-
-const std::vector<PromptVerb>& verbs() {
-  static const std::vector<PromptVerb> kVerbs{
-      {"arm", "vehicle.arm", 0, {}},
-      {"disarm", "vehicle.disarm", 0, {}},
-      {"takeoff", "vehicle.takeoff", 1, {"altitude_m"}},
-      {"land", "vehicle.land", 0, {}},
-      {"hold", "vehicle.hold", 0, {}},
-      {"rtl", "vehicle.rtl", 0, {}},
-      {"goto", "vehicle.goto", 3, {"north_m", "east_m", "down_m", "yaw_deg"}},
-      {"mode", "vehicle.mode", 1, {}, "mode"},
-      {"setgain", "gain.set", 2, {"p", "i", "d"}, "loop"},
-      {"message-interval", "vehicle.message_interval", 1, {"hz"}, "message"},
-      {"param", "param.set", 2, {"value"}, "name"},
-  };
-  return kVerbs;
-}
-
-std::string usage(const PromptVerb& verb) {
-  std::string text = std::string("usage: ") + verb.word;
-  std::size_t index = 0;
-  const auto add = [&](const char* name) {
-    text += index < verb.needed ? std::string(" ") + name : std::string(" [") + name + "]";
-    ++index;
-  };
-  if (verb.text != nullptr) add(verb.text);
-  for (const char* name : verb.numbers) add(name);
-  return text;
-}
-
 }  // namespace
 
-std::variant<PromptCall, std::string> parse_prompt(const std::string& line) {
-  std::istringstream in(line);
-  std::string word;
-  in >> word;
-  for (const PromptVerb& verb : verbs()) {
-    if (word != verb.word) continue;
-    std::vector<std::string> given;
-    for (std::string argument; in >> argument;) given.push_back(argument);
-    const std::size_t words = verb.text == nullptr ? 0 : 1;
-    if (given.size() < verb.needed || given.size() > words + verb.numbers.size())
-      return usage(verb);
-    PromptCall call{.method = verb.method};
-    if (verb.text != nullptr) call.params[verb.text] = given[0];
-    for (std::size_t i = words; i < given.size(); ++i) {
-      const std::optional<double> value = number(given[i]);
-      if (!value) return "'" + given[i] + "' is no number; " + usage(verb);
-      call.params[verb.numbers[i - words]] = *value;
-    }
-    return call;
-  }
-  return "there is no command '" + word + "'; ? lists them";
-}
-
-void add_monitor_verb(CommandLine& line) {
+void add_monitor_verb(CommandLine& line, base::cli::WordsByCommand words) {
   struct Wish {
     bool once = false;
     double interval_s = 0.5;
   };
   const auto wish = std::make_shared<Wish>();
   const Verb verb = line.add_verb(
-      "monitor", "Watch links, messages, values and gains on a full screen; command from it",
-      "casctl monitor   or   casctl monitor --once", [wish](Session& session) {
+      "monitor",
+      "Watch links, messages, values, attitude and gains on a full screen; command from it",
+      "casctl monitor   or   casctl monitor --once",
+      [wish, words = std::move(words)](Session& session) {
         if (wish->once) return print_monitor(session);
-        return run_monitor(session.options(), wish->interval_s);
+        return run_monitor(session.options(), wish->interval_s, words);
       });
   verb.add_flag("--once", wish->once, "Print the messages as a plain table and end");
   verb.add_option("--interval", wish->interval_s, "Seconds between two looks")

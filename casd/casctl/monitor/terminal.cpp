@@ -10,7 +10,7 @@
 namespace cas::casctl {
 namespace {
 
-enum Pair : short { kGoodPair = 1, kBadPair, kTitlePair };
+enum Pair : short { kGoodPair = 1, kBadPair, kTitlePair, kAlarmPair };
 
 attr_t attributes(Style style) {
   const bool colours = has_colors();
@@ -19,6 +19,8 @@ attr_t attributes(Style style) {
       return A_NORMAL;
     case Style::kTitle:
       return colours ? COLOR_PAIR(kTitlePair) | A_BOLD : A_REVERSE;
+    case Style::kAlarm:
+      return colours ? COLOR_PAIR(kAlarmPair) | A_BOLD : A_BOLD;
     case Style::kHeader:
       return A_BOLD | A_UNDERLINE;
     case Style::kSelected:
@@ -49,6 +51,7 @@ Terminal::Terminal() {
     init_pair(kGoodPair, COLOR_GREEN, -1);
     init_pair(kBadPair, COLOR_RED, -1);
     init_pair(kTitlePair, COLOR_WHITE, COLOR_BLUE);
+    init_pair(kAlarmPair, COLOR_WHITE, COLOR_RED);
   }
 }
 
@@ -60,11 +63,14 @@ std::size_t Terminal::width() const { return static_cast<std::size_t>(getmaxx(st
 
 bool Terminal::unicode() const { return std::strcmp(nl_langinfo(CODESET), "UTF-8") == 0; }
 
-void Terminal::draw(const std::vector<ScreenLine>& lines) {
+void Terminal::draw(const Block& lines) {
   erase();
   for (std::size_t i = 0; i < lines.size() && i < rows(); ++i) {
-    attrset(static_cast<int>(attributes(lines[i].style)));
-    mvaddstr(static_cast<int>(i), 0, lines[i].text.c_str());
+    ::move(static_cast<int>(i), 0);
+    for (const Span& span : lines[i].spans) {
+      attrset(static_cast<int>(attributes(span.style)));
+      addstr(printable(span.text).c_str());
+    }
   }
   attrset(A_NORMAL);
   refresh();
@@ -79,6 +85,10 @@ int Terminal::read_key(int patience_ms) {
       return kUp;
     case KEY_DOWN:
       return kDown;
+    case KEY_LEFT:
+      return kLeft;
+    case KEY_RIGHT:
+      return kRight;
     case KEY_PPAGE:
       return kPageUp;
     case KEY_NPAGE:
@@ -96,6 +106,7 @@ int Terminal::read_key(int patience_ms) {
     case 8:
       return kBackspace;
     case KEY_RESIZE:
+      clearok(curscr, TRUE);  // terminals differ in what they leave of the old screen
       return kResize;
     default:
       return key;

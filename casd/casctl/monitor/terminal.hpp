@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include "casd/casctl/monitor/monitor_model.hpp"
+#include "casd/casctl/monitor/screen_text.hpp"
 
 namespace cas::casctl {
 
@@ -16,6 +13,8 @@ class Terminal {
     kNone = -1,
     kUp = 0x1000,
     kDown,
+    kLeft,
+    kRight,
     kPageUp,
     kPageDown,
     kEnter,
@@ -34,7 +33,7 @@ class Terminal {
   std::size_t width() const;
   /// Whether text beyond ASCII can be shown.
   bool unicode() const;
-  void draw(const std::vector<ScreenLine>& lines);
+  void draw(const Block& lines);
   /// Waits for a key. @return a character, a Key, or kNone when none came in time
   int read_key(int patience_ms);
 };

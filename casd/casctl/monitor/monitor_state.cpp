@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/casctl/monitor/monitor_state.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace cas::casctl {
+namespace {
+
+using nlohmann::json;
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace
+
+Presence presence(const MonitorState& state, double now_s) {
+  const double look_age_s = now_s - state.status_at_s;
+  const double late_s = overdue_s(state, state.status_at_s, now_s);
+  if (!state.casd_fault.empty() || late_s > kStale_s) {
+    return {.kind = Presence::Kind::kUnknown, .age_s = look_age_s};
+  }
+  const json vehicles = state.status.value("vehicles", json::array());
+  for (const json& vehicle : vehicles) {
+    if (state.chosen_vehicle && vehicle.value("system", 0) != *state.chosen_vehicle) continue;
+    const auto watch = state.watches.find(vehicle.value("system", 0));
+    const double silent_s =
+        watch == state.watches.end() ? 0 : state.status_at_s - watch->second.changed_at_s;
+    const double told_s = std::max(vehicle.value("heartbeat_age_s", 0.0), silent_s);
+    const double age_s = told_s + look_age_s;
+    return {.kind = told_s + late_s > kStale_s ? Presence::Kind::kLost : Presence::Kind::kHere,
+            .age_s = age_s,
+            .summary = vehicle};
+  }
+  return {.kind = Presence::Kind::kNone};
+}
+
+double overdue_s(const MonitorState& state, double at_s, double now_s) {
+  return std::max(now_s - at_s - state.interval_s, 0.0);
+}
+
+std::vector<MessageRow> visible_rows(const MonitorState& state) {
+  std::vector<MessageRow> shown;
+  const std::string wanted = lower(state.filter);
+  for (const MessageRow& row : state.rows) {
+    if (!state.link.empty() && row.key.link != state.link) continue;
+    if (!state.direction.empty() && row.key.direction.rfind(state.direction, 0) != 0) continue;
+    if (lower(row.key.name).find(wanted) == std::string::npos) continue;
+    shown.push_back(row);
+  }
+  using Sort = MonitorState::Sort;
+  std::stable_sort(shown.begin(), shown.end(), [&](const MessageRow& a, const MessageRow& b) {
+    if (state.sort == Sort::kRate && a.hz != b.hz) return a.hz > b.hz;
+    if (state.sort == Sort::kAge && a.age_s != b.age_s) return a.age_s < b.age_s;
+    if (state.sort == Sort::kCount && a.count != b.count) return a.count > b.count;
+    return a.key < b.key;
+  });
+  return shown;
+}
+
+}  // namespace cas::casctl

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/cli/command_tree.hpp"
+
+namespace cas::casctl {
+
+/// A method call that a line of the prompt stands for: "takeoff 3", "setgain roll 6.5".
+struct PromptCall {
+  std::string method;
+  nlohmann::json params = nlohmann::json::object();
+  bool of_vehicle = true;  ///< else of casd itself
+};
+/// @return the call, or a sentence that says what is wrong
+std::variant<PromptCall, std::string> parse_prompt(const std::string& line);
+
+/// What came of a call, in a few words: "roll: P 6.5", "done".
+std::string answer_text(const PromptCall& call, const nlohmann::json& result);
+
+/// The words that completion offers as a verb's first argument.
+struct PromptWords {
+  base::cli::WordsByCommand by_verb;    ///< the table of casctl's own completion
+  std::vector<std::string> messages;    ///< that casd hears
+  std::vector<std::string> parameters;  ///< of the vehicle; empty until they have been asked for
+};
+
+struct Completion {
+  std::string line;                   ///< with what all offers have in common
+  std::vector<std::string> offers{};  ///< words that may stand where the line ends
+  std::string usage{};                ///< of the verb, once there is one: "takeoff ALT"
+  bool wants_parameters = false;      ///< their names are not known yet
+};
+/// Completes the last word of a line; upper and lower case are the same to it.
+Completion complete(const std::string& line, const PromptWords& words);
+
+/// A line for each verb of the prompt, for the help: "takeoff ALT".
+std::vector<std::string> prompt_usages();
+
+}  // namespace cas::casctl
