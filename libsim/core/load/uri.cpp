@@ -117,6 +117,7 @@ std::vector<fs::path> places_of_model_file(const std::string& uri, const fs::pat
   std::vector<fs::path> places;
   const auto url = behind(uri, "https://");
   std::string name = url ? fuel_name(*url) : behind(uri, "model://").value_or(uri);
+  if (behind(uri, "model://")) name.erase(0, name.find_first_not_of('/'));  // model:///NAME
   if (const auto rest = behind(uri, "file://")) {
     places.push_back(folder / *rest);
     name = *rest;

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
+#include "libsim/core/load/uri.hpp"
 #include "libsim/core/run/sim_runner.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/paths.hpp"
@@ -153,6 +154,11 @@ TEST(SdfWorld, RefusesToGoWithoutAModelAndSaysWhereItLooked) {
               Contains(HasSubstr("model://oak is nowhere to be found; left out")));
 }
 
+TEST(SdfWorld, AThirdSlashBehindModelIsNoRoot) {
+  EXPECT_EQ(places_of_model_file("model:///oak/oak.dae", "/w", {}).at(0).string(),
+            "/w/oak/oak.dae");
+}
+
 TEST(SdfWorld, FindsAFuelModelByItsNameInTheModelPath) {
   const cas::test::TemporaryFolder folder;
   folder.write(
@@ -168,6 +174,18 @@ TEST(SdfWorld, FindsAFuelModelByItsNameInTheModelPath) {
                                      "models/Elm</uri></include>")),
       {});
   EXPECT_EQ(model.statics.size(), 1u);
+}
+
+TEST(SdfWorld, ReadsStiffnessAndDampingOfASurface) {
+  const auto surface_of = [](const std::string& ode) {
+    const WorldModel model = load_elements(obstacle("<contact><ode>" + ode + "</ode></contact>"));
+    EXPECT_THAT(model.warnings, IsEmpty());
+    return model.statics.at(0).surface;
+  };
+  EXPECT_EQ(surface_of("<kp>2e5</kp><kd>30</kd>").stiffness_n_m, 2e5);
+  EXPECT_EQ(surface_of("<kp>2e5</kp><kd>30</kd>").damping_n_s_m, 30.0);
+  EXPECT_EQ(surface_of("<kp>2e5</kp>").damping_n_s_m, std::nullopt);
+  EXPECT_EQ(surface_of("").stiffness_n_m, std::nullopt);
 }
 
 TEST(SdfWorld, WarnsOfWhatItDoesNotDoByNameAndLine) {
