@@ -93,6 +93,15 @@ class World {
   /// Sets mass and inertia to a multiple of those at the start; the centre of gravity stays.
   /// @throws base::ConfigError when `factor` is not above 0
   virtual void scale_mass(VehicleId vehicle, double factor) = 0;
+
+  /// Whether a flat disc that is fixed to the vehicle, a rotor's, touches the world or another
+  /// vehicle; cheap where nothing is near. A host without contacts says no.
+  /// @param centre_B  from the centre of gravity, m; the disc's axis is z of B
+  virtual bool disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
+                            double radius_m) const {
+    (void)vehicle, (void)centre_B, (void)radius_m;
+    return false;
+  }
 };
 
 }  // namespace cas::sim

@@ -3,6 +3,7 @@
 // A `real_time` counter tells how many simulated seconds pass in a second of one core.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "libsim/core/run/sim_runner.hpp"
 #include "tests/libsim/support/crate.hpp"
 #include "tests/libsim/support/four_rotors.hpp"
+#include "tests/libsim/support/triangles.hpp"
 #include "tests/support/paths.hpp"
 
 namespace {
@@ -90,6 +92,36 @@ void world_contact(benchmark::State& state) {
   count_steps(state);
 }
 BENCHMARK(world_contact);
+
+/// The same on flat triangles of 10 cm, of which some 60 are touched.
+void world_contact_triangles(benchmark::State& state) {
+  const auto world = sim::test::make_world(sim::test::ground_of_triangles(0.1));
+  world->add_vehicle(sim::test::crate(), {});
+  world->start();
+  double sign = 1;
+  for (auto _ : state) {
+    world->add_wrench(kFirst, {{sign = -sign, 0, 0}, Eigen::Vector3d::Zero()});
+    world->advance(kStep);
+  }
+  count_steps(state);
+}
+BENCHMARK(world_contact_triangles);
+
+/// Sliding over them: the collision is looked for anew in every step.
+void world_slide_triangles(benchmark::State& state) {
+  const auto world = sim::test::make_world(sim::test::ground_of_triangles(0.1, 0.1));
+  world->add_vehicle(sim::test::crate(), {});
+  world->start();
+  double side = 6;  // N, beyond friction
+  for (auto _ : state) {
+    const double x = world->state(kFirst).p_WB.x();
+    if (std::abs(x) > 0.5) side = std::copysign(6.0, -x);
+    world->add_wrench(kFirst, {{side, 0, 0}, Eigen::Vector3d::Zero()});
+    world->advance(kStep);
+  }
+  count_steps(state);
+}
+BENCHMARK(world_slide_triangles);
 
 void world_held(benchmark::State& state) {
   const auto world = sim::test::make_world(sim::test::flat_world());

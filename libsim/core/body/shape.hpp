@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -46,6 +47,11 @@ using Geometry = std::variant<Box, Sphere, Cylinder, Plane, Mesh>;
 struct Surface {
   /// Coulomb coefficient; 1 is the default of the SDF specification.
   double friction = 1.0;
+  /// Spring and damper of one contact, N/m and N s/m; none: the default, scaled by the mass.
+  std::optional<double> stiffness_n_m{};
+  std::optional<double> damping_n_s_m{};
+
+  bool operator==(const Surface&) const = default;
 };
 
 /// A collision shape: in W for the world, about the centre of gravity in B for a vehicle.

@@ -3,11 +3,20 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
 #include <deque>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "base/os/log.hpp"
+#include "libsim/core/ode/contact_law.hpp"
+#include "libsim/core/ode/contact_patch.hpp"
 #include "libsim/core/ode/geometry.hpp"
 #include "libsim/core/ode/static_bounds.hpp"
 
@@ -18,14 +27,10 @@ static_assert(sizeof(dReal) == sizeof(double), "CAS needs ODE in double precisio
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMaxContactsPerPair = 8;
-
-// A contact as a mass on a spring: stiff enough to sink by about a millimetre, damped so that it
-// does not bounce. Scaled by the body's mass, so that small and large vehicles land alike.
-constexpr double kContactFrequency = 94.0;  // rad/s, one contact carrying the whole body
-constexpr double kContactDampingRatio = 1.0;
-constexpr double kSlipSpeed = 1e-3;   // m/s: above, friction points against the slip
-constexpr double kDeepestPush = 5.0;  // m/s: speed at which overlapping bodies are parted
+constexpr std::size_t kMostFound = 512;  // contacts of one pair of shapes that are looked at
+constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodies are parted
+constexpr double kNoSlip = 1e-9;         // m/s: below, slip has no direction
+constexpr double kStill = 2e-5;          // m: a body that moved less touches what it touched
 constexpr unsigned long kOdeSeed = 1;
 
 dMass ode_mass(const MassProperties& mass) {
@@ -36,11 +41,43 @@ dMass ode_mass(const MassProperties& mass) {
   return out;
 }
 
+/// Where ODE's messages go; it would write them to standard error.
+///
+/// Its solver complains of contacts that contradict each other, step by step and in its own words:
+/// one warning says so, the rest is counted.
+class OdeMessages {
+ public:
+  static void install() {
+    dSetMessageHandler(&OdeMessages::on_message);
+    dSetErrorHandler(&OdeMessages::on_error);
+  }
+  static std::uint64_t count() { return count_.load(std::memory_order_relaxed); }
+
+ private:
+  static std::string text(const char* format, va_list arguments) {
+    std::array<char, 256> buffer{};
+    std::vsnprintf(buffer.data(), buffer.size(), format, arguments);
+    return buffer.data();
+  }
+  static void on_message(int, const char* format, va_list arguments) {
+    if (count_.fetch_add(1, std::memory_order_relaxed) > 0) return;
+    base::log::warn("contact solver: " + text(format, arguments) + "; further ones are counted");
+  }
+  [[noreturn]] static void on_error(int, const char* format, va_list arguments) {
+    base::log::error("contact solver: " + text(format, arguments));
+    std::abort();
+  }
+
+  static inline std::atomic<std::uint64_t> count_{0};
+};
+
 /// ODE's library state lives as long as any solver.
 class OdeLibrary {
  public:
   OdeLibrary() {
-    if (users_++ == 0) dInitODE2(0);
+    if (users_++ > 0) return;
+    OdeMessages::install();
+    dInitODE2(0);
   }
   ~OdeLibrary() {
     if (--users_ == 0) dCloseODE();
@@ -52,20 +89,55 @@ class OdeLibrary {
   static inline int users_ = 0;
 };
 
+/// What a geom belongs to; pointed to by the geom.
+struct Owner {
+  std::ptrdiff_t body = -1;  // -1: the world
+  std::size_t surface = 0;   // its number
+};
+
+/// Whose surfaces touch: bodies, -1 for the world, and numbers of surfaces.
+struct Pair {
+  std::ptrdiff_t body = -1;
+  std::ptrdiff_t other = -1;
+  std::size_t on_body = 0;
+  std::size_t on_other = 0;
+
+  bool operator==(const Pair&) const = default;
+};
+
+/// A contact that takes part in the step.
+struct Contact {
+  ContactPoint point;
+  std::size_t patch = 0;
+  std::ptrdiff_t body = -1;   // n_W points into it
+  std::ptrdiff_t other = -1;  // -1: the world
+  Surface on_body;
+  Surface on_other;
+};
+
 struct Body {
   dBodyID id = nullptr;
   dSpaceID space = nullptr;
   double radius = 0;
-  double mass_kg = 0;
+  MassProperties mass;
   bool driven = false;  // an obstacle on its way: nothing that touches it moves it
   bool touching = false;
+
+  // Contacts with the static world, and where the body was when they were looked for.
+  std::vector<Contact> world_contacts;
+  bool looked = false;
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
+
+  // Velocities that the body would have after the step if nothing touched it.
+  Eigen::Vector3d v_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
 };
 
-/// What a geom belongs to; pointed to by the geom.
-struct Owner {
-  Surface surface;
-  std::ptrdiff_t body = -1;  // -1: the world
-};
+Eigen::Quaterniond attitude(dBodyID id) {
+  const dReal* q = dBodyGetQuaternion(id);
+  return {q[0], q[1], q[2], q[3]};
+}
 
 }  // namespace
 
@@ -73,82 +145,282 @@ struct ContactSolver::Impl {
   OdeLibrary library;
   dWorldID world = dWorldCreate();
   dSpaceID statics = dHashSpaceCreate(nullptr);
-  dJointGroupID contacts = dJointGroupCreate(0);
+  dJointGroupID joints = dJointGroupCreate(0);
   dGeomID ray = dCreateRay(nullptr, 1.0);
   MeshStore meshes;
   std::deque<Owner> owners;
+  std::vector<Surface> surfaces;
   std::vector<Body> bodies;
   StaticBounds bounds;
-  std::size_t contact_count = 0;
+  Eigen::Vector3d gravity_W = Eigen::Vector3d::Zero();
   double h = 1e-3;  // s, step that the springs are discretised for
+
+  std::vector<std::pair<double, dGeomID>> discs;  // by radius
+  std::vector<Contact> contacts;                  // of the step
+  std::vector<dContactGeom> geoms;                // of one pair of shapes
+  std::vector<ContactPoint> points;               // of one body with the world, or with another
+  std::vector<Pair> pairs;                        // numbered by their `kind`
+  std::vector<KeptContact> kept;
+
+  Impl() : geoms(kMostFound) {
+    contacts.reserve(kMostFound);
+    pairs.reserve(kMostFound);
+    points.reserve(kMostFound);
+    kept.reserve(kMostContacts);
+  }
 
   ~Impl() {
     dGeomDestroy(ray);
-    dJointGroupDestroy(contacts);
+    for (const auto& [radius, geom] : discs) dGeomDestroy(geom);
+    dJointGroupDestroy(joints);
     for (const Body& body : bodies) dSpaceDestroy(body.space);
     dSpaceDestroy(statics);
     dWorldDestroy(world);
   }
 
+  Body& at(std::ptrdiff_t body) { return bodies[static_cast<std::size_t>(body)]; }
+
+  Owner* own(const Surface& surface, std::ptrdiff_t body) {
+    const auto same = std::find(surfaces.begin(), surfaces.end(), surface);
+    const auto number = static_cast<std::size_t>(same - surfaces.begin());
+    if (same == surfaces.end()) surfaces.push_back(surface);
+    owners.push_back({body, number});
+    return &owners.back();
+  }
+
+  // --- finding contacts
+
+  static void on_pair(void* self, dGeomID a, dGeomID b) { static_cast<Impl*>(self)->collide(a, b); }
+
   void collide(dGeomID a, dGeomID b) {
-    std::array<dContact, kMaxContactsPerPair> found;
-    const int n = dCollide(a, b, static_cast<int>(kMaxContactsPerPair), &found[0].geom,
-                           static_cast<int>(sizeof(dContact)));
-    for (int i = 0; i < n; ++i) add_contact(found[static_cast<std::size_t>(i)]);
+    const int n = dCollide(a, b, static_cast<int>(kMostFound), geoms.data(),
+                           static_cast<int>(sizeof(dContactGeom)));
+    for (int i = 0; i < n; ++i) add_point(geoms[static_cast<std::size_t>(i)]);
   }
 
-  void add_contact(dContact& contact) {
-    const auto& a = *static_cast<const Owner*>(dGeomGetData(contact.geom.g1));
-    const auto& b = *static_cast<const Owner*>(dGeomGetData(contact.geom.g2));
-    ++contact_count;
-    fill_surface(contact, a, b);
-    const dBodyID body_a = dGeomGetBody(contact.geom.g1);
-    const dBodyID body_b = dGeomGetBody(contact.geom.g2);
-    dJointAttach(dJointCreateContact(world, contacts, &contact), body_a, body_b);
-    if (a.body >= 0) bodies[static_cast<std::size_t>(a.body)].touching = true;
-    if (b.body >= 0) bodies[static_cast<std::size_t>(b.body)].touching = true;
+  /// Books a contact from the side of a body; of two bodies, of the one that ODE names first.
+  void add_point(const dContactGeom& geom) {
+    const auto* a = static_cast<const Owner*>(dGeomGetData(geom.g1));
+    const auto* b = static_cast<const Owner*>(dGeomGetData(geom.g2));
+    Eigen::Vector3d n_W = from_ode(geom.normal);
+    if (a->body < 0) {
+      std::swap(a, b);
+      n_W = -n_W;
+    }
+    points.push_back({.p_W = from_ode(geom.pos),
+                      .n_W = n_W,
+                      .depth_m = geom.depth,
+                      .kind = kind_of({a->body, b->body, a->surface, b->surface}),
+                      .face_W = face_of(geom)});
   }
 
-  void fill_surface(dContact& contact, const Owner& a, const Owner& b) const {
-    dSurfaceParameters& surface = contact.surface;
-    surface = {};
+  /// Number of the pair among those of this search.
+  std::size_t kind_of(const Pair& pair) {
+    const auto same = std::find(pairs.begin(), pairs.end(), pair);
+    if (same == pairs.end()) {
+      pairs.push_back(pair);
+      return pairs.size() - 1;
+    }
+    return static_cast<std::size_t>(same - pairs.begin());
+  }
+
+  /// Unit normal of the triangle that the contact is with; zero where there is none.
+  static Eigen::Vector3d face_of(const dContactGeom& geom) {
+    const bool first = dGeomGetClass(geom.g1) == dTriMeshClass;
+    const dGeomID mesh = first ? geom.g1 : geom.g2;
+    const int triangle = first ? geom.side1 : geom.side2;
+    if (dGeomGetClass(mesh) != dTriMeshClass || triangle < 0) return Eigen::Vector3d::Zero();
+    std::array<dVector3, 3> corners;
+    dGeomTriMeshGetTriangle(mesh, triangle, &corners[0], &corners[1], &corners[2]);
+    const Eigen::Vector3d a = from_ode(corners[0]);
+    const Eigen::Vector3d n = (from_ode(corners[1]) - a).cross(from_ode(corners[2]) - a);
+    const double area = n.norm();
+    return area > 0 ? Eigen::Vector3d(n / area) : Eigen::Vector3d::Zero();
+  }
+
+  /// Those of `points` that carry the body, appended to `out`.
+  void keep_points(std::vector<Contact>& out) {
+    drop_inner_edges(points);
+    keep_outermost(points, kept);
+    for (const KeptContact& k : kept) {
+      const ContactPoint& point = points[k.index];
+      const Pair& pair = pairs[point.kind];
+      out.push_back({.point = point,
+                     .patch = k.patch,
+                     .body = pair.body,
+                     .other = pair.other,
+                     .on_body = surfaces[pair.on_body],
+                     .on_other = surfaces[pair.on_other]});
+    }
+  }
+
+  /// How far any point of the body has moved since its contacts were looked for, at most.
+  static double moved(const Body& body) {
+    const Eigen::Vector3d p_WB = from_ode(dBodyGetPosition(body.id));
+    const Eigen::Quaterniond turn = attitude(body.id) * body.q_WB.conjugate();
+    return (p_WB - body.p_WB).norm() + 2.0 * turn.vec().norm() * body.radius;
+  }
+
+  void look_for_world_contacts(Body& body) {
+    points.clear();
+    pairs.clear();
+    body.world_contacts.clear();
+    dSpaceCollide2(reinterpret_cast<dGeomID>(body.space), reinterpret_cast<dGeomID>(statics), this,
+                   &on_pair);
+    keep_points(body.world_contacts);
+    body.p_WB = from_ode(dBodyGetPosition(body.id));
+    body.q_WB = attitude(body.id);
+    body.looked = true;
+  }
+
+  /// Adds the body's contacts with the world, each as deep as it is by now.
+  void add_world_contacts(Body& body) {
+    const Eigen::Vector3d p_WB = from_ode(dBodyGetPosition(body.id));
+    const Eigen::Quaterniond turn = attitude(body.id) * body.q_WB.conjugate();
+    for (Contact contact : body.world_contacts) {
+      const Eigen::Vector3d p_W = p_WB + turn * (contact.point.p_W - body.p_WB);
+      contact.point.depth_m -= contact.point.n_W.dot(p_W - contact.point.p_W);
+      contact.point.p_W = p_W;
+      if (contact.point.depth_m < 0) continue;
+      contacts.push_back(contact);
+      body.touching = true;
+    }
+  }
+
+  // --- joints
+
+  /// Makes a joint of each contact; the bodies' velocities without contact decide on friction.
+  void make_joints() {
+    for (Body& body : bodies) predict(body);
+    for (std::size_t first = 0; first < contacts.size();) {
+      std::size_t last = first + 1;
+      while (last < contacts.size() && same_patch(contacts[first], contacts[last])) ++last;
+      make_joints_of_patch(std::span(contacts).subspan(first, last - first));
+      first = last;
+    }
+  }
+
+  static bool same_patch(const Contact& a, const Contact& b) {
+    return a.body == b.body && a.other == b.other && a.patch == b.patch;
+  }
+
+  void predict(Body& body) const {
+    body.v_W = from_ode(dBodyGetLinearVel(body.id));
+    body.w_W = from_ode(dBodyGetAngularVel(body.id));
+    if (dBodyIsEnabled(body.id) == 0) return;
+    const Eigen::Matrix3d R_WB = attitude(body.id).toRotationMatrix();
+    const Eigen::Vector3d w_B = R_WB.transpose() * body.w_W;
+    const Eigen::Vector3d t_B = R_WB.transpose() * from_ode(dBodyGetTorque(body.id));
+    const Eigen::Vector3d alpha_B =
+        body.mass.inertia_inverse_B() * (t_B - w_B.cross(body.mass.inertia_B() * w_B));
+    body.v_W += h * (gravity_W + from_ode(dBodyGetForce(body.id)) / body.mass.mass_kg());
+    body.w_W += h * (R_WB * alpha_B);
+  }
+
+  void make_joints_of_patch(std::span<const Contact> patch) {
+    const Contact& any = patch.front();
+    const double mass = std::max(mass_of(any.body), mass_of(any.other));
+    const bool own = has_own_spring(any.on_body, any.on_other);
+    double depth_sum = 0;
+    for (const Contact& contact : patch) depth_sum += contact.point.depth_m;
+    const auto spring_of = [&](const Contact& contact) {
+      return own ? own_spring(contact.on_body, contact.on_other)
+                 : default_spring(mass, contact.point.depth_m, depth_sum, patch.size());
+    };
+    double load = 0;  // N, about
+    for (const Contact& contact : patch) {
+      const double approach = -contact.point.n_W.dot(slip_at(contact));
+      load += spring_of(contact).force(contact.point.depth_m, approach);
+    }
+    const double friction = std::min(any.on_body.friction, any.on_other.friction);
+    const double stop = friction * load / mass * h;
+    for (const Contact& contact : patch) {
+      make_joint(contact, spring_of(contact), friction, stop);
+    }
+  }
+
+  /// @param stop  m/s: what friction can take from the body's speed in this step
+  void make_joint(const Contact& contact, const ContactSpring& spring, double friction,
+                  double stop) {
+    const ContactPoint& point = contact.point;
+    dContact joint{};
+    std::copy_n(point.p_W.data(), 3, joint.geom.pos);
+    std::copy_n(point.n_W.data(), 3, joint.geom.normal);
+    joint.geom.depth = point.depth_m;
+    dSurfaceParameters& surface = joint.surface;
     surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
-    surface.mu = std::min(a.surface.friction, b.surface.friction);
-    const double mass = std::max(mass_of(a), mass_of(b));
-    const double stiffness = mass * kContactFrequency * kContactFrequency;
-    const double damping = 2.0 * kContactDampingRatio * mass * kContactFrequency;
-    surface.soft_erp = h * stiffness / (h * stiffness + damping);
-    surface.soft_cfm = 1.0 / (h * stiffness + damping);
-    align_friction(contact);
+    const double implicit = h * spring.stiffness + spring.damping;
+    surface.soft_erp = h * spring.stiffness / implicit;
+    surface.soft_cfm = 1.0 / implicit;
+    surface.mu = friction;
+    Eigen::Vector3d slip = slip_at(contact);
+    slip -= point.n_W.dot(slip) * point.n_W;
+    const double speed = slip.norm();
+    if (speed > kNoSlip) {
+      slip /= speed;
+      surface.mode |= dContactFDir1 | dContactMu2;
+      surface.mu2 = friction * hold_across(speed, stop);
+      std::copy_n(slip.data(), 3, joint.fdir1);
+    }
+    const dBodyID other = contact.other < 0 ? nullptr : at(contact.other).id;
+    dJointAttach(dJointCreateContact(world, joints, &joint), at(contact.body).id, other);
   }
 
   /// What gives way at a contact, kg; 0 for the world and for obstacles.
-  double mass_of(const Owner& owner) const {
-    if (owner.body < 0) return 0.0;
-    const Body& body = bodies[static_cast<std::size_t>(owner.body)];
-    return body.driven ? 0.0 : body.mass_kg;
+  double mass_of(std::ptrdiff_t body) {
+    return body < 0 || at(body).driven ? 0.0 : at(body).mass.mass_kg();
   }
 
-  /// ODE's friction pyramid is exact along its axes: turn one against the slip.
-  static void align_friction(dContact& contact) {
-    const Eigen::Vector3d n = from_ode(contact.geom.normal);
-    Eigen::Vector3d slip = velocity_at(contact.geom.g1, contact.geom.pos) -
-                           velocity_at(contact.geom.g2, contact.geom.pos);
-    slip -= n.dot(slip) * n;
-    const double speed = slip.norm();
-    if (speed < kSlipSpeed) return;
-    slip /= speed;
-    contact.surface.mode |= dContactFDir1;
-    std::copy_n(slip.data(), 3, contact.fdir1);
+  /// Velocity of the body at the contact against the other side, after the step without contact.
+  Eigen::Vector3d slip_at(const Contact& contact) {
+    const Eigen::Vector3d v_W = velocity_at(contact.body, contact.point.p_W);
+    return contact.other < 0 ? v_W : v_W - velocity_at(contact.other, contact.point.p_W);
+  }
+  Eigen::Vector3d velocity_at(std::ptrdiff_t index, const Eigen::Vector3d& p_W) {
+    const Body& body = at(index);
+    return body.v_W + body.w_W.cross(p_W - from_ode(dBodyGetPosition(body.id)));
   }
 
-  static Eigen::Vector3d velocity_at(dGeomID geom, const dReal* p) {
-    const dBodyID body = dGeomGetBody(geom);
-    if (body == nullptr) return Eigen::Vector3d::Zero();
-    dVector3 v;
-    dBodyGetPointVel(body, p[0], p[1], p[2], v);
-    return from_ode(v);
+  // --- discs
+
+  /// Whether the disc meets anything in the space.
+  bool meets(const Disc& disc, dSpaceID space) {
+    const dGeomID geom = disc_of(disc.radius_m);
+    dReal q[4];
+    to_ode(disc.q_WD, q);
+    dGeomSetPosition(geom, disc.centre_W.x(), disc.centre_W.y(), disc.centre_W.z());
+    dGeomSetQuaternion(geom, q);
+    bool met = false;
+    dSpaceCollide2(geom, reinterpret_cast<dGeomID>(space), &met, &on_disc);
+    return met;
   }
+
+  static void on_disc(void* met, dGeomID a, dGeomID b) {
+    dContactGeom hit;
+    auto& any = *static_cast<bool*>(met);
+    any = any || dCollide(a, b, 1, &hit, sizeof(hit)) > 0;
+  }
+
+  /// The disc of that radius, made at first use. Of triangles: ODE has no contacts between
+  /// cylinders.
+  dGeomID disc_of(double radius) {
+    for (const auto& [made, geom] : discs) {
+      if (made == radius) return geom;
+    }
+    constexpr std::uint32_t kCorners = 24;
+    TriangleMesh mesh;
+    mesh.vertices.push_back(Eigen::Vector3d::Zero());
+    for (std::uint32_t i = 0; i < kCorners; ++i) {
+      const double angle = 2 * M_PI * i / kCorners;
+      mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+      mesh.triangles.push_back({0, i + 1, (i + 1) % kCorners + 1});
+    }
+    const dGeomID geom = dCreateTriMesh(nullptr, meshes.add(mesh), nullptr, nullptr, nullptr);
+    discs.emplace_back(radius, geom);
+    return geom;
+  }
+
+  // --- rays
 
   std::optional<double> cast(dSpaceID space, const Eigen::Vector3d& origin,
                              const Eigen::Vector3d& direction, double range) const {
@@ -167,11 +439,10 @@ struct ContactSolver::Impl {
     auto& best = *static_cast<double*>(nearest);
     best = std::min(best, hit.depth);  // of a ray: the distance
   }
-
-  static void on_pair(void* self, dGeomID a, dGeomID b) { static_cast<Impl*>(self)->collide(a, b); }
 };
 
 ContactSolver::ContactSolver(const Eigen::Vector3d& gravity_W) : impl_(std::make_unique<Impl>()) {
+  impl_->gravity_W = gravity_W;
   dWorldSetGravity(impl_->world, gravity_W.x(), gravity_W.y(), gravity_W.z());
   dWorldSetContactMaxCorrectingVel(impl_->world, kDeepestPush);
   dWorldSetAutoDisableFlag(impl_->world, 0);
@@ -182,8 +453,7 @@ ContactSolver::~ContactSolver() = default;
 
 void ContactSolver::add_static(const Shape& shape) {
   const dGeomID geom = make_geom(impl_->statics, shape, impl_->meshes);
-  impl_->owners.push_back({shape.surface, -1});
-  dGeomSetData(geom, &impl_->owners.back());
+  dGeomSetData(geom, impl_->own(shape.surface, -1));
   impl_->bounds.add(shape, geom);
 }
 
@@ -194,8 +464,7 @@ void ContactSolver::add_body(std::span<const Shape> shapes, const MassProperties
   const auto index = static_cast<std::ptrdiff_t>(impl_->bodies.size());
   for (const Shape& shape : shapes) {
     const dGeomID geom = make_geom(body.space, shape, impl_->meshes);
-    impl_->owners.push_back({shape.surface, index});
-    dGeomSetData(geom, &impl_->owners.back());
+    dGeomSetData(geom, impl_->own(shape.surface, index));
     dGeomSetBody(geom, body.id);
     const Eigen::Vector3d p = shape.pose.translation();
     dReal q[4];
@@ -205,7 +474,8 @@ void ContactSolver::add_body(std::span<const Shape> shapes, const MassProperties
     body.radius = std::max(body.radius, bounding_radius(shape));
   }
   dBodyDisable(body.id);
-  impl_->bodies.push_back(body);
+  body.world_contacts.reserve(kMostContacts);
+  impl_->bodies.push_back(std::move(body));
   set_mass(impl_->bodies.size() - 1, mass);
 }
 
@@ -220,7 +490,7 @@ std::size_t ContactSolver::add_obstacle(std::span<const Shape> shapes) {
 void ContactSolver::set_mass(std::size_t body, const MassProperties& mass) {
   const dMass m = ode_mass(mass);
   dBodySetMass(impl_->bodies[body].id, &m);
-  impl_->bodies[body].mass_kg = mass.mass_kg();
+  impl_->bodies[body].mass = mass;
 }
 
 bool ContactSolver::near_world(std::size_t body, const Eigen::Vector3d& p_W) const {
@@ -235,7 +505,8 @@ bool ContactSolver::near_each_other(std::size_t a, const Eigen::Vector3d& p_a_W,
 
 void ContactSolver::begin(double dt) {
   impl_->h = dt;
-  dJointGroupEmpty(impl_->contacts);
+  dJointGroupEmpty(impl_->joints);
+  impl_->contacts.clear();
   for (Body& body : impl_->bodies) {
     body.touching = false;
     dBodyDisable(body.id);
@@ -253,16 +524,22 @@ void ContactSolver::place(std::size_t body, const BodyState& state) {
   dBodySetAngularVel(id, w_W.x(), w_W.y(), w_W.z());
 }
 
-void ContactSolver::collide_world(std::size_t body) {
-  dSpaceCollide2(reinterpret_cast<dGeomID>(impl_->bodies[body].space),
-                 reinterpret_cast<dGeomID>(impl_->statics), impl_.get(), &Impl::on_pair);
+void ContactSolver::collide_world(std::size_t index) {
+  Body& body = impl_->bodies[index];
+  if (!body.looked || Impl::moved(body) > kStill) impl_->look_for_world_contacts(body);
+  impl_->add_world_contacts(body);
 }
 
 bool ContactSolver::collide_bodies(std::size_t a, std::size_t b) {
-  const std::size_t before = impl_->contact_count;
+  impl_->points.clear();
+  impl_->pairs.clear();
   dSpaceCollide2(reinterpret_cast<dGeomID>(impl_->bodies[a].space),
                  reinterpret_cast<dGeomID>(impl_->bodies[b].space), impl_.get(), &Impl::on_pair);
-  return impl_->contact_count != before;
+  if (impl_->points.empty()) return false;
+  impl_->keep_points(impl_->contacts);
+  impl_->bodies[a].touching = true;
+  impl_->bodies[b].touching = true;
+  return true;
 }
 
 bool ContactSolver::touching(std::size_t body) const { return impl_->bodies[body].touching; }
@@ -276,7 +553,10 @@ void ContactSolver::apply(std::size_t body, const Wrench& wrench) {
   dBodyAddRelTorque(id, t.x(), t.y(), t.z());
 }
 
-void ContactSolver::step() { dWorldStep(impl_->world, impl_->h); }
+void ContactSolver::step() {
+  impl_->make_joints();
+  dWorldStep(impl_->world, impl_->h);
+}
 
 void ContactSolver::read(std::size_t body, BodyState& state) const {
   const dBodyID id = impl_->bodies[body].id;
@@ -299,6 +579,18 @@ std::optional<double> ContactSolver::ray_to_body(std::size_t body, const Eigen::
   return impl_->cast(impl_->bodies[body].space, origin_W, direction_W, range_m);
 }
 
+bool ContactSolver::touches_world(const Disc& disc) const {
+  const StaticBounds& bounds = impl_->bounds;
+  if (bounds.plane_cuts(disc.centre_W, disc.q_WD * Eigen::Vector3d::UnitZ(), disc.radius_m)) {
+    return true;
+  }
+  return bounds.box_within(disc.centre_W, disc.radius_m) && impl_->meets(disc, impl_->statics);
+}
+
+bool ContactSolver::touches_body(std::size_t body, const Disc& disc) const {
+  return impl_->meets(disc, impl_->bodies[body].space);
+}
+
 double ContactSolver::height_above_ground(const Eigen::Vector3d& p_W) const {
   const double height = impl_->bounds.height_above_planes(p_W);
   if (!impl_->bounds.box_below(p_W)) return height;
@@ -309,6 +601,11 @@ double ContactSolver::height_above_ground(const Eigen::Vector3d& p_W) const {
 
 double ContactSolver::radius(std::size_t body) const { return impl_->bodies[body].radius; }
 
-void ContactSolver::reset() { dRandSetSeed(kOdeSeed); }
+std::uint64_t ContactSolver::complaints() { return OdeMessages::count(); }
+
+void ContactSolver::reset() {
+  dRandSetSeed(kOdeSeed);
+  for (Body& body : impl_->bodies) body.looked = false;
+}
 
 }  // namespace cas::sim

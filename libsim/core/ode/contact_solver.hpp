@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,11 +16,21 @@
 
 namespace cas::sim {
 
+/// A flat disc about z of its own axes D.
+struct Disc {
+  Eigen::Vector3d centre_W;  ///< m
+  Eigen::Quaterniond q_WD;   ///< turns vectors from D into W
+  double radius_m;
+};
+
 /// Contacts, world geometry and ray casts by the Open Dynamics Engine; nothing else includes it.
 ///
 /// A contact is a spring and damper along the normal (so that a landing is felt as a landing, not
-/// as one infinite sample) and Coulomb friction in the plane, solved exactly by ODE's Dantzig
-/// solver: what rests does not creep. Restitution and rolling friction are not modelled.
+/// as one infinite sample; contact_law.hpp) and Coulomb friction in the plane, solved exactly by
+/// ODE's Dantzig solver: what rests does not creep. ODE limits friction by a box; its first side is
+/// laid along the direction in which the contact would slip, which makes friction the same in every
+/// direction. Of many contacts the outermost carry the body (contact_patch.hpp); those of a body
+/// that has moved less than 20 um are kept. Restitution and rolling friction are not modelled.
 ///
 /// Per step: begin() -> place() and collide_*() for bodies that may touch -> apply() for those that
 /// are touching() -> step() -> read().
@@ -73,12 +85,19 @@ class CAS_SIM_EXPORT ContactSolver {
   /// The same to one body, which must have been placed when the ray comes near it.
   std::optional<double> ray_to_body(std::size_t body, const Eigen::Vector3d& origin_W,
                                     const Eigen::Vector3d& direction_W, double range_m) const;
+  /// Whether a disc touches the static world. Cheap where nothing is near.
+  bool touches_world(const Disc& disc) const;
+  /// The same for one body, which must have been placed when the disc comes near it.
+  bool touches_body(std::size_t body, const Disc& disc) const;
   /// Height of a point over the static surface below it, m; infinite over nothing.
   double height_above_ground(const Eigen::Vector3d& p_W) const;
   /// Radius of the body's bounding sphere about its centre of gravity, m.
   double radius(std::size_t body) const;
 
-  /// Seeds ODE's process-wide random numbers.
+  /// Messages of ODE since the program started, those of contacts that contradict each other.
+  static std::uint64_t complaints();
+
+  /// Seeds ODE's process-wide random numbers and forgets the contacts of before.
   void reset();
 
  private:

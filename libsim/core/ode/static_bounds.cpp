@@ -23,6 +23,18 @@ bool StaticBounds::within(const Eigen::Vector3d& p_W, double radius) const {
   for (const PlaneBounds& plane : planes_) {
     if (plane.n.dot(p_W) - plane.d < radius) return true;
   }
+  return box_within(p_W, radius);
+}
+
+bool StaticBounds::plane_cuts(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& axis_W,
+                              double radius) const {
+  return std::any_of(planes_.begin(), planes_.end(), [&](const PlaneBounds& plane) {
+    const double reach = radius * plane.n.cross(axis_W).norm();
+    return plane.n.dot(centre_W) - plane.d < reach;
+  });
+}
+
+bool StaticBounds::box_within(const Eigen::Vector3d& p_W, double radius) const {
   if (boxes_.empty() || !all_boxes_.reached_by(p_W, radius)) return false;
   return std::any_of(boxes_.begin(), boxes_.end(),
                      [&](const BoxBounds& box) { return box.reached_by(p_W, radius); });

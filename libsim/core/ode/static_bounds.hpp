@@ -18,6 +18,11 @@ class StaticBounds {
 
   /// Whether a sphere may touch anything.
   bool within(const Eigen::Vector3d& p_W, double radius) const;
+  /// Whether a disc reaches below a plane.
+  bool plane_cuts(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& axis_W,
+                  double radius) const;
+  /// Whether a sphere may touch anything but planes.
+  bool box_within(const Eigen::Vector3d& p_W, double radius) const;
   /// Height of a point over the nearest plane below it; infinite over none.
   double height_above_planes(const Eigen::Vector3d& p_W) const;
   /// Whether a box begins below the point.

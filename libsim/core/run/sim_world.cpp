@@ -341,6 +341,29 @@ bool SimWorld::is_below_everything(VehicleId vehicle) const {
   return floor_.is_above(state(vehicle).p_WB, solver_->radius(static_cast<std::size_t>(vehicle)));
 }
 
+bool SimWorld::disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
+                            double radius_m) const {
+  const BodyState& own = state(vehicle);
+  const Disc disc{
+      .centre_W = own.p_WB + own.q_WB * centre_B, .q_WD = own.q_WB, .radius_m = radius_m};
+  if (solver_->touches_world(disc)) return true;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    if (i == static_cast<std::size_t>(vehicle)) continue;
+    const BodyState& other = vehicles_[i].state;
+    if ((other.p_WB - disc.centre_W).norm() > solver_->radius(i) + radius_m) continue;
+    solver_->place(i, other);
+    if (solver_->touches_body(i, disc)) return true;
+  }
+  for (const Obstacle& obstacle : obstacles_) {
+    if ((obstacle.state.p_WB - disc.centre_W).norm() > solver_->radius(obstacle.body) + radius_m) {
+      continue;
+    }
+    solver_->place(obstacle.body, obstacle.state);
+    if (solver_->touches_body(obstacle.body, disc)) return true;
+  }
+  return false;
+}
+
 void SimWorld::set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) {
   at(vehicle).environment.wind_W = wind_W;
 }

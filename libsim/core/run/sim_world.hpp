@@ -59,6 +59,8 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   std::optional<double> ray_distance(VehicleId vehicle, const Eigen::Vector3d& origin_W,
                                      const Eigen::Vector3d& direction_W,
                                      double range_m) const override;
+  bool disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
+                    double radius_m) const override;
 
   void set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) override;
   void add_wrench(VehicleId vehicle, const Wrench& wrench) override;

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "libsim/core/run/sim_world.hpp"
+#include "tests/libsim/support/crate.hpp"
+#include "tests/libsim/support/four_rotors.hpp"
+#include "tests/libsim/support/triangles.hpp"
+
+namespace cas::sim {
+namespace {
+
+using test::crate;
+using test::flat_world;
+using test::ground_of_triangles;
+using test::kCrateMass;
+using test::kCrateSize;
+using test::kGravity;
+using test::make_world;
+using test::standing;
+
+constexpr VehicleId kFirst{0};
+constexpr double kStep = 1e-3;
+
+/// Accelerometer of the quietest real sensor set (pixhawk_icm42605): 6.9e-4 m/s^2/sqrt(Hz) at 500
+/// Hz.
+constexpr double kSensorStd = 0.015;  // m/s^2
+
+class Triangles : public testing::TestWithParam<int> {};
+
+TEST_P(Triangles, CarryABoxThatStandsStill) {
+  for (const double yaw_deg : {0.0, 17.0, 45.0}) {
+    const auto world = make_world(ground_of_triangles(0.01 * GetParam()));
+    world->add_vehicle(crate(), {.z_m = 0.01, .yaw_deg = yaw_deg});
+    world->start();
+    double squares = 0;
+    int samples = 0;
+    for (int i = 0; i < 4000; ++i) {
+      // Small forces that never hold quite still: the solver is asked in every step.
+      world->add_wrench(kFirst, {{0.03 * std::sin(0.03 * i), 0, 0.03 * std::cos(0.02 * i)},
+                                 Eigen::Vector3d::Zero()});
+      world->advance(kStep);
+      if (i < 1500) continue;
+      squares += world->state(kFirst).a_WB.squaredNorm();
+      ++samples;
+    }
+    const double std_m_s2 = std::sqrt(squares / samples);
+    EXPECT_LT(std_m_s2, kSensorStd) << "yaw " << yaw_deg;
+    RecordProperty("std_at_yaw_" + std::to_string(static_cast<int>(yaw_deg)),
+                   std::to_string(std_m_s2));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Size, Triangles, testing::Values(10, 20, 50),
+                         [](const auto& test) { return std::to_string(test.param) + "cm"; });
+
+/// Flat ground where gravity pulls along the heading, as on a slope of that angle.
+WorldModel slope(double slope_rad, double heading_rad, double friction, bool of_triangles) {
+  WorldModel model = of_triangles ? ground_of_triangles(0.5, friction) : flat_world(friction);
+  model.gravity_W =
+      kGravity * Eigen::Vector3d(std::sin(slope_rad) * std::cos(heading_rad),
+                                 std::sin(slope_rad) * std::sin(heading_rad), -std::cos(slope_rad));
+  return model;
+}
+
+struct FrictionCase {
+  const char* name;
+  double friction;
+  double slope_deg;
+  bool of_triangles;
+};
+class Friction : public testing::TestWithParam<FrictionCase> {};
+
+TEST_P(Friction, IsCoulombsInEveryDirection) {
+  const auto& [name, friction, slope_deg, of_triangles] = GetParam();
+  const double a = slope_deg * M_PI / 180;
+  const double expected = kGravity * (std::sin(a) - friction * std::cos(a));
+  double largest_error = 0;
+  for (double heading_deg = 0; heading_deg <= 90; heading_deg += 7.5) {
+    const double heading = heading_deg * M_PI / 180;
+    const auto world = make_world(slope(a, heading, friction, of_triangles));
+    world->add_vehicle(crate(), {});
+    world->start();
+    for (int i = 0; i < 300; ++i) world->advance(kStep);
+    const Eigen::Vector3d before = world->state(kFirst).v_WB;
+    for (int i = 0; i < 700; ++i) world->advance(kStep);
+    const Eigen::Vector3d gained = (world->state(kFirst).v_WB - before) / 0.7;
+    const Eigen::Vector3d down(std::cos(heading), std::sin(heading), 0);
+    EXPECT_NEAR(gained.dot(down), expected, 0.005 * expected) << "heading " << heading_deg;
+    EXPECT_LT((gained - gained.dot(down) * down).norm(), 0.005 * expected)
+        << "heading " << heading_deg;
+    largest_error = std::max(largest_error, (gained - expected * down).norm() / expected);
+  }
+  RecordProperty("largest_error", std::to_string(largest_error));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Slopes, Friction,
+    testing::Values(FrictionCase{"JustAboveTheAngle", 0.3, 17.5, false},  // atan 0.3 = 16.7
+                    FrictionCase{"Steep", 0.3, 25, false}, FrictionCase{"Rough", 0.8, 42, false},
+                    FrictionCase{"Smooth", 0.05, 10, false},
+                    FrictionCase{"Triangles", 0.3, 22, true}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Ground, HoldsBelowTheFrictionAngleInEveryDirection) {
+  constexpr double kFriction = 0.3;
+  const double a = 0.97 * std::atan(kFriction);
+  for (double heading_deg = 0; heading_deg <= 90; heading_deg += 7.5) {
+    const auto world = make_world(slope(a, heading_deg * M_PI / 180, kFriction, false));
+    world->add_vehicle(crate(), {});
+    world->start();
+    for (int i = 0; i < 300; ++i) world->advance(kStep);
+    const Eigen::Vector3d before = world->state(kFirst).p_WB;
+    for (int i = 0; i < 2000; ++i) world->advance(kStep);
+    EXPECT_LT((world->state(kFirst).p_WB - before).norm(), 1e-5) << "heading " << heading_deg;
+  }
+}
+
+TEST(Ground, WhatSlidesAcrossASlopeTurnsDownhill) {
+  constexpr double kFriction = 0.3;
+  constexpr double kSlope = 25 * M_PI / 180;
+  const auto world = make_world(slope(kSlope, 0, kFriction, false));
+  world->add_vehicle(crate(), {});
+  world->start();
+  world->add_wrench(kFirst, {{0, kCrateMass * 1.0 / kStep, 0}, Eigen::Vector3d::Zero()});
+  world->advance(kStep);
+  // A point mass under the same friction.
+  Eigen::Vector2d v = world->state(kFirst).v_WB.head<2>();
+  const Eigen::Vector2d pull(kGravity * std::sin(kSlope), 0);
+  const double drag = kFriction * kGravity * std::cos(kSlope);
+  constexpr int kParts = 100;
+  for (int i = 0; i < 800; ++i) {
+    world->advance(kStep);
+    for (int part = 0; part < kParts; ++part) {
+      v += kStep / kParts * (pull - drag * v.normalized());
+    }
+  }
+  EXPECT_LT((world->state(kFirst).v_WB.head<2>() - v).norm(), 0.01 * v.norm());
+}
+
+struct LandingCase {
+  const char* name;
+  double tilt_deg;
+  double mass_kg;
+  int step_us;
+};
+class Landing : public testing::TestWithParam<LandingCase> {};
+
+TEST_P(Landing, AtOneMetrePerSecondIsFeltBelow15G) {
+  const auto& [name, tilt_deg, mass_kg, step_us] = GetParam();
+  const double dt = 1e-6 * step_us;
+  VehicleModel model = crate(kCrateSize, mass_kg);
+  const auto world = make_world(flat_world());
+  const double fall = 1.0 / (2 * kGravity);  // to 1 m/s
+  world->add_vehicle(model, {.z_m = fall + (tilt_deg > 0 ? 0.15 : 0)});
+  test::SteadyThrust hover(mass_kg * kGravity);
+  if (tilt_deg > 0) world->add_force_model(kFirst, hover);
+  world->start();
+  if (tilt_deg > 0) {
+    // Tilted within 0.1 s, then set sinking; thrust alone acts.
+    const double turn = tilt_deg * M_PI / 180 / 0.1;  // rad/s
+    const double i_xx = model.mass.inertia_B()(0, 0);
+    world->add_wrench(kFirst, {Eigen::Vector3d::Zero(), {i_xx * turn / dt, 0, 0}});
+    for (int i = 0; i < static_cast<int>(std::lround(0.1 / dt)); ++i) world->advance(dt);
+    const Eigen::Vector3d down_B =
+        world->state(kFirst).q_WB.conjugate() * Eigen::Vector3d(0, 0, -mass_kg / dt);
+    world->add_wrench(kFirst, {down_B, {-i_xx * turn / dt, 0, 0}});
+  }
+  double largest = 0;
+  double rebound = 0;
+  bool landed = false;
+  for (int i = 0; i < static_cast<int>(1.0 / dt); ++i) {
+    world->advance(dt);
+    if (i == 0) continue;
+    landed = landed || world->in_contact(kFirst);
+    const Eigen::Vector3d felt = world->state(kFirst).a_WB + Eigen::Vector3d(0, 0, kGravity);
+    largest = std::max(largest, felt.norm());
+    if (landed) rebound = std::max(rebound, world->state(kFirst).v_WB.z());
+  }
+  RecordProperty("largest_g", std::to_string(largest / kGravity));
+  EXPECT_TRUE(landed);
+  // Tilted, the second edge comes down faster than the first.
+  EXPECT_LT(largest, (tilt_deg > 0 ? 16 : 15) * kGravity);
+  EXPECT_GT(largest, 2 * kGravity);
+  if (tilt_deg == 0) {
+    EXPECT_LT(rebound, 0.2);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ways, Landing,
+    testing::Values(LandingCase{"Flat", 0, 1.5, 1000}, LandingCase{"FlatShortSteps", 0, 1.5, 250},
+                    LandingCase{"FlatLongSteps", 0, 1.5, 4000}, LandingCase{"Small", 0, 0.03, 1000},
+                    LandingCase{"Large", 0, 25, 1000}, LandingCase{"Tilted", 10, 1.5, 1000}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Ground, StiffnessOfTheFileSaysHowDeepItGives) {
+  constexpr double kStiffness = 2e3;  // N/m
+  WorldModel model = flat_world();
+  model.statics.front().surface.stiffness_n_m = kStiffness;
+  model.statics.front().surface.damping_n_s_m = 100;
+  const auto world = make_world(model);
+  world->add_vehicle(crate(), {});
+  world->start();
+  for (int i = 0; i < 2000; ++i) world->advance(kStep);
+  const double sunk = kCrateSize.z() / 2 - world->state(kFirst).p_WB.z();
+  EXPECT_NEAR(sunk, kCrateMass * kGravity / (4 * kStiffness), 2e-5) << "a spring at each corner";
+}
+
+TEST(Ground, OdeDoesNotComplainOfTrianglesAndCorners) {
+  const std::uint64_t before = ContactSolver::complaints();
+  testing::internal::CaptureStderr();
+  WorldModel model = ground_of_triangles(0.1);
+  model.statics.push_back(standing("wall", Box{{0.2, 4, 2}}, {0.4, 0, 1}));
+  const auto world = make_world(model);
+  world->add_vehicle(crate(), {.z_m = 0.2, .yaw_deg = 10});
+  world->start();
+  for (int i = 0; i < 4000; ++i) {
+    const double side = 12 * std::sin(0.004 * i);
+    world->add_wrench(kFirst, {{side, 3, 0}, {0.1, 0.2 * std::sin(0.02 * i), 0}});
+    world->advance(kStep);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(ContactSolver::complaints(), before);
+}
+
+struct DiscCase {
+  const char* name;
+  Shape obstacle;
+  double reach_m;  // of the obstacle along -x from its middle
+};
+class DiscTouches : public testing::TestWithParam<DiscCase> {};
+
+Shape upright(const Geometry& geometry) { return standing("pole", geometry); }
+
+/// A square of two triangles across x.
+Shape screen() {
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->vertices = {{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}};
+  mesh->triangles = {{0, 1, 2}, {0, 2, 3}};
+  return standing("screen", Mesh{mesh});
+}
+
+TEST_P(DiscTouches, WhatStandsInItsWay) {
+  const auto& [name, obstacle, reach_m] = GetParam();
+  constexpr double kRadius = 0.128;
+  constexpr double kArm = 0.2;
+  WorldModel model;
+  model.gravity_W = {0, 0, -kGravity};
+  model.statics.push_back(obstacle);
+  for (const double gap : {-0.01, 0.01}) {
+    const auto world = make_world(model);
+    const double x = -(reach_m + kArm + kRadius + gap);
+    world->add_vehicle(crate({0.1, 0.1, 0.1}), {.x_m = x, .z_m = -0.05});
+    world->start();
+    EXPECT_EQ(world->disc_touches(kFirst, {kArm, 0, 0}, kRadius), gap < 0) << gap;
+    EXPECT_FALSE(world->disc_touches(kFirst, {-kArm, 0, 0}, kRadius));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Obstacles, DiscTouches,
+                         testing::Values(DiscCase{"Pole", upright(Cylinder{0.02, 4.0}), 0.02},
+                                         DiscCase{"Wall", upright(Box{{0.2, 3, 3}}), 0.1},
+                                         DiscCase{"Ball", upright(Sphere{0.3}), 0.3},
+                                         DiscCase{"Triangles", screen(), 0}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(Disc, TouchesTheGroundWhenTiltedAndOtherVehicles) {
+  const auto world = make_world(flat_world());
+  world->add_vehicle(crate(), {});
+  world->add_vehicle(crate(), {.x_m = 0.6});
+  world->start();
+  EXPECT_FALSE(world->disc_touches(kFirst, {-0.2, 0, 0.02}, 0.128)) << "level, above the ground";
+  EXPECT_TRUE(world->disc_touches(kFirst, {-0.2, 0, -0.06}, 0.128)) << "below it";
+  EXPECT_FALSE(world->disc_touches(kFirst, {0.2, 0, 0.02}, 0.128)) << "72 mm off the other";
+  EXPECT_TRUE(world->disc_touches(kFirst, {0.3, 0, 0.02}, 0.128));
+}
+
+}  // namespace
+}  // namespace cas::sim
