@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <thread>
 
 #include "base/rpc/client.hpp"
@@ -113,6 +114,34 @@ TEST_F(CasdService, LivesWithoutDescriptors) {
   EXPECT_TRUE(wait_until([&] { return service.feeds() >= feeds + 2; })) << service.output();
   EXPECT_TRUE(reaches_the_controller_after(base::steady_now()));
   EXPECT_EQ(service.starts(), 1) << service.output();
+}
+
+/// One link's thread hangs in the kernel; all others have their turns.
+TEST_F(CasdService, IsReplacedWhenTheThreadOfOneLinkHangs) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers want to be the first library";
+#endif
+  const auto hang = fixture.folder / "hang";
+  topology = fixture.folder.write(
+      "casd.yaml",
+      fixture.expand("schema: 1\ncommand_port: {port: 0}\nlinks:\n"
+                     "  - {name: a, type: udp, local: '127.0.0.1:0'}\n"
+                     "  - {name: b, type: serial, device: '$DIR/board', unlocked_pty: true}\n"));
+  UnitFile unit = shipped_unit();
+  unit.settings["ExecStart"] = {"/usr/bin/env LD_PRELOAD=" + binary_dir() +
+                                "/tests/hanging_open.so CAS_TEST_HANG=" + hang.string() +
+                                " CAS_TEST_HANG_AT=/board " + unit.value("ExecStart")};
+  Supervisor service(unit, words());
+  ASSERT_TRUE(service.wait_ready()) << service.output();
+  const int feeds = service.feeds();
+  ASSERT_TRUE(wait_until([&] { return service.feeds() >= feeds + 2; })) << service.output();
+  EXPECT_EQ(service.output().find("a link's thread hangs"), std::string::npos);
+  fixture.folder.write("hang", "");
+  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(hang.string() + ".reached"); }));
+  EXPECT_TRUE(wait_until([&] {
+    return service.output().find("a link's thread hangs") != std::string::npos;
+  })) << service.output();
+  std::filesystem::remove(hang);
 }
 
 TEST_F(CasdService, AWrongConfigurationIsNotTriedAgain) {

@@ -55,7 +55,7 @@ const std::vector<Verb>& verbs() {
       {"monitor", {"monitor", "--once"}, 0, "HEARTBEAT"},
       {"watch", {"watch", "attitude", "--count", "2"}, 0, "roll 0.00 deg"},
       {"message", {"message", "HEARTBEAT"}, 0, "HEARTBEAT (0) from 1/1 on link fcu"},
-      {"reboot", {"reboot"}, 0, "vehicle 1 restarts"},
+      {"reboot", {"reboot"}, 0, "vehicle 1 accepted the restart"},
   };
   return list;
 }

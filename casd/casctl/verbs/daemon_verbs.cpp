@@ -392,12 +392,13 @@ void add_service_verbs(CommandLine& line) {
         report(session.options(), session.call("casd.reload"), "the topology was read again");
         return kDone;
       });
-  line.add_verb(
-      "reboot", "Restart the flight controller", "casctl reboot --vehicle 1", [](Session& session) {
-        const json result = session.vehicle_call("vehicle.reboot");
-        report(session.options(), result, "vehicle " + result.at("vehicle").dump() + " restarts");
-        return kDone;
-      });
+  line.add_verb("reboot", "Restart the flight controller", "casctl reboot --vehicle 1",
+                [](Session& session) {
+                  const json result = session.vehicle_call("vehicle.reboot");
+                  report(session.options(), result,
+                         "vehicle " + result.at("vehicle").dump() + " accepted the restart");
+                  return kDone;
+                });
 }
 
 }  // namespace cas::casctl

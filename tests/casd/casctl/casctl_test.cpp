@@ -80,6 +80,14 @@ TEST_F(CasctlTest, EndsWithOneWhenTheVehicleRefuses) {
       << refused.out;
 }
 
+TEST_F(CasctlTest, SaysNothingOfARestartThatWasRefused) {
+  EXPECT_EQ(run("reboot").out, "vehicle 1 accepted the restart\n");
+  fixture_.vehicle().script.result = MavResult::kDenied;
+  const Ended refused = run("reboot");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_EQ(refused.out.find("accepted"), std::string::npos) << refused.out;
+}
+
 TEST_F(CasctlTest, EndsWithOneAtTheInterlock) {
   fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
   const Ended refused = run("arm --not-hil");

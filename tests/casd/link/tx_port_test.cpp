@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "casd/signing/link_signing.hpp"
 #include "casd/signing/packet_signer.hpp"
@@ -232,15 +233,22 @@ TEST_F(TxPortTest, EmptiesTheDriverOfALineThatStandsStillForASecond) {
   open({});
   line.moves = false;
   line.room = 150;
+  testing::internal::CaptureStderr();
   deliver(TrafficClass::kHil, 2, at({}));  // ends in the middle of a packet
   base::RunTime now = at(milliseconds(100));
   for (; now < at(std::chrono::seconds(5)); now = port->due()) port->carry_on(now);
+  const std::string still = testing::internal::GetCapturedStderr();
+  EXPECT_NE(still.find("stands still, gets nothing until it moves"), std::string::npos) << still;
+  EXPECT_EQ(still.find("moves again"), std::string::npos) << still;
   EXPECT_EQ(line.flushes, 1);
   EXPECT_GT(line.nudges, 0) << "only at the end of a packet, and the begun one is gone";
   line.moves = true;
   line.room = 1'000'000;
+  testing::internal::CaptureStderr();
   deliver(TrafficClass::kHil, 1, now);
   port->carry_on(now);
+  const std::string moves = testing::internal::GetCapturedStderr();
+  EXPECT_NE(moves.find("moves again"), std::string::npos) << moves;
   EXPECT_EQ(line.written.back(), 3U);
   EXPECT_EQ(line.bytes, 250U);
 }
