@@ -24,6 +24,7 @@ EXTERNALS = {
     "nlohmann": ("nlohmann/",),
     "ODE": ("ode/",),
     "urdfdom": ("urdf_parser/", "urdf_model/", "urdf_world/", "urdf_exception/", "tinyxml"),
+    "libpng": ("png.h",),
     "sdformat": ("sdf/", "ignition/", "gz/"),
     "ncurses": ("ncurses", "curses.h"),
     "intrinsics": ("cpuid.h", "immintrin.h", "nmmintrin.h", "arm_neon.h", "arm_acle.h"),
@@ -72,7 +73,7 @@ LAYERS = {
     # the one folder that knows ODE
     "libsim/core/ode": API | {"libsim/core", "libsim/core/body", "ODE"},
     "libsim/core/load":
-        API | {"libsim/core", "libsim/core/body", "urdfdom", "sdformat", "expat"},
+        API | {"libsim/core", "libsim/core/body", "urdfdom", "sdformat", "expat", "libpng"},
     "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode load"),
     "libsim/hilsim": API | RPC | PROGRAM | rooms("libsim/core", "load run") | {"Asio"},
 

@@ -177,12 +177,13 @@ class Walk {
 
   void look_at_contact(const sdf::ElementPtr& surface, const std::string& who) {
     const auto ode = descendant(surface, {"contact", "ode"});
-    for (const char* name : {"kp", "kd", "soft_cfm", "soft_erp", "max_vel", "min_depth"}) {
+    for (const char* name : {"soft_cfm", "soft_erp", "max_vel", "min_depth"}) {
       const auto key = child(ode, name);
       if (!key) continue;
       note("contact", key,
            who + ": <" + name +
-               "> is left out: a contact's spring and damper go by the vehicle's mass");
+               "> is left out: of a contact's spring and damper <kp> and <kd> are "
+               "read");
       break;
     }
     const auto category = descendant(surface, {"contact", "category_bitmask"});
@@ -202,11 +203,11 @@ class Walk {
     if (const auto part = descendant(geometry, {"mesh", "submesh"})) {
       note("submesh", part, who + " names a <submesh>; the whole mesh collides here");
     }
-    for (const char* name : {"heightmap", "image", "polyline", "ellipsoid", "capsule", "cone"}) {
+    for (const char* name : {"image", "polyline", "ellipsoid", "capsule", "cone"}) {
       if (const auto shape = child(geometry, name)) {
         note("geometry", shape,
              who + ": <" + name +
-                 "> is left out: box, sphere, cylinder, plane and mesh can be touched");
+                 "> is left out: box, sphere, cylinder, plane, mesh and heightmap can be touched");
       }
     }
   }

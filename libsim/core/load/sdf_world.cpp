@@ -8,6 +8,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
+#include "libsim/core/load/heightmap.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/sdf_headers.hpp"
 #include "libsim/core/load/sdf_omissions.hpp"
@@ -238,22 +239,38 @@ class Translator {
         return true;
       case sdf::GeometryType::MESH:
         return take_mesh(*geometry.MeshShape(), place, shape);
+      case sdf::GeometryType::HEIGHTMAP:
+        return take_heightmap(*geometry.HeightmapShape(), place, shape);
       default:
         return false;  // sdf_omissions() names it
     }
   }
 
   bool take_mesh(const sdf::Mesh& mesh, const std::string& place, Shape& shape) {
-    const fs::path folder =
-        mesh.FilePath().empty() ? file_.parent_path() : fs::path(mesh.FilePath()).parent_path();
-    const auto found = find_model_file(mesh.Uri(), folder, model_path_);
+    return take_triangles(
+        "mesh", mesh.Uri(), mesh.FilePath(), place, shape,
+        [&](const fs::path& found) { return load_mesh(found, to_eigen(mesh.Scale())); });
+  }
+
+  bool take_heightmap(const sdf::Heightmap& map, const std::string& place, Shape& shape) {
+    return take_triangles(
+        "heightmap", map.Uri(), map.FilePath(), place, shape, [&](const fs::path& found) {
+          return load_heightmap(found, to_eigen(map.Size()), to_eigen(map.Position()));
+        });
+  }
+
+  /// @param named_in  the file that names `uri`
+  template <class Load>
+  bool take_triangles(const std::string& kind, const std::string& uri, const fs::path& named_in,
+                      const std::string& place, Shape& shape, const Load& load) {
+    const fs::path folder = (named_in.empty() ? file_ : named_in).parent_path();
+    const auto found = find_model_file(uri, folder, model_path_);
     if (!found) {
-      missing_.push_back({"mesh " + mesh.Uri(), place, mesh.Uri()});
+      missing_.push_back({kind + " " + uri, place, uri});
       return false;
     }
     try {
-      shape.geometry =
-          Mesh{std::make_shared<const TriangleMesh>(load_mesh(*found, to_eigen(mesh.Scale())))};
+      shape.geometry = Mesh{std::make_shared<const TriangleMesh>(load(*found))};
       return true;
     } catch (const base::ConfigError& error) {
       warn(place, "collision '" + shape.name + "' is left out: " + error.what());
@@ -284,6 +301,18 @@ class Translator {
       if (element) element = element->HasElement(name) ? element->GetElement(name) : nullptr;
     }
     if (element && element->HasElement("mu")) surface.friction = element->Get<double>("mu");
+    element = collision.Element();
+    for (const char* name : {"surface", "contact", "ode"}) {
+      if (element) element = element->HasElement(name) ? element->GetElement(name) : nullptr;
+    }
+    if (!element) return surface;
+    const auto positive = [&](const char* name) -> std::optional<double> {
+      if (!element->HasElement(name)) return std::nullopt;
+      const double value = element->Get<double>(name);
+      return value > 0 ? std::optional(value) : std::nullopt;
+    };
+    surface.stiffness_n_m = positive("kp");
+    surface.damping_n_s_m = positive("kd");
     return surface;
   }
 

@@ -12,7 +12,8 @@ namespace cas::sim {
 CAS_SIM_EXPORT WorldModel load_world(const WorldConfig& config);
 
 /// Reads the first world of an SDF file through libsdformat: models with their poses and their
-/// box, sphere, cylinder, plane and mesh (STL, OBJ) collisions with friction, nested models,
+/// box, sphere, cylinder, plane, mesh (STL, OBJ) and heightmap (PNG) collisions with friction,
+/// stiffness and damping, nested models,
 /// <include> by path and model://, gravity, wind, spherical coordinates, physics step and real-time
 /// factor. Models stand still; what the file says and is not done is named in `warnings`, with
 /// file and line. A collision that touches nothing (<collide_without_contact>, a <collide_bitmask>
