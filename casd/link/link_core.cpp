@@ -7,6 +7,7 @@
 
 #include "base/os/log.hpp"
 #include "casd/link/blocking_tx_port.hpp"
+#include "casd/link/direct_tx_port.hpp"
 
 namespace cas::casd {
 namespace {

@@ -20,15 +20,8 @@ std::int64_t ns(base::RunTime time) { return time.time_since_epoch().count(); }
 constexpr std::size_t kBatchBytes = 4096;
 constexpr std::size_t kBatchPackets = 64;
 
-// How long a line stands still before what its driver holds is thrown away, commands too: who sent
-// them has long sent them again.
-constexpr base::Duration kFlushAfter = std::chrono::seconds(1);
 // A reader that is only busy is no standstill.
 constexpr base::Duration kShortestStandstill = std::chrono::milliseconds(10);
-// A line that stands still is looked at after a sixteenth of the time that it has stood so far.
-constexpr int kLookDivisor = 16;
-constexpr base::Duration kShortestLook = std::chrono::milliseconds(1);
-constexpr base::Duration kLongestLook = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -36,10 +29,10 @@ TxPort::TxPort(const TxPortOptions& options, base::Duration pacer_slack,
                std::shared_ptr<LinkCounters> counters, std::function<void()> wake)
     : options_(options),
       pacer_slack_(pacer_slack),
-      standstill_(std::max(options.queue.hil_max_age, kShortestStandstill)),
       counters_(std::move(counters)),
       wake_(std::move(wake)),
       line_check_(options.flow_control),
+      standstill_(std::max(options.queue.hil_max_age, kShortestStandstill)),
       queue_(options.queue,
              [this](const PacketInfo& info, DropCause cause) { count_drop(info, cause); }) {
   pace(true);
@@ -51,7 +44,7 @@ void TxPort::attach(std::unique_ptr<PacketWriter> writer, bool has_rate) {
   writer_ = options_.signing ? options_.signing->wrap(std::move(writer)) : std::move(writer);
   pace(has_rate);
   line_check_.reset();
-  moves_again();
+  standstill_.ended();
   broken_.store(false, std::memory_order_relaxed);
   open_.store(true, std::memory_order_release);
 }
@@ -232,7 +225,7 @@ void TxPort::take_line(std::span<const PacketRef> written, base::RunTime now) {
     bytes += packet.bytes.size() + writer_->added_bytes();
     if (packet.info->message_id == mavlink::common::HilSensor::kId) pacer_.sent_sensor(now);
   }
-  if (still_since_ == base::RunTime{}) still_since_ = now;
+  standstill_.given(now);
   pacer_.sent(bytes, now);
   line_check_.wrote(now);
 }
@@ -258,11 +251,10 @@ void TxPort::spoil_late_tail(base::RunTime now) {
 }
 
 bool TxPort::stands_still(base::RunTime now) {
-  if (still_since_ == base::RunTime{}) return false;
-  if (!writer_->moved()) return now - still_since_ > patience(now);
-  if (flushed_) base::log::info("link " + counters_->name + ": moves again");
-  moves_again();
-  if (has_tail()) still_since_ = now;  // its rest waits for the next move
+  if (!standstill_.pending()) return false;
+  if (!writer_->moved()) return standstill_.lasts(now) > patience(now);
+  if (standstill_.ended()) base::log::info("link " + counters_->name + ": moves again");
+  if (has_tail()) standstill_.given(now);  // its rest waits for the next move
   return false;
 }
 
@@ -270,31 +262,21 @@ bool TxPort::stands_still(base::RunTime now) {
 // whose receiver hangs may speak for ever.
 base::Duration TxPort::patience(base::RunTime now) const {
   constexpr int kWithAPeerThatSpeaks = 4;
-  const bool speaks = ns(now) - heard_ns_.load(std::memory_order_relaxed) < standstill_.count();
-  return speaks && !writer_->counts_moves() ? kWithAPeerThatSpeaks * standstill_ : standstill_;
+  const base::Duration patience = standstill_.patience();
+  const bool speaks = ns(now) - heard_ns_.load(std::memory_order_relaxed) < patience.count();
+  return speaks && !writer_->counts_moves() ? kWithAPeerThatSpeaks * patience : patience;
 }
 
 void TxPort::heard(base::RunTime now) { heard_ns_.store(ns(now), std::memory_order_relaxed); }
 
-void TxPort::moves_again() {
-  still_since_ = {};
-  next_nudge_ = 2 * standstill_;
-  flushed_ = false;
-}
-
 base::RunTime TxPort::tend_still_line(base::RunTime now) {
-  const base::Duration still = now - still_since_;
-  if (!flushed_ && still > std::max(kFlushAfter, standstill_)) {
+  if (standstill_.flush_is_due(now)) {
     base::log::warn("link " + counters_->name + ": stands still, gets nothing until it moves");
     writer_->flush();
     drop_tail(DropCause::kStalled);
-    flushed_ = true;
   }
-  if (still > next_nudge_ && !has_tail()) {
-    writer_->nudge();
-    next_nudge_ = 2 * still;
-  }
-  return now + std::clamp(still / kLookDivisor, kShortestLook, kLongestLook);
+  if (!has_tail() && standstill_.nudge_is_due(now)) writer_->nudge();
+  return standstill_.next_look(now);
 }
 
 std::span<const PacketRef> TxPort::worth_sending(std::span<const PacketRef> packets,
@@ -328,99 +310,6 @@ std::span<const PacketRef> TxPort::worth_sending(std::span<const PacketRef> pack
 void TxPort::wait_for_line() {
   due_ns_.store(ns(pacer_.ready_at()), std::memory_order_relaxed);
   wake_();
-}
-
-DirectTxPort::DirectTxPort(const TxPortOptions& options, std::shared_ptr<LinkCounters> counters,
-                           std::function<void()> wake)
-    : TxPort(options, LinePacer::kSlack, std::move(counters), std::move(wake)) {}
-
-void DirectTxPort::deliver(std::span<const PacketRef> packets, base::RunTime now) {
-  std::size_t done = 0;
-  if (!backlog_.load(std::memory_order_acquire)) {
-    const std::unique_lock lock(writer_mutex_, std::try_to_lock);
-    if (lock && !backlog_.load(std::memory_order_relaxed)) {
-      const std::span<const PacketRef> fresh = worth_sending(packets, now);
-      const std::size_t gone = write_direct(fresh, now);
-      if (gone < fresh.size()) enqueue(fresh.subspan(gone));
-      done = packets.size();
-    }
-  }
-  if (done < packets.size()) enqueue(packets.subspan(done));
-  pump(now);
-}
-
-void DirectTxPort::carry_on(base::RunTime now) {
-  {
-    const std::scoped_lock lock(writer_mutex_);
-    drain(now);
-  }
-  pump(now);
-}
-
-// No lost wake-up: the queue is looked at again after the writer's lock was let go. A producer that
-// failed to take the lock has queued before that look.
-void DirectTxPort::pump(base::RunTime now) {
-  while (anything_queued()) {
-    if (wants_room() || held_by_pacer(now) || broken()) return;  // the link's thread carries on
-    const std::unique_lock lock(writer_mutex_, std::try_to_lock);
-    if (!lock) return;
-    drain(now);
-  }
-}
-
-bool DirectTxPort::held_by_pacer(base::RunTime now) const {
-  return due_ns_.load(std::memory_order_relaxed) > ns(now);
-}
-
-// The lock is held and nothing waits. @return how many packets are gone (or begun)
-std::size_t DirectTxPort::write_direct(std::span<const PacketRef> packets, base::RunTime now) {
-  if (!writer_ || packets.empty()) return 0;
-  if (stands_still(now)) {
-    wait_for_reader(now);
-    return 0;
-  }
-  if (!pacer_.limited()) return write_some(packets, now);
-  std::size_t done = 0;
-  while (done < packets.size() && line_ready(now)) {
-    if (write_some(packets.subspan(done, 1), now) == 0) return done;
-    ++done;
-  }
-  return done;
-}
-
-void DirectTxPort::drain(base::RunTime now) {
-  if (!writer_) return drop_all(DropCause::kClosed);
-  if (broken()) return;
-  busy_.store(false, std::memory_order_relaxed);
-  due_ns_.store(0, std::memory_order_relaxed);
-  if (!write_tail(now)) wait_for_room(now);
-  if (stands_still(now)) return wait_for_reader(now);
-  if (has_tail()) return;
-  drop_late_batch(now);
-  while (take_batch(now)) {
-    const std::span<const PacketRef> rest = std::span(batch_).subspan(batch_at_);
-    batch_at_ += write_some(rest, now);
-    if (batch_at_ < batch_.size() || has_tail()) return;  // wait_for_room() was called
-  }
-  if (!busy_.load(std::memory_order_relaxed)) busy_since_ns_.store(0, std::memory_order_relaxed);
-}
-
-void DirectTxPort::wait_for_reader(base::RunTime now) {
-  due_ns_.store(ns(tend_still_line(now)), std::memory_order_relaxed);
-  wake_();
-}
-
-// Packets that were taken from the queue and found no room have aged since.
-void DirectTxPort::drop_late_batch(base::RunTime now) {
-  if (batch_at_ == batch_.size()) return;
-  const auto late = [&](const PacketRef& packet) {
-    if (!queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
-    count_drop(*packet.info, DropCause::kAge);
-    return true;
-  };
-  batch_.erase(batch_.begin(), batch_.begin() + static_cast<std::ptrdiff_t>(batch_at_));
-  batch_at_ = 0;
-  std::erase_if(batch_, late);
 }
 
 }  // namespace cas::casd

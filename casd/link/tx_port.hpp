@@ -10,6 +10,7 @@
 
 #include "casd/counters/link_counters.hpp"
 #include "casd/link/link.hpp"
+#include "casd/link/standstill.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/queue/line_timing.hpp"
 #include "casd/queue/tx_queue.hpp"
@@ -95,7 +96,6 @@ class TxPort : public PacketPort {
 
   const TxPortOptions options_;
   const base::Duration pacer_slack_;
-  const base::Duration standstill_;  ///< longest that a line that lives leaves something unread
   const std::shared_ptr<LinkCounters> counters_;
   const std::function<void()> wake_;
 
@@ -110,9 +110,7 @@ class TxPort : public PacketPort {
   PacketInfo tail_info_;
   bool tail_spoilt_ = false;  ///< its check was made wrong, and it was counted as dropped
   std::vector<PacketRef> worth_sending_;
-  base::RunTime still_since_{};  ///< when it was given what it has not taken; zero: nothing
-  base::Duration next_nudge_{};  ///< after so long a standstill
-  bool flushed_ = false;         ///< in this standstill
+  Standstill standstill_;
   std::vector<std::uint8_t> batch_bytes_;
   std::vector<PacketInfo> batch_infos_;
   std::vector<PacketRef> batch_;  ///< taken from the queue, about to be written
@@ -139,36 +137,7 @@ class TxPort : public PacketPort {
   void begin_tail(const PacketRef& packet, std::size_t gone, base::RunTime now);
   void drop_tail(DropCause cause);
   void spoil_late_tail(base::RunTime now);
-  void moves_again();
   void wait_for_line();
-};
-
-/// Several threads write to one descriptor (threads: per_link, single).
-///
-///   receiving link's thread                      destination's own thread
-///   deliver: try the writer's lock
-///     free, nothing waits -> write at once
-///     taken or line busy  -> queue ----------->  carry_on, when the descriptor or the pacer is
-///                                                ready: queue -> write
-///
-/// Who holds the writer's lock looks at the queue again after letting go, so a packet that was
-/// queued meanwhile never waits for a wake-up.
-class DirectTxPort final : public TxPort {
- public:
-  /// @param wake  called when the link's thread must call carry_on(); from any thread
-  DirectTxPort(const TxPortOptions& options, std::shared_ptr<LinkCounters> counters,
-               std::function<void()> wake);
-
-  void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
-  void carry_on(base::RunTime now) override;
-
- private:
-  std::size_t write_direct(std::span<const PacketRef> packets, base::RunTime now);
-  void pump(base::RunTime now);
-  void drain(base::RunTime now);
-  void wait_for_reader(base::RunTime now);
-  void drop_late_batch(base::RunTime now);
-  bool held_by_pacer(base::RunTime now) const;
 };
 
 }  // namespace cas::casd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/link/tx_port.hpp"
+#include "casd/link/direct_tx_port.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/time/clock.hpp"
+
+namespace cas::casd {
+
+/// How long a line has taken nothing of what it was given, and what is to be done about it. Pure.
+class Standstill {
+ public:
+  /// @param patience  longest that a line that lives leaves something unread
+  explicit Standstill(base::Duration patience);
+
+  base::Duration patience() const { return patience_; }
+  /// The line was given something.
+  void given(base::RunTime now) {
+    if (since_ == base::RunTime{}) since_ = now;
+  }
+  /// It has taken what it was given. @return whether its driver had been emptied meanwhile
+  bool ended();
+  /// Whether it was given something that it has not been seen to take.
+  bool pending() const { return since_ != base::RunTime{}; }
+  base::Duration lasts(base::RunTime now) const { return now - since_; }
+
+  /// Whether what the driver holds is to be thrown away: once in a standstill.
+  bool flush_is_due(base::RunTime now);
+  /// Whether the driver is to be nudged: after ever longer times.
+  bool nudge_is_due(base::RunTime now);
+  /// When to look at the line again.
+  base::RunTime next_look(base::RunTime now) const;
+
+ private:
+  base::Duration patience_;
+  base::RunTime since_{};        ///< when it was given what it has not taken; zero: nothing
+  base::Duration next_nudge_{};  ///< after so long a standstill
+  bool flushed_ = false;         ///< in this standstill
+};
+
+}  // namespace cas::casd
