@@ -127,7 +127,7 @@ void MixControls(benchmark::State& bench) {
 BENCHMARK(MixControls);
 
 /// Takes packets and forgets them.
-class NullPort final : public PacketPort {
+class NullPort final : public HilPort {
  public:
   bool send(std::span<const std::uint8_t> packet) override {
     benchmark::DoNotOptimize(packet.data());
