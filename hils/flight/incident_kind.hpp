@@ -12,9 +12,11 @@ enum class IncidentKind {
   kCrash,     ///< hit something faster than a landing
   kAttitude,  ///< tilted beyond 75 degrees
   kFlyaway,   ///< left ten times the extent of its flight
+  kStrike,    ///< a rotor hit something and stopped
 };
 inline constexpr std::array kIncidentKinds{IncidentKind::kGround, IncidentKind::kCrash,
-                                           IncidentKind::kAttitude, IncidentKind::kFlyaway};
+                                           IncidentKind::kAttitude, IncidentKind::kFlyaway,
+                                           IncidentKind::kStrike};
 
 /// The word in a scenario's `allow` and in summary.json.
 constexpr std::string_view to_string(IncidentKind kind) {
@@ -27,6 +29,8 @@ constexpr std::string_view to_string(IncidentKind kind) {
       return "attitude";
     case IncidentKind::kFlyaway:
       return "flyaway";
+    case IncidentKind::kStrike:
+      return "strike";
   }
   return "?";
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -24,6 +25,8 @@ constexpr double kNear_m = 0.5;
 /// More than rotors or gusts can do: what slows a vehicle like this is solid. 6 g.
 constexpr double kImpact_m_s2 = 60.0;
 constexpr double kLeastExtent_m = 1.0;
+/// Half of what idling rotors have.
+constexpr double kTurning_rad_s = 50.0;
 
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
 
@@ -74,6 +77,10 @@ class Watch {
       note(IncidentKind::kAttitude, now,
            fmt::format("tilted by {:.0f} degrees {}", tilt, in_step()));
     }
+    if (const auto rotor = struck_rotor(before, now)) {
+      note(IncidentKind::kStrike, now,
+           fmt::format("rotor {} hit something and stopped {}", *rotor + 1, in_step()));
+    }
     const double away_m = norm({now.pose.x_m - start_.pose.x_m, now.pose.y_m - start_.pose.y_m,
                                 now.pose.z_m - start_.pose.z_m});
     if (!(away_m <= farthest_m_)) {
@@ -97,6 +104,16 @@ class Watch {
  private:
   static double seconds(const PoseSample& sample) {
     return static_cast<double>(sample.time_us) * 1e-6;
+  }
+  /// A rotor that turned stands still from one sample to the next while others turn: its lag leaves
+  /// one that is switched off turning for longer, and what is disarmed stops as a whole.
+  static std::optional<std::size_t> struck_rotor(const PoseSample& before, const PoseSample& now) {
+    const auto turns = [](double omega_rad_s) { return omega_rad_s > 0; };
+    if (std::ranges::none_of(now.omega_rad_s, turns)) return std::nullopt;
+    for (std::size_t i = 0; i < now.omega_rad_s.size(); ++i) {
+      if (before.omega_rad_s[i] > kTurning_rad_s && !turns(now.omega_rad_s[i])) return i;
+    }
+    return std::nullopt;
   }
   static bool is_impact(const PoseSample& before, const PoseSample& now) {
     const double dt_s = seconds(now) - seconds(before);

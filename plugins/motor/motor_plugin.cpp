@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/motor/battery_model.hpp"
@@ -19,6 +22,11 @@ class MotorPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode&) override {
     const base::Vehicle& vehicle = context.vehicle();
+    vehicle_ = context.vehicle_id();
+    name_ = context.vehicle_name();
+    discs_ = vehicle.rotors;
+    disc_radius_m_ = vehicle.rotor.radius_m;
+    strikes_.reserve(base::kRotors);
     mixer_ = MotorMixer(vehicle);
     rotors_ = std::make_unique<RotorModel>(vehicle);
     if (vehicle.battery) full_battery_.emplace(*vehicle.battery, vehicle.rotor.torque_coefficient);
@@ -47,6 +55,7 @@ class MotorPlugin final : public Plugin {
   void post_step(const StepInfo& step, const World& world) override {
     const Eigen::Vector4d omega(world.states_of(*rotors_).data());
     speeds_.publish({step.time, omega});
+    look_for_strikes(step, world, omega);
     if (!battery_) return;
     battery_->advance(omega, base::to_seconds(step.dt));
     drive();
@@ -56,23 +65,61 @@ class MotorPlugin final : public Plugin {
     battery_ = full_battery_;
     health_ = {};
     asked_.setZero();
+    strikes_.clear();
+    rotors_->release_all();
     rotors_->set_effectiveness(health_.thrust_share);
     drive();
   }
 
   std::string stats_json() const override {
-    if (!battery_) return {};
-    return "{\"battery_v\":" + std::to_string(battery_->voltage_v()) +
-           ",\"battery_charge\":" + std::to_string(battery_->charge()) + "}";
+    std::string json;
+    if (battery_) {
+      json = "\"battery_v\":" + std::to_string(battery_->voltage_v()) +
+             ",\"battery_charge\":" + std::to_string(battery_->charge());
+    }
+    if (!strikes_.empty())
+      json += (json.empty() ? "" : ",") + ("\"rotor_strikes\":" + strikes_json());
+    return json.empty() ? json : "{" + json + "}";
   }
 
  private:
+  struct Strike {
+    std::size_t rotor;
+    base::SimTime time;
+  };
+
+  /// A turning rotor whose disc touches the world or another vehicle stops, and stays so.
+  void look_for_strikes(const StepInfo& step, const World& world, const Eigen::Vector4d& omega) {
+    for (std::size_t i = 0; i < discs_.size(); ++i) {
+      if (rotors_->is_stopped(i) || omega[static_cast<Eigen::Index>(i)] <= 0) continue;
+      if (!world.disc_touches(vehicle_, discs_[i].position_B_m, disc_radius_m_)) continue;
+      rotors_->stop(i);
+      strikes_.push_back({i, step.time});
+      base::log::warn(name_ + ": rotor " + std::to_string(i + 1) + " touched something at " +
+                      std::to_string(base::to_seconds(step.time)) + " s and stopped");
+    }
+  }
+
+  std::string strikes_json() const {
+    std::string json = "[";
+    for (const Strike& strike : strikes_) {
+      json += (json.size() > 1 ? ",{" : "{") + ("\"rotor\":" + std::to_string(strike.rotor + 1)) +
+              ",\"time_s\":" + std::to_string(base::to_seconds(strike.time)) + "}";
+    }
+    return json + "]";
+  }
+
   /// Passes on the speeds that battery and rotors can follow.
   void drive() {
     const double voltage_share = health_.voltage_share * (battery_ ? battery_->speed_share() : 1.0);
     rotors_->set_targets(voltage_share * asked_.cwiseProduct(health_.speed_share));
   }
 
+  VehicleId vehicle_{};
+  std::string name_;
+  std::array<base::RotorGeometry, base::kRotors> discs_{};
+  double disc_radius_m_ = 0;
+  std::vector<Strike> strikes_;
   MotorMixer mixer_;
   std::unique_ptr<RotorModel> rotors_;
   std::optional<BodyDrag> drag_;

@@ -24,6 +24,7 @@ void RotorModel::limit(std::span<double> omega) const {
     const double target = targets_[i];
     const double tau = target > w ? params_.time_constant_up_s : params_.time_constant_down_s;
     w = std::clamp(tau > 0 ? w : target, 0.0, params_.omega_max_rad_s);
+    if (stopped_[static_cast<std::size_t>(i)]) w = 0.0;
   }
 }
 
@@ -59,6 +60,10 @@ void RotorModel::evaluate(const BodyState& body, const Environment& environment,
   const Surroundings around = surroundings(body, environment);
   double spin_momentum = 0.0;  // of all rotors about Bz, N m s
   for (std::size_t i = 0; i < rotors_.size(); ++i) {
+    if (stopped_[i]) {
+      omega_dot[i] = 0.0;
+      continue;
+    }
     omega_dot[i] = speed_derivative(omega[i], targets_[static_cast<Eigen::Index>(i)]);
     add_rotor(i, omega[i], omega_dot[i], body.w_WB_B, around, wrench);
     spin_momentum += rotors_[i].spin * params_.inertia_kg_m2 * omega[i];

@@ -29,6 +29,12 @@ class RotorModel final : public ForceModel {
   /// Share of its thrust and torque that each rotor still gives (damaged blades), 0..1.
   void set_effectiveness(const Eigen::Vector4d& share) { effectiveness_ = share; }
 
+  /// Stops a rotor at once and for good, as one that hits something; its spin goes into what it
+  /// hit.
+  void stop(std::size_t rotor) { stopped_[rotor] = true; }
+  bool is_stopped(std::size_t rotor) const { return stopped_[rotor]; }
+  void release_all() { stopped_.fill(false); }
+
   int state_count() const override { return base::kRotors; }
   void initial_states(std::span<double> omega) const override;
   void evaluate(const BodyState& body, const Environment& environment,
@@ -59,6 +65,7 @@ class RotorModel final : public ForceModel {
   std::array<base::RotorGeometry, base::kRotors> rotors_;
   Eigen::Vector4d targets_ = Eigen::Vector4d::Zero();
   Eigen::Vector4d effectiveness_ = Eigen::Vector4d::Ones();
+  std::array<bool, base::kRotors> stopped_{};
 };
 
 }  // namespace cas::sim

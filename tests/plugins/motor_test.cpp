@@ -334,5 +334,41 @@ TEST(MotorPlugin, PassesBrokenRotorsOn) {
   EXPECT_NEAR(wrench.force_B.z(), 3.5 * 5.84e-6 * 400 * 400, 1e-9);
 }
 
+TEST(MotorPlugin, ARotorThatTouchesSomethingStopsForGood) {
+  test::PluginHarness harness;
+  const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  Vector4d omega = Vector4d::Zero();
+  const auto speeds = harness.bus.subscribe<RotorSpeeds>(
+      "iris0/rotor_speeds", [&](const RotorSpeeds& s) { omega = s.omega_rad_s; });
+  const Plugin& motor = harness.add("motor", "{}");
+  MotorCommand outputs;
+  outputs.kind = MotorCommand::Kind::kMotorOutputs;
+  outputs.armed = true;
+  outputs.values = Vector4d::Constant(0.7);  // 800 rad/s
+  command.publish(outputs);
+  ForceModel& rotors = *harness.context.force_models[0];
+  auto& states = harness.world.model_states.at(&rotors);
+  std::fill(states.begin(), states.end(), 800.0);
+
+  harness.world.touched_disc_B = harness.context.vehicle().rotors[2].position_B_m;
+  harness.step();
+  harness.world.touched_disc_B.reset();
+  std::array<double, 4> omega_dot{};
+  Wrench wrench;
+  rotors.evaluate({}, {}, states, omega_dot, wrench);
+  EXPECT_NEAR(wrench.force_B.z(), 3 * 5.84e-6 * 800 * 800, 1e-6) << "no thrust from rotor 3";
+  rotors.limit(states);
+  harness.step();
+  EXPECT_EQ(omega, Vector4d(800, 800, 0, 800));
+  command.publish(outputs);
+  rotors.evaluate({}, {}, states, omega_dot, wrench);
+  EXPECT_EQ(omega_dot[2], 0.0) << "asked to turn again, it does not";
+  EXPECT_NE(motor.stats_json().find("\"rotor_strikes\":[{\"rotor\":3,\"time_s\":0.001"),
+            std::string::npos)
+      << motor.stats_json();
+  harness.reset();
+  EXPECT_EQ(motor.stats_json(), "");
+}
+
 }  // namespace
 }  // namespace cas::sim

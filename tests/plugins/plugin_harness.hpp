@@ -55,11 +55,15 @@ class ScriptedWorld final : public sim::World {
     added.torque_B += wrench.torque_B;
   }
   void scale_mass(sim::VehicleId, double factor) override { mass_factor = factor; }
+  bool disc_touches(sim::VehicleId, const Eigen::Vector3d& centre_B, double) const override {
+    return touched_disc_B && centre_B == *touched_disc_B;
+  }
 
   sim::BodyState body;
   sim::Environment air;
   sim::Wrench added;
   double mass_factor = 1.0;
+  std::optional<Eigen::Vector3d> touched_disc_B;  // centre of the one that touches something
   std::map<const sim::ForceModel*, std::vector<double>> model_states;
 
  private:

@@ -184,5 +184,29 @@ TEST(Incident, APlaceThatIsNoNumberIsAFlyaway) {
   EXPECT_EQ(found[0].kind, IncidentKind::kFlyaway);
 }
 
+/// The rotors turn in the air; one is given its own speed.
+Path with_rotor(std::function<double(double t)> first) {
+  return [first = std::move(first)](double t, PoseSample& sample) {
+    good_height(t, sample);
+    sample.omega_rad_s.fill(t < 24 ? 700.0 : 0.0);
+    if (t < 24) sample.omega_rad_s[0] = first(t);
+  };
+}
+
+TEST(Incident, ARotorThatStopsAtOnceHasHitSomething) {
+  const auto found = incidents_of(with_rotor([](double t) { return t < 7 ? 700.0 : 0.0; }));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, IncidentKind::kStrike);
+  EXPECT_NEAR(found[0].time_s, 7.0, 0.02);
+  EXPECT_EQ(found[0].what.rfind("rotor 1 hit something and stopped in step 'hold'", 0), 0U)
+      << found[0].what;
+}
+
+TEST(Incident, ARotorThatIsSwitchedOffHasHitNothing) {
+  const auto lag = [](double t) { return t < 7 ? 700.0 : 700.0 * std::exp(-(t - 7) / 0.025); };
+  EXPECT_TRUE(incidents_of(with_rotor(lag)).empty()) << "one fails: it runs down";
+  EXPECT_TRUE(incidents_of(with_rotor([](double) { return 700.0; })).empty()) << "all are disarmed";
+}
+
 }  // namespace
 }  // namespace cas::hils

@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
             "UnknownIncident",
             "allow: [crsh]\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, "
             "measure: true}}, land]\n",
-            "'crsh' is no incident; there are ground, crash, attitude and flyaway"},
+            "'crsh' is no incident; there are ground, crash, attitude, flyaway and strike"},
         BadScenario{"TakeoffUnarmed", "steps: [{takeoff: {altitude_m: 2}}]\n", "needs an arm step"},
         BadScenario{"EndsInTheAir",
                     "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
