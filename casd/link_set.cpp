@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "casd/topology/routing_plan.hpp"
 #include "casd/transport/serial_link.hpp"
 #include "casd/transport/tcp_link.hpp"
 #include "casd/transport/tlog_link.hpp"

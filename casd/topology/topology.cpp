@@ -2,7 +2,6 @@
 #include "casd/topology/topology.hpp"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -13,7 +12,6 @@
 #include "base/os/cpu_latency.hpp"
 #include "casd/tlog/tlog_name.hpp"
 #include "casd/topology/line_budget.hpp"
-#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
 namespace {
@@ -248,49 +246,6 @@ void pace_tight_lines(Topology& topology) {
   }
 }
 
-// The HIL streams are not casd's business; everything else may be.
-std::vector<std::uint32_t> hil_messages() {
-  std::vector<std::uint32_t> ids;
-  for (const mav::MessageInfo& message : mav::public_table().all()) {
-    if (message.name.starts_with("HIL_")) ids.push_back(message.id);
-  }
-  return ids;
-}
-
-void add_station(std::vector<ForwardRule>& rules, const LinkSlots& slots) {
-  const std::vector<std::uint32_t> hil = hil_messages();
-  for (const auto& [name, link] : slots) {
-    ForwardRule& hears = rules.emplace_back();
-    hears.from = link;
-    hears.to = kLocalLink;
-    hears.block = hil;
-    ForwardRule& talks = rules.emplace_back();
-    talks.from = kLocalLink;
-    talks.to = link;
-  }
-}
-
-// Links of one group never hear each other; a link never hears itself, unless a route says that
-// the peers of a server talk to each other.
-void fill_groups(RoutingPlan& plan, const Topology& topology, const LinkSlots& slots) {
-  std::map<std::string, LinkMask> members;
-  for (const LinkConfig& link : topology.links) {
-    if (!link.group.empty()) members[link.group] |= bit(slots.at(link.name));
-  }
-  for (const LinkConfig& link : topology.links) {
-    const LinkId id = slots.at(link.name);
-    plan.never_back[id] = bit(id);
-    if (link.group.empty()) continue;
-    const auto group = members.find(link.group);
-    plan.never_back[id] = group->second;
-    plan.group[id] = static_cast<std::int8_t>(std::distance(members.begin(), group));
-  }
-  for (const RouteConfig& route : topology.routes) {
-    if (route.from == route.to) plan.never_back[slots.at(route.from)] &= ~bit(slots.at(route.from));
-  }
-  plan.never_back[kLocalLink] = bit(kLocalLink);
-}
-
 }  // namespace
 
 std::string_view to_string(ThreadModel model) {
@@ -394,31 +349,6 @@ void refuse_restart_keys(const Topology& in_force, const Topology& next,
   if (keys.empty()) return;
   if (const auto node = root.find(keys.front())) node->fail("takes a restart");
   root.fail(keys.front() + ": takes a restart");  // the key was taken out
-}
-
-LinkSlots slots_in_order(const Topology& topology) {
-  LinkSlots slots;
-  for (const LinkConfig& link : topology.links) {
-    slots.emplace(link.name, static_cast<LinkId>(slots.size()));
-  }
-  return slots;
-}
-
-std::shared_ptr<const RoutingPlan> make_plan(const Topology& topology, const LinkSlots& slots) {
-  auto plan = std::make_shared<RoutingPlan>();
-  std::vector<ForwardRule> rules;
-  for (const RouteConfig& route : topology.routes) {
-    rules.push_back(route.rule);
-    rules.back().from = slots.at(route.from);
-    rules.back().to = slots.at(route.to);
-  }
-  add_station(rules, slots);
-  plan->rules = ForwardRules(rules);
-  fill_groups(*plan, topology, slots);
-  for (const LinkConfig& link : topology.links) {
-    if (link.pass_unknown) plan->pass_unknown |= bit(slots.at(link.name));
-  }
-  return plan;
 }
 
 }  // namespace cas::casd

@@ -4,8 +4,6 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -110,14 +108,5 @@ std::vector<std::string> restart_keys(const Topology& in_force, const Topology& 
 /// The same with the place in the file. @throws base::ConfigError "FILE:LINE: key: sentence"
 void refuse_restart_keys(const Topology& in_force, const Topology& next,
                          const base::ConfigNode& root);
-
-/// Which slot each link has, by name.
-using LinkSlots = std::map<std::string, LinkId>;
-/// Slots in file order.
-LinkSlots slots_in_order(const Topology& topology);
-
-/// Compiles rules, groups and options of a topology for these slots. casd's own station hears every
-/// link but the HIL streams, and may talk to every link.
-std::shared_ptr<const RoutingPlan> make_plan(const Topology& topology, const LinkSlots& slots);
 
 }  // namespace cas::casd

@@ -17,6 +17,7 @@
 #include "casd/queue/tx_queue.hpp"
 #include "casd/routing/router.hpp"
 #include "casd/station/vehicle_commander.hpp"
+#include "casd/topology/routing_plan.hpp"
 #include "casd/topology/topology.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "casd/topology/line_budget.hpp"
+#include "casd/topology/routing_plan.hpp"
 #include "casd/topology/topology.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "casd/topology/line_budget.hpp"
+#include "casd/topology/routing_plan.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "tests/casd/packets.hpp"
 #include "tests/support/temporary_folder.hpp"
