@@ -18,8 +18,7 @@ constexpr base::Duration kLongestLook = std::chrono::milliseconds(50);
 
 }  // namespace
 
-Standstill::Standstill(base::Duration patience)
-    : patience_(patience), next_nudge_(2 * patience) {}
+Standstill::Standstill(base::Duration patience) : patience_(patience), next_nudge_(2 * patience) {}
 
 bool Standstill::ended() {
   since_ = {};
