@@ -74,7 +74,8 @@ class Translator {
   Translator(const fs::path& file, const std::vector<fs::path>& model_path)
       : file_(file), model_path_(model_path) {}
 
-  /// Of what libsdformat complains of (joints that no longer resolve, by the dozen) three are named.
+  /// Of what libsdformat complains of (joints that no longer resolve, by the dozen) three are
+  /// named.
   void take_errors(const sdf::Errors& errors) {
     constexpr std::size_t kNamed = 3;
     std::set<std::string> others;
@@ -87,8 +88,8 @@ class Translator {
       }
     }
     if (others.size() > kNamed) {
-      warn(file_.string(), "libsdformat has " + std::to_string(others.size() - kNamed) +
-                               " further complaints");
+      warn(file_.string(),
+           "libsdformat has " + std::to_string(others.size() - kNamed) + " further complaints");
     }
   }
 
@@ -420,6 +421,10 @@ WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& giv
   }
   require_all(translator.missing(), file, model_path, missing, model);
   return model;
+}
+
+WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& model_path) {
+  return load_sdf_world(file, model_path, Missing::kError);
 }
 
 }  // namespace cas::sim

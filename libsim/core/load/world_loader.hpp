@@ -22,6 +22,9 @@ CAS_SIM_EXPORT WorldModel load_world(const WorldConfig& config);
 /// `missing` does not allow that
 CAS_SIM_EXPORT WorldModel load_sdf_world(const std::filesystem::path& file,
                                          const std::vector<std::filesystem::path>& model_path,
-                                         Missing missing = Missing::kError);
+                                         Missing missing);
+/// The same; a model or mesh that is not found is an error.
+CAS_SIM_EXPORT WorldModel load_sdf_world(const std::filesystem::path& file,
+                                         const std::vector<std::filesystem::path>& model_path);
 
 }  // namespace cas::sim
