@@ -80,7 +80,8 @@ std::set<IncidentKind> parse_allow(const base::ConfigNode& root) {
     const auto kind =
         std::ranges::find(kIncidentKinds, word, [](IncidentKind each) { return to_string(each); });
     if (kind == kIncidentKinds.end()) {
-      node.fail("'" + word + "' is no incident; there are ground, crash, attitude, flyaway and strike");
+      node.fail("'" + word +
+                "' is no incident; there are ground, crash, attitude, flyaway and strike");
     }
     allowed.insert(*kind);
   }

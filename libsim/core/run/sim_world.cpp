@@ -71,7 +71,8 @@ void SimWorld::add_force_model(VehicleId vehicle, ForceModel& model) {
 void SimWorld::start() {
   solver_->reset();
   touching_pairs_.reserve(vehicles_.size() * vehicles_.size());
-  for (Obstacle& obstacle : obstacles_) obstacle.body = solver_->add_obstacle(obstacle.model.shapes);
+  for (Obstacle& obstacle : obstacles_)
+    obstacle.body = solver_->add_obstacle(obstacle.model.shapes);
   for (std::size_t i = 0; i < vehicles_.size(); ++i) settle(i);
   reset();
 }

@@ -27,8 +27,8 @@ namespace cas::sim {
 ///   free     nothing within reach: our RK4; ODE is not asked
 ///   contact  touching the world or another vehicle: ODE's stepper with contact joints
 ///   held     at rest under unchanged forces: stands still
-/// Position, velocity and forces pass from one to the other unchanged. Moving obstacles go their way
-/// whatever they meet; what they touch is in contact and never held.
+/// Position, velocity and forces pass from one to the other unchanged. Moving obstacles go their
+/// way whatever they meet; what they touch is in contact and never held.
 class CAS_SIM_EXPORT SimWorld final : public World {
  public:
   SimWorld(const WorldModel& model, const base::LocalProjection& projection, double decimal_year,
@@ -80,7 +80,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
     Wrench applied;  // mean over the part step, in contact
     bool has_applied = false;
     bool touching = false;
-    bool beside_obstacle = false;  // touches one that moves
+    bool beside_obstacle = false;                          // touches one that moves
     Eigen::Vector3d v_before_W = Eigen::Vector3d::Zero();  // at the start of the step
     Eigen::Vector3d w_before_B = Eigen::Vector3d::Zero();
     Mode mode = Mode::kFree;
