@@ -272,8 +272,7 @@ void TxPort::heard(base::RunTime now) { heard_ns_.store(ns(now), std::memory_ord
 base::RunTime TxPort::tend_still_line(base::RunTime now) {
   if (standstill_.flush_is_due(now)) {
     base::log::warn("link " + counters_->name + ": stands still, gets nothing until it moves");
-    writer_->flush();
-    drop_tail(DropCause::kStalled);
+    if (writer_->flush()) drop_tail(DropCause::kStalled);
   }
   if (!has_tail() && standstill_.nudge_is_due(now)) writer_->nudge();
   return standstill_.next_look(now);

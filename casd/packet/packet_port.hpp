@@ -53,8 +53,8 @@ class PacketWriter {
   virtual bool counts_moves() const { return false; }
   /// Makes a line move again that only seems to stand still: at the end of a packet.
   virtual void nudge() {}
-  /// Throws away what the driver still holds.
-  virtual void flush() {}
+  /// Throws away what the driver still holds. @return false: it holds it still
+  virtual bool flush() { return false; }
   /// What to wait on when it takes no more.
   virtual int descriptor() const = 0;
 };

@@ -33,9 +33,10 @@ class SigningWriter final : public PacketWriter {
   bool moved() override { return writer_->moved(); }
   bool counts_moves() const override { return writer_->counts_moves(); }
   void nudge() override { writer_->nudge(); }
-  void flush() override {
+  bool flush() override {
+    if (!writer_->flush()) return false;
     rest_.clear();
-    writer_->flush();
+    return true;
   }
   std::size_t added_bytes() const override { return mav::kSignatureBytes; }
 

@@ -70,7 +70,7 @@ void ReaderWatch::wrote(base::Duration took) {
 bool ReaderWatch::has_read() {
   const bool read = take_edge();
   tells_ = tells_ || read;
-  return take_doubt() || read || !tells_;
+  return take_doubt() || read;
 }
 
 bool ReaderWatch::take_edge() {
@@ -124,7 +124,10 @@ std::size_t StreamWriter::unsent() const {
 
 bool StreamWriter::moved() {
   if (std::exchange(made_room_, false)) return true;
-  if (reader_) return reader_->has_read();
+  if (reader_) {
+    const bool read = reader_->has_read();
+    return read || (!reader_->tells() && !full_);
+  }
   return kind_ != Kind::kSerial || driver_moved();
 }
 
@@ -150,11 +153,13 @@ void StreamWriter::nudge() {
   }
 }
 
-void StreamWriter::flush() {
+bool StreamWriter::flush() {
+  if (reader_ && !reader_->tells()) return false;
   ::tcflush(descriptor_.get(), TCOFLUSH);
   held_ = written_ = 0;
   full_ = made_room_ = false;
   nudge();
+  return true;
 }
 
 // @return bytes gone, 0 when there is no room, -1 when the descriptor is of no more use

@@ -25,9 +25,10 @@ class ReaderWatch {
   explicit ReaderWatch(int fd);
   /// Something was written, in so long a time.
   void wrote(base::Duration took);
-  /// Whether something was read since the last call, or is in doubt. True until a read was seen
-  /// once: a kernel that does not tell must not stop the line.
+  /// Whether something was read since the last call, or is in doubt.
   bool has_read();
+  /// Whether a read was seen at all. Until then nobody has read, or this kernel does not tell.
+  bool tells() const { return tells_; }
   /// Whether writes since the last call of take_doubt() or has_read() are in doubt.
   bool in_doubt() const { return in_doubt_; }
   bool take_doubt() { return std::exchange(in_doubt_, false); }
@@ -53,10 +54,13 @@ class StreamWriter final : public PacketWriter {
   WriteResult write(std::span<const PacketRef> packets) override;
   std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) override;
   std::size_t unsent() const override;
+  /// Until a read was seen, a terminal is believed to be read as long as it has room: a kernel that
+  /// does not tell must not stop the line.
   bool moved() override;
   bool counts_moves() const override { return kind_ == Kind::kSerial; }
   void nudge() override;
-  void flush() override;
+  /// Leaves a terminal as it is of which no read was seen: room made so would look like a reader.
+  bool flush() override;
   int descriptor() const override { return descriptor_.get(); }
 
  private:

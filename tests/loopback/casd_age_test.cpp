@@ -238,10 +238,10 @@ TEST_P(CasdAge, NothingOldComesWhenAReaderReadsAgain) {
   RecordProperty("sticks_in_the_terminal", in_the_terminal(kManualControl));
 }
 
-/// The real program, for what only a stopped process shows.
-class StoppedCasd {
+/// The real program, for what only a stopped process or its log shows.
+class CasdProgram {
  public:
-  explicit StoppedCasd(const std::string& threads)
+  explicit CasdProgram(const std::string& threads)
       : casd({binary_dir() + "/bin/casd",
               fixture.folder.write("topology.yaml", fixture.expand(topology_with(threads)))}) {
     status = casd.wait_ready().value_or("");
@@ -274,7 +274,7 @@ class StoppedCasd {
 };
 
 TEST_P(CasdAge, NothingOldComesWhenCasdGoesOn) {
-  StoppedCasd casd(GetParam());
+  CasdProgram casd(GetParam());
   ASSERT_FALSE(casd.status.empty()) << casd.casd.output();
   UdpPeer station;
   station.set_remote(casd.port("gcs"));
@@ -297,7 +297,7 @@ TEST_P(CasdAge, NothingOldComesWhenCasdGoesOn) {
 }
 
 TEST_P(CasdAge, OfStickPositionsThatOneReadBringsTheNewestGoesOn) {
-  StoppedCasd casd(GetParam());
+  CasdProgram casd(GetParam());
   ASSERT_FALSE(casd.status.empty()) << casd.casd.output();
   TcpPeer station(casd.port("tcp"));
   ASSERT_TRUE(station.connected());
@@ -328,6 +328,25 @@ TEST_P(CasdAge, OfStickPositionsThatOneReadBringsTheNewestGoesOn) {
   };
   ASSERT_TRUE(controller.read_until([&] { return count_from(kSticks) == 1; }));
   EXPECT_EQ(count_from(2), 1U);
+}
+
+TEST_P(CasdAge, SaysThatALineStandsStillThatNobodyEverRead) {
+  CasdProgram casd(GetParam());
+  ASSERT_FALSE(casd.status.empty()) << casd.casd.output();
+  UdpPeer station;
+  station.set_remote(casd.port("gcs"));
+  Streams streams(casd.fixture.sim, station);
+  const auto says = [&](const char* words) {
+    return casd.casd.output().find(words) != std::string::npos;
+  };
+  ASSERT_TRUE(wait_until([&] { return says("link fcu: stands still"); })) << casd.casd.output();
+  EXPECT_FALSE(says("moves again"));
+
+  Controller controller(casd.fixture.fcu);
+  const base::RunTime reads = base::steady_now();
+  EXPECT_TRUE(controller.read_until([&] {
+    return newest_came(controller, streams, kHilSensor, reads) && says("link fcu: moves again");
+  })) << casd.casd.output();
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, CasdAge, testing::Values("per_link", "single", "blocking"),

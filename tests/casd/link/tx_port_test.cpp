@@ -27,6 +27,7 @@ struct FakeLine {
   bool counts = false;             ///< its moves, byte by byte
   int nudges = 0;
   int flushes = 0;
+  bool can_flush = true;
 };
 
 class FakeWriter final : public PacketWriter {
@@ -58,7 +59,10 @@ class FakeWriter final : public PacketWriter {
   bool moved() override { return line_.moves; }
   bool counts_moves() const override { return line_.counts; }
   void nudge() override { ++line_.nudges; }
-  void flush() override { ++line_.flushes; }
+  bool flush() override {
+    ++line_.flushes;
+    return line_.can_flush;
+  }
   int descriptor() const override { return -1; }
 
  private:
@@ -251,6 +255,22 @@ TEST_F(TxPortTest, EmptiesTheDriverOfALineThatStandsStillForASecond) {
   EXPECT_NE(moves.find("moves again"), std::string::npos) << moves;
   EXPECT_EQ(line.written.back(), 3U);
   EXPECT_EQ(line.bytes, 250U);
+}
+
+TEST_F(TxPortTest, FinishesABegunPacketWhereTheDriverKeepsWhatItHolds) {
+  open({});
+  line.moves = false;
+  line.can_flush = false;
+  line.room = 150;
+  deliver(TrafficClass::kHil, 2, at({}));  // ends in the middle of a packet
+  base::RunTime now = at(milliseconds(100));
+  for (; now < at(std::chrono::seconds(5)); now = port->due()) port->carry_on(now);
+  EXPECT_EQ(line.flushes, 1);
+  EXPECT_EQ(line.nudges, 0) << "a zero would lie in the packet";
+  line.moves = true;
+  line.room = 1'000'000;
+  port->carry_on(now);
+  EXPECT_EQ(line.bytes, 200U);
 }
 
 TEST_F(TxPortTest, OfSetpointsThatComeTogetherTheNewestIsSent) {

@@ -51,7 +51,7 @@ class PtyWriterTest : public testing::Test {
 
 TEST_F(PtyWriterTest, TellsWhetherTheReaderReads) {
   write(77);
-  EXPECT_TRUE(writer.moved()) << "it is believed to read until it was seen once";
+  EXPECT_TRUE(writer.moved()) << "it is believed to read while there is room";
   read();
   EXPECT_TRUE(moves());
   // A write that took its time is in doubt; sooner or later one is not.
@@ -80,6 +80,18 @@ TEST_F(PtyWriterTest, TellsAReaderThatNeverReadsAllByTheRoomThatItMakes) {
   EXPECT_TRUE(writer.moved());
 }
 
+TEST_F(PtyWriterTest, TellsAReaderThatNeverReadAtAllByTheRoomThatItDoesNotMake) {
+  EXPECT_TRUE(wait_until([&] {
+    for (int i = 0; i < 1000; ++i) write(77);
+    return !writer.moved();
+  })) << "the kernel moves bytes on in its own time";
+  EXPECT_FALSE(writer.flush()) << "room made so would look like a reader";
+  EXPECT_TRUE(wait_until([&] {
+    line.read(heard);
+    return writer.moved();
+  }));
+}
+
 TEST_F(PtyWriterTest, NudgeIsAZeroThatNoPacketBeginsWith) {
   write(77);
   read();
@@ -93,8 +105,11 @@ TEST_F(PtyWriterTest, NudgeIsAZeroThatNoPacketBeginsWith) {
 
 TEST_F(PtyWriterTest, FlushTakesBackAllButWhatTheReadersTerminalHolds) {
   constexpr std::size_t kTerminal = 4096;  // N_TTY_BUF_SIZE of Linux
+  write(77);
+  read();
+  ASSERT_TRUE(moves());
   for (int i = 0; i < 1000; ++i) write(77);
-  writer.flush();
+  EXPECT_TRUE(writer.flush());
   std::size_t left = 0;
   ASSERT_TRUE(wait_until([&] {
     const std::size_t got = line.read(heard);
