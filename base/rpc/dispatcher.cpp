@@ -78,12 +78,12 @@ void refuse_line(Peer& peer, int code, const std::string& message) {
   peer.deliver(Dispatcher::error_line(code, message));
 }
 
-/// params.topic, or nothing.
-std::optional<std::string> topic_of(const Json& params) {
+/// The string of that key; nothing where there is none.
+std::optional<std::string> text_of(const Json& params, const char* key) {
   if (!params.is_object()) return std::nullopt;
-  const auto topic = params.find("topic");
-  if (topic == params.end() || !topic->is_string()) return std::nullopt;
-  return topic->get<std::string>();
+  const auto found = params.find(key);
+  if (found == params.end() || !found->is_string()) return std::nullopt;
+  return found->get<std::string>();
 }
 
 }  // namespace
@@ -226,19 +226,9 @@ void Dispatcher::invoke(const std::string& method, const Json& params,
   if (!peer->authorised && method != "authorise") {
     return reply.error(kNotAuthorised, "call authorise {\"token\": ...} first", nullptr);
   }
-  if (const auto own = session_methods_.find(method); own != session_methods_.end()) {
-    peer->weight = std::max(peer->weight, 1.0);
-    return (this->*own->second)(params, *peer, reply);
-  }
-  const auto found = methods_.find(method);
-  if (found == methods_.end()) {
-    peer->weight = std::max(peer->weight, 1.0);
-    return reply.error(kMethodNotFound, "there is no method '" + method + "'", nullptr);
-  }
-  peer->weight = std::max(peer->weight, found->second.weight);
-  const std::shared_ptr<const Method> function = found->second.method;
+  // Whatever a client sends ends in an answer, never in an exception that ends the server.
   try {
-    (*function)(params, reply);
+    call(method, params, *peer, reply);
   } catch (const Json::exception& error) {  // params.at("x").get<T>() on what the client sent
     reply.error(kInvalidParams, error.what(), nullptr);
   } catch (const std::exception& error) {
@@ -246,8 +236,24 @@ void Dispatcher::invoke(const std::string& method, const Json& params,
   }
 }
 
+void Dispatcher::call(const std::string& method, const Json& params, Peer& peer,
+                      const Reply& reply) {
+  if (const auto own = session_methods_.find(method); own != session_methods_.end()) {
+    peer.weight = std::max(peer.weight, 1.0);
+    return (this->*own->second)(params, peer, reply);
+  }
+  const auto found = methods_.find(method);
+  if (found == methods_.end()) {
+    peer.weight = std::max(peer.weight, 1.0);
+    return reply.error(kMethodNotFound, "there is no method '" + method + "'", nullptr);
+  }
+  peer.weight = std::max(peer.weight, found->second.weight);
+  const std::shared_ptr<const Method> function = found->second.method;
+  (*function)(params, reply);
+}
+
 void Dispatcher::subscribe(const Json& params, Peer& peer, const Reply& reply) {
-  const std::optional<std::string> topic = topic_of(params);
+  const std::optional<std::string> topic = text_of(params, "topic");
   if (!topic || !topics_.contains(*topic)) {
     return reply.error(kInvalidParams, "\"topic\" must name one of the topics in data",
                        Json(topics_));
@@ -257,7 +263,7 @@ void Dispatcher::subscribe(const Json& params, Peer& peer, const Reply& reply) {
 }
 
 void Dispatcher::unsubscribe(const Json& params, Peer& peer, const Reply& reply) {
-  const std::optional<std::string> topic = topic_of(params);
+  const std::optional<std::string> topic = text_of(params, "topic");
   if (!topic) return reply.error(kInvalidParams, "\"topic\" must be a string", nullptr);
   reply.result(peer.topics.erase(*topic) > 0);
 }
@@ -272,10 +278,10 @@ void Dispatcher::methods(const Json&, Peer&, const Reply& reply) {
 }
 
 void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {
-  const auto given = [&params](const char* key) {
-    return params.is_object() && params.contains(key) && params[key].is_string();
-  };
-  if (!given("token") && !given("nonce") && !given("proof")) {
+  const std::optional<std::string> token = text_of(params, "token");
+  const std::optional<std::string> nonce = text_of(params, "nonce");
+  const std::optional<std::string> proof = text_of(params, "proof");
+  if (!token && !nonce && !proof) {
     return reply.error(kInvalidParams, "\"token\" must be a string, or \"nonce\", or \"proof\"",
                        nullptr);
   }
@@ -283,15 +289,14 @@ void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {
   if (peer.refusal == Refusal::kWrongToken) {
     return reply.error(kNotAuthorised, "an earlier token was wrong", nullptr);
   }
-  if (token_ && given("nonce")) return exchange_nonces(params["nonce"], peer, reply);
-  if (!token_ || knows_token(params, peer)) {
+  if (token_ && nonce) return exchange_nonces(*nonce, peer, reply);
+  if (!token_ || (token ? same_token(*token_, *token) : proves_token(*proof, peer))) {
     peer.authorised = true;
     return reply.result(true);
   }
   peer.refusal = Refusal::kWrongToken;
   reply.error(kNotAuthorised,
-              given("token") ? "the token is wrong" : "the proof is wrong; a nonce comes first",
-              nullptr);
+              token ? "the token is wrong" : "the proof is wrong; a nonce comes first", nullptr);
 }
 
 /// The server proves itself first: a client tells a stranger nothing.
@@ -307,11 +312,9 @@ void Dispatcher::exchange_nonces(const std::string& nonce, Peer& peer, const Rep
                 {"proof", token_proof(*token_, Prover::kServer, peer.proof)}});
 }
 
-bool Dispatcher::knows_token(const Json& params, const Peer& peer) const {
-  if (params.contains("token")) return same_token(*token_, params["token"].get<std::string>());
+bool Dispatcher::proves_token(const std::string& proof, const Peer& peer) const {
   if (peer.proof.server_nonce.empty()) return false;
-  return same_token(token_proof(*token_, Prover::kClient, peer.proof),
-                    params["proof"].get<std::string>());
+  return same_token(token_proof(*token_, Prover::kClient, peer.proof), proof);
 }
 
 std::string Dispatcher::notification(const std::string& topic, const Json& params) {

@@ -71,11 +71,12 @@ class CAS_BASE_EXPORT Dispatcher {
                       std::shared_ptr<Batch> batch);
   void invoke(const std::string& method, const Json& params, const std::shared_ptr<Peer>& peer,
               const Reply& reply);
+  void call(const std::string& method, const Json& params, Peer& peer, const Reply& reply);
   void subscribe(const Json& params, Peer& peer, const Reply& reply);
   void unsubscribe(const Json& params, Peer& peer, const Reply& reply);
   void authorise(const Json& params, Peer& peer, const Reply& reply);
   void exchange_nonces(const std::string& nonce, Peer& peer, const Reply& reply);
-  bool knows_token(const Json& params, const Peer& peer) const;
+  bool proves_token(const std::string& proof, const Peer& peer) const;
   void methods(const Json& params, Peer& peer, const Reply& reply);
 
   // Shared with a running call, which may end the server that holds it.

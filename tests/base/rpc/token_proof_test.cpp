@@ -82,6 +82,21 @@ TEST_F(ProvenClient, GetsNowhereWithWhatTheServerSaid) {
   EXPECT_THROW(client.call("authorise", {{"proof", hello["proof"]}}, kPatience), CallError);
 }
 
+TEST_F(ProvenClient, IsAnsweredWhateverTypesItSends) {
+  const std::string nonce(32, 'n');
+  for (const Json& token : {Json(5), Json(nullptr), Json::array(), Json::object()}) {
+    Client client(server_.address());
+    EXPECT_THROW(client.call("authorise", {{"token", token}, {"proof", "x"}}, kPatience), CallError)
+        << token;
+    Client other(server_.address());
+    EXPECT_TRUE(
+        other.call("authorise", {{"token", token}, {"nonce", nonce}}, kPatience).is_object())
+        << token;
+  }
+  Client client(server_.address());
+  EXPECT_TRUE(client.authorise_by_proof({kToken})) << "the server lives";
+}
+
 TEST_F(ProvenClient, NeedsANonceThatIsNoGuess) {
   Client client(server_.address());
   EXPECT_THROW(client.call("authorise", {{"nonce", "short"}}, kPatience), CallError);
