@@ -16,7 +16,6 @@ import unittest
 
 sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
 sys.path.insert(0, str(ROOT / "scripts"))  # what scripts share
 NAMES = ("x_m", "y_m", "z_m", "yaw_rad")
 
