@@ -20,6 +20,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "STL is read as it stands in memory");
 
+/// Five million triangles of binary STL.
+constexpr std::uintmax_t kMostBytes = 256U << 20U;
+
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& sentence) {
   throw base::ConfigError(file.string() + ": " + sentence);
 }
@@ -27,6 +30,12 @@ static_assert(std::endian::native == std::endian::little, "STL is read as it sta
 std::string read_all(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) fail(file, "mesh cannot be read");
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (!error && size > kMostBytes) {
+    fail(file, "mesh has " + std::to_string(size >> 20U) + " MiB, and at most " +
+                   std::to_string(kMostBytes >> 20U) + " are read");
+  }
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -49,6 +53,23 @@ struct MissingFile {
   std::string what;   ///< "model model://oak_tree"
   std::string place;  ///< FILE:LINE of who names it
   std::string uri;
+};
+
+/// Most triangles of all meshes of a world, each counted once however often it stands there. They
+/// take up to a gigabyte.
+constexpr std::size_t kMostTriangles = 5'000'000;
+
+using Numbers = std::array<double, 3>;
+
+Numbers numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// A mesh or heightmap as a collision names it.
+struct MeshUse {
+  std::string kind;
+  std::string uri;
+  fs::path named_in;  ///< the file that names `uri`
+  Eigen::Vector3d size_m;
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
 };
 
 std::string place_of_error(const sdf::Error& error, const fs::path& file) {
@@ -212,7 +233,8 @@ class Translator {
     const sdf::Trajectory& way = *actor.TrajectoryByIndex(0);
     for (std::uint64_t i = 0; i < way.WaypointCount(); ++i) {
       const sdf::Waypoint& point = *way.WaypointByIndex(i);
-      if (!waypoints.empty() && point.Time() <= waypoints.back().time_s) {
+      const bool rises = waypoints.empty() || point.Time() > waypoints.back().time_s;
+      if (!rises || !std::isfinite(point.Time())) {
         throw base::ConfigError(place + ": " + who + "the <time> of its waypoints must rise");
       }
       waypoints.push_back({point.Time(), to_eigen(actor.RawPose()) * to_eigen(point.Pose())});
@@ -248,35 +270,48 @@ class Translator {
   }
 
   bool take_mesh(const sdf::Mesh& mesh, const std::string& place, Shape& shape) {
-    return take_triangles(
-        "mesh", mesh.Uri(), mesh.FilePath(), place, shape,
-        [&](const fs::path& found) { return load_mesh(found, to_eigen(mesh.Scale())); });
+    const Eigen::Vector3d scale = to_eigen(mesh.Scale());
+    return take_triangles({"mesh", mesh.Uri(), mesh.FilePath(), scale}, place, shape,
+                          [&](const fs::path& found) { return load_mesh(found, scale); });
   }
 
   bool take_heightmap(const sdf::Heightmap& map, const std::string& place, Shape& shape) {
+    const Eigen::Vector3d size = to_eigen(map.Size());
+    const Eigen::Vector3d offset = to_eigen(map.Position());
     return take_triangles(
-        "heightmap", map.Uri(), map.FilePath(), place, shape, [&](const fs::path& found) {
-          return load_heightmap(found, to_eigen(map.Size()), to_eigen(map.Position()));
-        });
+        {"heightmap", map.Uri(), map.FilePath(), size, offset}, place, shape,
+        [&](const fs::path& found) { return load_heightmap(found, size, offset); });
   }
 
-  /// @param named_in  the file that names `uri`
   template <class Load>
-  bool take_triangles(const std::string& kind, const std::string& uri, const fs::path& named_in,
-                      const std::string& place, Shape& shape, const Load& load) {
-    const fs::path folder = (named_in.empty() ? file_ : named_in).parent_path();
-    const auto found = find_model_file(uri, folder, model_path_);
+  bool take_triangles(const MeshUse& use, const std::string& place, Shape& shape,
+                      const Load& load) {
+    const fs::path folder = (use.named_in.empty() ? file_ : use.named_in).parent_path();
+    const auto found = find_model_file(use.uri, folder, model_path_);
     if (!found) {
-      missing_.push_back({kind + " " + uri, place, uri});
+      missing_.push_back({use.kind + " " + use.uri, place, use.uri});
       return false;
     }
+    auto& mesh = meshes_[*found][std::pair(numbers(use.size_m), numbers(use.offset_m))];
     try {
-      shape.geometry = Mesh{std::make_shared<const TriangleMesh>(load(*found))};
-      return true;
+      if (!mesh) {
+        mesh = std::make_shared<const TriangleMesh>(load(*found));
+        triangles_ += mesh->triangles.size();
+      }
     } catch (const base::ConfigError& error) {
       warn(place, "collision '" + shape.name + "' is left out: " + error.what());
       return false;
     }
+    require_few_triangles(place);
+    shape.geometry = Mesh{mesh};
+    return true;
+  }
+
+  void require_few_triangles(const std::string& place) const {
+    if (triangles_ <= kMostTriangles) return;
+    throw base::ConfigError(place + ": with this mesh the world has " + std::to_string(triangles_) +
+                            " triangles, and at most " + std::to_string(kMostTriangles) +
+                            " are simulated; make the meshes coarser");
   }
 
   /// Whether a vehicle, which has all 16 bits, feels it.
@@ -327,6 +362,10 @@ class Translator {
   WorldModel model_;
   std::vector<MissingFile> missing_;
   std::set<std::string> warned_;
+  // Many shapes of one mesh share its triangles: by file, size and offset.
+  std::map<fs::path, std::map<std::pair<Numbers, Numbers>, std::shared_ptr<const TriangleMesh>>>
+      meshes_;
+  std::size_t triangles_ = 0;  ///< of meshes_
 };
 
 std::string joined(const sdf::Errors& errors) {

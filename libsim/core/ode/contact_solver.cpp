@@ -307,7 +307,7 @@ struct ContactSolver::Impl {
   void predict(Body& body) const {
     body.v_W = from_ode(dBodyGetLinearVel(body.id));
     body.w_W = from_ode(dBodyGetAngularVel(body.id));
-    if (dBodyIsEnabled(body.id) == 0) return;
+    if (body.driven || dBodyIsEnabled(body.id) == 0) return;
     const Eigen::Matrix3d R_WB = attitude(body.id).toRotationMatrix();
     const Eigen::Vector3d w_B = R_WB.transpose() * body.w_W;
     const Eigen::Vector3d t_B = R_WB.transpose() * from_ode(dBodyGetTorque(body.id));
@@ -415,7 +415,8 @@ struct ContactSolver::Impl {
       mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
       mesh.triangles.push_back({0, i + 1, (i + 1) % kCorners + 1});
     }
-    const dGeomID geom = dCreateTriMesh(nullptr, meshes.add(mesh), nullptr, nullptr, nullptr);
+    const dGeomID geom = dCreateTriMesh(
+        nullptr, meshes.add(std::make_shared<const TriangleMesh>(mesh)), nullptr, nullptr, nullptr);
     discs.emplace_back(radius, geom);
     return geom;
   }

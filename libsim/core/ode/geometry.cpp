@@ -22,32 +22,26 @@ struct Maker {
     return dCreatePlane(space, n.x(), n.y(), n.z(), n.dot(pose.translation()));
   }
   dGeomID operator()(const Mesh& mesh) const {
-    return dCreateTriMesh(space, meshes.add(*mesh.triangles), nullptr, nullptr, nullptr);
+    return dCreateTriMesh(space, meshes.add(mesh.triangles), nullptr, nullptr, nullptr);
   }
 };
 
 }  // namespace
 
 MeshStore::~MeshStore() {
-  for (const auto& mesh : meshes_) dGeomTriMeshDataDestroy(mesh->data);
+  for (const auto& [mesh, data] : meshes_) dGeomTriMeshDataDestroy(data);
 }
 
-dTriMeshDataID MeshStore::add(const TriangleMesh& mesh) {
-  auto arrays = std::make_unique<Arrays>();
-  arrays->vertices.reserve(3 * mesh.vertices.size());
-  for (const Eigen::Vector3d& v : mesh.vertices) {
-    arrays->vertices.insert(arrays->vertices.end(), {v.x(), v.y(), v.z()});
-  }
-  arrays->indices.reserve(3 * mesh.triangles.size());
-  for (const auto& t : mesh.triangles) {
-    arrays->indices.insert(arrays->indices.end(), t.begin(), t.end());
-  }
-  arrays->data = dGeomTriMeshDataCreate();
-  dGeomTriMeshDataBuildDouble(arrays->data, arrays->vertices.data(), 3 * sizeof(double),
-                              static_cast<int>(mesh.vertices.size()), arrays->indices.data(),
-                              static_cast<int>(arrays->indices.size()), 3 * sizeof(dTriIndex));
-  meshes_.push_back(std::move(arrays));
-  return meshes_.back()->data;
+dTriMeshDataID MeshStore::add(const std::shared_ptr<const TriangleMesh>& mesh) {
+  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double), "ODE reads the vertices in place");
+  static_assert(sizeof(mesh->triangles[0]) == 3 * sizeof(dTriIndex), "and the indices");
+  const auto [place, is_new] = meshes_.try_emplace(mesh, nullptr);
+  if (!is_new) return place->second;
+  place->second = dGeomTriMeshDataCreate();
+  dGeomTriMeshDataBuildDouble(place->second, mesh->vertices.data(), 3 * sizeof(double),
+                              static_cast<int>(mesh->vertices.size()), mesh->triangles.data(),
+                              static_cast<int>(3 * mesh->triangles.size()), 3 * sizeof(dTriIndex));
+  return place->second;
 }
 
 dGeomID make_geom(dSpaceID space, const Shape& shape, MeshStore& meshes) {

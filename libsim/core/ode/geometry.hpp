@@ -5,7 +5,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <vector>
+#include <map>
+#include <memory>
 
 #include "libsim/core/body/shape.hpp"
 
@@ -19,19 +20,14 @@ inline void to_ode(const Eigen::Quaterniond& q, dReal (&out)[4]) {
   out[3] = q.z();
 }
 
-/// Owns what ODE's triangle meshes point into.
+/// Owns ODE's triangle meshes and what they point into. Shapes of one mesh share it.
 class MeshStore {
  public:
   ~MeshStore();
-  dTriMeshDataID add(const TriangleMesh& mesh);
+  dTriMeshDataID add(const std::shared_ptr<const TriangleMesh>& mesh);
 
  private:
-  struct Arrays {
-    std::vector<double> vertices;
-    std::vector<dTriIndex> indices;
-    dTriMeshDataID data;
-  };
-  std::vector<std::unique_ptr<Arrays>> meshes_;
+  std::map<std::shared_ptr<const TriangleMesh>, dTriMeshDataID> meshes_;
 };
 
 /// Makes the geom of a shape at its pose in `space`. A plane becomes ODE's plane and must not be

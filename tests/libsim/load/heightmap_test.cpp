@@ -100,6 +100,47 @@ TEST(Heightmap, RefusesWhatIsNoImageAndWhatIsTooLarge) {
   EXPECT_THAT(refusal(whole), HasSubstr("whole.png: is no PNG image"));
 }
 
+/// A world of heightmaps with these heights, all of one image.
+std::string world_of(const std::vector<double>& heights) {
+  std::string text = "<sdf version='1.9'><world name='w'>";
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    text += "<model name='m" + std::to_string(i) +
+            "'><static>true</static><link name='l'><collision name='c'><geometry><heightmap><uri>"
+            "h.png</uri><size>32 32 " +
+            std::to_string(heights[i]) +
+            "</size></heightmap></geometry></collision></link></model>";
+  }
+  return text + "</world></sdf>";
+}
+
+TEST(Heightmap, OfManyModelsIsLoadedOnce) {
+  const cas::test::TemporaryFolder folder;
+  write_png(folder.path() / "h.png", 3, 9, slope);
+  const WorldModel model = load_sdf_world(folder.write("w.sdf", world_of({4, 4, 5})), {});
+  ASSERT_EQ(model.statics.size(), 3u);
+  const auto triangles = [&](std::size_t i) {
+    return std::get<Mesh>(model.statics[i].geometry).triangles;
+  };
+  EXPECT_EQ(triangles(0), triangles(1));
+  EXPECT_NE(triangles(0), triangles(2)) << "of another height";
+}
+
+TEST(Heightmap, RefusesAWorldOfMoreTrianglesThanAreSimulated) {
+  const cas::test::TemporaryFolder folder;
+  write_png(folder.path() / "h.png", 1025, 1025, [](unsigned, unsigned) { return 0.0; });
+  const auto refusal = [&](const std::vector<double>& heights) -> std::string {
+    try {
+      load_sdf_world(folder.write("w.sdf", world_of(heights)), {});
+      return "";
+    } catch (const base::ConfigError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal({1, 2, 2, 2}), "") << "two that differ";
+  EXPECT_THAT(refusal({1, 2, 3}),
+              HasSubstr("the world has 6291456 triangles, and at most 5000000 are simulated"));
+}
+
 TEST(Heightmap, OfAWorldFileCarriesAVehicle) {
   const cas::test::TemporaryFolder folder;
   // Flat at half the height but for a hill in the north.
