@@ -99,7 +99,7 @@ void add_fuel_cache(const std::string& url, std::vector<fs::path>& places) {
     newest = std::max(newest, std::atoi(entry.path().filename().c_str()));
   }
   const std::string rest = fuel_name(url).substr(parts[kFuelName].size());
-  places.push_back(folder / (newest > 0 ? std::to_string(newest) + rest : rest));
+  places.emplace_back((newest > 0 ? folder / std::to_string(newest) : folder).string() + rest);
 }
 
 }  // namespace

@@ -38,6 +38,21 @@ struct Builder {
   }
 };
 
+/// What a program has filled in may still have the template's lines in comments.
+std::string without_comments(std::string_view text) {
+  constexpr std::string_view kBegin = "<!--";
+  constexpr std::string_view kEnd = "-->";
+  std::string rest;
+  for (;;) {
+    const std::size_t begin = text.find(kBegin);
+    rest += text.substr(0, begin);
+    if (begin == text.npos) return rest;
+    const std::size_t end = text.find(kEnd, begin + kBegin.size());
+    if (end == text.npos) return rest;
+    text.remove_prefix(end + kEnd.size());
+  }
+}
+
 }  // namespace
 
 std::string_view XmlElement::attribute(std::string_view key) const {
@@ -51,8 +66,9 @@ const XmlElement* XmlElement::child(std::string_view child_name) const {
   return found == children.end() ? nullptr : &*found;
 }
 
-std::optional<std::string> template_language(std::string_view text) {
-  const auto has = [text](std::string_view mark) { return text.find(mark) != text.npos; };
+std::optional<std::string> template_language(std::string_view with_comments) {
+  const std::string text = without_comments(with_comments);
+  const auto has = [&text](std::string_view mark) { return text.find(mark) != text.npos; };
   if (has("<xacro:")) {
     return "it is a xacro file, a template; expand it first: xacro FILE.xacro > FILE";
   }

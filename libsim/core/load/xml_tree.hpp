@@ -24,7 +24,7 @@ struct XmlElement {
 };
 
 /// A sentence for a text that a program has to fill in before it is a model: xacro, or ERB and
-/// other templates; nothing for any other.
+/// other templates; nothing for any other. Comments do not count.
 std::optional<std::string> template_language(std::string_view text);
 
 /// Reads a whole XML text. @throws base::ConfigError "FILE:LINE: what is wrong"

@@ -86,6 +86,12 @@ TEST_F(ModelLoader, TurnsInertiasIntoTheRootsAxes) {
   EXPECT_LT((model.mass.inertia_B().diagonal() - Eigen::Vector3d(0.1, 0.001, 0.1)).norm(), 1e-8);
 }
 
+TEST_F(ModelLoader, TakesWhatXacroMadeWithItsCommentsInIt) {
+  const VehicleModel model = load("<!-- <xacro:include filename='rotor.xacro'/> {% old %} -->" +
+                                  link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision));
+  EXPECT_NEAR(model.mass.mass_kg(), 1, 1e-12);
+}
+
 TEST_F(ModelLoader, ContinuousJointsAreRotors) {
   const VehicleModel model = load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision) +
                                   link("prop", inertial(0.01, "0 0 0", "0 0 0", kBall)) +
