@@ -240,9 +240,10 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
   return node;
 }
 
-/// Entry of a plugin of the scenario; a file that it names is given by its full path.
+/// Entry of a plugin of the scenario; the file that `wind` names is given by its full path.
 YAML::Node further_plugin(const base::ConfigNode& entry) {
   YAML::Node node = copy(entry);
+  if (entry.at("plugin").as<std::string>() != "wind") return node;
   if (const auto grid = entry.find("grid")) node["grid"] = full_path(base::find_config(*grid));
   return node;
 }

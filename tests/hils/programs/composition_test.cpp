@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "casd/topology/topology.hpp"
 #include "tests/support/paths.hpp"
@@ -73,7 +74,8 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
       "schema: 1\nvehicle: " + cas::test::source_dir() +
           "/config/vehicles/iris_paper.yaml\nworld: w.sdf\nmodel_path: [models]\nmissing: "
           "ignore\npose: {x_m: 1, y_m: 2, z_m: 3}\nrates: {sensor_hz: 500, gps_hz: 5, "
-          "controls_hz: 400}\nplugins: [{plugin: wind, grid: grid.csv}]\nsteps:\n  - arm\n  - "
+          "controls_hz: 400}\nplugins: [{plugin: wind, grid: grid.csv}, {plugin: of_mine, grid: "
+          "10}]\nsteps:\n  - arm\n  - "
           "takeoff: {altitude_m: 2}\n  - hold: {duration_s: 1, measure: true}\n  - land\n");
   RunRequest request;
   request.scenario = Scenario::load(file);
@@ -90,12 +92,14 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
   EXPECT_FALSE(config.has("home")) << "the world's";
   const base::ConfigNode vehicle = config.at("vehicles").items().at(0);
   EXPECT_EQ(vehicle.at("pose").require<double>("z_m"), 3);
-  bool found = false;
+  std::map<std::string, std::string> grids;
   for (const base::ConfigNode& plugin : vehicle.at("plugins").items()) {
-    if (plugin.require<std::string>("plugin") != "wind") continue;
-    found = plugin.require<std::string>("grid") == full("grid.csv");
+    if (const auto grid = plugin.find("grid")) {
+      grids[plugin.require<std::string>("plugin")] = grid->as<std::string>();
+    }
   }
-  EXPECT_TRUE(found);
+  EXPECT_EQ(grids,
+            (std::map<std::string, std::string>{{"wind", full("grid.csv")}, {"of_mine", "10"}}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Composition, testing::Values(Architecture::kTcas, Architecture::kTs));
