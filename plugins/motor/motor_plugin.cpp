@@ -16,6 +16,9 @@
 namespace cas::sim {
 namespace {
 
+/// Slower, a rotor that was switched off stands: its speed fades and is never quite 0.
+constexpr double kTurning_rad_s = 1.0;
+
 /// The vehicle's forces of propulsion and air: drives the rotors from topic `motor_command`;
 /// publishes their speeds on `rotor_speeds`. Topic `propulsion_health` takes away what is broken.
 class MotorPlugin final : public Plugin {
@@ -91,7 +94,7 @@ class MotorPlugin final : public Plugin {
   /// A turning rotor whose disc touches the world or another vehicle stops, and stays so.
   void look_for_strikes(const StepInfo& step, const World& world, const Eigen::Vector4d& omega) {
     for (std::size_t i = 0; i < discs_.size(); ++i) {
-      if (rotors_->is_stopped(i) || omega[static_cast<Eigen::Index>(i)] <= 0) continue;
+      if (rotors_->is_stopped(i) || omega[static_cast<Eigen::Index>(i)] < kTurning_rad_s) continue;
       if (!world.disc_touches(vehicle_, discs_[i].position_B_m, disc_radius_m_)) continue;
       rotors_->stop(i);
       strikes_.push_back({i, step.time});

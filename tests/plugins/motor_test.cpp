@@ -351,6 +351,10 @@ TEST(MotorPlugin, ARotorThatTouchesSomethingStopsForGood) {
   std::fill(states.begin(), states.end(), 800.0);
 
   harness.world.touched_disc_B = harness.context.vehicle().rotors[2].position_B_m;
+  states[2] = 0.5;  // as good as standing
+  harness.step();
+  EXPECT_EQ(motor.stats_json(), "") << "what stands hits nothing";
+  states[2] = 800;
   harness.step();
   harness.world.touched_disc_B.reset();
   std::array<double, 4> omega_dot{};
@@ -363,7 +367,7 @@ TEST(MotorPlugin, ARotorThatTouchesSomethingStopsForGood) {
   command.publish(outputs);
   rotors.evaluate({}, {}, states, omega_dot, wrench);
   EXPECT_EQ(omega_dot[2], 0.0) << "asked to turn again, it does not";
-  EXPECT_NE(motor.stats_json().find("\"rotor_strikes\":[{\"rotor\":3,\"time_s\":0.001"),
+  EXPECT_NE(motor.stats_json().find("\"rotor_strikes\":[{\"rotor\":3,\"time_s\":0.002"),
             std::string::npos)
       << motor.stats_json();
   harness.reset();
