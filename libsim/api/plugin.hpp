@@ -123,8 +123,9 @@ struct PluginDescriptor {
   void (*destroy)(Plugin*);  ///< ends what create() made
 };
 
-/// Compiler, C++ ABI, Eigen alignment, sanitizer and CAS version that must agree between host and
-/// plugin.
+/// Compiler, C++ ABI, Eigen alignment and sanitizer, which must agree between host and plugin, and
+/// the version of what plugins see: a host takes plugins of its own version and of those before it
+/// that it lists (plugin_loader.cpp).
 #define CAS_STRINGIZE_(x) #x
 #define CAS_STRINGIZE(x) CAS_STRINGIZE_(x)
 #if defined(__clang__)
@@ -146,10 +147,13 @@ struct PluginDescriptor {
 #ifndef CAS_ABI_SANITIZER
 #define CAS_ABI_SANITIZER "none"
 #endif
-#define CAS_ABI_VERSION "0.1"
-#define CAS_ABI_TAG                                                                            \
+/// Raised when PluginContext, World or Plugin gain functions: an older host lacks them and must
+/// refuse a plugin that may call them.
+#define CAS_ABI_VERSION "0.2"
+#define CAS_ABI_BUILD                                                                          \
   CAS_ABI_COMPILER ";cxx11abi=" CAS_STRINGIZE(_GLIBCXX_USE_CXX11_ABI) ";eigen=" CAS_STRINGIZE( \
-      EIGEN_MAX_ALIGN_BYTES) ";sanitizer=" CAS_ABI_SANITIZER ";cas=" CAS_ABI_VERSION
+      EIGEN_MAX_ALIGN_BYTES) ";sanitizer=" CAS_ABI_SANITIZER
+#define CAS_ABI_TAG CAS_ABI_BUILD ";cas=" CAS_ABI_VERSION
 
 }  // namespace cas::sim
 

@@ -23,6 +23,12 @@ TEST(PluginLoader, MakesPluginsThatOutliveTheLoader) {
   EXPECT_EQ(plugin->stats_json(), R"({"pre":0,"post":0,"endpoint":"fake 1"})");
 }
 
+TEST(PluginLoader, TakesAPluginOfTheVersionBefore) {
+  PluginLoader loader({test::kFakePluginDir});
+  EXPECT_NE(loader.create("fake_older"), nullptr);
+  EXPECT_TRUE(loader.sends("fake_older").empty());
+}
+
 TEST(PluginLoader, ReadsWhatAPluginDeclaresToSend) {
   PluginLoader loader({test::kFakePluginDir});
   EXPECT_EQ(loader.sends("fake_sender"),
