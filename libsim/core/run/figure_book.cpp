@@ -54,8 +54,9 @@ std::string quoted(std::string_view text) {
   return result + '"';
 }
 
-/// The shortest text that is read as the same number.
+/// The shortest text that is read as the same number; JSON has none for what is not finite.
 std::string number(double value) {
+  if (!std::isfinite(value)) return "null";
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
   return {text.data(), end};

@@ -61,6 +61,15 @@ TEST(FigureRecord, LeavesOutWhatIsNotFinite) {
           R"("samples":1,"not_finite":2,"last":-3,"min":-3,"max":-3,"mean":-3,"points":[[0.02,-3]])"));
 }
 
+TEST(FigureRecord, HasNoMeanWhereTheSumIsBeyondANumber) {
+  FigureRecord record(spec("voltage"));
+  const double largest = std::numeric_limits<double>::max();
+  record.add(at(milliseconds(0), largest));
+  record.add(at(milliseconds(20), largest));
+  EXPECT_THAT(record.json(), HasSubstr(R"("mean":null)"));
+  EXPECT_THAT(record.json(), testing::Not(HasSubstr("inf")));
+}
+
 TEST(FigureRecord, KeepsTheLastValueOfAScalar) {
   FigureRecord record(spec("least \"voltage\"", "\\V", FigureKind::kScalar));
   record.add(at(milliseconds(0), 2));
