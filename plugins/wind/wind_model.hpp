@@ -24,7 +24,7 @@ struct WindProfile {
   WindLaw law = WindLaw::kUniform;
   double reference_m = 6.096;    ///< height at which the mean wind holds: 20 ft
   double roughness_m = 0.04572;  ///< z0: 0.15 ft
-  double exponent = 0.143;       ///< 1/7, of open land
+  double exponent = 0.143;       ///< 1/7, of open land [Peterson-Hennessey]
 
   /// Wind at a height over its value at the reference.
   double share_at(double height_m) const;
