@@ -14,6 +14,7 @@
 #include "casd/casctl/completion_words.hpp"
 #include "casd/casctl/doctor/doctor.hpp"
 #include "casd/casctl/monitor/monitor_screen.hpp"
+#include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
@@ -55,7 +56,7 @@ void add_options(CommandLine& line) {
 void print_error(const Options& options, int code, const std::string& message,
                  const std::string& data) {
   if (!options.json) {
-    std::cerr << "casctl: " << message << '\n';
+    std::cerr << "casctl: " << printable_lines(message) << '\n';
     return;
   }
   json error{{"code", code}, {"message", message}};

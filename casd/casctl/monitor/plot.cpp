@@ -77,10 +77,13 @@ Block framed(const std::vector<std::string>& drawing, const std::string& high,
 
 Block plot(const std::deque<Sample>& samples, double now_s, std::size_t width, std::size_t rows,
            bool unicode) {
+  constexpr double kLargest = 1e300;  // no axis has room for more, and its ends stay finite
   const double span_s = plot_span_s(samples, now_s);
   std::vector<Sample> shown;
   for (const Sample& sample : samples) {
-    if (sample.time_s >= now_s - span_s && std::isfinite(sample.value)) shown.push_back(sample);
+    if (sample.time_s >= now_s - span_s && std::abs(sample.value) < kLargest) {
+      shown.push_back(sample);
+    }
   }
   double low = shown.empty() ? 0 : shown.front().value;
   double high = low;

@@ -48,18 +48,6 @@ std::size_t columns(const ScreenLine& line) {
   return sum;
 }
 
-std::string printable(std::string text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (byte < 0x20 || byte == 0x7F) text[i] = '?';
-    // U+0080 to U+009F
-    if (byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0) {
-      text.replace(i, 2, "?");
-    }
-  }
-  return text;
-}
-
 std::string left(const std::string& text, std::size_t width) {
   const std::size_t taken = columns(text);
   return taken >= width ? text : text + std::string(width - taken, ' ');

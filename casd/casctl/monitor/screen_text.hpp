@@ -40,9 +40,6 @@ struct Segment {
 /// Columns that a text takes on a terminal (one per character).
 std::size_t columns(const std::string& text);
 std::size_t columns(const ScreenLine& line);
-/// With a mark in the place of each control character: texts come from the wire, and must not move
-/// the cursor.
-std::string printable(std::string text);
 /// Pads to this many columns.
 std::string left(const std::string& text, std::size_t width);
 std::string right(const std::string& text, std::size_t width);

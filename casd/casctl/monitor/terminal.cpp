@@ -7,6 +7,8 @@
 #include <clocale>
 #include <cstring>
 
+#include "casd/casctl/session/printable.hpp"
+
 namespace cas::casctl {
 namespace {
 

@@ -15,6 +15,7 @@
 #include "base/rpc/local_port.hpp"
 #include "base/rpc/token.hpp"
 #include "casd/casctl/session/daemon_list.hpp"
+#include "casd/casctl/session/printable.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -129,7 +130,8 @@ bool Session::may_wait() const {
 }
 
 void Session::wait_because(const std::string& reason, std::chrono::milliseconds period) {
-  if (!options_.json && reason != told_) std::cerr << "casctl: waiting: " << reason << '\n';
+  if (!options_.json && reason != told_)
+    std::cerr << "casctl: waiting: " << printable_lines(reason) << '\n';
   told_ = reason;
   std::this_thread::sleep_for(period);
 }
@@ -153,14 +155,17 @@ json Session::vehicle_call(const std::string& method, json params) {
 namespace {
 
 /// What a person may do about a state that does not come.
-std::string advice(const json& state) {
+std::string advice(const std::string& what, const json& state) {
   constexpr double kSilent_s = 3;  // as casd has it
   const double age_s = state.value("heartbeat_age_s", 0.0);
   if (age_s > kSilent_s) {
     return "; no HEARTBEAT has come for " + std::to_string(std::lround(age_s)) +
            " s: look at `casctl links`";
   }
-  if (!state.value("armed", true)) return "; it is disarmed: arm it with `casctl arm --wait`";
+  const bool needs_arming = what != "disarmed" && what != "landed";
+  if (needs_arming && !state.value("armed", true)) {
+    return "; it is disarmed: arm it with `casctl arm --wait`";
+  }
   return "; look at `casctl status`, or give a longer --timeout";
 }
 
@@ -173,7 +178,7 @@ json Session::wait_for(const std::string& what, const std::function<bool(const j
     if (reached(state)) return state;
     if (std::chrono::steady_clock::now() > give_up) {
       throw WaitTimeout("acknowledged, but the vehicle was not heard to be " + what + " within " +
-                        json(options_.timeout_s).dump() + " s" + advice(state));
+                        json(options_.timeout_s).dump() + " s" + advice(what, state));
     }
     std::this_thread::sleep_for(kPollPeriod);
   }
@@ -183,7 +188,7 @@ void report(const Options& options, const json& result, const std::string& sente
   if (options.json) {
     std::cout << result.dump(-1, ' ', false, json::error_handler_t::replace) << '\n';
   } else {
-    std::cout << sentence << '\n';
+    std::cout << printable_lines(sentence) << '\n';
   }
 }
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
+
+#include "casd/casctl/session/printable.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -14,6 +17,11 @@ bool numeric(const std::string& cell) {
 }
 
 }  // namespace
+
+void Table::add(std::vector<std::string> row) {
+  for (std::string& cell : row) cell = printable(std::move(cell));
+  rows_.push_back(std::move(row));
+}
 
 void Table::print(std::ostream& out) const {
   const std::size_t columns = rows_.front().size();

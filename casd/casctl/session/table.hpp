@@ -12,7 +12,8 @@ namespace cas::casctl {
 class Table {
  public:
   explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  /// Control characters in it are shown as `?`.
+  void add(std::vector<std::string> row);
   bool empty() const { return rows_.size() == 1; }
   void print(std::ostream& out) const;
 

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "base/rpc/client.hpp"
+#include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -60,8 +61,8 @@ void print_vehicles(const json& vehicles) {
   }
   for (const json& vehicle : vehicles) {
     for (const json& complaint : vehicle.value("complaints", json::array())) {
-      std::cout << "vehicle " << count(vehicle, "system") << ": " << complaint.get<std::string>()
-                << '\n';
+      std::cout << "vehicle " << count(vehicle, "system") << ": "
+                << printable(complaint.get<std::string>()) << '\n';
     }
   }
 }
@@ -71,7 +72,7 @@ void print_reload(const json& status) {
   const json reload = status.value("reload", json::object());
   if (reload.value("accepted", true)) return;
   std::cout << "the last reload, " << duration_text(reload.value("age_s", 0.0))
-            << " ago, was refused: " << reload.value("reason", "?") << '\n';
+            << " ago, was refused: " << printable_lines(reload.value("reason", "?")) << '\n';
 }
 
 /// Senders whose signatures come from the future.

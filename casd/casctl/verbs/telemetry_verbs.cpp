@@ -6,6 +6,7 @@
 #include <memory>
 #include <thread>
 
+#include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/session/word_arguments.hpp"
 #include "casd/casctl/verbs/telemetry.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
@@ -58,7 +59,8 @@ int watch(Session& session, const WatchWish& wish) {
   const std::vector<TelemetryTopic> topics = chosen_topics(wish.names);
   const auto line_of = [&](const TelemetrySample& sample) {
     if (wish.csv) return csv_line(sample, topics);
-    return session.options().json ? json_line(sample, topics) : text_lines(sample, topics);
+    return session.options().json ? json_line(sample, topics)
+                                  : printable_lines(text_lines(sample, topics));
   };
   session.vehicle_call("vehicle.telemetry");  // waits, where it should, before time counts
   if (wish.csv) std::cout << csv_header(topics) << '\n';

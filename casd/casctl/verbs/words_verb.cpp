@@ -28,10 +28,19 @@ std::set<std::string> parameter_names(Session& session) {
   return names;
 }
 
+/// Shells expand the words of a completion: a name from the wire with `$(...)` in it would run.
+bool is_plain(const std::string& name) {
+  constexpr const char* kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
+  return !name.empty() && name.find_first_not_of(kPlain) == std::string::npos;
+}
+
 int print_words(Session& session, const std::string& kind) {
   const std::set<std::string> names =
       kind == "messages" ? heard_messages(session) : parameter_names(session);
-  for (const std::string& name : names) std::cout << name << '\n';
+  for (const std::string& name : names) {
+    if (is_plain(name)) std::cout << name << '\n';
+  }
   return kDone;
 }
 

@@ -80,6 +80,19 @@ TEST_F(CasctlTest, EndsWithOneWhenTheVehicleRefuses) {
       << refused.out;
 }
 
+TEST_F(CasctlTest, PrintsTextsOfAVehicleWithoutWhatGivesATerminalOrders) {
+  fixture_.vehicle().script.result = MavResult::kDenied;
+  fixture_.vehicle().script.text = "Denied\x1b[2J\x07!";
+  const Ended refused = run("arm");
+  EXPECT_NE(refused.out.find("Denied?[2J?!"), std::string::npos) << refused.out;
+}
+
+TEST_F(CasctlTest, OffersNoWordThatAShellWouldRun) {
+  fixture_.vehicle().params = {
+      {"MC_ROLL_P", {.value = 6.5}}, {"$(reboot)", {.value = 1}}, {"`id`", {.value = 1}}};
+  EXPECT_EQ(run("words parameters").out, "MC_ROLL_P\n");
+}
+
 TEST_F(CasctlTest, SaysNothingOfARestartThatWasRefused) {
   EXPECT_EQ(run("reboot").out, "vehicle 1 accepted the restart\n");
   fixture_.vehicle().script.result = MavResult::kDenied;

@@ -11,6 +11,7 @@
 
 #include "casd/casctl/monitor/monitor_model.hpp"
 #include "casd/casctl/monitor/sections.hpp"
+#include "casd/casctl/session/printable.hpp"
 #include "tests/casd/casctl/monitor_answers.hpp"
 
 namespace cas::casctl {
@@ -239,6 +240,10 @@ TEST(MonitorDrawing, PlotsBetweenRoundEndsOfBothAxes) {
     EXPECT_NE(text.find(label), std::string::npos) << label << "\n" << text;
   }
   EXPECT_EQ(columns(plot(samples, 15, 40, 8, false)[3]), 40U);
+  const std::string huge =
+      text_of(plot({{10, -1.7e308}, {12, 0.0}, {14, 1.7e308}}, 15, 40, 8, true));
+  EXPECT_EQ(huge.find("nan"), std::string::npos) << huge;
+  EXPECT_EQ(huge.find("inf"), std::string::npos) << huge;
   const Axis flat = round_axis(16.2, 16.2);
   EXPECT_LT(flat.low, 16.2);
   EXPECT_GT(flat.high, 16.2);
@@ -276,6 +281,7 @@ TEST(ScreenText, LetsNoTextOfTheWireMoveTheCursor) {
   EXPECT_EQ(printable("a\x1b[2J\n\xc2\x9b"
                       "31m ▁"),
             "a?[2J??31m ▁");
+  EXPECT_EQ(printable_lines("two\n\tlines\n"), "two\n?lines\n");
 }
 
 TEST(ScreenText, CountsColumnsNotBytes) {
