@@ -16,6 +16,7 @@
 #include "casd/casctl/monitor/monitor_view.hpp"
 #include "casd/casctl/monitor/prompt.hpp"
 #include "casd/casctl/monitor/terminal.hpp"
+#include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
@@ -122,7 +123,12 @@ CommandAnswer run_command(const Options& options, const std::string& line, const
     Session session(options);
     const json result = call.of_vehicle ? session.vehicle_call(call.method, call.params)
                                         : session.call(call.method, call.params);
-    return {line + ": " + answer_text(call, result), true};
+    std::string answer = line + ": " + answer_text(call, result);
+    if (call.method == "vehicle.takeoff" &&
+        !session.vehicle_call("vehicle.state").value("armed", false)) {
+      answer += "; it takes off when it is armed, and was last heard disarmed";
+    }
+    return {answer, true};
   } catch (const std::exception& error) {
     return {line + ": " + error.what(), false};
   }
@@ -164,13 +170,19 @@ class MonitorScreen {
  private:
   enum class Entry { kNone, kFilter, kCommand, kGain };
 
-  /// The terminal is the user's again at once; a command under way is waited for.
+  /// The terminal is the user's again at once; what is under way is waited for, and the answer to a
+  /// command told.
   void leave() {
     terminal_.reset();
     std::signal(SIGINT, SIG_DFL);
     if (command_.valid()) {
       std::cerr << "casctl: " << history_.back()
                 << " has not been answered yet; Ctrl-C ends without waiting\n";
+      std::cerr << "casctl: " << printable(command_.get().first) << '\n';
+    }
+    if (parameters_.valid() || gains_.valid()) {
+      std::cerr << "casctl: waits until the vehicle has told its parameters; Ctrl-C ends without "
+                   "waiting\n";
     }
   }
 
@@ -224,7 +236,10 @@ class MonitorScreen {
     if (look.state.is_object() && look.telemetry.is_object()) {
       model_.update_vehicle(look.state, look.telemetry, look.time_s);
     }
-    if (look.value.is_object()) model_.update_value(look.value, look.time_s);
+    // Another message may have been opened since it was asked for.
+    if (look.value.is_object() && look.open == model_.state().open) {
+      model_.update_value(look.value, look.time_s);
+    }
   }
 
   bool hears_the_vehicle() const {

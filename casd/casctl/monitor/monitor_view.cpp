@@ -41,7 +41,7 @@ std::vector<Segment> vehicle_title(const MonitorState& state, const Presence& ve
       {hil ? "HIL" : "NOT HIL", hil ? Style::kTitle : Style::kAlarm, hil ? 4 : 0},
       {summary.value("armed", false) ? "ARMED" : "disarmed", Style::kTitle},
       {summary.value("mode", "?"), Style::kTitle},
-      {summary.value("landed", "?"), Style::kTitle, 2},
+      {landed_text(state, summary, now_s), Style::kTitle, 2},
       {told ? fixed(state.vehicle["altitude_m"].get<double>(), 2) + " m" : "", Style::kTitle, 3},
       {others == 0 ? "" : "and " + std::to_string(others) + " more (v)", Style::kTitle, 5}};
 }
@@ -85,7 +85,7 @@ Block bottom(const MonitorState& state, std::size_t width, double now_s) {
   Block block;
   if (state.prompt) {
     append(block, wrapped(state.hint, width, Style::kDim));
-    append(block, wrapped(*state.prompt, width - 1, Style::kPlain));
+    append(block, wrapped(*state.prompt, std::max<std::size_t>(width, 2) - 1, Style::kPlain));
     if (state.prompt->ends_with(' ')) block.back().add(" ");
     block.back().add(" ", Style::kSelected).add("");  // the cursor, and nothing behind it
     return block;

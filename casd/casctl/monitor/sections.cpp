@@ -199,18 +199,18 @@ class Topic {
 };
 
 /// "HIL ARMED HOLD in_air".
-std::vector<Segment> state_segments(const json& vehicle) {
+std::vector<Segment> state_segments(const json& vehicle, const std::string& landed) {
   const bool hil = vehicle.value("hil", false);
   return {{hil ? "HIL" : "NOT HIL", hil ? Style::kPlain : Style::kBad},
           {vehicle.value("armed", false) ? "ARMED" : "disarmed", Style::kPlain},
           {vehicle.value("mode", "?")},
-          {vehicle.value("landed", "?")},
+          {landed},
           {vehicle.value("state", ""), Style::kPlain, 2}};
 }
 
 std::string state_words(const json& vehicle) {
   std::string text;
-  for (const Segment& segment : state_segments(vehicle)) {
+  for (const Segment& segment : state_segments(vehicle, vehicle.value("landed", "?"))) {
     if (!segment.text.empty()) text += (text.empty() ? "" : " ") + segment.text;
   }
   return text;
@@ -430,6 +430,18 @@ std::string age_text(double age_s) {
   return fixed(age_s / 3600, 1) + " h";
 }
 
+std::string landed_text(const MonitorState& state, const json& summary, double now_s) {
+  const json& told = state.vehicle;
+  const bool is_its = told.value("system", 0) == summary.value("system", 0);
+  if (is_its && told.contains("landed_age_s")) {
+    const double age_s = told["landed_age_s"].get<double>();
+    if (age_s + overdue_s(state, state.vehicle_at_s, now_s) > kStale_s) {
+      return "landed state " + age_text(age_s + now_s - state.vehicle_at_s) + " old";
+    }
+  }
+  return summary.value("landed", "?");
+}
+
 Block link_section(const MonitorState& state, double now_s, std::size_t width) {
   const bool old = is_stale(state, now_s);
   std::vector<TextRow> rows;
@@ -619,7 +631,7 @@ Block vehicle_section(const MonitorState& state, double now_s, std::size_t width
                     {summary.value("type", ""), Style::kHeader, 3},
                     {"on " + summary.value("link", "?"), Style::kHeader, 2}},
                    width, 1)};
-  block.push_back(join(state_segments(summary), width));
+  block.push_back(join(state_segments(summary, landed_text(state, summary, now_s)), width));
   append(block, complaint_lines(summary, width, 4));
   append(block, vehicle_readings(state, now_s, width));
   block.push_back(join(supply_segments(state, now_s), width));

@@ -10,6 +10,8 @@ namespace cas::casctl {
 
 /// "0.4 s", "12 s", "3 min".
 std::string age_text(double age_s);
+/// "in_air", as the vehicle of this summary said it lately; else how old what it said is.
+std::string landed_text(const MonitorState& state, const nlohmann::json& summary, double now_s);
 
 /// A line for each link; the reason of one that is down where the table has no room for it.
 Block link_section(const MonitorState& state, double now_s, std::size_t width);

@@ -191,6 +191,17 @@ TEST_F(MonitorModelTest, ReplacesValuesOfASilentTopic) {
   EXPECT_TRUE(shows("No horizon: attitude 7.5 s old"));
 }
 
+TEST_F(MonitorModelTest, DoesNotShowWhereTheVehicleWasLongAgo) {
+  json state = state_answer();
+  state["landed_age_s"] = 1.0;
+  model_.update_vehicle(state, telemetry_answer(), 1);
+  EXPECT_TRUE(shows("in_air"));
+  state["landed_age_s"] = 12.0;
+  model_.update_vehicle(state, telemetry_answer(), 1);
+  EXPECT_FALSE(shows("in_air"));
+  EXPECT_TRUE(shows("landed state 12 s old"));
+}
+
 TEST_F(MonitorModelTest, ShowsAttitudeAndPosition) {
   model_.show(MonitorModel::Page::kVehicle);
   for (const char* text : {"12.3 deg", "-4.5 deg", "1.25 m", "-3.50 m", "47.3977421 deg",
