@@ -176,9 +176,11 @@ class OldNews : public CommandCasdTest, public testing::WithParamInterface<OldNe
 TEST_P(OldNews, IsNotTakenForTheStateThatACommandReached) {
   start_with(GetParam().command);
   std::string said;
-  EXPECT_EQ(casctl(waiting("0.5"), &said), 4) << said;
+  EXPECT_EQ(casctl(waiting("2"), &said), 4) << said;  // also for the acknowledgement
   EXPECT_NE(said.find("acknowledged, but the vehicle was not heard to be"), std::string::npos)
       << said;
+  const bool is_about_arming = GetParam().command == MavCmd::kComponentArmDisarm;
+  EXPECT_TRUE(!is_about_arming || said.find("arm it with") == std::string::npos) << said;
 }
 
 TEST_P(OldNews, IsFollowedByNewOfAVehicleThatGoesOnTalking) {
