@@ -46,7 +46,7 @@ const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
     rates_.reset();
   }
   if (setpoint.trajectory) {
-    follow_trajectory(*setpoint.trajectory, estimate, dt);
+    follow_trajectory(*setpoint.trajectory, setpoint.tilt_limit_rad, estimate, dt);
     follow_attitude(estimate, dt);
   } else if (setpoint.attitude) {
     attitude_setpoint_ = *setpoint.attitude;
@@ -62,7 +62,7 @@ const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
   return output_;
 }
 
-void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint,
+void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint, double tilt_limit_rad,
                                        const EstimatorState& estimate, double dt) {
   const Eigen::Vector2d a_xy =
       position_.update(setpoint, estimate.p_N, estimate.v_N, estimate.a_N, cut_N_, dt);
@@ -79,9 +79,10 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint,
   // The mass that the hover thrust tells, not that of the data sheet: a parameter can correct it.
   const double mass = params_.hover_thrust * u1_max_ / kGravity_m_s2;
   const double thrust_max = std::min(params_.thrust_max * u1_max_, mixer_.max_thrust_n());
+  const double tilt = std::fmin(params_.tilt_limit_rad, tilt_limit_rad);  // of a NaN: the other
   const ThrustSetpoint thrust =
       thrust_for_acceleration(acceleration, mass, kGravity_m_s2, yaw_hold_rad_,
-                              {params_.thrust_min * u1_max_, thrust_max, params_.tilt_limit_rad});
+                              {params_.thrust_min * u1_max_, thrust_max, tilt});
   attitude_setpoint_ = thrust.attitude;
   attitude_setpoint_.yaw_rate_rad_s =
       std::isfinite(setpoint.yaw_rate_rad_s) ? setpoint.yaw_rate_rad_s : 0.0;

@@ -42,8 +42,8 @@ class ControlCascade {
   double hover_thrust_n() const { return params_.hover_thrust * u1_max_; }
 
  private:
-  void follow_trajectory(const TrajectorySetpoint& setpoint, const EstimatorState& estimate,
-                         double dt);
+  void follow_trajectory(const TrajectorySetpoint& setpoint, double tilt_limit_rad,
+                         const EstimatorState& estimate, double dt);
   void follow_attitude(const EstimatorState& estimate, double dt);
 
   ControlParams params_;

@@ -35,9 +35,10 @@ struct AttitudeSetpoint {
 struct ControlSetpoint {
   std::optional<TrajectorySetpoint> trajectory;
   std::optional<AttitudeSetpoint> attitude;
-  bool near_ground = false;  ///< about to leave or to touch it: nothing may wind up, nor lift
-  bool idle = false;         ///< rotors at idle speed: armed on the ground
-  bool stopped = false;      ///< no output at all
+  double tilt_limit_rad = kUnset;  ///< of a trajectory: the less of this and the vehicle's own
+  bool near_ground = false;        ///< about to leave or to touch it: nothing may wind up, nor lift
+  bool idle = false;               ///< rotors at idle speed: armed on the ground
+  bool stopped = false;            ///< no output at all
 };
 
 }  // namespace cas::fcu

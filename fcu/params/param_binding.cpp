@@ -88,6 +88,7 @@ FlightParams flight_params(const ParamStore& store) {
   p.takeoff_speed_m_s = store.get("MPC_TKO_SPEED");
   p.spool_up_s = store.get("COM_SPOOLUP_TIME");
   p.land_speed_m_s = store.get("MPC_LAND_SPEED");
+  p.land_tilt_rad = kRadPerDeg * store.get("MPC_TILTMAX_LND");
   p.land_slow_altitude_m = store.get("MPC_LAND_ALT2");
   p.climb_speed_m_s = store.get("MPC_Z_V_AUTO_UP");
   p.descent_speed_m_s = store.get("MPC_Z_V_AUTO_DN");

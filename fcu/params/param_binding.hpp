@@ -15,6 +15,7 @@ struct FlightParams {
   double spool_up_s = 1;
   double land_speed_m_s = 0.6;
   double land_slow_altitude_m = 3;
+  double land_tilt_rad = 0.21;
   double climb_speed_m_s = 2;
   double descent_speed_m_s = 1.2;
   double cruise_speed_m_s = 5;

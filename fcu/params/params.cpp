@@ -93,6 +93,7 @@ void add_position(std::vector<Param>& list, const base::Vehicle& vehicle) {
   list.push_back(real("MPC_LAND_SPEED", 0.6, 0.1, 3));
   list.push_back(real("MPC_LAND_ALT2", 3, 0, 30));
   list.push_back(real("MPC_TILTMAX_AIR", 45, 10, 80));
+  list.push_back(real("MPC_TILTMAX_LND", 12, 10, 80));
   list.push_back(real("MPC_MAN_TILT_MAX", 35, 1, 70));
   list.push_back(real("MPC_MAN_Y_MAX", 120, 0, 400));
   list.push_back(real("MPC_HOLD_DZ", 0.1, 0, 1));

@@ -54,9 +54,6 @@ TEST_P(SensorSet, FliesHoverFromOneLineOfYaml) {
   Scenario scenario = short_hover("sensors: " + name);
   scenario.limits = {};
   scenario.limits.lost = 0;
-  // Cheap heights are wrong by metres: the controller still flies when the vehicle stands, and tips
-  // it.
-  if (name == "low_cost") scenario.limits.allow.insert(IncidentKind::kStrike);
   const Flight flight(scenario, 1, name);
   EXPECT_TRUE(flight.verdict().passed) << flight.text();
   EXPECT_LT(horizontal_rms_m(flight), 2) << flight.text();  // the GPS of low_cost wanders as far
