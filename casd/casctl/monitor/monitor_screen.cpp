@@ -38,6 +38,11 @@ bool is_ready(const std::future<T>& future) {
   return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
+template <class T>
+bool is_pending(const std::future<T>& future) {
+  return future.valid() && !is_ready(future);
+}
+
 /// What one look asks casd for, and what it answered.
 struct Look {
   std::optional<int> vehicle;      ///< system id; nothing: the first one
@@ -180,7 +185,7 @@ class MonitorScreen {
                 << " has not been answered yet; Ctrl-C ends without waiting\n";
       std::cerr << "casctl: " << printable(command_.get().first) << '\n';
     }
-    if (parameters_.valid() || gains_.valid()) {
+    if (is_pending(parameters_) || is_pending(gains_)) {
       std::cerr << "casctl: waits until the vehicle has told its parameters; Ctrl-C ends without "
                    "waiting\n";
     }
