@@ -79,7 +79,7 @@ class Watch {
     }
     if (const auto rotor = struck_rotor(before, now)) {
       note(IncidentKind::kStrike, now,
-           fmt::format("rotor {} hit something and stopped {}", *rotor + 1, in_step()));
+           fmt::format("hit something with rotor {}, which stopped {}", *rotor + 1, in_step()));
     }
     const double away_m = norm({now.pose.x_m - start_.pose.x_m, now.pose.y_m - start_.pose.y_m,
                                 now.pose.z_m - start_.pose.z_m});

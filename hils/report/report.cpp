@@ -24,8 +24,9 @@ std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
                                  title_of(figures.architecture), figures.seed);
   for (const std::string& sentence : verdict.failures) text += "  - " + sentence + "\n";
   text += figures.virtual_clock
-              ? fmt::format("  {:.1f} s simulated in {:.2f} s: {:.0f} x real time\n",
-                            figures.simulated_s, figures.wall_s, figures.pace.real_time_factor)
+              ? fmt::format("  {:.1f} s simulated in {:.2f} s: {:.{}f} x real time\n",
+                            figures.simulated_s, figures.wall_s, figures.pace.real_time_factor,
+                            figures.pace.real_time_factor < 10 ? 2 : 0)
               : fmt::format(
                     "  real-time factor {:.4f}, longest stall {:.1f} ms, 99 % less than {:.1f} ms "
                     "late\n",

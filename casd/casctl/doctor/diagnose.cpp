@@ -82,6 +82,10 @@ std::string remedy_for_down(const json& link) {
     return "start the emulator (again): casd writes to no terminal that it cannot tell from "
            "somebody's; docs/troubleshooting.md has more";
   }
+  if (link.value("endpoint", "").find(": No such file") != std::string::npos) {
+    return "start the emulator (fcu_emulator), or plug the board in, and compare `device` in the "
+           "topology with the emulator's link or /dev/serial/by-id";
+  }
   return "plug the board in, and compare `device` in the topology with /dev/serial/by-id";
 }
 
@@ -254,14 +258,19 @@ void check_readiness(const DoctorFacts& facts, Findings& all) {
               : "casctl reboot, once it is disarmed; a simulated vehicle that fell: reset the "
                 "simulator, too");
     }
+    const std::string checks = vehicle.value("arming_checks", "unknown");
     for (const json& complaint : vehicle.value("complaints", json::array())) {
-      bad(all, who + ": " + complaint.get<std::string>(), "it does not arm like this");
+      const std::string what = who + ": " + complaint.get<std::string>();
+      if (checks == "pass") {  // a text of a while ago, perhaps
+        warn(all, what, "its arming checks pass now: casctl arm tells whether this still holds");
+      } else {
+        bad(all, what, "it does not arm like this");
+      }
     }
     if (vehicle.value("armed", false)) {
       good(all, who + " is armed");
       continue;
     }
-    const std::string checks = vehicle.value("arming_checks", "unknown");
     if (checks == "fail") {
       bad(all, who + " says that its arming checks fail",
           "casctl arm tells what it lacks; a ground station's messages do, too");

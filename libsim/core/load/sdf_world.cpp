@@ -410,7 +410,7 @@ std::string sentence_of(const std::vector<MissingFile>& missing, const fs::path&
     text += (first ? "" : ", ") + each.what + (first ? "" : " (" + each.place + ")");
   }
   text += missing.size() == 1 ? " is nowhere to be found" : " are nowhere to be found";
-  text += "; looked for it at ";
+  text += missing.size() == 1 ? "; looked for it at " : "; looked for the first of them at ";
   bool first = true;
   for (const fs::path& place :
        places_of_model_file(missing.front().uri, file.parent_path(), model_path)) {
@@ -428,6 +428,10 @@ void require_all(const std::vector<MissingFile>& missing, const fs::path& file,
   if (rule == Missing::kError) throw base::ConfigError(sentence_of(missing, file, model_path));
   for (const MissingFile& each : missing) {
     model.warnings.push_back(each.place + ": " + each.what + " is nowhere to be found; left out");
+  }
+  if (model.statics.empty()) {
+    throw base::ConfigError(file.string() + ": without " + missing.front().what +
+                            " nothing is left that could carry a vehicle");
   }
 }
 

@@ -217,8 +217,25 @@ TEST(Doctor, TellsAStrangersTerminalFromABoardThatIsUnplugged) {
   EXPECT_NE(remedy("/x/fcu0: pseudo-terminal /dev/pts/5 is offered by no running program")
                 .find("start the emulator"),
             std::string::npos);
-  EXPECT_NE(remedy("/dev/pixhawk: No such file or directory").find("plug the board in"),
-            std::string::npos);
+  const std::string unplugged = remedy("/dev/pixhawk: No such file or directory");
+  EXPECT_NE(unplugged.find("plug the board in"), std::string::npos);
+  EXPECT_NE(unplugged.find("start the emulator"), std::string::npos);
+}
+
+// A refusal of a while ago stands in its texts for some time after its checks have passed.
+TEST(Doctor, BelievesArmingChecksMoreThanAnEarlierRefusal) {
+  const auto health = [](const char* checks) {
+    DoctorFacts facts = good_setup();
+    facts.after["vehicles"][0]["complaints"] = json::array({"Arming denied: no position"});
+    facts.after["vehicles"][0]["arming_checks"] = checks;
+    for (const Finding& finding : diagnose(facts)) {
+      if (finding.what.find("Arming denied") != std::string::npos) return finding.health;
+    }
+    return Health::kGood;
+  };
+  EXPECT_EQ(health("pass"), Health::kWarning);
+  EXPECT_EQ(health("fail"), Health::kBad);
+  EXPECT_EQ(health("unknown"), Health::kBad);
 }
 
 }  // namespace

@@ -198,7 +198,7 @@ TEST(Incident, ARotorThatStopsAtOnceHasHitSomething) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].kind, IncidentKind::kStrike);
   EXPECT_NEAR(found[0].time_s, 7.0, 0.02);
-  EXPECT_EQ(found[0].what.rfind("rotor 1 hit something and stopped in step 'hold'", 0), 0U)
+  EXPECT_EQ(found[0].what.rfind("hit something with rotor 1, which stopped in step 'hold'", 0), 0U)
       << found[0].what;
 }
 

@@ -140,18 +140,24 @@ std::string obstacle(const std::string& surface) {
 
 TEST(SdfWorld, RefusesToGoWithoutAModelAndSaysWhereItLooked) {
   const cas::test::TemporaryFolder folder;
-  const auto file = folder.write(
-      "w.sdf", world_of("<include><uri>model://oak</uri></include>\n<include><uri>https://"
-                        "fuel.gazebosim.org/1.0/OpenRobotics/models/Elm</uri></include>"));
+  const std::string trees =
+      "<include><uri>model://oak</uri></include>\n<include><uri>https://"
+      "fuel.gazebosim.org/1.0/OpenRobotics/models/Elm</uri></include>";
+  const auto file = folder.write("w.sdf", world_of(trees + obstacle("")));
   const std::string refusal = test::refusal([&] { load_sdf_world(file, {"/my/models"}); });
   EXPECT_THAT(refusal, HasSubstr("w.sdf:3: model model://oak, model https://"));
-  EXPECT_THAT(refusal, HasSubstr("w.sdf:4) are nowhere to be found; looked for it at " +
-                                 (folder / "oak").string() + ", /my/models/oak"));
+  EXPECT_THAT(refusal,
+              HasSubstr("w.sdf:4) are nowhere to be found; looked for the first of them at " +
+                        (folder / "oak").string() + ", /my/models/oak"));
   EXPECT_THAT(refusal, HasSubstr("--ignore-missing"));
   const WorldModel without = load_sdf_world(file, {}, Missing::kIgnore);
   EXPECT_EQ(without.warnings.size(), 2u);
   EXPECT_THAT(without.warnings,
               Contains(HasSubstr("model://oak is nowhere to be found; left out")));
+
+  const auto nothing_else = folder.write("trees.sdf", world_of(trees));
+  EXPECT_THAT(test::refusal([&] { load_sdf_world(nothing_else, {}, Missing::kIgnore); }),
+              HasSubstr("nothing is left that could carry a vehicle"));
 }
 
 TEST(SdfWorld, AThirdSlashBehindModelIsNoRoot) {
