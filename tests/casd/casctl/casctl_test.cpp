@@ -93,8 +93,11 @@ TEST_F(CasctlTest, OffersNoWordThatAShellWouldRun) {
   EXPECT_EQ(run("words parameters").out, "MC_ROLL_P\n");
 }
 
-TEST_F(CasctlTest, SaysNothingOfARestartThatWasRefused) {
+TEST_F(CasctlTest, SaysThatARestartWasAccepted) {
   EXPECT_EQ(run("reboot").out, "vehicle 1 accepted the restart\n");
+}
+
+TEST_F(CasctlTest, SaysNothingOfARestartThatWasRefused) {
   fixture_.vehicle().script.result = MavResult::kDenied;
   const Ended refused = run("reboot");
   EXPECT_EQ(refused.code, 1);
