@@ -46,8 +46,10 @@ links:
   }
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) >= kPackets; }));
   EXPECT_EQ(fixture.at_fcu.count(kHilSensor), kPackets);
-  EXPECT_EQ(counted(fixture, "b", "drop.duplicate", kHilSensor), kPackets);
-  EXPECT_EQ(counted(fixture, "a", "drop.duplicate", kHilSensor), 0U);
+  // Path a is counted just before it is routed: a packet of b may overtake there.
+  EXPECT_EQ(counted(fixture, "a", "drop.duplicate", kHilSensor) +
+                counted(fixture, "b", "drop.duplicate", kHilSensor),
+            kPackets);
 }
 
 TEST(CasdRates, ThinOutAMessageAndCountWhatWasLeftOut) {
