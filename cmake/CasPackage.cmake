@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Debian packages by CPack: cas-common (libraries, shipped configuration), casd (with casctl), cas-sim (hilsim with its
-# plugins, hils, fcu_emulator) and cas-dev. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
+# plugins, hils, fcu_emulator), cas-dev and python3-cas. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
 set(debian ${PROJECT_SOURCE_DIR}/packaging/debian)
 set(exactly "(= ${PROJECT_VERSION})")
 
@@ -17,10 +17,19 @@ install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd-realtime.conf
         ${PROJECT_SOURCE_DIR}/config/udev/62-cas-cpu-latency.rules
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/../casd/examples COMPONENT casd)
 
+# The Python package, with the dialects that its codec reads.
+set(python_dir lib/python3/dist-packages/cas)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/cas/ DESTINATION ${python_dir} COMPONENT python
+        FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE PATTERN "dialects" EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/mavlink_gen/dialects DESTINATION ${python_dir} COMPONENT python
+        FILES_MATCHING PATTERN "*.xml")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/examples DESTINATION /usr/share/doc/python3-cas COMPONENT python
+        FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
+
 # What each package has in /usr/share/doc.
 set(changelog ${PROJECT_BINARY_DIR}/changelog.gz)
 execute_process(COMMAND gzip -9nc ${debian}/changelog OUTPUT_FILE ${changelog} COMMAND_ERROR_IS_FATAL ANY)
-foreach(pair common:cas-common casd:casd sim:cas-sim dev:cas-dev)
+foreach(pair common:cas-common casd:casd sim:cas-sim dev:cas-dev python:python3-cas)
   string(REPLACE ":" ";" pair ${pair})
   list(GET pair 0 component)
   list(GET pair 1 package)
@@ -37,7 +46,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL common casd sim dev)
+set(CPACK_COMPONENTS_ALL common casd sim dev python)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGE_NAME cas)
@@ -78,4 +87,16 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "headers and CMake package of CAS
 What it takes to build a plugin for the simulator outside of its tree, and
 the generator of MAVLink codecs.")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_GENERATE_SHLIBS OFF)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11)")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "casd ${exactly}, cas-sim ${exactly}")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-numpy, python3-matplotlib")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${debian}/python/postinst;${debian}/python/prerm")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "HIL simulation for UAVs from Python
+Package cas: commands casd, steps the simulator, starts whole benches and
+scenarios, reads their results and logs, and speaks MAVLink.")
 include(CPack)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tables, logs and folders of runs, from files that are made here."""
+
+import json
+import struct
+import unittest
+
+from helpers import FolderTest
+
+import cas
+from cas import mavlink
+
+
+class TableTest(FolderTest):
+    def test_a_csv_file_becomes_columns(self):
+        (self.folder / "t.csv").write_text("time_s,x_m,name\n0,1,a\n1,3,b\n2,5")  # cut off in the last line
+        table = cas.read("t.csv")
+        self.assertEqual((table.rows, list(table)), (2, ["time_s", "x_m", "name"]))
+        self.assertEqual(list(table["x_m"]), [1, 3])
+        self.assertEqual(table["name"], ["a", "b"])
+        self.assertEqual(table.row(1), {"time_s": 1, "x_m": 3, "name": "b"})
+        with self.assertRaisesRegex(KeyError, "no column y_m; there are time_s, x_m, name"):
+            table["y_m"]
+
+    def test_values_between_rows_are_linear(self):
+        table = cas.Table({"time_s": [0, 1, 2], "x_m": [0, 10, 0]})
+        self.assertEqual([table.at("x_m", t) for t in (-1, 0.25, 1, 1.5, 9)], [0, 2.5, 10, 5, 0])
+        self.assertEqual(list(table.between(0.5, 2)["x_m"]), [10, 0])
+
+    def test_quantiles_and_rms(self):
+        self.assertEqual(cas.rms([3, -4, 0, 0]), 2.5)
+        values = list(range(1, 101))
+        self.assertEqual([cas.quantile(values, share) for share in (0, 0.5, 0.99, 1)], [1, 50, 99, 100])
+        self.assertEqual(cas.text_table(("a", "bb"), [(1, 2.0)]), "a  bb\n1   2")
+
+    def test_columns_of_two_lengths_are_refused(self):
+        with self.assertRaises(ValueError):
+            cas.Table({"a": [1], "b": []})
+
+
+class TlogTest(FolderTest):
+    def record(self, *packets):
+        (self.folder / "f.tlog").write_bytes(b"".join(t.to_bytes(8, "big") + packet for t, packet in packets))
+        return cas.read("f.tlog")
+
+    def test_messages_become_tables_by_sender(self):
+        encode = mavlink.common().encode
+        log = self.record((1_000_000, encode("ATTITUDE", system=1, component=1, roll=0.5)),
+                          (1_500_000, encode("ATTITUDE", system=2, component=1, roll=-0.5)),
+                          (2_000_000, encode("HIL_ACTUATOR_CONTROLS", system=1, component=1, controls=[1, 2])))
+        self.assertEqual(log.counts(), {"ATTITUDE": 2, "HIL_ACTUATOR_CONTROLS": 1})
+        table = log.table("ATTITUDE", system=2)
+        self.assertEqual((list(table["time_s"]), list(table["roll"])), ([0.5], [-0.5]))
+        self.assertEqual(list(log.table("HIL_ACTUATOR_CONTROLS")["controls[1]"]), [2])
+
+    def test_delays_are_from_a_sensor_to_its_echo(self):
+        encode = mavlink.common().encode
+        log = self.record((1_000_000, encode("HIL_SENSOR", system=1, component=200, time_usec=4000)),
+                          (1_001_500, encode("HIL_CONTROLS", system=1, component=1, time_usec=4000)),
+                          (1_002_000, encode("HIL_CONTROLS", system=1, component=1, time_usec=77)))
+        self.assertEqual(list(cas.echo_delays(log)["delay_us"]), [1500])
+
+    def test_a_log_that_was_cut_off_is_read_to_there(self):
+        packet = mavlink.common().encode("ATTITUDE", system=1, component=1)
+        log = self.record((1, packet), (2, packet[:-3]))
+        self.assertEqual(log.counts(), {"ATTITUDE": 1})
+
+    def test_something_else_is_refused(self):
+        (self.folder / "f.tlog").write_bytes(b"this is no log at all")
+        with self.assertRaisesRegex(cas.FormatError, "no .tlog file"):
+            cas.read("f.tlog")
+
+
+class UlogTest(FolderTest):
+    def message(self, kind, body):
+        return struct.pack("<HB", len(body), ord(kind)) + body
+
+    def test_topics_parameters_and_texts_are_read(self):
+        key = b"float MC_ROLL_P"
+        data = b"ULog\x01\x12\x35\x01" + bytes(8)
+        data += self.message("F", b"pair:uint8_t one;uint8_t two;")
+        data += self.message("F", b"attitude:uint64_t timestamp;float[2] q;pair p;uint8_t[3] _padding0;")
+        data += self.message("I", bytes([12]) + b"char[3] name" + b"cas")
+        data += self.message("P", bytes([len(key)]) + key + struct.pack("<f", 6.5))
+        data += self.message("A", struct.pack("<BH", 0, 5) + b"attitude")
+        data += self.message("A", struct.pack("<BH", 1, 6) + b"attitude")
+        data += self.message("D", struct.pack("<HQ2fBB", 5, 2_000_000, 0.5, 0.25, 7, 8))  # without its padding
+        data += self.message("P", bytes([len(key)]) + key + struct.pack("<f", 7.5))
+        data += self.message("L", b"6" + struct.pack("<Q", 3_000_000) + b"Landed")
+        (self.folder / "f.ulg").write_bytes(data + b"\x10")
+        log = cas.read("f.ulg")
+        self.assertEqual(log.info, {"name": "cas"})
+        self.assertEqual(log.parameters, {"MC_ROLL_P": 6.5})
+        self.assertEqual(log.changed, [(2.0, "MC_ROLL_P", 7.5)])
+        self.assertEqual(log.texts, [(3.0, "info", "Landed")])
+        self.assertEqual(log.topics["attitude"].row(0),
+                         {"time_s": 2.0, "q[0]": 0.5, "q[1]": 0.25, "p.one": 7, "p.two": 8})
+        self.assertEqual(log.topics["attitude.1"].rows, 0)
+
+    def test_something_else_is_refused(self):
+        (self.folder / "f.ulg").write_bytes(b"no log")
+        with self.assertRaisesRegex(cas.FormatError, "no ULog file"):
+            cas.read("f.ulg")
+
+
+class RunTest(FolderTest):
+    def test_a_folder_of_several_vehicles_is_read_by_name(self):
+        vehicles = [{"name": "left", "passed": True}, {"name": "right", "passed": False}]
+        (self.folder / "summary.json").write_text(json.dumps({"passed": False, "valid": True, "vehicles": vehicles}))
+        for name in ("left", "right"):
+            (self.folder / f"truth_{name}.csv").write_text(f"time_s,x_m\n0,{len(name)}\n")
+        run = cas.read(self.folder)
+        self.assertEqual((run.passed, run.valid, run.vehicles), (False, True, ["left", "right"]))
+        self.assertEqual(list(run.truth["x_m"]), [4])
+        self.assertEqual(list(run.truth_of("right")["x_m"]), [5])
+        self.assertFalse(run.vehicle("right")["passed"])
+        with self.assertRaisesRegex(KeyError, "no vehicle middle; it has left, right"):
+            run.vehicle("middle")
+
+    def test_what_is_no_run_says_what_makes_one(self):
+        with self.assertRaisesRegex(cas.FormatError, "`hils run SCENARIO --out"):
+            cas.read(self.folder)
+        with self.assertRaisesRegex(cas.FormatError, "there is no"):
+            cas.read(self.folder / "nothing")
+        (self.folder / "x.txt").write_text("")
+        with self.assertRaisesRegex(cas.FormatError, "nothing that cas reads"):
+            cas.read("x.txt")
+
+
+if __name__ == "__main__":
+    unittest.main()
