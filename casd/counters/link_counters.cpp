@@ -161,12 +161,12 @@ void LinkCounters::count_sent(std::span<const PacketRef> packets, base::RunTime 
   tx.bytes.add(bytes);
 }
 
-void LinkCounters::count_dropped(const PacketInfo& info, DropCause cause) {
+void LinkCounters::count_dropped(const PacketInfo& info, DropCause cause, base::RunTime now) {
   const auto index = static_cast<std::size_t>(cause);
   const std::scoped_lock lock(tx.mutex);
   tx.dropped[index].add();
   tx.dropped_messages[index].add(info.message_id, info.source, info.received);
-  if (ledger) ledger->dropped(info, cause, base::steady_now());
+  if (ledger) ledger->dropped(info, cause, now);
 }
 
 std::shared_ptr<LinkCounters> LinkFigures::make_link(const std::string& name, LinkType type) const {

@@ -186,7 +186,7 @@ struct LinkCounters {
   /// Packets are written. @param done  when the write had returned
   void count_sent(std::span<const PacketRef> packets, base::RunTime now, base::RunTime done);
   /// A packet was not sent.
-  void count_dropped(const PacketInfo& info, DropCause cause);
+  void count_dropped(const PacketInfo& info, DropCause cause, base::RunTime now);
 
   /// Words for state and errors ("127.0.0.1:14561", "/dev/ttyACM0", "No such file"), rarely set.
   void set_endpoint(std::string text);

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/blocking_tx_port.hpp"
 
-#include <poll.h>
-#include <time.h>
-
-#include <cerrno>
 #include <chrono>
 #include <utility>
 
@@ -13,15 +9,9 @@ namespace {
 
 // A line that takes nothing so long loses the packet.
 constexpr base::Duration kPatience = std::chrono::seconds(1);
-constexpr int kStep_ms = 100;
-constexpr int kLook_ms = 2;
-
-void sleep_until(base::RunTime when) {
-  const std::int64_t total = when.time_since_epoch().count();
-  const timespec until{static_cast<time_t>(total / 1'000'000'000), total % 1'000'000'000};
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-  }
-}
+constexpr base::Duration kStep = std::chrono::milliseconds(100);
+// A line that stands still may have room, and must be looked at.
+constexpr base::Duration kLook = std::chrono::milliseconds(2);
 
 // The wait for the line takes the place of sensor gap and slack.
 TxPortOptions without_gap(TxPortOptions options) {
@@ -31,21 +21,22 @@ TxPortOptions without_gap(TxPortOptions options) {
 
 }  // namespace
 
-BlockingTxPort::BlockingTxPort(const TxPortOptions& options, LineDrain drain,
+BlockingTxPort::BlockingTxPort(const TxPortOptions& options, LineDrain drain, LineWait& wait,
                                std::shared_ptr<LinkCounters> counters, std::function<void()> wake)
     : TxPort(without_gap(options), base::Duration{}, std::move(counters), std::move(wake)),
-      drain_(drain) {}
+      drain_(drain),
+      wait_(wait) {}
 
 // A line without a rate is written to at once; for a paced one the packets wait in the same queue
 // as in the other thread models, and each turn of the loop writes one.
-void BlockingTxPort::deliver(std::span<const PacketRef> packets, base::RunTime) {
+void BlockingTxPort::deliver(std::span<const PacketRef> packets, base::RunTime now) {
   const std::scoped_lock lock(writer_mutex_);
   if (pacer_.limited()) {
-    enqueue(packets);
+    enqueue(packets, now);
     due_ns_.store(1, std::memory_order_relaxed);  // at once
     return wake_();
   }
-  for (const PacketRef& packet : worth_sending(packets, base::steady_now())) write_or_drop(packet);
+  for (const PacketRef& packet : worth_sending(packets, wait_.now())) write_or_drop(packet);
   busy_.store(false, std::memory_order_relaxed);
   busy_since_ns_.store(0, std::memory_order_relaxed);
 }
@@ -53,7 +44,7 @@ void BlockingTxPort::deliver(std::span<const PacketRef> packets, base::RunTime) 
 // One packet, then the wait until the line is through with it.
 void BlockingTxPort::carry_on(base::RunTime) {
   const std::scoped_lock lock(writer_mutex_);
-  const base::RunTime start = base::steady_now();
+  const base::RunTime start = wait_.now();
   busy_.store(false, std::memory_order_relaxed);
   due_ns_.store(0, std::memory_order_relaxed);
   if (!take_batch(start)) return;
@@ -62,23 +53,24 @@ void BlockingTxPort::carry_on(base::RunTime) {
   busy_since_ns_.store(0, std::memory_order_relaxed);
   if (pacer_.limited()) {
     const base::Duration fifo_time = pacer_.time_for(LineDrain::kFifoBytes);
-    sleep_until(drain_.done(start, pacer_.arrival(0, start), fifo_time));
+    wait_.until(drain_.done(start, pacer_.arrival(0, start), fifo_time));
   }
   if (anything_queued()) due_ns_.store(1, std::memory_order_relaxed);
 }
 
 void BlockingTxPort::write_or_drop(const PacketRef& packet) {
   if (write_one(packet)) return;
-  const bool late = queue_.too_late(*packet.info, packet.bytes.size(), base::steady_now(), pacer_);
+  const base::RunTime now = wait_.now();
+  const bool late = queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_);
   const DropCause why = writer_ ? DropCause::kStalled : DropCause::kClosed;
-  count_drop(*packet.info, late ? DropCause::kAge : why);
+  count_drop(*packet.info, late ? DropCause::kAge : why, now);
 }
 
 // @return true when the packet is gone, or begun with its rest in the tail
 bool BlockingTxPort::write_one(const PacketRef& packet) {
   bool begun = false;
-  base::RunTime now = base::steady_now();
-  for (const base::RunTime deadline = now + kPatience; now < deadline; now = base::steady_now()) {
+  base::RunTime now = wait_.now();
+  for (const base::RunTime deadline = now + kPatience; now < deadline; now = wait_.now()) {
     if (!writer_ || broken()) return begun;
     const bool still = stands_still(now);
     if (write_tail(now)) {
@@ -88,9 +80,7 @@ bool BlockingTxPort::write_one(const PacketRef& packet) {
       if (begun && !has_tail()) return true;
     }
     if (still) tend_still_line(now);
-    // A line that stands still may have room, and must be looked at.
-    pollfd room{writer_->descriptor(), POLLOUT, 0};
-    ::poll(&room, still ? 0 : 1, still ? kLook_ms : kStep_ms);
+    still ? wait_.until(now + kLook) : wait_.for_room(writer_->descriptor(), kStep);
   }
   return begun;
 }

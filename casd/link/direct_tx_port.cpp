@@ -22,11 +22,11 @@ void DirectTxPort::deliver(std::span<const PacketRef> packets, base::RunTime now
     if (lock && !backlog_.load(std::memory_order_relaxed)) {
       const std::span<const PacketRef> fresh = worth_sending(packets, now);
       const std::size_t gone = write_direct(fresh, now);
-      if (gone < fresh.size()) enqueue(fresh.subspan(gone));
+      if (gone < fresh.size()) enqueue(fresh.subspan(gone), now);
       done = packets.size();
     }
   }
-  if (done < packets.size()) enqueue(packets.subspan(done));
+  if (done < packets.size()) enqueue(packets.subspan(done), now);
   pump(now);
 }
 
@@ -70,7 +70,7 @@ std::size_t DirectTxPort::write_direct(std::span<const PacketRef> packets, base:
 }
 
 void DirectTxPort::drain(base::RunTime now) {
-  if (!writer_) return drop_all(DropCause::kClosed);
+  if (!writer_) return drop_all(DropCause::kClosed, now);
   if (broken()) return;
   busy_.store(false, std::memory_order_relaxed);
   due_ns_.store(0, std::memory_order_relaxed);
@@ -96,7 +96,7 @@ void DirectTxPort::drop_late_batch(base::RunTime now) {
   if (batch_at_ == batch_.size()) return;
   const auto late = [&](const PacketRef& packet) {
     if (!queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
-    count_drop(*packet.info, DropCause::kAge);
+    count_drop(*packet.info, DropCause::kAge, now);
     return true;
   };
   batch_.erase(batch_.begin(), batch_.begin() + static_cast<std::ptrdiff_t>(batch_at_));

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/link_core.hpp"
 
+#include <poll.h>
+#include <time.h>
+
+#include <cerrno>
 #include <chrono>
 #include <system_error>
 #include <utility>
@@ -12,11 +16,20 @@
 namespace cas::casd {
 namespace {
 
-// Bytes a second that the line of the link carries; 0: no limit.
-double line_bytes_s(const LinkConfig& config) {
-  const bool paced = config.type == LinkType::kSerial && config.pace;
-  return paced ? LinePacer::kLineShare * config.baud / 10.0 : 0;
-}
+class SteadyWait final : public LineWait {
+ public:
+  base::RunTime now() const override { return base::steady_now(); }
+  void until(base::RunTime when) override {
+    const std::int64_t total = when.time_since_epoch().count();
+    const timespec end{static_cast<time_t>(total / 1'000'000'000), total % 1'000'000'000};
+    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &end, nullptr) == EINTR) {
+    }
+  }
+  void for_room(int descriptor, base::Duration at_most) override {
+    pollfd room{descriptor, POLLOUT, 0};
+    ::poll(&room, 1, static_cast<int>(at_most / std::chrono::milliseconds(1)));
+  }
+};
 
 }  // namespace
 
@@ -50,16 +63,21 @@ void LinkCore::on_second(base::RunTime now) {
   ingress_.tick(now);
 }
 
+TxPortOptions tx_port_options(const LinkConfig& config, std::shared_ptr<LinkSigning> signing) {
+  const bool paced = config.type == LinkType::kSerial && config.pace;
+  return {.queue = config.queue,
+          .line_bytes_s = paced ? LinePacer::kLineShare * config.baud / 10.0 : 0,
+          .cap_bytes_s = config.max_bytes_s,
+          .sensor_gap = config.sensor_gap,
+          .flow_control = config.flow_control,
+          .signing = std::move(signing)};
+}
+
 std::shared_ptr<TxPort> LinkCore::make_port() const {
-  const LinkConfig& config = context_.config;
-  const TxPortOptions options{.queue = config.queue,
-                              .line_bytes_s = line_bytes_s(config),
-                              .cap_bytes_s = config.max_bytes_s,
-                              .sensor_gap = config.sensor_gap,
-                              .flow_control = config.flow_control,
-                              .signing = context_.signing};
+  static SteadyWait wait;
+  const TxPortOptions options = tx_port_options(context_.config, context_.signing);
   if (context_.blocking) {
-    return std::make_shared<BlockingTxPort>(options, context_.drain, context_.counters,
+    return std::make_shared<BlockingTxPort>(options, context_.drain, wait, context_.counters,
                                             context_.wake);
   }
   return std::make_shared<DirectTxPort>(options, context_.counters, context_.wake);

@@ -47,6 +47,10 @@ class Backoff {
   base::Duration delay_ = times_.first;
 };
 
+/// What a link's sending side is held to.
+/// @param signing  empty: none
+TxPortOptions tx_port_options(const LinkConfig& config, std::shared_ptr<LinkSigning> signing = {});
+
 /// What a link is made from.
 struct LinkContext {
   LinkId id = kNoLink;

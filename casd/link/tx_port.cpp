@@ -33,14 +33,15 @@ TxPort::TxPort(const TxPortOptions& options, base::Duration pacer_slack,
       wake_(std::move(wake)),
       line_check_(options.flow_control),
       standstill_(std::max(options.queue.hil_max_age, kShortestStandstill)),
-      queue_(options.queue,
-             [this](const PacketInfo& info, DropCause cause) { count_drop(info, cause); }) {
+      queue_(options.queue, [this](const PacketInfo& info, DropCause cause) {
+        count_drop(info, cause, queue_time_);
+      }) {
   pace(true);
 }
 
-void TxPort::attach(std::unique_ptr<PacketWriter> writer, bool has_rate) {
+void TxPort::attach(std::unique_ptr<PacketWriter> writer, base::RunTime now, bool has_rate) {
   const std::scoped_lock lock(writer_mutex_);
-  drop_all(DropCause::kClosed);
+  drop_all(DropCause::kClosed, now);
   writer_ = options_.signing ? options_.signing->wrap(std::move(writer)) : std::move(writer);
   pace(has_rate);
   line_check_.reset();
@@ -49,10 +50,10 @@ void TxPort::attach(std::unique_ptr<PacketWriter> writer, bool has_rate) {
   open_.store(true, std::memory_order_release);
 }
 
-void TxPort::detach(DropCause cause) {
+void TxPort::detach(base::RunTime now, DropCause cause) {
   const std::scoped_lock lock(writer_mutex_);
   open_.store(false, std::memory_order_release);
-  drop_all(cause);
+  drop_all(cause, now);
   writer_.reset();
 }
 
@@ -67,14 +68,15 @@ std::optional<base::RunTime> TxPort::stuck_since() const {
   return base::RunTime(base::Duration(since));
 }
 
-void TxPort::enqueue(std::span<const PacketRef> packets) {
+void TxPort::enqueue(std::span<const PacketRef> packets, base::RunTime now) {
   const std::scoped_lock lock(queue_mutex_);
+  queue_time_ = now;
   const bool open = open_.load(std::memory_order_acquire);
   for (const PacketRef& packet : packets) {
     if (open) {
       queue_.push(*packet.info, packet.bytes);
     } else {
-      count_drop(*packet.info, DropCause::kClosed);
+      count_drop(*packet.info, DropCause::kClosed, now);
     }
   }
   if (!queue_.empty()) backlog_.store(true, std::memory_order_release);
@@ -82,11 +84,12 @@ void TxPort::enqueue(std::span<const PacketRef> packets) {
   counters_->tx.queued.set(queue_.count());
 }
 
-void TxPort::drop_all(DropCause cause) {
+void TxPort::drop_all(DropCause cause, base::RunTime now) {
   const std::scoped_lock lock(queue_mutex_);
-  for (; batch_at_ < batch_.size(); ++batch_at_) count_drop(*batch_[batch_at_].info, cause);
+  queue_time_ = now;
+  for (; batch_at_ < batch_.size(); ++batch_at_) count_drop(*batch_[batch_at_].info, cause, now);
   queue_.clear(cause);
-  drop_tail(cause);
+  drop_tail(cause, now);
   backlog_.store(false, std::memory_order_release);
   busy_.store(false, std::memory_order_relaxed);
   busy_since_ns_.store(0, std::memory_order_relaxed);
@@ -104,9 +107,9 @@ void TxPort::pace(bool has_rate) {
   pacer_.set_sensor_gap(options_.sensor_gap);
 }
 
-void TxPort::count_drop(const PacketInfo& info, DropCause cause) {
+void TxPort::count_drop(const PacketInfo& info, DropCause cause, base::RunTime now) {
   const bool by_cap = cause == DropCause::kAge && capped_.load(std::memory_order_relaxed);
-  counters_->count_dropped(info, by_cap ? DropCause::kBandwidth : cause);
+  counters_->count_dropped(info, by_cap ? DropCause::kBandwidth : cause, now);
 }
 
 bool TxPort::anything_queued() {
@@ -118,7 +121,7 @@ std::size_t TxPort::write_some(std::span<const PacketRef> packets, base::RunTime
   const WriteResult result = writer_->write(packets);
   counters_->tx.write_calls.add();
   std::size_t gone = result.packets;
-  settle(packets.first(gone), result.unsignable, now);
+  settle(packets.first(gone), result, now);
   if (result.part_of_next > 0) begin_tail(packets[gone++], result.part_of_next, now);
   if (result.broken) {
     broken_.store(true, std::memory_order_relaxed);
@@ -139,8 +142,8 @@ void TxPort::begin_tail(const PacketRef& packet, std::size_t gone, base::RunTime
   take_line({&packet, 1}, now);
 }
 
-void TxPort::drop_tail(DropCause cause) {
-  if (has_tail() && !tail_spoilt_) count_drop(tail_info_, cause);
+void TxPort::drop_tail(DropCause cause, base::RunTime now) {
+  if (has_tail() && !tail_spoilt_) count_drop(tail_info_, cause, now);
   tail_packet_.clear();
   tail_at_ = 0;
 }
@@ -148,17 +151,17 @@ void TxPort::drop_tail(DropCause cause) {
 bool TxPort::write_tail(base::RunTime now) {
   if (!has_tail()) return true;
   spoil_late_tail(now);
-  const std::ptrdiff_t gone = writer_->write_rest(std::span(tail_packet_).subspan(tail_at_));
-  if (gone < 0) {
+  const WriteResult result = writer_->write_rest(std::span(tail_packet_).subspan(tail_at_));
+  if (result.broken) {
     broken_.store(true, std::memory_order_relaxed);
     wake_();
     return false;
   }
-  if (gone > 0) busy_since_ns_.store(ns(now), std::memory_order_relaxed);
-  tail_at_ += static_cast<std::size_t>(gone);
+  if (result.part_of_next > 0) busy_since_ns_.store(ns(now), std::memory_order_relaxed);
+  tail_at_ += result.part_of_next;
   if (has_tail()) return false;
   const PacketRef whole{&tail_info_, tail_packet_};
-  if (!tail_spoilt_) counters_->count_sent({&whole, 1}, now, base::steady_now());
+  if (!tail_spoilt_) counters_->count_sent({&whole, 1}, now, std::max(result.done, now));
   return true;
 }
 
@@ -177,6 +180,7 @@ bool TxPort::take_batch(base::RunTime now) {
     wait_for_line();
     return false;
   }
+  queue_time_ = now;
   const std::size_t most = pacer_.limited() ? 1 : kBatchPackets;
   batch_infos_.reserve(kBatchPackets);
   batch_bytes_.reserve(kBatchBytes + mav::kMaxPacketBytes);
@@ -203,20 +207,19 @@ bool TxPort::line_ready(base::RunTime now) {
 }
 
 // What lies between the packets that cannot be signed is gone.
-void TxPort::settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
-                    base::RunTime now) {
+void TxPort::settle(std::span<const PacketRef> done, const WriteResult& result, base::RunTime now) {
   std::size_t begin = 0;
-  for (const std::size_t at : unsignable) {
-    if (at > begin) account(done.subspan(begin, at - begin), now);
-    count_drop(*done[at].info, DropCause::kUnsignable);
+  for (const std::size_t at : result.unsignable) {
+    if (at > begin) account(done.subspan(begin, at - begin), now, result.done);
+    count_drop(*done[at].info, DropCause::kUnsignable, now);
     begin = at + 1;
   }
-  if (done.size() > begin) account(done.subspan(begin), now);
+  if (done.size() > begin) account(done.subspan(begin), now, result.done);
 }
 
-void TxPort::account(std::span<const PacketRef> written, base::RunTime now) {
+void TxPort::account(std::span<const PacketRef> written, base::RunTime now, base::RunTime done) {
   take_line(written, now);
-  counters_->count_sent(written, now, base::steady_now());
+  counters_->count_sent(written, now, std::max(done, now));
 }
 
 void TxPort::take_line(std::span<const PacketRef> written, base::RunTime now) {
@@ -247,7 +250,7 @@ void TxPort::spoil_late_tail(base::RunTime now) {
   tail_packet_.back() ^= 0xFFU;
   writer_->spoil_rest();
   tail_spoilt_ = true;
-  count_drop(tail_info_, DropCause::kAge);
+  count_drop(tail_info_, DropCause::kAge, now);
 }
 
 bool TxPort::stands_still(base::RunTime now) {
@@ -272,7 +275,7 @@ void TxPort::heard(base::RunTime now) { heard_ns_.store(ns(now), std::memory_ord
 base::RunTime TxPort::tend_still_line(base::RunTime now) {
   if (standstill_.flush_is_due(now)) {
     base::log::warn("link " + counters_->name + ": stands still, gets nothing until it moves");
-    if (writer_->flush()) drop_tail(DropCause::kStalled);
+    if (writer_->flush()) drop_tail(DropCause::kStalled, now);
   }
   if (!has_tail() && standstill_.nudge_is_due(now)) writer_->nudge();
   return standstill_.next_look(now);
@@ -296,9 +299,9 @@ std::span<const PacketRef> TxPort::worth_sending(std::span<const PacketRef> pack
     };
     const auto newer = packets.subspan(i + 1);
     if (queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) {
-      count_drop(*packet.info, DropCause::kAge);
+      count_drop(*packet.info, DropCause::kAge, now);
     } else if (is_setpoint(packet) && std::any_of(newer.begin(), newer.end(), takes_its_place)) {
-      count_drop(*packet.info, DropCause::kSuperseded);
+      count_drop(*packet.info, DropCause::kSuperseded, now);
     } else {
       worth_sending_.push_back(packet);
     }

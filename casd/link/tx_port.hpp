@@ -28,9 +28,12 @@ struct TxPortOptions {
   std::shared_ptr<LinkSigning> signing = {};  ///< may be empty
 };
 
-/// The sending side of a link: one descriptor, the pacer of the line behind it, and the queue of
+/// The sending side of a link: one writer, the pacer of the line behind it, and the queue of
 /// packets that wait for both. Whether a thread writes at once or waits for the line is decided by
 /// the class derived from it: DirectTxPort, BlockingTxPort.
+///
+/// It reads no clock: time is an argument, and the writer says when a write was over. So the bench
+/// on the virtual clock sends with these classes, too.
 ///
 /// What was written can still grow old in the driver, or in the terminal of a reader that has
 /// stopped. So a line that stands still gets nothing more until it moves again.
@@ -43,9 +46,9 @@ class TxPort : public PacketPort {
 
   /// Starts writing to a newly opened descriptor; what was queued for the old one is dropped.
   /// @param has_rate  whether the line behind it has the rate of the options
-  void attach(std::unique_ptr<PacketWriter> writer, bool has_rate = true);
+  void attach(std::unique_ptr<PacketWriter> writer, base::RunTime now, bool has_rate = true);
   /// The descriptor is gone; what waits is dropped.
-  void detach(DropCause cause = DropCause::kClosed);
+  void detach(base::RunTime now, DropCause cause = DropCause::kClosed);
   /// Writes what waits, as far as descriptor and pacer allow.
   virtual void carry_on(base::RunTime now) = 0;
   /// The descriptor took no more: wait for POLLOUT, then carry_on().
@@ -76,7 +79,7 @@ class TxPort : public PacketPort {
   bool take_batch(base::RunTime now);
   /// Whether the pacer lets the next packet out.
   bool line_ready(base::RunTime now);
-  void drop_all(DropCause cause);
+  void drop_all(DropCause cause, base::RunTime now);
   /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
   void wait_for_room(base::RunTime now);
   /// Whether the other side has made no way for longer than a HIL packet is worth sending, although
@@ -90,9 +93,9 @@ class TxPort : public PacketPort {
   std::span<const PacketRef> worth_sending(std::span<const PacketRef> packets, base::RunTime now);
 
   // From any thread:
-  void enqueue(std::span<const PacketRef> packets);
+  void enqueue(std::span<const PacketRef> packets, base::RunTime now);
   bool anything_queued();
-  void count_drop(const PacketInfo& info, DropCause cause);
+  void count_drop(const PacketInfo& info, DropCause cause, base::RunTime now);
 
   const TxPortOptions options_;
   const base::Duration pacer_slack_;
@@ -118,6 +121,7 @@ class TxPort : public PacketPort {
 
   // Guarded by queue_mutex_, which may be taken while writer_mutex_ is held, never the other way.
   std::mutex queue_mutex_;
+  base::RunTime queue_time_{};  ///< of the call that works on the queue
   TxQueue queue_;
 
   std::atomic<bool> open_{false};
@@ -130,12 +134,11 @@ class TxPort : public PacketPort {
 
  private:
   void pace(bool has_rate);
-  void settle(std::span<const PacketRef> done, std::span<const std::size_t> unsignable,
-              base::RunTime now);
-  void account(std::span<const PacketRef> written, base::RunTime now);
+  void settle(std::span<const PacketRef> done, const WriteResult& result, base::RunTime now);
+  void account(std::span<const PacketRef> written, base::RunTime now, base::RunTime done);
   void take_line(std::span<const PacketRef> written, base::RunTime now);
   void begin_tail(const PacketRef& packet, std::size_t gone, base::RunTime now);
-  void drop_tail(DropCause cause);
+  void drop_tail(DropCause cause, base::RunTime now);
   void spoil_late_tail(base::RunTime now);
   void wait_for_line();
 };

@@ -27,6 +27,7 @@ struct WriteResult {
   std::size_t packets = 0;       ///< done with: gone as a whole, or unsignable
   std::size_t part_of_next = 0;  ///< bytes of the next one that are gone too (streams)
   bool broken = false;           ///< the descriptor is of no more use
+  base::RunTime done{};          ///< when the call had returned; zero: it took no time
   /// Those of `packets` that can never be written, as rising indices; good until the next write.
   std::span<const std::size_t> unsignable = {};
 };
@@ -37,8 +38,8 @@ class PacketWriter {
  public:
   virtual ~PacketWriter() = default;
   virtual WriteResult write(std::span<const PacketRef> packets) = 0;
-  /// Writes raw bytes: the rest of a packet that was begun. @return bytes gone, -1 when broken
-  virtual std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) = 0;
+  /// Writes the rest of a packet that was begun (streams). @return how many bytes, in part_of_next
+  virtual WriteResult write_rest(std::span<const std::uint8_t>) { return {}; }
   /// Makes the check wrong of a packet that was begun and whose rest it keeps itself.
   virtual void spoil_rest() {}
   /// Bytes that it adds to each packet.

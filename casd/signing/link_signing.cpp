@@ -24,7 +24,7 @@ class SigningWriter final : public PacketWriter {
 
   WriteResult write(std::span<const PacketRef> packets) override;
   /// The caller's rest has no signature; what is written is the rest of the signed packet.
-  std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) override;
+  WriteResult write_rest(std::span<const std::uint8_t> bytes) override;
   void spoil_rest() override {
     if (!rest_.empty()) rest_.back() ^= 0xFFU;  // of the signature
   }
@@ -60,7 +60,7 @@ SigningWriter::SigningWriter(std::unique_ptr<PacketWriter> writer,
 WriteResult SigningWriter::write(std::span<const PacketRef> packets) {
   sign(packets);
   const WriteResult inner = signed_.empty() ? WriteResult{} : writer_->write(signed_);
-  WriteResult result{.broken = inner.broken};
+  WriteResult result{.broken = inner.broken, .done = inner.done};
   const bool all = inner.packets == signed_.size();
   result.packets = all ? packets.size() : index_[inner.packets];
   const auto end = std::lower_bound(unsignable_.begin(), unsignable_.end(), result.packets);
@@ -74,11 +74,11 @@ WriteResult SigningWriter::write(std::span<const PacketRef> packets) {
   return result;
 }
 
-std::ptrdiff_t SigningWriter::write_rest(std::span<const std::uint8_t> bytes) {
-  const std::ptrdiff_t gone = writer_->write_rest(rest_);
-  if (gone < 0) return gone;
-  rest_.erase(rest_.begin(), rest_.begin() + gone);
-  return rest_.empty() ? static_cast<std::ptrdiff_t>(bytes.size()) : 0;
+WriteResult SigningWriter::write_rest(std::span<const std::uint8_t> bytes) {
+  WriteResult result = writer_->write_rest(rest_);
+  rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(result.part_of_next));
+  result.part_of_next = rest_.empty() ? bytes.size() : 0;
+  return result;
 }
 
 void SigningWriter::sign(std::span<const PacketRef> packets) {

@@ -148,7 +148,7 @@ void SerialLink::open(base::RunTime now) {
   // A pseudo-terminal has no line, and its count of unsent bytes no meaning.
   const bool pty = base::identify_pty(fd_).has_value();
   const auto kind = pty ? StreamWriter::Kind::kPseudoTerminal : StreamWriter::Kind::kSerial;
-  port_->attach(std::make_unique<StreamWriter>(std::move(line), kind),
+  port_->attach(std::make_unique<StreamWriter>(std::move(line), kind), now,
                 !pty || config.pace_pty || core_.blocking());
   core_.went_up(config.device + (config.baud > 0 ? " " + std::to_string(config.baud) : ""));
 }
@@ -188,7 +188,7 @@ void SerialLink::read_blocking(base::RunTime now) {
 
 void SerialLink::close(const std::string& reason, base::RunTime now) {
   fd_ = -1;
-  port_->detach();
+  port_->detach(now);
   core_.went_down(reason, now);
   // It may be back before anybody watched.
   core_.backoff().look_at(std::max(now, opened_at_ + kLeastUptime));

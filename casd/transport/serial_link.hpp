@@ -16,7 +16,7 @@ namespace cas::casd {
 class SerialLink final : public Link {
  public:
   explicit SerialLink(LinkContext context);
-  ~SerialLink() override { port_->detach(); }
+  ~SerialLink() override { port_->detach(base::steady_now()); }
 
   void watch(PollSet& set, base::RunTime now) override;
   void serve(const PollSet& set, base::RunTime now) override;

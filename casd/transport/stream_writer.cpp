@@ -94,7 +94,7 @@ WriteResult StreamWriter::write(std::span<const PacketRef> packets) {
     const std::ptrdiff_t gone = write_vector(parts.data(), part_count);
     if (gone < 0) {
       result.broken = true;
-      return result;
+      break;
     }
     if (static_cast<std::size_t>(gone) == bytes) {
       result.packets += taken;
@@ -108,14 +108,18 @@ WriteResult StreamWriter::write(std::span<const PacketRef> packets) {
       ++result.packets;
     }
     result.part_of_next = counted;
-    return result;
+    break;
   }
+  result.done = base::steady_now();
   return result;
 }
 
-std::ptrdiff_t StreamWriter::write_rest(std::span<const std::uint8_t> bytes) {
+WriteResult StreamWriter::write_rest(std::span<const std::uint8_t> bytes) {
   iovec part{const_cast<std::uint8_t*>(bytes.data()), bytes.size()};
-  return write_vector(&part, 1);
+  const std::ptrdiff_t gone = write_vector(&part, 1);
+  return {.part_of_next = gone > 0 ? static_cast<std::size_t>(gone) : 0,
+          .broken = gone < 0,
+          .done = base::steady_now()};
 }
 
 std::size_t StreamWriter::unsent() const {

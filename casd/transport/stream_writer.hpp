@@ -52,7 +52,7 @@ class StreamWriter final : public PacketWriter {
   StreamWriter(base::Descriptor descriptor, Kind kind);
 
   WriteResult write(std::span<const PacketRef> packets) override;
-  std::ptrdiff_t write_rest(std::span<const std::uint8_t> bytes) override;
+  WriteResult write_rest(std::span<const std::uint8_t> bytes) override;
   std::size_t unsent() const override;
   /// Until a read was seen, a terminal is believed to be read as long as it has room: a kernel that
   /// does not tell must not stop the line.

@@ -122,7 +122,8 @@ void TcpLink::finish_connect(base::RunTime now) {
   base::Descriptor connected = std::move(connecting_);
   fd_ = connected.get();
   parser_.reset();
-  port_->attach(std::make_unique<StreamWriter>(std::move(connected), StreamWriter::Kind::kSocket));
+  port_->attach(std::make_unique<StreamWriter>(std::move(connected), StreamWriter::Kind::kSocket),
+                now);
   core_.went_up(core_.config().remote);
 }
 
@@ -139,7 +140,7 @@ void TcpLink::read(base::RunTime now) {
 
 void TcpLink::close(const std::string& reason, base::RunTime now) {
   fd_ = -1;
-  port_->detach();
+  port_->detach(now);
   core_.went_down(reason, now);
 }
 
@@ -183,7 +184,7 @@ void TcpFanOut::set_client(PeerId client, std::shared_ptr<TxPort> port) {
 void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
   const std::scoped_lock lock(mutex_);
   routes_.forget(client);
-  clients_[client]->detach(cause);
+  clients_[client]->detach(base::steady_now(), cause);
   clients_[client].reset();
   present_ &= ~bit(client);
 }
@@ -283,7 +284,7 @@ void TcpServerLink::accept(base::RunTime now) {
   client->name = name;
   client->port = core_.make_port();
   client->port->attach(
-      std::make_unique<StreamWriter>(std::move(socket), StreamWriter::Kind::kSocket));
+      std::make_unique<StreamWriter>(std::move(socket), StreamWriter::Kind::kSocket), now);
   slots_ |= bit(client->slot);
   fan_out_->set_client({client->slot, client->serial}, client->port);
   clients_.push_back(std::move(client));

@@ -19,7 +19,7 @@ namespace cas::casd {
 class TcpLink final : public Link {
  public:
   explicit TcpLink(LinkContext context);
-  ~TcpLink() override { port_->detach(); }
+  ~TcpLink() override { port_->detach(base::steady_now()); }
 
   void watch(PollSet& set, base::RunTime now) override;
   void serve(const PollSet& set, base::RunTime now) override;

@@ -31,9 +31,10 @@ class UdpWriter final : public PacketWriter {
   WriteResult write(std::span<const PacketRef> packets) override {
     const auto result =
         sender_.send(descriptor_.get(), packets, to_.size == 0 ? nullptr : to_.get(), to_.size);
-    return {.packets = result.packets, .broken = result.error != 0 && result.error != EAGAIN};
+    return {.packets = result.packets,
+            .broken = result.error != 0 && result.error != EAGAIN,
+            .done = base::steady_now()};
   }
-  std::ptrdiff_t write_rest(std::span<const std::uint8_t>) override { return 0; }
   int descriptor() const override { return descriptor_.get(); }
 
  private:
@@ -100,7 +101,6 @@ class UdpServerWriter final : public PacketWriter {
                   std::shared_ptr<LinkCounters> counters);
 
   WriteResult write(std::span<const PacketRef> packets) override;
-  std::ptrdiff_t write_rest(std::span<const std::uint8_t>) override { return 0; }
   int descriptor() const override { return descriptor_.get(); }
 
  private:
@@ -131,7 +131,7 @@ WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
   } else {
     send_by_peer(packets);
   }
-  return {.packets = packets.size()};
+  return {.packets = packets.size(), .done = base::steady_now()};
 }
 
 // One packet, many peers: one call for all of them.
@@ -151,7 +151,9 @@ void UdpServerWriter::send_to_each(const PacketRef& packet, LinkMask peers) {
     const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
                                 MSG_DONTWAIT | MSG_NOSIGNAL);
     // This peer's loss; on with the next.
-    if (sent <= 0) counters_->count_dropped(*packet.info, DropCause::kQueueFull);
+    if (sent <= 0) {
+      counters_->count_dropped(*packet.info, DropCause::kQueueFull, base::steady_now());
+    }
     done += sent > 0 ? static_cast<unsigned>(sent) : 1;
   }
 }
@@ -174,7 +176,7 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
                                      peers_->table.address_size(peer));
     if (result.error == 0) continue;
     for (std::size_t i = result.packets; i < of_peer_.size(); ++i) {
-      counters_->count_dropped(*of_peer_[i].info, DropCause::kQueueFull);
+      counters_->count_dropped(*of_peer_[i].info, DropCause::kQueueFull, base::steady_now());
     }
   }
 }
@@ -214,8 +216,8 @@ void UdpLink::open(base::RunTime now) {
   drops_seen_ = 0;
   reader_.reset();
   const std::string endpoint = to_text(local_address(fd_));
-  port_->attach(
-      std::make_unique<UdpWriter>(std::move(socket), to_many_ ? remote : SocketAddress{}));
+  port_->attach(std::make_unique<UdpWriter>(std::move(socket), to_many_ ? remote : SocketAddress{}),
+                now);
   core_.went_up(endpoint);
 }
 
@@ -285,7 +287,7 @@ bool UdpLink::is_own(std::size_t index) const {
 
 void UdpLink::close(const std::string& reason, base::RunTime now) {
   fd_ = -1;
-  port_->detach();
+  port_->detach(now);
   core_.went_down(reason, now);
 }
 
@@ -330,7 +332,8 @@ void UdpServerLink::open(base::RunTime now) {
   drops_seen_ = 0;
   reader_.reset();
   port_->attach(std::make_unique<UdpServerWriter>(std::move(socket), core_.id(), peers_,
-                                                  core_.shared_counters()));
+                                                  core_.shared_counters()),
+                now);
   core_.went_up(to_text(local_address(fd_)));
 }
 
@@ -379,7 +382,7 @@ void UdpServerLink::on_second(base::RunTime now) {
 
 void UdpServerLink::close(const std::string& reason, base::RunTime now) {
   fd_ = -1;
-  port_->detach();
+  port_->detach(now);
   core_.went_down(reason, now);
 }
 

@@ -18,7 +18,7 @@ namespace cas::casd {
 class UdpLink final : public Link {
  public:
   explicit UdpLink(LinkContext context);
-  ~UdpLink() override { port_->detach(); }
+  ~UdpLink() override { port_->detach(base::steady_now()); }
 
   void watch(PollSet& set, base::RunTime now) override;
   void serve(const PollSet& set, base::RunTime now) override;
@@ -59,7 +59,7 @@ struct SharedPeers {
 class UdpServerLink final : public Link {
  public:
   explicit UdpServerLink(LinkContext context);
-  ~UdpServerLink() override { port_->detach(); }
+  ~UdpServerLink() override { port_->detach(base::steady_now()); }
 
   void watch(PollSet& set, base::RunTime now) override;
   void serve(const PollSet& set, base::RunTime now) override;

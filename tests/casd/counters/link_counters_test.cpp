@@ -83,7 +83,7 @@ TEST(LinkFigures, SaysWhatItsTablesHadNoRoomFor) {
   PacketInfo info;
   for (; info.message_id < 5000; ++info.message_id) {
     link->rx.messages.add(info.message_id, {1, 1}, at({}));
-    link->count_dropped(info, DropCause::kClosed);
+    link->count_dropped(info, DropCause::kClosed, at({}));
   }
   EXPECT_EQ(figures.messages(at({})).size() + figures.links()[0].uncounted, 10'000U);
   EXPECT_GT(figures.links()[0].uncounted, 0U);

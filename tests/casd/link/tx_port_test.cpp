@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/link/direct_tx_port.hpp"
+#include "casd/link/tx_port.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "casd/link/blocking_tx_port.hpp"
+#include "casd/link/direct_tx_port.hpp"
 #include "casd/signing/link_signing.hpp"
 #include "casd/signing/packet_signer.hpp"
 #include "tests/casd/packets.hpp"
@@ -28,6 +30,7 @@ struct FakeLine {
   int nudges = 0;
   int flushes = 0;
   bool can_flush = true;
+  base::Duration took{};  ///< a write
 };
 
 class FakeWriter final : public PacketWriter {
@@ -46,14 +49,15 @@ class FakeWriter final : public PacketWriter {
       }
       ++result.packets;
     }
+    if (line_.took > base::Duration{}) result.done = at(line_.took);
     return result;
   }
-  std::ptrdiff_t write_rest(std::span<const std::uint8_t> rest) override {
+  WriteResult write_rest(std::span<const std::uint8_t> rest) override {
     const std::size_t taken = std::min(line_.room, rest.size());
     line_.room -= taken;
     line_.bytes += taken;
     line_.last.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(taken));
-    return static_cast<std::ptrdiff_t>(taken);
+    return {.part_of_next = taken};
   }
   std::size_t unsent() const override { return line_.unsent; }
   bool moved() override { return line_.moves; }
@@ -73,7 +77,7 @@ class TxPortTest : public testing::Test {
  protected:
   void open(const TxPortOptions& options) {
     port = std::make_unique<DirectTxPort>(options, counters, [this] { ++wakes; });
-    port->attach(std::make_unique<FakeWriter>(line));
+    port->attach(std::make_unique<FakeWriter>(line), at({}));
   }
   /// Packets of the same class, in one batch, read at `now`; their message ids count up.
   void deliver(TrafficClass traffic, int count, base::RunTime now, std::size_t size = 100) {
@@ -308,10 +312,10 @@ TEST_F(TxPortTest, NothingOfBeforeIsSentAfterAReopen) {
   line.room = 150;
   deliver(TrafficClass::kHil, 4, at({}));
   deliver(TrafficClass::kCommand, 2, at({}));
-  port->detach();
+  port->detach(at({}));
   deliver(TrafficClass::kHil, 1, at({}));
   line = FakeLine{};
-  port->attach(std::make_unique<FakeWriter>(line));
+  port->attach(std::make_unique<FakeWriter>(line), at({}));
   port->carry_on(at({}));
   EXPECT_EQ(line.bytes, 0U);
   EXPECT_EQ(dropped(DropCause::kClosed), 6U) << "the one that was begun, too";
@@ -378,6 +382,74 @@ TEST_F(TxPortTest, CountsWhatACapMadeTooOldAsBandwidthByMessage) {
       [&](const MessageCounters::Entry& entry) { by_message += entry.count; });
   EXPECT_EQ(by_message, dropped(DropCause::kBandwidth));
   EXPECT_GT(by_message, 0U);
+}
+
+TEST_F(TxPortTest, TakesTheTimeOfAWriteFromTheWriter) {
+  open({});
+  line.took = milliseconds(3);
+  deliver(TrafficClass::kHil, 1, at({}));
+  EXPECT_EQ(counters->tx.forwarding.max(), milliseconds(3));
+}
+
+/// A thread whose waits take no time of ours.
+class FakeWait final : public LineWait {
+ public:
+  explicit FakeWait(FakeLine& line) : line_(line) {}
+  base::RunTime now() const override { return time; }
+  void until(base::RunTime when) override { time = std::max(time, when); }
+  void for_room(int, base::Duration at_most) override {
+    time += at_most;
+    if (time >= room_at) line_.room = 1'000'000;
+  }
+
+  base::RunTime time = at({});
+  base::RunTime room_at = base::RunTime::max();  ///< when the line takes bytes again
+
+ private:
+  FakeLine& line_;
+};
+
+class BlockingTxPortTest : public TxPortTest {
+ protected:
+  void open_blocking(const TxPortOptions& options) {
+    port = std::make_unique<BlockingTxPort>(options, LineDrain(base::Duration{}), wait, counters,
+                                            [this] { ++wakes; });
+    port->attach(std::make_unique<FakeWriter>(line), at({}));
+  }
+  FakeWait wait{line};
+};
+
+TEST_F(BlockingTxPortTest, WritesAPacketAndWaitsUntilTheLineIsThroughWithIt) {
+  open_blocking({.line_bytes_s = 10'000});
+  deliver(TrafficClass::kCommand, 2, at({}));
+  EXPECT_TRUE(line.written.empty()) << "each turn of the loop writes one";
+  EXPECT_LE(port->due(), at({}));
+  port->carry_on(at({}));
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1}));
+  EXPECT_EQ(wait.time, at(milliseconds(10)));
+  EXPECT_LE(port->due(), wait.time);
+  port->carry_on(wait.time);
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 2}));
+  EXPECT_EQ(wait.time, at(milliseconds(20)));
+  EXPECT_EQ(port->due(), PollSet::kNever);
+}
+
+TEST_F(BlockingTxPortTest, LosesAPacketThatFindsNoRoomForASecond) {
+  open_blocking({});
+  line.room = 0;
+  deliver(TrafficClass::kCommand, 1, at({}));
+  EXPECT_EQ(dropped(DropCause::kStalled), 1U);
+  EXPECT_EQ(wait.time, at(std::chrono::seconds(1)));
+}
+
+TEST_F(BlockingTxPortTest, WaitsForRoomForTheRestOfAPacket) {
+  open_blocking({});
+  line.room = 40;
+  wait.room_at = at(milliseconds(300));
+  deliver(TrafficClass::kCommand, 1, at({}));
+  EXPECT_EQ(counters->tx.packets.get(), 1U);
+  EXPECT_EQ(line.bytes, 100U);
+  EXPECT_EQ(wait.time, at(milliseconds(300)));
 }
 
 }  // namespace
