@@ -161,7 +161,8 @@ Dispatcher::Dispatcher()
     : session_methods_{{"subscribe", &Dispatcher::subscribe},
                        {"unsubscribe", &Dispatcher::unsubscribe},
                        {"authorise", &Dispatcher::authorise},
-                       {"methods", &Dispatcher::methods}} {}
+                       {"methods", &Dispatcher::methods},
+                       {"rpc.discover", &Dispatcher::discover}} {}
 
 void Dispatcher::add_method(const std::string& name, Method method, double weight) {
   CAS_CHECK(!session_methods_.contains(name));
@@ -268,13 +269,20 @@ void Dispatcher::unsubscribe(const Json& params, Peer& peer, const Reply& reply)
   reply.result(peer.topics.erase(*topic) > 0);
 }
 
-/// What may be called, by name.
-void Dispatcher::methods(const Json&, Peer&, const Reply& reply) {
+std::vector<std::string> Dispatcher::method_names() const {
   std::vector<std::string> names;
   for (const auto& [name, method] : methods_) names.push_back(name);
   for (const auto& [name, method] : session_methods_) names.push_back(name);
   std::sort(names.begin(), names.end());
-  reply.result(names);
+  return names;
+}
+
+/// What may be called, by name.
+void Dispatcher::methods(const Json&, Peer&, const Reply& reply) { reply.result(method_names()); }
+
+/// What may be called, with parameters and results.
+void Dispatcher::discover(const Json&, Peer&, const Reply& reply) {
+  reply.result(description_.document(method_names()));
 }
 
 void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {

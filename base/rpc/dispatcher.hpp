@@ -8,8 +8,11 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/export.hpp"
+#include "base/rpc/description.hpp"
 #include "base/rpc/message.hpp"
 #include "base/rpc/token_proof.hpp"
 
@@ -44,6 +47,8 @@ class CAS_BASE_EXPORT Dispatcher {
   /// @param weight  share of a call's processor time that its client pays for (1: all of it)
   void add_method(const std::string& name, Method method, double weight = 1);
   void add_topic(const std::string& topic);
+  /// What `rpc.discover` tells of the methods beside their names.
+  void describe(Description description) { description_ = std::move(description); }
   /// Peers that are not authorised must first call `authorise`: {"token": ...}, or {"nonce": ...}
   /// and then {"proof": ...} (token_proof()), so that the token itself is not told.
   void set_token(std::string token) { token_ = std::move(token); }
@@ -78,6 +83,8 @@ class CAS_BASE_EXPORT Dispatcher {
   void exchange_nonces(const std::string& nonce, Peer& peer, const Reply& reply);
   bool proves_token(const std::string& proof, const Peer& peer) const;
   void methods(const Json& params, Peer& peer, const Reply& reply);
+  void discover(const Json& params, Peer& peer, const Reply& reply);
+  std::vector<std::string> method_names() const;
 
   // Shared with a running call, which may end the server that holds it.
   struct Weighed {
@@ -87,6 +94,7 @@ class CAS_BASE_EXPORT Dispatcher {
   std::map<std::string, Weighed> methods_;
   std::map<std::string, SessionMethod> session_methods_;
   std::set<std::string> topics_;
+  Description description_;
   std::optional<std::string> token_;
 };
 

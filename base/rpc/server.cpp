@@ -116,6 +116,10 @@ void Server::add_method(const std::string& name, Method method, double weight) {
   impl_->dispatcher->add_method(name, std::move(method), weight);
 }
 
+void Server::describe(Description description) {
+  impl_->dispatcher->describe(std::move(description));
+}
+
 void Server::add_topic(const std::string& topic) { impl_->dispatcher->add_topic(topic); }
 
 void Server::publish(const std::string& topic, const Json& params) {

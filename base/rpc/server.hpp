@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/export.hpp"
+#include "base/rpc/description.hpp"
 #include "base/rpc/message.hpp"
 #include "base/time/clock.hpp"
 
@@ -53,6 +54,8 @@ class CAS_BASE_EXPORT Server {
   /// @param weight  what its time counts for against ServerLimits::max_cpu_share: less than 1 for
   /// calls that those of others must not keep waiting
   void add_method(const std::string& name, Method method, double weight = 1);
+  /// What `rpc.discover` tells of the methods beside their names.
+  void describe(Description description);
   /// Sends {"method": name, "params": params} to each client that subscribed to `topic`.
   void publish(const std::string& topic, const Json& params);
   /// Whether anybody hears a topic: what nobody hears need not be put together.

@@ -8,6 +8,7 @@
 #include "casd/packet/signing_clock.hpp"
 #include "casd/port/call_json.hpp"
 #include "casd/port/daemon_methods.hpp"
+#include "casd/port/port_description.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
 
@@ -166,6 +167,7 @@ json times_json(const Figures& figures) {
 
 FigureMethods::FigureMethods(base::rpc::Server& server, FiguresSource source)
     : server_(server), source_(std::move(source)) {
+  server_.describe(port_description(CAS_VERSION));  // of all methods of the port
   const auto plain = [this](const std::string& name, json (FigureMethods::*make)() const) {
     server_.add_method(name, method([this, make](CallParams& params) {
                          params.finish();

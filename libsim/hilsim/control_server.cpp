@@ -16,6 +16,7 @@
 #include "base/os/log.hpp"
 #include "base/os/thread.hpp"
 #include "base/rpc/server.hpp"
+#include "libsim/hilsim/control_description.hpp"
 #include "libsim/hilsim/pace_watch.hpp"
 #include "libsim/hilsim/sim_report.hpp"
 
@@ -74,6 +75,7 @@ struct ControlServer::Impl {
   }
 
   void add_methods() {
+    server.describe(control_description(CAS_VERSION));
     add_plain("sim.status", [] {});
     add_plain("sim.pause", [this] { loop.pause(); });
     add_plain("sim.resume", [this] { loop.resume(); });

@@ -156,6 +156,7 @@ class Client:
         self.timeout_s = timeout_s
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
+        self._sending = threading.Lock()  # a line goes out whole
         self._waiting: dict[int, queue.SimpleQueue[Any]] = {}
         self._subscriptions: dict[str, list[Subscription[Any]]] = {}
         self._lost: Optional[str] = None
@@ -213,7 +214,8 @@ class Client:
             self._waiting[number] = answers
         try:
             try:
-                self._socket.sendall(request_line(number, method, params or {}))
+                with self._sending:
+                    self._socket.sendall(request_line(number, method, params or {}))
             except OSError as error:
                 raise ConnectionLost(f"{self.address}: {error.strerror or error}") from None
             try:

@@ -90,7 +90,8 @@ class EndTest(FolderTest):
                   "    time.sleep(600)\n")
         for number in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM):
             with subprocess.Popen([sys.executable, "-c", script, str(SOURCE / "python")], stdout=subprocess.PIPE,
-                                  stderr=subprocess.DEVNULL, text=True) as python:
+                                  stderr=subprocess.DEVNULL, text=True,
+                                  env={**os.environ, "TMPDIR": str(self.folder)}) as python:
                 pids = [int(word) for word in python.stdout.readline().split()]
                 self.assertEqual(len(pids), 3)
                 python.send_signal(number)
@@ -126,6 +127,19 @@ class CommandPortTest(FolderTest):
             self.assertEqual(asyncio.run(ask()), "casd")
             with self.assertRaises(cas.CasError):
                 cas.Casd(f"127.0.0.1:{port}", token="x" * 64)
+
+    def test_two_look_at_one_simulator(self):
+        async def look(address):
+            async with await cas.AsyncSim.connect(address) as sim:
+                status = await sim.run_for(0.1)
+                return status["time_s"], await sim.pose("iris0")
+
+        with cas.Bench() as bench:
+            time_s, pose = asyncio.run(look(bench.sim.client.address))
+            self.assertEqual(pose, bench.sim.pose())
+            self.assertEqual(time_s, bench.sim.time_s())
+            with self.assertRaisesRegex(KeyError, "no vehicle 'iris7'; it has iris0"):
+                bench.sim.pose("iris7")
 
     def test_one_that_runs_is_found(self):
         before = os.environ.get("CAS_RUNTIME_DIR")

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "base/rpc/description.hpp"
+
+namespace cas::sim {
+
+/// What the methods of hilsim's control socket are, for `rpc.discover`.
+///
+/// @param version  of hilsim
+base::rpc::Description control_description(std::string version);
+
+}  // namespace cas::sim
