@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/cli/suggestion.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::base::cli {
 namespace {

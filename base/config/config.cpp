@@ -6,6 +6,7 @@
 
 #include "base/config/config_document.hpp"
 #include "base/config/config_impl.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::base {
 

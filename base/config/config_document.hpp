@@ -43,7 +43,4 @@ std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
 /// The tree as YAML text.
 std::string dump_config(const ConfigTree& tree);
 
-/// The word of `candidates` nearest to `word` by edit distance, empty when none is near.
-std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
-
 }  // namespace cas::base

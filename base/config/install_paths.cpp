@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "base/config/config_document.hpp"
 #include "base/error.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::base {
 namespace {
@@ -64,25 +64,43 @@ fs::path without_steps_up(const fs::path& name) {
   return below;
 }
 
-/// The shipped file whose name is nearest, "scenarios/hover.yaml" for hoover.yaml; empty when none
-/// is near.
-std::string near_shipped(const fs::path& name) {
+/// Files of the same kind in a folder and the folders of it, by their paths from there.
+void add_files(const fs::path& folder, const fs::path& extension, std::vector<std::string>& files,
+               std::vector<std::string>& stems) {
+  constexpr std::size_t kMost = 2000;  // a home folder may hold any number
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied,
+                                         error);
+  for (std::size_t seen = 0; !error && entry != fs::recursive_directory_iterator() && seen < kMost;
+       entry.increment(error), ++seen) {
+    if (entry.depth() > 0) entry.disable_recursion_pending();
+    if (entry->path().extension() != extension) continue;
+    files.push_back(entry->path().lexically_relative(folder).string());
+    stems.push_back(entry->path().stem().string());
+  }
+}
+
+/// "; did you mean scenarios/hover.yaml?" for hoover.yaml, or nothing: files that are shipped, and
+/// those of `folder`, where one is given.
+std::string meant_shipped(const fs::path& name, const fs::path& folder = {}) {
   std::vector<std::string> files;
   std::vector<std::string> stems;
-  for (const fs::path& folder : config_dirs()) {
-    std::error_code error;
-    fs::recursive_directory_iterator entry(folder, error);
-    for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
-      if (entry.depth() > 0) entry.disable_recursion_pending();
-      if (entry->path().extension() != name.extension()) continue;
-      files.push_back(entry->path().lexically_relative(folder).string());
-      stems.push_back(entry->path().stem().string());
-    }
+  if (!folder.empty()) add_files(folder, name.extension(), files, stems);
+  for (const fs::path& shipped : config_dirs()) {
+    add_files(shipped, name.extension(), files, stems);
   }
   const std::string near = nearest_word(name.stem().string(), stems);
   if (near.empty()) return {};
-  const auto place = std::find(stems.begin(), stems.end(), near) - stems.begin();
-  return files[static_cast<std::size_t>(place)];
+  // Of several with this name the one whose folder has the name that was given.
+  const std::string folder_name = name.parent_path().filename().string();
+  std::string meant;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (stems[i] != near) continue;
+    const bool same_folder = fs::path(files[i]).parent_path().filename() == folder_name;
+    if (meant.empty() || same_folder) meant = files[i];
+    if (same_folder) break;
+  }
+  return "; did you mean " + meant + "?";
 }
 
 }  // namespace
@@ -114,9 +132,7 @@ fs::path find_config(const fs::path& name) {
     if (fs::exists(folder / name, error)) return folder / name;
     searched += " or in " + folder.string();
   }
-  const std::string near = near_shipped(name);
-  throw ConfigError(name.string() + ": no such file " + searched +
-                    (near.empty() ? "" : "; did you mean " + near + "?"));
+  throw ConfigError(name.string() + ": no such file " + searched + meant_shipped(name));
 }
 
 fs::path find_config(const ConfigNode& node) {
@@ -131,7 +147,8 @@ fs::path find_config(const ConfigNode& node) {
     if (is_there(shipped)) return shipped;
     searched += " or below " + folder.string();
   }
-  node.fail("there is no file '" + name.string() + "'; looked in " + searched);
+  node.fail("there is no file '" + name.string() + "'; looked in " + searched +
+            meant_shipped(name, beside.parent_path()));
 }
 
 }  // namespace cas::base

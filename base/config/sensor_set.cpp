@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/config/install_paths.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::base {
 
@@ -49,8 +50,12 @@ std::filesystem::path shipped_set(const ConfigNode& node) {
   const auto found = sets.find(word);
   if (found != sets.end()) return found->second;
   std::string known;
-  for (const auto& [name, file] : sets) known += (known.empty() ? "" : ", ") + name;
-  node.fail("there is no sensor set '" + word + "'; sets are " + known);
+  std::vector<std::string_view> names;
+  for (const auto& [name, file] : sets) {
+    known += (known.empty() ? "" : ", ") + name;
+    names.push_back(name);
+  }
+  node.fail("there is no sensor set '" + word + "'; sets are " + known + did_you_mean(word, names));
 }
 
 /// The set that the word names, of the shipped ones or a file.

@@ -2,8 +2,9 @@
 #include "mavlink_gen/parser/diagnostics.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
+
+#include "base/suggestion.hpp"
 
 namespace cas::mav::xml {
 
@@ -57,44 +58,9 @@ std::string Diagnostics::render() const {
   return out;
 }
 
-namespace {
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    auto diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const auto replace = diagonal + (a[i] == b[j] ? 0U : 1U);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replace, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-}  // namespace
-
-std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates) {
-  constexpr std::size_t kLongestWord = 128;
-  if (word.empty() || word.size() > kLongestWord) return {};
-  std::string_view best;
-  auto best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
-  for (const auto candidate : candidates) {
-    if (candidate.size() > word.size() + best_distance) continue;
-    const auto distance = edit_distance(word, candidate);
-    if (distance < best_distance && distance < candidate.size()) {
-      best = candidate;
-      best_distance = distance;
-    }
-  }
-  return best;
-}
-
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates) {
-  const auto best = nearest(word, candidates);
-  return best.empty() ? std::string() : "; did you mean " + std::string(best) + '?';
+  const std::string best = base::nearest_word(word, candidates);
+  return best.empty() ? std::string() : "; did you mean " + best + '?';
 }
 
 }  // namespace cas::mav::xml

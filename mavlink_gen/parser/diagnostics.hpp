@@ -63,10 +63,6 @@ class Diagnostics final {
   std::size_t warning_count_{};
 };
 
-/// The candidate nearest to `word` in edit distance, or nothing when none is near enough to be a
-/// misspelling.
-std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates);
-
 /// `; did you mean X?` for the nearest candidate, or an empty string.
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates);
 

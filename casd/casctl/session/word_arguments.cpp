@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "base/cli/suggestion.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 /// What is wrong with a word; empty when nothing is.
 std::string fault_of(const std::string& word, const std::vector<std::string>& known) {
   if (std::find(known.begin(), known.end(), word) != known.end()) return {};
-  const std::string meant = base::cli::did_you_mean(word, known);
+  const std::string meant = base::did_you_mean(word, known);
   if (!meant.empty()) return "there is no '" + word + "'" + meant;
   std::string words;
   for (const std::string& each : known) words += " " + each;

@@ -7,8 +7,8 @@
 #include <thread>
 #include <utility>
 
-#include "base/cli/suggestion.hpp"
 #include "base/rpc/message.hpp"
+#include "base/suggestion.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -82,7 +82,7 @@ void require_message(Session& session, const json& asked, const json& messages) 
     std::vector<std::string> heard;
     for (const json& entry : messages) heard.push_back(entry.value("name", ""));
     throw base::rpc::CallError(
-        error.code(), error.what() + base::cli::did_you_mean(asked.get<std::string>(), heard),
+        error.code(), error.what() + base::did_you_mean(asked.get<std::string>(), heard),
         error.data_json());
   }
 }

@@ -11,6 +11,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/os/cpu_latency.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::sim {
 
@@ -23,11 +24,13 @@ template <class T, std::size_t N>
 T one_of(const ConfigNode& node, const std::array<std::pair<std::string_view, T>, N>& words) {
   const auto word = node.as<std::string>();
   std::string known;
-  for (const auto& [name, value] : words) {
-    if (word == name) return value;
-    known += (known.empty() ? "" : ", ") + std::string(name);
+  std::array<std::string_view, N> names;
+  for (std::size_t i = 0; i < N; ++i) {
+    names[i] = words[i].first;
+    if (word == names[i]) return words[i].second;
+    known += (known.empty() ? "" : ", ") + std::string(names[i]);
   }
-  node.fail("'" + word + "' is none of: " + known);
+  node.fail("'" + word + "' is none of: " + known + base::did_you_mean(word, names));
 }
 
 constexpr std::array<std::pair<std::string_view, PaceMode>, 3> kPaceModes{

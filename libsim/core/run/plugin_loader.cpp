@@ -11,6 +11,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::sim {
 
@@ -62,6 +63,23 @@ void* open_library(const std::filesystem::path& file) {
   return library;
 }
 
+/// "motor" for libmotor.so: what these folders have.
+std::vector<std::string> names_in(const std::vector<std::filesystem::path>& folders) {
+  constexpr std::string_view kPrefix = "lib";
+  std::vector<std::string> names;
+  for (const std::filesystem::path& folder : folders) {
+    std::error_code error;
+    std::filesystem::directory_iterator entry(folder, error);
+    for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+      const std::filesystem::path& file = entry->path();
+      const std::string stem = file.stem().string();
+      const bool is_plugin = file.extension() == ".so" && stem.starts_with(kPrefix);
+      if (is_plugin) names.push_back(stem.substr(kPrefix.size()));
+    }
+  }
+  return names;
+}
+
 /// A name of MAVLink, or an id.
 bool is_message_word(std::string_view word) {
   return !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
@@ -88,7 +106,8 @@ std::filesystem::path PluginLoader::find(const std::string& name) const {
     searched += (searched.empty() ? "" : ", ") + dir.string();
   }
   throw base::ConfigError("plugin '" + name + "': no lib" + name + ".so in " +
-                          (searched.empty() ? "any folder (none to search)" : searched));
+                          (searched.empty() ? "any folder (none to search)" : searched) +
+                          base::did_you_mean(name, names_in(dirs_)));
 }
 
 const PluginDescriptor& PluginLoader::open(const std::string& name) {

@@ -97,6 +97,24 @@ TEST(InstallPaths, AKeyThatNamesNoFileSaysWhereItWasSearched) {
   }
 }
 
+TEST(InstallPaths, AKeyThatNamesNoFileIsToldTheNearestOne) {
+  const ScopedEnvironment no_path("CAS_CONFIG_PATH", nullptr);
+  const test::TemporaryFolder folder;
+  folder.write("a/tower.sdf", "");
+  const auto meant = [&folder](const std::string& text) -> std::string {
+    try {
+      find_config(ConfigNode::load(folder.write("a/mine.yaml", text)).at("file"));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string shipped = meant("file: ../vehicles/iris_papre.yaml\n");
+  EXPECT_NE(shipped.find("; did you mean vehicles/iris_paper.yaml?"), std::string::npos) << shipped;
+  const std::string own = meant("file: twoer.sdf\n");
+  EXPECT_NE(own.find("; did you mean tower.sdf?"), std::string::npos) << own;
+}
+
 TEST(InstallPaths, NeitherAFolderNorNothingIsAFile) {
   for (const char* name : {"vehicles", ".", "..", "''"}) {
     const ConfigNode root = ConfigNode::parse(std::string("vehicle: ") + name, "mine.yaml");

@@ -60,7 +60,8 @@ INSTANTIATE_TEST_SUITE_P(
                     RefusalCase{"fake_not_elf", "cannot be opened"},
                     RefusalCase{"fake_throws_in_create", "no memory of its own"},
                     RefusalCase{"fake_creates_nothing", "create made nothing"},
-                    RefusalCase{"fake_absent", "no libfake_absent.so in "}),
+                    RefusalCase{"fake_absent", "no libfake_absent.so in "},
+                    RefusalCase{"fake_wrong_siez", "; did you mean 'fake_wrong_size'?"}),
     [](const auto& test) { return std::string(test.param.plugin); });
 
 TEST(PluginLoader, TakesNamesNotPaths) {

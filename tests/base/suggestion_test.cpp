@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/cli/suggestion.hpp"
+#include "base/suggestion.hpp"
 
 #include <gtest/gtest.h>
 
-namespace cas::base::cli {
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cas::base {
 namespace {
 
 TEST(Suggestion, CountsWhatMustBeEdited) {
@@ -27,8 +31,24 @@ TEST(Suggestion, NamesTheNearestWordAndNoneThatIsFar) {
   EXPECT_EQ(nearest_word("xyz", verbs), "");
   EXPECT_EQ(did_you_mean("amr", verbs), "; did you mean 'arm'?");
   EXPECT_EQ(did_you_mean("xyz", verbs), "");
-  EXPECT_EQ(nearest_word("arm", {}), "");
+  EXPECT_EQ(nearest_word("arm", std::vector<std::string>()), "");
+}
+
+TEST(Suggestion, ComparesNoMoreThanItCanBear) {
+  const std::vector<std::string> long_word{std::string(65, 'a')};
+  EXPECT_EQ(nearest_word(std::string(65, 'a'), long_word), "");
+  EXPECT_EQ(nearest_word(std::string(100'000, 'a'), long_word), "");
+  std::vector<std::string> many(4096, "something else");
+  many.emplace_back("status");
+  EXPECT_EQ(nearest_word("stauts", many), "");
+  many.front() = "status";
+  EXPECT_EQ(nearest_word("stauts", many), "status");
+}
+
+TEST(Suggestion, TakesViewsAndLeavesShortWordsAlone) {
+  constexpr std::string_view kWords[] = {"p", "i", "d"};
+  EXPECT_EQ(nearest_word("x", kWords), "") << "every letter would have to change";
 }
 
 }  // namespace
-}  // namespace cas::base::cli
+}  // namespace cas::base
