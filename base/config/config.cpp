@@ -9,6 +9,16 @@
 #include "base/suggestion.hpp"
 
 namespace cas::base {
+namespace {
+
+/// The line of a key that is there, in the user's own file where this one was generated.
+int line_of_key(const ConfigDocument& document, const ConfigTree& tree, const std::string& path,
+                const std::string& key) {
+  const ConfigOrigin origin = document.origins.of(path.empty() ? key : path + "." + key);
+  return origin.file.empty() ? tree.find(key)->line : origin.line;
+}
+
+}  // namespace
 
 ConfigNode ConfigNode::load(const std::filesystem::path& file) {
   std::error_code error;
@@ -49,7 +59,8 @@ ConfigNode ConfigNode::at(std::string_view key) const {
   std::string sentence = "key " + in_quotes(key) + " is missing";
   if (!near.empty()) {
     sentence += "; did you mean it by " + in_quotes(near) + " on line " +
-                std::to_string(impl_->tree->find(near)->line) + "?";
+                std::to_string(line_of_key(*impl_->document, *impl_->tree, impl_->path, near)) +
+                "?";
   }
   fail(sentence);
 }
@@ -115,6 +126,8 @@ void ConfigNode::mark_used() const {
 }
 
 void ConfigNode::fail(std::string_view sentence) const {
+  const ConfigOrigin origin = impl_->document->origins.of(impl_->path);
+  if (!origin.file.empty()) throw ConfigError(origin.text() + ": " + std::string(sentence));
   std::string where = file().string();
   if (line() > 0) where += ":" + std::to_string(line());
   if (!impl_->path.empty()) where += ": " + impl_->path;

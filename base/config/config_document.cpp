@@ -109,6 +109,7 @@ std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
                                                    const std::filesystem::path& name) {
   auto document = std::make_shared<ConfigDocument>();
   document->file = name;
+  document->origins = ConfigOrigins::read(text);
   TreeBuilder builder(name.string());
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/config/config_origin.hpp"
+
 namespace cas::base {
 
 /// One node of a parsed YAML document: what ConfigNode looks at.
@@ -33,6 +35,7 @@ struct ConfigTree {
 struct ConfigDocument {
   std::filesystem::path file;
   ConfigTree root;
+  ConfigOrigins origins;  ///< of a generated file: where its values came from
 };
 
 /// @throws ConfigError "NAME:LINE: sentence" for a text that is no YAML, repeats a key, holds more

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/config/config.hpp"
+#include "base/config/config_origin.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
@@ -174,6 +175,28 @@ TEST(ConfigFiles, AFolderIsNamed) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(message_of([&] { ConfigNode::load(folder.path()); }),
             folder.path().string() + ": is a folder, not a file");
+}
+
+TEST(ConfigOrigin, AnErrorOfACopyNamesThePlaceItWasCopiedFrom) {
+  const auto own = ConfigNode::parse("a: 1\nlist:\n  - {x: 1, y: 2}\n", "own.yaml");
+  const auto copy = ConfigNode::parse(
+      "schema: 1\nmine:\n  - {x: 1, y: 2, z: 3}\n" + origin_notes("mine", own.at("list")),
+      "generated.yaml");
+  const ConfigNode item = copy.at("mine").items()[0];
+  EXPECT_EQ(message_of([&] { item.at("y").fail("is odd"); }), "own.yaml:3: list[0].y: is odd");
+  EXPECT_EQ(message_of([&] { item.at("z").fail("is odd"); }), "own.yaml:3: list[0].z: is odd")
+      << "a key that the copy alone has is named by what stands above it";
+  EXPECT_EQ(message_of([&] { item.at("yy"); }), "own.yaml:3: list[0]: key 'yy' is missing");
+  EXPECT_EQ(message_of([&] { copy.at("schema").fail("is odd"); }),
+            "generated.yaml:1: schema: is odd");
+}
+
+TEST(ConfigOrigin, ACommentThatIsNoNoteSaysNothing) {
+  for (const char* comment : {"#: a <- nowhere", "#: a <- f.yaml:x: b", "#: a", "#: <- f:1: b",
+                              "#:", "#: a <- :1: b", "#: a <- : "}) {
+    const auto node = ConfigNode::parse(std::string("a: 1\n") + comment + "\n", "t.yaml");
+    EXPECT_EQ(message_of([&] { node.at("a").fail("is odd"); }), "t.yaml:1: a: is odd") << comment;
+  }
 }
 
 }  // namespace
