@@ -7,7 +7,8 @@
 
 namespace cas::base {
 
-/// A program's command port, control socket or UDP port that cannot be bound; `main` exits with
+/// A program's command port, control socket, UDP port or pseudo-terminal's link that is taken or
+/// cannot be bound; `main` exits with
 /// kExitCommandPort. Unlike a wrong configuration, it may be free when the program starts again.
 class CAS_BASE_EXPORT CommandPortError final : public ConfigError {
  public:

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/command_port.hpp"
 
 namespace cas::base {
 namespace {
@@ -131,7 +132,9 @@ PtyLock::PtyLock(std::filesystem::path link) : file_(lock_file(link)) {
     lock_ = Descriptor(
         ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, kReadable));
     if (!lock_) fail(file_);
-    if (!take(lock_.get())) throw ConfigError(link.string() + " is offered by another program");
+    if (!take(lock_.get())) {
+      throw CommandPortError(link.string() + " is offered by another program");
+    }
     // Its last owner may have unlinked the file between open and lock: then once more.
   } while (!is_at(lock_.get(), file_));
   if (!may_be_replaced(lock_.get())) {
