@@ -24,6 +24,7 @@
 #include "casd/topology/injection.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/topology.hpp"
+#include "casd/topology/topology_reference.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
@@ -175,6 +176,13 @@ int main(int argc, char** argv) {
   cli.set_version_flag("--version", std::string("casd ") + CAS_VERSION);
   cli.add_option("topology", flags.topology, "Links and routes (YAML)")->required();
   cli.add_flag("--check", flags.check, "Read the topology, say what is wrong, and end");
+  cli.add_flag_callback(
+      "--keys",
+      [] {
+        std::fputs(casd::topology_reference().c_str(), stdout);
+        throw CLI::Success();
+      },
+      "Print every key of a topology with its default and meaning, and end");
   cli.add_option("--ledger", flags.ledger,
                  "Write each HIL packet at each link to this file at the end");
   cli.add_flag("--lockstep", flags.lockstep,

@@ -60,7 +60,7 @@ LAYERS = {
 
     "base": SYSTEM,
     "base/time": SYSTEM | {"base"},
-    "base/config": SYSTEM | {"base", "yaml-cpp", "Eigen"},
+    "base/config": SYSTEM | {"base", "base/time", "yaml-cpp", "Eigen"},
     "base/earth": SYSTEM | {"base", "Eigen"},
     "base/os": SYSTEM | {"base", "base/config", "spdlog"},
     "base/measure": SYSTEM | rooms("base", "os time") | {"base"},

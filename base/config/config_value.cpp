@@ -9,6 +9,7 @@
 #include "base/config/config.hpp"
 #include "base/config/config_document.hpp"
 #include "base/config/config_impl.hpp"
+#include "base/config/config_whole.hpp"
 
 namespace cas::base {
 namespace {
@@ -82,24 +83,30 @@ Eigen::Matrix<double, N, 1> to_eigen(const ConfigNode& node) {
   return Eigen::Map<const Eigen::Matrix<double, N, 1>>(values.data());
 }
 
-std::string shortest(double value) {
+}  // namespace
+
+std::string number_text(double value) {
   char text[32];
   const auto result = std::to_chars(std::begin(text), std::end(text), value);
   return std::string(text, result.ptr);
 }
 
-void check_range(const ConfigNode& node, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  node.fail(shortest(value) + " must lie in [" + shortest(low) + ", " + shortest(high) + "]");
+double number_in(const ConfigNode& node, double low, double high) {
+  const double value = node.as<double>();
+  if (value >= low && value <= high) return value;
+  node.fail(number_text(value) + " must lie in [" + number_text(low) + ", " + number_text(high) +
+            "]");
 }
 
-}  // namespace
+std::int64_t whole_in(const ConfigNode& node, std::int64_t low, std::int64_t high) {
+  const auto value = node.as<std::int64_t>();
+  if (value >= low && value <= high) return value;
+  node.fail(std::to_string(value) + " must lie in [" + std::to_string(low) + ", " +
+            std::to_string(high) + "]");
+}
 
 double ConfigNode::require_in(std::string_view key, double low, double high) const {
-  const ConfigNode child = at(key);
-  const double value = child.as<double>();
-  check_range(child, value, low, high);
-  return value;
+  return number_in(at(key), low, high);
 }
 
 double ConfigNode::get_in(std::string_view key, double fallback, double low, double high) const {

@@ -9,14 +9,10 @@
 #include <string>
 #include <system_error>
 
+#include "base/config/config_whole.hpp"
 #include "base/os/log.hpp"
 
 namespace cas::base {
-namespace {
-
-constexpr int kLongest_us = 10'000;
-
-}  // namespace
 
 CpuLatencyRequest::CpuLatencyRequest(std::optional<int> most_us,
                                      const std::filesystem::path& device) {
@@ -34,11 +30,7 @@ CpuLatencyRequest::CpuLatencyRequest(std::optional<int> most_us,
 std::optional<int> parse_cpu_latency(const ConfigNode& node) {
   const auto key = node.find("cpu_dma_latency_us");
   if (!key) return std::nullopt;
-  const int most_us = key->as<int>();
-  if (most_us < 0 || most_us > kLongest_us) {
-    key->fail("must lie in [0, " + std::to_string(kLongest_us) + "]");
-  }
-  return most_us;
+  return static_cast<int>(whole_in(*key, 0, CpuLatencyRequest::kLongest_us));
 }
 
 }  // namespace cas::base

@@ -16,6 +16,7 @@ namespace cas::base {
 class CAS_BASE_EXPORT CpuLatencyRequest {
  public:
   static constexpr const char* kDevice = "/dev/cpu_dma_latency";
+  static constexpr int kLongest_us = 10'000;
 
   /// @param most_us  longest time to wake, microseconds; 0: the lightest idle state, which is to
   ///                 poll where the processor's driver has that (x86); nothing: no request
@@ -29,7 +30,7 @@ class CAS_BASE_EXPORT CpuLatencyRequest {
   Descriptor device_;
 };
 
-/// Reads `cpu_dma_latency_us` of `node`: 0 to 10 000, or nothing. @throws ConfigError
+/// Reads `cpu_dma_latency_us` of `node`: 0 to kLongest_us, or nothing. @throws ConfigError
 CAS_BASE_EXPORT std::optional<int> parse_cpu_latency(const ConfigNode& node);
 
 }  // namespace cas::base

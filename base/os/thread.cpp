@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "base/os/log.hpp"
+#include "base/os/thread_keys.hpp"
 
 namespace cas::base {
 namespace {
@@ -45,18 +46,7 @@ void set_affinity(const std::string& name, const std::vector<int>& cpus) {
 
 ThreadOptions parse_thread_options(const ConfigNode& node) {
   ThreadOptions options;
-  if (const auto priority = node.find("fifo_priority")) {
-    const int value = priority->as<int>();
-    if (value < 1 || value > 99) priority->fail("must lie in [1, 99]");
-    options.fifo_priority = value;
-  }
-  if (const auto cpus = node.find("cpus")) {
-    for (const ConfigNode& item : cpus->items()) {
-      const int cpu = item.as<int>();
-      if (cpu < 0 || cpu >= CPU_SETSIZE) item.fail("is no CPU number");
-      options.cpus.push_back(cpu);
-    }
-  }
+  read_keys(node, kThreadKeys, options);
   return options;
 }
 

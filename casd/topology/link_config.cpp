@@ -1,253 +1,270 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/link_config.hpp"
 
-#include <array>
+#include <tuple>
 
-#include "base/config/config.hpp"
-#include "base/config/config_whole.hpp"
+#include "base/config/config_keys.hpp"
 #include "base/os/host_port.hpp"
 #include "base/os/runtime_folder.hpp"
-#include "mavlink_gen/parser/diagnostics.hpp"
-#include "mavlink_gen/runtime/public_table.hpp"
+#include "base/os/thread_keys.hpp"
+#include "casd/topology/message_keys.hpp"
 
 namespace cas::casd {
 namespace {
 
-bool is_number(const std::string& text) {
-  return !text.empty() && text.size() <= 8 &&
-         text.find_first_not_of("0123456789") == std::string::npos;
-}
+using base::block;
+using base::ConfigNode;
+using base::Flag;
+using base::key;
+using base::PathBeside;
+using base::Range;
+using base::required;
+using base::Text;
+using base::Whole;
+using base::Words;
 
-[[noreturn]] void refuse_message(const base::ConfigNode& node, const std::string& text) {
-  std::vector<std::string_view> names;
-  for (const mav::MessageInfo& message : mav::public_table().all()) names.push_back(message.name);
-  const std::string near = mav::xml::suggestion(text, names);
-  node.fail("no public message has the name '" + text + "'" +
-            (near.empty() ? "; give its number if it is private" : near));
-}
+// Kinds that links alone have.
 
-constexpr std::array kTypes{LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial,
-                            LinkType::kTcp, LinkType::kTcpServer, LinkType::kTlog};
-
-LinkType parse_type(const base::ConfigNode& node) {
-  const auto word = node.as<std::string>();
-  for (const LinkType type : kTypes) {
-    if (word == to_string(type)) return type;
+struct LinkName : Text {
+  static void read(const ConfigNode& node, std::string& name) {
+    Text::read(node, name);
+    if (name.empty() || name == "any") node.fail("a link needs a name of its own");
   }
-  node.fail("'" + word + "' is none of udp, udp_server, serial, tcp, tcp_server, tlog");
-}
+};
 
-// "HOST:PORT" or "[V6]:PORT"; whether the host exists is found out when the link opens.
-std::string parse_endpoint(const base::ConfigNode& node) {
-  const auto text = node.as<std::string>();
-  const std::optional<base::HostPort> parts = base::parse_host_port(text);
-  if (!parts) node.fail("'" + text + "' is not HOST:PORT");
-  const std::string& port = parts->port;
-  const bool digits = port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
-  if (!digits || std::stoi(port) > 65535) node.fail("'" + port + "' is not a port");
-  return text;
-}
-
-std::string optional_endpoint(const base::ConfigNode& node, std::string_view key) {
-  const auto child = node.find(key);
-  return child ? parse_endpoint(*child) : std::string();
-}
-
-void parse_udp(const base::ConfigNode& node, LinkConfig& link) {
-  link.local = optional_endpoint(node, "local");
-  link.remote = optional_endpoint(node, "remote");
-  link.interface = node.get<std::string>("interface", "");
-  if (link.local.empty() && link.remote.empty()) node.fail("needs local, remote or both");
-}
-
-void parse_server(const base::ConfigNode& node, LinkConfig& link) {
-  link.local = parse_endpoint(node.at("local"));
-  link.interface = node.get<std::string>("interface", "");
-  link.max_peers = base::get_whole_in<int>(node, "max_peers", link.max_peers, 1, 64);
-  if (link.type == LinkType::kUdpServer) {
-    link.expiry =
-        base::from_seconds(node.get_in("expiry_s", base::to_seconds(link.expiry), 0.1, 86400));
+/// "HOST:PORT" or "[V6]:PORT"; whether the host exists is found out when the link opens.
+struct Endpoint : Text {
+  static void read(const ConfigNode& node, std::string& endpoint) {
+    Text::read(node, endpoint);
+    const std::optional<base::HostPort> parts = base::parse_host_port(endpoint);
+    if (!parts) node.fail("'" + endpoint + "' is not HOST:PORT");
+    const std::string& port = parts->port;
+    const bool digits = port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
+    if (!digits || std::stoi(port) > 65535) node.fail("'" + port + "' is not a port");
   }
-}
+  static std::string values() { return "HOST:PORT"; }
+  static std::array<std::string, 2> samples() { return {"'127.0.0.1:0'", "'127.0.0.2:0'"}; }
+};
 
-void parse_tcp(const base::ConfigNode& node, LinkConfig& link) {
-  link.remote = parse_endpoint(node.at("remote"));
-  link.interface = node.get<std::string>("interface", "");
-}
-
-std::string parse_device(const base::ConfigNode& node) {
-  const auto text = node.as<std::string>();
-  try {
-    return base::expand_variables(text);
-  } catch (const base::ConfigError& error) {
-    node.fail(error.what());
+struct Device : Text {
+  static void read(const ConfigNode& node, std::string& device) {
+    Text::read(node, device);
+    try {
+      device = base::expand_variables(device);
+    } catch (const base::ConfigError& error) {
+      node.fail(error.what());
+    }
   }
+};
+
+template <LinkType... types>
+constexpr auto type_words() {
+  return Words<LinkType, sizeof...(types)>{{{{to_string(types), types}...}}};
 }
 
-void parse_serial(const base::ConfigNode& node, LinkConfig& link) {
-  link.device = parse_device(node.at("device"));
-  link.baud = base::get_whole_in<unsigned>(node, "baud", 0, 0, 12'000'000);
-  link.flow_control = node.get<bool>("flow_control", false);
-  link.pace = node.get<bool>("pace", link.baud > 0);
-  link.pace_pty = link.pace && node.has("pace");
-  if (link.pace && link.baud == 0) node.at("pace").fail("a line without baud has no pace");
-  link.unlocked_pty = node.get<bool>("unlocked_pty", false);
-  constexpr double kLongestGap_ms = 20;
-  link.sensor_gap = base::from_seconds(1e-3 * node.get_in("sensor_gap_ms", 0, 0, kLongestGap_ms));
+// `signing`
+
+constexpr double kLongestFuture_s = 50 * 365 * 86400.0;
+
+constexpr std::tuple kSigningKeys{
+    required(key<&SigningConfig::key_file>(
+        "key_file", PathBeside{},
+        "its first line: 64 hexadecimal digits are the key, anything else of 16 characters or "
+        "more is a pass phrase (SHA-256, as ground stations do it)")),
+    key<&SigningConfig::link_id>("link_id", Whole{0, 255},
+                                 "in each signature: tells links of one key apart"),
+    key<&SigningConfig::verify>("verify", Flag{}, "false: only sign"),
+    key<&SigningConfig::sign>("sign", Flag{}, "false: only verify"),
+    key<&SigningConfig::allow_unsigned>(
+        "allow_unsigned", Messages{},
+        "messages that may come unsigned, RADIO_STATUS of a modem for example"),
+    key<&SigningConfig::max_future>(
+        "max_future_s", Range{0, kLongestFuture_s},
+        "how far a signed packet may be ahead of casd's clock; further ahead it is refused and "
+        "counted as `too_new`. 0: any, as MAVLink has it"),
+};
+
+void check_signing(const ConfigNode& node, const SigningConfig& signing) {
+  if (signing.verify) return;
+  for (const char* of_verifying : {"allow_unsigned", "max_future_s"}) {
+    if (const auto child = node.find(of_verifying)) child->fail("has no meaning without verify");
+  }
+  if (!signing.sign) node.fail("neither verifies nor signs");
 }
 
-void parse_tlog(const base::ConfigNode& node, LinkConfig& link) {
-  link.file = node.resolve(node.require<std::string>("file"));
-  link.speed = node.get_in("speed", link.speed, 0.01, 1000);
-  link.repeat = node.get<bool>("repeat", false);
-}
+// `queue`
 
-void parse_queue(const base::ConfigNode& node, TxQueueOptions& queue) {
-  const auto ms = [&](std::string_view key, base::Duration fallback) {
-    return base::from_seconds(node.get_in(key, base::to_seconds(fallback) * 1e3, 0.1, 60'000) /
-                              1e3);
-  };
-  const auto kib = [&](std::string_view key, std::size_t fallback) {
-    const auto low = 1.0;
-    return static_cast<std::size_t>(
-        node.get_in(key, static_cast<double>(fallback) / 1024, low, 65536) * 1024);
-  };
-  queue.hil_max_age = ms("hil_max_age_ms", queue.hil_max_age);
-  queue.gps_max_age = ms("gps_max_age_ms", queue.gps_max_age);
-  queue.setpoint_max_age = ms("setpoint_max_age_ms", queue.setpoint_max_age);
-  queue.telemetry_max_age = ms("telemetry_max_age_ms", queue.telemetry_max_age);
-  queue.command_bytes = kib("command_kib", queue.command_bytes);
-  queue.hil_bytes = kib("hil_kib", queue.hil_bytes);
-  queue.gps_bytes = kib("gps_kib", queue.gps_bytes);
-  queue.telemetry_bytes = kib("telemetry_kib", queue.telemetry_bytes);
-}
+constexpr Range kAge_ms{0.1, 60'000, 1e-3};
+constexpr Range kMemory_kib{1, 65536, 1024};
 
-AcceptRule parse_accept(const base::ConfigNode& node) {
-  AcceptRule rule;
-  if (!node.is_map()) {
+constexpr std::tuple kQueueKeys{
+    key<&TxQueueOptions::hil_max_age>("hil_max_age_ms", kAge_ms, "how long HIL packets wait"),
+    key<&TxQueueOptions::gps_max_age>("gps_max_age_ms", kAge_ms, "how long HIL_GPS waits"),
+    key<&TxQueueOptions::setpoint_max_age>(
+        "setpoint_max_age_ms", kAge_ms,
+        "how long setpoints wait; 500 ms is the time after which PX4 takes sticks for lost"),
+    key<&TxQueueOptions::telemetry_max_age>("telemetry_max_age_ms", kAge_ms,
+                                            "how long telemetry waits"),
+    key<&TxQueueOptions::command_bytes>("command_kib", kMemory_kib,
+                                        "memory for commands and parameters"),
+    key<&TxQueueOptions::hil_bytes>("hil_kib", kMemory_kib, "memory for HIL packets"),
+    key<&TxQueueOptions::gps_bytes>("gps_kib", kMemory_kib, "memory for HIL_GPS"),
+    key<&TxQueueOptions::telemetry_bytes>("telemetry_kib", kMemory_kib, "memory for telemetry"),
+};
+
+// `accept`
+
+constexpr std::tuple kAcceptKeys{
+    key<&AcceptRule::ground_station>(
+        "traffic", Words<bool, 1>{{{{"ground_station", true}}}, "not ground_station"},
+        "what ground stations say, and the `messages` that are named besides"),
+    key<&AcceptRule::messages>("messages", Messages{}, "these messages alone"),
+    key<&AcceptRule::systems>("systems", Ids{}, "these senders (system ids) alone"),
+    key<&AcceptRule::block_systems>("block_systems", Ids{}, "not these senders"),
+};
+
+/// `nothing`, or a block.
+struct Accept : base::Block<AcceptRule, decltype(kAcceptKeys)> {
+  void read(const ConfigNode& node, AcceptRule& rule) const {
+    if (node.is_map()) {
+      Block::read(node, rule);
+      if (rule == AcceptRule{}) {
+        node.fail("names neither traffic, messages, systems nor block_systems");
+      }
+      return;
+    }
     const auto word = node.as<std::string>();
     if (word != "nothing") {
       node.fail("'" + word +
                 "' is neither nothing nor {traffic, messages, systems, block_systems}");
     }
     rule.read_only = true;
-    return rule;
   }
-  if (const auto traffic = node.find("traffic")) {
-    const auto word = traffic->as<std::string>();
-    if (word != "ground_station") traffic->fail("'" + word + "' is not ground_station");
-    rule.ground_station = true;
+  static std::string text(const AcceptRule& /*all*/) { return "none"; }
+  static std::string values() { return "nothing, or a block"; }
+  static std::array<std::string, 2> samples() { return {"nothing", "{systems: [1]}"}; }
+};
+
+// Links by type.
+
+constexpr std::tuple kHeadKeys{
+    required(key<&LinkConfig::name>("name", LinkName{}, "one of its own; not `any`")),
+    required(
+        key<&LinkConfig::type>("type",
+                               type_words<LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial,
+                                          LinkType::kTcp, LinkType::kTcpServer, LinkType::kTlog>(),
+                               "its other keys follow from it")),
+};
+
+constexpr auto kLocal = key<&LinkConfig::local>("local", Endpoint{}, "where it is bound");
+constexpr auto kRemote = key<&LinkConfig::remote>(
+    "remote", Endpoint{}, "its peer; of UDP also a broadcast or multicast address");
+constexpr auto kInterface =
+    key<&LinkConfig::interface>("interface", Text{}, "network device that it is bound to", "any");
+constexpr auto kMaxPeers =
+    key<&LinkConfig::max_peers>("max_peers", Whole{1, 64}, "peers at one time");
+
+constexpr std::tuple kUdpKeys{kLocal, kRemote, kInterface};
+constexpr std::tuple kTcpKeys{required(kRemote), kInterface};
+constexpr std::tuple kTcpServerKeys{required(kLocal), kInterface, kMaxPeers};
+constexpr std::tuple kUdpServerKeys{
+    required(kLocal), kInterface, kMaxPeers,
+    key<&LinkConfig::expiry>("expiry_s", Range{0.1, 86400}, "silence that ends a peer")};
+
+constexpr std::tuple kSerialKeys{
+    required(key<&LinkConfig::device>("device", Device{},
+                                      "its path, in which `${NAME}` is a variable of the "
+                                      "environment; see [below](#pseudo-terminals)")),
+    key<&LinkConfig::baud>("baud", Whole{0, 12'000'000}, "0: USB, which has no rate of its own"),
+    key<&LinkConfig::flow_control>("flow_control", Flag{}, "RTS/CTS"),
+    key<&LinkConfig::pace>("pace", Flag{}, "no more is written than 98 % of `baud`; see below",
+                           "true where there is a `baud`"),
+    key<&LinkConfig::unlocked_pty>(
+        "unlocked_pty", Flag{},
+        "also takes a pseudo-terminal without a lock; see [below](#pseudo-terminals)"),
+    key<&LinkConfig::sensor_gap>("sensor_gap_ms", Range{0, 20, 1e-3},
+                                 "least time between two HIL_SENSOR, for controllers that stamp "
+                                 "them on arrival"),
+};
+
+constexpr std::tuple kTlogKeys{
+    required(key<&LinkConfig::file>("file", PathBeside{},
+                                    "a telemetry log, played as if its packets came in now; "
+                                    "nothing is sent to it")),
+    key<&LinkConfig::speed>("speed", Range{0.01, 1000}, "recorded seconds per second"),
+    key<&LinkConfig::repeat>("repeat", Flag{}, "from the start again at its end"),
+};
+
+constexpr std::tuple kCommonKeys{
+    key<&LinkConfig::max_bytes_s>("max_bytes_s", Range{0, 1e12}, "cap on what is sent; 0: none"),
+    key<&LinkConfig::pass_unknown>(
+        "unknown_messages",
+        Words<bool, 2>{{{{"pass", true}, {"drop", false}}}, "neither pass nor drop"},
+        "messages that no public dialect has", "pass, on serial lines drop"),
+    key<&LinkConfig::group>("group", Text{}, "redundant paths share the name of a group"),
+    key<&LinkConfig::accept>("accept", Accept{{kAcceptKeys}},
+                             "what the link takes in at all; see below"),
+    key<&LinkConfig::signing>("signing", block<SigningConfig>(kSigningKeys, check_signing),
+                              "MAVLink 2 signing of this link; see below"),
+    key<&LinkConfig::queue>("queue", block<TxQueueOptions>(kQueueKeys),
+                            "how long packets are worth sending, and their memory; see below"),
+    key<&LinkConfig::scheduling>("scheduling", block<base::ThreadOptions>(base::kThreadKeys),
+                                 "of the link's thread (`threads: per_link`), instead of casd's"),
+};
+
+/// Calls visit(keys) with those that links of a type have besides the common ones.
+template <class Visit>
+void with_keys_of(LinkType type, Visit&& visit) {
+  switch (type) {
+    case LinkType::kUdp:
+      return visit(kUdpKeys);
+    case LinkType::kUdpServer:
+      return visit(kUdpServerKeys);
+    case LinkType::kSerial:
+      return visit(kSerialKeys);
+    case LinkType::kTcp:
+      return visit(kTcpKeys);
+    case LinkType::kTcpServer:
+      return visit(kTcpServerKeys);
+    case LinkType::kTlog:
+      return visit(kTlogKeys);
   }
-  if (const auto messages = node.find("messages")) rule.messages = parse_messages(*messages);
-  rule.systems = parse_bytes(node, "systems");
-  rule.block_systems = parse_bytes(node, "block_systems");
-  if (rule == AcceptRule{}) node.fail("names neither traffic, messages, systems nor block_systems");
-  return rule;
 }
 
-constexpr double kLongestFuture_s = 50 * 365 * 86400.0;
-
-SigningConfig parse_signing(const base::ConfigNode& node) {
-  SigningConfig signing;
-  signing.key_file = node.resolve(node.require<std::string>("key_file"));
-  signing.link_id = base::get_whole_in<std::uint8_t>(node, "link_id", 0, 0, 255);
-  signing.verify = node.get<bool>("verify", true);
-  signing.sign = node.get<bool>("sign", true);
-  if (const auto list = node.find("allow_unsigned")) {
-    if (!signing.verify) list->fail("has no meaning without verify");
-    signing.allow_unsigned = parse_messages(*list);
-  }
-  if (const auto bound = node.find("max_future_s"); bound && !signing.verify) {
-    bound->fail("has no meaning without verify");
-  }
-  signing.max_future = base::from_seconds(
-      node.get_in("max_future_s", base::to_seconds(signing.max_future), 0, kLongestFuture_s));
-  if (!signing.verify && !signing.sign) node.fail("neither verifies nor signs");
-  return signing;
-}
-
-void parse_common(const base::ConfigNode& node, LinkConfig& link) {
-  link.max_bytes_s = node.get_in("max_bytes_s", 0, 0, 1e12);
-  link.pass_unknown = link.type != LinkType::kSerial;  // a socket has a checksum of its own
-  if (const auto unknown = node.find("unknown_messages")) {
-    const auto word = unknown->as<std::string>();
-    if (word != "pass" && word != "drop") unknown->fail("'" + word + "' is neither pass nor drop");
-    link.pass_unknown = word == "pass";
-  }
-  link.group = node.get<std::string>("group", "");
-  if (const auto accept = node.find("accept")) link.accept = parse_accept(*accept);
-  if (const auto signing = node.find("signing")) link.signing = parse_signing(*signing);
-  if (const auto queue = node.find("queue")) parse_queue(*queue, link.queue);
-  if (const auto scheduling = node.find("scheduling")) {
-    link.scheduling = base::parse_thread_options(*scheduling);
-  }
+// A pace that is left out follows from the baud rate, and does not hold a pseudo-terminal.
+void settle_pace(const ConfigNode& node, LinkConfig& link) {
+  const auto given = node.find("pace");
+  if (!given) link.pace = link.baud > 0;
+  link.pace_pty = given && link.pace;
+  if (link.pace && link.baud == 0) given->fail("a line without baud has no pace");
 }
 
 }  // namespace
 
-std::vector<base::ConfigNode> one_or_many(const base::ConfigNode& node) {
-  return node.is_list() ? node.items() : std::vector{node};
-}
-
-// Numbers may be of dialects that we do not know.
-std::uint32_t parse_message(const base::ConfigNode& node, const std::string& text) {
-  if (is_number(text)) {
-    const unsigned long id = std::stoul(text);
-    if (id > 0xFFFFFF) node.fail(text + " is beyond the message ids (24 bits)");
-    return static_cast<std::uint32_t>(id);
-  }
-  const mav::MessageInfo* known = mav::public_table().find(text);
-  if (known == nullptr) refuse_message(node, text);
-  return known->id;
-}
-
-std::vector<std::uint32_t> parse_messages(const base::ConfigNode& node) {
-  std::vector<std::uint32_t> ids;
-  for (const base::ConfigNode& entry : one_or_many(node)) {
-    ids.push_back(parse_message(entry, entry.as<std::string>()));
-  }
-  return ids;
-}
-
-std::vector<std::uint8_t> parse_bytes(const base::ConfigNode& node, std::string_view key) {
-  std::vector<std::uint8_t> ids;
-  const auto list = node.find(key);
-  if (!list) return ids;
-  for (const base::ConfigNode& entry : one_or_many(*list)) {
-    const int id = entry.as<int>();
-    if (id < 0 || id > 255) entry.fail(std::to_string(id) + " is not an id (0..255)");
-    ids.push_back(static_cast<std::uint8_t>(id));
-  }
-  return ids;
-}
-
-LinkConfig parse_link(const base::ConfigNode& node) {
+LinkConfig parse_link(const ConfigNode& node) {
   LinkConfig link;
-  link.name = node.require<std::string>("name");
-  if (link.name.empty() || link.name == "any")
-    node.at("name").fail("a link needs a name of its own");
-  link.type = parse_type(node.at("type"));
-  switch (link.type) {
-    case LinkType::kUdp:
-      parse_udp(node, link);
-      break;
-    case LinkType::kUdpServer:
-    case LinkType::kTcpServer:
-      parse_server(node, link);
-      break;
-    case LinkType::kTcp:
-      parse_tcp(node, link);
-      break;
-    case LinkType::kSerial:
-      parse_serial(node, link);
-      break;
-    case LinkType::kTlog:
-      parse_tlog(node, link);
-      break;
+  base::read_keys(node, kHeadKeys, link);
+  link.pass_unknown = link.type != LinkType::kSerial;  // a socket has a checksum of its own
+  with_keys_of(link.type, [&](const auto& keys) { base::read_keys(node, keys, link); });
+  if (link.type == LinkType::kUdp && link.local.empty() && link.remote.empty()) {
+    node.fail("needs local, remote or both");
   }
-  parse_common(node, link);
+  if (link.type == LinkType::kSerial) settle_pace(node, link);
+  base::read_keys(node, kCommonKeys, link);
   node.reject_unused();
   return link;
+}
+
+std::vector<base::KeyRow> link_rows(std::optional<LinkType> type) {
+  std::vector<base::KeyRow> rows;
+  const auto add = [&](const auto& keys) { base::add_rows(keys, LinkConfig{}, rows); };
+  if (type) {
+    with_keys_of(*type, add);
+  } else {
+    add(kHeadKeys);
+    add(kCommonKeys);
+  }
+  return rows;
 }
 
 }  // namespace cas::casd

@@ -17,7 +17,8 @@
 
 namespace cas::base {
 class ConfigNode;
-}
+struct KeyRow;
+}  // namespace cas::base
 
 namespace cas::casd {
 
@@ -76,16 +77,7 @@ struct LinkConfig {
 /// One entry of `links`. @throws base::ConfigError
 LinkConfig parse_link(const base::ConfigNode& node);
 
-/// One message or a list of them, by name or by number. @throws base::ConfigError
-std::vector<std::uint32_t> parse_messages(const base::ConfigNode& node);
-/// One message by its name or its number; `node` is named in the error. @throws base::ConfigError
-std::uint32_t parse_message(const base::ConfigNode& node, const std::string& text);
-
-/// `key` of `node`: one id from 0 to 255 or a list of them; empty without the key.
-/// @throws base::ConfigError
-std::vector<std::uint8_t> parse_bytes(const base::ConfigNode& node, std::string_view key);
-
-/// The entries of a list; anything else counts as its only entry.
-std::vector<base::ConfigNode> one_or_many(const base::ConfigNode& node);
+/// Keys of a link of that type, those of every link left out; without a type those of every link.
+std::vector<base::KeyRow> link_rows(std::optional<LinkType> type);
 
 }  // namespace cas::casd

@@ -6,100 +6,257 @@
 #include <string>
 #include <string_view>
 
-#include "base/config/config.hpp"
-#include "base/config/config_whole.hpp"
+#include "base/config/config_keys.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/os/cpu_latency.hpp"
+#include "base/os/thread_keys.hpp"
 #include "casd/tlog/tlog_name.hpp"
 #include "casd/topology/line_budget.hpp"
+#include "casd/topology/message_keys.hpp"
 
 namespace cas::casd {
 namespace {
 
 constexpr int kSchema = 1;
 
-ThreadModel parse_threads(const base::ConfigNode& node) {
-  const auto word = node.as<std::string>();
-  for (const ThreadModel model :
-       {ThreadModel::kPerLink, ThreadModel::kSingle, ThreadModel::kBlocking}) {
-    if (word == to_string(model)) return model;
-  }
-  node.fail("'" + word + "' is none of per_link, single, blocking");
-}
+using base::block;
+using base::ConfigNode;
+using base::Flag;
+using base::key;
+using base::PathBeside;
+using base::Range;
+using base::ReadApart;
+using base::Text;
+using base::Whole;
+using base::Words;
 
-Pace parse_pace(const base::ConfigNode& node) {
-  const auto word = node.as<std::string>();
-  if (word == "realtime") return Pace::kRealtime;
-  if (word == "lockstep") return Pace::kLockstep;
-  node.fail("'" + word + "' is none of realtime, lockstep");
-}
+// Kinds that a topology alone has.
 
-std::uint8_t parse_id(const base::ConfigNode& root, std::string_view key, std::uint8_t fallback) {
-  return base::get_whole_in<std::uint8_t>(root, key, fallback, 1, 255);
-}
-
-CommandPortConfig parse_command_port(const base::ConfigNode& node) {
-  CommandPortConfig port;
-  port.address = node.get<std::string>("address", port.address);
-  port.port = base::get_whole_in<std::uint16_t>(node, "port", port.port, 0, 65535);
-  if (const auto path = node.find("unix")) {
-    const auto text = path->as<std::string>();
-    if (text.empty()) path->fail("is empty; `none` means no Unix socket");
-    port.unix_path = text == "none" ? "" : text;
-  }
-  if (const auto group = node.find("unix_group")) {
-    port.unix_group = group->as<std::string>();
-    if (port.unix_path && port.unix_path->empty()) group->fail("has no meaning with `unix: none`");
-  }
-  if (node.has("token_file"))
-    port.token_file = node.resolve(node.require<std::string>("token_file"));
-  port.loopback_without_token = node.get<bool>("loopback_without_token", false);
-  return port;
-}
-
-MetricsConfig parse_metrics(const base::ConfigNode& node) {
-  MetricsConfig metrics;
-  metrics.address = node.get<std::string>("address", metrics.address);
-  metrics.port = base::get_whole_in<std::uint16_t>(node, "port", metrics.port, 0, 65535);
-  return metrics;
-}
-
-CommandingConfig parse_commanding(const base::ConfigNode& node) {
-  CommandingConfig commanding;
-  commanding.heartbeat_hz = node.get_in("heartbeat_hz", commanding.heartbeat_hz, 0, 100);
-  commanding.allow_not_hil = node.get<bool>("allow_not_hil", false);
-  return commanding;
-}
-
-/// A recording stops before the disk is full, where it would take others with it.
-constexpr double kFreeSpaceMin_mib = 64;
-
-std::uint64_t parse_mib(const base::ConfigNode& node, std::string_view key, double fallback) {
-  return static_cast<std::uint64_t>(node.get_in(key, fallback, 0, 1e8) * 1024 * 1024);
-}
-
-TlogConfig parse_log(const base::ConfigNode& node) {
-  TlogConfig log;
-  if (const auto tlog = node.find("tlog")) {
-    log.tlog = tlog->as<std::string>();
-    const std::string fault = tlog_name_fault(log.tlog);
-    if (!fault.empty()) {
-      tlog->fail("'" + log.tlog + "' " + fault + "; it is a name, and its folder is `folder`");
+/// As `tcdrain` looks: once a tick, or at the moment itself.
+struct DrainTick : Range {
+  void read(const ConfigNode& node, base::Duration& tick) const {
+    Range::read(node, tick);
+    if (tick > base::Duration{} && tick < LineDrain::kLeastTick) {
+      node.fail("the kernel's tick is 0 (none) or at least 0.1 ms");
     }
   }
-  log.folder = node.get<std::string>("folder", default_tlog_folder());
-  log.rotation.max_bytes = parse_mib(node, "rotate_mib", 0);
-  log.rotation.max_age = base::from_seconds(node.get_in("rotate_minutes", 0, 0, 1e6) * 60);
-  log.rotation.keep = base::get_whole_in<int>(node, "keep", 0, 0, 1'000'000);
-  log.limits.max_bytes = parse_mib(node, "max_mib", 0);
-  log.limits.free_space_min_bytes = parse_mib(node, "free_space_min_mib", kFreeSpaceMin_mib);
-  log.while_armed = node.get<bool>("while_armed", false);
-  log.overwrite = node.get<bool>("overwrite", false);
+};
+
+/// A socket's path; empty: none.
+struct UnixSocket : Text {
+  static void read(const ConfigNode& node, std::filesystem::path& path) {
+    const auto text = node.as<std::string>();
+    if (text.empty()) node.fail("is empty; `none` means no Unix socket");
+    path = text == "none" ? "" : text;
+  }
+  static std::string text(const std::filesystem::path& path) { return path.string(); }
+};
+
+struct TlogName : Text {
+  static void read(const ConfigNode& node, std::string& name) {
+    Text::read(node, name);
+    const std::string fault = tlog_name_fault(name);
+    if (!fault.empty()) {
+      node.fail("'" + name + "' " + fault + "; it is a name, and its folder is `folder`");
+    }
+  }
+};
+
+struct Folder : Text {
+  static void read(const ConfigNode& node, std::filesystem::path& folder) {
+    folder = node.as<std::string>();
+  }
+  static std::string text(const std::filesystem::path& folder) { return folder.string(); }
+};
+
+/// A file that may lie among the shipped ones.
+struct ConfigFile : Text {
+  static void read(const ConfigNode& node, std::filesystem::path& file) {
+    file = base::find_config(node);
+  }
+  static std::string text(const std::filesystem::path& /*none*/) { return "none"; }
+  static std::array<std::string, 2> samples() { return {"$DIR/a", "$DIR/b"}; }
+};
+
+constexpr Words<ThreadModel, 3> kThreadModels{{{{"per_link", ThreadModel::kPerLink},
+                                                {"single", ThreadModel::kSingle},
+                                                {"blocking", ThreadModel::kBlocking}}}};
+constexpr Words<Pace, 2> kPaces{{{{"realtime", Pace::kRealtime}, {"lockstep", Pace::kLockstep}}}};
+
+// Blocks
+
+constexpr Whole kPort{0, 65535};
+
+constexpr std::tuple kCommandPortKeys{
+    key<&CommandPortConfig::address>("address", Text{}, "JSON-RPC over TCP"),
+    key<&CommandPortConfig::port>("port", kPort, "0 takes a free one"),
+    key<&CommandPortConfig::unix_path>("unix", UnixSocket{},
+                                       "path of a Unix socket, or `none`; see below", "see below"),
+    key<&CommandPortConfig::unix_group>(
+        "unix_group", Text{}, "whose members may connect to the Unix socket", "see below"),
+    key<&CommandPortConfig::token_file>("token_file", PathBeside{},
+                                        "what TCP clients must know, made where it is missing",
+                                        "see below"),
+    key<&CommandPortConfig::loopback_without_token>("loopback_without_token", Flag{},
+                                                    "TCP clients of this machine need no token"),
+};
+
+void check_command_port(const ConfigNode& node, const CommandPortConfig& port) {
+  const auto group = node.find("unix_group");
+  if (group && port.unix_path && port.unix_path->empty()) {
+    group->fail("has no meaning with `unix: none`");
+  }
+}
+
+constexpr std::tuple kMetricsKeys{
+    key<&MetricsConfig::address>("address", Text{},
+                                 "readable for everybody who reaches the address"),
+    key<&MetricsConfig::port>("port", kPort, "0 takes a free one"),
+};
+
+constexpr std::tuple kCommandingKeys{
+    key<&CommandingConfig::heartbeat_hz>("heartbeat_hz", Range{0, 100}, "own HEARTBEAT; 0: none"),
+    key<&CommandingConfig::allow_not_hil>("allow_not_hil", Flag{},
+                                          "consent to arm a vehicle that is not in HIL"),
+};
+
+constexpr double kMib = 1024 * 1024;
+/// A recording stops before the disk is full, where it would take others with it.
+constexpr std::uint64_t kFreeSpaceMin = 64 * 1024 * 1024;
+
+constexpr std::tuple kLogKeys{
+    key<&TlogConfig::tlog>("tlog", TlogName{},
+                           "a recording of that name begins with casd, or with each flight"),
+    key<&TlogConfig::folder>("folder", Folder{},
+                             "the folder of all recordings, made where it alone is missing",
+                             "`$LOGS_DIRECTORY` (the service has /var/log/cas), else the working "
+                             "folder"),
+    key<&TlogConfig::rotation, &TlogRotation::max_bytes>(
+        "rotate_mib", Range{0, 1e8, kMib},
+        "a file of that size is followed by the next, DATE-NAME.1.tlog; 0: any"),
+    key<&TlogConfig::rotation, &TlogRotation::max_age>(
+        "rotate_minutes", Range{0, 1e6, 60}, "a file of that age is followed by the next; 0: any"),
+    key<&TlogConfig::rotation, &TlogRotation::keep>("keep", Whole{0, 1'000'000},
+                                                    "files of one recording that stay; 0: all"),
+    key<&TlogConfig::limits, &TlogLimits::max_bytes>(
+        "max_mib", Range{0, 1e8, kMib},
+        "a recording pauses when all .tlog files of the folder would take more; 0: any"),
+    key<&TlogConfig::limits, &TlogLimits::free_space_min_bytes>(
+        "free_space_min_mib", Range{0, 1e8, kMib},
+        "a recording pauses when less would stay free on the disk"),
+    key<&TlogConfig::while_armed>("while_armed", Flag{},
+                                  "a recording whenever a vehicle is armed; see below"),
+    key<&TlogConfig::overwrite>("overwrite", Flag{},
+                                "the recording from the start is NAME.tlog itself, over the old "
+                                "file"),
+};
+
+void check_log(const ConfigNode& node, const TlogConfig& log) {
   if (log.overwrite && log.while_armed) {
     node.at("overwrite").fail("each flight of while_armed has a file of its own");
   }
-  return log;
 }
+
+// casd itself. A reload refuses other values of these,
+
+constexpr Whole kId{1, 255};
+
+constexpr std::tuple kRestartKeys{
+    key<&Topology::self, &mav::Source::system>("system_id", kId, "casd as a ground station"),
+    key<&Topology::self, &mav::Source::component>("component_id", kId, "its component"),
+    key<&Topology::threads>("threads", kThreadModels,
+                            "a thread for each link, one event loop, or one thread that waits for "
+                            "the line (for comparison)"),
+    key<&Topology::drain_tick>("drain_tick_ms", DrainTick{{0, 10, 1e-3}},
+                               "with `threads: blocking`: how often the thread looks whether the "
+                               "line is through; 0: woken the moment it is"),
+    key<&Topology::pace>("pace", kPaces,
+                         "`lockstep`: casd's station runs on the time of the HIL_SENSOR stream, "
+                         "lines are not paced and nothing in a queue grows old "
+                         "([simulator.md](simulator.md#lockstep)); `--lockstep` does the same"),
+    key<&Topology::scheduling>("scheduling", block<base::ThreadOptions>(base::kThreadKeys),
+                               "of the link threads"),
+    key<&Topology::lock_memory>("lock_memory", Flag{}, "keeps casd's memory from being paged out"),
+    key<&Topology::cpu_dma_latency_us>(
+        "cpu_dma_latency_us", Whole{0, base::CpuLatencyRequest::kLongest_us},
+        "longest time that an idle processor may take to wake while casd runs; 0: the lightest "
+        "idle state there is, on x86 it polls, which costs power "
+        "([operations.md](operations.md#real-time))"),
+    key<&Topology::route_lifetime>("route_lifetime_s", Range{1, 86400},
+                                   "a system that was silent for longer is no target any more"),
+    key<&Topology::command_port>(
+        "command_port", block<CommandPortConfig>(kCommandPortKeys, check_command_port), ""),
+    key<&Topology::metrics>("metrics", block<MetricsConfig>(kMetricsKeys),
+                            "figures for Prometheus at `http://ADDRESS:PORT/metrics`; see below"),
+    key<&Topology::log>("log", block<TlogConfig>(kLogKeys, check_log), ""),
+};
+
+// and puts those of these in force.
+
+constexpr std::tuple kReloadKeys{
+    key<&Topology::commanding>("commanding", block<CommandingConfig>(kCommandingKeys), ""),
+    key<&Topology::dialect>("dialect", ConfigFile{},
+                            "MAVLink XML (with what it includes): names and values of its messages "
+                            "are shown without a rebuild, before those of casd's own dialect"),
+    key<&Topology::gains>("gains", ConfigFile{}, "loop name -> parameter names, per autopilot",
+                          "the shipped ones"),
+    key<&Topology::links>("links", ReadApart{"list"}, "see below"),
+    key<&Topology::routes>("routes", ReadApart{"list"}, "see below", "all to all"),
+};
+
+/// As it is where the file is silent.
+Topology standard_topology() {
+  Topology topology;
+  topology.log.folder = default_tlog_folder();
+  topology.log.limits.free_space_min_bytes = kFreeSpaceMin;
+  return topology;
+}
+
+// Routes
+
+constexpr std::tuple kRateKeys{
+    key<&RateRule::max_hz>("max_hz", Range{0, 1e6}, "packets a second that pass; 0: any"),
+    key<&RateRule::every>("every", Whole{1, 1'000'000}, "each n-th passes"),
+};
+
+/// message -> `max_hz`, or a block.
+struct RatesOf : base::Block<RateRule, decltype(kRateKeys)> {
+  void read(const ConfigNode& node, std::vector<RateRule>& rates) const {
+    for (const auto& [message, entry] : node.entries()) {
+      RateRule& rate = rates.emplace_back(RateRule{.message_id = parse_message(entry, message)});
+      if (entry.is_map()) {
+        Block::read(entry, rate);
+      } else {
+        rate.max_hz = entry.as<double>();
+      }
+      if (rate.max_hz <= 0 && rate.every == 1) {
+        entry.fail("needs max_hz above 0, or every above 1");
+      }
+    }
+  }
+  static std::string text(const std::vector<RateRule>& /*none*/) { return "none"; }
+  static std::string values() { return "message -> `max_hz`, or a block"; }
+  static std::array<std::string, 2> samples() { return {"{HEARTBEAT: 1}", "{HEARTBEAT: 2}"}; }
+};
+
+constexpr ReadApart kLinks{"a link, a list, or `any`"};
+
+constexpr std::tuple kRouteKeys{
+    base::required(key<&RouteConfig::from>("from", kLinks, "where packets come from")),
+    base::required(key<&RouteConfig::to>("to", kLinks, "where they go")),
+};
+
+constexpr std::tuple kRuleKeys{
+    key<&ForwardRule::allow>("allow", Messages{}, "these messages alone", "all"),
+    key<&ForwardRule::block>("block", Messages{}, "not these messages"),
+    key<&ForwardRule::allow_systems>("allow_systems", Ids{}, "these systems (of the sender) alone",
+                                     "all"),
+    key<&ForwardRule::block_systems>("block_systems", Ids{}, "not these systems"),
+    key<&ForwardRule::allow_components>("allow_components", Ids{},
+                                        "these components (of the sender) alone", "all"),
+    key<&ForwardRule::block_components>("block_components", Ids{}, "not these components"),
+    key<&ForwardRule::rates>("rates", RatesOf{{kRateKeys}}, "thins messages out"),
+};
 
 std::string listed(const std::vector<LinkConfig>& links) {
   std::string names;
@@ -124,34 +281,6 @@ std::vector<std::string> parse_link_names(const base::ConfigNode& node,
   return names;
 }
 
-RateRule parse_rate(const std::string& message, const base::ConfigNode& node) {
-  RateRule rate{.message_id = parse_message(node, message)};
-  if (!node.is_map()) {
-    rate.max_hz = node.as<double>();
-  } else {
-    rate.max_hz = node.get_in("max_hz", 0, 0, 1e6);
-    rate.every = base::get_whole_in<unsigned>(node, "every", 1, 1, 1'000'000);
-  }
-  if (rate.max_hz <= 0 && rate.every == 1) node.fail("needs max_hz above 0, or every above 1");
-  return rate;
-}
-
-ForwardRule parse_rule(const base::ConfigNode& node) {
-  ForwardRule rule;
-  if (const auto allow = node.find("allow")) rule.allow = parse_messages(*allow);
-  if (const auto block = node.find("block")) rule.block = parse_messages(*block);
-  rule.allow_systems = parse_bytes(node, "allow_systems");
-  rule.block_systems = parse_bytes(node, "block_systems");
-  rule.allow_components = parse_bytes(node, "allow_components");
-  rule.block_components = parse_bytes(node, "block_components");
-  if (const auto rates = node.find("rates")) {
-    for (const auto& [message, entry] : rates->entries()) {
-      rule.rates.push_back(parse_rate(message, entry));
-    }
-  }
-  return rule;
-}
-
 bool is_of_type(const std::vector<LinkConfig>& links, const std::string& name, LinkType type) {
   return std::any_of(links.begin(), links.end(), [&](const LinkConfig& link) {
     return link.name == name && link.type == type;
@@ -168,7 +297,8 @@ std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
                                      const std::vector<LinkConfig>& links) {
   const auto from = parse_link_names(node.at("from"), links);
   const auto to = parse_link_names(node.at("to"), links);
-  const ForwardRule rule = parse_rule(node);
+  ForwardRule rule;
+  base::read_keys(node, kRuleKeys, rule);
   node.reject_unused();
 
   // `any` and lists leave out the way back to the sender; spelt out, it links a server's peers.
@@ -248,17 +378,7 @@ void pace_tight_lines(Topology& topology) {
 
 }  // namespace
 
-std::string_view to_string(ThreadModel model) {
-  switch (model) {
-    case ThreadModel::kPerLink:
-      return "per_link";
-    case ThreadModel::kSingle:
-      return "single";
-    case ThreadModel::kBlocking:
-      return "blocking";
-  }
-  return "?";
-}
+std::string_view to_string(ThreadModel model) { return kThreadModels.word(model); }
 
 Topology Topology::load(const std::filesystem::path& file) {
   return parse(base::ConfigNode::load(file));
@@ -268,36 +388,13 @@ Topology Topology::parse(const base::ConfigNode& root) {
   if (const int schema = root.require<int>("schema"); schema != kSchema) {
     root.at("schema").fail("schema " + std::to_string(schema) + " is not 1");
   }
-  Topology topology;
-  topology.self = {parse_id(root, "system_id", topology.self.system),
-                   parse_id(root, "component_id", topology.self.component)};
-  if (const auto node = root.find("threads")) topology.threads = parse_threads(*node);
-  const double tick_ms = 1e3 * base::to_seconds(topology.drain_tick);
-  topology.drain_tick = base::from_seconds(1e-3 * root.get_in("drain_tick_ms", tick_ms, 0, 10));
-  if (topology.drain_tick > base::Duration{} && topology.drain_tick < LineDrain::kLeastTick) {
-    root.at("drain_tick_ms").fail("the kernel's tick is 0 (none) or at least 0.1 ms");
-  }
-  if (const auto node = root.find("scheduling")) {
-    topology.scheduling = base::parse_thread_options(*node);
-  }
-  topology.lock_memory = root.get<bool>("lock_memory", false);
-  topology.cpu_dma_latency_us = base::parse_cpu_latency(root);
-  topology.route_lifetime = base::from_seconds(
-      root.get_in("route_lifetime_s", base::to_seconds(topology.route_lifetime), 1, 86400));
-  if (const auto node = root.find("command_port")) {
-    topology.command_port = parse_command_port(*node);
-  }
-  if (const auto node = root.find("metrics")) topology.metrics = parse_metrics(*node);
-  if (const auto node = root.find("commanding")) topology.commanding = parse_commanding(*node);
+  Topology topology = standard_topology();
+  base::read_keys(root, kRestartKeys, topology);
+  base::read_keys(root, kReloadKeys, topology);
   topology.links = parse_links(root);
   topology.routes = parse_routes(root, topology.links);
   pace_tight_lines(topology);
-  topology.log = parse_log(root.find("log").value_or(base::ConfigNode::empty()));
-  if (const auto dialect = root.find("dialect")) topology.dialect = base::find_config(*dialect);
-  if (const auto gains = root.find("gains")) topology.gains = base::find_config(*gains);
-  if (const auto pace = root.find("pace"); pace && parse_pace(*pace) == Pace::kLockstep) {
-    topology.set_lockstep();
-  }
+  if (topology.pace == Pace::kLockstep) topology.set_lockstep();
   root.reject_unused();
   return topology;
 }
@@ -313,33 +410,16 @@ void Topology::set_lockstep() {
 }
 
 std::vector<std::string> restart_keys(const Topology& in_force, const Topology& next) {
-  const Topology& was = in_force;
   std::vector<std::string> keys;
-  const auto compare = [&keys](const char* key, const auto& before, const auto& after) {
-    if (before != after) keys.emplace_back(key);
-  };
-  compare("system_id", was.self.system, next.self.system);
-  compare("component_id", was.self.component, next.self.component);
-  compare("threads", was.threads, next.threads);
-  compare("drain_tick_ms", was.drain_tick, next.drain_tick);
-  compare("pace", was.pace, next.pace);
-  compare("scheduling", was.scheduling, next.scheduling);
-  compare("lock_memory", was.lock_memory, next.lock_memory);
-  compare("cpu_dma_latency_us", was.cpu_dma_latency_us, next.cpu_dma_latency_us);
-  compare("route_lifetime_s", was.route_lifetime, next.route_lifetime);
-  compare("command_port", was.command_port, next.command_port);
-  compare("metrics", was.metrics, next.metrics);
-  compare("log", was.log, next.log);
+  base::for_each_key(kRestartKeys, [&](const auto& each) {
+    if (each.of(in_force) != each.of(next)) keys.emplace_back(each.name);
+  });
   if (!keys.empty()) return keys;
 
-  // A field that the list above forgets is refused too: only these are known to change in place.
+  // A field that no key sets is refused too: only these are known to change in place.
   Topology fixed = next;
-  fixed.links = was.links;
-  fixed.routes = was.routes;
-  fixed.commanding = was.commanding;
-  fixed.dialect = was.dialect;
-  fixed.gains = was.gains;
-  if (fixed != was) keys.push_back("topology");
+  base::for_each_key(kReloadKeys, [&](const auto& each) { each.of(fixed) = each.of(in_force); });
+  if (fixed != in_force) keys.emplace_back("topology");
   return keys;
 }
 
@@ -349,6 +429,25 @@ void refuse_restart_keys(const Topology& in_force, const Topology& next,
   if (keys.empty()) return;
   if (const auto node = root.find(keys.front())) node->fail("takes a restart");
   root.fail(keys.front() + ": takes a restart");  // the key was taken out
+}
+
+std::vector<base::KeyRow> restart_rows() {
+  std::vector<base::KeyRow> rows;
+  base::add_rows(kRestartKeys, standard_topology(), rows);
+  return rows;
+}
+
+std::vector<base::KeyRow> reload_rows() {
+  std::vector<base::KeyRow> rows;
+  base::add_rows(kReloadKeys, standard_topology(), rows);
+  return rows;
+}
+
+std::vector<base::KeyRow> route_rows() {
+  std::vector<base::KeyRow> rows;
+  base::add_rows(kRouteKeys, RouteConfig{}, rows);
+  base::add_rows(kRuleKeys, ForwardRule{}, rows);
+  return rows;
 }
 
 }  // namespace cas::casd

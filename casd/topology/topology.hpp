@@ -18,7 +18,8 @@
 
 namespace cas::base {
 class ConfigNode;
-}
+struct KeyRow;
+}  // namespace cas::base
 
 namespace cas::casd {
 
@@ -108,5 +109,12 @@ std::vector<std::string> restart_keys(const Topology& in_force, const Topology& 
 /// The same with the place in the file. @throws base::ConfigError "FILE:LINE: key: sentence"
 void refuse_restart_keys(const Topology& in_force, const Topology& next,
                          const base::ConfigNode& root);
+
+/// Keys of a topology that a restart alone changes.
+std::vector<base::KeyRow> restart_rows();
+/// Keys that a reload puts in force.
+std::vector<base::KeyRow> reload_rows();
+/// Keys of one entry of `routes`.
+std::vector<base::KeyRow> route_rows();
 
 }  // namespace cas::casd

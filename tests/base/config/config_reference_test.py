@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Holds docs/config.md and docs/plugins.md to the parsers: a key that is read is described in the section of its
-file, and a key that a table or an example there names stands in the sources of that program.
+file, and a key that a table or an example there names stands in the sources of that program. The tables of a
+topology are casd's own words (tests/casd/topology/topology_keys_test.cpp).
 
 Usage: config_reference_test.py [SOURCE_TREE]
 """
@@ -16,9 +17,8 @@ ROOT = ROOT if ROOT.is_dir() else ROOT.parents[3]
 # Section of a page -> the files that read its keys.
 SECTIONS = {
     ("config", "Scenario"): ["hils/scenario/*.cpp", "hils/flight/flight_step.cpp"],
-    ("config", "Simulation"): ["libsim/core/load/sim_config.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp",
+    ("config", "Simulation"): ["libsim/core/load/sim_config.cpp", "base/os/cpu_latency.cpp", "base/os/thread_keys.hpp",
                                  "base/config/sensor_set.cpp"],
-    ("config", "Topology"): ["casd/topology/*.cpp", "base/os/cpu_latency.cpp", "base/os/thread.cpp"],
     ("config", "Controller"): ["fcu/core/fcu_config.cpp", "fcu/line/line_model.cpp"],
     ("config", "Vehicle"): ["base/config/vehicle.cpp"],
     ("plugins", "imu"): ["plugins/imu/*.cpp"],
@@ -36,7 +36,7 @@ FURTHER = {("config", "Simulation"): ["plugins/mavlink_interface/*.cpp"],
            ("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/core/*.cpp", "casd/station/*.cpp"]}
 
 # Functions that take a key, by the beginning of their names.
-READERS = r"(?:at|find|has|get|require|optional|parse|positive|non_negative|microseconds|ms|kib|handed_on|place|offer)"
+READERS = r"(?:at|find|has|get|require|optional|parse|positive|non_negative|microseconds|ms|kib|handed_on|place|offer|key)"
 READ = re.compile(READERS + r"\w*(?:<[^>]*>)?\(\s*(?:\*?[\w.]+,\s*)?\"([a-z]\w*)\"")
 WORD = re.compile(r"[A-Za-z]\w*")
 
@@ -99,7 +99,7 @@ def words_near(globs):
     words = set()
     parts = [pathlib.PurePath(pattern).parts for pattern in globs]
     for folder in {"/".join(part[:2] if part[0] == "plugins" else part[:1]) for part in parts}:
-        for file in (ROOT / folder).rglob("*.cpp"):
+        for file in (ROOT / folder).rglob("*.?pp"):
             words.update(re.findall(r'"([A-Za-z]\w*)"', file.read_text()))
     return words
 

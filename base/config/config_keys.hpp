@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "base/config/config.hpp"
+#include "base/config/config_whole.hpp"
+#include "base/time/clock.hpp"
+
+/// Each key of a configuration struct stated once, in a tuple of Key: its name, the member that it
+/// sets, what it may be, and what it means. From that one list a file is read (read_keys), values
+/// are compared key by key (for_each_key), and the reference is written (add_rows).
+namespace cas::base {
+
+/// A key as a reference shows it.
+struct KeyRow {
+  std::string key;                     ///< path from the struct: "queue.hil_kib"
+  std::string standard;                ///< its default; empty for a key that must be given
+  std::string values;                  ///< "0.1 to 60000"; empty: any text
+  std::string help;                    ///< what it means
+  std::array<std::string, 2> samples;  ///< two values, as YAML; empty for a whole block
+  bool required = false;
+};
+
+/// One key. `Steps` are the pointers to members that lead from the struct to the value.
+template <class KeyKind, auto... Steps>
+struct Key {
+  using Kind = KeyKind;
+  std::string_view name;
+  KeyKind kind;
+  std::string_view help;
+  std::string_view standard{};  ///< default in words, where the struct's value does not show it
+  bool required = false;
+
+  template <class Struct>
+  static constexpr auto& of(Struct& whole) {
+    return (whole.*....*Steps);
+  }
+};
+
+template <auto... Steps, class Kind>
+constexpr Key<Kind, Steps...> key(std::string_view name, Kind kind, std::string_view help,
+                                  std::string_view standard = {}) {
+  return {name, kind, help, standard};
+}
+
+/// The same key where it must be given.
+template <class Kind, auto... Steps>
+constexpr Key<Kind, Steps...> required(Key<Kind, Steps...> key) {
+  key.required = true;
+  return key;
+}
+
+/// Calls visit(key) for each key of a list.
+template <class Keys, class Visit>
+constexpr void for_each_key(const Keys& keys, Visit&& visit) {
+  std::apply([&](const auto&... each) { (visit(each), ...); }, keys);
+}
+
+// Kinds. Each reads a value from its node and shows one.
+
+/// A key that its owner reads: the others of the struct have to be known for it.
+struct ReadApart {
+  std::string_view possible;
+  std::array<std::string_view, 2> examples{};
+
+  template <class T>
+  static std::string text(const T& /*value*/) {
+    return {};
+  }
+  std::string values() const { return std::string(possible); }
+  std::array<std::string, 2> samples() const {
+    return {std::string(examples[0]), std::string(examples[1])};
+  }
+};
+
+struct Flag {
+  static void read(const ConfigNode& node, bool& value) { value = node.as<bool>(); }
+  static std::string text(bool value) { return value ? "true" : "false"; }
+  static std::string values() { return "true, false"; }
+  static std::array<std::string, 2> samples() { return {"true", "false"}; }
+};
+
+struct Text {
+  static void read(const ConfigNode& node, std::string& value) { value = node.as<std::string>(); }
+  static std::string text(const std::string& value) { return value.empty() ? "none" : value; }
+  static std::string values() { return {}; }
+  static std::array<std::string, 2> samples() { return {"a", "b"}; }
+};
+
+/// A path; a relative one counts from the folder of the file that names it.
+struct PathBeside {
+  static void read(const ConfigNode& node, std::filesystem::path& value) {
+    value = node.resolve(node.as<std::string>());
+  }
+  static std::string text(const std::filesystem::path& value) { return Text::text(value.string()); }
+  static std::string values() { return {}; }
+  static std::array<std::string, 2> samples() { return Text::samples(); }
+};
+
+/// A number in [low, high]; `T` is double, or what `unit` of it make: a Duration (unit in seconds)
+/// or bytes.
+struct Range {
+  double low;
+  double high;
+  double unit = 1;
+
+  template <class T>
+  void read(const ConfigNode& node, T& value) const {
+    const double number = number_in(node, low, high) * unit;
+    if constexpr (std::is_same_v<T, Duration>) {
+      value = from_seconds(number);
+    } else {
+      value = static_cast<T>(number);
+    }
+  }
+  template <class T>
+  std::string text(const T& value) const {
+    double number = 0;
+    if constexpr (std::is_same_v<T, Duration>) {
+      number = to_seconds(value);
+    } else {
+      number = static_cast<double>(value);
+    }
+    return number_text(std::round(number / unit * 1e6) / 1e6);
+  }
+  std::string values() const { return plain(low) + " to " + plain(high); }
+  std::array<std::string, 2> samples() const {
+    return {number_text(low), number_text(low + std::min(1.0, (high - low) / 2))};
+  }
+
+ private:
+  /// Without an exponent: 100000000.
+  static std::string plain(double value) {
+    const auto whole = static_cast<std::int64_t>(value);
+    return static_cast<double>(whole) == value ? std::to_string(whole) : number_text(value);
+  }
+};
+
+/// A whole number in [low, high].
+struct Whole {
+  std::int64_t low;
+  std::int64_t high;
+
+  template <std::integral T>
+  void read(const ConfigNode& node, T& value) const {
+    value = static_cast<T>(whole_in(node, low, high));
+  }
+  template <std::integral T>
+  static std::string text(T value) {
+    return std::to_string(value);
+  }
+  std::string values() const { return std::to_string(low) + " to " + std::to_string(high); }
+  std::array<std::string, 2> samples() const {
+    return {std::to_string(low), std::to_string(low + 1)};
+  }
+};
+
+/// One of a few words.
+template <class T, std::size_t N>
+struct Words {
+  std::array<std::pair<std::string_view, T>, N> words;
+  std::string_view refusal{};  ///< of another word: "neither pass nor drop"; empty: none of them
+
+  void read(const ConfigNode& node, T& value) const {
+    const auto given = node.as<std::string>();
+    for (const auto& [word, meant] : words) {
+      if (given != word) continue;
+      value = meant;
+      return;
+    }
+    node.fail("'" + given + "' is " +
+              (refusal.empty() ? "none of " + values() : std::string(refusal)));
+  }
+  /// The word for a value; "none" where there is none.
+  constexpr std::string_view word(const T& value) const {
+    for (const auto& [word, meant] : words) {
+      if (meant == value) return word;
+    }
+    return "none";
+  }
+  std::string text(const T& value) const { return std::string(word(value)); }
+  std::string values() const {
+    std::string list;
+    for (const auto& [word, meant] : words) list.append(list.empty() ? "" : ", ").append(word);
+    return list;
+  }
+  std::array<std::string, 2> samples() const {
+    // A lone word is changed by leaving it out.
+    return {std::string(words[0].first), N > 1 ? std::string(words[N > 1 ? 1 : 0].first) : ""};
+  }
+};
+
+/// A block with keys of its own.
+template <class S, class K>
+struct Block {
+  using Struct = S;
+  K keys;
+  void (*check)(const ConfigNode& node, const S& block) = nullptr;  ///< of several keys together
+
+  void read(const ConfigNode& node, S& block) const {
+    read_keys(node, keys, block);
+    if (check != nullptr) check(node, block);
+  }
+};
+template <class S, class K>
+constexpr Block<S, K> block(K keys, void (*check)(const ConfigNode&, const S&) = nullptr) {
+  return {keys, check};
+}
+
+/// Reads the keys of a list. One that is left out leaves its value as it is.
+/// @throws ConfigError "FILE:LINE: key.path: sentence"
+template <class Keys, class Struct>
+void read_keys(const ConfigNode& node, const Keys& keys, Struct& into) {
+  for_each_key(keys, [&](const auto& key) {
+    if constexpr (!std::is_same_v<typename std::decay_t<decltype(key)>::Kind, ReadApart>) {
+      const auto child = key.required ? std::optional(node.at(key.name)) : node.find(key.name);
+      if (!child) return;
+      auto& value = key.of(into);
+      if constexpr (requires {
+                      value.emplace();
+                      *value;
+                    }) {  // std::optional
+        key.kind.read(*child, value.emplace());
+      } else {
+        key.kind.read(*child, value);
+      }
+    }
+  });
+}
+
+/// Adds the keys of a list to a reference, those of blocks below their block's.
+/// @param defaults  a struct as it is before it is read
+template <class Keys, class Struct>
+void add_rows(const Keys& keys, const Struct& defaults, std::vector<KeyRow>& rows,
+              const std::string& prefix = "") {
+  for_each_key(keys, [&](const auto& key) {
+    const auto& value = key.of(defaults);
+    const std::string path = prefix + std::string(key.name);
+    const auto add = [&](std::string standard, std::string values,
+                         std::array<std::string, 2> samples) {
+      if (!key.standard.empty()) standard = key.standard;
+      rows.push_back({path, key.required ? "" : std::move(standard), std::move(values),
+                      std::string(key.help), std::move(samples), key.required});
+    };
+    if constexpr (requires { key.kind.samples(); }) {
+      if constexpr (requires { key.kind.text(value); }) {
+        add(key.kind.text(value), key.kind.values(), key.kind.samples());
+      } else {  // std::optional
+        add(value ? key.kind.text(*value) : "none", key.kind.values(), key.kind.samples());
+      }
+    } else if (!key.help.empty()) {
+      add("none", "", {});
+    }
+    if constexpr (requires { key.kind.keys; }) {
+      using Inner = typename std::decay_t<decltype(key)>::Kind::Struct;
+      if constexpr (std::is_same_v<std::decay_t<decltype(value)>, Inner>) {
+        add_rows(key.kind.keys, value, rows, path + ".");
+      } else {
+        add_rows(key.kind.keys, Inner{}, rows, path + ".");
+      }
+    }
+  });
+}
+
+}  // namespace cas::base

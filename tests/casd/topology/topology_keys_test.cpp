@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "base/error.hpp"
+#include "casd/topology/topology.hpp"
+#include "casd/topology/topology_reference.hpp"
+#include "tests/casd/key_changes.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+// Each key that casd reads, taken from the lists that it reads them by.
+
+namespace cas::casd::test {
+namespace {
+
+using cas::test::KeyChange;
+using cas::test::TemporaryFolder;
+
+class TopologyKeys : public testing::Test {
+ protected:
+  TopologyKeys() {
+    for (const char* key : {"a.key", "b.key"}) folder_.write(key, "schema: 1\n");
+  }
+  Topology parse(std::string yaml) const {
+    const std::string word = "$DIR";
+    for (std::size_t at = yaml.find(word); at != yaml.npos; at = yaml.find(word)) {
+      yaml.replace(at, word.size(), folder_.path().string());
+    }
+    return Topology::parse(base::ConfigNode::parse("schema: 1\n" + yaml));
+  }
+  Topology with_lines(const std::string& lines) const {
+    return parse(lines + "links: [{name: x, type: udp, local: '127.0.0.1:0'}]\n");
+  }
+  Topology with_link(const std::string& link) const { return parse("links: [" + link + "]\n"); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(TopologyKeys, AreAllSeenByAReload) {
+  std::size_t seen = 0;
+  for (int i = 0; i <= static_cast<int>(LinkType::kTlog); ++i) {
+    const auto type = static_cast<LinkType>(i);
+    for (const KeyChange& change : cas::test::link_changes(type)) {
+      const Topology before = with_link(change.before);
+      bool differs = false;
+      for (const std::string& after : change.after) {
+        if (!after.empty()) differs |= with_link(after).links[0] != before.links[0];
+      }
+      EXPECT_TRUE(differs) << "a reload does not see another " << change.key
+                           << " of a link of type " << to_string(type);
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 100U);
+}
+
+TEST_F(TopologyKeys, TakeARestartOrAreInForce) {
+  const auto changed = [&](const KeyChange& change) -> std::optional<std::vector<std::string>> {
+    const Topology before = with_lines(change.before);
+    for (const std::string& text : change.after) {
+      if (text.empty()) continue;
+      const Topology after = with_lines(text);
+      if (after != before) return restart_keys(before, after);
+    }
+    return std::nullopt;
+  };
+  for (const KeyChange& change : cas::test::topology_changes(restart_rows())) {
+    const auto keys = changed(change);
+    ASSERT_TRUE(keys) << change.key;
+    EXPECT_EQ(*keys, std::vector{change.key.substr(0, change.key.find('.'))});
+  }
+  for (const KeyChange& change : cas::test::topology_changes(reload_rows())) {
+    const auto keys = changed(change);
+    ASSERT_TRUE(keys) << change.key;
+    EXPECT_TRUE(keys->empty()) << change.key << ": " << keys->front();
+  }
+}
+
+// A bound that a sentence refuses is one that the reference tells.
+TEST_F(TopologyKeys, AreRefusedOutsideOfTheirBounds) {
+  EXPECT_THROW(with_lines("system_id: 0\n"), base::ConfigError);
+  EXPECT_THROW(with_lines("cpu_dma_latency_us: 10001\n"), base::ConfigError);
+  EXPECT_THROW(with_link("{name: x, type: udp, local: 'h:1', queue: {hil_kib: 0.5}}"),
+               base::ConfigError);
+}
+
+TEST(TopologyReference, IsTheOneOfTheDocumentation) {
+  const std::string page = TemporaryFolder::read(cas::test::source_dir() + "/docs/config.md");
+  const std::string begin = "<!-- casd --keys -->\n\n";
+  const std::size_t from = page.find(begin);
+  ASSERT_NE(from, page.npos);
+  const std::size_t first = from + begin.size();
+  const std::string shown = page.substr(first, page.find("\n<!-- end -->", first) - first);
+  EXPECT_EQ(shown, topology_reference()) << "print it with casd --keys";
+}
+
+}  // namespace
+}  // namespace cas::casd::test
