@@ -12,6 +12,8 @@
 #include <set>
 #include <utility>
 
+#include "casd/casctl/monitor/casd_look.hpp"
+#include "casd/casctl/monitor/entry_line.hpp"
 #include "casd/casctl/monitor/monitor_model.hpp"
 #include "casd/casctl/monitor/monitor_view.hpp"
 #include "casd/casctl/monitor/prompt.hpp"
@@ -22,7 +24,6 @@
 namespace cas::casctl {
 namespace {
 
-using base::rpc::CallError;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 using Page = MonitorModel::Page;
@@ -30,8 +31,6 @@ using Page = MonitorModel::Page;
 volatile std::sig_atomic_t stop_wanted = 0;
 
 void on_stop(int) { stop_wanted = 1; }
-
-double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
 template <class T>
 bool is_ready(const std::future<T>& future) {
@@ -43,104 +42,8 @@ bool is_pending(const std::future<T>& future) {
   return future.valid() && !is_ready(future);
 }
 
-/// What one look asks casd for, and what it answered.
-struct Look {
-  std::optional<int> vehicle;      ///< system id; nothing: the first one
-  std::optional<MessageKey> open;  ///< whose values are wanted
-  json status, messages, state, telemetry, value;
-  std::string fault;  ///< why casd did not answer
-  double time_s = 0;
-};
-
-/// The result, or null where this casd or this vehicle has none: the rest is shown.
-json call_or_null(Session& session, const std::string& method, const json& params) {
-  try {
-    return session.call(method, params);
-  } catch (const CallError&) {
-    return nullptr;
-  }
-}
-
-/// Asks casd, over a connection of its own that it makes again when it is gone.
-Look take_look(std::unique_ptr<Session>& session, const Options& options, Look look) {
-  try {
-    if (!session) session = std::make_unique<Session>(options);
-    look.status = session->call("casd.status");
-    look.messages = session->call("message.list");
-    const json vehicles = look.status.value("vehicles", json::array());
-    if (!look.vehicle && !vehicles.empty()) look.vehicle = vehicles[0].value("system", 0);
-    if (look.vehicle && !vehicles.empty()) {
-      look.state = call_or_null(*session, "vehicle.state", {{"vehicle", *look.vehicle}});
-      look.telemetry = call_or_null(*session, "vehicle.telemetry", {{"vehicle", *look.vehicle}});
-    }
-    if (look.open) {
-      look.value = call_or_null(*session, "message.value",
-                                {{"link", look.open->link},
-                                 {"message", look.open->id},
-                                 {"system", look.open->system},
-                                 {"component", look.open->component}});
-    }
-  } catch (const std::exception& error) {
-    session.reset();
-    look.fault = error.what();
-  }
-  look.time_s = now_s();
-  return look;
-}
-
-/// The gains of all loops, or a sentence.
-struct GainsAnswer {
-  json gains = json::array();
-  std::string fault;
-};
-
-GainsAnswer ask_gains(const Options& options) {
-  GainsAnswer answer;
-  try {
-    Session session(options);
-    const json list = session.vehicle_call("gain.list");
-    for (const json& loop : list.at("loops")) {
-      answer.gains.push_back(session.vehicle_call("gain.get", {{"loop", loop.at("loop")}}));
-    }
-  } catch (const std::exception& error) {
-    answer.fault = error.what();
-  }
-  return answer;
-}
-
-/// Names of all parameters; none where the vehicle does not tell them.
-std::vector<std::string> ask_parameters(const Options& options) {
-  std::vector<std::string> names;
-  try {
-    Session session(options);
-    const json list = session.vehicle_call("param.list");
-    for (const json& entry : list.at("parameters")) names.push_back(entry.at("name"));
-  } catch (const std::exception&) {
-  }
-  return names;
-}
-
-/// What came of a command, and whether it was done.
-using CommandAnswer = std::pair<std::string, bool>;
-
-CommandAnswer run_command(const Options& options, const std::string& line, const PromptCall& call) {
-  try {
-    Session session(options);
-    const json result = call.of_vehicle ? session.vehicle_call(call.method, call.params)
-                                        : session.call(call.method, call.params);
-    std::string answer = line + ": " + answer_text(call, result);
-    if (call.method == "vehicle.takeoff" &&
-        !session.vehicle_call("vehicle.state").value("armed", false)) {
-      answer += "; it takes off when it is armed, and was last heard disarmed";
-    }
-    return {answer, true};
-  } catch (const std::exception& error) {
-    return {line + ": " + error.what(), false};
-  }
-}
-
-/// The screen, its keys and the connections behind it. Looks and commands run beside, so that keys
-/// and ages go on while casd or the vehicle thinks.
+/// The screen and its keys. Looks and commands run beside, so that keys and ages go on while casd
+/// or the vehicle thinks.
 ///
 ///   every interval: look -> model -> draw        each key: model or prompt -> draw
 class MonitorScreen {
@@ -165,7 +68,7 @@ class MonitorScreen {
       finish_command();
       look_at_gains();
       take_in_parameters();
-      if (entry_ == Entry::kCommand) show_entry();
+      if (entry_.kind() == EntryLine::Kind::kCommand) show_entry();
       terminal_->draw(render(model_.state(), terminal_->rows(), terminal_->width(), now_s()));
       on_key(terminal_->read_key(50));
     }
@@ -173,15 +76,13 @@ class MonitorScreen {
   }
 
  private:
-  enum class Entry { kNone, kFilter, kCommand, kGain };
-
   /// The terminal is the user's again at once; what is under way is waited for, and the answer to a
   /// command told.
   void leave() {
     terminal_.reset();
     std::signal(SIGINT, SIG_DFL);
     if (command_.valid()) {
-      std::cerr << "casctl: " << history_.back()
+      std::cerr << "casctl: " << entry_.newest()
                 << " has not been answered yet; Ctrl-C ends without waiting\n";
       std::cerr << "casctl: " << printable(command_.get().first) << '\n';
     }
@@ -274,7 +175,7 @@ class MonitorScreen {
 
   void on_key(int key) {
     if (key == Terminal::kNone || key == Terminal::kResize) return;
-    if (entry_ != Entry::kNone) return on_entry_key(key);
+    if (entry_.is_open()) return on_entry_key(key);
     model_.set_note("", false);
     const int half = static_cast<int>(terminal_->rows()) / 2;
     switch (key) {
@@ -333,8 +234,8 @@ class MonitorScreen {
   void on_page_key(int key) {
     if (key == '?') model_.show(Page::kHelp);
     if (key == 'a') model_.show(Page::kVehicle);
-    if (key == '/') begin_entry(Entry::kFilter, model_.state().filter);
-    if (key == ':') begin_entry(Entry::kCommand, "");
+    if (key == '/') begin_entry(EntryLine::Kind::kFilter, model_.state().filter);
+    if (key == ':') begin_entry(EntryLine::Kind::kCommand, "");
     if (key == 'g') {
       gains_wanted_ = model_.state().page != Page::kGains;
       model_.show(Page::kGains);
@@ -359,8 +260,8 @@ class MonitorScreen {
         if (gains->contains(letter))
           values += (values.empty() ? "" : " ") + (*gains)[letter].dump();
       }
-      loop_ = gains->value("loop", "");
-      return begin_entry(Entry::kGain, values);
+      entry_.begin_gains(gains->value("loop", ""), values);
+      return show_entry();
     }
     if (model_.state().page == Page::kGains) return;
     if (model_.state().page != Page::kMessages) model_.show(Page::kMessages);
@@ -368,10 +269,8 @@ class MonitorScreen {
     next_look_ = Clock::now();
   }
 
-  void begin_entry(Entry entry, const std::string& text) {
-    entry_ = entry;
-    text_ = text;
-    earlier_ = history_.size();
+  void begin_entry(EntryLine::Kind kind, const std::string& text) {
+    entry_.begin(kind, text);
     show_entry();
   }
 
@@ -393,64 +292,24 @@ class MonitorScreen {
   }
 
   void show_entry() {
-    const std::string label = entry_ == Entry::kFilter    ? "filter: "
-                              : entry_ == Entry::kCommand ? addressee() + ": "
-                                                          : "gains of " + loop_ + " (P I D): ";
-    model_.set_prompt(label + text_, hint());
-  }
-
-  /// What may stand here: as many words as a line has room for.
-  std::string hint() {
-    if (entry_ == Entry::kFilter) return "part of a name; Enter keeps it, Esc shows all";
-    if (entry_ == Entry::kGain) return "Enter sends them, Esc leaves them as they are";
-    const Completion completion = complete(text_, words());
-    std::string text = completion.usage;
-    if (completion.wants_parameters) {
-      return text + "; " +
-             (parameters_.valid() ? "asking for the parameters' names" : "Tab asks for the names");
-    }
-    const std::size_t room = terminal_->width();
-    if (!completion.offers.empty()) text += text.empty() ? "" : ";";
-    for (std::size_t i = 0; i < completion.offers.size(); ++i) {
-      const std::string rest = " and " + std::to_string(completion.offers.size() - i) + " more";
-      if (text.size() + 1 + completion.offers[i].size() + rest.size() > room) return text + rest;
-      text += (text.empty() ? "" : " ") + completion.offers[i];
-    }
-    return text;
+    model_.set_prompt(entry_.text(addressee()),
+                      entry_.hint(words(), parameters_.valid(), terminal_->width()));
   }
 
   void on_entry_key(int key) {
-    if (key == Terminal::kBackspace && !text_.empty()) text_.pop_back();
-    if (key >= ' ' && key < 127) text_ += static_cast<char>(key);
-    if (entry_ == Entry::kCommand) on_command_key(key);
-    if (entry_ == Entry::kFilter) model_.set_filter(key == Terminal::kEscape ? "" : text_);
-    if (key == Terminal::kEnter || key == Terminal::kEscape) {
-      const Entry ended = std::exchange(entry_, Entry::kNone);
-      model_.set_prompt(std::nullopt);
-      if (key == Terminal::kEscape || ended == Entry::kFilter || text_.empty()) return;
-      return start_command(ended == Entry::kGain ? "setgain " + loop_ + " " + text_ : text_);
+    const EntryLine::Result result = entry_.on_key(key, words());
+    if (result.wants_parameters && !parameters_.valid() && hears_the_vehicle()) {
+      parameters_ = std::async(std::launch::async, ask_parameters, for_vehicle(30));
     }
-    show_entry();
-  }
-
-  void on_command_key(int key) {
-    if (key == Terminal::kTab) {
-      const Completion completion = complete(text_, words());
-      text_ = completion.line;
-      if (completion.wants_parameters && !parameters_.valid() && hears_the_vehicle()) {
-        parameters_ = std::async(std::launch::async, ask_parameters, for_vehicle(30));
-      }
-    }
-    if (key == Terminal::kUp && earlier_ > 0) text_ = history_[--earlier_];
-    if (key == Terminal::kDown && earlier_ < history_.size()) {
-      ++earlier_;
-      text_ = earlier_ < history_.size() ? history_[earlier_] : "";
-    }
+    if (result.filter) model_.set_filter(*result.filter);
+    if (!result.ended) return show_entry();
+    model_.set_prompt(std::nullopt);
+    if (result.command) start_command(*result.command);
   }
 
   void start_command(std::string line) {
     line.erase(line.find_last_not_of(' ') + 1);
-    history_.push_back(line);
+    entry_.remember(line);
     const auto parsed = parse_prompt(line);
     if (const auto* fault = std::get_if<std::string>(&parsed)) {
       return model_.set_answer(*fault, true, now_s());
@@ -475,11 +334,7 @@ class MonitorScreen {
   std::optional<Terminal> terminal_;
   MonitorModel model_;
   Clock::time_point next_look_{};
-  Entry entry_ = Entry::kNone;
-  std::string text_;                  ///< under edit
-  std::string loop_;                  ///< whose gains are under edit
-  std::vector<std::string> history_;  ///< of commands
-  std::size_t earlier_ = 0;           ///< place in it
+  EntryLine entry_;
   PromptWords words_;
   std::optional<int> gains_of_;
   bool gains_wanted_ = false;

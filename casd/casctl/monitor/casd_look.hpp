@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "casd/casctl/monitor/monitor_state.hpp"
+#include "casd/casctl/monitor/prompt.hpp"
+#include "casd/casctl/session/session.hpp"
+
+namespace cas::casctl {
+
+// What the monitor asks casd, each function over a connection of its own, so that it may run beside
+// the screen. None throws: what goes wrong is in the answer.
+
+/// Seconds of the steady clock.
+double now_s();
+
+/// What one look asks casd for, and what it answered.
+struct Look {
+  std::optional<int> vehicle;      ///< system id; nothing: the first one
+  std::optional<MessageKey> open;  ///< whose values are wanted
+  nlohmann::json status, messages, state, telemetry, value;
+  std::string fault;  ///< why casd did not answer
+  double time_s = 0;
+};
+
+/// Asks casd over `session`, which it makes again when it is gone.
+Look take_look(std::unique_ptr<Session>& session, const Options& options, Look look);
+
+/// The gains of all loops, or a sentence.
+struct GainsAnswer {
+  nlohmann::json gains = nlohmann::json::array();
+  std::string fault;
+};
+
+GainsAnswer ask_gains(const Options& options);
+
+/// Names of all parameters; none where the vehicle does not tell them.
+std::vector<std::string> ask_parameters(const Options& options);
+
+/// What came of a command, and whether it was done.
+using CommandAnswer = std::pair<std::string, bool>;
+
+/// @param line  as it was typed; the answer begins with it
+CommandAnswer run_command(const Options& options, const std::string& line, const PromptCall& call);
+
+}  // namespace cas::casctl
