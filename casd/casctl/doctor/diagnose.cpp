@@ -101,6 +101,23 @@ void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) 
   }
 }
 
+/// "; 120 of its packets go nowhere, as the topology has it (casctl drops)", or nothing.
+std::string filtered_text(const DoctorFacts& facts, const json& link) {
+  const auto count = [](const json& of) {
+    const json rx = of.value("rx", json::object());
+    const json verdicts = rx.value("verdicts", json::object());
+    double packets = rx.value("not_accepted", 0.0);
+    for (const char* verdict : {"no_rule", "no_target", "rate_limited"}) {
+      packets += verdicts.value(verdict, 0.0);
+    }
+    return packets;
+  };
+  const double packets = count(link) - count(link_named(facts.before, link.value("name", "")));
+  if (packets <= 0) return "";
+  return "; " + std::to_string(static_cast<std::uint64_t>(packets)) +
+         " of its packets go nowhere, as the topology has it (casctl drops)";
+}
+
 void check_links(const DoctorFacts& facts, Findings& all) {
   for (const json& link : facts.after.value("links", json::array())) {
     const std::string name = "link " + link.value("name", "?");
@@ -123,7 +140,9 @@ void check_links(const DoctorFacts& facts, Findings& all) {
            "the sender has more than the line carries: lower its rates or raise the baud rate");
     }
     check_own_drops(facts, link, own);
-    if (own.empty()) good(own, name + " is up and clean");
+    if (own.empty()) {
+      good(own, name + " is up, nothing lost or damaged" + filtered_text(facts, link));
+    }
     all.insert(all.end(), own.begin(), own.end());
   }
 }
@@ -396,15 +415,17 @@ void check_machine(const DoctorFacts& facts, Findings& all) {
 }  // namespace
 
 std::vector<Finding> diagnose(const DoctorFacts& facts) {
+  // A cause before its effects: without its device a link is down, without its link a vehicle is
+  // silent, and without sensors no arming check passes.
   Findings all;
   check_reload(facts, all);
+  check_devices(facts, all);
   check_links(facts, all);
   check_signing(facts, all);
-  check_devices(facts, all);
   check_baud(facts, all);
   check_vehicles(facts, all);
-  check_readiness(facts, all);
   check_streams(facts, all);
+  check_readiness(facts, all);
   check_ground_stations(facts, all);
   check_recording(facts, all);
   check_machine(facts, all);

@@ -147,7 +147,9 @@ int examine(Session& session, double seconds) {
     text += mark(finding.health) + finding.what + "\n";
     if (!finding.remedy.empty()) text += "         -> " + finding.remedy + "\n";
   }
-  text += ill ? "Not ready to fly: see the lines marked BAD." : "Ready to fly.";
+  text += ill ? "Not ready to fly: see the lines marked BAD, the first one first: those below may "
+                "follow from it."
+              : "Ready to fly.";
   report(session.options(), {{"ready", !ill}, {"findings", all}}, text);
   return ill ? kRefused : kDone;
 }

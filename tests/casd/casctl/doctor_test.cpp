@@ -69,6 +69,42 @@ std::string complaints(const DoctorFacts& facts) {
 
 TEST(Doctor, FindsNothingWrongWithAGoodSetUp) { EXPECT_EQ(complaints(good_setup()), ""); }
 
+/// All findings, one a line.
+std::string findings(const DoctorFacts& facts) {
+  std::string text;
+  for (const Finding& finding : diagnose(facts)) text += finding.what + "\n";
+  return text;
+}
+
+TEST(Doctor, TellsFilteredPacketsBesideALinkThatLosesNone) {
+  DoctorFacts facts = good_setup();
+  EXPECT_NE(findings(facts).find("link fcu is up, nothing lost or damaged\n"), std::string::npos);
+  facts.before["links"][1]["rx"]["verdicts"] = {{"no_rule", 5}, {"forwarded", 9}};
+  facts.after["links"][1]["rx"]["verdicts"] = {{"no_rule", 45}, {"forwarded", 99}};
+  facts.after["links"][1]["rx"]["not_accepted"] = 2;
+  EXPECT_NE(findings(facts).find("nothing lost or damaged; 42 of its packets go nowhere, as the "
+                                 "topology has it (casctl drops)\n"),
+            std::string::npos)
+      << findings(facts);
+}
+
+TEST(Doctor, NamesACauseBeforeItsEffects) {
+  DoctorFacts facts = good_setup();
+  facts.devices[0].exists = false;
+  facts.after["links"][1]["state"] = "down";
+  facts.messages = json::array();
+  facts.after["vehicles"][0]["arming_checks"] = "fail";
+  const std::string text = complaints(facts);
+  std::size_t last = 0;
+  for (const char* finding : {"does not exist", "link fcu is down", "gets no HIL_SENSOR",
+                              "sends no actuator controls", "arming checks fail"}) {
+    const std::size_t place = text.find(finding);
+    ASSERT_NE(place, std::string::npos) << finding << " in " << text;
+    EXPECT_GE(place, last) << finding << " in " << text;
+    last = place;
+  }
+}
+
 struct BadCase {
   const char* name;
   std::function<void(DoctorFacts&)> spoil;
