@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/earth/gravity.hpp"
+
 namespace cas::base {
 namespace {
 
 // ISO 2533:1975, table of primary constants.
-constexpr double kGasConstant = 287.05287;         // J/(kg K), dry air
-constexpr double kStandardGravity_m_s2 = 9.80665;  // m/s^2
+constexpr double kGasConstant = 287.05287;  // J/(kg K), dry air
 
 /// A gradient of less is none: over 10 km it makes less than a thousandth of a kelvin.
 constexpr double kLeastGradient_K_m = 1e-7;

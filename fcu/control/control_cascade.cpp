@@ -5,12 +5,13 @@
 #include <cmath>
 
 #include "base/earth/frames.hpp"
+#include "base/earth/gravity.hpp"
 #include "fcu/control/position_controller.hpp"
 
 namespace cas::fcu {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.80665;  // standard gravity; the integrator takes the rest
+constexpr double kGravity_m_s2 = base::kStandardGravity_m_s2;  // the integrator takes the rest
 
 }  // namespace
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "base/earth/gravity.hpp"
+
 namespace cas::fcu {
 
 /// The estimator's assumptions about its sensors. Deviations are 1 sigma.
@@ -36,7 +38,7 @@ struct EstimatorParams {
   double mag_gate = 3;
   /// Age that a position fix is taken to have when its own stamp says nothing.
   double gps_delay_s = 0;
-  double gravity_m_s2 = 9.80665;
+  double gravity_m_s2 = base::kStandardGravity_m_s2;
 };
 
 }  // namespace cas::fcu

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "base/earth/gravity.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
 
@@ -18,7 +19,7 @@ using Eigen::Vector3d;
 constexpr int kStates = 22;
 using Matrix = Eigen::Matrix<double, kStates, kStates>;
 
-constexpr double kGravity_m_s2 = 9.80665;
+constexpr double kGravity_m_s2 = base::kStandardGravity_m_s2;
 constexpr double kRestVelocity_m_s = 0.01;
 
 Matrix3d cross(const Vector3d& v) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/earth/frames.hpp"
+#include "base/earth/gravity.hpp"
 
 namespace cas::fcu {
 
@@ -216,7 +217,7 @@ ControlSetpoint ReturnTask::update(const TaskContext& context) {
 
 namespace {
 
-constexpr double kGravity_m_s2 = 9.80665;
+constexpr double kGravity_m_s2 = base::kStandardGravity_m_s2;
 constexpr double kLongestLead_m = 2;  // setpoint ahead of the estimate, when held back
 
 double outside_deadzone(double stick, double zone) {

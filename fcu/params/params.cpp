@@ -7,13 +7,12 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/earth/gravity.hpp"
 #include "base/error.hpp"
 
 namespace cas::fcu {
 
 namespace {
-
-constexpr double kStandardGravity_m_s2 = 9.80665;
 
 Param param(std::string name, ParamType type, double initial, double low, double high) {
   return {.name = std::move(name),
@@ -69,7 +68,7 @@ void add_attitude(std::vector<Param>& list) {
 }
 
 void add_position(std::vector<Param>& list, const base::Vehicle& vehicle) {
-  const double hover = vehicle.mass_kg * kStandardGravity_m_s2 / vehicle.scales.u1_max_n;
+  const double hover = vehicle.mass_kg * base::kStandardGravity_m_s2 / vehicle.scales.u1_max_n;
   list.push_back(real("MPC_XY_P", 1.5, 0, 5));
   list.push_back(real("MPC_Z_P", 1.3, 0, 5));
   list.push_back(real("MPC_XY_VEL_P_ACC", 4.0, 0, 15));

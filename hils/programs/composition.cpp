@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/config/install_paths.hpp"
+#include "base/earth/gravity.hpp"
 #include "base/os/write_file.hpp"
 #include "base/random.hpp"
 #include "fcu/line/line_model.hpp"
@@ -172,13 +173,11 @@ YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
   return routes;
 }
 
-constexpr double kGravity = 9.80665;  ///< standard gravity, m/s^2
-
 /// Keys `world`, `model_path`, `missing` and `home`.
 void add_world(const Scenario& scenario, YAML::Node& root) {
   const ScenarioWorld& world = scenario.world;
   if (world.sdf.empty()) {
-    root["world"]["gravity_m_s2"] = kGravity;
+    root["world"]["gravity_m_s2"] = base::kStandardGravity_m_s2;
     root["world"]["ground"] = true;
   } else {
     root["world"] = full_path(world.sdf);
