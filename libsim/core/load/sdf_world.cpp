@@ -368,10 +368,28 @@ class Translator {
   std::size_t triangles_ = 0;  ///< of meshes_
 };
 
+/// The first complaints with their lines.
 std::string joined(const sdf::Errors& errors) {
   std::string text;
-  for (const sdf::Error& error : errors) text += (text.empty() ? "" : "; ") + error.Message();
-  return text.empty() ? "no reason given" : text;
+  for (std::size_t i = 0; i < std::min(errors.size(), kNamed); ++i) {
+    const auto line = errors[i].LineNumber();
+    text += (i == 0 ? "" : "; ") + (line ? "line " + std::to_string(*line) + ": " : std::string()) +
+            errors[i].Message();
+  }
+  return text.empty() ? "it has no <world>" : text;
+}
+
+constexpr const char* kMendIt =
+    "; mend that place: a world is <sdf version='1.9'><world name='w'> ... </world></sdf>, as in "
+    "config/worlds/village.sdf";
+
+/// The file as a tree. @throws base::ConfigError with its line where it is broken, and what to do
+XmlElement parse_or_explain(const std::string& text, const fs::path& file) {
+  try {
+    return parse_xml(text, file.string());
+  } catch (const base::ConfigError& error) {
+    throw base::ConfigError(error.what() + std::string(kMendIt));
+  }
 }
 
 /// Why a file is no world, in a sentence that helps. The reader has refused it.
@@ -382,7 +400,7 @@ std::string joined(const sdf::Errors& errors) {
     return base::ConfigError(file.string() + ": holds no SDF world: " + sentence);
   };
   if (const auto sentence = template_language(text)) throw no_world(*sentence);
-  const XmlElement root = parse_xml(text, file.string());  // broken XML ends here, with its line
+  const XmlElement root = parse_or_explain(text, file);
   if (root.name == "robot") {
     throw no_world("it is a URDF; a vehicle file names one, a world is an SDF file");
   }
@@ -398,7 +416,7 @@ std::string joined(const sdf::Errors& errors) {
                    "name='w'><include><uri>" +
                    fs::absolute(file).string() + "</uri></include></world></sdf>");
   }
-  throw no_world(joined(errors));
+  throw no_world(joined(errors) + kMendIt);
 }
 
 /// Says of each missing file who names it, and of all where they were looked for.

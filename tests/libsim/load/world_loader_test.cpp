@@ -108,10 +108,12 @@ TEST(SdfWorld, RefusesWhatIsNoWorld) {
   };
   EXPECT_THAT(load("no xml"), HasSubstr("w.sdf:1: "));
   EXPECT_THAT(load("<sdf version='1.6'>\n<world name='w'>\n</sdf>"),
-              HasSubstr("w.sdf:3: mismatched tag"));
+              AllOf(HasSubstr("w.sdf:3: mismatched tag"), HasSubstr("; mend that place: ")));
   EXPECT_THAT(load("<sdf version='1.6'><model name='m'><link name='l'/></model></sdf>"),
               AllOf(HasSubstr("holds no SDF world: it is the model 'm' alone"),
                     HasSubstr("<include><uri>")));
+  EXPECT_THAT(load("<sdf version='1.6'/>"), AllOf(HasSubstr("holds no SDF world: "),
+                                                  HasSubstr("as in config/worlds/village.sdf")));
   EXPECT_THAT(load("<robot name='r'/>"), HasSubstr("it is a URDF"));
   EXPECT_THAT(load("<mesh/>"), HasSubstr("its outermost element is <mesh>, not <sdf>"));
   EXPECT_THAT(load("<sdf version='1.6'><% n = 3 %><world name='w'/></sdf>"),
