@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "base/earth/atmosphere.hpp"
 #include "base/earth/geodesy.hpp"
 
 namespace cas::sim {
@@ -36,7 +37,7 @@ struct Wrench {
 struct Environment {
   Eigen::Vector3d gravity_W{0, 0, 0};                ///< m/s^2
   Eigen::Vector3d wind_W = Eigen::Vector3d::Zero();  ///< air velocity, m/s
-  double air_density_kg_m3 = 0;  ///< standard atmosphere at the vehicle's altitude
+  double air_density_kg_m3 = 0;  ///< of World::atmosphere() at the vehicle's altitude
   /// Of the centre of gravity over the surface below; infinite where there is none.
   double height_above_ground_m = 0;
 };
@@ -102,6 +103,13 @@ class World {
     (void)vehicle, (void)centre_B, (void)radius_m;
     return false;
   }
+
+  /// The magnetic field in W, gauss, where the world has one of its own that is the same
+  /// everywhere; nothing: it is the Earth's.
+  virtual std::optional<Eigen::Vector3d> magnetic_field_W() const { return std::nullopt; }
+
+  /// The air by altitude above mean sea level.
+  virtual base::Atmosphere atmosphere() const { return {}; }
 };
 
 }  // namespace cas::sim

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "base/earth/atmosphere.hpp"
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
@@ -38,17 +37,17 @@ BarometerModel::BarometerModel(const BarometerParams& params, std::uint64_t seed
 }
 
 BarometerSample BarometerModel::sample(base::SimTime time, double alt_m, double airspeed_m_s,
-                                       double air_density_kg_m3) {
+                                       double air_density_kg_m3, const base::Atmosphere& air) {
   const double dynamic_pa = 0.5 * air_density_kg_m3 * airspeed_m_s * airspeed_m_s;
   BarometerSample sample;
   sample.time = time;
-  sample.pressure_pa = base::isa::pressure_pa(alt_m) * (params_.qnh_hpa / kStandardQnh) +
+  sample.pressure_pa = air.pressure_pa(alt_m) * (params_.qnh_hpa / kStandardQnh) +
                        params_.wind_pressure_coefficient * dynamic_pa + drift_.advance(random_)[0] +
                        params_.stddev_pa * random_();
   if (params_.lsb_pa > 0) {
     sample.pressure_pa = std::round(sample.pressure_pa / params_.lsb_pa) * params_.lsb_pa;
   }
-  sample.temperature_degc = base::isa::temperature_kelvin(alt_m) - kZeroCelsius +
+  sample.temperature_degc = air.temperature_kelvin(alt_m) - kZeroCelsius +
                             params_.temperature_offset_degc + params_.self_heating_degc;
   return sample;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "base/config/config.hpp"
+#include "base/earth/atmosphere.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
@@ -25,8 +26,9 @@ struct BarometerParams {
 /// Reads the block `barometer`: keys are described in docs/plugins.md.
 BarometerParams parse_barometer_params(const base::ConfigNode& node, double step_s);
 
-/// Static pressure of the standard atmosphere (ISO 2533) scaled to the day's QNH, with white noise,
-/// drift and the pressure that the airflow leaves on the sensor.
+/// Static pressure of the world's air (where it says nothing, of the standard atmosphere, ISO 2533)
+/// scaled to the day's QNH, with white noise, drift and the pressure that the airflow leaves on the
+/// sensor.
 class BarometerModel {
  public:
   BarometerModel() = default;
@@ -35,8 +37,9 @@ class BarometerModel {
   /// @param alt_m        altitude above mean sea level
   /// @param airspeed_m_s speed through the air
   /// @param air_density_kg_m3  for the dynamic pressure
+  /// @param air          pressure and temperature by altitude
   BarometerSample sample(base::SimTime time, double alt_m, double airspeed_m_s,
-                         double air_density_kg_m3);
+                         double air_density_kg_m3, const base::Atmosphere& air = {});
 
   const BarometerParams& params() const { return params_; }
 

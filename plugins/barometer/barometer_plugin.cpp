@@ -27,7 +27,8 @@ class BarometerPlugin final : public Plugin {
     const Environment& air = world.environment(vehicle_);
     const double alt_m = projection_.to_geodetic(base::swap_WN(state.p_WB)).alt_m;
     const double airspeed = (state.v_WB - air.wind_W).norm();
-    pressure_.publish(model_.sample(step.time, alt_m, airspeed, air.air_density_kg_m3));
+    pressure_.publish(
+        model_.sample(step.time, alt_m, airspeed, air.air_density_kg_m3, world.atmosphere()));
   }
 
   void reset() override {

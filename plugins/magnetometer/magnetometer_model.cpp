@@ -40,9 +40,10 @@ MagnetometerModel::MagnetometerModel(const MagnetometerParams& params,
       walk_(params.bias_walk, 1.0 / params.rate_hz),
       field_W_(base::swap_WN(base::magnetic_field_N(projection.home(), decimal_year))) {}
 
-MagnetometerSample MagnetometerModel::sample(base::SimTime time, const BodyState& state) {
-  follow(state.p_WB);
-  const Eigen::Vector3d field_B = state.q_WB.conjugate() * field_W_;
+MagnetometerSample MagnetometerModel::sample(base::SimTime time, const BodyState& state,
+                                             const std::optional<Eigen::Vector3d>& own_field_W) {
+  if (!own_field_W) follow(state.p_WB);
+  const Eigen::Vector3d field_B = state.q_WB.conjugate() * own_field_W.value_or(field_W_);
   Eigen::Vector3d reading = params_.soft_iron * field_B + params_.hard_iron_gauss +
                             walk_.advance(random_) +
                             params_.stddev_gauss.cwiseProduct(normal3(random_));

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "base/config/config.hpp"
 #include "base/earth/geodesy.hpp"
@@ -26,17 +27,21 @@ struct MagnetometerParams {
 /// Reads the block `magnetometer`: keys are described in docs/plugins.md.
 MagnetometerParams parse_magnetometer_params(const base::ConfigNode& node, double step_s);
 
-/// Earth's field (World Magnetic Model) in the axes of B, bent by soft iron, shifted by hard iron.
+/// Earth's field (World Magnetic Model) or the world's own in the axes of B, bent by soft iron,
+/// shifted by hard iron.
 ///
-/// The field is evaluated again when the vehicle has moved 1 km from where it was last evaluated:
-/// it changes by less than 1e-4 gauss over that distance. Currents' fields are not modelled.
+/// The Earth's field is evaluated again when the vehicle has moved 1 km from where it was last
+/// evaluated: it changes by less than 1e-4 gauss over that distance. Currents' fields are not
+/// modelled.
 class MagnetometerModel {
  public:
   MagnetometerModel() = default;
   MagnetometerModel(const MagnetometerParams& params, const base::LocalProjection& projection,
                     double decimal_year, std::uint64_t seed);
 
-  MagnetometerSample sample(base::SimTime time, const BodyState& state);
+  /// @param own_field_W  the world's own field, gauss; nothing: the Earth's
+  MagnetometerSample sample(base::SimTime time, const BodyState& state,
+                            const std::optional<Eigen::Vector3d>& own_field_W = {});
 
   const MagnetometerParams& params() const { return params_; }
 

@@ -22,7 +22,7 @@ class MagnetometerPlugin final : public Plugin {
 
   void post_step(const StepInfo& step, const World& world) override {
     if (!rate_.due(step.time)) return;
-    field_.publish(model_.sample(step.time, world.state(vehicle_)));
+    field_.publish(model_.sample(step.time, world.state(vehicle_), world.magnetic_field_W()));
   }
 
   void reset() override {

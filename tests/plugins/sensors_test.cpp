@@ -182,6 +182,18 @@ TEST(Magnetometer, FollowsAVehicleThatTravels) {
                   .isApprox(base::magnetic_field_N(place, 2026.5), 1e-9));
 }
 
+TEST(Magnetometer, ReadsTheWorldsOwnFieldWhereItHasOne) {
+  MagnetometerModel magnetometer(quiet_magnetometer(), base::LocalProjection(kHome), 2026.5, 1);
+  const Vector3d own_W{0.06, 0.23, -0.42};
+  BodyState far;  // wherever it is: the same everywhere
+  far.p_WB = {0, 200000, 0};
+  EXPECT_TRUE(magnetometer.sample({}, far, own_W).field_B_gauss.isApprox(own_W, 1e-9));
+  BodyState turned;
+  turned.q_WB = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ());  // x of B points along y of W
+  EXPECT_TRUE(magnetometer.sample({}, turned, own_W)
+                  .field_B_gauss.isApprox(Vector3d(0.23, -0.06, -0.42), 1e-9));
+}
+
 BarometerParams quiet_barometer() {
   BarometerParams params;
   params.rate_hz = 50;
@@ -209,6 +221,17 @@ TEST(Barometer, KnowsTheDaysPressureTheSensorsHeatAndTheWind) {
   const BarometerSample sample = barometer.sample({}, 0, 10, 1.2);
   EXPECT_NEAR(sample.pressure_pa, 100325 - 0.5 * 60, 1e-6);
   EXPECT_NEAR(sample.temperature_degc, 40, 1e-9);
+}
+
+TEST(Barometer, ReadsTheWorldsOwnAir) {
+  BarometerModel barometer(quiet_barometer(), 1);
+  const base::Atmosphere hot{
+      .temperature_K = 310, .temperature_gradient_K_m = -0.0098, .pressure_Pa = 99'000};
+  const BarometerSample sample = barometer.sample({}, 1000, 0, 1.2, hot);
+  // 99 000 Pa (300.2 K / 310 K)^(9.80665 / (287.053 * 0.0098))
+  EXPECT_NEAR(sample.pressure_pa, 99'000 * std::pow(300.2 / 310, 9.80665 / (287.053 * 0.0098)),
+              0.1);
+  EXPECT_NEAR(sample.temperature_degc, 300.2 - 273.15, 1e-9);
 }
 
 TEST(Barometer, RoundsToItsResolution) {

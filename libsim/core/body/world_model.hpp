@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/earth/atmosphere.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/core/body/obstacle_path.hpp"
@@ -23,6 +24,8 @@ struct WorldModel {
   std::optional<base::Geodetic> home;
   std::optional<base::Duration> step;
   std::optional<double> real_time_factor;
+  std::optional<Eigen::Vector3d> magnetic_field_W;  ///< gauss; nothing: the Earth's
+  base::Atmosphere atmosphere;
   std::vector<std::string> warnings;  ///< one sentence for each thing that is not supported
 };
 

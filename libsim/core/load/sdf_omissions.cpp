@@ -90,28 +90,6 @@ class Walk {
              "<" + std::string(name) + named(*part) + "> is left out");
       });
     }
-    if (const auto field = child(world, "magnetic_field")) note_field(field);
-    // As SDF 1.5 has it.
-    if (const auto field = descendant(world, {"physics", "magnetic_field"})) note_field(field);
-    look_at_air(child(world, "atmosphere"));
-  }
-
-  void note_field(const sdf::ElementPtr& field) {
-    note("magnetic_field", field,
-         "<magnetic_field> is left out: the field is the World Magnetic Model's at home and "
-         "decimal_year");
-  }
-
-  /// The standard atmosphere is what SDF's defaults say.
-  void look_at_air(const sdf::ElementPtr& air) {
-    if (!air) return;
-    const bool standard = std::abs(number(air, "temperature", 288.15) - 288.15) < 0.01 &&
-                          std::abs(number(air, "temperature_gradient", -0.0065) + 0.0065) < 1e-5 &&
-                          std::abs(number(air, "pressure", 101325) - 101325) < 1;
-    if (standard) return;
-    note("atmosphere", air,
-         "<atmosphere> is left out: the air is the standard atmosphere; plugin barometer has "
-         "qnh_hpa and temperature_offset_degc");
   }
 
   void look_at_model(const sdf::ElementPtr& model, const std::string& parent) {

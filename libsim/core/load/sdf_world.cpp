@@ -77,6 +77,13 @@ std::string place_of_error(const sdf::Error& error, const fs::path& file) {
          (error.LineNumber() ? ":" + std::to_string(*error.LineNumber()) : "");
 }
 
+/// A child that stands in the file, not one that libsdformat makes up.
+sdf::ElementPtr set_child(const sdf::ElementPtr& element, const std::string& name) {
+  if (!element || !element->HasElement(name)) return nullptr;
+  sdf::ElementPtr found = element->GetElement(name);
+  return found->GetExplicitlySetInFile() ? found : nullptr;
+}
+
 bool is_missing_model(const sdf::Error& error) {
   return error.Code() == sdf::ErrorCode::URI_LOOKUP;
 }
@@ -123,6 +130,8 @@ class Translator {
     model_.wind_W = to_eigen(world.WindLinearVelocity());
     take_physics(world);
     take_home(world);
+    take_magnetic_field(world.Element());
+    take_atmosphere(world);
     for (std::uint64_t i = 0; i < world.ModelCount(); ++i) {
       take_model(*world.ModelByIndex(i), Eigen::Isometry3d::Identity());
     }
@@ -156,6 +165,43 @@ class Translator {
     if (std::abs(place->HeadingOffset().Degree()) > 1e-9) {
       warn(place_of(*world.Element()->GetElement("spherical_coordinates")),
            "<heading_deg> is left out: x is east here");
+    }
+  }
+
+  /// SDF has it in tesla, in the axes of <spherical_coordinates>: those of W. Where it is not in
+  /// the file the Earth's field is taken, not SDF's default.
+  void take_magnetic_field(const sdf::ElementPtr& world) {
+    sdf::ElementPtr field = set_child(world, "magnetic_field");
+    if (!field) field = set_child(set_child(world, "physics"), "magnetic_field");  // SDF 1.5
+    if (!field) return;
+    const Eigen::Vector3d field_T = to_eigen(field->Get<ignition::math::Vector3d>());
+    constexpr double kMost_T = 1e-3;  // twenty times the Earth's: sensors end there
+    constexpr double kGaussPerTesla = 1e4;
+    if (field_T.allFinite() && field_T.norm() <= kMost_T) {
+      model_.magnetic_field_W = kGaussPerTesla * field_T;
+    } else {
+      warn(place_of(*field), "<magnetic_field> must lie in [0, 0.001] T; left out");
+    }
+  }
+
+  /// Temperature, its gradient and pressure at sea level; SDF knows no other kind of air.
+  void take_atmosphere(const sdf::World& world) {
+    const sdf::Atmosphere* const air = world.Atmosphere();
+    const sdf::ElementPtr element = set_child(world.Element(), "atmosphere");
+    if (air == nullptr || !element) return;
+    const base::Atmosphere wanted{.temperature_K = air->Temperature().Kelvin(),
+                                  .temperature_gradient_K_m = air->TemperatureGradient(),
+                                  .pressure_Pa = air->Pressure()};
+    const auto within = [](double value, double low, double high) {
+      return value >= low && value <= high;
+    };
+    if (within(wanted.temperature_K, 150, 400) && within(wanted.pressure_Pa, 1'000, 200'000) &&
+        within(wanted.temperature_gradient_K_m, -0.05, 0.05)) {
+      model_.atmosphere = wanted;
+    } else {
+      warn(place_of(*element),
+           "<atmosphere>: <temperature> must lie in [150, 400] K, <temperature_gradient> in "
+           "[-0.05, 0.05] K/m, <pressure> in [1000, 200000] Pa; left out");
     }
   }
 
@@ -370,6 +416,7 @@ class Translator {
 
 /// The first complaints with their lines.
 std::string joined(const sdf::Errors& errors) {
+  constexpr std::size_t kNamed = 3;
   std::string text;
   for (std::size_t i = 0; i < std::min(errors.size(), kNamed); ++i) {
     const auto line = errors[i].LineNumber();

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "base/earth/frames.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/write_file.hpp"
@@ -48,6 +50,25 @@ void compare_mass(const VehicleConfig& vehicle, const VehicleModel& model) {
                   std::to_string(vehicle.vehicle.mass_kg) + " kg");
 }
 
+/// A controller that knows the Earth's field at its place takes the difference for its own heading.
+void compare_field(const WorldModel& model, const base::Geodetic& home, double decimal_year) {
+  if (!model.magnetic_field_W) return;
+  constexpr double kNoticeable_deg = 3;
+  constexpr double kDegreesPerRadian = 180 / M_PI;
+  const Eigen::Vector3d own_N = base::swap_WN(*model.magnetic_field_W);
+  const Eigen::Vector3d earth_N = base::magnetic_field_N(home, decimal_year);
+  const double east_deg =
+      kDegreesPerRadian *
+      base::wrap_angle(std::atan2(own_N.y(), own_N.x()) - std::atan2(earth_N.y(), earth_N.x()));
+  if (std::abs(east_deg) < kNoticeable_deg) return;
+  char degrees[16];
+  std::snprintf(degrees, sizeof(degrees), "%.1f", std::abs(east_deg));
+  base::log::warn("world " + model.name + ": its <magnetic_field> points " + degrees + " degrees " +
+                  (east_deg > 0 ? "east" : "west") +
+                  " of the Earth's at home: a controller that expects the Earth's is off by as "
+                  "much in its heading; without the element it gets the Earth's");
+}
+
 }  // namespace
 
 struct SimRunner::Impl {
@@ -60,6 +81,7 @@ struct SimRunner::Impl {
               config.integrator),
         plugins(options.plugin_dirs) {
     log_warnings(model.warnings);
+    compare_field(model, world.projection().home(), config.decimal_year);
     if (!config.pace.speed_given) config.pace.speed = model.real_time_factor.value_or(1.0);
     for (const VehicleConfig& vehicle : config.vehicles) {
       const VehicleModel vehicle_model = load_vehicle_model(vehicle.vehicle.urdf);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/earth/atmosphere.hpp"
 #include "base/error.hpp"
 #include "libsim/core/run/start.hpp"
 
@@ -34,6 +33,8 @@ SimWorld::SimWorld(const WorldModel& model, const base::LocalProjection& project
       integrator_(integrator),
       gravity_W_(model.gravity_W),
       wind_W_(model.wind_W),
+      magnetic_field_W_(model.magnetic_field_W),
+      atmosphere_(model.atmosphere),
       floor_(model.statics),
       solver_(std::make_unique<ContactSolver>(model.gravity_W)) {
   for (const Shape& shape : model.statics) solver_->add_static(shape);
@@ -300,7 +301,7 @@ void SimWorld::refresh_environment(VehicleBody& body) {
   Environment& environment = body.environment;
   environment.gravity_W = gravity_W_;
   environment.air_density_kg_m3 =
-      base::isa::density_kg_m3(projection_.home().alt_m + body.state.p_WB.z());
+      atmosphere_.density_kg_m3(projection_.home().alt_m + body.state.p_WB.z());
   environment.height_above_ground_m = solver_->height_above_ground(body.state.p_WB);
 }
 

@@ -62,6 +62,9 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   bool disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
                     double radius_m) const override;
 
+  std::optional<Eigen::Vector3d> magnetic_field_W() const override { return magnetic_field_W_; }
+  base::Atmosphere atmosphere() const override { return atmosphere_; }
+
   void set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) override;
   void add_wrench(VehicleId vehicle, const Wrench& wrench) override;
   void scale_mass(VehicleId vehicle, double factor) override;
@@ -112,6 +115,8 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   Integrator integrator_;
   Eigen::Vector3d gravity_W_;
   Eigen::Vector3d wind_W_;
+  std::optional<Eigen::Vector3d> magnetic_field_W_;
+  base::Atmosphere atmosphere_;
   Floor floor_;
   struct Obstacle {
     MovingObstacle model;

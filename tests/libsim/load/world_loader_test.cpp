@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/uri.hpp"
@@ -76,8 +78,7 @@ TEST(SdfWorld, ClassicFileLoadsAndEachOmissionIsNamedWithItsLine) {
         ":41: collision 'pipe/egg': <ellipsoid>", ":42: mesh model://nowhere/x.dae is nowhere",
         ":44: collision 'pipe/shed' names a <submesh>",
         "'pipe/tube': <restitution_coefficient> is left out: nothing bounces",
-        ":20: <actor name='walker'>", ":19: <plugin name='ros_link'> is left out",
-        ": <magnetic_field> is left out"}) {
+        ":20: <actor name='walker'>", ":19: <plugin name='ros_link'> is left out"}) {
     EXPECT_THAT(model.warnings, Contains(HasSubstr(sentence)));
   }
 }
@@ -217,11 +218,42 @@ TEST(SdfWorld, WarnsOfWhatItDoesNotDoByNameAndLine) {
                   .warnings,
               IsEmpty())
       << "what changes nothing";
-  EXPECT_THAT(
-      load_elements("<atmosphere type='adiabatic'><temperature>250</temperature></atmosphere>")
-          .warnings,
-      Contains(HasSubstr("w.sdf:3: <atmosphere> is left out")));
-  EXPECT_THAT(load_elements("<atmosphere type='adiabatic'/>").warnings, IsEmpty());
+}
+
+TEST(SdfWorld, HasTheFieldAndTheAirOfTheFile) {
+  const WorldModel model = load_elements(
+      "<magnetic_field>6e-6 2.3e-5 -4.2e-5</magnetic_field><atmosphere type='adiabatic'>"
+      "<temperature>310</temperature><temperature_gradient>-0.0098</temperature_gradient>"
+      "<pressure>99000</pressure></atmosphere>");
+  EXPECT_THAT(model.warnings, IsEmpty());
+  ASSERT_TRUE(model.magnetic_field_W.has_value());
+  EXPECT_TRUE(model.magnetic_field_W->isApprox(Eigen::Vector3d(0.06, 0.23, -0.42), 1e-9))
+      << "gauss";
+  EXPECT_DOUBLE_EQ(model.atmosphere.temperature_K, 310);
+  EXPECT_DOUBLE_EQ(model.atmosphere.temperature_gradient_K_m, -0.0098);
+  EXPECT_DOUBLE_EQ(model.atmosphere.pressure_Pa, 99000);
+  EXPECT_TRUE(classic_world().magnetic_field_W.has_value()) << "below <physics>, as SDF 1.5 has it";
+}
+
+TEST(SdfWorld, HasTheEarthsFieldAndTheStandardAirWhereTheFileSaysNothing) {
+  for (const char* elements : {"", "<atmosphere type='adiabatic'/>"}) {
+    const WorldModel model = load_elements(elements);
+    EXPECT_THAT(model.warnings, IsEmpty());
+    EXPECT_FALSE(model.magnetic_field_W.has_value()) << "not SDF's default";
+    EXPECT_DOUBLE_EQ(model.atmosphere.temperature_K, 288.15);
+    EXPECT_DOUBLE_EQ(model.atmosphere.temperature_gradient_K_m, -0.0065);
+    EXPECT_DOUBLE_EQ(model.atmosphere.pressure_Pa, 101325);
+  }
+}
+
+TEST(SdfWorld, LeavesOutAFieldAndAirThatCannotBe) {
+  const WorldModel field = load_elements("<magnetic_field>0.06 0.23 -0.42</magnetic_field>");
+  EXPECT_FALSE(field.magnetic_field_W.has_value());
+  EXPECT_THAT(field.warnings, Contains(HasSubstr("w.sdf:3: <magnetic_field> must lie in")));
+  const WorldModel air =
+      load_elements("<atmosphere type='adiabatic'><temperature>15</temperature></atmosphere>");
+  EXPECT_DOUBLE_EQ(air.atmosphere.temperature_K, 288.15);
+  EXPECT_THAT(air.warnings, Contains(HasSubstr("w.sdf:3: <atmosphere>: <temperature> must lie")));
 }
 
 TEST(SdfWorld, NamesThreeOfAKindAndCountsTheOthers) {
@@ -290,6 +322,26 @@ SimConfig config_in(const cas::test::TemporaryFolder& folder, const std::string&
   config.vehicles[0].pose = {.x_m = node.require<double>("x_m"),
                              .z_m = node.require<double>("z_m")};
   return config;
+}
+
+TEST(SdfWorld, AVehicleFliesInTheFieldAndTheAirOfTheFile) {
+  const cas::test::TemporaryFolder folder;
+  SimRunner runner(config_in(folder,
+                             obstacle("<friction/>") +
+                                 "<magnetic_field>6e-6 2.3e-5 -4.2e-5</magnetic_field>"
+                                 "<atmosphere type='adiabatic'><temperature>310</temperature>"
+                                 "<temperature_gradient>-0.0098</temperature_gradient>"
+                                 "<pressure>99000</pressure></atmosphere>",
+                             "{x_m: 0, z_m: 12}"));
+  runner.start();
+  const World& world = runner.world();
+  EXPECT_NEAR(world.magnetic_field_W().value_or(Eigen::Vector3d::Zero()).y(), 0.23, 1e-12);
+  // 500 m above sea level: p / (R T), with p of the closed form
+  const double alt_m = 488 + world.state(VehicleId{0}).p_WB.z();
+  const double kelvin = 310 - 0.0098 * alt_m;
+  const double pascal = 99000 * std::pow(kelvin / 310, 9.80665 / (287.053 * 0.0098));
+  EXPECT_NEAR(world.environment(VehicleId{0}).air_density_kg_m3, pascal / (287.053 * kelvin), 1e-5);
+  EXPECT_EQ(world.atmosphere().pressure_Pa, 99000);
 }
 
 TEST(SdfWorld, AStartInsideAnObstacleIsRefusedWithTheHeightAboveIt) {
