@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "base/error.hpp"
 #include "casd/station/param_exchange.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -15,6 +16,21 @@ using mavlink::common::MavResult;
 using mavlink::common::MavSeverity;
 using mavlink::common::MavType;
 using nlohmann::json;
+
+std::string answer_call(const json& params, const base::rpc::Reply& reply,
+                        const std::function<void(CallParams&)>& body) {
+  try {
+    CallParams reader(params);
+    body(reader);
+    return "";
+  } catch (const BadParams& error) {
+    reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
+    return error.what();
+  } catch (const base::ConfigError& error) {
+    reply.error(base::rpc::kRefused, error.what(), nullptr);
+    return error.what();
+  }
+}
 
 std::uint32_t message_id(const json& message) {
   if (message.is_number_unsigned() && message.get<std::uint64_t>() <= 0xffffff) {

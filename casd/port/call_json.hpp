@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/rpc/dispatcher.hpp"
 #include "mavlink/common/enums.hpp"
 
 namespace cas::casd {
@@ -55,6 +57,12 @@ class CallParams {
   nlohmann::json params_;
   std::set<std::string> asked_;
 };
+
+/// Reads the parameters of a call for `body`, which answers it. What is wrong with them, or refused
+/// by a base::ConfigError, is answered as an error.
+/// @return that sentence; empty: `body` came to its end
+std::string answer_call(const nlohmann::json& params, const base::rpc::Reply& reply,
+                        const std::function<void(CallParams&)>& body);
 
 /// "ACCEPTED", "DENIED", ...: the MAV_RESULT names without their prefix.
 std::string result_word(mavlink::common::MavResult result);

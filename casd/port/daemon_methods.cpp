@@ -50,22 +50,6 @@ void audit(const Reply& reply, const std::string& name, const std::string& what)
   base::log::info("audit: " + reply.client + " " + name + ": " + what);
 }
 
-/// Calls `body`, which answers. @return why it could not, answered; empty: it could
-std::string attempt(const json& params, const Reply& reply,
-                    const std::function<void(CallParams&)>& body) {
-  try {
-    CallParams reader(params);
-    body(reader);
-    return "";
-  } catch (const BadParams& error) {
-    reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
-    return error.what();
-  } catch (const base::ConfigError& error) {
-    reply.error(base::rpc::kRefused, error.what(), nullptr);
-    return error.what();
-  }
-}
-
 /// A method of the daemon itself. Changes are audited; failures are returned as error messages.
 void add_method(base::rpc::Server& server, const std::string& name, bool audited,
                 std::function<json(CallParams&)> body) {
@@ -73,7 +57,7 @@ void add_method(base::rpc::Server& server, const std::string& name, bool audited
       name,
       [name, audited, body](const json& params, const Reply& reply) {
         const std::string fault =
-            attempt(params, reply, [&](CallParams& reader) { reply.result(body(reader)); });
+            answer_call(params, reply, [&](CallParams& reader) { reply.result(body(reader)); });
         if (audited) audit(reply, name, fault.empty() ? "done" : fault);
       },
       audited ? kWeightOfChange : 1);
@@ -97,7 +81,7 @@ void add_log_method(base::rpc::Server& server, const std::string& name, const Da
           });
         };
         const std::string fault =
-            attempt(params, reply, [&](CallParams& reader) { body(reader, done); });
+            answer_call(params, reply, [&](CallParams& reader) { body(reader, done); });
         if (!fault.empty()) audit(reply, name, fault);
       },
       kWeightOfChange);

@@ -145,12 +145,7 @@ json rule_json(const RouteConfig& route) {
 template <class Answer>
 base::rpc::Method method(Answer answer) {
   return [answer](const json& params, const Reply& reply) {
-    try {
-      CallParams reader(params);
-      reply.result(answer(reader));
-    } catch (const BadParams& error) {
-      reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
-    }
+    answer_call(params, reply, [&](CallParams& reader) { reply.result(answer(reader)); });
   };
 }
 
