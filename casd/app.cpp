@@ -136,7 +136,8 @@ struct App::Impl {
             server, commander, load_gains(links.topology()),
             {.now = [this] { return station_now(); },
              .link_name = [this](LinkId id) { return link_name(id); },
-             .audit = [](const std::string& line) { base::log::info("audit: " + line); }}),
+             .audit = [](const std::string& line) { base::log::info("audit: " + line); },
+             .unix_us = [this] { return log_clock_us(); }}),
         figures(server, make_figures_source(options, links, vehicle_methods, recorder)) {
     if (lockstep()) {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
@@ -170,6 +171,17 @@ struct App::Impl {
   /// The clock of casd's own station.
   base::RunTime station_now() const {
     return lockstep() ? links.stream_time().now() : base::steady_now();
+  }
+
+  /// The clock of a recording's stamps, as TlogWriter makes them.
+  std::int64_t log_clock_us() const {
+    using std::chrono::duration_cast;
+    using std::chrono::microseconds;
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    if (!lockstep()) return duration_cast<microseconds>(now).count();
+    return duration_cast<microseconds>(TlogWriter::kStreamEpoch +
+                                       links.stream_time().now().time_since_epoch())
+        .count();
   }
 
   void take_turn(base::RunTime now) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/suggestion.hpp"
 #include "casd/port/call_json.hpp"
 #include "casd/port/telemetry_json.hpp"
 #include "casd/port/vehicle_json.hpp"
@@ -82,6 +83,12 @@ std::string loop_words(const std::vector<GainLoop>& loops) {
   return words;
 }
 
+std::vector<std::string_view> loop_names(const std::vector<GainLoop>& loops) {
+  std::vector<std::string_view> names;
+  for (const GainLoop& loop : loops) names.push_back(loop.name);
+  return names;
+}
+
 json loop_json(const GainLoop& loop) {
   json entry{{"loop", loop.name}, {"parameters", json::object()}};
   if (loop.p) entry["parameters"]["p"] = *loop.p;
@@ -97,14 +104,18 @@ GainValues gains_to_set(CallParams& reader) {
   return values;
 }
 
-/// {vehicle, loop, p, i, d in force, parameters: {NAME: value}}.
+/// {vehicle, loop, p, i, d in force, parameters: {NAME: value}, before: {p, i, d that were set}}.
 json gains_json(std::uint8_t system, const GainLoop& loop, const Outcome& outcome) {
   json answer{{"vehicle", system},
               {"loop", loop.name},
               {"parameters", parameters_json(outcome.parameters)}};
   const auto put = [&](const char* key, const std::optional<std::string>& name) {
-    if (name && outcome.parameters.contains(*name)) {
+    if (!name) return;
+    if (outcome.parameters.contains(*name)) {
       answer[key] = number_json(outcome.parameters.at(*name));
+    }
+    if (outcome.before.contains(*name)) {
+      answer["before"][key] = number_json(outcome.before.at(*name));
     }
   };
   put("p", loop.p);
@@ -131,6 +142,7 @@ VehicleMethods::VehicleMethods(base::rpc::Server& server, VehicleCommander& comm
   add_state_methods();
   add_gain_methods();
   add_param_methods();
+  add_journal_method();
   server_.add_topic("statustext");
   commander_.on_text(
       [this](const VehicleState& vehicle, const StatusText& text) { publish_text(vehicle, text); });
@@ -148,17 +160,14 @@ void VehicleMethods::run(const std::string& name, bool audited, const Parse& par
                          const Answer& answer, const json& params, const Reply& reply) {
   Action action;
   std::optional<std::uint8_t> asked;
-  try {
-    CallParams reader(params);
+  const std::string fault = answer_call(params, reply, [&](CallParams& reader) {
     if (const auto vehicle = reader.optional_integer("vehicle", 1, 255)) {
       asked = static_cast<std::uint8_t>(*vehicle);
     }
     action = parse(reader);
     reader.finish();
-  } catch (const BadParams& error) {
-    reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
-    return;
-  }
+  });
+  if (!fault.empty()) return;
   const auto resolved = commander_.resolve(asked);
   if (const auto* why = std::get_if<Outcome>(&resolved)) {
     if (audited) audit(reply.client, name, params, asked.value_or(0), *why);
@@ -207,6 +216,13 @@ void VehicleMethods::audit(const std::string& client, const std::string& name, c
   last_refusal_ = outcome.ok() ? "" : line;
   refused_at_ = now;
   hooks_.audit(line);
+  journal_.add({.at = now,
+                .unix_us = hooks_.unix_us ? hooks_.unix_us() : 0,
+                .client = client,
+                .method = name,
+                .params = asked,
+                .system = system,
+                .refusal = outcome.ok() ? "" : outcome.message});
 }
 
 void VehicleMethods::publish_text(const VehicleState& vehicle, const StatusText& text) {
@@ -374,8 +390,10 @@ const GainLoop* VehicleMethods::find_loop(std::uint8_t system, const std::string
     done(failure(OutcomeKind::kRefused, "casd has no gain map for autopilot " + who +
                                             "; name a file under `gains` in its topology"));
   } else {
-    done(failure(OutcomeKind::kRefused, "there is no loop '" + loop + "' for " + who + "; it has " +
-                                            loop_words(gains_.loops(autopilot))));
+    done(failure(OutcomeKind::kRefused,
+                 "there is no loop '" + loop + "' for " + who + "; it has " +
+                     loop_words(gains_.loops(autopilot)) +
+                     base::did_you_mean(loop, loop_names(gains_.loops(autopilot)))));
   }
   return nullptr;
 }
@@ -423,6 +441,17 @@ void VehicleMethods::add_loop_method(const std::string& name, bool audited,
       audited ? kWeightOfChange : 1);
 }
 
+void VehicleMethods::add_journal_method() {
+  server_.add_method("casd.journal", [this](const json& params, const Reply& reply) {
+    try {
+      CallParams(params).finish();
+    } catch (const BadParams& error) {
+      return reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
+    }
+    reply.result(journal_.answer());
+  });
+}
+
 void VehicleMethods::add_param_methods() {
   const auto entry = [this](std::uint8_t system, const std::string& param, double value) {
     const auto type = commander_.param_type(system, param);
@@ -434,6 +463,7 @@ void VehicleMethods::add_param_methods() {
     const auto& [param, value] = *outcome.parameters.begin();
     json answer = entry(system, param, value);
     answer["vehicle"] = system;
+    if (outcome.before.contains(param)) answer["before"] = number_json(outcome.before.at(param));
     return answer;
   };
   add(

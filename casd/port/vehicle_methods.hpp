@@ -11,6 +11,7 @@
 #include "base/rpc/server.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
+#include "casd/port/call_journal.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
 
@@ -25,10 +26,13 @@ struct VehicleHooks {
   std::function<std::string(LinkId)> link_name;
   /// Takes one line of the audit log: who asked what and what came of it.
   std::function<void(const std::string&)> audit;
+  /// The moment by the clock of a recording, in microseconds since 1970.
+  std::function<std::int64_t()> unix_us{};
 };
 
 /// The methods of the command port about vehicles: vehicle.*, gain.* and param.*, answered after
-/// the vehicle has acknowledged, and the topic `statustext`. Everything on the server's thread.
+/// the vehicle has acknowledged, casd.journal, and the topic `statustext`. Everything on the
+/// server's thread.
 class VehicleMethods {
  public:
   /// Adds its methods to `server`. All arguments outlive this object; it outlives the server's run.
@@ -58,6 +62,7 @@ class VehicleMethods {
   void add_loop_method(const std::string& name, bool audited,
                        std::function<GainValues(CallParams&)> values_of);
   void add_param_methods();
+  void add_journal_method();
   /// Sticks come many times a second: only the first of a stretch leaves a line.
   bool is_more_of_sticks(const std::string& name, base::RunTime now);
   /// Audited methods change the vehicle.
@@ -73,6 +78,7 @@ class VehicleMethods {
   VehicleCommander& commander_;
   GainMap gains_;
   VehicleHooks hooks_;
+  CallJournal journal_;
   std::optional<base::RunTime> last_sticks_;
   std::string last_refusal_;    ///< line of the audit
   base::RunTime refused_at_{};  ///< when that line was left

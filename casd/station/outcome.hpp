@@ -29,6 +29,7 @@ struct Outcome {
   std::optional<mavlink::common::MavResult> result;  ///< of the last COMMAND_ACK
   std::vector<std::string> status_texts;             ///< what the vehicle said meanwhile
   std::map<std::string, double> parameters;          ///< values in force, by name
+  std::map<std::string, double> before;  ///< of those that were set: the value until then
 
   bool ok() const { return kind == OutcomeKind::kAccepted; }
 };

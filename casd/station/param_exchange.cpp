@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/suggestion.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 
 namespace cas::casd {
@@ -147,7 +148,8 @@ void ParamExchange::transmit(Request& request, base::RunTime now) {
 }
 
 void ParamExchange::send_set(Request& request) {
-  const MavParamType type = known_.at(request.name).type;
+  const auto& [value, type] = known_.at(request.name);
+  if (!request.before) request.before = value;
   ParamSet message;
   mav::set_text(message.param_id, request.name);
   message.param_type = type;
@@ -200,6 +202,7 @@ void ParamExchange::on_set_answer(std::list<Request>::iterator request, const Pa
                                   base::RunTime now) {
   Outcome outcome;
   outcome.parameters[request->name] = in_force.value;
+  if (request->before) outcome.before[request->name] = *request->before;
   if (!same_value(in_force.type, *request->value, in_force.value)) {
     if (++request->mismatches < kMismatchesBelieved) {
       transmit(*request, now);
@@ -246,10 +249,19 @@ void ParamExchange::tick(base::RunTime now) {
     const bool reading = !due->value || !due->type_known;
     std::string sentence = due->name + (reading ? " was asked for " : " was sent ") +
                            std::to_string(due->sent) + " times without an answer";
-    if (reading) sentence += "; does this vehicle have it?";
+    if (reading) {
+      const std::string meant = base::did_you_mean(due->name, known_names());
+      sentence += meant.empty() ? "; does this vehicle have it?" : meant;
+    }
     finish(due, failure(OutcomeKind::kTimeout, sentence + because(due->texts)));
   }
   if (listing_ && (now >= listing_->deadline || now >= listing_->give_up)) tick_listing(now);
+}
+
+std::vector<std::string_view> ParamExchange::known_names() const {
+  std::vector<std::string_view> names;
+  for (const auto& [name, parameter] : known_) names.push_back(name);
+  return names;
 }
 
 void ParamExchange::list(base::RunTime now, Done done) {

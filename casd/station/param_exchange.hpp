@@ -94,7 +94,8 @@ class ParamExchange {
  private:
   struct Request {
     std::string name;
-    std::optional<double> value;  ///< to set
+    std::optional<double> value;     ///< to set
+    std::optional<double> before{};  ///< in force until it is set
     Done done;
     bool type_known = false;
     int sent = 0;
@@ -127,6 +128,7 @@ class ParamExchange {
   void tick_listing(base::RunTime now);
   void give_up_listing(OutcomeKind kind, const std::string& why);
   void finish_listing(Outcome outcome);
+  std::vector<std::string_view> known_names() const;
 
   Send send_;
   ParamTiming timing_;

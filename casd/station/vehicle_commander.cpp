@@ -436,6 +436,7 @@ void VehicleCommander::run_steps(std::shared_ptr<Steps> steps) {
     steps->total.kind = outcome.kind;
     steps->total.message = outcome.message;
     for (const auto& [name, value] : outcome.parameters) steps->total.parameters[name] = value;
+    for (const auto& [name, value] : outcome.before) steps->total.before[name] = value;
     for (const std::string& text : outcome.status_texts) steps->total.status_texts.push_back(text);
     run_steps(steps);
   });

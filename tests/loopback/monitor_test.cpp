@@ -66,7 +66,7 @@ TEST_F(Monitor, TakesTypedCommandsWithCompletionAndShowsTheirAnswers) {
   monitor->press("\r");
   EXPECT_TRUE(monitor->shows("mode HOLD: ACCEPTED")) << monitor->text();
   monitor->press(":param set MC_ROLL_P 6.4\r");
-  EXPECT_TRUE(monitor->shows("MC_ROLL_P = 6.4")) << monitor->text();
+  EXPECT_TRUE(monitor->shows("MC_ROLL_P = 7 -> 6.4")) << monitor->text();
   monitor->press(":param get MC_ROLLRATE\t");  // asks the vehicle for the names
   EXPECT_TRUE(monitor->shows("MC_ROLLRATE_I")) << monitor->text();
   monitor->press("\x1b");

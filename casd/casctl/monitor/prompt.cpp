@@ -7,6 +7,9 @@
 #include <optional>
 #include <sstream>
 
+#include "base/suggestion.hpp"
+#include "casd/casctl/session/gains_text.hpp"
+
 namespace cas::casctl {
 namespace {
 
@@ -150,7 +153,8 @@ std::variant<PromptCall, std::string> parse_prompt(const std::string& line) {
     std::string next;
     for (const std::string& other : next_words({word})) next += (next.empty() ? "" : ", ") + other;
     if (!next.empty()) return "behind '" + word + "' stands one of " + next;
-    return "there is no command '" + word + "'; ? lists them";
+    const std::string meant = base::did_you_mean(word, next_words({}));
+    return "there is no command '" + word + "'" + (meant.empty() ? "; ? lists them" : meant);
   }
   given.erase(given.begin(), given.begin() + static_cast<std::ptrdiff_t>(words_of(*verb, given)));
   const auto needed = static_cast<std::size_t>(
@@ -174,16 +178,8 @@ std::variant<PromptCall, std::string> parse_prompt(const std::string& line) {
 }
 
 std::string answer_text(const PromptCall& call, const json& result) {
-  if (call.method.starts_with("param.")) {
-    return result.value("name", "?") + " = " + result.value("value", json()).dump();
-  }
-  if (call.method == "gain.set") {
-    std::string text = result.value("loop", "?") + ":";
-    for (const auto& [key, letter] : {std::pair{"p", "P"}, {"i", "I"}, {"d", "D"}}) {
-      if (result.contains(key)) text += std::string(" ") + letter + " " + result[key].dump();
-    }
-    return text;
-  }
+  if (call.method.starts_with("param.")) return param_text(result);
+  if (call.method == "gain.set") return gains_text(result);
   if (call.method == "log.start") return "recording into " + result.value("file", "?");
   if (call.method == "log.stop") {
     return json(result.value("recorded", 0)).dump() + " packets recorded into " +

@@ -19,7 +19,7 @@ struct PromptCall {
 /// @return the call, or a sentence that says what is wrong
 std::variant<PromptCall, std::string> parse_prompt(const std::string& line);
 
-/// What came of a call, in a few words: "roll: P 6.5", "done".
+/// What came of a call, in a few words: "roll: P 6.4 -> 6.5", "done".
 std::string answer_text(const PromptCall& call, const nlohmann::json& result);
 
 /// The words that completion offers as a verb's first argument.

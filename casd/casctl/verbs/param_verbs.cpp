@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/os/write_file.hpp"
+#include "casd/casctl/session/gains_text.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -12,18 +13,6 @@ namespace cas::casctl {
 namespace {
 
 using nlohmann::json;
-
-/// "rollrate: P 0.15, I 0.2, D 0.003".
-std::string gains_sentence(const json& gains) {
-  std::string text = gains.value("loop", "?");
-  const char* separator = ": ";
-  for (const auto& [key, letter] : {std::pair{"p", "P "}, {"i", "I "}, {"d", "D "}}) {
-    if (!gains.contains(key)) continue;
-    text += separator + std::string(letter) + gains[key].dump();
-    separator = ", ";
-  }
-  return text;
-}
 
 void add_setgain(CommandLine& line) {
   struct Wish {
@@ -33,7 +22,7 @@ void add_setgain(CommandLine& line) {
   };
   const auto wish = std::make_shared<Wish>();
   const Verb verb =
-      line.add_verb("setgain", "Set PID gains of a control loop; prints those in force",
+      line.add_verb("setgain", "Set PID gains of a control loop; prints those in force, old -> new",
                     "casctl setgain rollrate 0.15 0.2 0.003   or   casctl setgain roll --p 6.5",
                     [wish](Session& session) {
                       json params{{"loop", wish->loop}};
@@ -44,7 +33,7 @@ void add_setgain(CommandLine& line) {
                       if (wish->i) params["i"] = *wish->i;
                       if (wish->d) params["d"] = *wish->d;
                       const json result = session.vehicle_call("gain.set", params);
-                      report(session.options(), result, gains_sentence(result));
+                      report(session.options(), result, gains_text(result));
                       return kDone;
                     });
   verb.add_option("LOOP", wish->loop,
@@ -178,8 +167,7 @@ int list_params(Session& session, const std::string& prefix) {
 }
 
 int print_param(const Session& session, const json& result) {
-  report(session.options(), result,
-         result.at("name").get<std::string>() + " = " + result.at("value").dump());
+  report(session.options(), result, param_text(result));
   return kDone;
 }
 
@@ -201,7 +189,7 @@ void add_param(CommandLine& line) {
       .add_option("NAME", wish->name, "Parameter, by the firmware's name")
       .required();
   const Verb set = line.add_verb(
-      param, "set", "Write one; prints the value in force", "casctl param set MC_ROLL_P 6.5",
+      param, "set", "Write one; prints old -> new", "casctl param set MC_ROLL_P 6.5",
       [wish](Session& session) {
         return print_param(session, session.vehicle_call("param.set", {{"name", wish->name},
                                                                        {"value", wish->value}}));

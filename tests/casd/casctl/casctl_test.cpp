@@ -282,9 +282,10 @@ TEST_F(CasctlTest, SetsGainsByPositionAndByName) {
                                {"MC_ROLLRATE_I", {.value = 0.2}},
                                {"MC_ROLLRATE_D", {.value = 0.003}},
                                {"MC_ROLL_P", {.value = 6.5}}};
-  EXPECT_EQ(run("setgain rollrate 0.16 0.21 0.004").out, "rollrate: P 0.16, I 0.21, D 0.004\n");
-  EXPECT_EQ(run("setgain rollrate --i 0.3").out, "rollrate: P 0.16, I 0.3, D 0.004\n");
-  EXPECT_EQ(run("setgain roll --p 7").out, "roll: P 7\n");
+  EXPECT_EQ(run("setgain rollrate 0.16 0.21 0.004").out,
+            "rollrate: P 0.15 -> 0.16, I 0.2 -> 0.21, D 0.003 -> 0.004\n");
+  EXPECT_EQ(run("setgain rollrate --i 0.3").out, "rollrate: P 0.16, I 0.21 -> 0.3, D 0.004\n");
+  EXPECT_EQ(run("setgain roll --p 7").out, "roll: P 6.5 -> 7\n");
   const Ended refused = run("setgain roll 6 0.1 0");
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.out.find("loop roll has no I and no D gain"), std::string::npos);
@@ -297,7 +298,7 @@ TEST_F(CasctlTest, SavesAndLoadsParameters) {
       {"SYS_HITL", {.value = 1, .type = mavlink::common::MavParamType::kInt32}}};
   const std::string file = (directory_ / "iris.params").string();
   EXPECT_EQ(run("param save " + file).code, 0);
-  EXPECT_EQ(run("param set MC_ROLL_P 8").out, "MC_ROLL_P = 8\n");
+  EXPECT_EQ(run("param set MC_ROLL_P 8").out, "MC_ROLL_P = 6.5 -> 8\n");
   EXPECT_EQ(run("param load " + file).code, 0);
   EXPECT_EQ(run("param get MC_ROLL_P").out, "MC_ROLL_P = 6.5\n");
   EXPECT_NE(run("param list SYS_").out.find("SYS_HITL      1  INT32"), std::string::npos);

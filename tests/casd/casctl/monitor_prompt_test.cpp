@@ -36,6 +36,7 @@ TEST(MonitorPrompt, NeverOverrulesTheInterlock) {
 TEST(MonitorPrompt, SaysWhatIsWrongWithALine) {
   const auto fault = [](const char* line) { return std::get<std::string>(parse_prompt(line)); };
   EXPECT_EQ(fault("fly"), "there is no command 'fly'; ? lists them");
+  EXPECT_EQ(fault("tekeoff 3"), "there is no command 'tekeoff'; did you mean 'takeoff'?");
   EXPECT_EQ(fault("takeoff"), "usage: takeoff ALT");
   EXPECT_EQ(fault("takeoff high"), "'high' is no number; usage: takeoff ALT");
   EXPECT_EQ(fault("land now"), "usage: land");
@@ -47,6 +48,9 @@ TEST(MonitorPrompt, SaysWhatCameOfACall) {
   EXPECT_EQ(answer_text({.method = "param.get"}, {{"name", "MC_ROLL_P"}, {"value", 6.5}}),
             "MC_ROLL_P = 6.5");
   EXPECT_EQ(answer_text({.method = "gain.set"}, {{"loop", "roll"}, {"p", 6.5}}), "roll: P 6.5");
+  EXPECT_EQ(
+      answer_text({.method = "gain.set"}, {{"loop", "roll"}, {"p", 6.5}, {"before", {{"p", 6.4}}}}),
+      "roll: P 6.4 -> 6.5");
 }
 
 class Completing : public testing::Test {

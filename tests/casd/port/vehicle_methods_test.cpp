@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/client.hpp"
+#include "casd/port/call_journal.hpp"
 #include "tests/casd/port/command_port_fixture.hpp"
 #include "tests/support/wait_until.hpp"
 
@@ -164,6 +165,9 @@ TEST_F(VehicleMethodsTest, SetsGainsByLoop) {
   EXPECT_EQ(gains.at("i"), 0.2);
   EXPECT_EQ(gains.at("d"), 0.004);
   EXPECT_EQ(gains.at("parameters").at("MC_ROLLRATE_D"), 0.004);
+  EXPECT_EQ(gains.at("before"), (json{{"p", 0.15}, {"d", 0.003}})) << "what was set, and no more";
+  EXPECT_EQ(call("gain.set", {{"loop", "rollrate"}, {"p", 0.2}}).at("before").at("p"), 0.18);
+  EXPECT_FALSE(call("gain.get", {{"loop", "rollrate"}}).contains("before"));
 }
 
 TEST_F(VehicleMethodsTest, RefusesAGainOrLoopThatIsNotThere) {
@@ -171,6 +175,8 @@ TEST_F(VehicleMethodsTest, RefusesAGainOrLoopThatIsNotThere) {
   const CallError unknown = error("gain.set", {{"loop", "warp"}, {"p", 1}});
   EXPECT_EQ(unknown.code(), -32000);
   EXPECT_NE(std::string(unknown.what()).find("rollrate"), std::string::npos);
+  const CallError misspelt = error("gain.set", {{"loop", "velocty"}, {"p", 1}});
+  EXPECT_NE(std::string(misspelt.what()).find("; did you mean 'velocity'?"), std::string::npos);
 }
 
 TEST_F(VehicleMethodsTest, ListsTheLoopsOfTheAutopilot) {
@@ -308,6 +314,38 @@ TEST_F(VehicleMethodsTest, AuditsWhoChangesAVehicleAndWhatCameOfIt) {
             std::string::npos)
       << fixture_.audit()[0];
   EXPECT_NE(fixture_.audit()[1].find("'WARP' is no mode of PX4"), std::string::npos);
+}
+
+TEST_F(VehicleMethodsTest, KeepsTheAuditedCallsInItsJournal) {
+  call("vehicle.state");
+  call("vehicle.land", {{"vehicle", 1}});
+  error("vehicle.mode", {{"mode", "WARP"}});
+  const json journal = call("casd.journal");
+  EXPECT_EQ(journal.at("forgotten"), 0);
+  const json& calls = journal.at("calls");
+  ASSERT_EQ(calls.size(), 2U) << calls;
+  EXPECT_EQ(calls[0].at("method"), "vehicle.land");
+  EXPECT_EQ(calls[0].at("params"), (json{{"vehicle", 1}}));
+  EXPECT_EQ(calls[0].at("vehicle"), 1);
+  EXPECT_EQ(calls[0].at("client").get<std::string>().rfind("127.0.0.1:", 0), 0U);
+  EXPECT_FALSE(calls[0].contains("refusal"));
+  EXPECT_NE(calls[1].at("refusal").get<std::string>().find("WARP"), std::string::npos);
+  EXPECT_EQ(error("casd.journal", {{"since", 1}}).code(), -32602);
+}
+
+TEST(CallJournal, ForgetsTheOldestAndLongParameters) {
+  CallJournal journal;
+  for (std::size_t i = 0; i < CallJournal::kMost + 3; ++i) {
+    journal.add(
+        {.method = std::to_string(i),
+         .params = i % 2 == 0 ? "{}" : std::string(CallJournal::kMostParamsBytes + 1, 'x')});
+  }
+  const json answer = journal.answer();
+  EXPECT_EQ(answer.at("forgotten"), 3);
+  ASSERT_EQ(answer.at("calls").size(), CallJournal::kMost);
+  EXPECT_EQ(answer.at("calls")[0].at("method"), "3");
+  EXPECT_TRUE(answer.at("calls")[0].at("params").is_null());
+  EXPECT_EQ(answer.at("calls")[1].at("params"), json::object());
 }
 
 TEST_F(VehicleMethodsTest, AuditsARefusalThatRepeatsItselfOnce) {

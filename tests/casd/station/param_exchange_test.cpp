@@ -99,6 +99,15 @@ TEST_F(ParamList, IsAskedForByABoundedNumberOfClients) {
   EXPECT_EQ(refused, 36);
 }
 
+TEST_F(ParamList, AParameterThatDoesNotAnswerMayBeOneThatIsKnown) {
+  answer("MC_ROLL_P", 0, 1);
+  exchange_.read("MC_ROL_P", now_, [this](const Outcome& outcome) { outcome_ = outcome; });
+  for (int i = 0; i < 10 && !outcome_; ++i) pass(1s);
+  ASSERT_TRUE(outcome_.has_value());
+  EXPECT_NE(outcome_->message.find("; did you mean 'MC_ROLL_P'?"), std::string::npos)
+      << outcome_->message;
+}
+
 struct RoundTripCase {
   const char* name;
   ParamEncoding encoding;
