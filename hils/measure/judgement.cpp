@@ -66,13 +66,14 @@ void check_account(std::string_view name, const RateFigures& rate, Checks& check
                     .wanted = "closes"});
 }
 
-constexpr const char* kRemedy =
+constexpr std::string_view kTooBusy = "the machine was too busy: ";
+constexpr std::string_view kRemedy =
     "; end other programs, or give these real-time rights (docs/operations.md), or use --virtual";
 
 /// A figure of the machine, ms or a factor, with its bound.
 void add_machine(Checks& checks, LimitCheck check, const std::string& sentence) {
   check.kind = Kind::kValidity;
-  add_bounded(checks, std::move(check), "the machine was too busy: " + sentence + kRemedy);
+  add_bounded(checks, std::move(check), std::string(kTooBusy) + sentence);
 }
 
 /// Whether simulator and programs kept up with real time, before any limit is looked at: a delay of
@@ -332,11 +333,16 @@ Checks flight_checks(const Measurement& figures, const Limits& limits) {
   return checks;
 }
 
+/// The remedy for a busy machine follows the last sentence that says so.
 std::vector<std::string> sentences_of(const Checks& checks) {
   std::vector<std::string> sentences;
+  std::size_t busy = 0;  // behind the last one
   for (const LimitCheck& check : checks) {
-    if (!check.kept) sentences.push_back(check.sentence);
+    if (check.kept) continue;
+    sentences.push_back(check.sentence);
+    if (check.sentence.starts_with(kTooBusy)) busy = sentences.size();
   }
+  if (busy > 0) sentences[busy - 1] += kRemedy;
   return sentences;
 }
 

@@ -209,6 +209,19 @@ TEST_P(StarvedMachine, IsNoMatterOfAVirtualClock) {
 INSTANTIATE_TEST_SUITE_P(All, StarvedMachine, testing::ValuesIn(kStarved),
                          [](const auto& test) { return test.param.name; });
 
+TEST(Judgement, SaysOnceWhatHelpsABusyMachine) {
+  Measurement figures = good();
+  figures.pace = {.real_time_factor = 0.9, .worst_stall_ms = 100, .late_p99_ms = 20};
+  figures.rates.sensor.received -= 1;  // a packet that nobody accounts for
+  const Verdict verdict = judge(figures, hover_limits());
+  ASSERT_GE(verdict.failures.size(), 3U);
+  const auto helps = [](const std::string& sentence) {
+    return sentence.find("end other programs") != std::string::npos;
+  };
+  EXPECT_EQ(std::ranges::count_if(verdict.failures, helps), 1);
+  EXPECT_TRUE(helps(verdict.failures[2])) << "behind the last of them";
+}
+
 TEST(Judgement, HoldsAMachineThatJustKeepsUpForGood) {
   Measurement figures = good();
   figures.pace = {.real_time_factor = 0.99, .worst_stall_ms = 50, .late_p99_ms = 2};
