@@ -4,14 +4,22 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "hils/run/station_endpoint.hpp"
 
 namespace cas::hils {
 
+/// What to type for casctl: its name where a folder of `search_path` (PATH) has it, else where it
+/// is beside this program, from `working_folder` on when it is below it.
+std::string casctl_command(const std::filesystem::path& program_folder,
+                           const std::filesystem::path& working_folder,
+                           std::string_view search_path);
+
 /// "Watch it: casctl monitor; a ground station at 127.0.0.1:14550 is sent to over UDP".
+/// @param casctl  how the user's shell finds it
 /// @param address  of the run's casd, where casctl needs it
-std::string watch_line(const std::optional<std::string>& address,
+std::string watch_line(const std::string& casctl, const std::optional<std::string>& address,
                        const std::optional<StationEndpoint>& station);
 
 /// Says on standard error how to watch a run whose casd is ready. The address is in it unless

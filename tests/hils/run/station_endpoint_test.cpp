@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+
 #include "base/error.hpp"
 #include "hils/programs/watch_line.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
 namespace {
@@ -45,12 +49,30 @@ TEST(StationEndpoint, RefusesWhatNoStationCanUse) {
 }
 
 TEST(WatchLine, NamesTheAddressAndTheStationWhereThereAreAny) {
-  EXPECT_EQ(watch_line({}, {}), "Watch it: casctl monitor");
-  EXPECT_EQ(watch_line("unix:/run/x", {}), "Watch it: casctl --address unix:/run/x monitor");
-  EXPECT_EQ(watch_line({}, StationEndpoint::parse("udp:14550")),
+  EXPECT_EQ(watch_line("casctl", {}, {}), "Watch it: casctl monitor");
+  EXPECT_EQ(watch_line("casctl", "unix:/run/x", {}),
+            "Watch it: casctl --address unix:/run/x monitor");
+  EXPECT_EQ(watch_line("casctl", {}, StationEndpoint::parse("udp:14550")),
             "Watch it: casctl monitor; a ground station at 127.0.0.1:14550 is sent to over UDP");
-  EXPECT_EQ(watch_line({}, StationEndpoint::parse("tcp_server:5761")),
+  EXPECT_EQ(watch_line("casctl", {}, StationEndpoint::parse("tcp_server:5761")),
             "Watch it: casctl monitor; a ground station joins at 127.0.0.1:5761 over TCP");
+}
+
+TEST(WatchLine, NamesACasctlThatTheShellFinds) {
+  const test::TemporaryFolder folder;
+  const auto make = [&folder](const std::string& name) {
+    std::filesystem::permissions(folder.write(name, ""), std::filesystem::perms::owner_all);
+  };
+  const auto command = [&folder](const std::string& from, const std::string& path) {
+    return casctl_command(folder / "build/bin", folder / from, path);
+  };
+  EXPECT_EQ(command("", "/nowhere"), "casctl") << "there is none";
+  make("build/bin/casctl");
+  EXPECT_EQ(command("", "/nowhere"), "build/bin/casctl");
+  EXPECT_EQ(command("build/bin", ""), "./casctl");
+  EXPECT_EQ(command("elsewhere", ""), (folder / "build/bin/casctl").string());
+  make("usr/bin/casctl");
+  EXPECT_EQ(command("", "/nowhere::" + (folder / "usr/bin").string()), "casctl");
 }
 
 }  // namespace
