@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -79,6 +80,7 @@ struct CompareFlags {
   double hold_s = 60;
   bool on_virtual_clock = false;
   bool keep = false;
+  bool markdown = false;
   std::string out;
 };
 
@@ -163,8 +165,8 @@ int compare(const CompareFlags& flags) {
   const std::vector<VariantResult> results = run_comparison(plan, out, flags.keep);
   const double wall_s = base::to_seconds(base::steady_now() - begin);
 
-  const std::string tables = comparison_markdown(plan, results);
-  base::write_file(out / "comparison.md", tables, base::Durability::kCache);
+  base::write_file(out / "comparison.md", comparison_text(plan, results, TableStyle::kMarkdown),
+                   base::Durability::kCache);
   base::write_file(out / "comparison.json", comparison_json(plan, results),
                    base::Durability::kCache);
   base::write_file(out / "comparison.html", comparison_html(plan, results),
@@ -176,8 +178,10 @@ int compare(const CompareFlags& flags) {
   for (const VariantResult& result : results) {
     for (const Measurement& figures : result.runs) simulated_s += figures.simulated_s;
   }
-  fmt::print("{}\n{:.0f} s simulated in {:.1f} s\nResults: {}\n", tables, simulated_s, wall_s,
-             flags.out);
+  const bool markdown = flags.markdown || ::isatty(STDOUT_FILENO) == 0;
+  const TableStyle style = markdown ? TableStyle::kMarkdown : TableStyle::kAligned;
+  fmt::print("{}\n{:.0f} s simulated in {:.1f} s\nResults: {}\n",
+             comparison_text(plan, results, style), simulated_s, wall_s, flags.out);
   return exit_code(results);
 }
 
@@ -215,6 +219,8 @@ CLI::App* add_compare(CLI::App& app, CompareFlags& flags) {
   command->add_option("--hold", flags.hold_s, "Seconds measured (60)");
   command->add_flag("--virtual", flags.on_virtual_clock,
                     "Compute time instead of waiting for it: the same to the byte each time");
+  command->add_flag("--markdown", flags.markdown,
+                    "Print Markdown on a terminal, too, as comparison.md has it");
   command->add_flag("--keep", flags.keep, "Keep truth.csv, sensors and flight.tlog of each run");
   command->add_option("--out", flags.out, "Folder for the results (the last, if several)")
       ->required()

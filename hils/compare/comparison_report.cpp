@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hils/compare/comparison_table.hpp"
+#include "hils/report/aligned_table.hpp"
 #include "hils/report/html_page.hpp"
 
 namespace cas::hils {
@@ -29,6 +30,10 @@ std::string markdown_table(const Rows& rows) {
     text += "\n";
   }
   return text;
+}
+
+std::string table_text(const Rows& rows, TableStyle style) {
+  return style == TableStyle::kMarkdown ? markdown_table(rows) : aligned_table(rows, Cells::kRight);
 }
 
 /// Columns become rows: a page is less wide than it is long.
@@ -100,20 +105,20 @@ std::string validity_words(const VariantResult& result) {
                      flown, reason.empty() ? "" : "; first remark: ", reason);
 }
 
-std::string comparison_markdown(const ComparisonPlan& plan,
-                                const std::vector<VariantResult>& results) {
+std::string comparison_text(const ComparisonPlan& plan, const std::vector<VariantResult>& results,
+                            TableStyle style) {
   std::string text = comparison_headline(plan) + "\n\n";
   for (const VariantResult& result : results) {
     text += fmt::format("- {}: {}\n", result.variant.name(), validity_words(result));
   }
   for (const ColumnGroup& group : comparison_groups()) {
     if (!has_figures(group, results)) continue;
-    text += fmt::format("\n{}\n\n{}", group.title, markdown_table(group_rows(group, results)));
+    text += fmt::format("\n{}\n\n{}", group.title, table_text(group_rows(group, results), style));
   }
-  text += "\nLost packets, by cause, of all valid runs\n\n" + markdown_table(loss_rows(results));
+  text += "\nLost packets, by cause, of all valid runs\n\n" + table_text(loss_rows(results), style);
   const Rows pairs = difference_rows(results);
   if (pairs.size() > 1) {
-    text += "\nPaired differences by seed: mean and 95 % interval\n\n" + markdown_table(pairs);
+    text += "\nPaired differences by seed: mean and 95 % interval\n\n" + table_text(pairs, style);
   }
   return text;
 }

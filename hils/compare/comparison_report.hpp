@@ -16,10 +16,13 @@ std::string comparison_headline(const ComparisonPlan& plan);
 /// others are not.
 std::string validity_words(const VariantResult& result);
 
-/// For the terminal and for docs: Markdown, each table with the rows of [HILS] beside ours where it
-/// has any.
-std::string comparison_markdown(const ComparisonPlan& plan,
-                                const std::vector<VariantResult>& results);
+/// What tables look like: those of a page, or aligned columns for a terminal.
+enum class TableStyle { kMarkdown, kAligned };
+
+/// For files, docs and the terminal: each table with the rows of [HILS] beside ours where it has
+/// any.
+std::string comparison_text(const ComparisonPlan& plan, const std::vector<VariantResult>& results,
+                            TableStyle style);
 /// comparison.json. On the virtual clock it is the same to the byte for the same plan.
 std::string comparison_json(const ComparisonPlan& plan, const std::vector<VariantResult>& results);
 /// [HILS] Fig. 16 (received rates over time) and Fig. 17 (position and heading), first seed.

@@ -98,6 +98,11 @@ TEST(Comparison, ThePageSaysThatARunDoesNotCount) {
   const std::string page = comparison_html(plan, results);
   EXPECT_EQ(page.find("All runs valid"), std::string::npos);
   EXPECT_NE(page.find("Not all runs valid"), std::string::npos);
+  const std::string markdown = comparison_text(plan, results, TableStyle::kMarkdown);
+  EXPECT_NE(markdown.find("|---|"), std::string::npos);
+  const std::string aligned = comparison_text(plan, results, TableStyle::kAligned);
+  EXPECT_EQ(aligned.find('|'), std::string::npos) << aligned;
+  EXPECT_NE(aligned.find("DIRECT"), std::string::npos) << aligned;
 }
 
 TEST(Comparison, LosesSensorPacketsInTheBlockingThread) {
