@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/config/config.hpp"
+#include "base/config/config_origin.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
@@ -73,7 +74,7 @@ std::string world_text(const FirmwareScenario& scenario, const FirmwarePlaces& p
   recorder["file"] = (places.out / "truth.csv").string();
   recorder["rate_hz"] = kTruthHz;
   world["vehicles"][0]["plugins"].push_back(recorder);
-  return to_text(world);
+  return to_text(world) + base::origin_notes("", source);
 }
 
 std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces& places) {
@@ -94,7 +95,7 @@ std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces
       link["device"] = places.casd_tty().string();
     }
   }
-  return to_text(topology);
+  return to_text(topology) + base::origin_notes("", base::ConfigNode::load(scenario.topology));
 }
 
 }  // namespace

@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <array>
 #include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/config/config_origin.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/earth/gravity.hpp"
 #include "base/os/write_file.hpp"
@@ -261,12 +263,32 @@ std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t veh
   return node;
 }
 
+/// Plugins that every vehicle has, in front of the scenario's.
+constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer", "barometer"};
+
+/// Where values of a vehicle came from, for errors of plugins (base/config/config_origin.hpp).
+std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
+  const std::string where = fmt::format("vehicles[{}].", vehicle);
+  const base::ConfigNode& sensors = scenario.sensors_of(vehicle);
+  std::string notes =
+      base::origin_notes(where + (sensors.is_scalar() ? "sensors.preset" : "sensors"), sensors);
+  std::size_t plugin = kFirstPlugins.size();
+  for (const base::ConfigNode& further : scenario.plugins) {
+    notes += base::origin_notes(fmt::format("{}plugins[{}]", where, plugin++), further);
+  }
+  std::size_t number = 0;
+  for (const VehicleFault& fault : scenario.faults.vehicle) {
+    if (fault.vehicle.value_or(vehicle) != vehicle) continue;
+    notes += base::origin_notes(fmt::format("{}plugins[{}].faults[{}]", where, plugin, number++),
+                                fault.script);
+  }
+  return notes;
+}
+
 YAML::Node vehicle_plugins(const Scenario& scenario, std::size_t vehicle, Transport transport,
                            const VehiclePlaces& places) {
   YAML::Node plugins;
-  for (const char* name : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
-    plugins.push_back(plugin(name));
-  }
+  for (const char* name : kFirstPlugins) plugins.push_back(plugin(name));
   for (const base::ConfigNode& further : scenario.plugins) {
     plugins.push_back(further_plugin(further));
   }
@@ -351,7 +373,9 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     root["vehicles"].push_back(simulated_vehicle(scenario, i, transport, places.vehicles.at(i)));
   }
-  return to_text(root);
+  std::string text = to_text(root);
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) text += vehicle_origins(scenario, i);
+  return text;
 }
 
 std::string fcu_config(const RunRequest& request, std::size_t vehicle) {
@@ -370,12 +394,18 @@ std::string fcu_config(const RunRequest& request, std::size_t vehicle) {
   root["pace"] = pace_word(request);
   // In lockstep an emulated line would only cost wall-clock time.
   if (!request.lockstep) root["line"] = line_node(request);
-  return to_text(root);
+  std::string text = to_text(root) + base::origin_notes("", scenario.controller) +
+                     base::origin_notes("", own.controller);
+  if (!request.lockstep) text += base::origin_notes("line", scenario.line);
+  return text;
 }
 
 fcu::LineConfig line_of(const RunRequest& request) {
+  YAML::Node root;
+  root["line"] = line_node(request);
+  const std::string text = to_text(root) + base::origin_notes("line", request.scenario.line);
   return fcu::LineConfig::parse(
-      base::ConfigNode::parse(to_text(line_node(request)), request.scenario.file.string()));
+      base::ConfigNode::parse(text, request.scenario.file.string()).at("line"));
 }
 
 void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {

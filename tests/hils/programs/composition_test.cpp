@@ -104,5 +104,78 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
 
 INSTANTIATE_TEST_SUITE_P(Of, Composition, testing::Values(Architecture::kTcas, Architecture::kTs));
 
+/// What somebody says who reads a value of a generated file that was the user's.
+class ErrorsOfGeneratedFiles : public testing::Test {
+ protected:
+  RunRequest request(const std::string& more) {
+    const auto file = folder_.write("own/mine.yaml",
+                                    "schema: 1\nname: mine\nvehicle: vehicles/iris_paper.yaml\n"
+                                    "home: {lat_deg: 47, lon_deg: 8, alt_m: 488}\n"
+                                    "rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}\n"
+                                    "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: "
+                                    "1, measure: true}}, land]\n" +
+                                        more);
+    RunRequest request;
+    request.scenario = Scenario::load(file);
+    return request;
+  }
+  base::ConfigNode simulator(const RunRequest& request) {
+    const RunPlaces places = RunPlaces::of(request.scenario, folder_.path(), folder_.path());
+    return base::ConfigNode::parse(simulator_config(request, Transport::kBus, places), "sim.yaml");
+  }
+  static std::string error(const base::ConfigNode& node) {
+    try {
+      node.reject_unused();
+    } catch (const base::ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  std::string mine(const std::string& rest) const {
+    return (folder_ / "own/mine.yaml").string() + rest;
+  }
+  cas::test::TemporaryFolder folder_;
+};
+
+TEST_F(ErrorsOfGeneratedFiles, NameThePlaceOfAPluginsKeyInTheScenario) {
+  const RunRequest own = request(
+      "plugins:\n  - plugin: wind\n    mean_m_s: [1, 0, 0]\n  - plugin: rangefinder\n    rate: "
+      "20\n");
+  const base::ConfigNode plugin = simulator(own).at("vehicles").items()[0].at("plugins").items()[6];
+  EXPECT_EQ(plugin.require<std::string>("plugin"), "rangefinder");
+  plugin.find("rate_hz");
+  EXPECT_EQ(error(plugin), mine(":11: plugins[1].rate: unknown key; did you mean 'rate_hz'?"));
+  try {
+    plugin.require<double>("max_m");
+    FAIL();
+  } catch (const base::ConfigError& missing) {
+    EXPECT_EQ(missing.what(), mine(":10: plugins[1]: key 'max_m' is missing"));
+  }
+}
+
+TEST_F(ErrorsOfGeneratedFiles, NameSensorsFaultsControllerAndLineOfTheScenario) {
+  const RunRequest own = request(
+      "sensors:\n  preset: airsim_mpu6000\n  imu: {oddity: 1}\n"
+      "faults:\n  - {at_s: 1, for_s: 1, rotor: {number: 1, stop: true}}\n"
+      "controller:\n  params: {MPC_XYZ: 1}\n"
+      "line:\n  preset: usb\n");
+  const base::ConfigNode vehicle = simulator(own).at("vehicles").items()[0];
+  const auto fail = [](const base::ConfigNode& node) -> std::string {
+    try {
+      node.fail("is odd");
+    } catch (const base::ConfigError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(fail(vehicle.at("sensors").at("imu").at("oddity")),
+            mine(":9: sensors.imu.oddity: is odd"));
+  EXPECT_EQ(fail(vehicle.at("plugins").items()[5].at("faults").items()[0].at("rotor")),
+            mine(":11: faults[0].rotor: is odd"));
+  const auto fcu = base::ConfigNode::parse(fcu_config(own, 0), "fcu.yaml");
+  EXPECT_EQ(fail(fcu.at("params").at("MPC_XYZ")), mine(":13: controller.params.MPC_XYZ: is odd"));
+  EXPECT_EQ(fail(fcu.at("line").at("preset")), mine(":15: line.preset: is odd"));
+  EXPECT_EQ(fail(fcu.at("vehicle")).rfind("fcu.yaml:", 0), 0U) << "hils's own word";
+}
+
 }  // namespace
 }  // namespace cas::hils
