@@ -4,6 +4,8 @@
 #include "base/config/config_whole.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/sensor_set.hpp"
+#include "base/suggestion.hpp"
+#include "fcu/params/params.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -48,6 +50,20 @@ std::uint8_t parse_id(const base::ConfigNode& node, std::string_view key, std::u
   return base::get_whole_in<std::uint8_t>(node, key, fallback, 1, 250);
 }
 
+/// @throws base::ConfigError for a name or a value that the controller does not take
+std::pair<std::string, double> parse_param(const std::string& name, const base::ConfigNode& node,
+                                           ParamStore& store) {
+  const auto value = node.as<double>();
+  const ParamSetResult result = store.set(name, value);
+  if (result == ParamSetResult::kUnknown) {
+    std::vector<std::string_view> known;
+    for (std::size_t i = 0; i < store.size(); ++i) known.emplace_back(store.at(i).name);
+    node.fail("there is no parameter " + name + base::did_you_mean(name, known));
+  }
+  if (result != ParamSetResult::kOk) node.fail("is out of range");
+  return {name, value};
+}
+
 }  // namespace
 
 FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
@@ -68,8 +84,9 @@ FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
   config.home_hint = parse_home_hint(node);
   config.seed = node.get<std::uint64_t>("seed", 1);
   if (const auto params = node.find("params")) {
+    ParamStore store(config.vehicle);
     for (const auto& [name, value] : params->entries()) {
-      config.params.emplace_back(name, value.as<double>());
+      config.params.push_back(parse_param(name, value, store));
     }
   }
   node.reject_unused();

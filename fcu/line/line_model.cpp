@@ -2,11 +2,13 @@
 #include "fcu/line/line_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
 #include "base/config/config_whole.hpp"
 #include "base/random.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::fcu {
 
@@ -17,6 +19,9 @@ using namespace std::chrono_literals;
 // Configuration.
 
 namespace {
+
+constexpr std::array<std::string_view, 5> kPresets{"ideal", "usb", "baud_921600", "baud_460800",
+                                                   "baud_115200"};
 
 /// A UART with the driver's send buffer and receive ring of a flight controller's.
 LineConfig uart(const std::string& name, double baud) {
@@ -52,7 +57,8 @@ LineConfig LineConfig::from_preset(const std::string& name) {
   }
   throw base::ConfigError("line preset '" + name +
                           "' is unknown; there are ideal, usb, baud_921600, baud_460800, "
-                          "baud_115200");
+                          "baud_115200" +
+                          base::did_you_mean(name, kPresets));
 }
 
 LineConfig LineConfig::parse(const base::ConfigNode& node) {

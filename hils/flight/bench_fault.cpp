@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/suggestion.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
@@ -62,6 +63,20 @@ std::optional<std::string_view> bench_key(const ConfigNode& node) {
   return std::nullopt;
 }
 
+/// The plugin's own reading, for its errors. What it does not know may be a fault of the bench,
+/// misspelt.
+void read_as_plugin(const ConfigNode& node, std::size_t number) {
+  try {
+    sim::parse_fault(node, number);
+  } catch (const base::ConfigError&) {
+    for (const auto& [key, value] : node.entries()) {
+      const std::string meant = base::did_you_mean(key, kBenchKeys);
+      if (!meant.empty()) value.fail("there is no such fault" + meant);
+    }
+    throw;
+  }
+}
+
 /// Every vehicle has a line of its own, and its own condition.
 void add_bench_fault(BenchFault fault, std::optional<std::size_t> vehicle, std::size_t vehicles,
                      std::vector<BenchFault>& faults) {
@@ -89,8 +104,7 @@ ScenarioFaults parse_scenario_faults(const ConfigNode& faults, const ConfigNode&
     if (const auto key = bench_key(node)) {
       add_bench_fault(parse_bench_fault(node, *key, line), vehicle, names.size(), result.bench);
     } else {
-      sim::parse_fault(node,
-                       result.vehicle.size() + 1);  // the plugin's own reading, for its errors
+      read_as_plugin(node, result.vehicle.size() + 1);
       result.vehicle.push_back({.script = node, .vehicle = vehicle});
     }
   }

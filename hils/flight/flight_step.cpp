@@ -9,6 +9,8 @@
 #include <cmath>
 #include <span>
 
+#include "base/suggestion.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -39,13 +41,20 @@ constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{
     {fcu::PatternShape::kSteps, "step"},
 }};
 
+/// "; steps are arm, land", and which of them was meant where one is near.
+template <class Words>
+std::string or_these(std::string_view kinds, std::string_view word, const Words& known) {
+  return fmt::format("; {} are {}{}", kinds, fmt::join(known, ", "),
+                     base::did_you_mean(word, known));
+}
+
 StepKind parse_kind(const base::ConfigNode& node, std::string_view word) {
-  std::string known;
+  std::vector<std::string_view> known;
   for (const auto& [kind, name] : std::span(kWords).first(kScenarioWords)) {
     if (name == word) return kind;
-    known += (known.empty() ? "" : ", ") + std::string(name);
+    known.push_back(name);
   }
-  node.fail("there is no step '" + std::string(word) + "'; steps are " + known);
+  node.fail(fmt::format("there is no step '{}'{}", word, or_these("steps", word, known)));
 }
 
 std::optional<double> optional_number(const base::ConfigNode& node, std::string_view key) {
@@ -84,15 +93,17 @@ void check_gain(const base::ConfigNode& body, const FlightStep& step, const casd
   }
   if (refusal) body.fail(*refusal);
   body.at("loop").fail(
-      fmt::format("there is no loop '{}'; loops are {}", step.loop, fmt::join(known, ", ")));
+      fmt::format("there is no loop '{}'{}", step.loop, or_these("loops", step.loop, known)));
 }
 
 fcu::PatternShape parse_shape(const base::ConfigNode& node) {
   const auto word = node.as<std::string>();
+  std::vector<std::string_view> known;
   for (const auto& [shape, name] : kShapes) {
     if (name == word) return shape;
+    known.push_back(name);
   }
-  node.fail("a trajectory is a circle, a figure_eight or a step");
+  node.fail("a trajectory is a circle, a figure_eight or a step" + base::did_you_mean(word, known));
 }
 
 /// A step goes north at once after half of its time, the others go on for `duration_s`.
@@ -257,8 +268,7 @@ std::optional<std::size_t> parse_vehicle_key(const base::ConfigNode& node,
   const auto name = key->as<std::string>();
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) {
-    key->fail(
-        fmt::format("there is no vehicle '{}'; vehicles are {}", name, fmt::join(names, ", ")));
+    key->fail(fmt::format("there is no vehicle '{}'{}", name, or_these("vehicles", name, names)));
   }
   return static_cast<std::size_t>(found - names.begin());
 }

@@ -12,6 +12,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/suggestion.hpp"
 
 namespace cas::hils {
 
@@ -287,8 +288,11 @@ Architecture parse_architecture(std::string_view word) {
   for (const Architecture architecture : kArchitectures) {
     if (to_string(architecture) == word) return architecture;
   }
+  std::vector<std::string_view> known;
+  for (const Architecture architecture : kArchitectures) known.push_back(to_string(architecture));
   throw base::ConfigError("there is no architecture '" + std::string(word) +
-                          "'; there are direct, sitl, ts, loop and tcas");
+                          "'; there are direct, sitl, ts, loop and tcas" +
+                          base::did_you_mean(word, known));
 }
 
 VehicleNames Scenario::names() const {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/suggestion.hpp"
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
@@ -41,7 +42,10 @@ SensorTopic parse_topic(const ConfigNode& node) {
   if (word == "magnetometer") return SensorTopic::kMagnetometer;
   if (word == "barometer") return SensorTopic::kBarometer;
   if (word == "rangefinder") return SensorTopic::kRangefinder;
-  node.fail("must be imu, gps, magnetometer, barometer or rangefinder");
+  constexpr std::array<std::string_view, 5> kWords{"imu", "gps", "magnetometer", "barometer",
+                                                   "rangefinder"};
+  node.fail("must be imu, gps, magnetometer, barometer or rangefinder" +
+            base::did_you_mean(word, kWords));
 }
 
 /// {sensor: imu, angular_rate_deg_s: [1, 0, 0]}; a scale has no unit: {sensor: imu, angular_rate:
@@ -99,6 +103,18 @@ GustCommand parse_gust(const ConfigNode& node) {
   return gust;
 }
 
+/// "; did you mean 'rotor'?" where a key is nearly an effect, or nothing.
+std::string meant_effect(const ConfigNode& node) {
+  constexpr std::array<std::string_view, 11> kEffects{
+      "freeze", "drop",          "delay",       "bias",         "scale", "noise",
+      "rotor",  "voltage_share", "mass_factor", "cg_shift_B_m", "gust"};
+  for (const auto& [key, value] : node.entries()) {
+    const std::string meant = base::did_you_mean(key, kEffects);
+    if (!meant.empty()) return meant;
+  }
+  return {};
+}
+
 /// The one thing that the fault does; the key says which.
 FaultKind parse_kind(const ConfigNode& node) {
   std::optional<FaultKind> kind;
@@ -122,7 +138,8 @@ FaultKind parse_kind(const ConfigNode& node) {
   if (!kind) {
     node.fail(
         "needs one of freeze, drop, delay, bias, scale, noise, rotor, voltage_share, mass_factor, "
-        "cg_shift_B_m, gust");
+        "cg_shift_B_m, gust" +
+        meant_effect(node));
   }
   return *kind;
 }

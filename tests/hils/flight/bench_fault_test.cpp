@@ -69,7 +69,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadFault{"UnknownLineKey", "[{at_s: 1, for_s: 1, line: {bauds: 9}}]", "bauds"},
         BadFault{"UnknownVehicle", "[{at_s: 1, for_s: 1, unplug: fcu, vehicle: left}]",
                  "[0].vehicle: there is no vehicle 'left'; vehicles are iris0"},
-        BadFault{"UnknownEffect", "[{at_s: 1, explode: imu}]", "needs one of"}),
+        BadFault{"UnknownEffect", "[{at_s: 1, explode: imu}]", "needs one of"},
+        BadFault{"MisspeltEffect", "[{at_s: 1, dorp: imu}]", "; did you mean 'drop'?"},
+        BadFault{"MisspeltSensor", "[{at_s: 1, drop: barometre}]", "; did you mean 'barometer'?"},
+        BadFault{"MisspeltBenchFault", "[{at_s: 1, for_s: 1, unplgu: fcu}]",
+                 "[0].unplgu: there is no such fault; did you mean 'unplug'?"},
+        BadFault{"MisspeltVehicle", "[{at_s: 1, for_s: 1, unplug: fcu, vehicle: iriso}]",
+                 "vehicles are iris0; did you mean 'iris0'?"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(ScenarioFaults, BefallTheVehicleThatTheyNameOrEachOfThem) {
