@@ -88,7 +88,8 @@ LAYERS = {
     "casd/tlog": BASE | MAVLINK,
     "casd/topology":
         BASE | MAVLINK | rooms("casd", "packet routing queue tlog") | {"mavlink_gen/parser"},
-    "casd/counters": BASE | MAVLINK | rooms("casd", "packet routing queue"),
+    "casd/words": {"std"},
+    "casd/counters": BASE | MAVLINK | rooms("casd", "packet routing queue words"),
     "casd/signing":
         BASE | MAVLINK | RPC | rooms("casd", "packet topology counters"),
     "casd/link":
@@ -104,10 +105,10 @@ LAYERS = {
     "casd":
         BASE | MAVLINK | RPC | PROGRAM | {"Asio"}
         | rooms("casd", "packet routing queue tlog topology counters signing link station transport port"),
-    "casd/casctl/session": BASE | RPC | PROGRAM,
-    "casd/casctl/verbs": BASE | RPC | {"base/cli", "casd/casctl/session"},
-    "casd/casctl/doctor": BASE | RPC | {"casd/casctl/session"},
-    "casd/casctl/monitor": BASE | RPC | {"base/cli", "casd/casctl/session", "ncurses"},
+    "casd/casctl/session": BASE | RPC | PROGRAM | {"casd/words"},
+    "casd/casctl/verbs": BASE | RPC | {"base/cli", "casd/words", "casd/casctl/session"},
+    "casd/casctl/doctor": BASE | RPC | {"casd/words", "casd/casctl/session"},
+    "casd/casctl/monitor": BASE | RPC | {"base/cli", "casd/words", "casd/casctl/session", "ncurses"},
     "casd/casctl": BASE | RPC | PROGRAM | rooms("casd/casctl", "session verbs doctor monitor"),
 
     "fcu/line": BASE,

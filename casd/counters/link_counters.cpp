@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/counters/link_counters.hpp"
 
+#include <iterator>
 #include <utility>
 
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -15,14 +16,17 @@ constexpr int kTx = 1;
 constexpr int kFirstDrop = 2;
 constexpr int kFirstDecision = kFirstDrop + kDropCauses;
 
+/// Of a drop; empty for packets that went their way.
+std::string_view cause_of(int direction) {
+  if (direction < kFirstDrop) return {};
+  if (direction < kFirstDecision) return to_string(static_cast<DropCause>(direction - kFirstDrop));
+  return to_string(static_cast<Route::Decision>(direction - kFirstDecision));
+}
+
 std::string direction_name(int direction) {
   if (direction == kRx) return "rx";
   if (direction == kTx) return "tx";
-  if (direction >= kFirstDecision) {
-    return "drop." +
-           std::string(to_string(static_cast<Route::Decision>(direction - kFirstDecision)));
-  }
-  return "drop." + std::string(to_string(static_cast<DropCause>(direction - kFirstDrop)));
+  return "drop." + std::string(cause_of(direction));
 }
 
 template <class Visit>
@@ -47,17 +51,47 @@ void read(const std::array<Counter, N>& counters, std::array<std::uint64_t, N>& 
   for (std::size_t i = 0; i < N; ++i) values[i] = counters[i].get();
 }
 
+/// @tparam Member  from counters or their status to the address of one of them
+template <class Member>
+constexpr LinkCounterRow row(const CounterWords& words, Member /*member*/) {
+  return {words,
+          [](const LinkCounters& link, LinkStatus& status) {
+            *Member{}(status) = Member{}(link)->get();
+          },
+          [](const LinkStatus& status) { return *Member{}(status); }};
+}
+
+// Counted by table and direction.
+void read_uncounted(const LinkCounters& link, LinkStatus& status) {
+  for_each_direction(link, [&status](int, const MessageCounters& counters) {
+    status.uncounted += counters.uncounted();
+  });
+}
+
+constexpr LinkCounterRow kRows[] = {
+    row(counter_words("rx", "packets"), [](auto& link) { return &link.rx.packets; }),
+    row(counter_words("rx", "bytes"), [](auto& link) { return &link.rx.bytes; }),
+    row(counter_words("rx", "lost"), [](auto& link) { return &link.rx.lost; }),
+    row(counter_words("rx", "crc_errors"), [](auto& link) { return &link.rx.crc_errors; }),
+    row(counter_words("rx", "unknown"), [](auto& link) { return &link.rx.unknown; }),
+    row(counter_words("rx", "skipped_bytes"), [](auto& link) { return &link.rx.skipped_bytes; }),
+    row(counter_words("rx", "kernel_drops"), [](auto& link) { return &link.rx.kernel_drops; }),
+    row(counter_words("rx", "foreign"), [](auto& link) { return &link.rx.foreign; }),
+    row(counter_words("rx", "not_accepted"), [](auto& link) { return &link.rx.not_accepted; }),
+    row(counter_words("tx", "packets"), [](auto& link) { return &link.tx.packets; }),
+    row(counter_words("tx", "bytes"), [](auto& link) { return &link.tx.bytes; }),
+    row(counter_words("tx", "queued"), [](auto& link) { return &link.tx.queued; }),
+    row(counter_words("tx", "queue_high_water"),
+        [](auto& link) { return &link.tx.queue_high_water; }),
+    row(counter_words("tx", "write_calls"), [](auto& link) { return &link.tx.write_calls; }),
+    row(counter_words("", "reconnects"), [](auto& link) { return &link.reconnects; }),
+    {counter_words("", "uncounted"), read_uncounted,
+     [](const LinkStatus& status) { return status.uncounted; }},
+};
+static_assert(std::size(kRows) == kLinkCounters.size() - 1);  // tx.dropped is an array, by cause
+
 void read_rx(const LinkCounters& link, LinkStatus& status) {
   const auto& rx = link.rx;
-  status.rx.packets = rx.packets.get();
-  status.rx.bytes = rx.bytes.get();
-  status.rx.crc_errors = rx.crc_errors.get();
-  status.rx.lost = rx.lost.get();
-  status.rx.unknown = rx.unknown.get();
-  status.rx.skipped_bytes = rx.skipped_bytes.get();
-  status.rx.kernel_drops = rx.kernel_drops.get();
-  status.rx.foreign = rx.foreign.get();
-  status.rx.not_accepted = rx.not_accepted.get();
   status.rx.setup_signing = rx.setup_signing.get();
   read(rx.decisions, status.rx.decisions);
   read(rx.signatures, status.rx.signatures);
@@ -68,11 +102,6 @@ void read_rx(const LinkCounters& link, LinkStatus& status) {
 
 void read_tx(const LinkCounters& link, LinkStatus& status) {
   const auto& tx = link.tx;
-  status.tx.packets = tx.packets.get();
-  status.tx.bytes = tx.bytes.get();
-  status.tx.queue_high_water = tx.queue_high_water.get();
-  status.tx.queued = tx.queued.get();
-  status.tx.write_calls = tx.write_calls.get();
   read(tx.dropped, status.tx.dropped);
   // Senders wait for this lock: it is held for copies alone, never while memory is taken.
   base::Histogram forwarding;
@@ -109,6 +138,8 @@ std::string_view to_string(LinkState state) {
   }
   return "?";
 }
+
+std::span<const LinkCounterRow> link_counter_rows() { return kRows; }
 
 void LinkCounters::set_endpoint(std::string text) {
   const std::scoped_lock lock(mutex_);
@@ -238,11 +269,8 @@ std::vector<LinkStatus> LinkFigures::links() const {
     status.type = link->type;
     status.state = link->state.load(std::memory_order_relaxed);
     status.endpoint = link->endpoint();
-    status.reconnects = link->reconnects.get();
     status.peers = link->peers.get();
-    for_each_direction(*link, [&status](int, const MessageCounters& counters) {
-      status.uncounted += counters.uncounted();
-    });
+    for (const LinkCounterRow& each : kRows) each.read(*link, status);
     read_rx(*link, status);
     read_tx(*link, status);
   }
@@ -263,6 +291,7 @@ std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
         const mav::MessageInfo* known = mav::public_table().find(entry.message_id);
         all.push_back({.link = name,
                        .direction = direction_name(direction),
+                       .cause = cause_of(direction),
                        .id = entry.message_id,
                        .name = known == nullptr ? "" : std::string(known->name),
                        .source = entry.source,

@@ -24,6 +24,7 @@
 #include "casd/packet/packet_port.hpp"
 #include "casd/queue/tx_queue.hpp"
 #include "casd/routing/router.hpp"
+#include "casd/words/link_words.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
@@ -235,10 +236,20 @@ struct LinkStatus {
   } tx;
 };
 
+/// A counter of a link: its words, and where it is counted and reported.
+struct LinkCounterRow {
+  const CounterWords& words;
+  void (*read)(const LinkCounters& link, LinkStatus& status);
+  std::uint64_t (*value)(const LinkStatus& status);
+};
+/// Every counter that is one number.
+std::span<const LinkCounterRow> link_counter_rows();
+
 /// One message of one sender on one link, as `message.list` reports it.
 struct MessageStatus {
   std::string link;
-  std::string direction;  ///< "rx", "tx", "drop." and a DropCause or a Route::Decision
+  std::string direction;   ///< "rx", "tx", "drop." and the cause
+  std::string_view cause;  ///< a DropCause or a Route::Decision; empty: not dropped
   std::uint32_t id = 0;
   std::string name;  ///< empty when no public dialect has it
   mav::Source source;

@@ -68,34 +68,32 @@ json reload_json(const ReloadReport& reload, base::RunTime now) {
   return entry;
 }
 
-json rx_json(const LinkStatus& link) {
-  json verdicts = json::object();
-  for (std::size_t i = 0; i < link.rx.decisions.size(); ++i) {
-    verdicts[std::string(to_string(static_cast<Route::Decision>(i)))] = link.rx.decisions[i];
+/// The counters of one block: "rx", "tx", or "" for the link's own.
+json counters_json(const LinkStatus& link, std::string_view group) {
+  json counters = json::object();
+  for (const LinkCounterRow& row : link_counter_rows()) {
+    if (row.words.group == group) counters[std::string(row.words.key)] = row.value(link);
   }
-  return json{{"packets", link.rx.packets},           {"bytes", link.rx.bytes},
-              {"crc_errors", link.rx.crc_errors},     {"lost", link.rx.lost},
-              {"unknown", link.rx.unknown},           {"skipped_bytes", link.rx.skipped_bytes},
-              {"kernel_drops", link.rx.kernel_drops}, {"foreign", link.rx.foreign},
-              {"not_accepted", link.rx.not_accepted}, {"verdicts", verdicts}};
+  return counters;
+}
+
+json rx_json(const LinkStatus& link) {
+  json rx = counters_json(link, "rx");
+  for (std::size_t i = 0; i < link.rx.decisions.size(); ++i) {
+    rx["verdicts"][std::string(to_string(static_cast<Route::Decision>(i)))] = link.rx.decisions[i];
+  }
+  return rx;
 }
 
 json tx_json(const LinkStatus& link) {
-  json dropped = json::object();
-  for (int i = 0; i < kDropCauses; ++i) {
-    dropped[std::string(to_string(static_cast<DropCause>(i)))] =
-        link.tx.dropped[static_cast<std::size_t>(i)];
+  json tx = counters_json(link, "tx");
+  for (std::size_t i = 0; i < link.tx.dropped.size(); ++i) {
+    tx["dropped"][std::string(to_string(static_cast<DropCause>(i)))] = link.tx.dropped[i];
   }
-  return json{{"packets", link.tx.packets},
-              {"bytes", link.tx.bytes},
-              {"dropped", dropped},
-              {"queued", link.tx.queued},
-              {"queue_high_water", link.tx.queue_high_water},
-              {"write_calls", link.tx.write_calls},
-              {"forwarding_us",
-               {{"p50", microseconds(link.tx.forwarding_p50)},
-                {"p99", microseconds(link.tx.forwarding_p99)},
-                {"max", microseconds(link.tx.forwarding_max)}}}};
+  tx["forwarding_us"] = {{"p50", microseconds(link.tx.forwarding_p50)},
+                         {"p99", microseconds(link.tx.forwarding_p99)},
+                         {"max", microseconds(link.tx.forwarding_max)}};
+  return tx;
 }
 
 json message_json(const MessageStatus& message, const std::string& name) {
@@ -225,10 +223,9 @@ json FigureMethods::links() const {
                {"type", to_string(link.type)},
                {"state", to_string(link.state)},
                {"endpoint", link.endpoint},
-               {"reconnects", link.reconnects},
-               {"uncounted", link.uncounted},
                {"rx", rx_json(link)},
                {"tx", tx_json(link)}};
+    entry.update(counters_json(link, ""));
     for (const LinkConfig& config : topology.links) {
       if (config.name != link.name) continue;
       if (config.baud > 0) entry["baud"] = config.baud;
@@ -302,21 +299,18 @@ json FigureMethods::routes() const {
 json FigureMethods::drops() const {
   json unreadable = json::array();
   for (const LinkStatus& link : source_.figures->links()) {
-    const auto add = [&](const char* cause, std::uint64_t count) {
-      if (count == 0) return;
-      unreadable.push_back({{"link", link.name}, {"cause", cause}, {"count", count}});
-    };
-    add("crc", link.rx.crc_errors);
-    add("kernel", link.rx.kernel_drops);
-    add("foreign", link.rx.foreign);
-    add("not_accepted", link.rx.not_accepted);
+    for (const LinkCounterRow& row : link_counter_rows()) {
+      const std::uint64_t count = row.value(link);
+      if (row.words.cause.empty() || count == 0) continue;
+      unreadable.push_back({{"link", link.name}, {"cause", row.words.cause}, {"count", count}});
+    }
   }
   json dropped = json::array();
   for (const MessageStatus& message : source_.figures->messages(source_.now())) {
-    if (message.direction.rfind("drop.", 0) != 0) continue;
+    if (message.cause.empty()) continue;
     json entry = message_json(message, message_name(message.id));
     entry.erase("direction");
-    entry["cause"] = message.direction.substr(5);
+    entry["cause"] = message.cause;
     dropped.push_back(std::move(entry));
   }
   return json{{"unreadable", unreadable}, {"dropped", dropped}};

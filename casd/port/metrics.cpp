@@ -59,45 +59,21 @@ class Metric {
 
 std::string link_label(const LinkStatus& link) { return "link=" + label_value(link.name); }
 
-using Count = std::uint64_t (*)(const LinkStatus&);
-
-struct LinkCounter {
-  const char* name;
-  const char* help;
-  Count count;
-};
-
-constexpr LinkCounter kCounters[] = {
-    {"casd_link_reconnects_total", "How often the link came back.",
-     [](const LinkStatus& link) { return link.reconnects; }},
-    {"casd_link_uncounted_total", "Packets that casd_messages_total had no room for.",
-     [](const LinkStatus& link) { return link.uncounted; }},
-    {"casd_link_rx_packets_total", "Packets received.",
-     [](const LinkStatus& link) { return link.rx.packets; }},
-    {"casd_link_rx_bytes_total", "Bytes received.",
-     [](const LinkStatus& link) { return link.rx.bytes; }},
-    {"casd_link_rx_crc_errors_total", "Packets with a wrong checksum.",
-     [](const LinkStatus& link) { return link.rx.crc_errors; }},
-    {"casd_link_rx_lost_total", "Gaps in the sequence numbers of senders.",
-     [](const LinkStatus& link) { return link.rx.lost; }},
-    {"casd_link_rx_not_accepted_total", "Packets that the link's accept leaves out.",
-     [](const LinkStatus& link) { return link.rx.not_accepted; }},
-    {"casd_link_tx_packets_total", "Packets sent.",
-     [](const LinkStatus& link) { return link.tx.packets; }},
-    {"casd_link_tx_bytes_total", "Bytes sent.",
-     [](const LinkStatus& link) { return link.tx.bytes; }},
-};
-
 void add_states(std::string& out, const MetricsSource& source) {
   Metric up(out, "casd_link_up", "gauge", "1 while the link is up.");
   for (const LinkStatus& link : source.links) {
     up.add(link_label(link) + ",type=" + label_value(to_string(link.type)),
            std::uint64_t{link.state == LinkState::kUp ? 1U : 0U});
   }
-  Metric queued(out, "casd_link_tx_queued", "gauge", "Packets that wait for the link.");
-  for (const LinkStatus& link : source.links) queued.add(link_label(link), link.tx.queued);
-  Metric high(out, "casd_link_tx_queue_high_water", "gauge", "Most packets that ever waited.");
-  for (const LinkStatus& link : source.links) high.add(link_label(link), link.tx.queue_high_water);
+  for (const LinkCounterRow& row : link_counter_rows()) {
+    const CounterWords& words = row.words;
+    const bool total = words.kind == CounterWords::Kind::kTotal;
+    Metric metric(out,
+                  "casd_link_" + std::string(words.group) + (words.group.empty() ? "" : "_") +
+                      std::string(words.key) + (total ? "_total" : ""),
+                  total ? "counter" : "gauge", words.help);
+    for (const LinkStatus& link : source.links) metric.add(link_label(link), row.value(link));
+  }
 }
 
 void add_drops(std::string& out, const MetricsSource& source) {
@@ -108,7 +84,7 @@ void add_drops(std::string& out, const MetricsSource& source) {
       received.add(link_label(link) + ",verdict=" + label_value(decision), link.rx.decisions[i]);
     }
   }
-  Metric dropped(out, "casd_link_tx_dropped_total", "counter", "Packets dropped before sending.");
+  Metric dropped(out, "casd_link_tx_dropped_total", "counter", counter_words("tx", "dropped").help);
   for (const LinkStatus& link : source.links) {
     for (std::size_t i = 0; i < link.tx.dropped.size(); ++i) {
       const std::string_view cause = to_string(static_cast<DropCause>(i));
@@ -179,10 +155,6 @@ std::string metrics_text(const MetricsSource& source) {
     refused.add("reason=" + label_value(reason), count);
   }
   add_states(out, source);
-  for (const LinkCounter& counter : kCounters) {
-    Metric metric(out, counter.name, "counter", counter.help);
-    for (const LinkStatus& link : source.links) metric.add(link_label(link), counter.count(link));
-  }
   add_drops(out, source);
   Metric time(out, "casd_link_forwarding_seconds", "histogram",
               "From read on another link to written on this one, since the start.");

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
@@ -42,19 +43,16 @@ json link_named(const json& status, const std::string& name) {
   return json::object();
 }
 
-double figure(const json& link, const char* way, const char* key) {
-  const auto found = link.find(way);
-  return found == link.end() ? 0 : found->value(key, 0.0);
-}
-
 /// How much a counter grew between the two looks.
-double growth(const DoctorFacts& facts, const json& link, const char* way, const char* key) {
-  const json before = link_named(facts.before, link.value("name", ""));
-  return figure(link, way, key) - figure(before, way, key);
+double growth(const DoctorFacts& facts, const json& link, const casd::CounterWords& words) {
+  const auto value = [&words](const json& of) {
+    return static_cast<double>(counter_of(of, words).value_or(0));
+  };
+  return value(link) - value(link_named(facts.before, link.value("name", "")));
 }
 
-double drop_growth(const DoctorFacts& facts, const json& link, const char* cause) {
-  const auto drops = [cause](const json& of) {
+double drop_growth(const DoctorFacts& facts, const json& link, const std::string& cause) {
+  const auto drops = [&cause](const json& of) {
     return of.contains("tx") ? of["tx"].value("dropped", json::object()).value(cause, 0.0) : 0.0;
   };
   return drops(link) - drops(link_named(facts.before, link.value("name", "")));
@@ -91,8 +89,9 @@ std::string remedy_for_down(const json& link) {
 
 /// What casd did not send, but for setpoints that a newer one replaced, and links that were away.
 void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) {
-  for (const char* cause : {"age", "bandwidth", "queue_full", "stalled", "unsignable"}) {
-    const double drops = drop_growth(facts, link, cause);
+  for (const casd::CauseWords& words : casd::kCauses) {
+    const std::string cause(words.cause);
+    const double drops = words.trouble ? drop_growth(facts, link, cause) : 0;
     if (drops <= 0) continue;
     warn(own,
          "link " + link.value("name", "?") + ": casd dropped " +
@@ -127,17 +126,11 @@ void check_links(const DoctorFacts& facts, Findings& all) {
       continue;
     }
     Findings own;
-    if (growth(facts, link, "rx", "kernel_drops") > 0) {
-      bad(own, name + ": the socket buffer overflows",
-          "sysctl -w net.core.rmem_max=4194304, then restart casd");
-    }
-    if (growth(facts, link, "rx", "crc_errors") > 0) {
-      warn(own, name + ": packets arrive damaged",
-           "check cable, ground and baud rate at both ends; use flow control where there is one");
-    }
-    if (growth(facts, link, "rx", "lost") > 0) {
-      warn(own, name + ": packets are lost before they reach casd",
-           "the sender has more than the line carries: lower its rates or raise the baud rate");
+    // A buffer that overflows is a cause, lost packets are its effect: the last first.
+    for (auto words = casd::kLinkCounters.rbegin(); words != casd::kLinkCounters.rend(); ++words) {
+      if (words->trouble.empty() || growth(facts, link, *words) <= 0) continue;
+      (words->bad ? bad : warn)(own, name + ": " + std::string(words->trouble),
+                                std::string(words->remedy));
     }
     check_own_drops(facts, link, own);
     if (own.empty()) {
@@ -196,7 +189,7 @@ void check_baud(const DoctorFacts& facts, Findings& all) {
     const double capacity = link.value("baud", 0.0) / kBitsPerByte;
     if (capacity <= 0 || facts.seconds <= 0) continue;
     const std::string name = "line " + link.value("name", "?");
-    const double load = growth(facts, link, "tx", "bytes") / facts.seconds;
+    const double load = growth(facts, link, casd::counter_words("tx", "bytes")) / facts.seconds;
     const double used = load / capacity;
     const bool late = drop_growth(facts, link, "age") + drop_growth(facts, link, "queue_full") > 0;
     const std::string text =

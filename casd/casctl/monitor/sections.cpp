@@ -7,20 +7,13 @@
 
 #include "casd/casctl/monitor/prompt.hpp"
 #include "casd/casctl/monitor/text_table.hpp"
+#include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
 namespace {
 
 using nlohmann::json;
-
-std::uint64_t sum(const json& counters) {
-  std::uint64_t total = 0;
-  for (const auto& item : counters.items()) {
-    if (item.value().is_number()) total += item.value().get<std::uint64_t>();
-  }
-  return total;
-}
 
 /// "12", "3.4k", "1.2M": five columns at most.
 std::string short_count(std::uint64_t n) {
@@ -444,40 +437,38 @@ std::string landed_text(const MonitorState& state, const json& summary, double n
 
 Block link_section(const MonitorState& state, double now_s, std::size_t width) {
   const bool old = is_stale(state, now_s);
+  std::vector<TextColumn> columns{{"LINK", 0}, {"STATE", 1}, {"RX/s", 2, true}, {"TX/s", 3, true}};
+  for (const casd::CounterWords& words : casd::kLinkCounters) {
+    if (!words.narrow.empty()) columns.push_back({std::string(words.narrow), words.rank, true});
+  }
+  columns.push_back({"p99us", 7, true});
+  columns.push_back({"ENDPOINT", 9});
   std::vector<TextRow> rows;
   const json links = state.status.value("links", json::array());
   for (const json& link : links) {
-    const json rx = link.value("rx", json::object());
-    const json tx = link.value("tx", json::object());
     const std::string word = link.value("state", "?");
     const auto rate = state.link_rates.find(link.value("name", "?"));
     const LinkRate rates = rate == state.link_rates.end() ? LinkRate{} : rate->second;
-    const std::uint64_t lost = rx.value("lost", std::uint64_t{0});
-    const std::uint64_t dropped = sum(tx.value("dropped", json::object()));
     const auto fresh = [old](const std::string& text) { return old ? std::string("-") : text; };
-    rows.push_back(
-        {{link.value("name", "?"), fresh(word), fresh(fixed(rates.rx_packets_s, 0)),
-          fresh(fixed(rates.tx_packets_s, 0)), fresh(short_count(lost)),
-          fresh(short_count(rx.value("crc_errors", std::uint64_t{0}))), fresh(short_count(dropped)),
-          fresh(short_count(tx.value("queue_high_water", std::uint64_t{0}))),
-          fresh(fixed(tx.value("forwarding_us", json::object()).value("p99", 0.0), 0)),
-          link.value("endpoint", "")},
-         old                       ? Style::kDim
-         : word != "up"            ? Style::kBad
-         : lost > 0 || dropped > 0 ? Style::kPlain
-                                   : Style::kGood});
+    std::vector<std::string> cells{link.value("name", "?"), fresh(word),
+                                   fresh(fixed(rates.rx_packets_s, 0)),
+                                   fresh(fixed(rates.tx_packets_s, 0))};
+    for (const casd::CounterWords& words : casd::kLinkCounters) {
+      if (!words.narrow.empty()) {
+        cells.push_back(fresh(short_count(counter_of(link, words).value_or(0))));
+      }
+    }
+    const json times = link.value("tx", json::object()).value("forwarding_us", json::object());
+    cells.push_back(fresh(fixed(times.value("p99", 0.0), 0)));
+    cells.push_back(link.value("endpoint", ""));
+    const bool losses = counter_of(link, casd::counter_words("rx", "lost")).value_or(0) > 0 ||
+                        counter_of(link, casd::counter_words("tx", "dropped")).value_or(0) > 0;
+    rows.push_back({std::move(cells), old            ? Style::kDim
+                                      : word != "up" ? Style::kBad
+                                      : losses       ? Style::kPlain
+                                                     : Style::kGood});
   }
-  const TextTable table({{"LINK", 0},
-                         {"STATE", 1},
-                         {"RX/s", 2, true},
-                         {"TX/s", 3, true},
-                         {"LOST", 4, true},
-                         {"CRC", 6, true},
-                         {"DROP", 5, true},
-                         {"QMAX", 8, true},
-                         {"p99us", 7, true},
-                         {"ENDPOINT", 9}},
-                        rows, width);
+  const TextTable table(std::move(columns), std::move(rows), width);
   Block block{table.header()};
   for (std::size_t i = 0; i < table.size(); ++i) {
     block.push_back(table.row(i));

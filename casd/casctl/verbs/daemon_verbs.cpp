@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "base/rpc/client.hpp"
+#include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
@@ -20,26 +21,21 @@ std::string count(const json& object, const char* key) {
   return found == object.end() || !found->is_number() ? "-" : found->dump();
 }
 
-std::uint64_t sum(const json& causes) {
-  std::uint64_t total = 0;
-  if (!causes.is_object()) return 0;
-  for (const auto& item : causes.items()) {
-    if (item.value().is_number_unsigned()) total += item.value().get<std::uint64_t>();
-  }
-  return total;
-}
-
 void print_links(const json& links) {
-  Table table({"LINK", "TYPE", "STATE", "ENDPOINT", "RX", "LOST", "CRC", "TX", "DROPPED", "QUEUE",
-               "RECONNECTS"});
+  std::vector<std::string> columns{"LINK", "TYPE", "STATE", "ENDPOINT"};
+  for (const casd::CounterWords& words : casd::kLinkCounters) {
+    if (!words.column.empty()) columns.emplace_back(words.column);
+  }
+  Table table(std::move(columns));
   for (const json& link : links) {
-    const json rx = link.value("rx", json::object());
-    const json tx = link.value("tx", json::object());
-    table.add({link.value("name", "?"), link.value("type", "?"), link.value("state", "?"),
-               link.value("endpoint", ""), count(rx, "packets"), count(rx, "lost"),
-               count(rx, "crc_errors"), count(tx, "packets"),
-               std::to_string(sum(tx.value("dropped", json::object()))),
-               count(tx, "queue_high_water"), count(link, "reconnects")});
+    std::vector<std::string> cells{link.value("name", "?"), link.value("type", "?"),
+                                   link.value("state", "?"), link.value("endpoint", "")};
+    for (const casd::CounterWords& words : casd::kLinkCounters) {
+      if (words.column.empty()) continue;
+      const std::optional<std::uint64_t> value = counter_of(link, words);
+      cells.push_back(value ? std::to_string(*value) : "-");
+    }
+    table.add(std::move(cells));
   }
   table.print(std::cout);
 }
@@ -160,23 +156,10 @@ int show_routes(Session& session) {
   return kDone;
 }
 
-/// What a cause of a drop means, and what to do.
 std::string cause_text(const std::string& cause) {
-  if (cause == "age") return "would have arrived too late: the line is too slow for what is sent";
-  if (cause == "bandwidth") return "would have arrived too late under the link's max_bytes_s";
-  if (cause == "queue_full") return "no room in its queue: the line is too slow or stands still";
-  if (cause == "closed") return "the link was away";
-  if (cause == "stalled") return "the peer stopped reading and was closed";
-  if (cause == "superseded") return "a newer setpoint of its stream took its place while it waited";
-  if (cause == "unsignable") return "damaged before it came here: its checksum fits no message";
-  if (cause == "no_rule") return "no route lets it go anywhere (see casctl routes)";
-  if (cause == "no_target") return "addressed to a system that was never heard";
-  if (cause == "duplicate") return "came over another path of its group already";
-  if (cause == "rate_limited") return "thinned out by a route's rates";
-  if (cause == "crc") return "a packet with a wrong checksum: the line disturbs it";
-  if (cause == "kernel") return "the socket's buffer was full: casd came too late";
-  if (cause == "not_accepted") return "the link takes in no such packets (accept)";
-  if (cause == "foreign") return "no room for one more peer, or not the peer";
+  for (const casd::CauseWords& words : casd::kCauses) {
+    if (words.cause == cause) return std::string(words.meaning);
+  }
   return "";
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -121,6 +122,23 @@ TEST(TlogWriter, FileThatCannotBeMadeIsAnError) {
   options.files.name = "flight";
   EXPECT_THROW(tlog.start(options), base::ConfigError);
   EXPECT_FALSE(tlog.active());
+}
+
+TEST(LinkWords, GiveEachCauseAMeaning) {
+  const auto known = [](std::string_view cause) {
+    return std::any_of(kCauses.begin(), kCauses.end(),
+                       [&](const CauseWords& words) { return words.cause == cause; });
+  };
+  for (int i = 0; i < kDropCauses; ++i) {
+    EXPECT_TRUE(known(to_string(static_cast<DropCause>(i)))) << i;
+  }
+  for (int i = 0; i < kDecisions; ++i) {
+    const auto decision = static_cast<Route::Decision>(i);
+    EXPECT_TRUE(decision == Route::Decision::kForward || known(to_string(decision))) << i;
+  }
+  for (const CounterWords& words : kLinkCounters) {
+    EXPECT_TRUE(words.cause.empty() || known(words.cause)) << words.key;
+  }
 }
 
 }  // namespace

@@ -36,6 +36,34 @@ std::map<std::string, double> samples_of(const std::string& page) {
   return samples;
 }
 
+// Dashboards know these names.
+TEST(Metrics, CountersOfALinkKeepTheirNames) {
+  LinkStatus link;
+  link.name = "fcu";
+  link.reconnects = 1;
+  link.uncounted = 2;
+  link.rx.packets = 3;
+  link.rx.bytes = 4;
+  link.rx.crc_errors = 5;
+  link.rx.lost = 6;
+  link.rx.not_accepted = 7;
+  link.tx.packets = 8;
+  link.tx.bytes = 9;
+  link.tx.queued = 10;
+  link.tx.queue_high_water = 11;
+  link.rx.kernel_drops = 12;
+  MetricsSource source{};
+  source.links.push_back(link);
+  const auto samples = samples_of(metrics_text(source));
+  double value = 0;
+  for (const char* name :
+       {"reconnects_total", "uncounted_total", "rx_packets_total", "rx_bytes_total",
+        "rx_crc_errors_total", "rx_lost_total", "rx_not_accepted_total", "tx_packets_total",
+        "tx_bytes_total", "tx_queued", "tx_queue_high_water", "rx_kernel_drops_total"}) {
+    EXPECT_EQ(samples.at("casd_link_" + std::string(name) + "{link=\"fcu\"}"), ++value) << name;
+  }
+}
+
 TEST(Metrics, ForwardingTimesAreAHistogramWithTheSameBoundsAlways) {
   base::Histogram times;
   times.add(microseconds(10));
