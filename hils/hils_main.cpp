@@ -33,6 +33,7 @@
 #include "hils/report/results_folder.hpp"
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
+#include "hils/sweep/sweep_command.hpp"
 #include "hils/ulog/run_ulog.hpp"
 #include "hils/virtual/virtual_run.hpp"
 
@@ -263,10 +264,12 @@ int main(int argc, char** argv) {
       ->check(base::cli::whole_number);
   CompareFlags compare_flags;
   const CLI::App* compare_command = add_compare(app, compare_flags);
+  const SweepCommand sweep(app);
   base::cli::add_manual(app, "hils", std::string(CAS_VERSION));
   if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
   return guarded([&] {
     base::log::init("hils", base::log::parse_level(log_level));
+    if (sweep.parsed()) return sweep.run();
     return compare_command->parsed() ? compare(compare_flags) : run(flags);
   });
 }

@@ -26,6 +26,8 @@ EXTERNALS = {
     "urdfdom": ("urdf_parser/", "urdf_model/", "urdf_world/", "urdf_exception/", "tinyxml"),
     "libpng": ("png.h",),
     "sdformat": ("sdf/", "ignition/", "gz/"),
+    "sqlite": ("sqlite3.h",),
+    "Boost": ("boost/math/", "boost/random/"),
     "ncurses": ("ncurses", "curses.h"),
     "intrinsics": ("cpuid.h", "immintrin.h", "nmmintrin.h", "arm_neon.h", "arm_acle.h"),
     "gtest": ("gtest/", "gmock/", "benchmark/"),
@@ -140,8 +142,9 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
     "hils/firmware": rooms("hils", "flight run measure report programs"),
     "hils/compare": rooms("hils", "run measure report programs virtual"),
+    "hils/sweep": rooms("hils", "flight scenario run measure report programs virtual"),
     "hils/figures": rooms("hils", "measure report programs virtual"),
-    "hils": rooms("hils", "flight scenario run measure report ulog programs virtual firmware compare"),
+    "hils": rooms("hils", "flight scenario run measure report ulog programs virtual firmware compare sweep"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

@@ -16,7 +16,9 @@ namespace {
 using mavlink::common::HilGps;
 using mavlink::common::HilSensor;
 
-constexpr std::uint64_t kTailUsec = 500'000;  ///< left out where there is no hold to measure
+/// Left out where there is no hold to measure: the time in which the pipe is drained (kDrainUsec of
+/// packet_account.cpp), and as much again, because stamps of controls over a slow line are old.
+constexpr std::uint64_t kTailUsec = 1'000'000;
 
 StreamWindow whole_stream(const RunRecord& record) {
   std::uint64_t last = 0;

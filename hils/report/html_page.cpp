@@ -117,6 +117,14 @@ void HtmlPage::table(const std::string& caption, const std::vector<std::vector<s
   body_ += "</tbody></table></div>\n";
 }
 
+void HtmlPage::links(const std::vector<std::pair<std::string, std::string>>& list) {
+  body_ += "<ul>";
+  for (const auto& [address, text] : list) {
+    body_ += "<li><a href=\"" + escape_xml(address) + "\">" + escape_xml(text) + "</a></li>";
+  }
+  body_ += "</ul>\n";
+}
+
 void HtmlPage::figure(const std::string& svg) { body_ += "<figure>" + svg + "</figure>\n"; }
 
 void HtmlPage::folded(const std::string& summary, const std::string& text) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cas::hils {
@@ -30,6 +31,8 @@ class HtmlPage {
   /// @param looks  of the rows below the headings; those beyond its end are plain
   void table(const std::string& caption, const std::vector<std::vector<std::string>>& rows,
              const std::vector<Row>& looks = {});
+  /// A list of links, each an address and its text.
+  void links(const std::vector<std::pair<std::string, std::string>>& list);
   /// An SVG element.
   void figure(const std::string& svg);
   /// A text that is shown on demand: a configuration file.

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/sweep/row_flight.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "base/error.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/measure/judgement.hpp"
+#include "hils/measure/run_result.hpp"
+#include "hils/programs/supervisor.hpp"
+#include "hils/virtual/virtual_run.hpp"
+#include "mavlink_gen/runtime/sha256.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string truth_sha256(const RunResult& run) {
+  mav::Sha256 hash;
+  std::array<char, 1U << 16U> buffer{};
+  for (const VehicleResult& vehicle : run.vehicles) {
+    std::ifstream stream(vehicle.record.truth_csv, std::ios::binary);
+    while (stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size())),
+           stream.gcount() > 0) {
+      const auto size = static_cast<std::size_t>(stream.gcount());
+      hash.update({reinterpret_cast<const std::uint8_t*>(buffer.data()), size});
+    }
+  }
+  std::string text;
+  for (const std::uint8_t byte : hash.finish()) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+RowResult flown(const RowTask& task, const fs::path& folder) {
+  write_scenario(task.scenario, task.values, task.study_folder, folder);
+  RunRequest request;
+  request.scenario = Scenario::load(folder / "scenario.yaml");
+  request.architecture = task.architecture;
+  request.seed = task.seed;
+  request.out = folder / "out";
+  fs::create_directories(request.out);
+  const RunResult run = evaluate(request, run_on_virtual_clock(request));
+  RowResult result = row_of(request.scenario, run);
+  result.truth_sha256 = truth_sha256(run);
+  return result;
+}
+
+/// Whether files can be written: what failed is then the run's own fault.
+bool can_write(const fs::path& folder) {
+  const fs::path probe = folder / "probe";
+  try {
+    base::write_file(probe, std::string(1U << 20U, '.'), base::Durability::kCache);
+  } catch (const base::ConfigError&) {
+    return false;
+  }
+  std::error_code ignored;
+  fs::remove(probe, ignored);
+  return true;
+}
+
+}  // namespace
+
+RowTask RowTask::of(const SweepFolder& sweep, std::size_t row) {
+  const TableRow& own = sweep.row(row);
+  return {.row = row,
+          .seed = own.seed,
+          .architecture = sweep.study.architecture,
+          .scenario = sweep.scenario(),
+          .study_folder = sweep.study_folder,
+          .values = sweep.values_of(own)};
+}
+
+void RowTask::save(const fs::path& file) const {
+  Json json;
+  json["row"] = row;
+  json["seed"] = seed;
+  json["architecture"] = to_string(architecture);
+  json["scenario"] = scenario.string();
+  json["study_folder"] = study_folder.string();
+  json["values"] = values;
+  base::write_file(file, json.dump() + "\n", base::Durability::kCache);
+}
+
+RowTask RowTask::load(const fs::path& file) {
+  try {
+    const Json json = Json::parse(text_of_file(file));
+    return {.row = json.at("row").get<std::size_t>(),
+            .seed = json.at("seed").get<std::uint64_t>(),
+            .architecture = parse_architecture(json.at("architecture").get<std::string>()),
+            .scenario = json.at("scenario").get<std::string>(),
+            .study_folder = json.at("study_folder").get<std::string>(),
+            .values = json.at("values").get<std::vector<KeyValue>>()};
+  } catch (const Json::exception& error) {
+    throw base::ConfigError(file.string() + ": " + error.what());
+  }
+}
+
+int fly_row(const fs::path& folder) {
+  const RowTask task = RowTask::load(folder / "task.json");
+  RowResult result;
+  try {
+    result = flown(task, folder);
+  } catch (const RunStopped& stopped) {
+    if (stopped.interrupted()) return kExitInterrupted;
+    result = row_without_figures(RowOutcome::kStopped, without_folder(stopped.what(), folder));
+  } catch (const base::ConfigError& error) {
+    if (!can_write(folder)) {
+      fmt::print(stderr, "{}\n", error.what());
+      return kExitMachine;
+    }
+    result = row_without_figures(RowOutcome::kRefused, without_folder(error.what(), folder));
+  }
+  result.row = task.row;
+  result.version = CAS_VERSION;
+  try {
+    base::write_file(folder / "result.json", journal_line(result), base::Durability::kCache);
+  } catch (const base::ConfigError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return kExitMachine;
+  }
+  return kExitPassed;
+}
+
+}  // namespace cas::hils

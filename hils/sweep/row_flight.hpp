@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hils/run/run_request.hpp"
+#include "hils/sweep/row_result.hpp"
+#include "hils/sweep/sweep_folder.hpp"
+
+namespace cas::hils {
+
+/// What the process of one run needs to know.
+struct RowTask {
+  std::size_t row = 0;
+  std::uint64_t seed = 1;
+  Architecture architecture = Architecture::kDirect;
+  std::filesystem::path scenario;      ///< the sweep's
+  std::filesystem::path study_folder;  ///< values may name files in it
+  std::vector<KeyValue> values{};
+
+  static RowTask of(const SweepFolder& sweep, std::size_t row);
+  /// As JSON, for the process that flies it. @throws base::ConfigError
+  void save(const std::filesystem::path& file) const;
+  static RowTask load(const std::filesystem::path& file);
+};
+
+/// Exit code of a process whose machine let it down (a full disk): no verdict on the run.
+inline constexpr int kExitMachine = 75;  // EX_TEMPFAIL of sysexits.h
+
+/// Flies the task of `folder`/task.json in this process and leaves `folder`/result.json.
+///
+/// @return exit code: 0 when there is a result, whatever it is; kExitMachine; kExitInterrupted
+int fly_row(const std::filesystem::path& folder);
+
+}  // namespace cas::hils

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/sweep/row_result.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "hils/flight/flight_step.hpp"
+#include "hils/sweep/run_table.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array kOutcomes{RowOutcome::kPassed,  RowOutcome::kFailed,  RowOutcome::kInvalid,
+                               RowOutcome::kStopped, RowOutcome::kRefused, RowOutcome::kDied,
+                               RowOutcome::kHung};
+
+/// Collects figures under their names, so that both stand in one place.
+struct Figures {
+  void add(const std::string& name, double value) {
+    names.push_back(prefix + name);
+    values.push_back(std::isfinite(value) ? value : kNone);
+  }
+  void add(const std::string& name, const std::optional<double>& value) {
+    add(name, value.value_or(kNone));
+  }
+
+  std::string prefix{};
+  std::vector<std::string> names{};
+  std::vector<double> values{};
+};
+
+void add_rate(const std::string& name, const RateFigures& rate, Figures& figures) {
+  figures.add(name + "_sent", static_cast<double>(rate.sent));
+  figures.add(name + "_received", static_cast<double>(rate.received));
+  figures.add(name + "_lost", static_cast<double>(rate.lost));
+  figures.add(name + "_hz", rate.received_hz);
+  figures.add(name + "_rate_error_pct", rate.error_pct);
+}
+
+void add_delay(const std::string& name, const DelayFigures& delay, Figures& figures) {
+  const bool has = delay.count > 0;
+  figures.add(name + "_p50_us", has ? delay.p50 : kNone);
+  figures.add(name + "_p99_us", has ? delay.p99 : kNone);
+  figures.add(name + "_max_us", has ? delay.max : kNone);
+}
+
+void add_rms(const std::string& name, const std::optional<RmsFigures>& rms, Figures& figures) {
+  figures.add(name + "_x_m", rms ? rms->x_m : kNone);
+  figures.add(name + "_y_m", rms ? rms->y_m : kNone);
+  figures.add(name + "_z_m", rms ? rms->z_m : kNone);
+  figures.add(name + "_yaw_rad", rms ? rms->yaw_rad : kNone);
+}
+
+/// Smallest margin over all limits of the flight, % of the limit; negative beyond it.
+double least_margin_pct(const Verdict& verdict) {
+  double least = kNone;
+  for (const LimitCheck& check : verdict.checks) {
+    if (check.kind != LimitCheck::Kind::kFlight || !check.judged || !check.margin()) continue;
+    if (!(std::abs(*check.bound) > 0)) continue;
+    const double margin = *check.margin() / std::abs(*check.bound) * 100;
+    if (!(margin >= least)) least = margin;
+  }
+  return least;
+}
+
+std::optional<Incident> first_incident(const Scenario& scenario, const RunResult& run) {
+  std::optional<Incident> first;
+  for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
+    for (const Incident& incident : run.vehicles[i].figures.incidents) {
+      if (scenario.limits_of(i).allow.contains(incident.kind)) continue;
+      if (!first || incident.time_s < first->time_s) first = incident;
+    }
+  }
+  return first;
+}
+
+bool was_completed(const RunResult& run) {
+  return std::ranges::all_of(run.vehicles, [](const VehicleResult& vehicle) {
+    return vehicle.figures.flight_failure.empty();
+  });
+}
+
+/// Names of the steps whose response a vehicle's flight measures.
+std::vector<std::string> response_names(const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const FlightStep& step : scenario.steps) {
+    if (step.trajectory.shape == fcu::PatternShape::kSteps) names.emplace_back(phase_of(step));
+  }
+  return names;
+}
+
+void add_vehicle(const Scenario& scenario, const Measurement& measured, Figures& figures) {
+  add_rate("sensor", measured.rates.sensor, figures);
+  add_rate("gps", measured.rates.gps, figures);
+  add_rate("controls", measured.rates.controls, figures);
+  add_delay("sensor_to_control", measured.sensor_to_control, figures);
+  add_delay("sensor_uplink", measured.sensor_uplink, figures);
+  add_delay("controls_downlink", measured.controls_downlink, figures);
+  add_delay("age_at_use", measured.age_by_stamp, figures);
+  add_rms("rms", measured.rms, figures);
+  add_rms("rms_estimate", measured.rms_estimate, figures);
+  for (const std::string& name : response_names(scenario)) {
+    const auto found = std::ranges::find(measured.responses, name, &StepResponse::name);
+    const bool has = found != measured.responses.end();
+    figures.add(name + "_rise_s", has ? found->rise_s : std::nullopt);
+    figures.add(name + "_overshoot_pct", has ? found->overshoot_pct : kNone);
+    figures.add(name + "_settling_s", has ? found->settling_s : std::nullopt);
+    figures.add(name + "_integrated_error_m_s", has ? found->integrated_error : kNone);
+  }
+}
+
+/// The figures of a run; with a run without vehicles, their names alone mean something.
+Figures collect(const Scenario& scenario, const RunResult* run) {
+  Figures figures;
+  const std::optional<Incident> incident =
+      run != nullptr ? first_incident(scenario, *run) : std::nullopt;
+  double up = kNone;
+  double margin = kNone;
+  if (run != nullptr && run->verdict.valid) up = was_completed(*run) && !incident ? 1 : 0;
+  if (run != nullptr) {
+    for (const VehicleResult& vehicle : run->vehicles) {
+      const double own = least_margin_pct(vehicle.verdict);
+      if (!(own >= margin) && std::isfinite(own)) margin = own;
+    }
+  }
+  figures.add("up", up);
+  figures.add("crash_s", incident ? incident->time_s : kNone);
+  figures.add("least_margin_pct", margin);
+  figures.add("simulated_s", run != nullptr ? run->vehicles.front().figures.simulated_s : kNone);
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    if (scenario.flies_several()) figures.prefix = scenario.vehicles[i].name + ".";
+    add_vehicle(scenario, run != nullptr ? run->vehicles[i].figures : Measurement{}, figures);
+  }
+  return figures;
+}
+
+std::string number_field(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value == 0 ? 0.0 : value) : std::string();
+}
+
+/// On one line, so that a line of a file is a row.
+std::string one_line(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
+}  // namespace
+
+std::string_view to_string(RowOutcome outcome) {
+  switch (outcome) {
+    case RowOutcome::kPassed:
+      return "passed";
+    case RowOutcome::kFailed:
+      return "failed";
+    case RowOutcome::kInvalid:
+      return "invalid";
+    case RowOutcome::kStopped:
+      return "stopped";
+    case RowOutcome::kRefused:
+      return "refused";
+    case RowOutcome::kDied:
+      return "died";
+    case RowOutcome::kHung:
+      return "hung";
+  }
+  return "?";
+}
+
+std::optional<RowOutcome> parse_row_outcome(std::string_view word) {
+  for (const RowOutcome outcome : kOutcomes) {
+    if (to_string(outcome) == word) return outcome;
+  }
+  return std::nullopt;
+}
+
+bool is_judged(RowOutcome outcome) {
+  return outcome == RowOutcome::kPassed || outcome == RowOutcome::kFailed ||
+         outcome == RowOutcome::kStopped;
+}
+
+std::vector<std::string> figure_names(const Scenario& scenario) {
+  return collect(scenario, nullptr).names;
+}
+
+RowResult row_of(const Scenario& scenario, const RunResult& run) {
+  RowResult result;
+  result.outcome = !run.verdict.valid   ? RowOutcome::kInvalid
+                   : run.verdict.passed ? RowOutcome::kPassed
+                                        : RowOutcome::kFailed;
+  for (const std::string& sentence : run.verdict.failures) {
+    result.cause += (result.cause.empty() ? "" : "; ") + one_line(sentence);
+  }
+  if (const auto incident = first_incident(scenario, run)) {
+    result.incident = to_string(incident->kind);
+  }
+  result.figures = collect(scenario, &run).values;
+  return result;
+}
+
+RowResult row_without_figures(RowOutcome outcome, std::string cause) {
+  RowResult result{.outcome = outcome, .cause = one_line(std::move(cause))};
+  if (outcome == RowOutcome::kStopped) result.figures = {0.0};  // it did not stay up
+  return result;
+}
+
+std::string journal_line(const RowResult& result) {
+  Json json;
+  json["row"] = result.row;
+  json["outcome"] = to_string(result.outcome);
+  json["cause"] = result.cause;
+  json["incident"] = result.incident;
+  json["version"] = result.version;
+  json["truth_sha256"] = result.truth_sha256;
+  json["figures"] = Json::array();
+  for (const double value : result.figures) {
+    json["figures"].push_back(std::isfinite(value) ? Json(value) : Json(nullptr));
+  }
+  json["machine"] = {{"wall_s", result.machine.wall_s},
+                     {"cpu_s", result.machine.cpu_s},
+                     {"max_rss_mib", result.machine.max_rss_mib},
+                     {"host", result.machine.host}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::optional<RowResult> parse_journal_line(std::string_view line) {
+  const Json json = Json::parse(line, nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  try {
+    RowResult result;
+    result.row = json.at("row").get<std::size_t>();
+    const auto outcome = parse_row_outcome(json.at("outcome").get<std::string>());
+    if (!outcome || result.row == 0) return std::nullopt;
+    result.outcome = *outcome;
+    result.cause = json.at("cause").get<std::string>();
+    result.incident = json.at("incident").get<std::string>();
+    result.version = json.at("version").get<std::string>();
+    result.truth_sha256 = json.at("truth_sha256").get<std::string>();
+    for (const Json& value : json.at("figures")) {
+      result.figures.push_back(value.is_null() ? kNone : value.get<double>());
+    }
+    const Json& machine = json.at("machine");
+    result.machine = {.wall_s = machine.at("wall_s").get<double>(),
+                      .cpu_s = machine.at("cpu_s").get<double>(),
+                      .max_rss_mib = machine.at("max_rss_mib").get<double>(),
+                      .host = machine.at("host").get<std::string>()};
+    return result;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::string result_headings(const std::vector<std::string>& figures) {
+  std::string text = ",outcome";
+  for (const std::string& name : figures) text += "," + csv_field(name);
+  return text + ",incident,cause,version,truth_sha256";
+}
+
+std::string result_fields(const RowResult& result, std::size_t figures) {
+  std::string text = fmt::format(",{}", to_string(result.outcome));
+  for (std::size_t i = 0; i < figures; ++i) {
+    text += "," + number_field(i < result.figures.size() ? result.figures[i] : kNone);
+  }
+  for (const std::string* field :
+       {&result.incident, &result.cause, &result.version, &result.truth_sha256}) {
+    text += "," + csv_field(*field);
+  }
+  return text;
+}
+
+std::string machine_headings() { return "row,wall_s,cpu_s,max_rss_mib,host"; }
+
+std::string machine_line(const RowResult& result) {
+  return fmt::format("{},{:.3f},{:.3f},{:.1f},{}", result.row, result.machine.wall_s,
+                     result.machine.cpu_s, result.machine.max_rss_mib,
+                     csv_field(result.machine.host));
+}
+
+}  // namespace cas::hils

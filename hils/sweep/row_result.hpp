@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hils/measure/run_result.hpp"
+#include "hils/scenario/scenario.hpp"
+
+namespace cas::hils {
+
+/// How a run of a sweep ended.
+enum class RowOutcome {
+  kPassed,   ///< as `hils run`: valid, flown to the end, every limit kept
+  kFailed,   ///< valid, and a limit was missed or the flight not completed
+  kInvalid,  ///< the figures mean nothing
+  kStopped,  ///< the flight could not go on: the vehicle fell out of the world
+  kRefused,  ///< a file of the run is wrong
+  kDied,     ///< the process of the run was ended by a signal or ended without a result
+  kHung,     ///< the process of the run had no result at its deadline
+};
+std::string_view to_string(RowOutcome outcome);
+std::optional<RowOutcome> parse_row_outcome(std::string_view word);
+/// Whether the vehicle was judged: the run itself did not break.
+bool is_judged(RowOutcome outcome);
+
+/// What a run cost, and where: outside every comparison.
+struct MachineFigures {
+  double wall_s = 0;
+  double cpu_s = 0;
+  double max_rss_mib = 0;
+  std::string host{};
+};
+
+/// One run of a sweep: a row of its results. Figures that are not there are NaN.
+struct RowResult {
+  std::size_t row = 0;
+  RowOutcome outcome = RowOutcome::kInvalid;
+  std::string cause{};            ///< sentences: what was missed, or why there is no verdict
+  std::string incident{};         ///< the first of the flight: ground, crash, ...
+  std::string version{};          ///< of CAS
+  std::string truth_sha256{};     ///< of truth.csv; of several vehicles, one file after the other
+  std::vector<double> figures{};  ///< in the order of figure_names()
+  MachineFigures machine{};
+};
+
+/// Names of the figures, the same for every run of a study: first those of the run (`up` and
+/// `crash_s` are the first two), then those of each vehicle, with its name where there are several.
+std::vector<std::string> figure_names(const Scenario& scenario);
+
+/// Place of `up` (1: flown to the end without an incident that is not allowed) and of `crash_s`
+/// (simulated time of the first one) among the figures.
+inline constexpr std::size_t kUpFigure = 0;
+inline constexpr std::size_t kCrashFigure = 1;
+inline constexpr std::size_t kMarginFigure = 2;  ///< least margin to a limit, % of the limit
+
+/// Outcome, cause, incident and figures of a flight; the rest of the row is not set.
+RowResult row_of(const Scenario& scenario, const RunResult& run);
+
+/// A row of a run that gave no figures.
+RowResult row_without_figures(RowOutcome outcome, std::string cause);
+
+/// One line of a journal, JSON with a line break at its end.
+std::string journal_line(const RowResult& result);
+/// Reads one; nothing where the line is torn or not one of ours.
+std::optional<RowResult> parse_journal_line(std::string_view line);
+
+/// Headings of a row's results behind the table's columns, and its fields: "outcome,up,..." with
+/// a comma before each.
+std::string result_headings(const std::vector<std::string>& figures);
+std::string result_fields(const RowResult& result, std::size_t figures);
+
+/// "row,wall_s,..." and a line of it.
+std::string machine_headings();
+std::string machine_line(const RowResult& result);
+
+}  // namespace cas::hils

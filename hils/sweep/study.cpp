@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/sweep/study.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/math/distributions/normal.hpp>
+#include <cctype>
+#include <cmath>
+#include <set>
+#include <string_view>
+
+#include "base/config/config_whole.hpp"
+#include "base/config/install_paths.hpp"
+#include "hils/sweep/key_path.hpp"
+#include "hils/sweep/run_table.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+constexpr int kSchema = 1;
+constexpr int kMostPoints = 10'000'000;
+constexpr double kMostNumber = 1e300;
+
+std::pair<double, double> parse_ends(const base::ConfigNode& node) {
+  const auto ends = node.as<std::vector<double>>();
+  if (ends.size() != 2 || !(ends[0] < ends[1])) node.fail("is [LEAST, MOST] with LEAST < MOST");
+  return {ends[0], ends[1]};
+}
+
+/// `range: {from, to, count}` or `{from, to, step}`: both ends are in it where the step fits.
+std::vector<std::string> parse_range(const base::ConfigNode& node) {
+  const double from = node.require_in("from", -kMostNumber, kMostNumber);
+  const double to = node.require_in("to", -kMostNumber, kMostNumber);
+  std::vector<std::string> values;
+  if (node.has("step")) {
+    if (node.has("count")) node.fail("has 'count' or 'step', not both");
+    const double step = node.require_in("step", 0, kMostNumber);
+    if (!(step > 0) || !(to > from)) node.fail("needs a step above 0 and 'to' above 'from'");
+    const double steps = std::floor((to - from) / step * (1 + 1e-12));
+    if (steps >= kMostPoints) node.fail("has more than 10 million values");
+    for (double i = 0; i <= steps; i += 1) values.push_back(value_text(from + i * step));
+    return values;
+  }
+  const int count = base::get_whole_in<int>(node, "count", 0, 2, kMostPoints);
+  if (count < 2) node.fail("needs 'count' (2 or more) or 'step'");
+  for (int i = 0; i < count; ++i) {
+    values.push_back(value_text(from + (to - from) * i / (count - 1)));
+  }
+  return values;
+}
+
+std::vector<std::string> parse_values(const base::ConfigNode& node) {
+  std::vector<std::string> values;
+  for (const base::ConfigNode& item : node.items()) {
+    if (!item.is_scalar()) item.fail("is a single value: a number, a word or a file");
+    const auto text = item.as<std::string>();
+    if (std::ranges::find(values, text) != values.end()) item.fail("stands in the list twice");
+    if (text.find_first_of("\n\r") != std::string::npos) item.fail("is a value of one line");
+    values.push_back(text);
+  }
+  if (values.empty()) node.fail("is an empty list");
+  return values;
+}
+
+Distribution parse_normal(const base::ConfigNode& node) {
+  Distribution normal{.kind = Distribution::Kind::kNormal};
+  normal.mean = node.require_in("mean", -kMostNumber, kMostNumber);
+  normal.deviation = node.require_in("deviation", 0, kMostNumber);
+  if (!(normal.deviation > 0)) node.at("deviation").fail("must be above 0");
+  if (node.has("least")) normal.least = node.require_in("least", -kMostNumber, kMostNumber);
+  if (node.has("most")) normal.most = node.require_in("most", -kMostNumber, kMostNumber);
+  if (normal.least && normal.most && !(*normal.least < *normal.most)) {
+    node.fail("'least' must be below 'most'");
+  }
+  return normal;
+}
+
+std::optional<Distribution> parse_distribution(const base::ConfigNode& node) {
+  if (const auto uniform = node.find("uniform")) {
+    const auto [least, most] = parse_ends(*uniform);
+    return Distribution{.kind = Distribution::Kind::kUniform, .least = least, .most = most};
+  }
+  if (const auto log = node.find("log")) {
+    const auto [least, most] = parse_ends(*log);
+    if (!(least > 0)) log->fail("has a least value above 0: it is spread by its logarithm");
+    return Distribution{.kind = Distribution::Kind::kLog, .least = least, .most = most};
+  }
+  if (const auto normal = node.find("normal")) return parse_normal(*normal);
+  return std::nullopt;
+}
+
+std::vector<std::string> parse_keys(const base::ConfigNode& node) {
+  std::vector<std::string> keys;
+  if (node.is_list()) {
+    keys = node.as<std::vector<std::string>>();
+  } else {
+    keys.push_back(node.as<std::string>());
+  }
+  if (keys.empty()) node.fail("is an empty list");
+  for (const std::string& key : keys) {
+    try {
+      parse_key_path(key);
+    } catch (const base::ConfigError& error) {
+      node.fail(error.what());
+    }
+  }
+  return keys;
+}
+
+bool is_plain_name(std::string_view name) {
+  return !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("_.[]-").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+}
+
+Parameter parse_parameter(const base::ConfigNode& node) {
+  Parameter parameter;
+  parameter.keys = parse_keys(node.at("key"));
+  parameter.name = node.get<std::string>("name", parameter.keys.front());
+  if (!is_plain_name(parameter.name)) {
+    node.fail("its name '" + parameter.name + "' is made of letters, digits and _ . - [ ]");
+  }
+  constexpr std::array<std::string_view, 5> kKinds{"values", "range", "uniform", "log", "normal"};
+  const auto kinds =
+      std::ranges::count_if(kKinds, [&node](std::string_view kind) { return node.has(kind); });
+  if (kinds != 1) node.fail("has one of values, range, uniform, log and normal");
+  parameter.distribution = parse_distribution(node);
+  if (const auto values = node.find("values")) parameter.values = parse_values(*values);
+  if (const auto range = node.find("range")) parameter.values = parse_range(*range);
+  parameter.whole = node.get("whole", false);
+  if (parameter.whole && !parameter.distribution) {
+    node.at("whole").fail("is about values that are drawn");
+  }
+  return parameter;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// Columns of one table differ by more than the case of their letters: SQLite's do.
+std::vector<Parameter> parse_parameters(const base::ConfigNode& root) {
+  std::vector<Parameter> parameters;
+  std::set<std::string> names{"row", "point", "seed"};
+  for (const base::ConfigNode& node : root.at("vary").items()) {
+    parameters.push_back(parse_parameter(node));
+    if (!names.insert(lower(parameters.back().name)).second) {
+      node.fail("the name '" + parameters.back().name + "' is taken; give it another 'name'");
+    }
+  }
+  return parameters;
+}
+
+Sampling parse_sampling(const base::ConfigNode& root, const std::vector<Parameter>& parameters) {
+  const bool drawn = std::ranges::any_of(
+      parameters, [](const Parameter& each) { return each.distribution.has_value(); });
+  const std::optional<base::ConfigNode> node = root.find("sampling");
+  if (!node) {
+    if (drawn) {
+      root.fail(
+          "has parameters with a distribution: 'sampling' says how their points are chosen "
+          "(random, latin_hypercube, sobol), 'points' how many there are");
+    }
+    return Sampling::kNone;
+  }
+  if (!drawn) node->fail("is for parameters with a distribution, and there is none");
+  const auto word = node->as<std::string>();
+  if (word == "random") return Sampling::kRandom;
+  if (word == "latin_hypercube") return Sampling::kLatinHypercube;
+  if (word == "sobol") return Sampling::kSobol;
+  node->fail("is random, latin_hypercube or sobol");
+}
+
+/// `seeds: [1, 2]`, `{first: 1, count: 5}` or `{first: 1, each: row}`.
+void parse_seeds(const base::ConfigNode& root, Study& study) {
+  const std::optional<base::ConfigNode> node = root.find("seeds");
+  if (!node) return;
+  if (node->is_list()) {
+    for (const base::ConfigNode& item : node->items()) {
+      study.seeds.push_back(item.as<std::uint64_t>());
+    }
+    if (study.seeds.empty()) node->fail("is an empty list");
+    return;
+  }
+  const auto first = node->get<std::uint64_t>("first", 1);
+  if (const auto each = node->find("each")) {
+    if (each->as<std::string>() != "row" || node->has("count")) {
+      node->fail("is a list, {first: 1, count: 5}, or {first: 1, each: row}");
+    }
+    study.row_seed = first;
+    return;
+  }
+  const int count = base::get_whole_in<int>(*node, "count", 1, 1, kMostPoints);
+  for (int i = 0; i < count; ++i) study.seeds.push_back(first + static_cast<std::uint64_t>(i));
+}
+
+ShareLimit parse_limit(const base::ConfigNode& node) {
+  ShareLimit limit;
+  const auto word = node.require<std::string>("share");
+  if (word == to_string(Share::kUp)) {
+    limit.share = Share::kUp;
+  } else if (word == to_string(Share::kPassed)) {
+    limit.share = Share::kPassed;
+  } else if (word == to_string(Share::kJudged)) {
+    limit.share = Share::kJudged;
+  } else {
+    node.at("share").fail("is up, passed or judged");
+  }
+  limit.at_least = node.require_in("at_least", 0, 1);
+  limit.confidence = node.get_in("confidence", limit.confidence, 0.5, 0.999999);
+  return limit;
+}
+
+std::vector<std::pair<std::string, std::string>> parse_settings(const base::ConfigNode& root) {
+  std::vector<std::pair<std::string, std::string>> settings;
+  const std::optional<base::ConfigNode> node = root.find("set");
+  if (!node) return settings;
+  for (const auto& [key, value] : node->entries()) {
+    try {
+      parse_key_path(key);
+    } catch (const base::ConfigError& error) {
+      value.fail(error.what());
+    }
+    settings.emplace_back(key, value.is_null() ? "null" : value.dump());
+  }
+  node->mark_used();
+  return settings;
+}
+
+}  // namespace
+
+std::string_view to_string(Share share) {
+  switch (share) {
+    case Share::kUp:
+      return "up";
+    case Share::kPassed:
+      return "passed";
+    case Share::kJudged:
+      return "judged";
+  }
+  return "?";
+}
+
+double Distribution::quantile(double u) const {
+  switch (kind) {
+    case Kind::kUniform:
+      return *least + u * (*most - *least);
+    case Kind::kLog:
+      return *least * std::pow(*most / *least, u);
+    case Kind::kNormal:
+      break;
+  }
+  const boost::math::normal normal(mean, deviation);
+  const double low = least ? boost::math::cdf(normal, *least) : 0;
+  const double high = most ? boost::math::cdf(normal, *most) : 1;
+  double value = boost::math::quantile(normal, low + u * (high - low));
+  if (least) value = std::max(value, *least);
+  if (most) value = std::min(value, *most);
+  return value;
+}
+
+Study Study::load(const std::filesystem::path& file) {
+  const base::ConfigNode root = base::ConfigNode::load(file);
+  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
+  Study study;
+  study.name = root.get<std::string>("name", file.stem().string());
+  study.description = root.get<std::string>("description", "");
+  study.scenario = root.require<std::string>("scenario");
+  try {
+    study.architecture = parse_architecture(root.get<std::string>("architecture", "direct"));
+  } catch (const base::ConfigError& error) {
+    root.at("architecture").fail(error.what());
+  }
+  study.parameters = parse_parameters(root);
+  study.sampling = parse_sampling(root, study.parameters);
+  if (study.sampling != Sampling::kNone) {
+    root.at("points");  // says that it is missing
+    study.points =
+        static_cast<std::size_t>(base::get_whole_in<int>(root, "points", 1, 1, kMostPoints));
+  }
+  study.seed = root.get<std::uint64_t>("seed", study.seed);
+  parse_seeds(root, study);
+  study.deadline_s = root.get_in("deadline_s", study.deadline_s, 1, 1e6);
+  study.settings = parse_settings(root);
+  if (const auto limits = root.find("limits")) {
+    for (const base::ConfigNode& node : limits->items()) study.limits.push_back(parse_limit(node));
+  }
+  root.reject_unused();
+  return study;
+}
+
+std::filesystem::path Study::scenario_of(const std::filesystem::path& study_file) {
+  return base::find_config(base::ConfigNode::load(study_file).at("scenario"));
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/sweep/sweep_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/scenario/scenario.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPlanSchema = 1;
+/// Most rows whose scenario is checked when a study is planned: those with the ends of a parameter.
+constexpr std::size_t kMostChecked = 64;
+
+void check_headings(const Study& study, const std::vector<std::string>& figures) {
+  for (const Parameter& parameter : study.parameters) {
+    const bool taken = std::ranges::any_of(figures, [&](const std::string& figure) {
+      return std::ranges::equal(figure, parameter.name, [](char a, char b) {
+        return std::tolower(static_cast<unsigned char>(a)) ==
+               std::tolower(static_cast<unsigned char>(b));
+      });
+    });
+    constexpr std::array<std::string_view, 5> kOthers{"outcome", "incident", "cause", "version",
+                                                      "truth_sha256"};
+    if (taken || std::ranges::find(kOthers, parameter.name) != kOthers.end()) {
+      throw base::ConfigError("the parameter '" + parameter.name +
+                              "' is called as a column of the results; give it another 'name'");
+    }
+  }
+}
+
+/// Rows in which some parameter has its first, its smallest or its largest value.
+std::vector<std::size_t> rows_to_check(const RunTable& table) {
+  std::vector<std::size_t> rows{1};
+  const auto value = [](const std::string& text) {
+    double number = 0;
+    std::from_chars(text.data(), text.data() + text.size(), number);
+    return number;
+  };
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    const auto by_value = [&](const TableRow& a, const TableRow& b) {
+      return value(a.values[i]) < value(b.values[i]);
+    };
+    const auto [least, most] = std::ranges::minmax_element(table.rows, by_value);
+    rows.push_back(least->row);
+    rows.push_back(most->row);
+  }
+  std::ranges::sort(rows);
+  rows.erase(std::ranges::unique(rows).begin(), rows.end());
+  if (rows.size() > kMostChecked) rows.resize(kMostChecked);
+  return rows;
+}
+
+/// Reads the scenarios of some rows, for what is wrong with all of them. @throws base::ConfigError
+void check_rows(const SweepFolder& folder) {
+  const fs::path scratch = folder.path / "work" / "check";
+  for (const std::size_t number : rows_to_check(folder.table)) {
+    const TableRow& row = folder.row(number);
+    try {
+      write_scenario(folder.scenario(), folder.values_of(row), folder.study_folder, scratch);
+      Scenario::load(scratch / "scenario.yaml");
+    } catch (const base::ConfigError& error) {
+      fs::remove_all(scratch);
+      throw base::ConfigError(
+          fmt::format("row {}: {}", number, without_folder(error.what(), scratch)));
+    }
+  }
+  fs::remove_all(folder.path / "work");
+}
+
+std::string plan_json(const SweepFolder& folder) {
+  nlohmann::ordered_json json;
+  json["schema"] = kPlanSchema;
+  json["study"] = folder.study.name;
+  json["study_folder"] = folder.study_folder.string();
+  json["rows"] = folder.table.rows.size();
+  json["version"] = CAS_VERSION;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::string without_folder(std::string text, const fs::path& folder) {
+  const std::string prefix = folder.string() + "/";
+  for (std::size_t at = text.find(prefix); at != std::string::npos; at = text.find(prefix)) {
+    text.erase(at, prefix.size());
+  }
+  return text;
+}
+
+std::string text_of_file(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw base::ConfigError(file.string() + ": cannot be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+Chunk Chunk::parse(const std::string& text) {
+  Chunk chunk;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, chunk.k);
+  const bool slash = first.ec == std::errc{} && first.ptr != end && *first.ptr == '/';
+  const auto second = slash ? std::from_chars(first.ptr + 1, end, chunk.n) : first;
+  if (!slash || second.ec != std::errc{} || second.ptr != end || chunk.k < 1 || chunk.k > chunk.n) {
+    throw base::ConfigError("--chunk '" + text + "' is no part such as 2/3: the second of three");
+  }
+  return chunk;
+}
+
+std::string Chunk::name() const { return fmt::format("chunk_{}_of_{}", k, n); }
+
+SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder) {
+  SweepFolder sweep{.path = fs::absolute(folder),
+                    .study = Study::load(study_file),
+                    .table = {},
+                    .figures = {},
+                    .study_folder = fs::absolute(study_file).parent_path()};
+  const std::string text = text_of_file(study_file);
+  if (fs::exists(sweep.path / "plan.json")) {
+    if (text_of_file(sweep.path / "study.yaml") != text) {
+      throw base::ConfigError(folder.string() +
+                              ": holds another study, or this one before it was changed; its runs "
+                              "stay as they are: choose another folder");
+    }
+    return open(folder);
+  }
+  fs::create_directories(sweep.path);
+  write_scenario(Study::scenario_of(study_file), sweep.study.settings, sweep.study_folder,
+                 sweep.path, {"vehicle"});
+  const Scenario scenario = Scenario::load(sweep.scenario());
+  sweep.table = RunTable::of(sweep.study, scenario.seed);
+  sweep.figures = figure_names(scenario);
+  check_headings(sweep.study, sweep.figures);
+  check_rows(sweep);
+  base::write_file(sweep.path / "study.yaml", text);
+  for (const fs::directory_entry& entry : fs::directory_iterator(sweep.path)) {
+    if (entry.path().extension() == ".yaml") {
+      base::write_file(entry.path(), text_of_file(entry.path()));  // on the disk before the plan is
+    }
+  }
+  base::write_file(sweep.path / "table.csv", sweep.table.csv());
+  base::write_file(sweep.path / "plan.json", plan_json(sweep));  // last: now it is a plan
+  return sweep;
+}
+
+SweepFolder SweepFolder::open(const fs::path& folder) {
+  const fs::path plan_file = folder / "plan.json";
+  if (!fs::exists(plan_file)) {
+    throw base::ConfigError(folder.string() +
+                            ": holds no sweep; 'hils sweep plan STUDY.yaml --out " +
+                            folder.string() + "' plans one");
+  }
+  const nlohmann::json plan = nlohmann::json::parse(text_of_file(plan_file), nullptr, false);
+  if (!plan.is_object() || plan.value("schema", 0) != kPlanSchema) {
+    throw base::ConfigError(plan_file.string() + ": is no plan that this version of hils reads");
+  }
+  const fs::path table_file = folder / "table.csv";
+  SweepFolder sweep{.path = fs::absolute(folder),
+                    .study = Study::load(folder / "study.yaml"),
+                    .table = RunTable::parse(text_of_file(table_file), table_file.string()),
+                    .figures = {},
+                    .study_folder = plan.value("study_folder", std::string())};
+  sweep.figures = figure_names(Scenario::load(sweep.scenario()));
+  if (sweep.table.rows.size() != plan.value("rows", std::size_t{0})) {
+    throw base::ConfigError(fmt::format("{}: has {} rows; {} were planned", table_file.string(),
+                                        sweep.table.rows.size(),
+                                        plan.value("rows", std::size_t{0})));
+  }
+  return sweep;
+}
+
+std::vector<KeyValue> SweepFolder::values_of(const TableRow& row) const {
+  std::vector<KeyValue> values;
+  for (std::size_t i = 0; i < study.parameters.size(); ++i) {
+    for (const std::string& key : study.parameters[i].keys) values.emplace_back(key, row.values[i]);
+  }
+  return values;
+}
+
+const TableRow& SweepFolder::row(std::size_t row) const {
+  if (row < 1 || row > table.rows.size()) {
+    throw base::ConfigError(
+        fmt::format("there is no row {}; the sweep has 1 to {}", row, table.rows.size()));
+  }
+  return table.rows[row - 1];
+}
+
+void SweepFolder::for_each_result(const std::function<void(RowResult&&)>& visit) const {
+  std::vector<fs::path> journals;
+  std::error_code error;
+  for (fs::directory_iterator entry(path / "journal", error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry->path().extension() == ".jsonl") journals.push_back(entry->path());
+  }
+  std::ranges::sort(journals);
+  for (const fs::path& journal : journals) {
+    std::ifstream lines(journal, std::ios::binary);
+    for (std::string line; std::getline(lines, line);) {
+      std::optional<RowResult> result = parse_journal_line(line);
+      if (result && result->row <= table.rows.size()) visit(std::move(*result));
+    }
+  }
+}
+
+std::vector<RowResult> SweepFolder::results(std::size_t first, std::size_t last) const {
+  std::vector<RowResult> rows(last - first);
+  for_each_result([&](RowResult&& result) {
+    if (result.row >= first && result.row < last) rows[result.row - first] = std::move(result);
+  });
+  return rows;
+}
+
+std::string SweepFolder::results_csv(const std::vector<RowResult>& results) const {
+  std::string text = "row,point,seed";
+  for (const std::string& name : table.names) text += "," + csv_field(name);
+  text += result_headings(figures) + "\n";
+  for (const RowResult& result : results) {
+    if (result.row == 0) continue;
+    const TableRow& own = row(result.row);
+    text += fmt::format("{},{},{}", own.row, own.point, own.seed);
+    for (const std::string& value : own.values) text += "," + csv_field(value);
+    text += result_fields(result, figures.size()) + "\n";
+  }
+  return text;
+}
+
+std::string SweepFolder::machine_csv_of(const std::vector<RowResult>& results) const {
+  std::string text = machine_headings() + "\n";
+  for (const RowResult& result : results) {
+    if (result.row != 0) text += machine_line(result) + "\n";
+  }
+  return text;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "base/time/clock.hpp"
+
+namespace cas::hils {
+
+/// How far a sweep is.
+struct SweepState {
+  std::size_t all = 0;       ///< runs of the part that is flown
+  std::size_t done = 0;      ///< of them, also before this process
+  std::size_t flown = 0;     ///< by this process
+  std::size_t unjudged = 0;  ///< of those, without a verdict
+  base::Duration elapsed{};  ///< since this process began
+};
+
+/// "sweep: [######----] 600 of 1000, 4.2 runs/s, 1:35 left, 2 without a verdict". What is left is
+/// told once ten runs have been flown, or a twentieth.
+std::string sweep_line(const SweepState& state);
+
+/// The line on standard error: rewritten on a terminal; elsewhere one for each tenth.
+class SweepProgress {
+ public:
+  SweepProgress();
+  ~SweepProgress();
+  SweepProgress(const SweepProgress&) = delete;
+  SweepProgress& operator=(const SweepProgress&) = delete;
+
+  void show(const SweepState& state);
+  void clear();
+
+ private:
+  bool terminal_;
+  bool drawn_ = false;
+  std::optional<std::size_t> tenth_;
+};
+
+}  // namespace cas::hils

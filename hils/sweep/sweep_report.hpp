@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hils/sweep/share_limits.hpp"
+#include "hils/sweep/sweep_view.hpp"
+
+namespace cas::hils {
+
+/// What a page on a sweep shows besides the sweep.
+struct SweepPage {
+  std::vector<std::pair<std::string, std::string>> maps{};  ///< parameters of maps asked for
+  const SweepView* before = nullptr;       ///< the sweep that this one is compared with
+  std::vector<std::size_t> worst{};        ///< rows, the worst first
+  std::vector<std::size_t> flown_again{};  ///< of those: their reports lie in again/
+};
+
+/// One self-contained page: verdict, limits, success maps, shares along each parameter,
+/// distributions, sensitivity, worst runs, comparison.
+/// @throws base::ConfigError when a map asks for a parameter that is not there
+std::string sweep_html(const SweepView& view, const std::vector<ShareCheck>& checks,
+                       const SweepPage& page);
+
+/// The same for a terminal, in a few lines.
+std::string sweep_text(const SweepView& view, const std::vector<ShareCheck>& checks,
+                       const SweepView* before);
+
+}  // namespace cas::hils

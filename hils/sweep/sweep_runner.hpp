@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "hils/sweep/sweep_folder.hpp"
+
+namespace cas::hils {
+
+/// How a part of a sweep is flown.
+struct SweepRunOptions {
+  Chunk chunk{};
+  std::size_t jobs = 1;             ///< processes at once
+  std::filesystem::path scratch{};  ///< files of runs under way; empty: in the sweep's folder
+  bool retry = false;               ///< flies runs that died or hung once more
+};
+
+/// What came of it.
+struct SweepRunResult {
+  std::size_t rows = 0;       ///< of the chunk
+  std::size_t flown = 0;      ///< now; the others had been flown before
+  std::size_t unjudged = 0;   ///< of all rows of the chunk: without a verdict
+  std::string first_cause{};  ///< of the first of them
+  bool all_refused = false;   ///< no run of the chunk was possible
+};
+
+/// Flies the rows of a chunk that have not been flown, each in a process of its own, and writes the
+/// chunk's CSV files when all are done. A run that dies or hangs costs its own row.
+/// @throws RunStopped on SIGINT and SIGTERM, base::ConfigError when files cannot be written
+SweepRunResult run_sweep(const SweepFolder& sweep, const SweepRunOptions& options);
+
+}  // namespace cas::hils

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/sweep/journal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "base/error.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::hils {
+namespace {
+
+RowResult result_of(std::size_t row) {
+  RowResult result;
+  result.row = row;
+  result.outcome = RowOutcome::kFailed;
+  result.cause = "crash: \"hit\", 3 m/s";
+  result.incident = "crash";
+  result.version = "0.1.0";
+  result.figures = {0, std::nan(""), 0.1 + 0.2};
+  result.machine = {.wall_s = 0.5, .cpu_s = 0.4, .max_rss_mib = 20, .host = "lab"};
+  return result;
+}
+
+TEST(Journal, ALineComesBackToTheBit) {
+  const RowResult written = result_of(7);
+  const auto read = parse_journal_line(journal_line(written));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->row, 7U);
+  EXPECT_EQ(read->outcome, RowOutcome::kFailed);
+  EXPECT_EQ(read->cause, written.cause);
+  EXPECT_EQ(read->figures[2], 0.1 + 0.2);
+  EXPECT_TRUE(std::isnan(read->figures[1]));
+  EXPECT_EQ(result_fields(*read, 4),
+            ",failed,0,,0.30000000000000004,,crash,\"crash: \"\"hit\"\", 3 m/s\",0.1.0,");
+}
+
+/// Whatever part of the last line a power failure left, the others stay and it can go on.
+TEST(Journal, WhatIsTornAtTheEndIsCutOff) {
+  const std::string one = journal_line(result_of(1));
+  const std::string two = journal_line(result_of(2));
+  for (std::size_t kept = 0; kept < two.size(); ++kept) {
+    const test::TemporaryFolder folder;
+    const auto file = folder.write("journal.jsonl", one + two.substr(0, kept));
+    EXPECT_FALSE(kept > 0 && kept + 1 < two.size() && parse_journal_line(two.substr(0, kept)));
+    Journal(file).append(result_of(3));
+    EXPECT_EQ(test::TemporaryFolder::read(file), one + journal_line(result_of(3)));
+  }
+}
+
+TEST(Journal, IsOneProcessesAlone) {
+  const test::TemporaryFolder folder;
+  const Journal mine(folder / "journal.jsonl");
+  EXPECT_THROW(Journal(folder / "journal.jsonl"), base::ConfigError);
+}
+
+}  // namespace
+}  // namespace cas::hils

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sweeps as a user flies them: whole, killed, in chunks, under a job array.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "hils/sweep/run_table.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// For many flights, which take as long as the machine lets them.
+constexpr base::Duration kSweepPatience = std::chrono::minutes(5);
+
+constexpr const char* kScenario = R"(
+schema: 1
+name: hop
+description: A short flight
+vehicle: ../vehicles/iris_paper.yaml
+home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
+decimal_year: 2026.5
+seed: 1
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+line: {preset: baud_921600}
+steps:
+  - arm
+  - takeoff: {altitude_m: 1}
+  - hold: {duration_s: 1, measure: true}
+  - land
+  - disarm
+)";
+
+constexpr const char* kStudy = R"(
+schema: 1
+name: hops
+scenario: hop.yaml
+sampling: latin_hypercube
+points: 6
+seeds: [1, 2]
+vary:
+  - {name: loss, key: line.packet_loss, uniform: [0, 0.05]}
+  - {name: sensors, key: sensors, values: [table1, rtk]}
+limits:
+  - {share: judged, at_least: 0.5}
+)";
+constexpr std::size_t kRows = 24;
+
+class Sweep : public testing::Test {
+ protected:
+  Sweep() {
+    folder_.write("hop.yaml", kScenario);
+    study_ = folder_.write("hops.yaml", kStudy);
+  }
+
+  static std::vector<std::string> hils(const std::vector<std::string>& arguments) {
+    std::vector<std::string> command{binary_dir() + "/bin/hils", "sweep"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return command;
+  }
+  /// Runs `hils sweep ...` to its end. @return what it printed
+  static std::string sweep(const std::vector<std::string>& arguments, int code = 0) {
+    ChildProcess program(hils(arguments));
+    EXPECT_EQ(program.wait_exit(kSweepPatience), code) << program.output();
+    return program.output();
+  }
+  fs::path plan(const std::string& name, const fs::path& study) const {
+    sweep({"plan", study.string(), "--out", folder_ / name});
+    return folder_ / name;
+  }
+  /// The table of the study, flown whole; once for all tests.
+  static const std::string& whole() {
+    static const std::string table = [] {
+      const TemporaryFolder folder;
+      folder.write("hop.yaml", kScenario);
+      const fs::path study = folder.write("hops.yaml", kStudy);
+      sweep({"plan", study.string(), "--out", folder / "whole"});
+      sweep({"run", folder / "whole", "--jobs", "2"});
+      return TemporaryFolder::read(folder / "whole/chunks/chunk_1_of_1.csv");
+    }();
+    return table;
+  }
+  static std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+  }
+  static std::size_t journal_lines(const fs::path& sweep_folder) {
+    const std::string text = TemporaryFolder::read(sweep_folder / "journal/chunk_1_of_1.jsonl");
+    return static_cast<std::size_t>(std::ranges::count(text, '\n'));
+  }
+  /// A column of a table of results, by row.
+  static std::vector<std::string> column(const std::string& csv, const std::string& name) {
+    std::vector<std::string> cells;
+    std::size_t index = 0;
+    for (const std::string& line : lines_of(csv)) {
+      const std::vector<std::string> fields = hils::csv_fields(line);
+      if (cells.empty()) {
+        index = static_cast<std::size_t>(std::ranges::find(fields, name) - fields.begin());
+      }
+      if (index >= fields.size()) return {};
+      cells.push_back(fields[index]);
+    }
+    if (!cells.empty()) cells.erase(cells.begin());
+    return cells;
+  }
+  /// A process that this one has started.
+  static pid_t child_of(pid_t parent) {
+    const std::string pid = std::to_string(parent);
+    std::ifstream children("/proc/" + pid + "/task/" + pid + "/children");
+    pid_t child = 0;
+    children >> child;
+    return child;
+  }
+
+  TemporaryFolder folder_;
+  fs::path study_;
+};
+
+TEST_F(Sweep, GivesARowForEachRun) {
+  EXPECT_EQ(lines_of(whole()).size(), kRows + 1);
+  for (const std::string& up : column(whole(), "up")) EXPECT_EQ(up, "1");
+  for (const std::string& cell : column(whole(), "outcome")) EXPECT_EQ(cell, "passed");
+}
+
+/// kill -9 in the middle of runs, five times: no run is flown twice, and the table is the same to
+/// the byte.
+TEST_F(Sweep, KilledFiveTimesEndsWithTheSameTable) {
+  const fs::path killed = plan("killed", study_);
+  for (int kill = 0; kill < 5; ++kill) {
+    const std::size_t before = journal_lines(killed);
+    ChildProcess program(hils({"run", killed.string(), "--jobs", "2"}));
+    EXPECT_TRUE(wait_until([&] { return journal_lines(killed) > before; }, kSweepPatience))
+        << program.output();
+    program.signal(SIGKILL);
+    EXPECT_EQ(program.wait_exit(), 128 + SIGKILL) << program.output();
+    EXPECT_LT(journal_lines(killed), kRows);  // it was killed in the middle
+  }
+  sweep({"run", killed.string(), "--jobs", "2"});
+  EXPECT_EQ(TemporaryFolder::read(killed / "chunks/chunk_1_of_1.csv"), whole());
+  EXPECT_EQ(journal_lines(killed), kRows);
+  EXPECT_FALSE(fs::exists(killed / "work"));
+}
+
+TEST_F(Sweep, InterruptedSaysHowFarItIsAndGoesOn) {
+  const fs::path stopped = plan("stopped", study_);
+  ChildProcess program(hils({"run", stopped.string(), "--jobs", "1"}));
+  ASSERT_TRUE(wait_until([&] { return journal_lines(stopped) > 0; }, kSweepPatience));
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait_exit(), 130);
+  EXPECT_NE(program.output().find("'hils sweep run' goes on"), std::string::npos)
+      << program.output();
+  EXPECT_NE(sweep({"status", stopped.string()}).find("of 24 runs flown"), std::string::npos);
+  sweep({"collect", stopped.string(), "--again", "0"}, 3);  // runs are missing
+}
+
+TEST_F(Sweep, ThreeChunksAreTheWholeToTheByte) {
+  const fs::path cut = plan("cut", study_);
+  std::string together;
+  for (const std::string k : {"3", "1", "2"}) {
+    sweep({"run", cut.string(), "--chunk", k + "/3", "--jobs", "2"});
+  }
+  for (const std::string k : {"1", "2", "3"}) {
+    const std::string chunk = TemporaryFolder::read(cut / ("chunks/chunk_" + k + "_of_3.csv"));
+    together += together.empty() ? chunk : chunk.substr(chunk.find('\n') + 1);
+  }
+  EXPECT_EQ(together, whole());
+  EXPECT_EQ(sweep({"run", cut.string()}).find("0 of them flown now") != std::string::npos, true);
+}
+
+/// The process of a run is killed under the runner: its row says so, and can be flown once more.
+TEST_F(Sweep, ARunThatDiesCostsItsOwnRow) {
+  const fs::path hurt = plan("hurt", study_);
+  ChildProcess program(hils({"run", hurt.string(), "--jobs", "1"}));
+  pid_t child = 0;
+  ASSERT_TRUE(wait_until([&] { return (child = child_of(program.pid())) > 0; }));
+  ASSERT_EQ(::kill(child, SIGKILL), 0);
+  EXPECT_EQ(program.wait_exit(kSweepPatience), 0) << program.output();
+  const std::string table = TemporaryFolder::read(hurt / "chunks/chunk_1_of_1.csv");
+  const std::vector<std::string> outcomes = column(table, "outcome");
+  EXPECT_EQ(std::ranges::count(outcomes, "died"), 1) << table;
+  EXPECT_EQ(std::ranges::count(outcomes, "passed"), static_cast<long>(kRows) - 1);
+  EXPECT_NE(table.find("was ended by signal 9 (Killed)"), std::string::npos);
+  sweep({"run", hurt.string(), "--retry"});
+  EXPECT_EQ(TemporaryFolder::read(hurt / "chunks/chunk_1_of_1.csv"), whole());
+}
+
+TEST_F(Sweep, ARunThatHangsCostsItsOwnRow) {
+  const fs::path study = folder_.write("slow.yaml",
+                                       "schema: 1\nname: slow\nscenario: hop.yaml\n"
+                                       "deadline_s: 15\nvary:\n"
+                                       "  - {name: hold_s, key: 'steps[hold].duration_s', values: "
+                                       "[1, 86400, 2]}\n");
+  const fs::path slow = plan("slow", study);
+  EXPECT_NE(sweep({"run", slow.string(), "--jobs", "1"}).find("no result after 15 s"),
+            std::string::npos);
+  EXPECT_EQ(column(TemporaryFolder::read(slow / "chunks/chunk_1_of_1.csv"), "outcome"),
+            (std::vector<std::string>{"passed", "hung", "passed"}));
+}
+
+TEST_F(Sweep, WhatNoRunTakesEndsWithTwoAndTheKey) {
+  const fs::path study = folder_.write("wrong.yaml",
+                                       "schema: 1\nname: wrong\nscenario: hop.yaml\nvary:\n"
+                                       "  - {key: line.packet_los, values: [0.1, 0.2]}\n");
+  const fs::path wrong = plan("wrong", study);
+  EXPECT_NE(sweep({"run", wrong.string()}, 2).find("packet_los"), std::string::npos);
+}
+
+TEST_F(Sweep, ShowPrintsACommandThatGivesTheSameBytes) {
+  const fs::path one = plan("one", study_);
+  sweep({"run", one.string(), "--chunk", "5/24"});
+  const std::vector<std::string> shown = lines_of(sweep({"show", one.string(), "5"}));
+  const auto after = [&shown](const std::string& beginning) {
+    const auto at = std::ranges::find_if(
+        shown, [&](const std::string& line) { return line.starts_with(beginning); });
+    return at == shown.end() ? std::string() : *(at + 1);
+  };
+  ChildProcess again({"/bin/sh", "-c", after("Again")});
+  again.wait_exit(kSweepPatience);
+  ASSERT_TRUE(fs::exists(one / "again/row_5/report.html")) << again.output();
+  const auto line = std::ranges::find_if(
+      shown, [](const std::string& text) { return text.starts_with("The same bytes: "); });
+  ASSERT_NE(line, shown.end());
+  ChildProcess digest({"/bin/sh", "-c", line->substr(std::string("The same bytes: ").size())});
+  EXPECT_EQ(digest.wait_exit(), 0);
+  const std::string expected = column(whole(), "truth_sha256")[4];
+  EXPECT_EQ(digest.output().substr(0, 64), expected);
+  EXPECT_NE(after("The same bytes").find(expected), std::string::npos);
+}
+
+/// Counts of a query of one number.
+int number_in(const fs::path& database, const std::string& sql) {
+  sqlite3* handle = nullptr;
+  int number = -1;
+  if (sqlite3_open_v2(database.c_str(), &handle, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK) {
+    const auto read = [](void* result, int, char** cells, char**) {
+      *static_cast<int*>(result) = std::atoi(cells[0]);
+      return 0;
+    };
+    sqlite3_exec(handle, sql.c_str(), read, &number, nullptr);
+  }
+  sqlite3_close(handle);
+  return number;
+}
+
+/// A job array whose sbatch flies its tasks one after the other on this machine.
+TEST_F(Sweep, AJobArrayGivesTheSameTable) {
+  const fs::path array = plan("array", study_);
+  sweep({"run", array.string(), "--chunk", "2/3"});  // is not submitted again
+  const fs::path sbatch = folder_.write("bin/sbatch",
+                                        "#!/bin/sh\n"
+                                        "grep -q '^#SBATCH --array=1,3$' \"$1\" || exit 1\n"
+                                        "grep -q '^#SBATCH --partition=lab$' \"$1\" || exit 1\n"
+                                        "for task in 1 3; do\n"
+                                        "  SLURM_ARRAY_TASK_ID=$task sh \"$1\" || exit 1\n"
+                                        "done >&2\n"
+                                        "echo Submitted batch job 42\n");
+  fs::permissions(sbatch, fs::perms::owner_all);
+  const auto submit = [&](const std::string& path) {
+    std::vector<std::string> command{"/usr/bin/env", "PATH=" + path};
+    const auto own = hils(
+        {"run", array.string(), "--slurm", "--chunks", "3", "--partition", "lab", "--jobs", "2"});
+    command.insert(command.end(), own.begin(), own.end());
+    return command;
+  };
+  ChildProcess nowhere(submit(folder_ / "nothing"));
+  EXPECT_EQ(nowhere.wait_exit(), 3);
+  EXPECT_NE(nowhere.output().find("there is no sbatch on this machine"), std::string::npos);
+  ChildProcess program(submit((folder_ / "bin").string() + ":/usr/bin:/bin"));
+  EXPECT_EQ(program.wait_exit(kSweepPatience), 0) << program.output();
+  EXPECT_NE(program.output().find("Submitted batch job 42"), std::string::npos);
+
+  const std::string said = sweep({"collect", array.string(), "--again", "1"});
+  EXPECT_NE(said.find("24 of 24 runs flown, 24 with a verdict"), std::string::npos) << said;
+  EXPECT_EQ(TemporaryFolder::read(array / "results.csv"), whole());
+  EXPECT_EQ(lines_of(TemporaryFolder::read(array / "machine.csv")).size(), kRows + 1);
+  EXPECT_EQ(number_in(array / "sweep.sqlite", "SELECT count(*) FROM runs WHERE up = 1"), 24);
+  EXPECT_EQ(number_in(array / "sweep.sqlite",
+                      "SELECT count(*) FROM runs JOIN machine USING (row) WHERE loss < 0.05"),
+            24);
+  const std::string page = TemporaryFolder::read(array / "sweep.html");
+  for (const char* part : {"Success maps", "Sensitivity", "Worst runs", "/report.html\""}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  const std::string junit = TemporaryFolder::read(array / "junit.xml");
+  EXPECT_NE(junit.find("tests=\"2\" failures=\"0\" errors=\"0\""), std::string::npos) << junit;
+}
+
+TEST_F(Sweep, AgainstAnotherOneSaysWhatBecameWorse) {
+  const auto study_with = [this](const std::string& name, const std::string& climb) {
+    return folder_.write(
+        name + ".yaml",
+        "schema: 1\nname: " + name +
+            "\nscenario: hop.yaml\nset: {line.extra_delay_us: 20000, 'steps[takeoff].timeout_s': " +
+            climb +
+            "}\nseeds: {first: 1, count: 3}\nvary:\n"
+            "  - {name: sensors, key: sensors, values: [table1, rtk]}\n");
+  };
+  const fs::path good = folder_ / "good";
+  const fs::path bad = folder_ / "bad";
+  sweep({study_with("good", "30").string(), "--out", good.string(), "--again", "0"});
+  sweep({study_with("bad", "1").string(), "--out", bad.string(), "--again", "0"});
+  const std::string said =
+      sweep({"collect", bad.string(), "--again", "0", "--against", good.string()});
+  // 6 of 6 against 0 of 6: 2 / 924 by Fisher's test.
+  EXPECT_NE(said.find("WORSE  all: stays up: 100.00 % before, 0.00 % now, p 0.0022"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(TemporaryFolder::read(bad / "sweep.html")
+                .find("6 rows stayed up before and do not now: 1, 2, 3, 4, 5, 6"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace cas::test
