@@ -8,6 +8,7 @@
 
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/measure/flight_changes.hpp"
 #include "hils/measure/incident.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/plugin_figure.hpp"
@@ -64,6 +65,7 @@ struct Measurement {
   std::optional<double> cpu_pressure;
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench
   std::vector<Incident> incidents;             ///< crashes and their kin, in the order of time
+  FlightChanges changes;                       ///< parameters, and who acted from outside
   std::vector<StepResponse> responses;         ///< to the steps of the flight
   std::optional<RmsFigures> rms;               ///< truth against reference during the hold
   std::optional<RmsFigures> rms_estimate;      ///< estimate against reference during the hold

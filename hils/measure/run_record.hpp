@@ -11,6 +11,7 @@
 #include "base/measure/ledger.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/measure/flight_changes.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/tracking.hpp"
 #include "hils/run/run_places.hpp"
@@ -34,6 +35,7 @@ struct RunRecord {
   std::vector<Stage> stages;
   std::optional<Stage> hold;  ///< the measured one; nothing when the flight did not get there
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench, as they went
+  std::vector<OutsideCall> outside_calls;      ///< of casd's command port, by others than hils
   ClockMap log_clock;                          ///< clock of the flight log -> simulated time
   std::string flight_failure;                  ///< a sentence; empty when every step was done
   bool virtual_clock = false;                  ///< time was computed, not waited for

@@ -17,6 +17,7 @@
 #include "base/os/write_file.hpp"
 #include "base/random.hpp"
 #include "fcu/line/line_model.hpp"
+#include "hils/measure/flight_changes.hpp"
 #include "hils/programs/declared_messages.hpp"
 
 namespace cas::hils {
@@ -336,8 +337,8 @@ std::string station_link(const RunPlaces& places) {
 std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   YAML::Node root;
   root["schema"] = 1;
-  root["system_id"] = 254;
-  root["component_id"] = 190;
+  root["system_id"] = static_cast<int>(kCasdSystem);
+  root["component_id"] = static_cast<int>(kCasdComponent);
   root["pace"] = pace_word(request);
   root["threads"] = std::string(threads(request.architecture));
   root["drain_tick_ms"] = request.scenario.drain_tick_ms;

@@ -94,6 +94,7 @@ class LockstepPilot {
     record.flight_failure = plan_.failure();
     record.stages = plan_.stages();
     record.hold = plan_.measured();
+    record.outside_calls = read_outside_calls(casd_, own_calls_);
   }
 
  private:
@@ -138,7 +139,7 @@ class LockstepPilot {
   /// @return why the vehicle refused, or nothing
   std::string give(const FlightStep& step) {
     ask_home();
-    return hils::give(casd_, step, false);
+    return hils::give(casd_, step, false, {}, &own_calls_);
   }
 
   /// The simulator's fault scripts ask for it.
@@ -152,6 +153,7 @@ class LockstepPilot {
   base::rpc::Client simulator_;
   base::rpc::Client controller_;
   base::rpc::Client casd_;
+  CallList own_calls_;
   FlightPlan plan_;
   Progress progress_;
   std::string phase_;

@@ -106,16 +106,22 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
 }
 
 std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                 AskedVehicle vehicle) {
+                 AskedVehicle vehicle, CallList* asked) {
   try {
     for (auto& [method, params] : to_calls(step)) {
       if (step.kind == StepKind::kArm && not_hil) params["not_hil"] = true;
-      casd.call(method, to(vehicle, params));
+      const Json whole = to(vehicle, params);
+      if (asked != nullptr) asked->emplace_back(method, whole.dump());
+      casd.call(method, whole);
     }
     return {};
   } catch (const base::rpc::CallError& error) {
     return error.what();
   }
+}
+
+std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own) {
+  return outside_calls(casd.call("casd.journal", Json::object()), own);
 }
 
 }  // namespace cas::hils

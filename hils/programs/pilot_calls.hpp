@@ -5,11 +5,13 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/rpc/client.hpp"
 #include "hils/flight/flight_facts.hpp"
 #include "hils/flight/flight_plan.hpp"
 #include "hils/flight/flight_step.hpp"
+#include "hils/measure/flight_changes.hpp"
 
 namespace cas::hils {
 
@@ -23,7 +25,11 @@ using AskedVehicle = std::optional<std::uint8_t>;
 VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {});
 
 /// Has casd give a step's commands. @return why one was refused; empty when all were accepted
+/// @param asked  the calls are added to it
 std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                 AskedVehicle vehicle = {});
+                 AskedVehicle vehicle = {}, CallList* asked = nullptr);
+
+/// What others than hils had casd do (casd.journal). @param own  what hils asked
+std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own);
 
 }  // namespace cas::hils

@@ -120,6 +120,7 @@ class RealtimePilot {
   std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
   fcu::LineConfig line_;                   ///< as it is without faults
   std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
+  CallList own_calls_;
   FleetPlan plan_;
   BenchFaultScript faults_;
   Progress progress_;
@@ -176,6 +177,8 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
 
 void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
   const double simulated_s = base::to_seconds(simulated_time());
+  std::vector<OutsideCall> outside;
+  if (casd_) outside = read_outside_calls(*casd_, own_calls_);
   for (std::size_t i = 0; i < records.size(); ++i) {
     RunRecord& record = records[i];
     record.log_clock = log_clock;
@@ -184,6 +187,7 @@ void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_cl
     record.stages = plan_.plan(i).stages();
     record.hold = plan_.plan(i).measured();
     record.faults = faults_.history_of(i);
+    record.outside_calls = outside;
     record.cpu_pressure = pressure_.share();
   }
 }
@@ -227,7 +231,7 @@ void RealtimePilot::tell_phase() {
 /// @return why the vehicle refused, or nothing
 std::string RealtimePilot::give(const FleetPlan::Command& command) {
   if (!casd_) return "casd is away";
-  return hils::give(*casd_, command.step, false, asked_[command.vehicle]);
+  return hils::give(*casd_, command.step, false, asked_[command.vehicle], &own_calls_);
 }
 
 void RealtimePilot::play_faults(base::SimTime now) {

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "base/time/clock.hpp"
+#include "hils/report/change_table.hpp"
 #include "hils/report/delay_note.hpp"
 #include "hils/report/experiment.hpp"
 #include "hils/report/html_page.hpp"
@@ -182,6 +183,14 @@ void add_faults(HtmlPage& page, const Measurement& figures) {
   page.table("Faults", rows);
 }
 
+void add_changes(HtmlPage& page, const std::string& who, const FlightChanges& changes) {
+  if (changes.from_outside()) page.paragraph(who + std::string(kOutsideNote));
+  if (!changes.parameters.empty()) {
+    page.table(who + "Changed in flight", parameter_rows(changes));
+  }
+  if (!changes.acts.empty()) page.table(who + "Commands from outside", act_rows(changes));
+}
+
 void add_responses(HtmlPage& page, const Measurement& figures) {
   if (figures.responses.empty()) return;
   Rows rows{{"Step", "size m", "rise s", "overshoot %", "settling s", "integrated error m s"}};
@@ -260,7 +269,9 @@ std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plo
   add_verdict(page, whole, run.verdict);
   add_overview(page, run);
   for (const VehicleResult& vehicle : run.vehicles) {
-    add_limits(page, run.has_several() ? vehicle.figures.vehicle + ": " : "", vehicle);
+    const std::string who = run.has_several() ? vehicle.figures.vehicle + ": " : "";
+    add_changes(page, who, vehicle.figures.changes);
+    add_limits(page, who, vehicle);
   }
   for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
     const Measurement& figures = run.vehicles[i].figures;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/time/clock.hpp"
+#include "hils/report/change_table.hpp"
 #include "hils/report/delay_note.hpp"
 #include "hils/report/experiment.hpp"
 #include "hils/report/number_text.hpp"
@@ -154,8 +155,8 @@ std::string plugin_table(const Measurement& figures) {
 }
 
 std::string figures_text(const Measurement& figures) {
-  return rate_table(figures) + response_table(figures) + rms_table(figures) + delay_table(figures) +
-         loss_lines(figures) + plugin_table(figures);
+  return changes_text(figures.changes) + rate_table(figures) + response_table(figures) +
+         rms_table(figures) + delay_table(figures) + loss_lines(figures) + plugin_table(figures);
 }
 
 /// One line for each vehicle.
@@ -232,6 +233,7 @@ Json stages_json(const std::vector<Stage>& stages) {
   Json list = Json::array();
   for (const Stage& stage : stages) {
     list.push_back({{"step", to_string(stage.step.kind)},
+                    {"name", phase_of(stage.step)},
                     {"begin_s", base::to_seconds(stage.begin)},
                     {"end_s", base::to_seconds(stage.end)}});
   }
@@ -308,6 +310,7 @@ void add_figures(const Measurement& figures, Json& summary) {
     summary["incidents"].push_back(
         {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
   }
+  add_changes(figures.changes, summary);
   summary["responses"] = Json::array();
   for (const auto& response : figures.responses) {
     summary["responses"].push_back(response_json(response));

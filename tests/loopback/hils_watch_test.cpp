@@ -8,6 +8,7 @@
 #include <array>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -33,13 +34,16 @@ namespace mv = mavlink::common;
 constexpr int kExitUsage = 2;
 constexpr int kExitInterrupted = 130;
 
-/// Stands on the ground for longer than any test: whoever started it ends it.
-std::string scenario_text() {
+/// Stands on the ground for so long, for longer than any test where nothing is said: whoever
+/// started it ends it.
+std::string scenario_text(int seconds = 3600) {
   return "schema: 1\nname: long look\nvehicle: " + source_dir() +
          "/config/vehicles/iris_paper.yaml\n"
          "home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}\n"
          "rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}\n"
-         "steps:\n  - hold: {duration_s: 3600}\n  - arm\n  - takeoff: {altitude_m: 2}\n  - hold: "
+         "steps:\n  - hold: {duration_s: " +
+         std::to_string(seconds) +
+         "}\n  - arm\n  - takeoff: {altitude_m: 2}\n  - hold: "
          "{duration_s: 1, measure: true}\n  - land\n";
 }
 
@@ -131,7 +135,8 @@ class HilsWatch : public testing::Test {
         in_session("hils", {"run", folder_.write("long.yaml", scenario_text()).string(), "--gcs",
                             endpoint, "--out", folder_ / "out"}));
   }
-  /// The line that tells how to watch a run; empty when none comes.
+  /// The line that tells how to watch a run; empty when none comes. The casctl that it names is
+  /// there, and stands in it as "casctl".
   static std::string watch_line(const ChildProcess& hils) {
     std::string line;
     wait_until([&] {
@@ -142,7 +147,12 @@ class HilsWatch : public testing::Test {
       line = text.substr(begin, end - begin);
       return true;
     });
-    return line;
+    constexpr std::size_t kProgram = sizeof "Watch it: " - 1;
+    const std::string program = line.substr(0, line.find(' ', kProgram)).substr(kProgram);
+    if (program != "casctl") {
+      EXPECT_TRUE(program.ends_with("/casctl") && fs::exists(program)) << line;
+    }
+    return line.replace(kProgram, program.size(), "casctl");
   }
   std::unique_ptr<ChildProcess> casd() const {
     const fs::path topology =
@@ -221,6 +231,36 @@ TEST_F(HilsWatch, RefusesAPortThatAnotherProgramHas) {
   EXPECT_NE(run->output().find("cannot be opened; does another program have this port?"),
             std::string::npos)
       << run->output();
+}
+
+TEST_F(HilsWatch, ARunInWhichSomebodyTunesSaysSo) {
+  const ChildProcess run(in_session(
+      "hils",
+      {"run", folder_.write("s.yaml", scenario_text(8)).string(), "--out", folder_ / "out"}));
+  ASSERT_FALSE(watch_line(run).empty()) << run.output();
+  Ended set{1, ""};
+  EXPECT_TRUE(wait_until([&] {
+    set = casctl({"setgain", "velocity", "--p", "1.2"});
+    return set.code == 0;
+  })) << set.output;
+  EXPECT_TRUE(std::regex_search(set.output, std::regex("velocity: P [0-9.]+ -> 1.2,")))
+      << set.output;
+  // Whether the machine is quick enough for a verdict is no matter here.
+  const fs::path summary_file = folder_ / "out/summary.json";
+  ASSERT_TRUE(wait_until([&] { return run.output().find("Results: ") != std::string::npos; },
+                         std::chrono::seconds(120)))
+      << run.output();
+  std::ifstream file(summary_file);
+  const auto summary = nlohmann::json::parse(file);
+  EXPECT_EQ(summary["from_outside"], true);
+  ASSERT_EQ(summary["changes"].size(), 1U) << summary["changes"];
+  const nlohmann::json& change = summary["changes"][0];
+  EXPECT_EQ(change["loop"], "velocity P");
+  EXPECT_EQ(change["parameter"], "MPC_XY_VEL_P_ACC");
+  EXPECT_FLOAT_EQ(change["new"].get<float>(), 1.2F);
+  EXPECT_TRUE(change["old"].is_number()) << change;
+  EXPECT_NE(change["by"].get<std::string>().find("casd's command port ("), std::string::npos);
+  EXPECT_NE(run.output().find("Changed in flight\n"), std::string::npos) << run.output();
 }
 
 }  // namespace

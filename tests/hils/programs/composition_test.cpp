@@ -7,6 +7,7 @@
 #include <map>
 
 #include "casd/topology/topology.hpp"
+#include "fcu/core/fcu_config.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -175,6 +176,17 @@ TEST_F(ErrorsOfGeneratedFiles, NameSensorsFaultsControllerAndLineOfTheScenario) 
   EXPECT_EQ(fail(fcu.at("params").at("MPC_XYZ")), mine(":13: controller.params.MPC_XYZ: is odd"));
   EXPECT_EQ(fail(fcu.at("line").at("preset")), mine(":15: line.preset: is odd"));
   EXPECT_EQ(fail(fcu.at("vehicle")).rfind("fcu.yaml:", 0), 0U) << "hils's own word";
+}
+
+TEST_F(ErrorsOfGeneratedFiles, NameTheParameterThatWasMeant) {
+  const RunRequest own = request("controller:\n  params: {MPC_XY_VELP_ACC: 1}\n");
+  try {
+    fcu::FcuConfig::parse(base::ConfigNode::parse(fcu_config(own, 0), "fcu.yaml"));
+    FAIL();
+  } catch (const base::ConfigError& error) {
+    EXPECT_EQ(error.what(), mine(":8: controller.params.MPC_XY_VELP_ACC: there is no parameter "
+                                 "MPC_XY_VELP_ACC; did you mean 'MPC_XY_VEL_P_ACC'?"));
+  }
 }
 
 }  // namespace

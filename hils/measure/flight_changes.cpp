@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/flight_changes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "casd/station/gain_map.hpp"
+#include "casd/station/param_exchange.hpp"
+#include "casd/station/vehicle_modes.hpp"
+#include "casd/tlog/tlog_files.hpp"
+#include "hils/flight/flight_step.hpp"
+#include "hils/measure/run_record.hpp"
+#include "mavlink/common/command_int.hpp"
+#include "mavlink/common/command_long.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/manual_control.hpp"
+#include "mavlink/common/mission_clear_all.hpp"
+#include "mavlink/common/mission_count.hpp"
+#include "mavlink/common/mission_set_current.hpp"
+#include "mavlink/common/param_set.hpp"
+#include "mavlink/common/param_value.hpp"
+#include "mavlink/common/rc_channels_override.hpp"
+#include "mavlink/common/set_attitude_target.hpp"
+#include "mavlink/common/set_mode.hpp"
+#include "mavlink/common/set_position_target_global_int.hpp"
+#include "mavlink/common/set_position_target_local_ned.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+
+namespace cas::hils {
+
+using namespace mavlink::common;  // NOLINT: the file is about its messages
+using nlohmann::json;
+
+namespace {
+
+constexpr std::uint8_t kAutopilot = 1;  ///< component
+
+/// A float's worth of a number apart at most.
+bool same(double a, double b) { return static_cast<float>(a) == static_cast<float>(b); }
+
+/// Messages by which somebody flies a vehicle. Commands and parameters are looked at one by one.
+bool is_steering(std::uint32_t message_id) {
+  constexpr std::array kIds{SetMode::kId,
+                            ManualControl::kId,
+                            RcChannelsOverride::kId,
+                            SetAttitudeTarget::kId,
+                            SetPositionTargetLocalNed::kId,
+                            SetPositionTargetGlobalInt::kId,
+                            MissionCount::kId,
+                            MissionClearAll::kId,
+                            MissionSetCurrent::kId};
+  return std::ranges::find(kIds, message_id) != kIds.end();
+}
+
+/// A command that only asks for something to be said.
+bool only_asks(MavCmd command) {
+  using enum MavCmd;
+  constexpr std::array kQuestions{
+      kGetHomePosition, kGetMessageInterval,     kSetMessageInterval,          kRequestMessage,
+      kRunPrearmChecks, kRequestProtocolVersion, kRequestAutopilotCapabilities};
+  return std::ranges::find(kQuestions, command) != kQuestions.end();
+}
+
+std::string command_words(MavCmd command) {
+  constexpr std::array<std::pair<MavCmd, std::string_view>, 6> kWords{
+      {{MavCmd::kComponentArmDisarm, "arm or disarm"},
+       {MavCmd::kNavTakeoff, "takeoff"},
+       {MavCmd::kNavLand, "land"},
+       {MavCmd::kNavReturnToLaunch, "return to launch"},
+       {MavCmd::kDoSetMode, "another mode"},
+       {MavCmd::kDoReposition, "go to a place"}}};
+  const auto found = std::ranges::find(kWords, command, &decltype(kWords)::value_type::first);
+  const std::string number = fmt::format("command {}", static_cast<unsigned>(command));
+  return found == kWords.end() ? number : fmt::format("{} ({})", number, found->second);
+}
+
+/// The system that a packet is addressed to; 0: all, or none.
+std::uint8_t target_of(const mav::PacketView& packet) {
+  if (packet.message_id == ManualControl::kId) {
+    const auto sticks = mav::decode<ManualControl>(packet);
+    return sticks ? sticks->target : 0;
+  }
+  const mav::MessageInfo* known = table().find(packet.message_id);
+  if (known == nullptr || known->target_system_offset < 0) return 0;
+  const auto offset = static_cast<std::size_t>(known->target_system_offset);
+  return offset < packet.payload.size() ? packet.payload[offset] : 0;  // a cut-off byte is zero
+}
+
+/// Gains and parameters that a step of the scenario sets.
+std::map<std::string, double> values_of(const FlightStep& step,
+                                        const std::vector<casd::GainLoop>& loops) {
+  std::map<std::string, double> values(step.params.begin(), step.params.end());
+  if (step.kind != StepKind::kSetGain) return values;
+  const auto loop = std::ranges::find(loops, step.loop, &casd::GainLoop::name);
+  if (loop == loops.end()) return values;
+  if (loop->p && step.p) values[*loop->p] = *step.p;
+  if (loop->i && step.i) values[*loop->i] = *step.i;
+  if (loop->d && step.d) values[*loop->d] = *step.d;
+  return values;
+}
+
+/// "velocity P" for MPC_XY_VEL_P_ACC.
+std::string loop_words(const std::vector<casd::GainLoop>& loops, const std::string& parameter) {
+  for (const casd::GainLoop& loop : loops) {
+    if (loop.p == parameter) return loop.name + " P";
+    if (loop.i == parameter) return loop.name + " I";
+    if (loop.d == parameter) return loop.name + " D";
+  }
+  return {};
+}
+
+/// Goes through a flight log and what was asked at the command port.
+class ChangeReader {
+ public:
+  ChangeReader(const RunRecord& record, const casd::GainMap& gains, bool own_station)
+      : record_(record), gains_(gains), own_station_(own_station) {}
+
+  void on_packet(std::int64_t log_us, const mav::PacketView& packet) {
+    if (packet.source.system == record_.system) {
+      if (packet.source.component == kAutopilot) on_vehicle(log_us, packet);
+      return;
+    }
+    // What casd's station says was asked at its command port, by hils or by the calls.
+    if (packet.source == mav::Source{kCasdSystem, kCasdComponent}) return;
+    const std::uint8_t target = target_of(packet);
+    if (target == 0 || target == record_.system) on_other(log_us, packet);
+  }
+
+  void add_calls() {
+    for (const OutsideCall& call : record_.outside_calls) {
+      const bool tunes = call.method == "param.set" || call.method == "gain.set";
+      const bool asks = call.method == "vehicle.message_interval" || is_question(call);
+      if (call.system != record_.system || asks) continue;
+      if (tunes && call.accepted) continue;  // where it changed a value, the log has it
+      add_act(call.log_us, port_words(call),
+              call.method + " " + call.params + (call.accepted ? "" : ", refused"));
+    }
+  }
+
+  FlightChanges finish() {
+    std::ranges::stable_sort(changes_.acts, {}, &OutsideAct::time_s);
+    return std::move(changes_);
+  }
+
+ private:
+  static bool is_question(const OutsideCall& call) {
+    if (call.method != "vehicle.command") return false;
+    const json params = json::parse(call.params, nullptr, false);
+    if (!params.is_object()) return false;
+    return only_asks(static_cast<MavCmd>(params.value("command", 0)));
+  }
+  static std::string port_words(const OutsideCall& call) {
+    return "casd's command port (" + call.client + ")";
+  }
+
+  const std::vector<casd::GainLoop>& loops() const { return gains_.loops(autopilot_); }
+  double seconds(std::int64_t log_us) const {
+    return static_cast<double>(record_.log_clock.to_sim_us(log_us)) * 1e-6;
+  }
+
+  void on_vehicle(std::int64_t log_us, const mav::PacketView& packet) {
+    if (const auto beat = mav::decode<Heartbeat>(packet)) {
+      autopilot_ = casd::autopilot_family(beat->autopilot);
+    }
+    const auto told = mav::decode<ParamValue>(packet);
+    if (!told) return;
+    const auto encoding = autopilot_ == casd::Autopilot::kArduPilot
+                              ? casd::ParamEncoding::kCast
+                              : casd::ParamEncoding::kBytewise;
+    on_value(log_us, std::string(mav::text(told->param_id)),
+             casd::from_wire(encoding, told->param_type, told->param_value));
+  }
+
+  void on_value(std::int64_t log_us, const std::string& name, double value) {
+    const auto known = values_.find(name);
+    const auto wish = wishes_.extract(name);  // answered, whatever came of it
+    const bool first = known == values_.end();
+    std::optional<double> before;
+    if (!first) before = known->second;
+    values_[name] = value;
+    const bool unchanged = before && (same(*before, value) || std::isnan(value));
+    if (unchanged || (first && wish.empty())) return;
+    ParameterChange change{.time_s = seconds(log_us),
+                           .by = "the vehicle itself",
+                           .parameter = name,
+                           .loop = loop_words(loops(), name),
+                           .before = before,
+                           .after = value};
+    if (!wish.empty()) {
+      change.by = wish.mapped();
+      change.from_outside = true;
+    } else if (const OutsideCall* call = call_for(log_us, name, value)) {
+      change.by = port_words(*call);
+      change.from_outside = true;
+    } else if (const Stage* stage = stage_for(change.time_s, name, value)) {
+      if (stage->step.kind == StepKind::kTrajectory) return;
+      if (stage->step.kind == StepKind::kEndTrajectory) return;
+      change.by = fmt::format("scenario, step '{}'", phase_of(stage->step));
+    }
+    changes_.parameters.push_back(std::move(change));
+  }
+
+  /// What somebody had casd set at about this time.
+  const OutsideCall* call_for(std::int64_t log_us, const std::string& name, double value) const {
+    constexpr std::int64_t kLongest_us = 10'000'000;  // casd asks five times at most
+    for (const OutsideCall& call : record_.outside_calls) {
+      if (call.system != record_.system || std::abs(call.log_us - log_us) > kLongest_us) continue;
+      const json params = json::parse(call.params, nullptr, false);
+      if (!params.is_object()) continue;
+      if (call.method == "param.set" && params.value("name", "") == name &&
+          same(params.value("value", NAN), value)) {
+        return &call;
+      }
+      if (call.method == "gain.set" && sets(params, name, value)) return &call;
+    }
+    return nullptr;
+  }
+
+  /// Whether parameters of gain.set mean this value of this parameter.
+  bool sets(const json& params, const std::string& name, double value) const {
+    FlightStep step{.kind = StepKind::kSetGain};
+    step.loop = params.value("loop", "");
+    for (auto [key, slot] : {std::pair{"p", &step.p}, {"i", &step.i}, {"d", &step.d}}) {
+      if (params.contains(key) && params[key].is_number()) *slot = params[key].get<double>();
+    }
+    const std::map<std::string, double> values = values_of(step, loops());
+    const auto found = values.find(name);
+    return found != values.end() && same(found->second, value);
+  }
+
+  /// The step of the scenario that set this value; the clocks of log and flight are this far apart.
+  const Stage* stage_for(double time_s, const std::string& name, double value) const {
+    constexpr double kClocksApart_s = 1;
+    for (const Stage& stage : record_.stages) {
+      if (time_s < base::to_seconds(stage.begin) - kClocksApart_s) continue;
+      if (time_s > base::to_seconds(stage.end) + kClocksApart_s) continue;
+      const std::map<std::string, double> values = values_of(stage.step, loops());
+      const auto found = values.find(name);
+      if (found != values.end() && same(found->second, value)) return &stage;
+    }
+    return nullptr;
+  }
+
+  void on_other(std::int64_t log_us, const mav::PacketView& packet) {
+    const std::string by =
+        fmt::format("ground station {}/{}", packet.source.system, packet.source.component);
+    if (const auto wish = mav::decode<ParamSet>(packet)) {
+      wishes_[std::string(mav::text(wish->param_id))] = by;
+      return;
+    }
+    if (const auto command = mav::decode<CommandLong>(packet)) {
+      if (!only_asks(command->command)) add_act(log_us, by, command_words(command->command));
+    } else if (const auto placed = mav::decode<CommandInt>(packet)) {
+      if (!only_asks(placed->command)) add_act(log_us, by, command_words(placed->command));
+    } else if (is_steering(packet.message_id)) {
+      if (own_station_ && packet.message_id == ManualControl::kId) return;
+      add_act(log_us, by, std::string(table().find(packet.message_id)->name));
+    }
+  }
+
+  /// Only what falls into the flight counts: before it a ground station greets the vehicle.
+  void add_act(std::int64_t log_us, const std::string& by, const std::string& what) {
+    const double time_s = seconds(log_us);
+    if (record_.stages.empty() || time_s < base::to_seconds(record_.stages.front().begin)) return;
+    if (time_s > base::to_seconds(record_.stages.back().end)) return;
+    for (OutsideAct& act : changes_.acts) {
+      if (act.by != by || act.what != what) continue;
+      ++act.times;
+      return;
+    }
+    if (changes_.acts.size() < kMostActs) {
+      changes_.acts.push_back({.time_s = time_s, .by = by, .what = what});
+    }
+  }
+
+  static constexpr std::size_t kMostActs = 200;
+
+  const RunRecord& record_;
+  const casd::GainMap& gains_;
+  bool own_station_;
+  casd::Autopilot autopilot_ = casd::Autopilot::kPx4;
+  std::map<std::string, double> values_;       ///< as last told
+  std::map<std::string, std::string> wishes_;  ///< parameters that stations set: who did
+  FlightChanges changes_;
+};
+
+}  // namespace
+
+std::vector<OutsideCall> outside_calls(const json& journal, CallList own) {
+  std::vector<OutsideCall> calls;
+  for (const json& call : journal.at("calls")) {
+    const std::string params =
+        call.at("params").dump(-1, ' ', false, json::error_handler_t::replace);
+    const auto mine =
+        std::ranges::find(own, std::pair{call.at("method").get<std::string>(), params});
+    if (mine != own.end()) {
+      own.erase(mine);
+      continue;
+    }
+    calls.push_back({.log_us = call.at("unix_us").get<std::int64_t>(),
+                     .client = call.at("client").get<std::string>(),
+                     .method = call.at("method").get<std::string>(),
+                     .params = params,
+                     .system = call.at("vehicle").get<std::uint8_t>(),
+                     .accepted = !call.contains("refusal")});
+  }
+  return calls;
+}
+
+bool FlightChanges::from_outside() const {
+  return !acts.empty() || std::ranges::any_of(parameters, &ParameterChange::from_outside);
+}
+
+FlightChanges flight_changes(const RunRecord& record, const casd::GainMap& gains,
+                             bool own_station) {
+  ChangeReader reader(record, gains, own_station);
+  casd::TlogReader log;
+  if (log.open(record.flight_tlog)) {
+    mav::PacketParser parser(table());
+    while (const auto entry = log.next()) {
+      parser.reset();  // a damaged record must not swallow the next one
+      parser.feed(entry->packet, [&](const mav::PacketView& packet) {
+        reader.on_packet(static_cast<std::int64_t>(entry->unix_us), packet);
+      });
+    }
+  }
+  reader.add_calls();
+  return reader.finish();
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cas::casd {
+class GainMap;
+}
+
+namespace cas::hils {
+
+struct RunRecord;
+
+/// Ids of casd's own station in the topologies that hils writes.
+inline constexpr std::uint8_t kCasdSystem = 254;
+inline constexpr std::uint8_t kCasdComponent = 190;
+
+/// A call of casd's command port that changed a vehicle, or was to; not one of hils's own.
+struct OutsideCall {
+  std::int64_t log_us = 0;  ///< when, by the clock of the flight log
+  std::string client;       ///< who asked: "unix:uid 1000"
+  std::string method;
+  std::string params;  ///< JSON
+  std::uint8_t system = 0;
+  bool accepted = true;
+};
+
+/// Methods of casd's command port that were called, with their parameters as JSON.
+using CallList = std::vector<std::pair<std::string, std::string>>;
+
+/// The calls in an answer of casd.journal that are not in `own`, what hils asked. Each of its own
+/// takes out one call.
+std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own);
+
+/// A parameter of a vehicle that got another value during a run.
+struct ParameterChange {
+  double time_s = 0;  ///< simulated
+  std::string by;     ///< "scenario, step 'setgain'", "casd's command port (unix:uid 1000)"
+  std::string parameter;
+  std::string loop;              ///< "velocity P"; empty: no gain of a loop
+  std::optional<double> before;  ///< nothing: it was never told
+  double after = 0;
+  bool from_outside = false;  ///< neither the scenario nor the vehicle itself did it
+};
+
+/// A command that neither the scenario nor hils gave; the same again counts up.
+struct OutsideAct {
+  double time_s = 0;  ///< simulated, of the first
+  std::string by;
+  std::string what;
+  std::uint64_t times = 1;
+};
+
+/// What the plan of a flight does not say.
+struct FlightChanges {
+  std::vector<ParameterChange> parameters;
+  std::vector<OutsideAct> acts;
+
+  /// Whether somebody beside the scenario had a hand in the flight.
+  bool from_outside() const;
+};
+
+/// Reads the flight log of a run: PARAM_VALUEs that differ from the ones before, and commands of
+/// ground stations; adds the calls of casd's command port. Parameters by which the scenario flies a
+/// trajectory are left out. Without a log there is nothing but the calls.
+///
+/// @param gains  names the loops that parameters belong to
+/// @param own_station  hils itself played a ground station with centred sticks
+FlightChanges flight_changes(const RunRecord& record, const casd::GainMap& gains, bool own_station);
+
+}  // namespace cas::hils

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hils/measure/flight_changes.hpp"
+
+namespace cas::hils {
+
+/// Below the verdict of a run in whose flight somebody had a hand.
+inline constexpr std::string_view kOutsideNote =
+    "Somebody acted from outside in this flight: it is not the scenario alone.";
+
+/// A heading and a row for each: when, by whom, which parameter of which loop, old -> new.
+std::vector<std::vector<std::string>> parameter_rows(const FlightChanges& changes);
+/// A heading and a row for each: when, by whom, what, how often.
+std::vector<std::vector<std::string>> act_rows(const FlightChanges& changes);
+
+/// Both in aligned columns, below the note; empty where nothing was changed.
+std::string changes_text(const FlightChanges& changes);
+
+/// Adds `from_outside`, `changes` and `acts`.
+void add_changes(const FlightChanges& changes, nlohmann::ordered_json& summary);
+
+}  // namespace cas::hils
