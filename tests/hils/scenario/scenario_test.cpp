@@ -147,6 +147,21 @@ INSTANTIATE_TEST_SUITE_P(
             ":5: sensors: there is no sensor set 'rtkk'; sets are airsim_mpu6000, "},
         BadScenario{"UnknownLoop", "steps: [arm, {setgain: {loop: velocty, p: 1}}]\n",
                     ":5: steps[1].setgain.loop: there is no loop 'velocty'; loops are rollrate, "},
+        BadScenario{"MisspeltLoop", "steps: [arm, {setgain: {loop: velocty, p: 1}}]\n",
+                    "; did you mean 'velocity'?"},
+        BadScenario{"MisspeltStep", "steps: [arm, {takof: {altitude_m: 2}}, land]\n",
+                    ":5: steps[1]: there is no step 'takof'; steps are arm, takeoff, goto, "
+                    "hold, trajectory, setgain, setparam, wait_until, land, disarm; did you mean "
+                    "'takeoff'?"},
+        BadScenario{
+            "MisspeltArchitecture",
+            "architecture: tcsa\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: "
+            "1, measure: true}}, land]\n",
+            "; did you mean 'tcas'?"},
+        BadScenario{"MisspeltSensorSet",
+                    "sensors: airsim_mpu600\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: "
+                    "{duration_s: 1, measure: true}}, land]\n",
+                    "; did you mean 'airsim_mpu6000'?"},
         BadScenario{"GainThatTheLoopLacks", "steps: [arm, {setgain: {loop: roll, i: 1}}]\n",
                     "loop roll has no I gain"},
         BadScenario{"GustWithoutWind",
