@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "mavlink/common/hil_sensor.hpp"
+#include "casd/link/direct_tx_port.hpp"
+#include "casd/link/link_core.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::hils {
@@ -17,20 +18,42 @@ constexpr base::Duration kTickPeriod = std::chrono::milliseconds(50);
 constexpr base::Duration kSecond = std::chrono::seconds(1);
 /// As casd: silence after which the rest of a packet is given up (threads: blocking).
 constexpr base::Duration kBlockingPatience = std::chrono::milliseconds(20);
+/// A thread that waits for room on a line looks this often.
+constexpr base::Duration kLook = std::chrono::milliseconds(1);
 
 /// Input buffer of a terminal, and of a UDP socket with the usual rmem_max: more is lost.
 constexpr std::size_t kTtyBytes = 16'384;
 constexpr std::size_t kSocketBytes = 212'992;
 
-casd::LinePacer pacer_for(const casd::LinkConfig& link, casd::ThreadModel threads) {
-  const base::Duration slack =
-      threads == casd::ThreadModel::kBlocking ? base::Duration{} : casd::LinePacer::kSlack;
-  if (link.max_bytes_s > 0) return casd::LinePacer(link.max_bytes_s, slack);
-  if (link.type == casd::LinkType::kSerial && link.pace && link.baud > 0) {
-    return casd::LinePacer::for_baud(link.baud, slack);
+/// A link of the bench, as casd's ports see it. One that nobody has connected takes everything.
+class BenchWriter final : public casd::PacketWriter {
+ public:
+  BenchWriter(const VirtualRelay::Write& write, const base::RunTime& now)
+      : write_(write), now_(now) {}
+
+  casd::WriteResult write(std::span<const casd::PacketRef> packets) override {
+    casd::WriteResult result;
+    for (const casd::PacketRef& packet : packets) {
+      result.part_of_next = take(packet.bytes);
+      if (result.part_of_next < packet.bytes.size()) break;
+      result.part_of_next = 0;
+      ++result.packets;
+    }
+    return result;
   }
-  return {};
-}
+  casd::WriteResult write_rest(std::span<const std::uint8_t> bytes) override {
+    return {.part_of_next = take(bytes)};
+  }
+  int descriptor() const override { return -1; }
+
+ private:
+  std::size_t take(std::span<const std::uint8_t> bytes) {
+    return write_ ? write_(bytes, now_) : bytes.size();
+  }
+
+  const VirtualRelay::Write& write_;
+  const base::RunTime& now_;
+};
 
 casd::CommanderOptions commander_options(const casd::Topology& topology) {
   casd::CommanderOptions options;
@@ -57,13 +80,14 @@ base::Duration WakeUp::draw() {
 VirtualRelay::Port::Port(const casd::LinkConfig& config)
     : is_line(config.type == casd::LinkType::kSerial),
       inbox_bytes(is_line ? kTtyBytes : kSocketBytes),
-      queue(config.queue),
-      parser(mav::public_table()) {}
+      counters(std::make_shared<casd::LinkCounters>(config.name, config.type)),
+      parser(mav::public_table()) {
+  counters->ledger = std::make_unique<casd::LinkLedger>();
+}
 
 VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
     : blocking_(topology.threads == casd::ThreadModel::kBlocking),
       single_(topology.threads == casd::ThreadModel::kSingle),
-      drain_(topology.drain_tick),
       wake_up_(wake_up),
       slots_(casd::slots_in_order(topology)),
       router_(casd::make_plan(topology, slots_), mav::public_table(), topology.route_lifetime),
@@ -74,16 +98,19 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
       own_parser_(mav::public_table()),
       threads_(topology.links.size()) {
   ports_.reserve(topology.links.size());
+  casd::LineWait& wait = *this;
   for (const casd::LinkConfig& link : topology.links) {
-    const std::size_t i = ports_.size();
     Port& port = ports_.emplace_back(link);
-    port.pacer = pacer_for(link, topology.threads);
-    if (!blocking_) port.pacer.set_sensor_gap(link.sensor_gap);
-    port.queue =
-        casd::TxQueue(link.queue, [this, i](const casd::PacketInfo& info, casd::DropCause cause) {
-          ports_[i].ledger.dropped(info, cause, now_);
-        });
+    const casd::TxPortOptions options = casd::tx_port_options(link);
+    const auto wake = [] {};  // run() looks at each port
+    if (blocking_) {
+      port.tx = std::make_unique<casd::BlockingTxPort>(
+          options, casd::LineDrain(topology.drain_tick), wait, port.counters, wake);
+    } else {
+      port.tx = std::make_unique<casd::DirectTxPort>(options, port.counters, wake);
+    }
   }
+  restart();
 }
 
 casd::LinkId VirtualRelay::link(const std::string& name) const {
@@ -139,10 +166,7 @@ void VirtualRelay::run(base::RunTime now) {
 base::RunTime VirtualRelay::next_event() const {
   base::RunTime next = std::min(next_tick_, next_second_);
   if (!running_) return next;
-  if (blocking_) {
-    if (!anything_to_do()) return next;
-    return std::min(next, give_up_at_ && busy_until_ <= now_ ? *give_up_at_ : busy_until_);
-  }
+  if (blocking_) return std::min(next, next_turn());
   for (const std::deque<Arrival>& thread : threads_) {
     if (!thread.empty()) next = std::min(next, thread.front().handled_at);
   }
@@ -155,9 +179,7 @@ base::RunTime VirtualRelay::next_event() const {
 void VirtualRelay::kill() {
   running_ = false;
   for (Port& port : ports_) {
-    port.queue.clear(casd::DropCause::kClosed);
-    port.pacer.reset();
-    port.tail.clear();
+    port.tx->detach(now_);
     port.inbox.clear();
     port.parser.reset();
     port.waited = false;
@@ -168,6 +190,11 @@ void VirtualRelay::kill() {
   busy_until_ = {};
 }
 
+void VirtualRelay::restart() {
+  running_ = true;
+  for (Port& port : ports_) port.tx->attach(std::make_unique<BenchWriter>(port.write, now_), now_);
+}
+
 void VirtualRelay::handle_arrivals(base::RunTime now) {
   for (std::deque<Arrival>& thread : threads_) {
     for (; !thread.empty() && thread.front().handled_at <= now; thread.pop_front()) {
@@ -176,15 +203,20 @@ void VirtualRelay::handle_arrivals(base::RunTime now) {
   }
 }
 
-/// The threads of the destinations, where packets wait for the pacer. A tail waits for the link
-/// itself, whose owner calls run() when it has room again.
+/// The threads of the destinations, where packets wait for the pacer. What waits for room is looked
+/// after whenever run() is called: the link's owner does so when it has room again.
 void VirtualRelay::carry_on(base::RunTime now) {
   for (Port& port : ports_) {
-    if (!port.tail.empty() || (port.carry_on_at && now >= *port.carry_on_at)) {
-      port.carry_on_at.reset();
-      pump(port, now);
-    }
+    if (!port.tx->wants_room() && !(port.carry_on_at && now >= *port.carry_on_at)) continue;
+    port.carry_on_at.reset();
+    port.tx->carry_on(now);
+    wait_for_pacer(port);
   }
+}
+
+void VirtualRelay::wait_for_pacer(Port& port) {
+  if (blocking_ || port.carry_on_at || port.tx->due() == casd::PollSet::kNever) return;
+  port.carry_on_at = port.tx->due() + wake_up_.draw();
 }
 
 // Packets.
@@ -202,12 +234,13 @@ void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base:
 
 void VirtualRelay::pass_on(casd::LinkId from, const casd::Route& route,
                            const mav::PacketView& packet, base::RunTime now) {
-  if (from != casd::kLocalLink) ports_[from].ledger.received(route.info);
+  if (from != casd::kLocalLink) ports_[from].counters->ledger->received(route.info);
   if (route.decision != casd::Route::Decision::kForward) return;
+  const casd::PacketRef one{&route.info, packet.bytes};
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     if ((route.to & casd::bit(static_cast<casd::LinkId>(i))) == 0) continue;
-    ports_[i].queue.push(route.info, packet.bytes);
-    if (!blocking_ || !ports_[i].pacer.limited()) pump(ports_[i], now);
+    ports_[i].tx->deliver({&one, 1}, now);
+    wait_for_pacer(ports_[i]);
   }
   if ((route.to & casd::bit(casd::kLocalLink)) != 0) {
     commander_.on_packet(casd::Origin{{from}, route.info.from_group}, packet, now);
@@ -221,35 +254,15 @@ void VirtualRelay::send_own(std::span<const std::uint8_t> bytes, std::span<const
   });
 }
 
-void VirtualRelay::pump(Port& port, base::RunTime now) {
-  while (write_tail(port, now) && port.pacer.ready(now)) {
-    if (!write_packet(port, now)) return;
-  }
-  if (port.queue.empty() || !port.tail.empty() || port.carry_on_at) return;
-  port.carry_on_at = port.pacer.ready_at() + wake_up_.draw();
-}
-
-/// @return false when there was none
-bool VirtualRelay::write_packet(Port& port, base::RunTime now) {
-  const std::optional<casd::QueuedPacket> packet = port.queue.pop(now, port.pacer);
-  if (!packet) return false;
-  port.pacer.sent(packet->bytes.size(), now);
-  if (packet->info.message_id == mavlink::common::HilSensor::kId) port.pacer.sent_sensor(now);
-  port.ledger.sent(packet->info, now);
-  port.tail.assign(packet->bytes.begin(), packet->bytes.end());
-  write_tail(port, now);
-  return true;
-}
-
-/// @return true when nothing of a packet is left to be written
-bool VirtualRelay::write_tail(Port& port, base::RunTime now) {
-  if (port.tail.empty()) return true;
-  const std::size_t taken = port.write ? port.write(port.tail, now) : port.tail.size();
-  port.tail.erase(port.tail.begin(), port.tail.begin() + static_cast<std::ptrdiff_t>(taken));
-  return port.tail.empty();
-}
-
 // Threads: blocking.
+
+void VirtualRelay::until(base::RunTime when) {
+  now_ = busy_until_ = std::max(now_, when) + wake_up_.draw();
+}
+
+void VirtualRelay::for_room(int, base::Duration at_most) {
+  now_ = busy_until_ = now_ + std::min(at_most, kLook);
+}
 
 /// The one thread's loop, as far as it gets by `now`.
 void VirtualRelay::serve(base::RunTime now) {
@@ -260,21 +273,33 @@ void VirtualRelay::serve(base::RunTime now) {
         phase_ = Phase::kReadLines;
         break;
       case Phase::kReadLines:
-        if (!read_lines(now)) return;
+        if (!read_lines(now)) {
+          now_ = now;
+          return;
+        }
         phase_ = Phase::kWriteLines;
         break;
       case Phase::kWriteLines:
-        write_lines(now);
+        write_lines();
         phase_ = Phase::kTakeDatagrams;
         break;
     }
   }
+  now_ = now;
 }
 
 bool VirtualRelay::anything_to_do() const {
-  return give_up_at_ || std::ranges::any_of(ports_, [](const Port& port) {
-           return !port.inbox.empty() || !port.queue.empty() || !port.tail.empty();
+  return give_up_at_ || std::ranges::any_of(ports_, [this](const Port& port) {
+           return !port.inbox.empty() || port.tx->due() <= now_;
          });
+}
+
+base::RunTime VirtualRelay::next_turn() const {
+  if (give_up_at_ && busy_until_ <= now_) return *give_up_at_;
+  if (anything_to_do()) return busy_until_;
+  base::RunTime next = casd::PollSet::kNever;
+  for (const Port& port : ports_) next = std::min(next, port.tx->due());
+  return std::max(next, busy_until_);
 }
 
 void VirtualRelay::take_datagrams(base::RunTime now) {
@@ -311,13 +336,9 @@ bool VirtualRelay::read_lines(base::RunTime now) {
   return true;
 }
 
-void VirtualRelay::write_lines(base::RunTime now) {
+void VirtualRelay::write_lines() {
   for (Port& port : ports_) {
-    if (!write_tail(port, now) || !port.pacer.limited() || port.queue.empty()) continue;
-    if (!write_packet(port, now)) continue;
-    const base::Duration fifo_time = port.pacer.time_for(casd::LineDrain::kFifoBytes);
-    const base::RunTime drained = drain_.done(now, port.pacer.arrival(0, now), fifo_time);
-    busy_until_ = std::max(busy_until_, drained + wake_up_.draw());
+    if (port.tx->due() <= now_) port.tx->carry_on(now_);
   }
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,9 +12,9 @@
 
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
-#include "casd/counters/link_ledger.hpp"
+#include "casd/counters/link_counters.hpp"
+#include "casd/link/blocking_tx_port.hpp"
 #include "casd/queue/line_timing.hpp"
-#include "casd/queue/tx_queue.hpp"
 #include "casd/routing/router.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/routing_plan.hpp"
@@ -37,27 +37,27 @@ class WakeUp {
   base::NormalRandom random_;
 };
 
-/// casd without sockets and threads: its own router, queues, pacers and ground station, moved by
-/// the virtual clock. Computing takes no time; lines do.
+/// casd without sockets and threads, moved by the virtual clock. It routes with casd's Router and
+/// VehicleCommander and sends with casd's TxPorts; what it models are the threads, and what they
+/// read. Computing takes no time; lines do.
 ///
-///   receive() --> parser --> Router --> queue of each destination --> pacer --> write
+///   receive() --> parser --> Router --> TxPort of each destination --> write
 ///                              +--> own station (VehicleCommander)
 ///
 /// threads: per_link and single are the same here: neither waits for a line. With threads: blocking
-/// the one thread is modelled: in each turn it takes all waiting datagrams, reads each
-/// line (waiting for the rest of a packet that has begun) and writes one packet to each paced
-/// line (waiting until the line has sent it); what arrives meanwhile stays in the kernel's
-/// buffers.
+/// the one thread takes, in each turn, all waiting datagrams, reads each line (waiting for the rest
+/// of a packet that has begun) and lets each paced port write a packet and wait for its line; what
+/// arrives meanwhile stays in the kernel's buffers.
 ///
 /// A thread that waited goes on a little after what it waited for: the machine's scheduler.
-class VirtualRelay {
+class VirtualRelay final : private casd::LineWait {
  public:
   /// Hands bytes to a link. @return how many it took
   using Write = std::function<std::size_t(std::span<const std::uint8_t>, base::RunTime)>;
   /// Hears each packet when it is read from a link.
   using OnPacket = std::function<void(casd::LinkId from, const mav::PacketView&, base::RunTime)>;
 
-  explicit VirtualRelay(const casd::Topology& topology, WakeUp wake_up);
+  VirtualRelay(const casd::Topology& topology, WakeUp wake_up);
   VirtualRelay(const VirtualRelay&) = delete;
   VirtualRelay& operator=(const VirtualRelay&) = delete;
 
@@ -77,25 +77,23 @@ class VirtualRelay {
   /// the vehicles.
   void kill();
   /// Started again.
-  void restart() { running_ = true; }
+  void restart();
 
   casd::VehicleCommander& commander() { return commander_; }
   /// HIL packets as they passed a link.
-  const casd::LinkLedger& ledger(casd::LinkId link) const { return ports_[link].ledger; }
+  const casd::LinkLedger& ledger(casd::LinkId link) const { return *ports_[link].counters->ledger; }
 
  private:
   struct Port {
     explicit Port(const casd::LinkConfig& config);
     bool is_line = false;  ///< a stream with a rate, not datagrams
     std::size_t inbox_bytes;
-    casd::TxQueue queue;
-    casd::LinePacer pacer;
+    std::shared_ptr<casd::LinkCounters> counters;
+    std::unique_ptr<casd::TxPort> tx;
     Write write;
-    std::vector<std::uint8_t> tail;  ///< of a packet that the link has taken in part
     mav::PacketParser parser;
     std::deque<std::uint8_t> inbox;  ///< threads: blocking: bytes in the kernel's buffer
     bool waited = false;             ///< the same: for the rest of the packet that is being read
-    casd::LinkLedger ledger;
     std::optional<base::RunTime> carry_on_at;  ///< the thread waits for the pacer until then
   };
   enum class Phase { kTakeDatagrams, kReadLines, kWriteLines };
@@ -105,21 +103,24 @@ class VirtualRelay {
   void pass_on(casd::LinkId from, const casd::Route& route, const mav::PacketView& packet,
                base::RunTime now);
   void send_own(std::span<const std::uint8_t> bytes, std::span<const casd::Path> to);
-  void pump(Port& port, base::RunTime now);
+  void wait_for_pacer(Port& port);
   void carry_on(base::RunTime now);
   void handle_arrivals(base::RunTime now);
-  bool write_packet(Port& port, base::RunTime now);
-  bool write_tail(Port& port, base::RunTime now);
+
+  // LineWait, threads: blocking:
+  base::RunTime now() const override { return now_; }
+  void until(base::RunTime when) override;
+  void for_room(int descriptor, base::Duration at_most) override;
 
   void serve(base::RunTime now);
   bool anything_to_do() const;
+  base::RunTime next_turn() const;
   void take_datagrams(base::RunTime now);
   bool read_lines(base::RunTime now);
-  void write_lines(base::RunTime now);
+  void write_lines();
 
   const bool blocking_;
   const bool single_;
-  const casd::LineDrain drain_;
   bool running_ = true;
   WakeUp wake_up_;
   casd::LinkSlots slots_;
@@ -128,7 +129,7 @@ class VirtualRelay {
   casd::VehicleCommander commander_;
   mav::PacketParser own_parser_;
   OnPacket on_packet_;
-  base::RunTime now_{};
+  base::RunTime now_{};  ///< threads: blocking: of the one thread, while it has its turn
   base::RunTime next_tick_{};
   base::RunTime next_second_{};
 
