@@ -251,7 +251,7 @@ FlightControllerStats FlightController::stats() const {
   named(impl_->received, stats.received);
   named(impl_->core.outbox.counts(), stats.sent);
   stats.crc_errors = impl_->parser.stats().crc_errors;
-  stats.lost_by_sequence = impl_->sequence.lost();
+  stats.sequence_gaps = impl_->sequence.lost();
   stats.stale_sensors = impl_->sensors.stale();
   stats.missed_controls = impl_->sensors.missed_controls();
   stats.sensor_age = impl_->sensors.age();

@@ -38,7 +38,7 @@ Json stats_json(EmulatorView& view) {
           {"received", s.received},
           {"sent", s.sent},
           {"crc_errors", s.crc_errors},
-          {"lost_by_sequence", s.lost_by_sequence},
+          {"sequence_gaps", s.sequence_gaps},
           {"stale_sensors", s.stale_sensors},
           {"missed_controls", s.missed_controls},
           {"update_us", quantiles(view.update_time())},

@@ -218,7 +218,7 @@ std::string HilInterface::stats_json() const {
   };
   return "{\"endpoint\":\"" + port_.endpoint() + "\",\"sent\":" + sent_.json() +
          ",\"received\":" + received_.json() + entry("crc_errors", parser.crc_errors) +
-         entry("lost_by_sequence", sequences_.lost()) + entry("unknown_ids", parser.unknown_ids) +
+         entry("sequence_gaps", sequences_.lost()) + entry("unknown_ids", parser.unknown_ids) +
          entry("skipped_bytes", parser.skipped_bytes) +
          entry("overwritten_commands", overwritten_commands_) +
          entry("actuator_timeouts", actuator_timeouts_) +

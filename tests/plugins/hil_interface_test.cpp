@@ -211,7 +211,7 @@ TEST(HilInterface, KeepsALedgerOfHilPackets) {
   EXPECT_EQ(ledger.entries()[2].at_ns, 100'000'000'000);
 }
 
-TEST(HilInterface, CountsDamageAndLoss) {
+TEST(HilInterface, CountsDamageAndGapsInTheSequence) {
   RecordingPort port;
   HilInterface interface(interface_params(), port, nullptr);
   port.put(controls_for(2));
@@ -222,7 +222,7 @@ TEST(HilInterface, CountsDamageAndLoss) {
   EXPECT_EQ(interface.received().of(mv::HilControls::kId), 2U);
   const std::string stats = interface.stats_json();
   EXPECT_NE(stats.find("\"crc_errors\":1"), std::string::npos) << stats;
-  EXPECT_NE(stats.find("\"lost_by_sequence\":1"), std::string::npos) << stats;
+  EXPECT_NE(stats.find("\"sequence_gaps\":1"), std::string::npos) << stats;
   EXPECT_NE(stats.find("\"HIL_CONTROLS\":2"), std::string::npos) << stats;
 }
 
