@@ -306,7 +306,7 @@ TEST_F(Sweep, AgainstAnotherOneSaysWhatBecameWorse) {
     return folder_.write(
         name + ".yaml",
         "schema: 1\nname: " + name +
-            "\nscenario: hop.yaml\nset: {line.extra_delay_us: 20000, 'steps[takeoff].timeout_s': " +
+            "\nscenario: hop.yaml\nset: {line.extra_delay_us: 5000, 'steps[takeoff].timeout_s': " +
             climb +
             "}\nseeds: {first: 1, count: 3}\nvary:\n"
             "  - {name: sensors, key: sensors, values: [table1, rtk]}\n");
