@@ -28,6 +28,7 @@ struct FlightController::Impl {
   double time_step(std::uint64_t time_usec);
   void settle_frame();
   ControlSetpoint next_setpoint(double dt, RunTime now);
+  void tell_of_losses();
 
   // Around it.
   bool is_for_us(const mav::PacketView& packet) const;
@@ -70,8 +71,9 @@ void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
   // Where to: the trajectory of the flight mode, or what a failsafe wants instead.
   const ControlSetpoint setpoint = next_setpoint(dt, now);
 
-  // How: position and altitude --> attitude --> rates --> what four rotors can give of it.
+  // How: position and altitude --> attitude --> rates --> what the rotors can give of it.
   const MixerResult& output = core.cascade.update(setpoint, core.estimator.state(), dt);
+  tell_of_losses();
 
   // The answer carries the stamp of the sample that it was computed from.
   send_answer(output, time_usec, core);
@@ -105,12 +107,28 @@ ControlSetpoint FlightController::Impl::next_setpoint(double dt, RunTime now) {
   failsafe.offboard_alive = core.commander.offboard().alive(now, core.flight.offboard_timeout_s);
   const double hover_n = std::max(core.cascade.hover_thrust_n(), 1e-3);
   const double thrust_ratio = core.cascade.output().u[0] / hover_n;
-  return core.commander.update(core.context(now, dt), failsafe, thrust_ratio);
+  ControlSetpoint setpoint = core.commander.update(core.context(now, dt), failsafe, thrust_ratio);
+  setpoint.may_touch = core.commander.landed() != LandedState::kInAir;
+  return setpoint;
+}
+
+void FlightController::Impl::tell_of_losses() {
+  const std::optional<RotorLoss> loss = core.cascade.take_loss();
+  if (!loss) return;
+  const std::string rotor = "Rotor " + std::to_string(loss->rotor + 1);
+  core.texts.critical(loss->left_out ? rotor + " lost: flying on without it"
+                                     : rotor + " lost: the others cannot do without it");
 }
 
 // Around the loop.
 
 namespace {
+
+/// Whether the answer is HIL_ACTUATOR_CONTROLS.
+bool answers_by_motor(const FcuConfig& config) {
+  if (config.actuators == ActuatorMessage::kAuto) return !Mixer::is_eq3(config.vehicle);
+  return config.actuators == ActuatorMessage::kHilActuatorControls;
+}
 
 /// Time between two values of a parameter list: half of the bandwidth that the HIL stream leaves.
 base::Duration param_interval(const LineConfig& line) {
@@ -134,7 +152,7 @@ FlightController::Impl::Impl(const FcuConfig& config, PacketSink send)
   }
   core.params.set("MAV_SYS_ID", config.system_id);
   core.params.set("MAV_COMP_ID", config.component_id);
-  core.params.set("CAS_HIL_ACT", config.actuators == ActuatorMessage::kHilActuatorControls ? 1 : 0);
+  core.params.set("CAS_HIL_ACT", answers_by_motor(config) ? 1 : 0);
   core.params.set("CAS_STAMP_MODE", config.stamp == StampMode::kArrival ? 1 : 0);
   core.params.mark_start();
   core.apply_params();

@@ -62,7 +62,7 @@ LAYERS = {
 
     "base": SYSTEM,
     "base/time": SYSTEM | {"base"},
-    "base/config": SYSTEM | {"base", "base/time", "yaml-cpp", "Eigen"},
+    "base/config": SYSTEM | {"base", "base/time", "yaml-cpp", "Eigen", "expat"},
     "base/earth": SYSTEM | {"base", "Eigen"},
     "base/os": SYSTEM | {"base", "base/config", "spdlog"},
     "base/measure": SYSTEM | rooms("base", "os time") | {"base"},
@@ -78,7 +78,7 @@ LAYERS = {
     "libsim/core/load":
         API | {"libsim/core", "libsim/core/body", "urdfdom", "sdformat", "expat", "libpng"},
     "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode load"),
-    "libsim/hilsim": API | RPC | PROGRAM | rooms("libsim/core", "load run") | {"Asio"},
+    "libsim/hilsim": API | RPC | PROGRAM | rooms("libsim/core", "body load run") | {"Asio"},
 
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>

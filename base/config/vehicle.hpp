@@ -2,28 +2,26 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/config/config.hpp"
 #include "base/export.hpp"
 
 namespace cas::base {
 
-/// Rotors of every vehicle: quadrotors only.
-inline constexpr int kRotors = 4;
+/// Most rotors of a vehicle: HIL_ACTUATOR_CONTROLS has 16 outputs.
+inline constexpr int kMaxRotors = 16;
+/// Outputs of an autopilot: those of HIL_ACTUATOR_CONTROLS.
+inline constexpr int kMaxOutputs = 16;
 
-/// One rotor of the airframe, numbered 1..4 in the file, 0..3 here.
-struct RotorGeometry {
-  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();  ///< hub, from the centre of gravity, FLU
-  int spin = 1;  ///< +1 counter-clockwise, -1 clockwise, seen from above
-};
-
-/// Coefficients common to the rotors. Zero switches an effect off; nothing has a default in the
-/// file.
+/// Coefficients of a rotor: the file's block `rotor`, overlaid by the rotor's own keys. Zero
+/// switches an effect off; nothing has a default in the file.
 struct RotorParams {
   double thrust_coefficient = 0;          ///< k_f, N s^2, [HILS] Eq. (1)
   double torque_coefficient = 0;          ///< k_m, N m s^2, [HILS] Eq. (2)
@@ -39,6 +37,51 @@ struct RotorParams {
   double reference_density_kg_m3 = 0;     ///< air in which k_f and k_m hold; 0: in any air
   double ground_effect = 0;               ///< share of Cheeseman and Bennett's thrust gain, 0..1
 };
+
+/// A servo that turns a rotor's axis: a tricopter's tail.
+struct TiltServo {
+  Eigen::Vector3d axis_B = Eigen::Vector3d::UnitX();  ///< hinge, a unit vector through the hub
+  double min_rad = 0;          ///< tilt at output -1, about axis_B by the right hand; not above 0
+  double max_rad = 0;          ///< tilt at output +1; not below 0
+  double rate_rad_s = 0;       ///< fastest turn
+  double time_constant_s = 0;  ///< first-order lag; above 0
+  int output = 0;              ///< of the autopilot, 0..15, -1..1 on it; in the file 1..16
+
+  /// Tilt that an output asks for: 0 at 0, straight lines to both ends.
+  double angle_rad(double output_value) const {
+    const double u = std::clamp(output_value, -1.0, 1.0);
+    return u >= 0 ? u * max_rad : -u * min_rad;
+  }
+};
+
+/// A rotor below another one, in its slipstream: T = k_f w (w - (1 - thrust_share) w_upper), not
+/// below 0. Blade-element theory: thrust falls linearly with the air that comes from above, which
+/// is as fast as the upper rotor turns (Leishman, Principles of Helicopter Aerodynamics, 2nd ed.,
+/// Sect. 3.2 and 2.15). Its torque stays k_m w^2, and the upper rotor does not feel it.
+struct Wake {
+  int upper = 0;            ///< index of the rotor above
+  double thrust_share = 1;  ///< of its own thrust that is left when both turn equally fast, 0..1
+};
+
+/// One rotor, numbered 1..16 in files and texts, 0..15 here.
+struct CAS_BASE_EXPORT Rotor {
+  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();  ///< hub, from the centre of gravity, FLU
+  Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ();  ///< direction of thrust, unit; without tilt
+  int spin = 1;    ///< +1 counter-clockwise, -1 clockwise, seen against axis_B: from above
+  int output = 0;  ///< of the autopilot, 0..15, 0..1 on it; in the file 1..16: its number if none
+  RotorParams params;
+  std::optional<Wake> wake;       ///< the lower rotor of a coaxial pair
+  std::optional<TiltServo> tilt;  ///< nothing: the axis stands still
+
+  /// Direction of thrust with the servo at `tilt_rad`; axis_B without a servo.
+  Eigen::Vector3d tilted_axis_B(double tilt_rad) const;
+};
+
+/// One value for each rotor; no heap.
+using RotorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRotors, 1>;
+
+/// Force and moment about the centre of gravity (FLU) of each rotor's omega^2: N s^2, N m s^2.
+using Effectiveness = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxRotors>;
 
 /// Full scales of HIL_CONTROLS: what +-1 (roll, pitch, yaw) and 1 (throttle) stand for.
 struct ControlScales {
@@ -60,23 +103,40 @@ struct BatteryParams {
 /// An airframe as config/vehicles/*.yaml describes it, for simulator and controller alike.
 struct CAS_BASE_EXPORT Vehicle {
   std::string name;
-  std::filesystem::path urdf;  ///< mass, inertia and shape; resolved against the YAML's folder
-  double mass_kg = 0;          ///< repeated from the URDF for the controller; a test compares
+  std::filesystem::path urdf;  ///< the body's model; resolved against the YAML's folder
+  double mass_kg = 0;          ///< rotors included; the file's, or the model's
   Eigen::Vector3d inertia_kg_m2 =
-      Eigen::Vector3d::Zero();  ///< principal, about the centre of gravity
-  std::array<RotorGeometry, kRotors> rotors;
-  RotorParams rotor;
-  ControlScales scales;
-  double body_drag_linear_n_s_m = 0;         ///< fuselage drag, N per m/s of airspeed
-  std::optional<BatteryParams> battery;      ///< nothing: the voltage never changes
-  std::uint8_t system_id = 1;                ///< MAVLink system
+      Eigen::Vector3d::Zero();           ///< Ixx, Iyy, Izz about the centre of gravity
+  std::vector<Rotor> rotors;             ///< 1 to kMaxRotors
+  ControlScales scales;                  ///< computed by control_scales() where the file has none
+  double body_drag_linear_n_s_m = 0;     ///< fuselage drag, N per m/s of airspeed
+  std::optional<BatteryParams> battery;  ///< nothing: the voltage never changes
+  std::uint8_t system_id = 1;            ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
 
-  /// Reads a vehicle file. @throws ConfigError when a key is missing, unknown or out of range
+  /// Reads a vehicle file and, for what it leaves out, the model. What both say must agree.
+  /// @throws ConfigError when keys are missing (all of them in one sentence), unknown or out of
+  ///         range, and when file and model differ (both values, both lines)
   static Vehicle load(const std::filesystem::path& file);
 
+  /// Number of rotors, 1 to kMaxRotors.
+  int rotor_count() const { return static_cast<int>(rotors.size()); }
+
+  /// Column i: what rotor i gives per omega_i^2 (force along its axis, its moment about the centre
+  /// of gravity and its reaction torque), coaxial pairs turning equally fast, air at the reference
+  /// density. Thrust fading and ground effect are left out.
+  /// @param tilt_rad  one for each rotor, those without a servo ignore theirs; empty: no tilt
+  Effectiveness effectiveness(std::span<const double> tilt_rad = {}) const;
+
+  /// The most that the rotors give on each axis of (U1, U2, U3, U4) alone, from effectiveness().
+  ControlScales control_scales() const;
+
+  /// Output u, the same for all rotors, 0..1, at which their upward thrust carries the weight;
+  /// a rotor turns at idle + u (max - idle). Nothing where they cannot carry it.
+  std::optional<double> hover_output(double gravity_m_s2) const;
+
   /// M of (U1, U2, U3, U4) = M * omega^2 (rad^2/s^2; N, N m) in the axes of D, from rotor positions
-  /// and spins: [HILS] Eq. (3).
+  /// and spins: [HILS] Eq. (3). For four rotors; others use effectiveness().
   Eigen::Matrix4d mixing_matrix() const;
 };
 

@@ -21,14 +21,16 @@ using Eigen::Vector4d;
 ControlCascade::ControlCascade(const base::Vehicle& vehicle)
     : u1_max_(vehicle.scales.u1_max_n),
       torque_max_(vehicle.scales.u2_max_nm, vehicle.scales.u3_max_nm, vehicle.scales.u4_max_nm),
-      mixer_(vehicle) {}
+      mixer_(vehicle),
+      detector_(vehicle) {}
 
-void ControlCascade::set_params(const ControlParams& params) {
+bool ControlCascade::set_params(const ControlParams& params) {
   params_ = params;
   position_.set_params(params);
   altitude_.set_params(params);
   attitude_.set_params(params);
   rates_.set_params(params);
+  return mixer_.set_lost(params.rotors_lost | found_lost_);
 }
 
 void ControlCascade::reset() {
@@ -42,6 +44,7 @@ void ControlCascade::reset() {
 const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
                                           const EstimatorState& estimate, double dt) {
   near_ground_ = setpoint.near_ground;
+  may_touch_ = setpoint.may_touch;
   if (near_ground_) {
     position_.reset();
     rates_.reset();
@@ -49,15 +52,21 @@ const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
   if (setpoint.trajectory) {
     follow_trajectory(*setpoint.trajectory, setpoint.tilt_limit_rad, estimate, dt);
     follow_attitude(estimate, dt);
+    look_for_losses(estimate, dt);
   } else if (setpoint.attitude) {
     attitude_setpoint_ = *setpoint.attitude;
+    side_N_n_.setZero();
     follow_attitude(estimate, dt);
+    look_for_losses(estimate, dt);
   } else {
     reset();
     output_ = MixerResult{};
-    if (setpoint.idle && !setpoint.stopped) {
-      output_.u = mixer_.idle();
-      output_.omega_sq = mixer_.mix(output_.u).omega_sq;
+    detector_.reset();
+    if (setpoint.stopped) {
+      found_lost_ = 0;  // on the ground anything may be repaired
+      mixer_.set_lost(params_.rotors_lost);
+    } else if (setpoint.idle) {
+      output_ = mixer_.idle();
     }
   }
   return output_;
@@ -69,7 +78,6 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint, doubl
       position_.update(setpoint, estimate.p_N, estimate.v_N, estimate.a_N, cut_N_, dt);
   const double a_z = altitude_.update(setpoint, estimate.p_N.z(), estimate.v_N.z(),
                                       estimate.a_N.z(), altitude_saturation_, dt);
-  const Vector3d acceleration(a_xy.x(), a_xy.y(), a_z);
 
   if (std::isfinite(setpoint.yaw_rad)) {
     yaw_hold_rad_ = setpoint.yaw_rad;
@@ -79,6 +87,9 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint, doubl
 
   // The mass that the hover thrust tells, not that of the data sheet: a parameter can correct it.
   const double mass = params_.hover_thrust * u1_max_ / kGravity_m_s2;
+  side_N_n_ = side_force(a_xy, mass);
+  const Eigen::Vector2d by_tilt = a_xy - side_N_n_ / mass;
+  const Vector3d acceleration(by_tilt.x(), by_tilt.y(), a_z);
   const double thrust_max = std::min(params_.thrust_max * u1_max_, mixer_.max_thrust_n());
   const double tilt = std::fmin(params_.tilt_limit_rad, tilt_limit_rad);  // of a NaN: the other
   const ThrustSetpoint thrust =
@@ -101,7 +112,36 @@ void ControlCascade::follow_attitude(const EstimatorState& estimate, double dt) 
   const Vector3d torque = rates_.update(rate_setpoint_, output_.torque, dt);
   Vector4d demand;
   demand << attitude_setpoint_.thrust_n, torque.cwiseProduct(torque_max_);
-  output_ = mixer_.mix(demand, !near_ground_);
+  const Vector3d side_D = estimate.q_ND.conjugate() * Vector3d(side_N_n_.x(), side_N_n_.y(), 0);
+  output_ = mixer_.mix(demand, !near_ground_, side_D.head<2>());
+}
+
+/// The part of a horizontal acceleration that the rotors give without tilting the vehicle, N.
+Eigen::Vector2d ControlCascade::side_force(const Eigen::Vector2d& a_xy, double mass_kg) const {
+  const double limit = params_.side_share * mixer_.side_force_n();
+  if (limit <= 0 || near_ground_) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d wanted = mass_kg * a_xy;
+  const double length = wanted.norm();
+  return length > limit ? Eigen::Vector2d(wanted * (limit / length)) : wanted;
+}
+
+void ControlCascade::look_for_losses(const EstimatorState& estimate, double dt) {
+  if (!params_.detect_rotor_loss) return;
+  // Feet that touch the ground turn the vehicle too; while it sinks, nothing has touched.
+  constexpr double kSinking_m_s = 0.3;
+  if (near_ground_ || (may_touch_ && estimate.v_N.z() < kSinking_m_s)) {
+    detector_.reset();
+    return;
+  }
+  const auto rotor = detector_.update(estimate.w_D, output_.omega_sq, mixer_.lost(), dt);
+  if (!rotor || has(found_lost_, *rotor)) return;
+  found_lost_ |= 1U << *rotor;
+  const bool left_out = mixer_.set_lost(params_.rotors_lost | found_lost_);
+  loss_ = RotorLoss{*rotor, left_out};
+  if (!left_out) return;
+  // The integrators have learnt to make up for the lost rotor, and nothing is missing any more.
+  rates_.reset();
+  detector_.reset();
 }
 
 }  // namespace cas::fcu

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "fcu/control/pid.hpp"
 
@@ -30,6 +31,10 @@ struct ControlParams {
   double hover_thrust = 0.5;
   double thrust_min = 0.1;
   double thrust_max = 1.0;
+  // Rotors.
+  std::uint32_t rotors_lost = 0;   ///< bit i: rotor i + 1 is to be left out
+  bool detect_rotor_loss = false;  ///< look for rotors that give nothing
+  double side_share = 0;           ///< 0..1 of the force sideways that may be used before tilting
 };
 
 }  // namespace cas::fcu

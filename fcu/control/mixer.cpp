@@ -5,11 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/earth/gravity.hpp"
+#include "base/error.hpp"
+
 namespace cas::fcu {
 
+using Eigen::Vector2d;
 using Eigen::Vector4d;
 
 namespace {
+
+bool is_equal(const base::RotorParams& a, const base::RotorParams& b) {
+  return a.thrust_coefficient == b.thrust_coefficient &&
+         a.torque_coefficient == b.torque_coefficient && a.omega_max_rad_s == b.omega_max_rad_s &&
+         a.omega_idle_rad_s == b.omega_idle_rad_s;
+}
 
 /// Thrusts U1 that keep base + column U1 within [low, high] for every rotor.
 struct ThrustRange {
@@ -40,20 +50,49 @@ Saturation saturation(double wanted, double achieved, double scale) {
 
 }  // namespace
 
-Mixer::Mixer(const base::Vehicle& vehicle)
-    : u_from_omega_sq_(vehicle.mixing_matrix()),
-      omega_sq_from_u_(u_from_omega_sq_.inverse()),
-      low_(std::pow(vehicle.rotor.omega_idle_rad_s, 2)),
-      high_(std::pow(vehicle.rotor.omega_max_rad_s, 2)) {}
+bool Mixer::is_eq3(const base::Vehicle& vehicle) {
+  if (vehicle.rotor_count() != 4) return false;
+  const base::RotorParams& first = vehicle.rotors.front().params;
+  return std::all_of(vehicle.rotors.begin(), vehicle.rotors.end(), [&](const base::Rotor& rotor) {
+    return rotor.axis_B == Eigen::Vector3d::UnitZ() && !rotor.wake && !rotor.tilt &&
+           is_equal(rotor.params, first);
+  });
+}
 
-MixerResult Mixer::mix(const Vector4d& demand, bool may_lift) const {
+Mixer::Mixer(const base::Vehicle& vehicle)
+    : vehicle_(vehicle), hover_n_(vehicle.mass_kg * base::kStandardGravity_m_s2) {
+  for (const base::Rotor& rotor : vehicle_.rotors) {
+    kinds_[static_cast<std::size_t>(rotor.output)] = OutputKind::kMotor;
+    if (rotor.tilt) kinds_[static_cast<std::size_t>(rotor.tilt->output)] = OutputKind::kServo;
+  }
+  if (is_eq3(vehicle)) {
+    u_from_omega_sq_ = vehicle.mixing_matrix();
+    omega_sq_from_u_ = u_from_omega_sq_.inverse();
+    low_ = std::pow(vehicle_.rotors.front().params.omega_idle_rad_s, 2);
+    high_ = std::pow(vehicle_.rotors.front().params.omega_max_rad_s, 2);
+    return;
+  }
+  allocation_.emplace(AllocationSetup::of(vehicle));
+  if (allocation_->rank() < 3) {
+    throw base::ConfigError("vehicle '" + vehicle.name +
+                            "': its rotors cannot give thrust, roll and pitch independently");
+  }
+  side_force_n_ = allocation_->side_force_n(hover_n_);
+}
+
+MixerResult Mixer::mix(const Vector4d& demand, bool may_lift, const Vector2d& side_D_n) const {
+  return allocation_ ? allocation_->allocate({demand, side_D_n}, may_lift)
+                     : mix_eq3(demand, may_lift);
+}
+
+MixerResult Mixer::mix_eq3(const Vector4d& demand, bool may_lift) const {
   const Vector4d thrust_column = omega_sq_from_u_.col(0);
 
   // Roll and pitch, scaled only when no thrust makes room for them.
   Vector4d tilt = omega_sq_from_u_.col(1) * demand[1] + omega_sq_from_u_.col(2) * demand[2];
   ThrustRange range = thrust_range(thrust_column, tilt, low_, high_);
   if (!may_lift && range.from > demand[0]) {
-    const Vector4d level = thrust_column * std::max(demand[0], idle()[0]);
+    const Vector4d level = thrust_column * std::max(demand[0], idle_eq3()[0]);
     tilt *= largest_part(level, tilt, low_, high_);
     range = thrust_range(thrust_column, tilt, low_, high_);
     range.to = std::max(range.from, range.to);
@@ -75,8 +114,9 @@ MixerResult Mixer::mix(const Vector4d& demand, bool may_lift) const {
   const Vector4d omega_sq = base + turn * largest_part(base, turn, low_, high_);
 
   MixerResult result;
-  result.omega_sq = omega_sq.cwiseMax(low_).cwiseMin(high_);
-  result.u = u_from_omega_sq_ * result.omega_sq;
+  const Vector4d within = omega_sq.cwiseMax(low_).cwiseMin(high_);
+  result.omega_sq = within;
+  result.u = u_from_omega_sq_ * within;
   result.thrust = saturation(demand[0], result.u[0], max_thrust_n());
   for (int axis = 0; axis < 3; ++axis) {
     result.torque[static_cast<std::size_t>(axis)] =
@@ -85,14 +125,49 @@ MixerResult Mixer::mix(const Vector4d& demand, bool may_lift) const {
   return result;
 }
 
-Vector4d Mixer::motor_outputs(const Vector4d& omega_sq) const {
-  const double idle = std::sqrt(low_);
-  const double span = std::sqrt(high_) - idle;
-  return ((omega_sq.cwiseMax(0.0).cwiseSqrt().array() - idle) / span).cwiseMax(0.0).cwiseMin(1.0);
+MixerResult Mixer::idle() const {
+  if (allocation_) return allocation_->idle();
+  MixerResult result;
+  result.u = idle_eq3();
+  result.omega_sq = mix_eq3(result.u, true).omega_sq;
+  return result;
 }
 
-Vector4d Mixer::idle() const { return u_from_omega_sq_ * Vector4d::Constant(low_); }
+Vector4d Mixer::idle_eq3() const { return u_from_omega_sq_ * Vector4d::Constant(low_); }
 
-double Mixer::max_thrust_n() const { return (u_from_omega_sq_ * Vector4d::Constant(high_))[0]; }
+std::array<double, base::kMaxOutputs> Mixer::outputs(const MixerResult& result) const {
+  std::array<double, base::kMaxOutputs> out{};
+  for (std::size_t i = 0; i < vehicle_.rotors.size(); ++i) {
+    const base::Rotor& rotor = vehicle_.rotors[i];
+    const auto index = static_cast<Eigen::Index>(i);
+    const double omega_sq = index < result.omega_sq.size() ? result.omega_sq[index] : 0.0;
+    const double idle = rotor.params.omega_idle_rad_s;
+    const double span = rotor.params.omega_max_rad_s - idle;
+    const double above_idle = std::sqrt(std::max(omega_sq, 0.0)) - idle;
+    out[static_cast<std::size_t>(rotor.output)] = std::clamp(above_idle / span, 0.0, 1.0);
+    if (!rotor.tilt || index >= result.tilt_rad.size()) continue;
+    const double tilt = result.tilt_rad[index];
+    const double full = tilt > 0 ? rotor.tilt->max_rad : -rotor.tilt->min_rad;
+    out[static_cast<std::size_t>(rotor.tilt->output)] =
+        full > 0 ? std::clamp(tilt / full, -1.0, 1.0) : 0.0;
+  }
+  return out;
+}
+
+double Mixer::max_thrust_n() const {
+  if (allocation_) return allocation_->max_thrust_n();
+  return (u_from_omega_sq_ * Vector4d::Constant(high_))[0];
+}
+
+bool Mixer::set_lost(RotorSet lost) {
+  if (lost == lost_) return true;
+  if (!allocation_) return false;
+  const ControlAllocation without(AllocationSetup::of(vehicle_, lost), lost);
+  if (!without.carries(hover_n_)) return false;
+  allocation_ = without;
+  lost_ = lost;
+  side_force_n_ = without.side_force_n(hover_n_);
+  return true;
+}
 
 }  // namespace cas::fcu

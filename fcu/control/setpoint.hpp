@@ -37,6 +37,7 @@ struct ControlSetpoint {
   std::optional<AttitudeSetpoint> attitude;
   double tilt_limit_rad = kUnset;  ///< of a trajectory: the less of this and the vehicle's own
   bool near_ground = false;        ///< about to leave or to touch it: nothing may wind up, nor lift
+  bool may_touch = false;          ///< taking off or landing: the ground may push it
   bool idle = false;               ///< rotors at idle speed: armed on the ground
   bool stopped = false;            ///< no output at all
 };

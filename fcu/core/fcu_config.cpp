@@ -27,10 +27,11 @@ StampMode parse_stamp(const base::ConfigNode& node) {
 }
 
 ActuatorMessage parse_actuators(const base::ConfigNode& node) {
-  const auto word = node.get<std::string>("actuators", "hil_controls");
+  const auto word = node.get<std::string>("actuators", "auto");
+  if (word == "auto") return ActuatorMessage::kAuto;
   if (word == "hil_controls") return ActuatorMessage::kHilControls;
   if (word == "hil_actuator_controls") return ActuatorMessage::kHilActuatorControls;
-  node.at("actuators").fail("must be hil_controls or hil_actuator_controls");
+  node.at("actuators").fail("must be auto, hil_controls or hil_actuator_controls");
 }
 
 std::optional<base::Geodetic> parse_home_hint(const base::ConfigNode& node) {

@@ -26,7 +26,11 @@ enum class Pace {
 };
 
 /// The message that carries the answer.
-enum class ActuatorMessage { kHilControls, kHilActuatorControls };
+enum class ActuatorMessage {
+  kAuto,                ///< HIL_CONTROLS for the four rotors of [HILS] Eq. (3), else the other
+  kHilControls,         ///< U1..U4: the simulator finds the rotors' speeds
+  kHilActuatorControls  ///< outputs of up to 16 motors and servos
+};
 
 /// An emulated flight controller as config/fcu/*.yaml describes it.
 struct FcuConfig {
@@ -38,7 +42,7 @@ struct FcuConfig {
   LineConfig line;
   Pace pace = Pace::kRealtime;
   StampMode stamp = StampMode::kMessage;
-  ActuatorMessage actuators = ActuatorMessage::kHilControls;
+  ActuatorMessage actuators = ActuatorMessage::kAuto;
   double control_rate_hz = 400;
   double decimal_year = 2026.5;  ///< for the magnetic field model
   /// Origin of the local frame. Nothing: the first position fixes, averaged at rest.

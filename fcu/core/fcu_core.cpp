@@ -10,7 +10,10 @@ void FcuCore::apply_params() {
   params_applied = params.revision();
   flight = flight_params(params);
   estimator.set_params(estimator_params(params));
-  cascade.set_params(control_params(params));
+  const ControlParams control = control_params(params);
+  if (!cascade.set_params(control)) {
+    texts.warn("CAS_ROT_LOST: the other rotors cannot carry the vehicle");
+  }
   battery.set_params({params.get("SIM_BAT_DRAIN"), params.get("SIM_BAT_MIN_PCT") / 100,
                       params.get_int("BAT1_N_CELLS")});
 }

@@ -16,6 +16,11 @@ PidGains rate_gains(const ParamStore& store, const std::string& axis, const char
           store.get(limit)};
 }
 
+/// Of a parameter that not every vehicle has; 0 without it.
+double get_if_any(const ParamStore& store, std::string_view name) {
+  return store.index_of(name) ? store.get(name) : 0.0;
+}
+
 Eigen::Vector3d three(const ParamStore& store, const std::string& prefix) {
   return {store.get(prefix + "X"), store.get(prefix + "Y"), store.get(prefix + "Z")};
 }
@@ -52,6 +57,12 @@ ControlParams control_params(const ParamStore& store) {
   p.hover_thrust = store.get("MPC_THR_HOVER");
   p.thrust_min = store.get("MPC_THR_MIN");
   p.thrust_max = store.get("MPC_THR_MAX");
+  // HIL_CONTROLS has U1..U4 only, and the simulator makes speeds of all rotors of them.
+  if (store.get_int("CAS_HIL_ACT") != 0) {
+    p.rotors_lost = static_cast<std::uint32_t>(get_if_any(store, "CAS_ROT_LOST"));
+    p.detect_rotor_loss = get_if_any(store, "CAS_ROT_DETECT") != 0;
+    p.side_share = get_if_any(store, "CAS_SIDE_SHARE");
+  }
   return p;
 }
 

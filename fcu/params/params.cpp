@@ -9,6 +9,7 @@
 
 #include "base/earth/gravity.hpp"
 #include "base/error.hpp"
+#include "fcu/control/mixer.hpp"
 
 namespace cas::fcu {
 
@@ -166,10 +167,42 @@ void add_safety(std::vector<Param>& list) {
   list.push_back(real("NAV_MC_ALT_RAD", 0.8, 0.05, 200));
 }
 
+/// What only vehicles with more than four rotors, or tilted ones, have.
+void add_rotors(std::vector<Param>& list, const base::Vehicle& vehicle) {
+  if (vehicle.rotor_count() > 4) {
+    // Rotors to leave out, 1 for the first, 2 for the second, 4 for the third ...
+    list.push_back(integer("CAS_ROT_LOST", 0, 0, 65535));
+    // Whether to look for rotors that give nothing.
+    list.push_back(integer("CAS_ROT_DETECT", 1, 0, 1));
+  }
+  // Share of the force sideways that is used before the vehicle is tilted.
+  if (Mixer(vehicle).side_force_n() > 0) list.push_back(real("CAS_SIDE_SHARE", 0.7, 0, 1));
+}
+
+/// MAV_TYPE by the number of rotors.
+int vehicle_type(int rotors) {
+  switch (rotors) {
+    case 3:
+      return 15;
+    case 4:
+      return 2;
+    case 6:
+      return 13;
+    case 8:
+      return 14;
+    case 10:
+      return 35;
+    case 12:
+      return 29;
+    default:
+      return 43;  // GENERIC_MULTIROTOR
+  }
+}
+
 void add_system(std::vector<Param>& list, const base::Vehicle& vehicle) {
   list.push_back(integer("MAV_SYS_ID", vehicle.system_id, 1, 250));
   list.push_back(integer("MAV_COMP_ID", 1, 1, 250));
-  list.push_back(integer("MAV_TYPE", 2, 0, 50));
+  list.push_back(integer("MAV_TYPE", vehicle_type(vehicle.rotor_count()), 0, 50));
   list.push_back(integer("SYS_AUTOSTART", 10016, 0, 9999999));
   list.push_back(integer("SYS_HITL", 1, 0, 2));
   // Nonzero: a sensor is there and calibrated, as ground stations read it.
@@ -197,6 +230,7 @@ std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorP
   add_position(list, vehicle);
   add_estimator(list, estimator);
   add_safety(list);
+  add_rotors(list, vehicle);
   add_system(list, vehicle);
   return list;
 }

@@ -173,14 +173,14 @@ void send_controls(const Eigen::Vector4d& u, std::uint64_t time_usec, FcuCore& c
   core.outbox.send(answer);
 }
 
-void send_motor_outputs(const Eigen::Vector4d& omega_sq, std::uint64_t time_usec, FcuCore& core) {
+void send_motor_outputs(const MixerResult& result, std::uint64_t time_usec, FcuCore& core) {
   const bool armed = core.commander.armed();
   HilActuatorControls answer;
   answer.time_usec = time_usec;
   if (armed) {
-    const Eigen::Vector4d motors = core.cascade.mixer().motor_outputs(omega_sq);
-    for (std::size_t i = 0; i < 4; ++i) {
-      answer.controls[i] = output(motors[static_cast<int>(i)], 0, 1);
+    const auto outputs = core.cascade.mixer().outputs(result);
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      answer.controls[i] = output(outputs[i], -1, 1);
     }
   }
   answer.mode = static_cast<MavModeFlag>(answer_mode(armed));
@@ -192,7 +192,7 @@ void send_motor_outputs(const Eigen::Vector4d& omega_sq, std::uint64_t time_usec
 void send_answer(const MixerResult& output, std::uint64_t time_usec, FcuCore& core) {
   const bool by_motor = core.params.get_int("CAS_HIL_ACT") != 0;
   if (by_motor) {
-    send_motor_outputs(output.omega_sq, time_usec, core);
+    send_motor_outputs(output, time_usec, core);
   } else {
     send_controls(output.u, time_usec, core);
   }

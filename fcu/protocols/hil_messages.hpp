@@ -50,7 +50,7 @@ class SensorInput {
   base::Histogram age_;
 };
 
-/// Sends U1..U4 as shares of their full scales (HIL_CONTROLS), or the four motor outputs
+/// Sends U1..U4 as shares of their full scales (HIL_CONTROLS), or the outputs of motors and servos
 /// (HIL_ACTUATOR_CONTROLS) where CAS_HIL_ACT says so.
 ///
 /// @param time_usec  stamp of the HIL_SENSOR that the answer was computed from; it is echoed

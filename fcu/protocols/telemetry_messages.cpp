@@ -359,17 +359,24 @@ void send_scaled_pressure(FcuCore& core, RunTime now, int version) {
 }
 
 void send_servo_output_raw(FcuCore& core, RunTime now, int version) {
-  const Eigen::Vector4d motors = core.cascade.mixer().motor_outputs(core.cascade.output().omega_sq);
-  const auto pwm = [&](int i) {
-    return static_cast<std::uint16_t>(core.commander.armed() ? 1000 + std::lround(1000 * motors[i])
+  const Mixer& mixer = core.cascade.mixer();
+  const auto outputs = mixer.outputs(core.cascade.output());
+  const auto pwm = [&](std::size_t i) -> std::uint16_t {
+    const OutputKind kind = mixer.output_kind(i);
+    if (kind == OutputKind::kNothing) return 0;
+    if (kind == OutputKind::kServo) {
+      return static_cast<std::uint16_t>(1500 + std::lround(500 * outputs[i]));
+    }
+    return static_cast<std::uint16_t>(core.commander.armed() ? 1000 + std::lround(1000 * outputs[i])
                                                              : 900);
   };
   ServoOutputRaw m;
   m.time_usec = static_cast<std::uint32_t>(core.time_boot_us(now));
-  m.servo1_raw = pwm(0);
-  m.servo2_raw = pwm(1);
-  m.servo3_raw = pwm(2);
-  m.servo4_raw = pwm(3);
+  std::uint16_t* const fields[] = {&m.servo1_raw,  &m.servo2_raw,  &m.servo3_raw,  &m.servo4_raw,
+                                   &m.servo5_raw,  &m.servo6_raw,  &m.servo7_raw,  &m.servo8_raw,
+                                   &m.servo9_raw,  &m.servo10_raw, &m.servo11_raw, &m.servo12_raw,
+                                   &m.servo13_raw, &m.servo14_raw, &m.servo15_raw, &m.servo16_raw};
+  for (std::size_t i = 0; i < std::size(fields); ++i) *fields[i] = pwm(i);
   core.outbox.reply(m, version);
 }
 

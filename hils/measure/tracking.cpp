@@ -32,19 +32,22 @@ enum Column : std::size_t {
   kPitch,
   kYaw,
   kOmega = 13,
-  kColumns = 17,
+  kColumns = 14,  ///< at least: one rotor
 };
 
 PoseSample to_sample(const std::vector<double>& row) {
-  return {.time_us = std::llround(row[kTime] * 1e6),
-          .pose = {.x_m = row[kX],
-                   .y_m = row[kY],
-                   .z_m = row[kZ],
-                   .roll_rad = row[kRoll],
-                   .pitch_rad = row[kPitch],
-                   .yaw_rad = row[kYaw]},
-          .v_m_s = {row[kVx], row[kVx + 1], row[kVx + 2]},
-          .omega_rad_s = {row[kOmega], row[kOmega + 1], row[kOmega + 2], row[kOmega + 3]}};
+  PoseSample sample{.time_us = std::llround(row[kTime] * 1e6),
+                    .pose = {.x_m = row[kX],
+                             .y_m = row[kY],
+                             .z_m = row[kZ],
+                             .roll_rad = row[kRoll],
+                             .pitch_rad = row[kPitch],
+                             .yaw_rad = row[kYaw]},
+                    .v_m_s = {row[kVx], row[kVx + 1], row[kVx + 2]}};
+  const std::size_t rotors = std::min(row.size() - kOmega, sample.omega_rad_s.size());
+  sample.rotors = static_cast<int>(rotors);
+  std::copy_n(row.begin() + kOmega, rotors, sample.omega_rad_s.begin());
+  return sample;
 }
 
 }  // namespace

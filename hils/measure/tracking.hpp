@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/config/vehicle.hpp"
 #include "hils/flight/flight_plan.hpp"
 
 namespace cas::hils {
@@ -41,8 +42,10 @@ struct Pose {
 struct PoseSample {
   std::int64_t time_us = 0;
   Pose pose{};
-  std::array<double, 3> v_m_s{};        ///< north, east, up; zero in an estimate
-  std::array<double, 4> omega_rad_s{};  ///< rotors 1..4; zero in an estimate
+  std::array<double, 3> v_m_s{};  ///< north, east, up; zero in an estimate
+  int rotors = 0;                 ///< none in an estimate
+  /// Rotors 1 to `rotors`; zero beyond.
+  std::array<double, base::kMaxRotors> omega_rad_s{};
 };
 
 /// Root mean squares of the distance from a reference, per axis.

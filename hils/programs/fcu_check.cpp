@@ -7,6 +7,9 @@
 #include <array>
 #include <cmath>
 
+#include "base/config/frame_table.hpp"
+#include "base/config/install_paths.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -52,7 +55,7 @@ struct RotorPlace {
 };
 
 // Rotors 1..4 of PX4's airframes "quad x".
-constexpr std::array<RotorPlace, base::kRotors> kQuadX{{
+constexpr std::array<RotorPlace, 4> kQuadX{{
     {true, false, 1},    // front right, counter-clockwise
     {false, true, 1},    // rear left, counter-clockwise
     {true, true, -1},    // front left, clockwise
@@ -61,7 +64,7 @@ constexpr std::array<RotorPlace, base::kRotors> kQuadX{{
 
 bool is_quad_x(const base::Vehicle& vehicle) {
   for (std::size_t i = 0; i < kQuadX.size(); ++i) {
-    const base::RotorGeometry& rotor = vehicle.rotors[i];
+    const base::Rotor& rotor = vehicle.rotors[i];
     const bool forward = rotor.position_B_m.x() > 0;
     const bool left = rotor.position_B_m.y() > 0;
     if (forward != kQuadX[i].forward || left != kQuadX[i].left) return false;
@@ -70,10 +73,19 @@ bool is_quad_x(const base::Vehicle& vehicle) {
   return true;
 }
 
+/// Whether PX4 has an airframe of that order: a quad by its corners, whatever its arms' angles.
+bool is_numbered_as_px4(const base::Vehicle& vehicle) {
+  if (vehicle.rotors.size() == kQuadX.size()) return is_quad_x(vehicle);
+  return std::ranges::any_of(base::load_frames(base::find_config("frames.yaml")),
+                             [&vehicle](const base::Frame& frame) {
+                               return frame.px4_airframe && frame.fits(vehicle);
+                             });
+}
+
 void check_rotors(const FcuFacts& facts, const base::Vehicle& vehicle, Findings& all) {
   // Controls for axes are mixed by the simulator, in whatever order the vehicle has.
   if (facts.autopilot != "px4" || !facts.by_rotor) return;
-  if (is_quad_x(vehicle)) {
+  if (is_numbered_as_px4(vehicle)) {
     good(all, fmt::format("the rotors of {} are numbered and spin as PX4's", vehicle.name));
   } else {
     fatal(all,

@@ -195,11 +195,19 @@ double turns_per_second(const std::vector<PoseSample>& truth, StreamWindow windo
   const auto samples = between(truth, static_cast<std::int64_t>(window.begin_usec),
                                static_cast<std::int64_t>(window.end_usec));
   double sum = 0;
+  double count = 0;
   for (const PoseSample& sample : samples) {
     for (const double omega : sample.omega_rad_s) sum += omega;
+    count += sample.rotors;
   }
-  const double count = 4 * static_cast<double>(samples.size());
-  return samples.empty() ? 0 : sum / count / (2 * std::numbers::pi);
+  return count > 0 ? sum / count / (2 * std::numbers::pi) : 0;
+}
+
+std::vector<std::string> rotor_names(const std::vector<PoseSample>& truth) {
+  std::vector<std::string> names;
+  const int rotors = truth.empty() ? 0 : truth.front().rotors;
+  for (int i = 1; i <= rotors; ++i) names.push_back(fmt::format("rotor {}", i));
+  return names;
 }
 
 std::string spectrum_title(const std::string& of, const std::vector<Series>& curves) {
@@ -238,7 +246,7 @@ void add_spectra(const RunRecord& record, const std::vector<PoseSample>& truth, 
       std::move(marks));
   add("motors_spectrum", "rotor speeds", "amplitude, rad/s",
       spectra(
-          truth, window, {"rotor 1", "rotor 2", "rotor 3", "rotor 4"}, 1,
+          truth, window, rotor_names(truth), 1,
           [](const PoseSample& sample, std::size_t rotor) { return sample.omega_rad_s[rotor]; }),
       {});
 }
@@ -312,7 +320,7 @@ void add_motion_plots(const RunRecord& record, StreamWindow window, NamedPlots& 
                      Plot{.title = "Rotor speeds",
                           .x_label = kTimeLabel,
                           .y_label = "rad/s",
-                          .series = time_series(truth, {"rotor 1", "rotor 2", "rotor 3", "rotor 4"},
+                          .series = time_series(truth, rotor_names(truth),
                                                 [](const PoseSample& sample, std::size_t rotor) {
                                                   return sample.omega_rad_s[rotor];
                                                 })});

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/config/vehicle.hpp"
 #include "base/earth/atmosphere.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
@@ -134,6 +135,20 @@ UlogRecord& put_three(UlogRecord& record, const Row& row, std::size_t first) {
   return record.put_float(row[first]).put_float(row[first + 1]).put_float(row[first + 2]);
 }
 
+constexpr std::size_t kFirstRotor = 13;  ///< column of truth.csv
+
+/// How many rotors truth.csv has, by its header.
+std::size_t rotor_columns(const std::filesystem::path& truth_csv) {
+  std::ifstream in(truth_csv);
+  std::string header;
+  std::getline(in, header);
+  const auto columns = static_cast<std::size_t>(std::ranges::count(header, ',')) + 1;
+  if (columns <= kFirstRotor || columns > kFirstRotor + base::kMaxRotors) {
+    throw base::ConfigError(truth_csv.string() + ": not a header of truth.csv");
+  }
+  return columns - kFirstRotor;
+}
+
 /// A row of truth.csv: z up there, down here.
 ///
 /// @param home  the origin's place on earth; nothing: the run has none
@@ -148,7 +163,8 @@ void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home,
   write(file, Topic::kAngularVelocityTruth, put_three(rates, row, 10));
   write(file, Topic::kLocalPositionTruth, UlogRecord(time).put_floats(p_N).put_floats(v_N));
   UlogRecord speeds(time);
-  write(file, Topic::kRotorSpeeds, put_three(speeds, row, 13).put_float(row[16]));
+  for (std::size_t i = kFirstRotor; i < row.size(); ++i) speeds.put_float(row[i]);
+  write(file, Topic::kRotorSpeeds, speeds);
   if (!home) return;
   const base::Geodetic place = base::LocalProjection(*home).to_geodetic(p_N);
   write(file, Topic::kGlobalPositionTruth,
@@ -247,7 +263,9 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
   const RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
   const VehiclePlaces& own = places.vehicles.at(vehicle);
   const std::vector<sim::UlogParam> params = initial_params(request, own);
-  sim::UlogFile file(own.flight_ulog(), ulog_topics(), infos(request, record), params);
+  const std::size_t rotors = rotor_columns(record.truth_csv);
+  sim::UlogFile file(own.flight_ulog(), ulog_topics(static_cast<int>(rotors)),
+                     infos(request, record), params);
   const std::optional<base::Geodetic> home = request.scenario.home;
 
   std::vector<std::unique_ptr<Track>> tracks;
@@ -255,9 +273,10 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
     tracks.push_back(std::make_unique<CsvTrack>(
         path, columns, [&file, write](SimTime time, const Row& row) { write(file, time, row); }));
   };
-  add_csv(record.truth_csv, 17, [&home](sim::UlogFile& to, SimTime time, const Row& row) {
-    write_truth(to, home, time, row);
-  });
+  add_csv(record.truth_csv, kFirstRotor + rotors,
+          [&home](sim::UlogFile& to, SimTime time, const Row& row) {
+            write_truth(to, home, time, row);
+          });
   add_csv(record.sensors / "imu.csv", 7, write_imu);
   add_csv(record.sensors / "gps.csv", 11, write_gps);
   add_csv(record.sensors / "magnetometer.csv", 4, write_magnetometer);

@@ -2,6 +2,9 @@
 #include "hils/ulog/ulog_topics.hpp"
 
 #include <array>
+#include <string_view>
+
+#include "base/config/vehicle.hpp"
 
 namespace cas::hils {
 
@@ -45,10 +48,21 @@ constexpr std::array<sim::UlogTopic, kTopics> kAll{
      {"vehicle_angular_velocity_groundtruth", "float[3] xyz"},
      {"vehicle_local_position_groundtruth", "float x;float y;float z;float vx;float vy;float vz"},
      {"vehicle_global_position_groundtruth", "double lat;double lon;float alt"},
-     {"rotor_speeds", "float[4] omega_rad_s"}}};
+     {"rotor_speeds", "float[16] omega_rad_s"}}};
 
 }  // namespace
 
-std::span<const sim::UlogTopic> ulog_topics() { return kAll; }
+std::vector<sim::UlogTopic> ulog_topics(int rotors) {
+  constexpr std::array<std::string_view, base::kMaxRotors> kSpeeds{
+      "float[1] omega_rad_s",  "float[2] omega_rad_s",  "float[3] omega_rad_s",
+      "float[4] omega_rad_s",  "float[5] omega_rad_s",  "float[6] omega_rad_s",
+      "float[7] omega_rad_s",  "float[8] omega_rad_s",  "float[9] omega_rad_s",
+      "float[10] omega_rad_s", "float[11] omega_rad_s", "float[12] omega_rad_s",
+      "float[13] omega_rad_s", "float[14] omega_rad_s", "float[15] omega_rad_s",
+      "float[16] omega_rad_s"};
+  std::vector<sim::UlogTopic> topics(kAll.begin(), kAll.end());
+  topics.back().fields = kSpeeds.at(static_cast<std::size_t>(rotors) - 1);
+  return topics;
+}
 
 }  // namespace cas::hils

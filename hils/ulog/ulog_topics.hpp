@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <vector>
 
 #include "plugins/common/ulog_file.hpp"
 
@@ -41,8 +41,8 @@ enum class UlogTopicId : std::uint16_t {
   kRotorSpeeds,
 };
 
-/// Definitions of all of them, in the order of UlogTopicId.
-std::span<const sim::UlogTopic> ulog_topics();
+/// Definitions of all of them, in the order of UlogTopicId, for a vehicle of 1 to 16 rotors.
+std::vector<sim::UlogTopic> ulog_topics(int rotors);
 
 /// Writes a message of a topic.
 inline void write(sim::UlogFile& file, UlogTopicId topic, const sim::UlogRecord& record) {

@@ -15,27 +15,31 @@
 /// publisher and subscriber were built against different declarations.
 namespace cas::sim {
 
+/// Outputs of an autopilot, or what stands for them; no heap.
+using ActuatorValues =
+    Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, base::kMaxOutputs, 1>;
+
 /// Sets the rotors. Exactly one of the two forms, told by `kind`.
 struct MotorCommand {
   static constexpr std::string_view kTypeName = "cas.MotorCommand";
-  static constexpr unsigned kTypeVersion = 1;
+  static constexpr unsigned kTypeVersion = 2;
   enum class Kind : std::uint8_t {
     kControlInputs,  ///< values = U1 (N), U2, U3, U4 (N m) in the axes of D, [HILS] Eq. (3)
-    kMotorOutputs,   ///< values = outputs of rotors 1..4, 0..1
+    kMotorOutputs,   ///< values = outputs 1..16 of the autopilot: rotors 0..1, servos -1..1
   };
   /// Time of the HIL_SENSOR it was computed from, as far as the sender says.
   base::SimTime sensor_time;
   Kind kind = Kind::kControlInputs;
   bool armed = false;  ///< disarmed, the rotors stop whatever `values` says
-  Eigen::Vector4d values = Eigen::Vector4d::Zero();
+  ActuatorValues values = ActuatorValues::Zero(4);
 };
 
-/// Rotor speeds after the step, rad/s, non-negative; rotors 1..4 at 0..3.
+/// Rotor speeds after the step, rad/s, non-negative; rotor n of the vehicle file at n - 1.
 struct RotorSpeeds {
   static constexpr std::string_view kTypeName = "cas.RotorSpeeds";
-  static constexpr unsigned kTypeVersion = 1;
+  static constexpr unsigned kTypeVersion = 2;
   base::SimTime time;
-  Eigen::Vector4d omega_rad_s = Eigen::Vector4d::Zero();
+  base::RotorVector omega_rad_s = base::RotorVector::Zero(4);
 };
 
 /// Specific force and angular rate at the sensor, in B. Level and at rest: (0, 0, +g).
@@ -110,10 +114,12 @@ struct GustCommand {
 /// What rotors and battery still give; all ones when nothing is wrong.
 struct PropulsionHealth {
   static constexpr std::string_view kTypeName = "cas.PropulsionHealth";
-  static constexpr unsigned kTypeVersion = 1;
-  Eigen::Vector4d speed_share = Eigen::Vector4d::Ones();   ///< of the speed asked for; 0: stopped
-  Eigen::Vector4d thrust_share = Eigen::Vector4d::Ones();  ///< of thrust and torque at a speed
-  double voltage_share = 1;                                ///< of the battery's voltage
+  static constexpr unsigned kTypeVersion = 2;
+  /// Of the speed asked for; 0: stopped. Of each rotor that a vehicle may have.
+  base::RotorVector speed_share = base::RotorVector::Ones(base::kMaxRotors);
+  /// Of thrust and torque at a speed.
+  base::RotorVector thrust_share = base::RotorVector::Ones(base::kMaxRotors);
+  double voltage_share = 1;  ///< of the battery's voltage
 };
 
 /// Name of the part of the flight that the run is in ("takeoff", "hold"), told by whoever flies it.

@@ -124,8 +124,7 @@ struct PluginDescriptor {
 };
 
 /// Compiler, C++ ABI, Eigen alignment and sanitizer, which must agree between host and plugin, and
-/// the version of what plugins see: a host takes plugins of its own version and of those before it
-/// that it lists (plugin_loader.cpp).
+/// the version of what plugins see: a host takes plugins of its own version.
 #define CAS_STRINGIZE_(x) #x
 #define CAS_STRINGIZE(x) CAS_STRINGIZE_(x)
 #if defined(__clang__)
@@ -147,9 +146,9 @@ struct PluginDescriptor {
 #ifndef CAS_ABI_SANITIZER
 #define CAS_ABI_SANITIZER "none"
 #endif
-/// Raised when PluginContext, World or Plugin gain functions: an older host lacks them and must
-/// refuse a plugin that may call them.
-#define CAS_ABI_VERSION "0.2"
+/// Raised when PluginContext, World or Plugin gain functions (an older host lacks them and must
+/// refuse a plugin that may call them) and when base::Vehicle changes.
+#define CAS_ABI_VERSION "0.3"
 #define CAS_ABI_BUILD                                                                          \
   CAS_ABI_COMPILER ";cxx11abi=" CAS_STRINGIZE(_GLIBCXX_USE_CXX11_ABI) ";eigen=" CAS_STRINGIZE( \
       EIGEN_MAX_ALIGN_BYTES) ";sanitizer=" CAS_ABI_SANITIZER

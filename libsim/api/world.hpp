@@ -47,7 +47,7 @@ struct Environment {
 class ForceModel {
  public:
   /// Most internal states of one model.
-  static constexpr int kMaxStates = 8;
+  static constexpr int kMaxStates = 32;
   virtual ~ForceModel() = default;
 
   /// Number of internal states, at most kMaxStates, fixed for life.

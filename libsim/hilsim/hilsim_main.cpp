@@ -12,6 +12,7 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/config/frame_table.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
@@ -20,12 +21,14 @@
 #include "base/os/notify.hpp"
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
+#include "base/os/write_file.hpp"
 #include "libsim/core/load/sim_config.hpp"
 #include "libsim/core/run/left_world.hpp"
 #include "libsim/core/run/sim_loop.hpp"
 #include "libsim/core/run/sim_runner.hpp"
 #include "libsim/hilsim/control_server.hpp"
 #include "libsim/hilsim/sim_report.hpp"
+#include "libsim/hilsim/vehicle_description.hpp"
 
 namespace {
 
@@ -33,6 +36,8 @@ using namespace cas;
 
 struct Flags {
   std::filesystem::path config;
+  std::optional<std::string> describe;
+  std::optional<std::filesystem::path> svg;
   std::optional<std::filesystem::path> stats;
   std::optional<std::filesystem::path> ledger;
   std::optional<std::filesystem::path> control;
@@ -46,7 +51,16 @@ struct Flags {
 };
 
 void add_flags(CLI::App& app, Flags& flags) {
-  app.add_option("config", flags.config, "Simulation to run (YAML)")->required();
+  CLI::Option* const config =
+      app.add_option("config", flags.config, "Simulation to run (YAML); needed to run one");
+  CLI::Option* const describe = app.add_option(
+      "--describe", flags.describe,
+      "Print mass, rotors, hover, effectiveness matrix and frame of a vehicle (a name of "
+      "a shipped one, or a file) and end");
+  describe->excludes(config);
+  app.add_option("--svg", flags.svg,
+                 "With --describe: draw the vehicle from above and from the side into this file")
+      ->needs(describe);
   app.add_option("--stats", flags.stats, "Write figures (JSON) to this file at the end");
   app.add_option("--ledger", flags.ledger,
                  "Write each vehicle's packet ledger (CSV); with several vehicles FILE.<name>");
@@ -80,7 +94,29 @@ void order_ledgers(sim::SimConfig& config, const std::filesystem::path& file) {
   }
 }
 
+/// A vehicle file, or the name of a shipped one.
+std::filesystem::path vehicle_file(const std::string& word) {
+  const bool name = word.find('/') == std::string::npos && word.find('.') == std::string::npos;
+  return base::find_config(name ? "vehicles/" + word + ".yaml" : word);
+}
+
+int describe(const std::string& word, const std::optional<std::filesystem::path>& svg) {
+  const base::Vehicle vehicle = base::Vehicle::load(vehicle_file(word));
+  const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf);
+  const std::string text =
+      describe_vehicle(vehicle, model, base::load_frames(base::find_config("frames.yaml")));
+  for (const std::string& warning : model.warnings) base::log::warn(warning);
+  std::fputs(text.c_str(), stdout);
+  if (svg) base::write_file(*svg, draw_vehicle(vehicle, model));
+  return base::kExitOk;
+}
+
 int run(const Flags& flags) {
+  if (flags.describe) return describe(*flags.describe, flags.svg);
+  if (flags.config.empty()) {
+    throw base::ConfigError(
+        "config is required: the simulation to run (YAML), or --describe VEHICLE");
+  }
   sim::SimConfig config = sim::SimConfig::load(base::find_config(flags.config));
   if (flags.lockstep) config.pace.mode = sim::PaceMode::kLockstep;
   if (flags.ignore_missing) config.world.missing = sim::Missing::kIgnore;

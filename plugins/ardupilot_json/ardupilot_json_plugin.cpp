@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
@@ -37,6 +38,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   void configure(PluginContext& context, const base::ConfigNode& node) override {
     step_ = context.step();
     vehicle_ = context.vehicle_id();
+    rotors_ = context.vehicle().rotors;
     link_ = open_link(node);
     clock_ = ServoClock(step_);
     range_ = context.bus().subscribe<RangeSample>(
@@ -66,7 +68,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   void pre_step(const StepInfo& step, World&) override {
     now_ = step.time;
     receive();
-    if (packet_) command_.publish(to_motor_command(*packet_));
+    if (packet_) command_.publish(to_motor_command(*packet_, rotors_));
     packet_.reset();
   }
 
@@ -133,6 +135,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
 
   std::unique_ptr<JsonLink> link_;
   VehicleId vehicle_{};
+  std::vector<base::Rotor> rotors_;
   base::Duration step_{};
   ServoClock clock_{base::Duration(1)};
   bool heard_ = false;

@@ -42,13 +42,18 @@ std::optional<ServoPacket> parse_servo_packet(std::span<const std::uint8_t> byte
   return packet;
 }
 
-MotorCommand to_motor_command(const ServoPacket& packet) {
+MotorCommand to_motor_command(const ServoPacket& packet, std::span<const base::Rotor> rotors) {
   MotorCommand command;
   command.kind = MotorCommand::Kind::kMotorOutputs;
-  for (int i = 0; i < base::kRotors; ++i) {
-    const double pwm_us = packet.pwm_us[static_cast<std::size_t>(i)];
-    command.values[i] = std::clamp((pwm_us - kStopped_us) / kRange_us, 0.0, 1.0);
-    command.armed = command.armed || pwm_us > kStopped_us;
+  command.values.setZero(base::kMaxOutputs);
+  const auto share = [&packet](int output) {  // of the pulse's range
+    const double pwm_us = packet.pwm_us[static_cast<std::size_t>(output)];
+    return std::clamp((pwm_us - kStopped_us) / kRange_us, 0.0, 1.0);
+  };
+  for (const base::Rotor& rotor : rotors) {
+    command.values[rotor.output] = share(rotor.output);
+    command.armed = command.armed || command.values[rotor.output] > 0;
+    if (rotor.tilt) command.values[rotor.tilt->output] = 2 * share(rotor.tilt->output) - 1;
   }
   return command;
 }

@@ -107,7 +107,14 @@ class FaultPlugin final : public Plugin {
   }
 
   void open_topics(PluginContext& context) {
+    const int rotors = context.vehicle().rotor_count();
     for (const FaultSpec& fault : schedule_.faults()) {
+      if (const auto* broken = std::get_if<RotorFault>(&fault.kind);
+          broken != nullptr && broken->rotor >= rotors) {
+        throw base::ConfigError("fault '" + fault.name + "': there is no rotor " +
+                                std::to_string(broken->rotor + 1) + "; vehicle '" +
+                                context.vehicle().name + "' has " + std::to_string(rotors));
+      }
       breaks_propulsion_ |= std::holds_alternative<RotorFault>(fault.kind) ||
                             std::holds_alternative<VoltageFault>(fault.kind);
       changes_mass_ |= std::holds_alternative<MassFault>(fault.kind);

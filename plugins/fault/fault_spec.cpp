@@ -89,7 +89,9 @@ SensorFault parse_delay(const ConfigNode& node) {
 RotorFault parse_rotor(const ConfigNode& node) {
   RotorFault fault;
   fault.rotor = node.require<int>("number") - 1;
-  if (fault.rotor < 0 || fault.rotor >= base::kRotors) node.at("number").fail("must be 1 to 4");
+  if (fault.rotor < 0 || fault.rotor >= base::kMaxRotors) {
+    node.at("number").fail("must be 1 to " + std::to_string(base::kMaxRotors));
+  }
   if (node.get("stop", false)) fault.speed_share = 0;
   fault.thrust_share = node.get_in("thrust_share", 1, 0, 1);
   return fault;

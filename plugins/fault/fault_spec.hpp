@@ -40,7 +40,7 @@ struct SensorFault {
 };
 
 struct RotorFault {
-  int rotor = 0;  ///< 0..3
+  int rotor = 0;  ///< 0..15
   double speed_share = 1;
   double thrust_share = 1;
 };

@@ -91,7 +91,13 @@ ImuModel::ImuModel(const ImuParams& params, std::uint64_t seed)
       gyro_(params.gyro, 1.0 / params.rate_hz, random_),
       accel_(params.accel, 1.0 / params.rate_hz, random_),
       vibrates_(params.vibration_reference_rad_s > 0) {
-  for (double& phase : phases_) phase = 2.0 * M_PI * random_.uniform();
+  // Four are drawn whatever the vehicle has, so that its noise does not depend on its rotors.
+  constexpr std::size_t kDrawn = 4;
+  constexpr double kGoldenAngle_rad = 2.399963229728653;
+  for (std::size_t i = 0; i < phases_.size(); ++i) {
+    phases_[i] = i < kDrawn ? 2.0 * M_PI * random_.uniform()
+                            : std::fmod(phases_[i - kDrawn] + kGoldenAngle_rad, 2.0 * M_PI);
+  }
 }
 
 void ImuModel::accumulate(const BodyState& state, const Eigen::Vector3d& gravity_W, double dt) {
@@ -109,10 +115,10 @@ void ImuModel::accumulate(const BodyState& state, const Eigen::Vector3d& gravity
   time_sum_ += dt;
 }
 
-void ImuModel::advance_vibration(const Eigen::Vector4d& omega, double dt) {
+void ImuModel::advance_vibration(const base::RotorVector& omega, double dt) {
   if (!vibrates_) return;
   imbalance_ = (omega / params_.vibration_reference_rad_s).cwiseAbs2();
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < omega.size(); ++i) {
     double& phase = phases_[static_cast<std::size_t>(i)];
     phase = std::fmod(phase + omega[i] * dt, 2.0 * M_PI);
   }
@@ -137,7 +143,7 @@ ImuSample ImuModel::sample(base::SimTime time, const BodyState& state) {
 Eigen::Vector3d ImuModel::unit_vibration() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   if (!vibrates_) return sum;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < imbalance_.size(); ++i) {
     const double phase = phases_[static_cast<std::size_t>(i)];
     const double quadrature = std::sin(phase);
     sum += imbalance_[i] * Eigen::Vector3d(std::cos(phase), quadrature, quadrature);

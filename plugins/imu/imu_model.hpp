@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "base/config/config.hpp"
+#include "base/config/vehicle.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
@@ -73,7 +74,7 @@ class ImuModel {
   /// Takes in one step of motion. @param state  at the end of the step
   void accumulate(const BodyState& state, const Eigen::Vector3d& gravity_W, double dt);
   /// Turns the rotors' imbalance on by dt. @param omega  rotor speeds, rad/s
-  void advance_vibration(const Eigen::Vector4d& omega, double dt);
+  void advance_vibration(const base::RotorVector& omega, double dt);
   /// The mean over the steps since the last call, with errors.
   ImuSample sample(base::SimTime time, const BodyState& state);
 
@@ -87,8 +88,8 @@ class ImuModel {
   TriadErrors gyro_;
   TriadErrors accel_;
   bool vibrates_ = false;
-  std::array<double, 4> phases_{};
-  Eigen::Vector4d imbalance_ = Eigen::Vector4d::Zero();  // (omega / reference)^2
+  std::array<double, base::kMaxRotors> phases_{};
+  base::RotorVector imbalance_;  // (omega / reference)^2
   Eigen::Vector3d specific_force_sum_B_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_sum_B_ = Eigen::Vector3d::Zero();
   double time_sum_ = 0;

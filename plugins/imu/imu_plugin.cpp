@@ -34,7 +34,7 @@ class ImuPlugin final : public Plugin {
   void reset() override {
     model_ = ImuModel(model_.params(), seed_);
     rate_.reset();
-    omega_.setZero();
+    omega_.resize(0);
   }
 
  private:
@@ -42,7 +42,7 @@ class ImuPlugin final : public Plugin {
   std::uint64_t seed_ = 0;
   ImuModel model_;
   base::RateGate rate_;
-  Eigen::Vector4d omega_ = Eigen::Vector4d::Zero();
+  base::RotorVector omega_;
   Publisher<ImuSample> imu_;
   Subscription rotors_;
 };

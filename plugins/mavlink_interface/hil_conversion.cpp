@@ -153,10 +153,10 @@ MotorCommand to_motor_command(const mv::HilControls& packet, const base::Control
   command.sensor_time = base::from_time_usec(packet.time_usec);
   command.kind = MotorCommand::Kind::kControlInputs;
   command.armed = is_armed(packet.mode);
-  command.values = {within(packet.throttle, 0, 1) * scales.u1_max_n,
-                    within(packet.roll_ailerons, -1, 1) * scales.u2_max_nm,
-                    within(packet.pitch_elevator, -1, 1) * scales.u3_max_nm,
-                    within(packet.yaw_rudder, -1, 1) * scales.u4_max_nm};
+  command.values = Eigen::Vector4d(within(packet.throttle, 0, 1) * scales.u1_max_n,
+                                   within(packet.roll_ailerons, -1, 1) * scales.u2_max_nm,
+                                   within(packet.pitch_elevator, -1, 1) * scales.u3_max_nm,
+                                   within(packet.yaw_rudder, -1, 1) * scales.u4_max_nm);
   return command;
 }
 
@@ -165,8 +165,9 @@ MotorCommand to_motor_command(const mv::HilActuatorControls& packet) {
   command.sensor_time = base::from_time_usec(packet.time_usec);
   command.kind = MotorCommand::Kind::kMotorOutputs;
   command.armed = is_armed(packet.mode);
-  for (int i = 0; i < base::kRotors; ++i) {
-    command.values[i] = within(packet.controls[static_cast<std::size_t>(i)], 0, 1);
+  command.values.resize(base::kMaxOutputs);
+  for (int i = 0; i < base::kMaxOutputs; ++i) {
+    command.values[i] = within(packet.controls[static_cast<std::size_t>(i)], -1, 1);
   }
   return command;
 }

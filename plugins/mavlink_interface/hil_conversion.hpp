@@ -50,7 +50,7 @@ mavlink::common::Heartbeat simulator_heartbeat();
 /// Fields are held to their ranges; what is not a number counts as 0.
 MotorCommand to_motor_command(const mavlink::common::HilControls& packet,
                               const base::ControlScales& scales);
-/// Motor outputs of rotors 1..4 from controls[0..3], held to 0..1; armed by mode bit 128.
+/// Outputs 1..16 from controls[0..15], held to -1..1; armed by mode bit 128.
 MotorCommand to_motor_command(const mavlink::common::HilActuatorControls& packet);
 
 }  // namespace cas::sim

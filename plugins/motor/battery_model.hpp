@@ -12,11 +12,11 @@ namespace cas::sim {
 class BatteryModel {
  public:
   BatteryModel() = default;
-  /// @param torque_coefficient  k_m of the rotors, N m s^2
-  BatteryModel(const base::BatteryParams& params, double torque_coefficient);
+  /// @param torque_coefficients  k_m of each rotor, N m s^2
+  BatteryModel(const base::BatteryParams& params, const base::RotorVector& torque_coefficients);
 
   /// Draws what the rotors take at their speeds: P = sum k_m w^3 / efficiency.
-  void advance(const Eigen::Vector4d& omega, double dt);
+  void advance(const base::RotorVector& omega, double dt);
 
   double voltage_v() const { return voltage_v_; }
   double current_a() const { return current_a_; }
@@ -26,7 +26,7 @@ class BatteryModel {
 
  private:
   base::BatteryParams params_;
-  double torque_coefficient_ = 0;
+  base::RotorVector torque_coefficients_;
   double charge_ = 1;
   double voltage_v_ = 0;
   double current_a_ = 0;

@@ -2,14 +2,38 @@
 #include "plugins/motor/motor_mixer.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
 
 namespace cas::sim {
+namespace {
 
-MotorMixer::MotorMixer(const base::Vehicle& vehicle)
-    : omega_idle_(vehicle.rotor.omega_idle_rad_s), omega_max_(vehicle.rotor.omega_max_rad_s) {
+/// The numbers of a command from `first` on; what is not finite or not there counts as 0.
+double value_of(const ActuatorValues& values, Eigen::Index index) {
+  if (index >= values.size() || !std::isfinite(values[index])) return 0.0;
+  return values[index];
+}
+
+/// Rows U1..U4 of the effectiveness matrix, in the axes of D.
+Eigen::Matrix<double, 4, Eigen::Dynamic> four_rows(const base::Effectiveness& all) {
+  Eigen::Matrix<double, 4, Eigen::Dynamic> rows(4, all.cols());
+  rows << all.row(2), all.row(3), -all.row(4), -all.row(5);
+  return rows;
+}
+
+}  // namespace
+
+MotorMixer::MotorMixer(const base::Vehicle& vehicle) : rotors_(vehicle.rotors) {
+  has_servos_ =
+      std::ranges::any_of(rotors_, [](const base::Rotor& rotor) { return rotor.tilt.has_value(); });
+  if (vehicle.rotor_count() != 4 || has_servos_) {
+    const Eigen::Matrix<double, 4, Eigen::Dynamic> mixing = four_rows(vehicle.effectiveness());
+    pseudo_inverse_ = mixing.completeOrthogonalDecomposition().pseudoInverse();
+    return;
+  }
   const Eigen::FullPivLU<Eigen::Matrix4d> mixing(vehicle.mixing_matrix());
   if (!mixing.isInvertible()) {
     throw base::ConfigError("vehicle '" + vehicle.name +
@@ -18,24 +42,50 @@ MotorMixer::MotorMixer(const base::Vehicle& vehicle)
   inverse_ = mixing.inverse();
 }
 
-Eigen::Vector4d MotorMixer::targets(const MotorCommand& command) const {
-  if (!command.armed) return Eigen::Vector4d::Zero();
-  const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
-  const Eigen::Vector4d values = command.values.unaryExpr(finite);
-  return command.kind == MotorCommand::Kind::kControlInputs ? from_control_inputs(values)
-                                                            : from_motor_outputs(values);
+base::RotorVector MotorMixer::targets(const MotorCommand& command) const {
+  if (!command.armed) return base::RotorVector::Zero(static_cast<Eigen::Index>(rotors_.size()));
+  if (command.kind == MotorCommand::Kind::kMotorOutputs) return from_motor_outputs(command.values);
+  return from_control_inputs({value_of(command.values, 0), value_of(command.values, 1),
+                              value_of(command.values, 2), value_of(command.values, 3)});
 }
 
-Eigen::Vector4d MotorMixer::from_control_inputs(const Eigen::Vector4d& inputs) const {
-  const Eigen::Vector4d omega_squared = inverse_ * inputs;
-  return omega_squared.cwiseMax(omega_idle_ * omega_idle_)
-      .cwiseMin(omega_max_ * omega_max_)
-      .cwiseSqrt();
+base::RotorVector MotorMixer::tilts(const MotorCommand& command) const {
+  base::RotorVector tilts = base::RotorVector::Zero(static_cast<Eigen::Index>(rotors_.size()));
+  if (!command.armed || command.kind != MotorCommand::Kind::kMotorOutputs) return tilts;
+  for (std::size_t i = 0; i < rotors_.size(); ++i) {
+    if (!rotors_[i].tilt) continue;
+    const base::TiltServo& servo = *rotors_[i].tilt;
+    tilts[static_cast<Eigen::Index>(i)] = servo.angle_rad(value_of(command.values, servo.output));
+  }
+  return tilts;
 }
 
-Eigen::Vector4d MotorMixer::from_motor_outputs(const Eigen::Vector4d& outputs) const {
-  const Eigen::Array4d u = outputs.array().max(0.0).min(1.0);
-  return (omega_idle_ + u * (omega_max_ - omega_idle_)).matrix();
+base::RotorVector MotorMixer::from_control_inputs(const Eigen::Vector4d& inputs) const {
+  base::RotorVector omega;  // squared
+  if (pseudo_inverse_.rows() > 0) {
+    omega = pseudo_inverse_ * inputs;
+  } else {
+    omega = inverse_ * inputs;
+  }
+  for (std::size_t i = 0; i < rotors_.size(); ++i) {
+    double& value = omega[static_cast<Eigen::Index>(i)];
+    const base::RotorParams& params = rotors_[i].params;
+    const double low = params.omega_idle_rad_s * params.omega_idle_rad_s;
+    const double high = params.omega_max_rad_s * params.omega_max_rad_s;
+    value = std::sqrt(std::min(std::max(value, low), high));
+  }
+  return omega;
+}
+
+base::RotorVector MotorMixer::from_motor_outputs(const ActuatorValues& outputs) const {
+  base::RotorVector omega(static_cast<Eigen::Index>(rotors_.size()));
+  for (std::size_t i = 0; i < rotors_.size(); ++i) {
+    const base::RotorParams& params = rotors_[i].params;
+    const double u = std::clamp(value_of(outputs, rotors_[i].output), 0.0, 1.0);
+    omega[static_cast<Eigen::Index>(i)] =
+        params.omega_idle_rad_s + u * (params.omega_max_rad_s - params.omega_idle_rad_s);
+  }
+  return omega;
 }
 
 }  // namespace cas::sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,11 +28,11 @@ class MotorPlugin final : public Plugin {
     vehicle_ = context.vehicle_id();
     name_ = context.vehicle_name();
     discs_ = vehicle.rotors;
-    disc_radius_m_ = vehicle.rotor.radius_m;
-    strikes_.reserve(base::kRotors);
+    strikes_.reserve(discs_.size());
+    asked_.setZero(vehicle.rotor_count());
     mixer_ = MotorMixer(vehicle);
     rotors_ = std::make_unique<RotorModel>(vehicle);
-    if (vehicle.battery) full_battery_.emplace(*vehicle.battery, vehicle.rotor.torque_coefficient);
+    if (vehicle.battery) full_battery_.emplace(*vehicle.battery, torque_coefficients(vehicle));
     battery_ = full_battery_;
     context.add_force_model(*rotors_);
     if (vehicle.body_drag_linear_n_s_m > 0) {
@@ -43,6 +43,7 @@ class MotorPlugin final : public Plugin {
     command_ = context.bus().subscribe<MotorCommand>(context.topic("motor_command"),
                                                      [this](const MotorCommand& command) {
                                                        asked_ = mixer_.targets(command);
+                                                       tilt(command);
                                                        drive();
                                                      });
     health_topic_ = context.bus().subscribe<PropulsionHealth>(
@@ -56,7 +57,8 @@ class MotorPlugin final : public Plugin {
   }
 
   void post_step(const StepInfo& step, const World& world) override {
-    const Eigen::Vector4d omega(world.states_of(*rotors_).data());
+    const base::RotorVector omega =
+        base::RotorVector::Map(world.states_of(*rotors_).data(), rotors_->rotor_count());
     speeds_.publish({step.time, omega});
     look_for_strikes(step, world, omega);
     if (!battery_) return;
@@ -68,6 +70,7 @@ class MotorPlugin final : public Plugin {
     battery_ = full_battery_;
     health_ = {};
     asked_.setZero();
+    rotors_->set_tilt_targets(asked_);
     strikes_.clear();
     rotors_->release_all();
     rotors_->set_effectiveness(health_.thrust_share);
@@ -92,10 +95,12 @@ class MotorPlugin final : public Plugin {
   };
 
   /// A turning rotor whose disc touches the world or another vehicle stops, and stays so.
-  void look_for_strikes(const StepInfo& step, const World& world, const Eigen::Vector4d& omega) {
+  void look_for_strikes(const StepInfo& step, const World& world, const base::RotorVector& omega) {
     for (std::size_t i = 0; i < discs_.size(); ++i) {
       if (rotors_->is_stopped(i) || omega[static_cast<Eigen::Index>(i)] < kTurning_rad_s) continue;
-      if (!world.disc_touches(vehicle_, discs_[i].position_B_m, disc_radius_m_)) continue;
+      if (!world.disc_touches(vehicle_, discs_[i].position_B_m, discs_[i].params.radius_m)) {
+        continue;
+      }
       rotors_->stop(i);
       strikes_.push_back({i, step.time});
       base::log::warn(name_ + ": rotor " + std::to_string(i + 1) + " touched something at " +
@@ -115,13 +120,27 @@ class MotorPlugin final : public Plugin {
   /// Passes on the speeds that battery and rotors can follow.
   void drive() {
     const double voltage_share = health_.voltage_share * (battery_ ? battery_->speed_share() : 1.0);
-    rotors_->set_targets(voltage_share * asked_.cwiseProduct(health_.speed_share));
+    const Eigen::Index known = std::min(asked_.size(), health_.speed_share.size());
+    base::RotorVector omega = asked_;
+    omega.head(known) = omega.head(known).cwiseProduct(health_.speed_share.head(known));
+    rotors_->set_targets(voltage_share * omega);
+  }
+
+  void tilt(const MotorCommand& command) {
+    if (mixer_.has_servos()) rotors_->set_tilt_targets(mixer_.tilts(command));
+  }
+
+  static base::RotorVector torque_coefficients(const base::Vehicle& vehicle) {
+    base::RotorVector all(vehicle.rotor_count());
+    for (int i = 0; i < vehicle.rotor_count(); ++i) {
+      all[i] = vehicle.rotors[static_cast<std::size_t>(i)].params.torque_coefficient;
+    }
+    return all;
   }
 
   VehicleId vehicle_{};
   std::string name_;
-  std::array<base::RotorGeometry, base::kRotors> discs_{};
-  double disc_radius_m_ = 0;
+  std::vector<base::Rotor> discs_;
   std::vector<Strike> strikes_;
   MotorMixer mixer_;
   std::unique_ptr<RotorModel> rotors_;
@@ -129,7 +148,7 @@ class MotorPlugin final : public Plugin {
   std::optional<BatteryModel> full_battery_;
   std::optional<BatteryModel> battery_;
   PropulsionHealth health_;
-  Eigen::Vector4d asked_ = Eigen::Vector4d::Zero();
+  base::RotorVector asked_;
   Publisher<RotorSpeeds> speeds_;
   Subscription command_;
   Subscription health_topic_;

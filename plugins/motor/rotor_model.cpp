@@ -1,30 +1,53 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/motor/rotor_model.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 namespace cas::sim {
 
-RotorModel::RotorModel(const base::Vehicle& vehicle)
-    : params_(vehicle.rotor), rotors_(vehicle.rotors) {}
-
-void RotorModel::initial_states(std::span<double> omega) const {
-  std::fill(omega.begin(), omega.end(), 0.0);
+RotorModel::RotorModel(const base::Vehicle& vehicle) : count_(vehicle.rotors.size()) {
+  effectiveness_.fill(1.0);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const base::Rotor& rotor = vehicle.rotors[i];
+    Hub& hub = hubs_[i];
+    hub.position_B_m = rotor.position_B_m;
+    hub.axis_B = rotor.axis_B;
+    hub.spin = rotor.spin;
+    hub.params = rotor.params;
+    if (rotor.wake) {
+      hub.upper = static_cast<std::size_t>(rotor.wake->upper);
+      hub.wake_loss = 1.0 - rotor.wake->thrust_share;
+    }
+    if (rotor.tilt) servos_[servo_count_++] = {i, *rotor.tilt};
+    upright_ = upright_ && !rotor.wake && !rotor.tilt && hub.axis_B == Eigen::Vector3d::UnitZ();
+  }
 }
 
-double RotorModel::speed_derivative(double omega, double target) const {
-  const double tau = target > omega ? params_.time_constant_up_s : params_.time_constant_down_s;
+void RotorModel::initial_states(std::span<double> x) const { std::fill(x.begin(), x.end(), 0.0); }
+
+double RotorModel::speed_derivative(const base::RotorParams& params, double omega, double target) {
+  const double tau = target > omega ? params.time_constant_up_s : params.time_constant_down_s;
   return tau > 0 ? (target - omega) / tau : 0.0;  // without lag, limit() sets the speed
 }
 
-void RotorModel::limit(std::span<double> omega) const {
-  for (int i = 0; i < base::kRotors; ++i) {
-    double& w = omega[static_cast<std::size_t>(i)];
+double RotorModel::tilt_rate(const base::TiltServo& servo, double tilt, double target) {
+  return std::clamp((target - tilt) / servo.time_constant_s, -servo.rate_rad_s, servo.rate_rad_s);
+}
+
+void RotorModel::limit(std::span<double> x) const {
+  for (std::size_t i = 0; i < count_; ++i) {
+    double& w = x[i];
+    const base::RotorParams& params = hubs_[i].params;
     const double target = targets_[i];
-    const double tau = target > w ? params_.time_constant_up_s : params_.time_constant_down_s;
-    w = std::clamp(tau > 0 ? w : target, 0.0, params_.omega_max_rad_s);
-    if (stopped_[static_cast<std::size_t>(i)]) w = 0.0;
+    const double tau = target > w ? params.time_constant_up_s : params.time_constant_down_s;
+    w = std::clamp(tau > 0 ? w : target, 0.0, params.omega_max_rad_s);
+    if (stopped_[i]) w = 0.0;
+  }
+  for (std::size_t k = 0; k < servo_count_; ++k) {
+    const base::TiltServo& servo = servos_[k].params;
+    x[count_ + k] = std::clamp(x[count_ + k], servo.min_rad, servo.max_rad);
   }
 }
 
@@ -36,66 +59,123 @@ double RotorModel::ground_effect(double height_m, double radius_m) {
 RotorModel::Surroundings RotorModel::surroundings(const BodyState& body,
                                                   const Environment& environment) const {
   const Eigen::Matrix3d R_BW = body.q_WB.conjugate().toRotationMatrix();
-  const double reference = params_.reference_density_kg_m3;
   return {.v_air_B = R_BW * (body.v_WB - environment.wind_W),
           .up_B = R_BW.col(2),
-          .density_factor = reference > 0 ? environment.air_density_kg_m3 / reference : 1.0,
+          .air_density_kg_m3 = environment.air_density_kg_m3,
           .height_m = environment.height_above_ground_m};
 }
 
-double RotorModel::thrust_factor(double axial_speed, double hub_height) const {
+double RotorModel::thrust_factor(const base::RotorParams& params, double axial_speed,
+                                 double hub_height) {
   double factor = 1.0;
-  if (params_.ground_effect > 0) {
-    factor += params_.ground_effect * (ground_effect(hub_height, params_.radius_m) - 1.0);
+  if (params.ground_effect > 0) {
+    factor += params.ground_effect * (ground_effect(hub_height, params.radius_m) - 1.0);
   }
-  if (params_.zero_thrust_speed_m_s > 0) {
-    factor *= std::clamp(1.0 - std::abs(axial_speed) / params_.zero_thrust_speed_m_s, 0.0, 1.0);
+  if (params.zero_thrust_speed_m_s > 0) {
+    factor *= std::clamp(1.0 - std::abs(axial_speed) / params.zero_thrust_speed_m_s, 0.0, 1.0);
   }
   return factor;
 }
 
 void RotorModel::evaluate(const BodyState& body, const Environment& environment,
-                          std::span<const double> omega, std::span<double> omega_dot,
+                          std::span<const double> x, std::span<double> x_dot,
                           Wrench& wrench) const {
   const Surroundings around = surroundings(body, environment);
-  double spin_momentum = 0.0;  // of all rotors about Bz, N m s
-  for (std::size_t i = 0; i < rotors_.size(); ++i) {
-    if (stopped_[i]) {
-      omega_dot[i] = 0.0;
-      continue;
-    }
-    omega_dot[i] = speed_derivative(omega[i], targets_[static_cast<Eigen::Index>(i)]);
-    add_rotor(i, omega[i], omega_dot[i], body.w_WB_B, around, wrench);
-    spin_momentum += rotors_[i].spin * params_.inertia_kg_m2 * omega[i];
+  if (upright_) {
+    add_all<true>(around, body.w_WB_B, x, x_dot, wrench);
+  } else {
+    add_all<false>(around, body.w_WB_B, x, x_dot, wrench);
   }
-  // Gyroscopic torque: -w x H.
-  wrench.torque_B -= body.w_WB_B.cross(Eigen::Vector3d(0.0, 0.0, spin_momentum));
 }
 
-void RotorModel::add_rotor(std::size_t rotor, double omega, double omega_dot,
-                           const Eigen::Vector3d& w_WB_B, const Surroundings& around,
-                           Wrench& wrench) const {
-  const Eigen::Vector3d& r_B = rotors_[rotor].position_B_m;
-  const double spin = rotors_[rotor].spin;
+template <bool kUpright>
+void RotorModel::add_all(const Surroundings& around, const Eigen::Vector3d& w_WB_B,
+                         std::span<const double> x, std::span<double> x_dot, Wrench& wrench) const {
+  for (std::size_t k = 0; k < servo_count_; ++k) {
+    const std::size_t state = count_ + k;
+    x_dot[state] = tilt_rate(servos_[k].params, x[state], tilt_targets_[servos_[k].rotor]);
+  }
+  Eigen::Vector3d spin_momentum_B = Eigen::Vector3d::Zero();  // of all rotors, N m s
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (stopped_[i]) {
+      x_dot[i] = 0.0;
+      continue;
+    }
+    const Hub& hub = hubs_[i];
+    x_dot[i] = speed_derivative(hub.params, x[i], targets_[i]);
+    if constexpr (kUpright) {
+      add_rotor<true>(i, {.omega = x[i], .omega_dot = x_dot[i]}, w_WB_B, around, wrench);
+      spin_momentum_B.z() += hub.spin * hub.params.inertia_kg_m2 * x[i];
+    } else {
+      const Motion now = motion(i, x, x_dot);
+      add_rotor<false>(i, now, w_WB_B, around, wrench);
+      spin_momentum_B += hub.spin * hub.params.inertia_kg_m2 * x[i] * now.axis_B;
+    }
+  }
+  wrench.torque_B -= w_WB_B.cross(spin_momentum_B);  // gyroscopic torque
+}
+
+RotorModel::Motion RotorModel::motion(std::size_t rotor, std::span<const double> x,
+                                      std::span<const double> x_dot) const {
+  const Hub& hub = hubs_[rotor];
+  Motion motion{.omega = x[rotor], .omega_dot = x_dot[rotor], .axis_B = hub.axis_B};
+  if (hub.wake_loss > 0 && !stopped_[hub.upper]) motion.upper_omega = x[hub.upper];
+  for (std::size_t k = 0; k < servo_count_; ++k) {
+    if (servos_[k].rotor != rotor) continue;
+    const Eigen::Vector3d& hinge_B = servos_[k].params.axis_B;
+    motion.axis_B = Eigen::AngleAxisd(x[count_ + k], hinge_B) * hub.axis_B;
+    motion.axis_dot_B = x_dot[count_ + k] * hinge_B.cross(motion.axis_B);
+  }
+  return motion;
+}
+
+template <bool kUpright>
+void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen::Vector3d& w_WB_B,
+                           const Surroundings& around, Wrench& wrench) const {
+  const Hub& hub = hubs_[rotor];
+  const base::RotorParams& params = hub.params;
+  const Eigen::Vector3d& r_B = hub.position_B_m;
+  const double omega = motion.omega;
+  const double reference = params.reference_density_kg_m3;
+  const double density = reference > 0 ? around.air_density_kg_m3 / reference : 1.0;
   const double dynamic =  // what is left of w^2 in thin air and on broken blades
-      effectiveness_[static_cast<Eigen::Index>(rotor)] * around.density_factor * omega * omega;
+      effectiveness_[rotor] * density * omega * omega;
 
   // Air past the hub: the part in the rotor plane drags and rolls, the axial part takes thrust.
   const Eigen::Vector3d v_hub_B = around.v_air_B + w_WB_B.cross(r_B);
-  const Eigen::Vector3d v_plane_B(v_hub_B.x(), v_hub_B.y(), 0.0);
   const double hub_height = around.height_m + around.up_B.dot(r_B);
+  double v_axial = v_hub_B.z();
+  Eigen::Vector3d v_plane_B(v_hub_B.x(), v_hub_B.y(), 0.0);
+  if constexpr (!kUpright) {
+    v_axial = motion.axis_B.dot(v_hub_B);
+    v_plane_B = v_hub_B - v_axial * motion.axis_B;
+  }
 
-  // Forces at the hub: [HILS] Eq. (1), and drag.
-  Eigen::Vector3d force_B = -params_.drag_coefficient * omega * v_plane_B;
-  force_B.z() += params_.thrust_coefficient * dynamic * thrust_factor(v_hub_B.z(), hub_height);
+  // Forces at the hub: [HILS] Eq. (1), less what the rotor above takes, and drag.
+  double thrust = params.thrust_coefficient * dynamic * thrust_factor(params, v_axial, hub_height);
+  Eigen::Vector3d force_B = -params.drag_coefficient * omega * v_plane_B;
+  if constexpr (kUpright) {
+    force_B.z() += thrust;
+  } else {
+    if (hub.wake_loss > 0 && omega > 0) {
+      thrust *= std::max(0.0, 1.0 - hub.wake_loss * motion.upper_omega / omega);
+    }
+    force_B += thrust * motion.axis_B;
+  }
   wrench.force_B += force_B;
   wrench.torque_B += r_B.cross(force_B);
 
   // Moments: the advancing blade lifts more, so counter-clockwise rotors roll one way and clockwise
-  // ones the other; reaction to air drag, [HILS] Eq. (2), and to spin-up.
-  wrench.torque_B -= spin * params_.rolling_moment_coefficient * omega * v_plane_B;
-  wrench.torque_B.z() -=
-      spin * (params_.torque_coefficient * dynamic + params_.inertia_kg_m2 * omega_dot);
+  // ones the other; reaction to air drag, [HILS] Eq. (2), to spin-up and to the servo's turn.
+  wrench.torque_B -= hub.spin * params.rolling_moment_coefficient * omega * v_plane_B;
+  const double reaction =
+      hub.spin * (params.torque_coefficient * dynamic + params.inertia_kg_m2 * motion.omega_dot);
+  if constexpr (kUpright) {
+    wrench.torque_B.z() -= reaction;
+  } else {
+    wrench.torque_B -=
+        reaction * motion.axis_B + hub.spin * params.inertia_kg_m2 * omega * motion.axis_dot_B;
+  }
 }
 
 }  // namespace cas::sim

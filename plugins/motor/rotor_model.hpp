@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -10,24 +11,32 @@
 
 namespace cas::sim {
 
-/// Four rotors: their speeds are states that the world integrates with the body.
+/// The rotors: their speeds, and the tilt of those with a servo, are states that the world
+/// integrates with the body.
 ///
 /// Speeds follow their targets with a first-order lag, slower or faster downwards. Each rotor adds,
-/// at its hub: thrust k_f w^2 and reaction torque k_m w^2 ([HILS] Eq. (1), (2)), the reaction
-/// J_r dw/dt of its spin-up, the gyroscopic torque -w_body x H, in-plane drag -lambda w v and the
-/// rolling moment of the advancing blade with airspeed v in the rotor plane; thrust grows near the
-/// ground (Cheeseman and Bennett 1955) and with air density, and falls to zero at the axial speed
-/// where the blades meet the air flat. A coefficient of zero switches its effect off. Blade
-/// flapping and the interaction between rotors are not modelled.
+/// at its hub and along its axis: thrust k_f w^2 and reaction torque k_m w^2 ([HILS] Eq. (1), (2)),
+/// the reaction J_r dw/dt of its spin-up, the gyroscopic torque -w_body x H, in-plane drag
+/// -lambda w v and the rolling moment of the advancing blade with airspeed v in the rotor plane;
+/// thrust grows near the ground (Cheeseman and Bennett 1955) and with air density, and falls to
+/// zero at the axial speed where the blades meet the air flat. The lower rotor of a coaxial pair
+/// loses thrust as base::Wake says. A servo tilts the axis with a lag and a fastest rate; the
+/// rotor's angular momentum turns with it. A coefficient of zero switches its effect off. Blade
+/// flapping, other interaction between rotors and the inertia of what a servo turns are not
+/// modelled.
 class RotorModel final : public ForceModel {
  public:
   explicit RotorModel(const base::Vehicle& vehicle);
 
-  /// Speeds asked for, rad/s, non-negative; held until the next call.
-  void set_targets(const Eigen::Vector4d& omega) { targets_ = omega; }
-  const Eigen::Vector4d& targets() const { return targets_; }
+  /// Speeds asked for, rad/s, non-negative, one for each rotor; held until the next call.
+  void set_targets(const base::RotorVector& omega) { copy(omega, targets_); }
+  base::RotorVector targets() const {
+    return base::RotorVector::Map(targets_.data(), rotor_count());
+  }
+  /// Tilts asked for, rad, one for each rotor; those without a servo ignore theirs.
+  void set_tilt_targets(const base::RotorVector& tilt_rad) { copy(tilt_rad, tilt_targets_); }
   /// Share of its thrust and torque that each rotor still gives (damaged blades), 0..1.
-  void set_effectiveness(const Eigen::Vector4d& share) { effectiveness_ = share; }
+  void set_effectiveness(const base::RotorVector& share) { copy(share, effectiveness_); }
 
   /// Stops a rotor at once and for good, as one that hits something; its spin goes into what it
   /// hit.
@@ -35,37 +44,77 @@ class RotorModel final : public ForceModel {
   bool is_stopped(std::size_t rotor) const { return stopped_[rotor]; }
   void release_all() { stopped_.fill(false); }
 
-  int state_count() const override { return base::kRotors; }
-  void initial_states(std::span<double> omega) const override;
-  void evaluate(const BodyState& body, const Environment& environment,
-                std::span<const double> omega, std::span<double> omega_dot,
-                Wrench& wrench) const override;
-  void limit(std::span<double> omega) const override;
+  int rotor_count() const { return static_cast<int>(count_); }
+  /// Speeds of the rotors, then tilts of the servos.
+  int state_count() const override { return static_cast<int>(count_ + servo_count_); }
+  void initial_states(std::span<double> x) const override;
+  void evaluate(const BodyState& body, const Environment& environment, std::span<const double> x,
+                std::span<double> x_dot, Wrench& wrench) const override;
+  void limit(std::span<double> x) const override;
 
   /// Thrust out of ground over thrust at height `height_m` of the hub: 1 / (1 - (R / 4 z)^2), held
   /// below z = R / 2 where the formula ends.
   static double ground_effect(double height_m, double radius_m);
 
  private:
+  static constexpr std::size_t kMost = base::kMaxRotors;
+
   /// The air and the ground as the rotors meet them.
   struct Surroundings {
     Eigen::Vector3d v_air_B;  // of the centre of gravity through the air
     Eigen::Vector3d up_B;
-    double density_factor;  // over the density in which the coefficients hold
-    double height_m;        // of the centre of gravity
+    double air_density_kg_m3;
+    double height_m;  // of the centre of gravity
+  };
+  /// One rotor, what a step reads close together.
+  struct Hub {
+    Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ();
+    double spin = 1;
+    base::RotorParams params;
+    std::size_t upper = 0;  // the rotor above, where `wake_loss` is not 0
+    double wake_loss = 0;   // share of its own thrust that a rotor above takes
+  };
+  struct Servo {
+    std::size_t rotor = 0;
+    base::TiltServo params;
+  };
+  /// A rotor at one stage of the integrator.
+  struct Motion {
+    double omega = 0;
+    double omega_dot = 0;
+    double upper_omega = 0;                                // of the rotor above
+    Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ();     // where a servo holds it
+    Eigen::Vector3d axis_dot_B = Eigen::Vector3d::Zero();  // and how fast it turns it, 1/s
   };
 
+  void copy(const base::RotorVector& from, std::array<double, kMost>& to) const {
+    for (int i = 0; i < std::min(rotor_count(), static_cast<int>(from.size())); ++i) {
+      to[static_cast<std::size_t>(i)] = from[i];
+    }
+  }
   Surroundings surroundings(const BodyState& body, const Environment& environment) const;
-  double speed_derivative(double omega, double target) const;
-  double thrust_factor(double axial_speed, double hub_height) const;
-  void add_rotor(std::size_t rotor, double omega, double omega_dot, const Eigen::Vector3d& w_WB_B,
+  static double speed_derivative(const base::RotorParams& params, double omega, double target);
+  static double thrust_factor(const base::RotorParams& params, double axial_speed,
+                              double hub_height);
+  static double tilt_rate(const base::TiltServo& servo, double tilt, double target);
+  Motion motion(std::size_t rotor, std::span<const double> x, std::span<const double> x_dot) const;
+  template <bool kUpright>
+  void add_all(const Surroundings& around, const Eigen::Vector3d& w_WB_B, std::span<const double> x,
+               std::span<double> x_dot, Wrench& wrench) const;
+  template <bool kUpright>
+  void add_rotor(std::size_t rotor, const Motion& motion, const Eigen::Vector3d& w_WB_B,
                  const Surroundings& around, Wrench& wrench) const;
 
-  base::RotorParams params_;
-  std::array<base::RotorGeometry, base::kRotors> rotors_;
-  Eigen::Vector4d targets_ = Eigen::Vector4d::Zero();
-  Eigen::Vector4d effectiveness_ = Eigen::Vector4d::Ones();
-  std::array<bool, base::kRotors> stopped_{};
+  std::size_t count_ = 0;
+  std::size_t servo_count_ = 0;
+  bool upright_ = true;  // no rotor leans, none is in a wake: each term of a step is shorter
+  std::array<Hub, kMost> hubs_;
+  std::array<Servo, kMost> servos_;
+  std::array<double, kMost> targets_{};
+  std::array<double, kMost> tilt_targets_{};
+  std::array<double, kMost> effectiveness_{};
+  std::array<bool, kMost> stopped_{};
 };
 
 }  // namespace cas::sim

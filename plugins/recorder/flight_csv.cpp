@@ -1,36 +1,52 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/recorder/flight_csv.hpp"
 
+#include <algorithm>
+#include <array>
+#include <span>
+
 #include "base/earth/frames.hpp"
 
 namespace cas::sim {
 
-std::array<double, kTruthColumns> truth_row(base::SimTime time, const BodyState& state,
-                                            const Eigen::Vector4d& omega) {
+namespace {
+
+std::string command_header(int values) {
+  std::string header = "time_s,sensor_time_s,kind,armed";
+  for (int i = 1; i <= values; ++i) header += ",value" + std::to_string(i);
+  return header;
+}
+
+}  // namespace
+
+std::string truth_header(int rotors) {
+  std::string header =
+      "time_s,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,roll_rad,pitch_rad,yaw_rad,p_rad_s,q_rad_s,r_rad_s";
+  for (int i = 1; i <= rotors; ++i) header += ",omega" + std::to_string(i) + "_rad_s";
+  return header;
+}
+
+int command_values(const base::Vehicle& vehicle) {
+  int most = 4;
+  for (const base::Rotor& rotor : vehicle.rotors) {
+    most = std::max(most, rotor.output + 1);
+    if (rotor.tilt) most = std::max(most, rotor.tilt->output + 1);
+  }
+  return most;
+}
+
+TruthRow truth_row(base::SimTime time, const BodyState& state, const base::RotorVector& omega) {
   const Eigen::Vector3d p_N = base::swap_WN(state.p_WB);
   const Eigen::Vector3d v_N = base::swap_WN(state.v_WB);
   const Eigen::Vector3d rpy = base::euler_rpy(base::q_ND_from_q_WB(state.q_WB));
   const Eigen::Vector3d w_D = base::swap_BD(state.w_WB_B);
-  return {base::to_seconds(time),
-          p_N.x(),
-          p_N.y(),
-          -p_N.z(),
-          v_N.x(),
-          v_N.y(),
-          -v_N.z(),
-          rpy.x(),
-          rpy.y(),
-          rpy.z(),
-          w_D.x(),
-          w_D.y(),
-          w_D.z(),
-          omega[0],
-          omega[1],
-          omega[2],
-          omega[3]};
+  TruthRow row(kMotionColumns + omega.size());
+  row << base::to_seconds(time), p_N.x(), p_N.y(), -p_N.z(), v_N.x(), v_N.y(), -v_N.z(), rpy, w_D,
+      omega;
+  return row;
 }
 
-SensorCsv::SensorCsv(const std::filesystem::path& folder)
+SensorCsv::SensorCsv(const std::filesystem::path& folder, int commands)
     : imu_(folder / "imu.csv",
            "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"),
       gps_(folder / "gps.csv",
@@ -38,8 +54,8 @@ SensorCsv::SensorCsv(const std::filesystem::path& folder)
       magnetometer_(folder / "magnetometer.csv", "time_s,x_gauss,y_gauss,z_gauss"),
       barometer_(folder / "barometer.csv", "time_s,pressure_pa,temperature_degc"),
       range_(folder / "rangefinder.csv", "time_s,distance_m,valid"),
-      command_(folder / "motor_command.csv",
-               "time_s,sensor_time_s,kind,armed,value1,value2,value3,value4") {}
+      command_(folder / "motor_command.csv", command_header(commands)),
+      commands_(commands) {}
 
 void SensorCsv::write(const ImuSample& sample) {
   const Eigen::Vector3d w_D = base::swap_BD(sample.angular_rate_B);
@@ -69,10 +85,16 @@ void SensorCsv::write(const RangeSample& sample) {
 }
 
 void SensorCsv::write(base::SimTime time, const MotorCommand& command) {
-  const Eigen::Vector4d& u = command.values;
-  command_.row({base::to_seconds(time), base::to_seconds(command.sensor_time),
-                static_cast<double>(command.kind), command.armed ? 1.0 : 0.0, u[0], u[1], u[2],
-                u[3]});
+  constexpr std::size_t kBefore = 4;
+  std::array<double, kBefore + base::kMaxOutputs> row{
+      base::to_seconds(time), base::to_seconds(command.sensor_time),
+      static_cast<double>(command.kind), command.armed ? 1.0 : 0.0};
+  const auto values = static_cast<std::size_t>(commands_);
+  for (std::size_t i = 0; i < std::min(values, static_cast<std::size_t>(command.values.size()));
+       ++i) {
+    row[kBefore + i] = command.values[static_cast<Eigen::Index>(i)];
+  }
+  command_.row(std::span(row).first(kBefore + values));
 }
 
 void SensorCsv::close() {

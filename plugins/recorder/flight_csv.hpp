@@ -2,9 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <filesystem>
-#include <string_view>
+#include <string>
 
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
@@ -13,22 +12,27 @@
 
 namespace cas::sim {
 
-inline constexpr std::string_view kTruthHeader =
-    "time_s,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,roll_rad,pitch_rad,yaw_rad,p_rad_s,q_rad_s,r_rad_s,"
-    "omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s";
-inline constexpr std::size_t kTruthColumns = 17;
+/// Columns of truth.csv before those of the rotors.
+inline constexpr int kMotionColumns = 13;
+/// One line of truth.csv, as many columns as the header of its vehicle.
+using TruthRow =
+    Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMotionColumns + base::kMaxRotors, 1>;
 
+/// Names of the columns of truth.csv: a speed for each rotor.
+std::string truth_header(int rotors);
 /// One line of truth.csv: x north, y east, z up; roll, pitch, yaw of D in N; p, q, r in D.
-std::array<double, kTruthColumns> truth_row(base::SimTime time, const BodyState& state,
-                                            const Eigen::Vector4d& omega_rad_s);
+TruthRow truth_row(base::SimTime time, const BodyState& state,
+                   const base::RotorVector& omega_rad_s);
+/// Values of a motor command that are recorded: U1..U4, or the outputs that drive something.
+int command_values(const base::Vehicle& vehicle);
 
 /// Every sample of every sensor, one CSV file per topic, in D and N as on the wire but in SI:
 /// imu.csv, gps.csv, magnetometer.csv, barometer.csv, rangefinder.csv, motor_command.csv.
 class SensorCsv {
  public:
   SensorCsv() = default;
-  /// @throws base::ConfigError
-  explicit SensorCsv(const std::filesystem::path& folder);
+  /// @param commands  see command_values(). @throws base::ConfigError
+  SensorCsv(const std::filesystem::path& folder, int commands);
 
   void write(const ImuSample& sample);
   void write(const GpsSample& sample);
@@ -45,6 +49,7 @@ class SensorCsv {
   CsvWriter barometer_;
   CsvWriter range_;
   CsvWriter command_;
+  int commands_ = 0;
 };
 
 }  // namespace cas::sim

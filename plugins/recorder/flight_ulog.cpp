@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/recorder/flight_ulog.hpp"
 
+#include <algorithm>
 #include <array>
+#include <string>
 
 #include "base/earth/frames.hpp"
 
@@ -33,12 +35,26 @@ constexpr std::array<UlogTopic, kTopics> kLogged{
      {"sensor_mag", "float x;float y;float z"},
      {"sensor_baro", "float pressure;float temperature"},
      {"distance_sensor", "float current_distance;float min_distance;float max_distance;bool valid"},
-     {"rotor_speeds", "float[4] omega_rad_s"},
-     {"motor_command", "float[4] values;uint8_t kind;bool armed"}}};
+     {"rotor_speeds", "omega_rad_s"},
+     {"motor_command", "values;uint8_t kind;bool armed"}}};
+
+/// Opens a log of the topics above, the last two of them with arrays of the vehicle's lengths.
+UlogFile open_log(const std::filesystem::path& file, int rotors, int commands) {
+  const auto array = [](int length, std::string_view fields) {
+    return "float[" + std::to_string(length) + "] " + std::string(fields);
+  };
+  auto logged = kLogged;
+  const std::string speeds = array(rotors, logged[kRotors].fields);
+  const std::string values = array(commands, logged[kCommand].fields);
+  logged[kRotors].fields = speeds;
+  logged[kCommand].fields = values;
+  return UlogFile(file, logged);
+}
 
 }  // namespace
 
-FlightUlog::FlightUlog(const std::filesystem::path& file) : file_(file, kLogged) {}
+FlightUlog::FlightUlog(const std::filesystem::path& file, int rotors, int commands)
+    : commands_(commands), file_(open_log(file, rotors, commands)) {}
 
 void FlightUlog::write_truth(base::SimTime time, const BodyState& state) {
   const Eigen::Quaterniond q = base::q_ND_from_q_WB(state.q_WB);
@@ -92,8 +108,11 @@ void FlightUlog::write(const RotorSpeeds& speeds) {
 }
 
 void FlightUlog::write(base::SimTime time, const MotorCommand& command) {
+  ActuatorValues values = ActuatorValues::Zero(commands_);
+  const Eigen::Index known = std::min(values.size(), command.values.size());
+  values.head(known) = command.values.head(known);
   file_.write(kCommand, UlogRecord(time)
-                            .put_floats(command.values)
+                            .put_floats(values)
                             .put(static_cast<std::uint8_t>(command.kind))
                             .put(command.armed));
 }

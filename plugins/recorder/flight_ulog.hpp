@@ -15,8 +15,9 @@ namespace cas::sim {
 class FlightUlog {
  public:
   FlightUlog() = default;
-  /// @throws base::ConfigError
-  explicit FlightUlog(const std::filesystem::path& file);
+  /// @param rotors    of the vehicle
+  /// @param commands  see command_values(). @throws base::ConfigError
+  FlightUlog(const std::filesystem::path& file, int rotors, int commands);
 
   void write_truth(base::SimTime time, const BodyState& state);
   void write(const ImuSample& sample);
@@ -29,6 +30,7 @@ class FlightUlog {
   void close() { file_.close(); }
 
  private:
+  int commands_ = 0;
   UlogFile file_;
 };
 

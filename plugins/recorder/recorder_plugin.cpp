@@ -21,6 +21,9 @@ class RecorderPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& params) override {
     vehicle_ = context.vehicle_id();
+    rotors_ = context.vehicle().rotor_count();
+    commands_ = command_values(context.vehicle());
+    speeds_ = standing();
     rate_ = base::RateGate(parse_rate(params, base::to_seconds(context.step())));
     const auto place = [&](const char* key) -> std::filesystem::path {
       const auto name = params.find(key);
@@ -49,7 +52,7 @@ class RecorderPlugin final : public Plugin {
     finish();  // or a buffer would end up in the new file
     open();
     rate_.reset();
-    speeds_ = {};
+    speeds_ = standing();
     now_ = {};
   }
 
@@ -63,14 +66,19 @@ class RecorderPlugin final : public Plugin {
 
  private:
   void open() {
-    truth_ = CsvWriter(truth_file_, kTruthHeader);
-    if (!sensor_dir_.empty()) sensors_.emplace(sensor_dir_);
-    if (!ulog_file_.empty()) ulog_.emplace(ulog_file_);
+    truth_ = CsvWriter(truth_file_, truth_header(rotors_));
+    if (!sensor_dir_.empty()) sensors_.emplace(sensor_dir_, commands_);
+    if (!ulog_file_.empty()) ulog_.emplace(ulog_file_, rotors_, commands_);
+  }
+
+  RotorSpeeds standing() const {
+    return {.time = {}, .omega_rad_s = base::RotorVector::Zero(rotors_)};
   }
 
   void write_truth(base::SimTime time, const World& world) {
     const BodyState& state = world.state(vehicle_);
-    truth_.row(truth_row(time, state, speeds_.omega_rad_s));
+    const TruthRow row = truth_row(time, state, speeds_.omega_rad_s);
+    truth_.row({row.data(), static_cast<std::size_t>(row.size())});
     if (ulog_) ulog_->write_truth(time, state);
   }
 
@@ -105,6 +113,8 @@ class RecorderPlugin final : public Plugin {
   }
 
   VehicleId vehicle_{};
+  int rotors_ = 0;
+  int commands_ = 0;
   base::RateGate rate_;
   std::filesystem::path truth_file_;
   std::filesystem::path sensor_dir_;

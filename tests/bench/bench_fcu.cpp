@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "base/measure/histogram.hpp"
+#include "fcu/control/control_allocation.hpp"
 #include "fcu/control/control_cascade.hpp"
 #include "fcu/control/mixer.hpp"
 #include "fcu/estimation/estimator.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
+#include "tests/fcu/support/frames.hpp"
 #include "tests/support/paths.hpp"
 
 namespace {
@@ -120,6 +122,20 @@ void mixer(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(mixer.mix(demand));
 }
 BENCHMARK(mixer);
+
+/// The allocation for any rotors, within the limits and far beyond them.
+void allocation(benchmark::State& state, const base::Vehicle& vehicle, double size) {
+  const ControlAllocation allocation(AllocationSetup::of(vehicle));
+  ControlDemand demand;
+  demand.u << vehicle.mass_kg * 9.80665, 0.3 * size, -0.2 * size, 0.05 * size;
+  for (auto _ : state) benchmark::DoNotOptimize(allocation.allocate(demand));
+}
+BENCHMARK_CAPTURE(allocation, quad, iris(), 1);
+BENCHMARK_CAPTURE(allocation, quad_saturated, iris(), 30);
+BENCHMARK_CAPTURE(allocation, hexa, fcu::test::hexa_x(), 1);
+BENCHMARK_CAPTURE(allocation, hexa_saturated, fcu::test::hexa_x(), 30);
+BENCHMARK_CAPTURE(allocation, octo, fcu::test::octo_x(), 1);
+BENCHMARK_CAPTURE(allocation, tilted_hexa, fcu::test::tilted_hexa(0.35), 1);
 
 // All of it.
 

@@ -46,7 +46,7 @@ void ImuStep(benchmark::State& bench) {  // what it costs in a step without a sa
   const BodyState state = moving();
   for (auto _ : bench) {
     imu.accumulate(state, {0, 0, -9.8}, kStep);
-    imu.advance_vibration({800, 810, 790, 805}, kStep);
+    imu.advance_vibration(Eigen::Vector4d(800, 810, 790, 805), kStep);
     benchmark::DoNotOptimize(imu);
   }
 }
@@ -121,7 +121,7 @@ void MixControls(benchmark::State& bench) {
   const MotorMixer mixer(iris());
   MotorCommand command;
   command.armed = true;
-  command.values = {15, 0.1, 0.1, 0.01};
+  command.values = Eigen::Vector4d(15, 0.1, 0.1, 0.01);
   for (auto _ : bench) benchmark::DoNotOptimize(mixer.targets(command));
 }
 BENCHMARK(MixControls);

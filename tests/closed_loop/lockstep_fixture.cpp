@@ -39,32 +39,33 @@ void start(std::optional<ChildProcess>& program, const std::vector<std::string>&
 
 }  // namespace
 
-LockstepFixture::LockstepFixture(std::uint64_t seed) {
+LockstepFixture::LockstepFixture(std::uint64_t seed, const std::string& vehicle) {
+  const std::string vehicle_file = kConfig + "vehicles/" + vehicle + ".yaml\n";
   const auto ports = hils::free_udp_ports(2);
   const auto path = [this](const char* name) { return (folder_ / name).string(); };
-  const std::string fcu = folder_
-                              .write("fcu.yaml", "schema: 1\npace: lockstep\nvehicle: " + kConfig +
-                                                     "vehicles/iris_paper.yaml\n")
-                              .string();
+  const std::string fcu =
+      folder_.write("fcu.yaml", "schema: 1\npace: lockstep\nvehicle: " + vehicle_file).string();
   start(fcu_, {kPrograms + "fcu_emulator", fcu, "--link", path("fcu0")});
   start(casd_program_, {kPrograms + "casd", write_casd(ports[0], ports[1])});
-  start(hilsim_, {kPrograms + "hilsim", write_simulator(seed, ports[0], ports[1]), "--paused",
-                  "--control", path("sim.sock"), "--output", folder_.path().string(),
+  start(hilsim_, {kPrograms + "hilsim", write_simulator(seed, vehicle_file, ports[0], ports[1]),
+                  "--paused", "--control", path("sim.sock"), "--output", folder_.path().string(),
                   "--plugin-dir", cas::test::binary_dir() + "/plugins"});
   simulator_.emplace("unix:" + path("sim.sock"));
   casd_.emplace("unix:" + path("casd.sock"));
   casd_->call("casd.status", Json::object());  // it ends clients that ask nothing for 10 s
 }
 
-std::string LockstepFixture::write_simulator(std::uint64_t seed, int port, int casd_port) {
+std::string LockstepFixture::write_simulator(std::uint64_t seed, const std::string& vehicle_file,
+                                             int port, int casd_port) {
   return folder_
       .write("sim.yaml",
              "schema: 1\nworld: {gravity_m_s2: 9.80665, ground: true}\n"
              "home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488}\n"
              "decimal_year: 2026.5\npace: lockstep\npacing: {lockstep_timeout_ms: 20000}\n"
              "seed: " +
-                 std::to_string(seed) + "\nvehicles:\n  - name: iris0\n    vehicle: " + kConfig +
-                 "vehicles/iris_paper.yaml\n    pose: {yaw_deg: 90}\n    plugins:\n"
+                 std::to_string(seed) +
+                 "\nvehicles:\n  - name: iris0\n    vehicle: " + vehicle_file +
+                 "    pose: {yaw_deg: 90}\n    plugins:\n"
                  "      - {plugin: motor}\n      - {plugin: imu}\n      - {plugin: gps}\n"
                  "      - {plugin: magnetometer}\n      - {plugin: barometer}\n"
                  "      - {plugin: mavlink_interface, transport: udp, local: '" +

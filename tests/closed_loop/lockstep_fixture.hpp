@@ -17,7 +17,8 @@ namespace cas::test {
 /// them. Simulated time stands still between two calls of run_until().
 class LockstepFixture {
  public:
-  explicit LockstepFixture(std::uint64_t seed);
+  /// @param vehicle  a shipped one
+  explicit LockstepFixture(std::uint64_t seed, const std::string& vehicle = "iris_paper");
 
   /// Runs to a simulated time. @return sim.status there
   base::rpc::Json run_until(double time_s);
@@ -35,7 +36,8 @@ class LockstepFixture {
   std::string outputs() const;
 
  private:
-  std::string write_simulator(std::uint64_t seed, int port, int casd_port);
+  std::string write_simulator(std::uint64_t seed, const std::string& vehicle_file, int port,
+                              int casd_port);
   std::string write_casd(int port, int casd_port);
 
   TemporaryFolder folder_;

@@ -33,8 +33,8 @@ struct Flight {
   base::rpc::Json status;
 };
 
-Flight take_off(std::uint64_t seed) {
-  LockstepFixture bench(seed);
+Flight take_off(std::uint64_t seed, const std::string& vehicle = "iris_paper") {
+  LockstepFixture bench(seed, vehicle);
   bench.run_until(0.01);
   EXPECT_TRUE(bench.wait_heard()) << bench.outputs();
   const double armed_s = arm(bench);
@@ -60,6 +60,17 @@ TEST(Lockstep, SameSeedGivesTheSameBytesThroughRealProcesses) {
     ASSERT_TRUE(first.streams.contains(source)) << source;
     EXPECT_TRUE(first.streams.at(source) == again.streams.at(source)) << source;
   }
+}
+
+TEST(Lockstep, AHexarotorsSixthOutputReachesItsRotor) {
+  const Flight run = take_off(1, "hexa_x");
+  EXPECT_GT(height(run), 0.5) << "it flies";
+  const std::string header = run.truth.substr(0, run.truth.find('\n'));
+  EXPECT_TRUE(header.ends_with(",omega6_rad_s")) << header;
+  const std::string rest = run.truth.substr(0, run.truth.find_last_not_of('\n') + 1);
+  const double omega_6 = std::stod(rest.substr(rest.rfind(',') + 1));
+  constexpr double kIdle_rad_s = 100;
+  EXPECT_GT(omega_6, 3 * kIdle_rad_s) << "of 551 in hover";
 }
 
 std::string sensors_at_rest(std::uint64_t seed) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Of the ABI of CAS 0.1.0, which had fewer functions.
+// Of the ABI of CAS 0.1.0, whose vehicles had four rotors.
 #include "libsim/api/plugin.hpp"
 
 #undef CAS_ABI_TAG

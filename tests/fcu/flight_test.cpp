@@ -60,7 +60,7 @@ TEST(Flight, TakesOffAndLandsAndDisarms) {
   loop.run(3);
   EXPECT_EQ(loop.command(mavlink::common::MavCmd::kNavLand), mavlink::common::MavResult::kAccepted);
   EXPECT_TRUE(loop.run_until([&] { return !loop.fcu().status().armed; }, 20));
-  EXPECT_TRUE(loop.quad().on_ground());
+  EXPECT_TRUE(loop.multirotor().on_ground());
   EXPECT_TRUE(loop.said("Landed"));
   for (const auto& t : loop.texts()) std::printf("%s\n", t.c_str());
 }

@@ -117,7 +117,7 @@ TEST(Performance, AnAbsurdDelayDoesBringItDown) {
   ClosedLoop loop(options);
   loop.fly_to_hover(2.5);
   loop.run(20);
-  EXPECT_TRUE(!loop.fcu().status().armed || loop.quad().on_ground() ||
+  EXPECT_TRUE(!loop.fcu().status().armed || loop.multirotor().on_ground() ||
               (loop.truth().p_N - Vector3d(0, 0, -2.5)).norm() > 1);
 }
 

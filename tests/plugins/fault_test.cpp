@@ -80,11 +80,19 @@ TEST(FaultSpec, RefusesHalfAndDoubleEntries) {
        {"faults: [{at_s: 1}]", "faults: [{freeze: imu}]",
         "faults: [{at_s: 1, when: armed, freeze: imu}]",
         "faults: [{at_s: 1, freeze: imu, drop: gps}]", "faults: [{at_s: 1, freeze: sonar}]",
-        "faults: [{at_s: 1, bias: {sensor: imu}}]", "faults: [{at_s: 1, rotor: {number: 5}}]",
+        "faults: [{at_s: 1, bias: {sensor: imu}}]", "faults: [{at_s: 1, rotor: {number: 17}}]",
         "faults: [{at_s: 1, for_s: 1, until: armed, freeze: imu}]",
         "faults: [{when: 'altitud > 2', freeze: imu}]"}) {
     EXPECT_THROW(parse_faults(base::ConfigNode::parse(yaml)), base::ConfigError) << yaml;
   }
+}
+
+TEST(FaultPlugin, RefusesARotorThatTheVehicleLacks) {
+  test::PluginHarness quad;
+  EXPECT_THROW(quad.add("fault", "{faults: [{at_s: 1, rotor: {number: 5, stop: true}}]}"),
+               base::ConfigError);
+  test::PluginHarness hexa(std::chrono::milliseconds(1), ".", "hexa_x");
+  EXPECT_NO_THROW(hexa.add("fault", "{faults: [{at_s: 1, rotor: {number: 6, stop: true}}]}"));
 }
 
 /// A vehicle with an IMU and a barometer whose faults are `yaml`; samples by time of arrival.
@@ -207,13 +215,13 @@ TEST_F(FaultyVehicle, StopsWeakensAndStarvesRotors) {
   const auto listening = harness_.bus.subscribe<PropulsionHealth>(
       "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
   run(milliseconds(150));
-  EXPECT_TRUE(health.speed_share.isApprox(Vector4d(1, 0, 1, 1)));
-  EXPECT_TRUE(health.thrust_share.isApprox(Vector4d::Ones()));
+  EXPECT_TRUE(health.speed_share.head<4>().isApprox(Vector4d(1, 0, 1, 1)));
+  EXPECT_TRUE(health.thrust_share.head<4>().isApprox(Vector4d::Ones()));
   run(milliseconds(100));
-  EXPECT_TRUE(health.thrust_share.isApprox(Vector4d(1, 1, 0.6, 1)));
+  EXPECT_TRUE(health.thrust_share.head<4>().isApprox(Vector4d(1, 1, 0.6, 1)));
   EXPECT_DOUBLE_EQ(health.voltage_share, 0.9);
   run(milliseconds(100));
-  EXPECT_TRUE(health.thrust_share.isApprox(Vector4d::Ones()));
+  EXPECT_TRUE(health.thrust_share.head<4>().isApprox(Vector4d::Ones()));
 }
 
 TEST_F(FaultyVehicle, ChangesMassAndBalance) {

@@ -232,14 +232,19 @@ TEST(HilControls, HoldsFieldsToTheirRangesAndIsDisarmedWithoutTheBit) {
   EXPECT_TRUE(command.values.isApprox(Eigen::Vector4d(0, 1, -1, 0)));
 }
 
-TEST(HilActuatorControls, AreMotorOutputsHeldToZeroOne) {
+TEST(HilActuatorControls, AreSixteenOutputsHeldToTheirRange) {
   mv::HilActuatorControls packet;
-  packet.controls = {0.7F, -0.1F, 1.5F, 0.2F};
+  packet.controls = {0.7F, -0.1F, 1.5F, 0.2F, -3.0F, 0.6F};
+  packet.controls[15] = 0.9F;
   packet.mode = static_cast<decltype(packet.mode)>(181);
   const MotorCommand armed = to_motor_command(packet);
   EXPECT_EQ(armed.kind, MotorCommand::Kind::kMotorOutputs);
   EXPECT_TRUE(armed.armed);
-  EXPECT_TRUE(armed.values.isApprox(Eigen::Vector4d(0.7, 0, 1, 0.2), 1e-6));
+  ASSERT_EQ(armed.values.size(), 16);
+  Eigen::VectorXd expected = Eigen::VectorXd::Zero(16);
+  expected.head<6>() << 0.7, -0.1, 1, 0.2, -1, 0.6;
+  expected[15] = 0.9;
+  EXPECT_TRUE(armed.values.isApprox(expected, 1e-6));
   packet.mode = static_cast<decltype(packet.mode)>(53);
   EXPECT_FALSE(to_motor_command(packet).armed);
 }

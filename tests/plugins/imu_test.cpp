@@ -130,7 +130,7 @@ TEST(Imu, VibratesAtTheRotorsSpeed) {
   std::vector<double> x;
   for (int i = 0; i < 1000; ++i) {
     imu.accumulate({}, kGravityW, 1e-3);
-    imu.advance_vibration({omega, 0, 0, 0}, 1e-3);
+    imu.advance_vibration(Eigen::Vector4d(omega, 0, 0, 0), 1e-3);
     x.push_back(imu.sample(base::SimTime{}, {}).specific_force_B.x());
   }
   for (std::size_t i = 8; i < x.size(); ++i) EXPECT_NEAR(x[i], x[i - 8], 1e-9);
@@ -253,7 +253,7 @@ TEST(ImuPlugin, ShakesOnlyWhileTheRotorsTurn) {
   EXPECT_LT(spread.stddev(), 1e-5);
   spread = {};
   // Four rotors of one speed whose phases are drawn: up to four amplitudes of 3 (700 / 800)^2.
-  speeds.publish({.time = {}, .omega_rad_s = {700, 710, 690, 720}});
+  speeds.publish({.time = {}, .omega_rad_s = Eigen::Vector4d(700, 710, 690, 720)});
   harness.run(std::chrono::seconds(4));
   EXPECT_NEAR(spread.stddev(), 3 * std::pow(705.0 / 800, 2) * std::sqrt(4.0 / 2), 0.4);
 }

@@ -22,14 +22,21 @@ constexpr double kExact = 1e-9;
 // Coefficients in round numbers; every secondary effect off unless a test turns it on.
 base::Vehicle simple_vehicle() {
   base::Vehicle vehicle = load_vehicle("iris_px4");
-  vehicle.rotor = {.thrust_coefficient = 1e-5,
-                   .torque_coefficient = 2e-7,
-                   .omega_max_rad_s = 1000,
-                   .omega_idle_rad_s = 100,
-                   .time_constant_up_s = 0.02,
-                   .time_constant_down_s = 0.04,
-                   .radius_m = 0.1};
+  for (base::Rotor& rotor : vehicle.rotors) {
+    rotor.params = {.thrust_coefficient = 1e-5,
+                    .torque_coefficient = 2e-7,
+                    .omega_max_rad_s = 1000,
+                    .omega_idle_rad_s = 100,
+                    .time_constant_up_s = 0.02,
+                    .time_constant_down_s = 0.04,
+                    .radius_m = 0.1};
+  }
   return vehicle;
+}
+
+/// One coefficient of every rotor.
+void set_all(base::Vehicle& vehicle, double base::RotorParams::*member, double value) {
+  for (base::Rotor& rotor : vehicle.rotors) rotor.params.*member = value;
 }
 
 struct Result {
@@ -48,7 +55,7 @@ MotorCommand control_inputs(double u1, double u2, double u3, double u4) {
   MotorCommand command;
   command.armed = true;
   command.kind = MotorCommand::Kind::kControlInputs;
-  command.values = {u1, u2, u3, u4};
+  command.values = Eigen::Vector4d(u1, u2, u3, u4);
   return command;
 }
 
@@ -64,9 +71,9 @@ TEST(MotorMixer, HoldsSpeedsBetweenIdleAndMaximum) {
   const base::Vehicle vehicle = load_vehicle("iris_paper");
   const MotorMixer mixer(vehicle);
   const Vector4d low = mixer.targets(control_inputs(0, 0, 0, 0));
-  EXPECT_TRUE(low.isApprox(Vector4d::Constant(vehicle.rotor.omega_idle_rad_s)));
+  EXPECT_TRUE(low.isApprox(Vector4d::Constant(vehicle.rotors[0].params.omega_idle_rad_s)));
   const Vector4d high = mixer.targets(control_inputs(1000, 0, 0, 0));
-  EXPECT_TRUE(high.isApprox(Vector4d::Constant(vehicle.rotor.omega_max_rad_s)));
+  EXPECT_TRUE(high.isApprox(Vector4d::Constant(vehicle.rotors[0].params.omega_max_rad_s)));
 }
 
 TEST(MotorMixer, MotorOutputsFollowTheLawOfPx4sIris) {
@@ -74,9 +81,9 @@ TEST(MotorMixer, MotorOutputsFollowTheLawOfPx4sIris) {
   MotorCommand command;
   command.kind = MotorCommand::Kind::kMotorOutputs;
   command.armed = true;
-  command.values = {0.0, 0.705, 1.0, 1.7};
+  command.values = Eigen::Vector4d(0.0, 0.705, 1.0, 1.7);
   EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d(100, 805, 1100, 1100), kExact));
-  command.values = {-0.1, -0.1, -1.2, 0.0};
+  command.values = Eigen::Vector4d(-0.1, -0.1, -1.2, 0.0);
   EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d::Constant(100), kExact));
 }
 
@@ -124,7 +131,7 @@ TEST(RotorModel, CounterClockwiseRotorYawsTheBodyClockwise) {
 
 TEST(RotorModel, LagsWithItsOwnTimeConstantUpAndDown) {
   RotorModel rotors(simple_vehicle());
-  rotors.set_targets({600, 400, 500, 500});
+  rotors.set_targets(Eigen::Vector4d(600, 400, 500, 500));
   const Result result = evaluate(rotors, Vector4d::Constant(500));
   EXPECT_NEAR(result.omega_dot[0], 100 / 0.02, kExact);
   EXPECT_NEAR(result.omega_dot[1], -100 / 0.04, kExact);
@@ -133,9 +140,10 @@ TEST(RotorModel, LagsWithItsOwnTimeConstantUpAndDown) {
 
 TEST(RotorModel, WithoutLagSpeedsAreTheirTargets) {
   base::Vehicle vehicle = simple_vehicle();
-  vehicle.rotor.time_constant_up_s = vehicle.rotor.time_constant_down_s = 0;
+  set_all(vehicle, &base::RotorParams::time_constant_up_s, 0);
+  set_all(vehicle, &base::RotorParams::time_constant_down_s, 0);
   RotorModel rotors(vehicle);
-  rotors.set_targets({600, 400, 1500, 0});
+  rotors.set_targets(Eigen::Vector4d(600, 400, 1500, 0));
   std::array<double, 4> omega{500, 500, 500, 500};
   rotors.limit(omega);
   EXPECT_EQ(omega, (std::array<double, 4>{600, 400, 1000, 0}));
@@ -143,19 +151,19 @@ TEST(RotorModel, WithoutLagSpeedsAreTheirTargets) {
 
 TEST(RotorModel, SpinUpTurnsTheBodyBack) {
   base::Vehicle vehicle = simple_vehicle();
-  vehicle.rotor.torque_coefficient = 0;
-  vehicle.rotor.inertia_kg_m2 = 1e-5;
+  set_all(vehicle, &base::RotorParams::torque_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::inertia_kg_m2, 1e-5);
   RotorModel rotors(vehicle);
-  rotors.set_targets({600, 500, 500, 500});
+  rotors.set_targets(Eigen::Vector4d(600, 500, 500, 500));
   const Result result = evaluate(rotors, Vector4d::Constant(500));
   EXPECT_NEAR(result.wrench.torque_B.z(), -1e-5 * 100 / 0.02, kExact);
 }
 
 TEST(RotorModel, SpinningRotorsResistTurningLikeAGyroscope) {
   base::Vehicle vehicle = simple_vehicle();
-  vehicle.rotor.thrust_coefficient = 0;
-  vehicle.rotor.torque_coefficient = 0;
-  vehicle.rotor.inertia_kg_m2 = 1e-5;
+  set_all(vehicle, &base::RotorParams::thrust_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::torque_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::inertia_kg_m2, 1e-5);
   RotorModel rotors(vehicle);
   const Vector4d omega(500, 0, 0, 200);  // H = (500 - 200) J along +Bz
   rotors.set_targets(omega);
@@ -168,8 +176,8 @@ TEST(RotorModel, SpinningRotorsResistTurningLikeAGyroscope) {
 
 TEST(RotorModel, DragsAgainstTheAirInTheRotorPlane) {
   base::Vehicle vehicle = simple_vehicle();
-  vehicle.rotor.thrust_coefficient = 0;
-  vehicle.rotor.drag_coefficient = 1.75e-4;
+  set_all(vehicle, &base::RotorParams::thrust_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::drag_coefficient, 1.75e-4);
   const RotorModel rotors(vehicle);
   BodyState body;
   body.v_WB = {3, 0, 2};
@@ -190,8 +198,9 @@ TEST(RotorModel, HoverDragMatchesTheFigureOfTheIris) {
 
 TEST(RotorModel, AdvancingBladesRollOneRotorAndCancelOverFour) {
   base::Vehicle vehicle = simple_vehicle();
-  vehicle.rotor.thrust_coefficient = vehicle.rotor.torque_coefficient = 0;
-  vehicle.rotor.rolling_moment_coefficient = 1e-6;
+  set_all(vehicle, &base::RotorParams::thrust_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::torque_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::rolling_moment_coefficient, 1e-6);
   const RotorModel rotors(vehicle);
   BodyState body;
   body.v_WB = {10, 0, 0};
@@ -202,7 +211,7 @@ TEST(RotorModel, AdvancingBladesRollOneRotorAndCancelOverFour) {
 
 TEST(RotorModel, ThrustFadesWithAxialSpeed) {
   base::Vehicle vehicle = simple_vehicle();
-  vehicle.rotor.zero_thrust_speed_m_s = 25;
+  set_all(vehicle, &base::RotorParams::zero_thrust_speed_m_s, 25);
   const RotorModel rotors(vehicle);
   const double still = evaluate(rotors, Vector4d::Constant(500)).wrench.force_B.z();
   BodyState body;
@@ -215,7 +224,7 @@ TEST(RotorModel, ThrustFadesWithAxialSpeed) {
 
 TEST(RotorModel, ThinAirTakesThrustAndTorque) {
   base::Vehicle vehicle = simple_vehicle();
-  vehicle.rotor.reference_density_kg_m3 = 1.225;
+  set_all(vehicle, &base::RotorParams::reference_density_kg_m3, 1.225);
   const RotorModel rotors(vehicle);
   Environment air;
   air.air_density_kg_m3 = 1.225 / 2;
@@ -229,7 +238,7 @@ TEST(RotorModel, GroundEffectIsCheesemanAndBennetts) {
   EXPECT_NEAR(RotorModel::ground_effect(0.2, 0.1), 1.0159, 1e-4);     // z = 2 R
   EXPECT_NEAR(RotorModel::ground_effect(0.0, 0.1), 4.0 / 3.0, 1e-9);  // held at z = R / 2
   base::Vehicle vehicle = simple_vehicle();
-  vehicle.rotor.ground_effect = 1;
+  set_all(vehicle, &base::RotorParams::ground_effect, 1);
   for (auto& rotor : vehicle.rotors) rotor.position_B_m.z() = 0.02;
   const RotorModel rotors(vehicle);
   Environment ground;
@@ -282,7 +291,7 @@ constexpr base::BatteryParams kBattery{
     .full_v = 16, .empty_v = 12, .capacity_ah = 1, .resistance_ohm = 0.1, .efficiency = 0.5};
 
 TEST(Battery, SagsUnderLoad) {
-  BatteryModel battery(kBattery, 2e-7);
+  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 2e-7));
   EXPECT_DOUBLE_EQ(battery.speed_share(), 1.0);
   const Vector4d omega = Vector4d::Constant(500);  // 4 * 2e-7 * 500^3 / 0.5 = 200 W
   battery.advance(omega, 0.0);
@@ -292,7 +301,7 @@ TEST(Battery, SagsUnderLoad) {
 }
 
 TEST(Battery, EmptiesByItsCurrent) {
-  BatteryModel battery(kBattery, 2e-7);
+  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 2e-7));
   double used_ah = 0;
   for (int i = 0; i < 60; ++i) {
     battery.advance(Vector4d::Constant(500), 1.0);
@@ -305,7 +314,7 @@ TEST(Battery, EmptiesByItsCurrent) {
 }
 
 TEST(Battery, GivesHalfItsVoltageBeyondWhatItCanGive) {
-  BatteryModel battery(kBattery, 1.0);
+  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 1.0));
   battery.advance(Vector4d::Constant(500), 0.0);
   EXPECT_DOUBLE_EQ(battery.voltage_v(), 8);
 }
@@ -321,8 +330,8 @@ TEST(MotorPlugin, PassesBrokenRotorsOn) {
   outputs.values = Vector4d::Constant(0.7);  // 800 rad/s
   command.publish(outputs);
   PropulsionHealth broken;
-  broken.speed_share = {1, 0, 1, 1};
-  broken.thrust_share = {1, 1, 0.5, 1};
+  broken.speed_share = Eigen::Vector4d(1, 0, 1, 1);
+  broken.thrust_share = Eigen::Vector4d(1, 1, 0.5, 1);
   broken.voltage_share = 0.5;
   health.publish(broken);
   std::array<double, 4> omega{400, 400, 400, 400};

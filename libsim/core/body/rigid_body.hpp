@@ -34,7 +34,7 @@ class CAS_SIM_EXPORT MassProperties {
 class CAS_SIM_EXPORT ForceSet {
  public:
   static constexpr std::size_t kMaxModels = 8;
-  static constexpr std::size_t kMaxStates = 4 * ForceModel::kMaxStates;
+  static constexpr std::size_t kMaxStates = ForceModel::kMaxStates;
   using States = std::array<double, kMaxStates>;
 
   /// @throws base::ConfigError when there are too many models or states

@@ -5,11 +5,11 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 
+#include "base/config/urdf_body.hpp"
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/uri.hpp"
@@ -18,8 +18,6 @@
 namespace cas::sim {
 
 namespace {
-
-constexpr double kTriangleSlack = 1e-6;  // of the largest moment: files round their figures
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& sentence) {
   throw base::ConfigError(file.string() + ": " + sentence);
@@ -197,10 +195,7 @@ class Assembler {
 }  // namespace
 
 bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
-  if (!inertia.allFinite() || !inertia.isApprox(inertia.transpose())) return false;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia, Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d moments = solver.eigenvalues();  // rising
-  return moments[0] > 0 && moments[2] <= moments[0] + moments[1] + kTriangleSlack * moments[2];
+  return base::is_physical_inertia(inertia);
 }
 
 VehicleModel load_vehicle_model(const std::filesystem::path& file) {

@@ -4,7 +4,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <exception>
 #include <string_view>
@@ -21,8 +20,6 @@ constexpr const char* kEntryPoint = "cas_plugin_v1";
 constexpr const char* kSendsEntryPoint = "cas_plugin_sends_v1";
 constexpr std::size_t kMostMessages = 32;  ///< that one plugin may declare
 constexpr std::size_t kMostNameBytes = 64;
-/// Plugins of these builds find all that they call: functions were only added behind theirs.
-constexpr std::array<std::string_view, 2> kTags{CAS_ABI_TAG, CAS_ABI_BUILD ";cas=0.1"};
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& sentence) {
   throw base::ConfigError("plugin " + file.string() + ": " + sentence);
@@ -46,7 +43,7 @@ void check(const PluginDescriptor& descriptor, const std::filesystem::path& file
                      ": built against another version of CAS");
   }
   const std::string tag = text_or_none(descriptor.abi_tag);
-  if (std::ranges::find(kTags, std::string_view(tag)) == kTags.end()) {
+  if (tag != CAS_ABI_TAG) {
     refuse(file, "was built for '" + tag + "', this program for '" CAS_ABI_TAG "': rebuild it");
   }
   if (text_or_none(descriptor.name) != name) {

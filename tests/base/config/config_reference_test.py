@@ -20,7 +20,7 @@ SECTIONS = {
     ("config", "Simulation"): ["libsim/core/load/sim_config.cpp", "base/os/cpu_latency.cpp", "base/os/thread_keys.hpp",
                                  "base/config/sensor_set.cpp"],
     ("config", "Controller"): ["fcu/core/fcu_config.cpp", "fcu/line/line_model.cpp"],
-    ("config", "Vehicle"): ["base/config/vehicle.cpp"],
+    ("config", "Vehicle"): ["base/config/vehicle_file.cpp"],
     ("plugins", "imu"): ["plugins/imu/*.cpp"],
     ("plugins", "gps"): ["plugins/gps/*.cpp"],
     ("plugins", "magnetometer, barometer, rangefinder"): [

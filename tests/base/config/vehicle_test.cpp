@@ -18,8 +18,8 @@ Vehicle load(const std::string& name) {
 
 TEST(VehicleIrisPaper, MixingMatrixIsEquation3) {
   const Vehicle vehicle = load("iris_paper");
-  const double k_f = vehicle.rotor.thrust_coefficient;
-  const double k_m = vehicle.rotor.torque_coefficient;
+  const double k_f = vehicle.rotors[0].params.thrust_coefficient;
+  const double k_m = vehicle.rotors[0].params.torque_coefficient;
   const double l = 0.55 / 2.0 / std::sqrt(2.0);  // l_1 = l_2 from the hub-to-hub diagonal
   Eigen::Matrix4d expected;
   expected << k_f, k_f, k_f, k_f,            //
@@ -47,7 +47,7 @@ class ShippedVehicle : public testing::TestWithParam<const char*> {};
 
 TEST_P(ShippedVehicle, ScalesAreWhatTheRotorsCanGive) {
   const Vehicle vehicle = load(GetParam());
-  const double omega2 = std::pow(vehicle.rotor.omega_max_rad_s, 2);
+  const double omega2 = std::pow(vehicle.rotors[0].params.omega_max_rad_s, 2);
   const Eigen::Matrix4d most = vehicle.mixing_matrix() * omega2;
   const Eigen::Vector4d positive = most.cwiseMax(0.0).rowwise().sum();
   constexpr double kDigitsInTheFile = 1e-7;
@@ -60,12 +60,13 @@ TEST_P(ShippedVehicle, ScalesAreWhatTheRotorsCanGive) {
 TEST_P(ShippedVehicle, IsBalancedAndCanHover) {
   const Vehicle vehicle = load(GetParam());
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const RotorGeometry& rotor : vehicle.rotors) sum += rotor.position_B_m;
+  for (const Rotor& rotor : vehicle.rotors) sum += rotor.position_B_m;
   EXPECT_NEAR(sum.x(), 0.0, 1e-9);
   EXPECT_NEAR(sum.y(), 0.0, 1e-9);
-  const double hover = std::sqrt(vehicle.mass_kg * 9.80665 / 4 / vehicle.rotor.thrust_coefficient);
+  const double hover =
+      std::sqrt(vehicle.mass_kg * 9.80665 / 4 / vehicle.rotors[0].params.thrust_coefficient);
   EXPECT_NEAR(hover, 806, 1);
-  EXPECT_LT(hover, vehicle.rotor.omega_max_rad_s);
+  EXPECT_LT(hover, vehicle.rotors[0].params.omega_max_rad_s);
 }
 
 TEST_P(ShippedVehicle, HasAModelFileAndASensorPresetForEachPlugin) {
@@ -138,6 +139,285 @@ INSTANTIATE_TEST_SUITE_P(
                     WrongCase{"Mistyped", "radius_m:", "radus_m:", "did you mean it by 'radus_m'"},
                     WrongCase{"NoDefaultForDrag", "  drag_coefficient: 1.75e-4", "",
                               "rotor: key 'drag_coefficient' is missing"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(VehicleFile, NamesAllMissingKeysInOneSentence) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("v.yaml", R"(
+schema: 1
+name: mine
+urdf: nowhere.urdf
+rotors:
+  - {position_B_m: [0.1, 0, 0], spin: 1, radius_m: 0.1}
+  - {spin: -1}
+rotor: {thrust_coefficient: 1.0e-5, omega_max_rad_s: 900}
+scales: {u1_max_n: 10}
+)");
+  try {
+    Vehicle::load(file);
+    FAIL() << "was accepted";
+  } catch (const ConfigError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find(file.string()), 0U) << text;
+    for (const char* key :
+         {"'system_id'", "'body_drag_linear_n_s_m'", "'mass_kg'", "'inertia_kg_m2'",
+          "'rotor.torque_coefficient'", "'rotor.ground_effect'", "'rotor.radius_m'",
+          "'rotors[1].position_B_m'", "'scales.u2_max_nm'", "'scales.u4_max_nm'"}) {
+      EXPECT_NE(text.find(key), std::string::npos) << key << " in " << text;
+    }
+    EXPECT_EQ(text.find("thrust_coefficient"), std::string::npos) << text;
+  }
+}
+
+TEST(VehicleFile, ScalesAreComputedWhereTheyAreLeftOut) {
+  const test::TemporaryFolder folder;
+  std::string text = changed("urdf: iris_paper.urdf", "urdf: nowhere.urdf");
+  const std::size_t begin = text.find("scales:");
+  text.erase(begin, text.find("body_drag") - begin);
+  const Vehicle computed = Vehicle::load(folder.write("v.yaml", text));
+  const Vehicle given = load("iris_paper");
+  constexpr double kDigitsInTheFile = 1e-7;
+  EXPECT_NEAR(computed.scales.u1_max_n / given.scales.u1_max_n, 1, kDigitsInTheFile);
+  EXPECT_NEAR(computed.scales.u2_max_nm / given.scales.u2_max_nm, 1, kDigitsInTheFile);
+  EXPECT_NEAR(computed.scales.u3_max_nm / given.scales.u3_max_nm, 1, kDigitsInTheFile);
+  EXPECT_NEAR(computed.scales.u4_max_nm / given.scales.u4_max_nm, 1, kDigitsInTheFile);
+}
+
+/// A vehicle of any number of rotors on a circle whose model is not there.
+std::string round_vehicle(int rotors, const std::string& keys_of_rotor_2 = "") {
+  std::string text = R"(schema: 1
+name: round
+urdf: nowhere.urdf
+mass_kg: 2
+inertia_kg_m2: [0.02, 0.02, 0.03]
+body_drag_linear_n_s_m: 0
+system_id: 1
+rotor: {thrust_coefficient: 1.0e-5, torque_coefficient: 2.0e-7, omega_max_rad_s: 900,
+  omega_idle_rad_s: 100, time_constant_up_s: 0.02, time_constant_down_s: 0.03,
+  inertia_kg_m2: 3.0e-5, radius_m: 0.1, drag_coefficient: 0, rolling_moment_coefficient: 0,
+  zero_thrust_speed_m_s: 0, reference_density_kg_m3: 0, ground_effect: 0}
+rotors:
+)";
+  for (int i = 0; i < rotors; ++i) {
+    const double angle = 2 * M_PI * i / rotors;
+    text += "  - {position_B_m: [" + std::to_string(std::cos(angle)) + ", " +
+            std::to_string(std::sin(angle)) + ", 0], spin: " + (i % 2 == 0 ? "1" : "-1") +
+            (i == 1 ? keys_of_rotor_2 : "") + "}\n";
+  }
+  return text;
+}
+
+TEST(VehicleFile, HasOneToSixteenRotors) {
+  const test::TemporaryFolder folder;
+  for (const int count : {1, 2, 3, 4, 5, 6, 8, 12, 16}) {
+    const Vehicle vehicle = Vehicle::load(folder.write("v.yaml", round_vehicle(count)));
+    EXPECT_EQ(vehicle.rotor_count(), count);
+    EXPECT_EQ(vehicle.effectiveness().cols(), count);
+    EXPECT_EQ(vehicle.rotors.back().output, count - 1);
+  }
+  for (const int count : {0, 17}) {
+    EXPECT_THROW(Vehicle::load(folder.write("v.yaml", round_vehicle(count))), ConfigError);
+  }
+}
+
+TEST(VehicleFile, ARotorsOwnKeysGoBeforeTheCommonOnes) {
+  const test::TemporaryFolder folder;
+  const Vehicle vehicle = Vehicle::load(folder.write(
+      "v.yaml", round_vehicle(3,
+                              ", thrust_coefficient: 3.0e-5, axis_B: [0, 3, 4], output: 9, "
+                              "in_wake_of: 3, wake_thrust_share: 0.8, tilt: {axis_B: [2, 0, 0], "
+                              "min_deg: -90, max_deg: 45, rate_deg_s: 360, time_constant_s: "
+                              "0.05, output: 4}")));
+  EXPECT_EQ(vehicle.rotors[0].params.thrust_coefficient, 1e-5);
+  const Rotor& own = vehicle.rotors[1];
+  EXPECT_EQ(own.params.thrust_coefficient, 3e-5);
+  EXPECT_EQ(own.params.torque_coefficient, 2e-7);
+  EXPECT_TRUE(own.axis_B.isApprox(Eigen::Vector3d(0, 0.6, 0.8)));
+  EXPECT_EQ(own.output, 8);
+  ASSERT_TRUE(own.wake && own.tilt);
+  EXPECT_EQ(own.wake->upper, 2);
+  EXPECT_EQ(own.wake->thrust_share, 0.8);
+  EXPECT_EQ(own.tilt->axis_B, Eigen::Vector3d::UnitX());
+  EXPECT_NEAR(own.tilt->min_rad, -M_PI / 2, 1e-12);
+  EXPECT_NEAR(own.tilt->angle_rad(0.5), M_PI / 8, 1e-12);
+  EXPECT_NEAR(own.tilt->angle_rad(-0.5), -M_PI / 4, 1e-12);
+  EXPECT_NEAR(own.tilt->rate_rad_s, 2 * M_PI, 1e-12);
+  EXPECT_EQ(own.tilt->output, 3);
+}
+
+struct RotorCase {
+  const char* name;
+  const char* keys;
+  const char* message;
+};
+
+class WrongRotor : public testing::TestWithParam<RotorCase> {};
+
+TEST_P(WrongRotor, IsRefusedWithItsPlace) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("v.yaml", round_vehicle(3, GetParam().keys));
+  try {
+    Vehicle::load(file);
+    FAIL() << "was accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find(GetParam().message), std::string::npos)
+        << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Keys, WrongRotor,
+    testing::Values(
+        RotorCase{"Axis", ", axis_B: [0, 0, 0]", "rotors[1].axis_B: is a direction"},
+        RotorCase{"Output", ", output: 17", "rotors[1].output: must lie in [1, 16]"},
+        RotorCase{"OutputTwice", ", output: 1", "rotors[1]: output 1 drives something else"},
+        RotorCase{"OwnWake", ", in_wake_of: 2, wake_thrust_share: 1", "number of another rotor"},
+        RotorCase{"WakeOfNone", ", in_wake_of: 4, wake_thrust_share: 1", "number of another rotor"},
+        RotorCase{"WakeWithoutShare", ", in_wake_of: 1", "key 'wake_thrust_share' is missing"},
+        RotorCase{"Tilt", ", tilt: {axis_B: [1, 0, 0], output: 4}",
+                  "'rotors[1].tilt.min_deg', 'rotors[1].tilt.max_deg'"},
+        RotorCase{"Unknown", ", raduis_m: 1", "rotors[1].raduis_m: unknown key"},
+        RotorCase{"LinkOfNoModel", ", link: prop", "the model has no link 'prop'"}),
+    [](const auto& test) { return test.param.name; });
+
+// One description: the model and the vehicle file.
+
+/// A quad's model with its rotors at `arm`, one leaning, the body's centre of gravity aside.
+std::string quad_model(double arm, double lean_rad, double mass, double inertia, double cog_x,
+                       int rotors = 4) {
+  std::string text = "<robot name='q'>\n<link name='base_link'>\n<inertial><origin xyz='" +
+                     std::to_string(cog_x) + " 0 0'/><mass value='" + std::to_string(mass) +
+                     "'/><inertia ixx='" + std::to_string(inertia) + "' iyy='" +
+                     std::to_string(inertia) + "' izz='" + std::to_string(1.5 * inertia) +
+                     "' ixy='0' ixz='0' iyz='0'/></inertial></link>\n";
+  const double places[6][2] = {{1, -1}, {-1, 1}, {1, 1}, {-1, -1}, {2, 0}, {-2, 0}};
+  for (int i = 0; i < rotors; ++i) {
+    const std::string name = "prop_" + std::to_string(i + 1);
+    text += "<link name='" + name + "'/><joint name='j" + std::to_string(i) +
+            "' type='continuous'><origin xyz='" + std::to_string(arm * places[i][0]) + " " +
+            std::to_string(arm * places[i][1]) + " 0.02' rpy='" +
+            std::to_string(i == 0 ? lean_rad : 0.0) +
+            " 0 0'/><parent link='base_link'/><child link='" + name +
+            "'/><axis xyz='0 0 -1'/></joint>\n";
+  }
+  return text + "</robot>\n";
+}
+
+constexpr const char* kQuadRest = R"(
+schema: 1
+name: q
+urdf: q.urdf
+body_drag_linear_n_s_m: 0
+system_id: 1
+rotor: {thrust_coefficient: 1.0e-5, torque_coefficient: 2.0e-7, omega_max_rad_s: 900,
+  omega_idle_rad_s: 100, time_constant_up_s: 0.02, time_constant_down_s: 0.03,
+  inertia_kg_m2: 3.0e-5, radius_m: 0.1, drag_coefficient: 0, rolling_moment_coefficient: 0,
+  zero_thrust_speed_m_s: 0, reference_density_kg_m3: 0, ground_effect: 0}
+)";
+
+TEST(OneDescription, WhatTheFileLeavesOutIsTheModels) {
+  const test::TemporaryFolder folder;
+  folder.write("q.urdf", quad_model(0.2, 0.3, 1.2, 0.02, 0.01));
+  const Vehicle vehicle = Vehicle::load(
+      folder.write("q.yaml", std::string(kQuadRest) + "rotors: [{link: prop_3, spin: 1}, {link: "
+                                                      "prop_1, spin: -1}, {link: prop_2, spin: 1}, "
+                                                      "{link: prop_4, spin: -1}]\n"));
+  constexpr double kDigitsInTheFile = 1e-6;
+  EXPECT_NEAR(vehicle.mass_kg, 1.2, kDigitsInTheFile);
+  EXPECT_TRUE(vehicle.inertia_kg_m2.isApprox(Eigen::Vector3d(0.02, 0.02, 0.03), kDigitsInTheFile));
+  // From the centre of gravity, which is 10 mm ahead of the root link's origin.
+  EXPECT_TRUE(
+      vehicle.rotors[0].position_B_m.isApprox(Eigen::Vector3d(0.19, 0.2, 0.02), kDigitsInTheFile));
+  EXPECT_EQ(vehicle.rotors[0].axis_B, Eigen::Vector3d::UnitZ()) << "thrust is upwards";
+  EXPECT_TRUE(vehicle.rotors[1].axis_B.isApprox(Eigen::Vector3d(0, -std::sin(0.3), std::cos(0.3)),
+                                                kDigitsInTheFile));
+}
+
+struct DifferentCase {
+  const char* name;
+  double arm, lean_rad, mass, inertia, cog_x;
+  int rotors;
+  std::vector<const char*> message;
+};
+
+class DifferentModel : public testing::TestWithParam<DifferentCase> {};
+
+TEST_P(DifferentModel, IsRefusedWithBothValuesAndBothLines) {
+  const auto& c = GetParam();
+  const test::TemporaryFolder folder;
+  folder.write("q.urdf", quad_model(c.arm, c.lean_rad, c.mass, c.inertia, c.cog_x, c.rotors));
+  const auto file = folder.write("q.yaml", std::string(kQuadRest) + R"(mass_kg: 1.2
+inertia_kg_m2: [0.02, 0.02, 0.03]
+rotors:
+  - {position_B_m: [0.2, -0.2, 0.02], axis_B: [0, 0, 1], spin: 1}
+  - {position_B_m: [-0.2, 0.2, 0.02], spin: 1}
+  - {position_B_m: [0.2, 0.2, 0.02], spin: -1}
+  - {position_B_m: [-0.2, -0.2, 0.02], spin: -1}
+)");
+  if (c.message.empty()) {
+    EXPECT_NO_THROW(Vehicle::load(file));
+    return;
+  }
+  try {
+    Vehicle::load(file);
+    FAIL() << "was accepted";
+  } catch (const ConfigError& error) {
+    for (const char* part : c.message) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
+          << part << " in " << error.what();
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, DifferentModel,
+    testing::Values(
+        DifferentCase{"TheSame", 0.2, 0, 1.2, 0.02, 0, 4, {}},
+        DifferentCase{"TwiceTheDistance",
+                      0.4,
+                      0,
+                      1.2,
+                      0.02,
+                      0,
+                      4,
+                      {"q.yaml:14: rotors[0].position_B_m: is [0.2, -0.2, 0.02]", "q.urdf:4",
+                       "[0.4, -0.4, 0.02]", "link 'prop_1'"}},
+        DifferentCase{"OneLeans",
+                      0.2,
+                      0.5,
+                      1.2,
+                      0.02,
+                      0,
+                      4,
+                      {"q.yaml:14: rotors[0].axis_B: is [0, 0, 1]", "q.urdf:4", "-0.479426"}},
+        DifferentCase{"SixRotors",
+                      0.2,
+                      0,
+                      1.2,
+                      0.02,
+                      0,
+                      6,
+                      {"rotors: lists 4 rotors", "q.urdf:8", "'prop_5'"}},
+        DifferentCase{
+            "Mass", 0.2, 0, 1.3, 0.02, 0, 4, {"q.yaml:11: mass_kg: is 1.2", "q.urdf:3 has 1.3"}},
+        DifferentCase{
+            "TenTimesTheInertia",
+            0.2,
+            0,
+            1.2,
+            0.2,
+            0,
+            4,
+            {"q.yaml:12: inertia_kg_m2: is [0.02, 0.02, 0.03]", "q.urdf:3", "[0.2, 0.2, 0.3]"}},
+        DifferentCase{"CentreOfGravity",
+                      0.2,
+                      0,
+                      1.2,
+                      0.02,
+                      0.05,
+                      4,
+                      {"rotors[0].position_B_m: is [0.2, -0.2, 0.02]", "[0.15, -0.2, 0.02]",
+                       "centre of gravity, which is at [0.05, 0, 0]"}}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -5,7 +5,9 @@
 
 #include <Eigen/LU>
 
+#include "base/error.hpp"
 #include "base/random.hpp"
+#include "tests/fcu/support/frames.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::fcu {
@@ -68,8 +70,8 @@ class MixerOnAnyVehicle : public testing::TestWithParam<const char*> {};
 TEST_P(MixerOnAnyVehicle, NeverAsksForMoreThanTheRotorsHave) {
   const base::Vehicle vehicle = load(GetParam());
   const Mixer mixer(vehicle);
-  const double low = std::pow(vehicle.rotor.omega_idle_rad_s, 2);
-  const double high = std::pow(vehicle.rotor.omega_max_rad_s, 2);
+  const double low = std::pow(vehicle.rotors[0].params.omega_idle_rad_s, 2);
+  const double high = std::pow(vehicle.rotors[0].params.omega_max_rad_s, 2);
   base::NormalRandom random(7);
   for (int i = 0; i < 5000; ++i) {
     const Vector4d demand(15 + 15 * random(), 3 * random(), 3 * random(), random());
@@ -93,9 +95,38 @@ INSTANTIATE_TEST_SUITE_P(Vehicles, MixerOnAnyVehicle, testing::Values("iris_pape
 TEST(Mixer, MapsIdleAndFullSpeedToZeroAndOne) {
   const base::Vehicle vehicle = load("iris_paper");
   const Mixer mixer(vehicle);
-  const double full = std::pow(vehicle.rotor.omega_max_rad_s, 2);
-  EXPECT_TRUE(mixer.motor_outputs(mixer.mix(mixer.idle()).omega_sq).isZero(1e-9));
-  EXPECT_TRUE(mixer.motor_outputs(Vector4d::Constant(full)).isApprox(Vector4d::Ones(), 1e-9));
+  const double full = std::pow(vehicle.rotors[0].params.omega_max_rad_s, 2);
+  MixerResult fastest;
+  fastest.omega_sq = Vector4d::Constant(full);
+  for (std::size_t i = 0; i < base::kMaxOutputs; ++i) {
+    EXPECT_EQ(mixer.output_kind(i), i < 4 ? OutputKind::kMotor : OutputKind::kNothing);
+    EXPECT_NEAR(mixer.outputs(mixer.idle())[i], 0, 1e-9);
+    EXPECT_NEAR(mixer.outputs(fastest)[i], i < 4 ? 1 : 0, 1e-9);
+  }
+}
+
+TEST(Mixer, PutsRotorsAndServosOnTheirOutputs) {
+  base::Vehicle vehicle = test::tri();
+  vehicle.rotors[0].output = 2;
+  vehicle.rotors[1].output = 0;
+  vehicle.rotors[2].output = 5;
+  vehicle.rotors[2].tilt->output = 15;
+  const Mixer mixer(vehicle);
+  EXPECT_EQ(mixer.output_kind(15), OutputKind::kServo);
+  EXPECT_EQ(mixer.output_kind(1), OutputKind::kNothing);
+  MixerResult result = mixer.idle();
+  result.omega_sq[0] = std::pow(vehicle.rotors[0].params.omega_max_rad_s, 2);
+  result.tilt_rad[2] = -0.3;
+  const auto outputs = mixer.outputs(result);
+  EXPECT_NEAR(outputs[2], 1, 1e-12);
+  EXPECT_NEAR(outputs[0], 0, 1e-12);
+  EXPECT_NEAR(outputs[15], -0.5, 1e-12);
+  EXPECT_EQ(outputs[1], 0);
+}
+
+TEST(Mixer, RefusesRotorsThatCannotRoll) {
+  std::vector<base::Rotor> line{test::rotor(0.3, 0, 1), test::rotor(0.3, 180, -1)};
+  EXPECT_THROW(Mixer(test::frame("line", line, 1, {0.01, 0.01, 0.02})), base::ConfigError);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST_F(FailsafeFlight, WithoutGpsItDescendsLevelAndDisarms) {
   EXPECT_TRUE(reaches(FlightMode::kLand));
   EXPECT_TRUE(loop_.said("Position lost"));
   EXPECT_TRUE(lands());
-  EXPECT_TRUE(loop_.quad().on_ground());
+  EXPECT_TRUE(loop_.multirotor().on_ground());
 }
 
 TEST_F(FailsafeFlight, WithoutBarometerItHoldsHeightByGps) {
@@ -109,8 +109,8 @@ TEST_F(FailsafeFlight, ACriticalBatteryReturnsAndAnEmptyOneLands) {
 
 TEST_F(FailsafeFlight, TiltedTooFarTheRotorsStop) {
   ASSERT_TRUE(loop_.fly_to_hover(20));  // room to fall
-  loop_.quad().weaken_rotor(0, 0);      // both rotors of the right side
-  loop_.quad().weaken_rotor(1, 0);
+  loop_.multirotor().weaken_rotor(0, 0);      // both rotors of the right side
+  loop_.multirotor().weaken_rotor(1, 0);
   EXPECT_TRUE(loop_.run_until([&] { return !loop_.fcu().status().armed; }, 10));
   EXPECT_TRUE(loop_.said("tilt too large"));
   EXPECT_EQ(loop_.command(MavCmd::kComponentArmDisarm, {1}), MavResult::kTemporarilyRejected);

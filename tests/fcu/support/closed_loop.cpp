@@ -8,6 +8,7 @@
 #include "base/earth/magnetic_field.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
+#include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -58,10 +59,10 @@ void assume(FcuConfig& config, const SensorNoise& noise) {
 
 ClosedLoop::ClosedLoop(const LoopOptions& options)
     : options_(options),
-      vehicle_(load_vehicle(options.vehicle)),
+      vehicle_(options.airframe ? *options.airframe : load_vehicle(options.vehicle)),
       projection_(home_),
       field_N_(base::magnetic_field_N(home_, kYear)),
-      quad_(vehicle_, options.mass_scale, options.yaw_rad),
+      multirotor_(vehicle_, options.mass_scale, options.yaw_rad),
       imu_random_(base::derive_seed(options.seed, "imu")),
       gps_random_(base::derive_seed(options.seed, "gps")),
       mag_random_(base::derive_seed(options.seed, "mag")),
@@ -97,7 +98,7 @@ void ClosedLoop::to_fcu(const Message& message) {
 
 void ClosedLoop::on_fcu_bytes(std::span<const std::uint8_t> bytes) {
   const auto packet = mav::view_packet(bytes);
-  if (packet.message_id == HilControls::kId) {
+  if (packet.message_id == HilControls::kId || packet.message_id == HilActuatorControls::kId) {
     if (down_) {
       down_->write(bytes, now());
     } else {
@@ -110,6 +111,13 @@ void ClosedLoop::on_fcu_bytes(std::span<const std::uint8_t> bytes) {
 }
 
 void ClosedLoop::on_answer(const mav::PacketView& packet) {
+  if (const auto m = mav::decode<HilActuatorControls>(packet)) {
+    ++controls_received;
+    std::array<double, base::kMaxOutputs> outputs{};
+    std::copy(m->controls.begin(), m->controls.end(), outputs.begin());
+    multirotor_.command(outputs, (static_cast<unsigned>(m->mode) & 128U) != 0);
+    return;
+  }
   const auto m = mav::decode<HilControls>(packet);
   if (!m) return;
   ++controls_received;
@@ -118,7 +126,7 @@ void ClosedLoop::on_answer(const mav::PacketView& packet) {
                           s.u2_max_nm * static_cast<double>(m->roll_ailerons),
                           s.u3_max_nm * static_cast<double>(m->pitch_elevator),
                           s.u4_max_nm * static_cast<double>(m->yaw_rudder));
-  quad_.command(u, (static_cast<unsigned>(m->mode) & 128U) != 0);
+  multirotor_.command(u, (static_cast<unsigned>(m->mode) & 128U) != 0);
 }
 
 void ClosedLoop::move_lines() {
@@ -133,7 +141,7 @@ void ClosedLoop::move_lines() {
 }
 
 void ClosedLoop::sense() {
-  const auto& truth = quad_.state();
+  const auto& truth = multirotor_.state();
   const auto& noise = options_.noise;
   const auto noisy = [](const Vector3d& value, const Vector3d& sigma, base::NormalRandom& random) {
     return Vector3d(value.x() + sigma.x() * random(), value.y() + sigma.y() * random(),
@@ -147,7 +155,7 @@ void ClosedLoop::sense() {
     if (imu_on) {
       // The mean over the sample's period, as an integrating sensor gives it.
       const Vector3d f =
-          noisy(0.5 * (force_before_D_ + quad_.specific_force_D()) + noise.accel_bias_m_s2,
+          noisy(0.5 * (force_before_D_ + multirotor_.specific_force_D()) + noise.accel_bias_m_s2,
                 noise.accel_m_s2, imu_random_);
       const Vector3d w = noisy(truth.w_D + noise.gyro_bias_rad_s, noise.gyro_rad_s, imu_random_);
       m.xacc = static_cast<float>(f.x());
@@ -208,8 +216,8 @@ void ClosedLoop::run(double seconds, const std::function<void()>& each) {
   const auto steps = static_cast<std::int64_t>(std::llround(seconds * 1e6 / kStep_us));
   const double dt = kStep_us * 1e-6;
   for (std::int64_t i = 0; i < steps; ++i) {
-    force_before_D_ = quad_.specific_force_D();
-    quad_.step(dt);
+    force_before_D_ = multirotor_.specific_force_D();
+    multirotor_.step(dt);
     ++steps_;
     time_ += std::chrono::microseconds(kStep_us);
     sense();
@@ -276,7 +284,7 @@ void ClosedLoop::go_to(double north_m, double east_m, double up_m, float yaw_rad
   send(m);
 }
 
-double ClosedLoop::yaw() const { return base::euler_rpy(quad_.state().q_ND).z(); }
+double ClosedLoop::yaw() const { return base::euler_rpy(multirotor_.state().q_ND).z(); }
 
 std::vector<std::string> ClosedLoop::texts() const {
   std::vector<std::string> out;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@
 #include "mavlink/common/command_ack.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
-#include "tests/fcu/support/quad_sim.hpp"
+#include "tests/fcu/support/multirotor_sim.hpp"
 
 namespace cas::fcu::test {
 
@@ -40,6 +41,7 @@ SensorNoise rtk_noise();
 
 struct LoopOptions {
   std::string vehicle = "iris_paper";
+  std::optional<base::Vehicle> airframe;  ///< this one instead
   SensorNoise noise;
   std::uint64_t seed = 1;
   double mass_scale = 1;
@@ -85,9 +87,9 @@ class ClosedLoop {
   /// The controller's configuration.
   const FcuConfig& config() const { return config_; }
   FlightController& fcu() { return *fcu_; }
-  QuadSim& quad() { return quad_; }
+  MultirotorSim& multirotor() { return multirotor_; }
   SensorNoise& noise() { return options_.noise; }
-  const QuadSim::State& truth() const { return quad_.state(); }
+  const MultirotorSim::State& truth() const { return multirotor_.state(); }
   double yaw() const;
   base::RunTime now() const { return base::RunTime(time_.time_since_epoch()); }
   double time_s() const { return base::to_seconds(time_); }
@@ -125,7 +127,7 @@ class ClosedLoop {
   base::Geodetic home_{47.397742, 8.545594, 488.0};
   base::LocalProjection projection_;
   Eigen::Vector3d field_N_;
-  QuadSim quad_;
+  MultirotorSim multirotor_;
   base::NormalRandom imu_random_, gps_random_, mag_random_, baro_random_, loss_random_;
   std::unique_ptr<LineModel> up_, down_;
   std::unique_ptr<FlightController> fcu_;

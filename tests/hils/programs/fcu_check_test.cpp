@@ -136,6 +136,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(RotorCase{"Iris", "iris_px4", "px4", true, true},
                     RotorCase{"X500", "x500", "px4", true, true},
                     RotorCase{"QuadX", "quad_x", "px4", true, true},
+                    RotorCase{"HexaX", "hexa_x", "px4", true, true},
+                    RotorCase{"Y6", "y6", "px4", true, true},
                     RotorCase{"ThePapersOrder", "iris_paper", "px4", true, false},
                     RotorCase{"ThePapersOrderByAxes", "iris_paper", "px4", false, true},
                     RotorCase{"ThePapersOrderElsewhere", "iris_paper", "generic", true, true}),

@@ -25,7 +25,7 @@ class SteadyRotors final : public ForceModel {
  public:
   SteadyRotors(const base::Vehicle& vehicle, const Eigen::Vector4d& omega)
       : u_(vehicle.mixing_matrix() * omega.cwiseAbs2()),
-        h_(vehicle.rotor.inertia_kg_m2 * (omega[0] - omega[1] + omega[2] - omega[3])) {}
+        h_(vehicle.rotors[0].params.inertia_kg_m2 * (omega[0] - omega[1] + omega[2] - omega[3])) {}
 
   int state_count() const override { return 0; }
   void initial_states(std::span<double>) const override {}
@@ -79,7 +79,7 @@ struct Eq4 {
 TEST(Eq4, IsTheSmallAngleReadingOfNewtonEuler) {
   const base::Vehicle vehicle = iris();
   const double hover =
-      std::sqrt(vehicle.mass_kg * kGravity / (4 * vehicle.rotor.thrust_coefficient));
+      std::sqrt(vehicle.mass_kg * kGravity / (4 * vehicle.rotors[0].params.thrust_coefficient));
   // A little of each moment.
   const Eigen::Vector4d omega = Eigen::Vector4d(hover + 2.4, hover - 1.0, hover + 0.4, hover - 2.0);
   const SteadyRotors rotors(vehicle, omega);
@@ -113,7 +113,7 @@ TEST(Eq4, PitchTermAsPrintedWouldMakeEnergyFromNothing) {
   // pitch equation rotational energy grows; the simulator keeps it.
   const base::Vehicle vehicle = iris();
   const Eigen::Vector3d& i = vehicle.inertia_kg_m2;
-  const double j_omega = vehicle.rotor.inertia_kg_m2 * 400;
+  const double j_omega = vehicle.rotors[0].params.inertia_kg_m2 * 400;
   const auto energy = [&](const Eigen::Vector3d& w) { return 0.5 * w.dot(i.cwiseProduct(w)); };
   const auto advance = [&](Eigen::Vector3d w, double pitch_sign) {
     for (int step = 0; step < 100000; ++step) {

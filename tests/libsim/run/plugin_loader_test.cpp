@@ -23,10 +23,9 @@ TEST(PluginLoader, MakesPluginsThatOutliveTheLoader) {
   EXPECT_EQ(plugin->stats_json(), R"({"pre":0,"post":0,"endpoint":"fake 1"})");
 }
 
-TEST(PluginLoader, TakesAPluginOfTheVersionBefore) {
+TEST(PluginLoader, RefusesAPluginOfTheVersionBeforeWhoseVehicleIsAnother) {
   PluginLoader loader({test::kFakePluginDir});
-  EXPECT_NE(loader.create("fake_older"), nullptr);
-  EXPECT_TRUE(loader.sends("fake_older").empty());
+  EXPECT_THAT(test::refusal([&] { loader.create("fake_older"); }), HasSubstr("rebuild it"));
 }
 
 TEST(PluginLoader, ReadsWhatAPluginDeclaresToSend) {

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/config/frame_table.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace cas::base {
+namespace {
+
+constexpr double kSameDirection_deg = 20;  // arms need not be a regular star
+
+Frame parse_frame(const ConfigNode& node) {
+  Frame frame;
+  frame.name = node.require<std::string>("name");
+  if (const auto px4 = node.find("px4")) frame.px4_airframe = px4->as<int>();
+  if (const auto ardupilot = node.find("ardupilot")) {
+    const std::vector<ConfigNode> pair = ardupilot->items();
+    if (pair.size() != 2) ardupilot->fail("is [FRAME_CLASS, FRAME_TYPE]");
+    frame.ardupilot = {pair[0].as<int>(), pair[1].as<int>()};
+  }
+  for (const ConfigNode& item : node.at("rotors").items()) {
+    const std::vector<ConfigNode> place = item.items();
+    if (place.size() != 3) item.fail("is [angle, spin, level]");
+    frame.rotors.push_back({place[0].as<double>(), place[1].as<int>(), place[2].as<int>()});
+  }
+  return frame;
+}
+
+/// 1 for the upper rotor of a pair, -1 for the lower, 0 for one that stands alone.
+int level_of(const Vehicle& vehicle, std::size_t index) {
+  if (vehicle.rotors[index].wake) return -1;
+  for (const Rotor& rotor : vehicle.rotors) {
+    if (rotor.wake && rotor.wake->upper == static_cast<int>(index)) return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+bool Frame::fits(const Vehicle& vehicle) const {
+  if (vehicle.rotors.size() != rotors.size()) return false;
+  for (std::size_t i = 0; i < rotors.size(); ++i) {
+    const Rotor& rotor = vehicle.rotors[i];
+    const double angle_deg =
+        std::atan2(-rotor.position_B_m.y(), rotor.position_B_m.x()) * 180 / std::numbers::pi;
+    if (std::abs(std::remainder(angle_deg - rotors[i].angle_deg, 360)) > kSameDirection_deg) {
+      return false;
+    }
+    if (rotors[i].spin != 0 && rotors[i].spin != rotor.spin) return false;
+    if (rotors[i].level != level_of(vehicle, i)) return false;
+  }
+  return true;
+}
+
+std::vector<Frame> load_frames(const std::filesystem::path& file) {
+  const ConfigNode node = ConfigNode::load(file);
+  if (node.require<int>("schema") != 1) node.at("schema").fail("this program reads schema 1");
+  std::vector<Frame> frames;
+  for (const ConfigNode& item : node.at("frames").items()) frames.push_back(parse_frame(item));
+  node.reject_unused();
+  return frames;
+}
+
+}  // namespace cas::base

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "base/config/vehicle.hpp"
+#include "fcu/control/mixer_result.hpp"
+
+namespace cas::fcu {
+
+/// Rotors as bits: bit i is rotor i + 1.
+using RotorSet = std::uint32_t;
+inline bool has(RotorSet set, int rotor) { return (set >> static_cast<unsigned>(rotor) & 1U) != 0; }
+
+/// What the controller wants of the rotors.
+struct ControlDemand {
+  Eigen::Vector4d u = Eigen::Vector4d::Zero();         ///< U1 (N), U2, U3, U4 (N m)
+  Eigen::Vector2d side_D_n = Eigen::Vector2d::Zero();  ///< force along Dx and Dy, N
+};
+
+/// What ControlAllocation computes its matrices from.
+struct AllocationSetup {
+  /// A servo that turns a rotor's axis. The rotor's omega^2 then has two parts, both of which act
+  /// linearly: omega^2 cos(tilt) in the column of the rotor, omega^2 sin(tilt) in a further one.
+  struct Servo {
+    int rotor = 0;  ///< which one it turns, 0..
+    double min_rad = 0;
+    double max_rad = 0;
+  };
+
+  /// Force and moment (FLU, N s^2 and N m s^2) of each rotor's omega^2, then of each servo's part.
+  base::Effectiveness wrench_B;
+  base::RotorVector low;     ///< slowest of each rotor, omega^2
+  base::RotorVector high;    ///< fastest of each rotor, omega^2
+  base::RotorVector weight;  ///< price of each rotor's share of `high`; equal: shared evenly
+  std::vector<Servo> servos;
+
+  /// Of a vehicle; all rotors have the same weight.
+  /// @param lost  rotors that leave no wake to the one below
+  static AllocationSetup of(const base::Vehicle& vehicle, RotorSet lost = 0);
+};
+
+/// Finds rotor speeds for thrust, moments and sideways force, for any number and place of rotors.
+///
+/// Three nested weighted pseudo-inverses, each computed once: of (U1, U2, U3); with U4; with the
+/// forces along Dx and Dy, as far as the rotors give them independently. A pseudo-inverse minimises
+/// the sum of weight (omega^2 / omega_max^2)^2 (T. A. Johansen and T. I. Fossen, "Control
+/// allocation - A survey", Automatica 49, 2013, Sect. 2.2). A step takes them in order of priority,
+/// and of each only the part that the limits still leave room for:
+///
+///   1. roll and pitch, scaled together; thrust moves as far as they need, on the ground only down;
+///   2. thrust, as near to the demand as the limits allow;
+///   3. yaw, from what 1 and 2 happen to give towards what is wanted: it may be given up wholly,
+///      even where that means turning against the demand, and where another yaw leaves 1 and 2 more
+///      room it is that one;
+///   4. force sideways.
+///
+/// Scaling keeps directions and the order of importance, as W. C. Durham ("Constrained control
+/// allocation", Journal of Guidance, Control, and Dynamics 16(4), 1993) asks for, but the set of
+/// moments that a pseudo-inverse reaches is smaller than what the rotors could do at the very
+/// limit (M. Bodson, "Evaluation of optimization methods for control allocation", same journal
+/// 25(4), 2002). Speeds within the limits reach the demand exactly.
+///
+/// A rotor that is lost is left out. A hexarotor whose rotors turn in alternate directions cannot
+/// then hover with yaw under control in both directions (G.-X. Du, Q. Quan, K.-Y. Cai,
+/// "Controllability analysis and degraded control for a class of hexacopters subject to rotor
+/// failures", Journal of Intelligent & Robotic Systems 78, 2015): the opposite rotor would have to
+/// push downwards. Priority 3 is what flies it: thrust, roll and pitch whole, yaw as it comes.
+/// No heap in allocate().
+class ControlAllocation {
+ public:
+  /// @param lost  rotors to leave out
+  explicit ControlAllocation(const AllocationSetup& setup, RotorSet lost = 0);
+
+  /// @param may_lift  whether roll and pitch may raise the thrust above the demand (in the air)
+  MixerResult allocate(const ControlDemand& demand, bool may_lift = true) const;
+  /// All rotors at their slowest.
+  MixerResult idle() const;
+
+  /// How many of U1..U4 and the two sideways forces can be had independently, 0..6.
+  int rank() const { return rank_; }
+  bool has_yaw() const { return has_yaw_; }
+  /// Whether roll and pitch can go both ways while the rotors carry `thrust_n` without a moment.
+  bool carries(double thrust_n) const;
+  /// The most thrust without a moment, N.
+  double max_thrust_n() const { return level_.to; }
+  /// Force that can be had in each direction sideways beside `thrust_n`, without a moment, N.
+  double side_force_n(double thrust_n) const;
+
+ private:
+  /// Thrusts from..to; empty when from > to.
+  struct Range {
+    double from = 0;
+    double to = 0;
+  };
+  /// Rows: U1..U4, forces along Dx and Dy. Columns: rotors, then servos.
+  using Matrix = base::Effectiveness;
+  /// Columns for a few of the rows above.
+  template <int columns>
+  using Inverse =
+      Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::ColMajor, base::kMaxRotors, columns>;
+
+  void invert(const base::RotorVector& scale);
+  Range thrust_range(const base::RotorVector& base) const;
+  double largest_tilt(const base::RotorVector& tilt) const;
+  double largest_part(const base::RotorVector& base, const base::RotorVector& step) const;
+  base::RotorVector level_flight(const Eigen::Vector4d& u, bool may_lift) const;
+  bool with_any_yaw(const base::RotorVector& tilt, const Eigen::Vector4d& u,
+                    base::RotorVector& x) const;
+  void hold_limits(base::RotorVector& x, MixerResult& result) const;
+
+  Matrix wrench_D_;
+  base::RotorVector low_, high_;
+  std::vector<AllocationSetup::Servo> servos_;
+  Inverse<3> lift_;  // of U1, U2, U3
+  Inverse<1> turn_;  // of U4
+  Inverse<2> side_;  // of the forces along Dx, Dy
+  bool has_lift_ = false, has_yaw_ = false;
+  bool lift_turns_ = false;  // thrust, roll and pitch alone would turn the vehicle
+  std::array<bool, 2> has_side_{};
+  int rank_ = 0;
+  Range level_;  // thrusts without a moment
+};
+
+}  // namespace cas::fcu

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "base/config/vehicle.hpp"
+#include "fcu/control/control_allocation.hpp"
+
+namespace cas::fcu {
+
+/// Finds a rotor that gives nothing any more, from the moments that are missing.
+///
+/// Nothing tells the controller how fast the rotors turn. What it knows are the speeds it asked
+/// for, which the rotors follow with their time constants, and the body rates. A momentum observer
+/// (A. De Luca and R. Mattone, "Sensorless robot collision detection and hybrid force/motion
+/// control", IEEE ICRA 2005) estimates from them the moment that nobody asked for, without
+/// differentiating the rates:
+///
+///   r = K (I w - integral(M omega^2 - w x I w + r)),   r -> that moment, lagged by 1/K
+///
+/// Its slow part is the wind's and the centre of gravity's, and is taken off. If what is left looks
+/// like the missing moment of one rotor, and of none other as much, in direction and in size, for
+/// long enough, that rotor is lost. Rotors that turn slowly are not looked at, a rotor that has
+/// lost less than most of its thrust is not found, and the roll moments of the upper and lower
+/// rotor of a coaxial pair differ by their yaw alone.
+class RotorLossDetector {
+ public:
+  explicit RotorLossDetector(const base::Vehicle& vehicle);
+
+  /// Forgets what it has seen: on the ground, or once the allocation has changed.
+  void reset() { started_ = false; }
+
+  /// One control step in free flight.
+  /// @param w_D       measured body rates, rad/s
+  /// @param omega_sq  speeds asked for from now on, rad^2/s^2
+  /// @param lost      rotors that are known to be lost
+  /// @param dt        s since the last step
+  /// @return index of a rotor that is lost, once
+  std::optional<int> update(const Eigen::Vector3d& w_D, const base::RotorVector& omega_sq,
+                            RotorSet lost, double dt);
+
+  /// Moment that nobody asked for, without its slow part, axes of D, N m.
+  Eigen::Vector3d residual_D() const { return residual_D_ - slow_D_; }
+
+ private:
+  void follow_speeds(const base::RotorVector& omega_sq, double dt);
+  void observe(const Eigen::Vector3d& w_D, double dt);
+  int suspect(RotorSet lost) const;
+
+  Eigen::Vector3d inertia_kg_m2_;
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, base::kMaxRotors> moment_D_;
+  Eigen::Vector3d weight_;  // makes the axes comparable
+  base::RotorVector up_s_, down_s_, high_;
+  base::RotorVector omega_;  // as the rotors should turn, rad/s
+  bool started_ = false;
+  Eigen::Vector3d momentum_start_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d integral_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d residual_D_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d slow_D_ = Eigen::Vector3d::Zero();
+  double quiet_s_ = 0;  // since the start
+  int suspect_ = -1;
+  double suspected_s_ = 0;
+};
+
+}  // namespace cas::fcu

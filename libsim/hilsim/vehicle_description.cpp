@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/hilsim/vehicle_description.hpp"
+
+#include <Eigen/QR>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace cas::sim {
+namespace {
+
+constexpr double kStandardGravity_m_s2 = 9.80665;
+constexpr double kThousand_rad2_s2 = 1e6;  // effectiveness is shown at 1000 rad/s
+
+/// Appends a line in printf's manner.
+[[gnu::format(printf, 2, 3)]] void print(std::string& text, const char* format, ...) {
+  char line[400];
+  va_list values;
+  va_start(values, format);
+  std::vsnprintf(line, sizeof line, format, values);
+  va_end(values);
+  text += line;
+  text += '\n';
+}
+
+/// 0 for what is no more than a rounding error of figures near `scale`.
+double tidy(double value, double scale) {
+  constexpr double kRounding = 1e-8;
+  return std::abs(value) < kRounding * scale ? 0.0 : value;
+}
+
+void print_body(std::string& text, const VehicleModel& model) {
+  const Eigen::Vector3d cog = model.cog_in_root_m.unaryExpr([](double v) { return tidy(v, 1); });
+  const Eigen::Matrix3d& full = model.mass.inertia_B();
+  const double most = full.cwiseAbs().maxCoeff();
+  const Eigen::Matrix3d inertia = full.unaryExpr([most](double v) { return tidy(v, most); });
+  print(text, "mass               %.6g kg", model.mass.mass_kg());
+  print(text, "centre of gravity  [%.4f, %.4f, %.4f] m from the origin of the model's root link",
+        cog.x(), cog.y(), cog.z());
+  print(text, "inertia            Ixx %.6g  Iyy %.6g  Izz %.6g kg m^2", inertia(0, 0),
+        inertia(1, 1), inertia(2, 2));
+  print(text, "                   Ixy %.3g  Ixz %.3g  Iyz %.3g, about the centre of gravity",
+        inertia(0, 1), inertia(0, 2), inertia(1, 2));
+}
+
+double most_thrust_n(const base::RotorParams& params) {
+  return params.thrust_coefficient * params.omega_max_rad_s * params.omega_max_rad_s;
+}
+
+void print_rotors(std::string& text, const base::Vehicle& vehicle) {
+  print(text, "rotors             hub from the centre of gravity (forward, left, up), axis, spin");
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+    const base::Rotor& rotor = vehicle.rotors[i];
+    const Eigen::Vector3d& p = rotor.position_B_m;
+    const Eigen::Vector3d& axis = rotor.axis_B;
+    print(
+        text,
+        "  %2zu  [%7.4f, %7.4f, %7.4f] m  [%.3f, %.3f, %.3f]  %s  output %d  %.2f N at %.0f rad/s",
+        i + 1, p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z(), rotor.spin > 0 ? "CCW" : "CW ",
+        rotor.output + 1, most_thrust_n(rotor.params), rotor.params.omega_max_rad_s);
+    if (rotor.wake) {
+      print(text, "      in the wake of rotor %d: %.0f %% of its thrust is left",
+            rotor.wake->upper + 1, 100 * rotor.wake->thrust_share);
+    }
+    if (rotor.tilt) {
+      constexpr double kDegrees = 180 / 3.14159265358979323846;
+      print(text, "      tilts from %.0f to %.0f deg about [%.3f, %.3f, %.3f] on output %d",
+            rotor.tilt->min_rad * kDegrees, rotor.tilt->max_rad * kDegrees, rotor.tilt->axis_B.x(),
+            rotor.tilt->axis_B.y(), rotor.tilt->axis_B.z(), rotor.tilt->output + 1);
+    }
+  }
+}
+
+void print_lift(std::string& text, const base::Vehicle& vehicle) {
+  const double weight_n = vehicle.mass_kg * kStandardGravity_m_s2;
+  const base::ControlScales most = vehicle.control_scales();
+  if (const auto hover = vehicle.hover_output(kStandardGravity_m_s2)) {
+    const base::RotorParams& first = vehicle.rotors.front().params;
+    print(text, "hover              output %.3f of each rotor, %.0f rad/s at rotor 1", *hover,
+          first.omega_idle_rad_s + *hover * (first.omega_max_rad_s - first.omega_idle_rad_s));
+  } else {
+    print(text, "hover              no: at no output the same for all do the rotors carry %.2f N",
+          weight_n);
+  }
+  print(text, "thrust to weight   %.2f (%.2f N to %.2f N)", most.u1_max_n / weight_n, most.u1_max_n,
+        weight_n);
+  const base::ControlScales& scales = vehicle.scales;
+  print(text,
+        "scales             {u1_max_n: %.6g, u2_max_nm: %.6g, u3_max_nm: %.6g, u4_max_nm: %.6g}",
+        scales.u1_max_n, scales.u2_max_nm, scales.u3_max_nm, scales.u4_max_nm);
+}
+
+/// Rank of what rotors (and servos, at hover) do; forces and moments are brought to one size first.
+Eigen::Index rank_of(Eigen::MatrixXd columns) {
+  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
+    const double most = columns.row(row).cwiseAbs().maxCoeff();
+    const double all = columns.cwiseAbs().maxCoeff();
+    if (most > 1e-9 * all) columns.row(row) /= most;
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+  qr.setThreshold(1e-6);
+  return qr.rank();
+}
+
+/// The effectiveness matrix with a column for each servo: what a radian of tilt adds.
+Eigen::MatrixXd with_servos(const base::Vehicle& vehicle) {
+  constexpr double kSmall_rad = 1e-3;
+  const base::Effectiveness still = vehicle.effectiveness();
+  Eigen::MatrixXd columns = still;
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+    if (!vehicle.rotors[i].tilt) continue;
+    std::vector<double> tilt(vehicle.rotors.size(), 0.0);
+    tilt[i] = kSmall_rad;
+    const auto at = static_cast<Eigen::Index>(i);
+    const Eigen::VectorXd slope =
+        (vehicle.effectiveness(tilt).col(at) - still.col(at)) / kSmall_rad;
+    columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+    columns.rightCols(1) = slope;
+  }
+  return columns;
+}
+
+void print_effectiveness(std::string& text, const base::Vehicle& vehicle) {
+  const base::Effectiveness columns = vehicle.effectiveness();
+  const char* const names[] = {"Fx N", "Fy N", "Fz N", "Mx Nm", "My Nm", "Mz Nm"};
+  print(text, "effectiveness      of each rotor at 1000 rad/s, forward, left, up");
+  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
+    std::string line;
+    char number[32];
+    for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+      std::snprintf(number, sizeof number, " %9.4f", tidy(columns(row, i) * kThousand_rad2_s2, 1));
+      line += number;
+    }
+    print(text, "  %-6s%s", names[row], line.c_str());
+  }
+  const Eigen::MatrixXd all = with_servos(vehicle);
+  print(text, "rank               %ld of 6", static_cast<long>(rank_of(columns)));
+  if (all.cols() > columns.cols()) {
+    print(text, "                   %ld with the servos", static_cast<long>(rank_of(all)));
+  }
+  Eigen::MatrixXd four(4, all.cols());
+  four << all.row(2), all.row(3), all.row(4), all.row(5);
+  print(text, rank_of(four) == 4
+                  ? "                   thrust, roll, pitch and yaw can be set independently"
+                  : "                   thrust, roll, pitch and yaw can NOT be set independently");
+}
+
+void print_frame(std::string& text, const base::Vehicle& vehicle,
+                 const std::vector<base::Frame>& frames) {
+  for (const base::Frame& frame : frames) {
+    if (!frame.fits(vehicle)) continue;
+    print(text, "order and spins    %s", frame.name.c_str());
+    if (frame.px4_airframe) {
+      print(text, "                   PX4: SYS_AUTOSTART %d", *frame.px4_airframe);
+    }
+    if (frame.ardupilot) {
+      print(text, "                   ArduPilot: FRAME_CLASS %d, FRAME_TYPE %d",
+            frame.ardupilot->frame_class, frame.ardupilot->frame_type);
+    }
+    return;
+  }
+  print(text, "order and spins    of no frame that PX4 and ArduPilot have (config/frames.yaml)");
+}
+
+}  // namespace
+
+std::string describe_vehicle(const base::Vehicle& vehicle, const VehicleModel& model,
+                             const std::vector<base::Frame>& frames) {
+  std::string text;
+  print(text, "vehicle            %s, model %s", vehicle.name.c_str(),
+        vehicle.urdf.filename().c_str());
+  print_body(text, model);
+  print_rotors(text, vehicle);
+  print_lift(text, vehicle);
+  print_effectiveness(text, vehicle);
+  print_frame(text, vehicle, frames);
+  return text;
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Vehicles of 1 to 16 rotors with any axis, coaxial pairs and tilting servos, against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "base/config/frame_table.hpp"
+#include "plugins/motor/motor_mixer.hpp"
+#include "plugins/motor/rotor_model.hpp"
+#include "tests/plugins/plugin_harness.hpp"
+
+namespace cas::sim {
+namespace {
+
+using Eigen::Vector3d;
+using test::load_vehicle;
+
+constexpr double kRounding = 1e-12;  // of sums of a few products near 1
+
+base::Rotor simple_rotor() {
+  base::Rotor rotor;
+  rotor.params = {.thrust_coefficient = 1e-5,
+                  .torque_coefficient = 2e-7,
+                  .omega_max_rad_s = 1000,
+                  .omega_idle_rad_s = 100,
+                  .time_constant_up_s = 0.02,
+                  .time_constant_down_s = 0.04,
+                  .inertia_kg_m2 = 3e-5,
+                  .radius_m = 0.1};
+  return rotor;
+}
+
+base::Vehicle vehicle_of(std::vector<base::Rotor> rotors) {
+  base::Vehicle vehicle;
+  vehicle.mass_kg = 1;
+  vehicle.rotors = std::move(rotors);
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+    vehicle.rotors[i].output = static_cast<int>(i);
+  }
+  return vehicle;
+}
+
+struct Answer {
+  Wrench wrench;
+  std::vector<double> x_dot;
+};
+
+Answer evaluate(const RotorModel& model, const std::vector<double>& x, const BodyState& body = {},
+                const Environment& air = {}) {
+  Answer answer;
+  answer.x_dot.resize(x.size());
+  model.evaluate(body, air, x, answer.x_dot, answer.wrench);
+  return answer;
+}
+
+/// Rotors with random places, axes, spins, coefficients and tilts; each second one in a wake.
+base::Vehicle random_vehicle(int count, std::mt19937& engine) {
+  std::uniform_real_distribution<double> number(-1, 1);
+  std::vector<base::Rotor> rotors;
+  for (int i = 0; i < count; ++i) {
+    base::Rotor rotor = simple_rotor();
+    rotor.position_B_m = Vector3d(number(engine), number(engine), number(engine));
+    rotor.axis_B = Vector3d(number(engine), number(engine), 1.2 + number(engine)).normalized();
+    rotor.spin = number(engine) > 0 ? 1 : -1;
+    rotor.params.thrust_coefficient *= 1.5 + number(engine);
+    rotor.params.torque_coefficient *= 1.5 + number(engine);
+    if (i % 2 == 1) rotor.wake = {.upper = i - 1, .thrust_share = 0.7};
+    if (i % 3 == 0) {
+      rotor.tilt = base::TiltServo{.axis_B = Vector3d(number(engine), 1, 0).normalized(),
+                                   .min_rad = -1,
+                                   .max_rad = 1,
+                                   .rate_rad_s = 10,
+                                   .time_constant_s = 0.05,
+                                   .output = 15};
+    }
+    rotors.push_back(rotor);
+  }
+  return vehicle_of(std::move(rotors));
+}
+
+TEST(Rotors, GiveWhatTheEffectivenessMatrixSays) {
+  std::mt19937 engine(1);
+  for (int count = 1; count <= base::kMaxRotors; ++count) {
+    const base::Vehicle vehicle = random_vehicle(count, engine);
+    RotorModel model(vehicle);
+    const double omega = 500;  // of all: coaxial pairs turn equally fast
+    std::vector<double> x(static_cast<std::size_t>(model.state_count()), omega);
+    std::vector<double> tilt(static_cast<std::size_t>(count), 0.0);
+    std::size_t state = static_cast<std::size_t>(count);
+    for (std::size_t i = 0; i < tilt.size(); ++i) {
+      if (vehicle.rotors[i].tilt) x[state++] = tilt[i] = 0.1 * static_cast<double>(i) - 0.3;
+    }
+    model.set_targets(base::RotorVector::Constant(count, omega));
+    base::RotorVector held(count);
+    for (int i = 0; i < count; ++i) held[i] = tilt[static_cast<std::size_t>(i)];
+    model.set_tilt_targets(held);
+    const Wrench wrench = evaluate(model, x).wrench;
+    const Eigen::Matrix<double, 6, 1> expected =
+        vehicle.effectiveness(tilt) * base::RotorVector::Constant(count, omega * omega);
+    EXPECT_TRUE(wrench.force_B.isApprox(expected.head<3>(), kRounding)) << count;
+    EXPECT_TRUE(wrench.torque_B.isApprox(expected.tail<3>(), kRounding)) << count;
+  }
+}
+
+TEST(Rotors, UprightOnesTakeTheShortWayToTheSameWrench) {
+  // An axis that leans by less than a rounding error sends a whole vehicle the long way.
+  base::Vehicle vehicle = load_vehicle("iris_px4");
+  const RotorModel upright(vehicle);
+  vehicle.rotors[0].axis_B = Vector3d(1e-17, 0, 1);
+  const RotorModel any(vehicle);
+  BodyState body;
+  body.v_WB = {3, -2, 1};
+  body.w_WB_B = {0.5, -0.3, 0.7};
+  body.q_WB = Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized();
+  const std::vector<double> x{700, 720, 690, 710};
+  const Wrench a = evaluate(upright, x, body).wrench;
+  const Wrench b = evaluate(any, x, body).wrench;
+  EXPECT_TRUE(a.force_B.isApprox(b.force_B, kRounding));
+  EXPECT_TRUE(a.torque_B.isApprox(b.torque_B, kRounding));
+}
+
+TEST(Rotors, ATiltedHexarotorPushesSideways) {
+  // Each arm's axis leans by 20 deg about the arm, the sense alternates: all six axes of motion.
+  std::vector<base::Rotor> rotors;
+  for (int i = 0; i < 6; ++i) {
+    const double arm = i * M_PI / 3;
+    base::Rotor rotor = simple_rotor();
+    rotor.position_B_m = 0.3 * Vector3d(std::cos(arm), std::sin(arm), 0);
+    const double lean = (i % 2 == 0 ? 1 : -1) * 20 * M_PI / 180;
+    rotor.axis_B = Eigen::AngleAxisd(lean, rotor.position_B_m.normalized()) * Vector3d::UnitZ();
+    rotor.spin = i % 2 == 0 ? 1 : -1;
+    rotors.push_back(rotor);
+  }
+  const base::Vehicle vehicle = vehicle_of(std::move(rotors));
+  const Eigen::Matrix<double, 6, 6> all = vehicle.effectiveness();
+  // Omega^2 for the weight and a push of 1 N to the left, without any moment.
+  Eigen::Matrix<double, 6, 1> wanted;
+  wanted << 0, 1, 9.80665, 0, 0, 0;
+  const Eigen::Matrix<double, 6, 1> omega_sq = all.fullPivLu().solve(wanted);
+  ASSERT_GT(omega_sq.minCoeff(), 0);
+  std::vector<double> x(6);
+  for (int i = 0; i < 6; ++i) x[static_cast<std::size_t>(i)] = std::sqrt(omega_sq[i]);
+  RotorModel model(vehicle);
+  model.set_targets(base::RotorVector::Map(x.data(), 6));
+  const Wrench wrench = evaluate(model, x).wrench;
+  constexpr double kSolved = 1e-9;  // by the linear solver
+  EXPECT_TRUE(wrench.force_B.isApprox(Vector3d(0, 1, 9.80665), kSolved));
+  EXPECT_LT(wrench.torque_B.norm(), kSolved);
+}
+
+TEST(Rotors, AGyroscopeTurnsAboutItsOwnAxis) {
+  base::Rotor rotor = simple_rotor();
+  rotor.params.thrust_coefficient = rotor.params.torque_coefficient = 0;
+  rotor.axis_B = Vector3d(0.6, 0, 0.8);
+  RotorModel model(vehicle_of({rotor}));
+  model.set_targets(base::RotorVector::Constant(1, 600));
+  BodyState body;
+  body.w_WB_B = {2, 3, 1};
+  // t = -w x H - J w_dot a, with H = J w a and w_dot = (600 - 500) / 0.02 s.
+  const Vector3d momentum = 3e-5 * 500 * rotor.axis_B;
+  const Vector3d expected = -body.w_WB_B.cross(momentum) - 3e-5 * 100 / 0.02 * rotor.axis_B;
+  EXPECT_TRUE(evaluate(model, {500}, body).wrench.torque_B.isApprox(expected, kRounding));
+}
+
+TEST(Rotors, DragLiesInTheRotorsOwnPlaneAndThrustFadesAlongItsAxis) {
+  base::Rotor rotor = simple_rotor();
+  rotor.params.drag_coefficient = 1e-4;
+  rotor.params.zero_thrust_speed_m_s = 20;
+  rotor.axis_B = Vector3d(0, -0.6, 0.8);
+  const RotorModel model(vehicle_of({rotor}));
+  BodyState body;
+  body.v_WB = 5 * rotor.axis_B + Vector3d(2, 0, 0);  // 5 m/s along the axis, 2 m/s across it
+  const double thrust = 1e-5 * 500 * 500 * (1 - 5.0 / 20);
+  const Vector3d expected = thrust * rotor.axis_B - 1e-4 * 500 * Vector3d(2, 0, 0);
+  EXPECT_TRUE(evaluate(model, {500}, body).wrench.force_B.isApprox(expected, kRounding));
+}
+
+TEST(CoaxialPair, TheLowerRotorLosesThrustToTheUpper) {
+  base::Rotor upper = simple_rotor();
+  base::Rotor lower = simple_rotor();
+  lower.spin = -1;
+  lower.wake = {.upper = 0, .thrust_share = 0.7};
+  RotorModel model(vehicle_of({upper, lower}));
+  const auto thrust = [&](double upper_omega, double lower_omega) {
+    return evaluate(model, {upper_omega, lower_omega}).wrench.force_B.z();
+  };
+  const double one = 1e-5 * 500 * 500;
+  EXPECT_NEAR(thrust(500, 500), 1.7 * one, kRounding);
+  EXPECT_NEAR(thrust(0, 500), one, kRounding) << "no wake from one that stands";
+  EXPECT_NEAR(thrust(500, 0), one, kRounding);
+  // k w (w - 0.3 w_upper)
+  EXPECT_NEAR(thrust(400, 500) - 1e-5 * 400 * 400, 1e-5 * 500 * (500 - 0.3 * 400), kRounding);
+  EXPECT_NEAR(thrust(1000, 200), 1e-5 * 1000 * 1000, kRounding) << "it does not pull downwards";
+  EXPECT_NEAR(evaluate(model, {500, 500}).wrench.torque_B.z(), 0, kRounding);
+  model.stop(0);
+  EXPECT_NEAR(thrust(500, 500), one, kRounding);
+}
+
+base::Vehicle tail_rotor() {
+  base::Rotor rotor = simple_rotor();
+  rotor.position_B_m = {-0.3, 0, 0};
+  rotor.tilt = base::TiltServo{.axis_B = Vector3d::UnitX(),
+                               .min_rad = -0.8,
+                               .max_rad = 0.5,
+                               .rate_rad_s = 5,
+                               .time_constant_s = 0.05,
+                               .output = 3};
+  return vehicle_of({rotor});
+}
+
+TEST(TiltServo, TurnsTheThrustOfATricoptersTail) {
+  RotorModel model(tail_rotor());
+  model.set_targets(base::RotorVector::Constant(1, 500));
+  model.set_tilt_targets(base::RotorVector::Constant(1, 0.2));
+  const Wrench wrench = evaluate(model, {500, 0.2}).wrench;
+  const double thrust = 1e-5 * 500 * 500;
+  const double torque = 2e-7 * 500 * 500;
+  // Up turns to the right (-y) about the nose; behind the centre that yaws the nose to the left.
+  EXPECT_TRUE(
+      wrench.force_B.isApprox(thrust * Vector3d(0, -std::sin(0.2), std::cos(0.2)), kRounding));
+  EXPECT_NEAR(wrench.torque_B.z(), 0.3 * thrust * std::sin(0.2) - torque * std::cos(0.2),
+              kRounding);
+}
+
+TEST(TiltServo, TurnsTheRotorsMomentumWithIt) {
+  base::Vehicle vehicle = tail_rotor();
+  vehicle.rotors[0].params.thrust_coefficient = vehicle.rotors[0].params.torque_coefficient = 0;
+  RotorModel model(vehicle);
+  model.set_targets(base::RotorVector::Constant(1, 500));
+  model.set_tilt_targets(base::RotorVector::Constant(1, 0.1));
+  // 0.1 rad over 0.05 s is 2 rad/s; t = -J w d(axis)/dt with d(axis)/dt = 2 x * z = -2 y.
+  const Wrench wrench = evaluate(model, {500, 0.0}).wrench;
+  EXPECT_TRUE(wrench.torque_B.isApprox(Vector3d(0, 2 * 3e-5 * 500, 0), kRounding));
+}
+
+TEST(TiltServo, LagsAndIsNoFasterThanItsRate) {
+  RotorModel model(tail_rotor());
+  model.set_tilt_targets(base::RotorVector::Constant(1, 0.1));
+  EXPECT_NEAR(evaluate(model, {0, 0.0}).x_dot[1], 0.1 / 0.05, kRounding);
+  model.set_tilt_targets(base::RotorVector::Constant(1, 0.5));
+  EXPECT_NEAR(evaluate(model, {0, 0.0}).x_dot[1], 5, kRounding);
+
+  // 5 rad/s until 0.25 rad are left, then exp(-t / 0.05 s).
+  double tilt = 0;
+  const auto run = [&](double seconds) {
+    constexpr double kStep_s = 1e-4;
+    for (int i = 0; i < std::lround(seconds / kStep_s); ++i) {
+      const double middle = tilt + 0.5 * kStep_s * evaluate(model, {0, tilt}).x_dot[1];
+      tilt += kStep_s * evaluate(model, {0, middle}).x_dot[1];
+    }
+    return tilt;
+  };
+  constexpr double kMidpoint =
+      1e-6;  // rad: the rule's error, and the corner that falls within a step
+  EXPECT_NEAR(run(0.05), 0.25, kMidpoint);
+  EXPECT_NEAR(run(0.05), 0.5 - 0.25 * std::exp(-1), kMidpoint);
+}
+
+TEST(MotorMixer, TakesEachRotorsOutputAndRange) {
+  base::Vehicle vehicle = tail_rotor();
+  base::Rotor other = simple_rotor();
+  other.params.omega_max_rad_s = 600;
+  other.output = 8;
+  vehicle.rotors.push_back(other);
+  const MotorMixer mixer(vehicle);
+  MotorCommand command;
+  command.kind = MotorCommand::Kind::kMotorOutputs;
+  command.armed = true;
+  command.values.setZero(16);
+  command.values[0] = 0.5;
+  command.values[3] = -0.5;  // servo
+  command.values[8] = 1;
+  EXPECT_TRUE(mixer.targets(command).isApprox(Eigen::Vector2d(550, 600), kRounding));
+  EXPECT_TRUE(mixer.tilts(command).isApprox(Eigen::Vector2d(-0.4, 0), kRounding));
+  command.values[3] = 2;
+  EXPECT_NEAR(mixer.tilts(command)[0], 0.5, kRounding);
+  command.armed = false;
+  EXPECT_TRUE(mixer.targets(command).isZero(0));
+  EXPECT_TRUE(mixer.tilts(command).isZero(0));
+}
+
+TEST(MotorMixer, ControlInputsOfAHexarotorGoThroughThePseudoInverse) {
+  const base::Vehicle vehicle = load_vehicle("hexa_x");
+  const MotorMixer mixer(vehicle);
+  MotorCommand command;
+  command.armed = true;
+  command.values = Eigen::Vector4d(24.0, 0.3, -0.2, 0.05);
+  const base::RotorVector omega = mixer.targets(command);
+  ASSERT_EQ(omega.size(), 6);
+  const Eigen::Matrix<double, 6, 1> wrench = vehicle.effectiveness() * omega.cwiseAbs2();
+  constexpr double kSolved = 1e-9;
+  EXPECT_NEAR(wrench[2], 24.0, kSolved);
+  EXPECT_NEAR(wrench[3], 0.3, kSolved);
+  EXPECT_NEAR(wrench[4], 0.2, kSolved);    // U3 is about Dy = -By
+  EXPECT_NEAR(wrench[5], -0.05, kSolved);  // U4 about Dz = -Bz
+}
+
+TEST(MotorPlugin, DrivesTheSixthRotorFromTheSixthOutput) {
+  test::PluginHarness harness(std::chrono::milliseconds(1), ".", "hexa_x");
+  const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  harness.add("motor", "{}");
+  MotorCommand outputs;
+  outputs.kind = MotorCommand::Kind::kMotorOutputs;
+  outputs.armed = true;
+  outputs.values.setZero(16);
+  outputs.values[5] = 1;
+  command.publish(outputs);
+  std::vector<double> x(6, 0.0);
+  std::vector<double> x_dot(6);
+  Wrench wrench;
+  harness.context.force_models[0]->evaluate({}, {}, x, x_dot, wrench);
+  EXPECT_NEAR(x_dot[5], 850 / 0.02, 1e-6);
+  EXPECT_NEAR(x_dot[0], 100 / 0.02, 1e-6) << "armed, the others idle";
+}
+
+class ShippedFrame : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(ShippedFrame, IsNumberedAndSpinsAsTheAutopilots) {
+  const auto [name, frame_name] = GetParam();
+  const base::Vehicle vehicle = load_vehicle(name);
+  const auto file = std::filesystem::path(cas::test::source_dir()) / "config/frames.yaml";
+  std::vector<std::string> fitting;
+  for (const base::Frame& frame : base::load_frames(file)) {
+    if (frame.fits(vehicle)) fitting.push_back(frame.name);
+  }
+  EXPECT_EQ(fitting, std::vector<std::string>{frame_name});
+  const auto hover = vehicle.hover_output(9.80665);
+  ASSERT_TRUE(hover);
+  EXPECT_GT(*hover, 0.4);
+  EXPECT_LT(*hover, 0.75);
+  // At the hover output the thrust is the weight.
+  base::RotorVector omega_sq(vehicle.rotor_count());
+  for (int i = 0; i < vehicle.rotor_count(); ++i) {
+    const base::RotorParams& params = vehicle.rotors[static_cast<std::size_t>(i)].params;
+    const double omega =
+        params.omega_idle_rad_s + *hover * (params.omega_max_rad_s - params.omega_idle_rad_s);
+    omega_sq[i] = omega * omega;
+  }
+  EXPECT_NEAR((vehicle.effectiveness() * omega_sq)[2], vehicle.mass_kg * 9.80665, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ShippedFrame,
+    testing::Values(std::pair("iris_px4", "quad x"), std::pair("quad_x", "quad x"),
+                    std::pair("x500", "quad x"), std::pair("hexa_x", "hexa x"),
+                    std::pair("hexa_tilt", "hexa x"), std::pair("octo_x", "octo x"),
+                    std::pair("y6", "coaxial y6"), std::pair("tri", "tricopter")),
+    [](const auto& test) { return std::string(test.param.first); });
+
+}  // namespace
+}  // namespace cas::sim
