@@ -108,8 +108,8 @@ TEST_F(FailsafeFlight, ACriticalBatteryReturnsAndAnEmptyOneLands) {
 }
 
 TEST_F(FailsafeFlight, TiltedTooFarTheRotorsStop) {
-  ASSERT_TRUE(loop_.fly_to_hover(20));  // room to fall
-  loop_.multirotor().weaken_rotor(0, 0);      // both rotors of the right side
+  ASSERT_TRUE(loop_.fly_to_hover(20));    // room to fall
+  loop_.multirotor().weaken_rotor(0, 0);  // both rotors of the right side
   loop_.multirotor().weaken_rotor(1, 0);
   EXPECT_TRUE(loop_.run_until([&] { return !loop_.fcu().status().armed; }, 10));
   EXPECT_TRUE(loop_.said("tilt too large"));
