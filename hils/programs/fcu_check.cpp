@@ -76,10 +76,9 @@ bool is_quad_x(const base::Vehicle& vehicle) {
 /// Whether PX4 has an airframe of that order: a quad by its corners, whatever its arms' angles.
 bool is_numbered_as_px4(const base::Vehicle& vehicle) {
   if (vehicle.rotors.size() == kQuadX.size()) return is_quad_x(vehicle);
-  return std::ranges::any_of(base::load_frames(base::find_config("frames.yaml")),
-                             [&vehicle](const base::Frame& frame) {
-                               return frame.px4_airframe && frame.fits(vehicle);
-                             });
+  return std::ranges::any_of(
+      base::load_frames(base::find_config("frames.yaml")),
+      [&vehicle](const base::Frame& frame) { return frame.px4_airframe && frame.fits(vehicle); });
 }
 
 void check_rotors(const FcuFacts& facts, const base::Vehicle& vehicle, Findings& all) {
