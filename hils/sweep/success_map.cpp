@@ -33,7 +33,14 @@ Bins by_value(const std::string& name, const std::vector<std::string>& values,
   return bins;
 }
 
-constexpr double kCellWidth = 56;
+/// An end of a bin in three digits, without a power of ten where it is a few thousand.
+std::string end_text(double value) {
+  const double size = std::abs(value);
+  return size >= 1000 && size < 1e6 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
+}
+
+constexpr double kLeastCellWidth = 56;
+constexpr double kCharacter = 6.2;  ///< width of one at 11 px
 constexpr double kCellHeight = 30;
 constexpr double kLeft = 120;
 constexpr double kTop = 34;
@@ -91,7 +98,7 @@ Bins Bins::of(const std::string& name, const std::vector<std::string>& values, b
       const double value = low + width * static_cast<double>(at);
       return log ? std::exp(value) : value;
     };
-    bins.labels.push_back(fmt::format("{:.3g}..{:.3g}", end(i), end(i + 1)));
+    bins.labels.push_back(end_text(end(i)) + ".." + end_text(end(i + 1)));
   }
   for (const std::string& value : values) {
     const double at = (scale(*number_of(value)) - low) / width;
@@ -131,9 +138,15 @@ std::vector<ShareCell> count_by(const Bins& x, const Bins& y,
 std::string success_map(const Bins& x, const Bins& y, const std::vector<ShareCell>& cells) {
   const std::size_t columns = x.labels.size();
   const std::size_t rows = y.labels.size();
-  const double width = kLeft + kCellWidth * static_cast<double>(columns) + 20;
+  double cell_width = kLeastCellWidth;
+  for (const std::string& label : x.labels) {
+    cell_width = std::max(cell_width, kCharacter * static_cast<double>(label.size() + 1));
+  }
+  const double width = kLeft + cell_width * static_cast<double>(columns) + 20;
   const double bottom = kTop + kCellHeight * static_cast<double>(rows);
-  const auto left_of = [](std::size_t i) { return kLeft + kCellWidth * static_cast<double>(i); };
+  const auto left_of = [cell_width](std::size_t i) {
+    return kLeft + cell_width * static_cast<double>(i);
+  };
   // The first bin of y is at the bottom, as in a plot.
   const auto top_of = [&](std::size_t j) {
     return kTop + kCellHeight * static_cast<double>(rows - 1 - j);
@@ -155,14 +168,14 @@ std::string success_map(const Bins& x, const Bins& y, const std::vector<ShareCel
       svg += fmt::format(
           "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" "
           "stroke=\"#868e96\" stroke-width=\"0.5\"><title>{}</title></rect>",
-          left_of(i), top_of(j), kCellWidth, kCellHeight, fill,
+          left_of(i), top_of(j), cell_width, kCellHeight, fill,
           escape_xml(fmt::format("{} {}, {} {}: {} of {} stay up, 95 % interval "
                                  "{:.1f} to {:.1f} %",
                                  x.name, x.labels[i], y.name, y.labels[j], here.successes,
                                  here.trials, range.low * 100, range.high * 100)));
       if (here.trials == 0) continue;
       const bool dark = here.share() < 0.2 || here.share() > 0.75;
-      svg += text_at(left_of(i) + kCellWidth / 2, top_of(j) + kCellHeight / 2 + 4, "middle",
+      svg += text_at(left_of(i) + cell_width / 2, top_of(j) + kCellHeight / 2 + 4, "middle",
                      fmt::format("{:.0f}{}", here.share() * 100, here.side() == 0 ? " ?" : ""),
                      dark ? "#fff" : "#212529");
     }
@@ -177,12 +190,12 @@ std::string success_map(const Bins& x, const Bins& y, const std::vector<ShareCel
         svg += line(left_of(i + 1), top_of(j), left_of(i + 1), top_of(j) + kCellHeight);
       }
       if (j + 1 < rows && ends_between(cell(i, j), cell(i, j + 1))) {
-        svg += line(left_of(i), top_of(j), left_of(i) + kCellWidth, top_of(j));
+        svg += line(left_of(i), top_of(j), left_of(i) + cell_width, top_of(j));
       }
     }
   }
   for (std::size_t i = 0; i < columns; ++i) {
-    svg += text_at(left_of(i) + kCellWidth / 2, bottom + 15, "middle", x.labels[i]);
+    svg += text_at(left_of(i) + cell_width / 2, bottom + 15, "middle", x.labels[i]);
   }
   for (std::size_t j = 0; j < rows; ++j) {
     svg += text_at(kLeft - 6, top_of(j) + kCellHeight / 2 + 4, "end", y.labels[j]);
