@@ -103,6 +103,7 @@ Duration LineModel::byte_time() const {
 }
 
 std::size_t LineModel::unsent_at(RunTime now) const {
+  if (sending_.empty() || sending_.back() <= now) return 0;
   const auto first = std::upper_bound(sending_.begin(), sending_.end(), now);
   return static_cast<std::size_t>(sending_.end() - first);
 }
@@ -120,7 +121,6 @@ std::optional<RunTime> LineModel::room_at(RunTime now) const {
 }
 
 RunTime LineModel::after_stalls(RunTime t) {
-  if (config_.stall_every <= Duration{} || config_.stall_length <= Duration{}) return t;
   const auto gap = [this] {
     const double u = 1 - random_.uniform();
     return base::from_seconds(-std::log(u) * base::to_seconds(config_.stall_every));
@@ -137,20 +137,21 @@ RunTime LineModel::after_stalls(RunTime t) {
   return t;
 }
 
-RunTime LineModel::clock_byte(RunTime now) {
-  done_ = after_stalls(std::max(now, done_) + byte_time());
+RunTime LineModel::clock_byte(RunTime now, Duration byte_time) {
+  done_ = std::max(now, done_) + byte_time;
+  if (config_.stall_every > Duration{} && config_.stall_length > Duration{}) {
+    done_ = after_stalls(done_);
+  }
   return done_;
 }
 
 bool LineModel::byte_survives() {
-  if (config_.burst_begin <= 0) return true;
   const double turn = in_burst_ ? config_.burst_end : config_.burst_begin;
   if (random_.uniform() < turn) in_burst_ = !in_burst_;
   return !in_burst_ || random_.uniform() >= config_.burst_loss;
 }
 
 std::uint8_t LineModel::with_bit_errors(std::uint8_t value) {
-  if (config_.bit_error_rate <= 0) return value;
   constexpr std::uint64_t kBits = 8;
   if (!error_planned_) {
     const double u = 1 - random_.uniform();
@@ -181,11 +182,17 @@ std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
   if (config_.jitter > Duration{}) {
     jitter = base::from_seconds(random_.uniform() * base::to_seconds(config_.jitter));
   }
+  const Duration byte_time = this->byte_time();
+  const bool bursts = config_.burst_begin > 0;
+  const bool bit_errors = config_.bit_error_rate > 0;
+  std::size_t to_trigger = config_.receive_trigger_bytes;
   for (std::size_t i = 0; i < taken; ++i) {
-    const RunTime sent = clock_byte(now);
+    const RunTime sent = clock_byte(now, byte_time);
     if (config_.send_buffer_bytes != 0) sending_.push_back(sent);
-    const bool survives = byte_survives() && !whole_lost;
-    const std::uint8_t value = with_bit_errors(bytes[i]);
+    const bool triggers = --to_trigger == 0;
+    if (triggers) to_trigger = config_.receive_trigger_bytes;
+    const bool survives = (!bursts || byte_survives()) && !whole_lost;
+    const std::uint8_t value = bit_errors ? with_bit_errors(bytes[i]) : bytes[i];
     if (!survives) {
       ++stats_.lost;
       continue;
@@ -198,8 +205,7 @@ std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
     }
     arrival = std::max(arrival, last_arrival_);
     last_arrival_ = arrival;
-    const bool wakes = i + 1 == taken || (i + 1) % config_.receive_trigger_bytes == 0;
-    on_line_.push_back({arrival, value, wakes});
+    on_line_.push_back({arrival, value, triggers || i + 1 == taken});
   }
   // A lost last byte must not leave the rest of the write waiting for the next one.
   if (!on_line_.empty()) on_line_.back().wakes = true;
@@ -207,7 +213,7 @@ std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
 }
 
 void LineModel::drop_overrun(RunTime now) {
-  if (config_.receive_fifo_bytes == 0) return;
+  if (config_.receive_fifo_bytes == 0 || on_line_.size() <= config_.receive_fifo_bytes) return;
   const auto arrived = static_cast<std::size_t>(
       std::upper_bound(on_line_.begin(), on_line_.end(), now,
                        [](RunTime t, const Byte& byte) { return t < byte.arrival; }) -

@@ -94,7 +94,7 @@ class LineModel {
   };
 
   base::Duration byte_time() const;
-  base::RunTime clock_byte(base::RunTime now);
+  base::RunTime clock_byte(base::RunTime now, base::Duration byte_time);
   base::RunTime after_stalls(base::RunTime t);
   bool byte_survives();
   std::uint8_t with_bit_errors(std::uint8_t value);
