@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/csv_row.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 namespace cas::hils {
 
 std::optional<std::vector<double>> parse_csv_row(std::string_view line) {
   std::vector<double> values;
+  values.reserve(1 + static_cast<std::size_t>(std::ranges::count(line, ',')));
   while (true) {
     double value = 0;
     const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);

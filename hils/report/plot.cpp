@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/report/plot.hpp"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -298,15 +299,17 @@ class Canvas {
   }
 
   void curve(const Series& series, std::size_t index) {
-    std::string path;
+    std::string
+        path;  // a report has ten thousands of points: their format is parsed at compile time
+    const auto end = std::back_inserter(path);
     double previous_y = 0;
     for (const auto& [x, y] : thinned(series)) {
       if (path.empty()) {
-        path = fmt::format("M{:.1f} {:.1f}", x, y);
+        fmt::format_to(end, FMT_COMPILE("M{:.1f} {:.1f}"), x, y);
       } else if (series.steps) {
-        path += fmt::format("H{:.1f}V{:.1f}", x, y);
+        fmt::format_to(end, FMT_COMPILE("H{:.1f}V{:.1f}"), x, y);
       } else {
-        path += fmt::format("L{:.1f} {:.1f}", x, y);
+        fmt::format_to(end, FMT_COMPILE("L{:.1f} {:.1f}"), x, y);
       }
       previous_y = y;
     }
