@@ -16,8 +16,8 @@
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/sdf_headers.hpp"
 #include "libsim/core/load/sdf_omissions.hpp"
+#include "libsim/core/load/sdf_world.hpp"
 #include "libsim/core/load/uri.hpp"
-#include "libsim/core/load/world_loader.hpp"
 #include "libsim/core/load/xml_tree.hpp"
 
 namespace cas::sim {
@@ -502,8 +502,8 @@ void require_all(const std::vector<MissingFile>& missing, const fs::path& file,
 
 }  // namespace
 
-WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& given_model_path,
-                          Missing missing) {
+void cas_load_sdf_world(const fs::path& file, const std::vector<fs::path>& given_model_path,
+                        Missing missing, WorldModel& model) {
   std::error_code error;
   std::vector<fs::path> model_path = given_model_path;
   model_path.push_back(file.parent_path() / "models");
@@ -520,7 +520,7 @@ WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& giv
   if (root.WorldCount() == 0) explain(file, errors);
   Translator translator(file, model_path);
   translator.take_errors(errors);
-  WorldModel model = translator.run(*root.WorldByIndex(0));
+  model = translator.run(*root.WorldByIndex(0));
   for (std::uint64_t i = 1; i < root.WorldCount(); ++i) {
     const sdf::World& other = *root.WorldByIndex(i);
     model.warnings.push_back(place_of(*other.Element()) + ": the <world> '" + other.Name() +
@@ -528,11 +528,6 @@ WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& giv
                              "'");
   }
   require_all(translator.missing(), file, model_path, missing, model);
-  return model;
-}
-
-WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& model_path) {
-  return load_sdf_world(file, model_path, Missing::kError);
 }
 
 }  // namespace cas::sim

@@ -1,7 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/world_loader.hpp"
 
+#include <dlfcn.h>
+
+#include "base/error.hpp"
+#include "libsim/core/load/sdf_world.hpp"
+
 namespace cas::sim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The SDF reader beside this library, opened when the first SDF file is read.
+decltype(&cas_load_sdf_world) open_sdf_reader() {
+  Dl_info self{};
+  // A name without a folder is what a program linked statically has; dlopen then searches.
+  const auto* const inside = reinterpret_cast<const void*>(&open_sdf_reader);
+  const fs::path folder =
+      dladdr(inside, &self) != 0 ? fs::path(self.dli_fname).parent_path() : fs::path();
+  const fs::path file = folder / CAS_SIM_SDF_FILE;
+  void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    throw base::ConfigError("SDF files cannot be read: " + std::string(dlerror()));
+  }
+  void* const entry = dlsym(library, kLoadSdfWorld);
+  if (entry == nullptr) {
+    throw base::ConfigError("SDF files cannot be read: " + file.string() +
+                            " is of another version of CAS");
+  }
+  return reinterpret_cast<decltype(&cas_load_sdf_world)>(entry);
+}
+
+}  // namespace
+
+WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& model_path,
+                          Missing missing) {
+  static const auto read = open_sdf_reader();
+  WorldModel model;
+  read(file, model_path, missing, model);
+  return model;
+}
+
+WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& model_path) {
+  return load_sdf_world(file, model_path, Missing::kError);
+}
 
 WorldModel load_world(const WorldConfig& config) {
   if (config.sdf) return load_sdf_world(*config.sdf, config.model_path, config.missing);

@@ -8,10 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "libsim/core/export.hpp"
+
 namespace cas::sim {
 
 /// One element of an XML file, without namespaces and comments.
-struct XmlElement {
+struct CAS_SIM_EXPORT XmlElement {
   std::string name;
   std::map<std::string, std::string, std::less<>> attributes;
   std::string text;  ///< all character data directly inside
@@ -25,9 +27,9 @@ struct XmlElement {
 
 /// A sentence for a text that a program has to fill in before it is a model: xacro, or ERB and
 /// other templates; nothing for any other. Comments do not count.
-std::optional<std::string> template_language(std::string_view text);
+CAS_SIM_EXPORT std::optional<std::string> template_language(std::string_view text);
 
 /// Reads a whole XML text. @throws base::ConfigError "FILE:LINE: what is wrong"
-XmlElement parse_xml(std::string_view text, const std::string& file);
+CAS_SIM_EXPORT XmlElement parse_xml(std::string_view text, const std::string& file);
 
 }  // namespace cas::sim

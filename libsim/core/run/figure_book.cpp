@@ -109,7 +109,11 @@ std::string FigureRecord::json() const {
           ",\"points\":[";
   for (const auto& [time, v] : points_) {
     if (text.back() == ']') text += ',';
-    text += "[" + number(base::to_seconds(time)) + "," + number(v) + "]";
+    text.append("[")
+        .append(number(base::to_seconds(time)))
+        .append(",")
+        .append(number(v))
+        .append("]");
   }
   return text + "]}";
 }
