@@ -32,7 +32,7 @@ struct FlightControllerStats {
   std::map<std::string, std::uint64_t, std::less<>> sent;
   std::uint64_t crc_errors = 0;
   std::uint64_t sequence_gaps = 0;  ///< packets of its senders that did not come: lost or filtered
-  std::uint64_t stale_sensors = 0;    ///< HIL_SENSOR whose time went back or stood still
+  std::uint64_t stale_sensors = 0;  ///< HIL_SENSOR whose time went back or stood still
   std::uint64_t missed_controls = 0;  ///< control periods that no HIL_SENSOR fell into
   base::Histogram sensor_age;         ///< arrival minus own stamp, relative to the smallest seen
 };

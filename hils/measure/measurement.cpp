@@ -166,8 +166,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.lost_by_sequence = record.lost_by_sequence;
   figures.stages = record.stages;
   figures.faults = record.faults;
-  figures.changes =
-      flight_changes(record, casd::GainMap::shipped(), scenario.ground_station);
+  figures.changes = flight_changes(record, casd::GainMap::shipped(), scenario.ground_station);
   figures.plugins = read_plugin_figures(record.plugin_figures, record.vehicle);
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   figures.responses = step_responses(record.stages, truth);

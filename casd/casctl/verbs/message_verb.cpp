@@ -81,9 +81,9 @@ void require_message(Session& session, const json& asked, const json& messages) 
     if (error.code() != base::rpc::kInvalidParams || !asked.is_string()) throw;
     std::vector<std::string> heard;
     for (const json& entry : messages) heard.push_back(entry.value("name", ""));
-    throw base::rpc::CallError(
-        error.code(), error.what() + base::did_you_mean(asked.get<std::string>(), heard),
-        error.data_json());
+    throw base::rpc::CallError(error.code(),
+                               error.what() + base::did_you_mean(asked.get<std::string>(), heard),
+                               error.data_json());
   }
 }
 
