@@ -202,7 +202,14 @@ class Description {
   }
 
   Eigen::Vector3d inertia_kg_m2() const {
-    if (!node_.has("inertia_kg_m2")) return body_->inertia_B_kg_m2.diagonal();
+    if (!node_.has("inertia_kg_m2")) {
+      const Eigen::Vector3d model = body_->inertia_B_kg_m2.diagonal();
+      if ((model.array() <= 0.0).any()) {
+        node_.fail("key 'inertia_kg_m2' is missing, and " + at_line(body_->inertial_line) +
+                   " has no inertia of a rigid body");
+      }
+      return model;
+    }
     const ConfigNode key = node_.at("inertia_kg_m2");
     const Eigen::Vector3d inertia = key.as<Eigen::Vector3d>();
     if ((inertia.array() <= 0.0).any()) key.fail("must be above zero in each axis");

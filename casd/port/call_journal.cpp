@@ -12,6 +12,7 @@ using nlohmann::json;
 
 void CallJournal::add(Call call) {
   if (call.params.size() > kMostParamsBytes) call.params.clear();
+  if (call.refusal.size() > kMostRefusalBytes) call.refusal.resize(kMostRefusalBytes);
   calls_.push_back(std::move(call));
   if (calls_.size() <= kMost) return;
   calls_.pop_front();

@@ -16,6 +16,7 @@ class CallJournal {
  public:
   static constexpr std::size_t kMost = 1000;
   static constexpr std::size_t kMostParamsBytes = 1024;
+  static constexpr std::size_t kMostRefusalBytes = 400;
 
   struct Call {
     base::RunTime at{};
@@ -27,7 +28,8 @@ class CallJournal {
     std::string refusal{};  ///< empty: it was done
   };
 
-  /// Parameters longer than kMostParamsBytes are not kept.
+  /// Parameters longer than kMostParamsBytes are not kept, nor is the rest of a longer refusal: an
+  /// answer of kMost calls stays below what a client may have queued.
   void add(Call call);
 
   /// {calls: [{at_s, unix_us, client, method, params, vehicle, refusal?}], forgotten}: the oldest

@@ -119,6 +119,15 @@ std::string loop_words(const std::vector<casd::GainLoop>& loops, const std::stri
   return {};
 }
 
+/// A parameter's name as terminal, page and JSON take it, whatever bytes came over the wire.
+template <std::size_t n>
+std::string name_of(const std::array<char, n>& id) {
+  std::string name(mav::text(id));
+  std::ranges::replace_if(
+      name, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return name;
+}
+
 /// Goes through a flight log and what was asked at the command port.
 class ChangeReader {
  public:
@@ -177,7 +186,7 @@ class ChangeReader {
     const auto encoding = autopilot_ == casd::Autopilot::kArduPilot
                               ? casd::ParamEncoding::kCast
                               : casd::ParamEncoding::kBytewise;
-    on_value(log_us, std::string(mav::text(told->param_id)),
+    on_value(log_us, name_of(told->param_id),
              casd::from_wire(encoding, told->param_type, told->param_value));
   }
 
@@ -189,15 +198,16 @@ class ChangeReader {
     if (!first) before = known->second;
     values_[name] = value;
     const bool unchanged = before && (same(*before, value) || std::isnan(value));
-    if (unchanged || (first && wish.empty())) return;
+    const bool wished = !wish.empty() && log_us - wish.mapped().second <= kLongest_us;
+    if (unchanged || (first && !wished)) return;
     ParameterChange change{.time_s = seconds(log_us),
                            .by = "the vehicle itself",
                            .parameter = name,
                            .loop = loop_words(loops(), name),
                            .before = before,
                            .after = value};
-    if (!wish.empty()) {
-      change.by = wish.mapped();
+    if (wished) {
+      change.by = wish.mapped().first;
       change.from_outside = true;
     } else if (const OutsideCall* call = call_for(log_us, name, value)) {
       change.by = port_words(*call);
@@ -212,7 +222,6 @@ class ChangeReader {
 
   /// What somebody had casd set at about this time.
   const OutsideCall* call_for(std::int64_t log_us, const std::string& name, double value) const {
-    constexpr std::int64_t kLongest_us = 10'000'000;  // casd asks five times at most
     for (const OutsideCall& call : record_.outside_calls) {
       if (call.system != record_.system || std::abs(call.log_us - log_us) > kLongest_us) continue;
       const json params = json::parse(call.params, nullptr, false);
@@ -255,7 +264,7 @@ class ChangeReader {
     const std::string by =
         fmt::format("ground station {}/{}", packet.source.system, packet.source.component);
     if (const auto wish = mav::decode<ParamSet>(packet)) {
-      wishes_[std::string(mav::text(wish->param_id))] = by;
+      wishes_[name_of(wish->param_id)] = {by, log_us};
       return;
     }
     if (const auto command = mav::decode<CommandLong>(packet)) {
@@ -272,7 +281,9 @@ class ChangeReader {
   void add_act(std::int64_t log_us, const std::string& by, const std::string& what) {
     const double time_s = seconds(log_us);
     if (record_.stages.empty() || time_s < base::to_seconds(record_.stages.front().begin)) return;
-    if (time_s > base::to_seconds(record_.stages.back().end)) return;
+    // The step that failed is no stage: perhaps it failed for what somebody did meanwhile.
+    const bool completed = record_.flight_failure.empty();
+    if (completed && time_s > base::to_seconds(record_.stages.back().end)) return;
     for (OutsideAct& act : changes_.acts) {
       if (act.by != by || act.what != what) continue;
       ++act.times;
@@ -284,13 +295,16 @@ class ChangeReader {
   }
 
   static constexpr std::size_t kMostActs = 200;
+  /// From a wish to its answer: casd asks five times at most.
+  static constexpr std::int64_t kLongest_us = 10'000'000;
 
   const RunRecord& record_;
   const casd::GainMap& gains_;
   bool own_station_;
   casd::Autopilot autopilot_ = casd::Autopilot::kPx4;
-  std::map<std::string, double> values_;       ///< as last told
-  std::map<std::string, std::string> wishes_;  ///< parameters that stations set: who did
+  std::map<std::string, double> values_;  ///< as last told
+  /// Parameters that stations set: who did, when.
+  std::map<std::string, std::pair<std::string, std::int64_t>> wishes_;
   FlightChanges changes_;
 };
 

@@ -108,6 +108,7 @@ class RealtimePilot {
   void tell_phase();
   void play_faults(base::SimTime now);
   void play(const BenchFault& fault, bool begins);
+  void keep_outside_calls();
   void fill(std::vector<RunRecord>& records, const ClockMap& log_clock);
   void watch_machine();
   void watch_stream();
@@ -121,6 +122,7 @@ class RealtimePilot {
   fcu::LineConfig line_;                   ///< as it is without faults
   std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
   CallList own_calls_;
+  std::vector<OutsideCall> outside_calls_;  ///< what others asked of casd
   FleetPlan plan_;
   BenchFaultScript faults_;
   Progress progress_;
@@ -175,10 +177,16 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
   fill(records, log_clock);
 }
 
+void RealtimePilot::keep_outside_calls() {
+  if (!casd_) return;
+  const std::vector<OutsideCall> calls = read_outside_calls(*casd_, own_calls_);
+  outside_calls_.insert(outside_calls_.end(), calls.begin(), calls.end());
+  own_calls_.clear();
+}
+
 void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
   const double simulated_s = base::to_seconds(simulated_time());
-  std::vector<OutsideCall> outside;
-  if (casd_) outside = read_outside_calls(*casd_, own_calls_);
+  keep_outside_calls();
   for (std::size_t i = 0; i < records.size(); ++i) {
     RunRecord& record = records[i];
     record.log_clock = log_clock;
@@ -187,7 +195,7 @@ void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_cl
     record.stages = plan_.plan(i).stages();
     record.hold = plan_.plan(i).measured();
     record.faults = faults_.history_of(i);
-    record.outside_calls = outside;
+    record.outside_calls = outside_calls_;
     record.cpu_pressure = pressure_.share();
   }
 }
@@ -250,6 +258,7 @@ void RealtimePilot::play(const BenchFault& fault, bool begins) {
     base::rpc::Client fcu(address(vehicle.fcu_control()));
     fcu.call("line.hangup", {{"ms", 1e3 * base::to_seconds(fault.lasting)}});
   } else if (std::holds_alternative<RestartFault>(fault.kind)) {
+    if (begins) keep_outside_calls();  // casd's journal ends with it
     casd_.reset();
     if (begins) return programs_.kill_casd();
     programs_.start_casd();

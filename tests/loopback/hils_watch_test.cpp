@@ -147,6 +147,7 @@ class HilsWatch : public testing::Test {
       line = text.substr(begin, end - begin);
       return true;
     });
+    if (line.empty()) return line;
     constexpr std::size_t kProgram = sizeof "Watch it: " - 1;
     const std::string program = line.substr(0, line.find(' ', kProgram)).substr(kProgram);
     if (program != "casctl") {
@@ -243,7 +244,7 @@ TEST_F(HilsWatch, ARunInWhichSomebodyTunesSaysSo) {
     set = casctl({"setgain", "velocity", "--p", "1.2"});
     return set.code == 0;
   })) << set.output;
-  EXPECT_TRUE(std::regex_search(set.output, std::regex("velocity: P [0-9.]+ -> 1.2,")))
+  EXPECT_TRUE(std::regex_search(set.output, std::regex("velocity: P ([0-9.]+ -> )?1.2,")))
       << set.output;
   // Whether the machine is quick enough for a verdict is no matter here.
   const fs::path summary_file = folder_ / "out/summary.json";

@@ -333,6 +333,13 @@ TEST_F(VehicleMethodsTest, KeepsTheAuditedCallsInItsJournal) {
   EXPECT_EQ(error("casd.journal", {{"since", 1}}).code(), -32602);
 }
 
+TEST(CallJournal, KeepsTheBeginningOfALongRefusal) {
+  CallJournal journal;
+  journal.add({.refusal = std::string(60'000, '\x01')});
+  EXPECT_EQ(journal.answer().at("calls")[0].at("refusal").get<std::string>(),
+            std::string(CallJournal::kMostRefusalBytes, '\x01'));
+}
+
 TEST(CallJournal, ForgetsTheOldestAndLongParameters) {
   CallJournal journal;
   for (std::size_t i = 0; i < CallJournal::kMost + 3; ++i) {

@@ -185,6 +185,36 @@ TEST_F(FlightChangesTest, CommandsOfOthersDuringTheFlightAreActs) {
   EXPECT_TRUE(changes.from_outside());
 }
 
+TEST_F(FlightChangesTest, WhatEndedAFlightIsAnAct) {
+  CommandLong land;
+  land.target_system = 1;
+  land.command = MavCmd::kNavLand;
+  say(61, ground_, land);
+  EXPECT_TRUE(read().acts.empty()) << "the flight was over";
+  record_.flight_failure = "the vehicle disarmed itself during hold";
+  EXPECT_EQ(read().acts.size(), 1U);
+}
+
+TEST_F(FlightChangesTest, ANameFromTheWireIsFitForATerminalAndForJson) {
+  tell(12, "A\x1b[31m\xff", 1.0F);
+  tell(13, "A\x1b[31m\xff", 2.0F);
+  const FlightChanges changes = read();
+  ASSERT_EQ(changes.parameters.size(), 1U);
+  EXPECT_EQ(changes.parameters[0].parameter, "A?[31m?");
+}
+
+TEST_F(FlightChangesTest, AWishThatNobodyAnsweredIsForgotten) {
+  ParamSet wish;
+  wish.target_system = 1;
+  mav::set_text(wish.param_id, "MPC_XY_P");
+  tell(12, "MPC_XY_P", 0.95F);
+  say(13, ground_, wish);
+  tell(40, "MPC_XY_P", 0.6F);
+  const FlightChanges changes = read();
+  ASSERT_EQ(changes.parameters.size(), 1U);
+  EXPECT_EQ(changes.parameters[0].by, "the vehicle itself");
+}
+
 TEST_F(FlightChangesTest, WhatCasdsOwnStationSaysIsKnownFromItsCalls) {
   mav::Encoder casd(mav::Source{kCasdSystem, kCasdComponent});
   CommandLong land;
