@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
@@ -113,11 +116,18 @@ int fly_row(const fs::path& folder) {
     if (stopped.interrupted()) return kExitInterrupted;
     result = row_without_figures(RowOutcome::kStopped, without_folder(stopped.what(), folder));
   } catch (const base::ConfigError& error) {
-    if (!can_write(folder)) {
+    const std::string_view what = error.what();
+    const bool full = what.find("was not written to its end") != std::string_view::npos ||
+                      what.find(std::strerror(ENOSPC)) != std::string_view::npos ||
+                      what.find(std::strerror(EDQUOT)) != std::string_view::npos;
+    if (full || !can_write(folder)) {
       fmt::print(stderr, "{}\n", error.what());
       return kExitMachine;
     }
     result = row_without_figures(RowOutcome::kRefused, without_folder(error.what(), folder));
+  } catch (const fs::filesystem_error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return kExitMachine;
   }
   result.row = task.row;
   result.version = CAS_VERSION;

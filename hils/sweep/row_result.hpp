@@ -26,6 +26,10 @@ std::string_view to_string(RowOutcome outcome);
 std::optional<RowOutcome> parse_row_outcome(std::string_view word);
 /// Whether the vehicle was judged: the run itself did not break.
 bool is_judged(RowOutcome outcome);
+/// Whether the process of the run broke: such a row gives way to any other result of it.
+inline bool is_broken(RowOutcome outcome) {
+  return outcome == RowOutcome::kDied || outcome == RowOutcome::kHung;
+}
 
 /// What a run cost, and where: outside every comparison.
 struct MachineFigures {

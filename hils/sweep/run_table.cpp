@@ -64,8 +64,14 @@ std::vector<std::vector<std::string>> drawn_values(const Study& study) {
        unit_points(study.sampling, study.points, names, study.seed)) {
     std::vector<std::string>& values = points.emplace_back();
     for (std::size_t j = 0; j < drawn.size(); ++j) {
-      const double value = drawn[j]->distribution->quantile(u[j]);
-      values.push_back(value_text(drawn[j]->whole ? std::round(value) : value));
+      const Distribution& own = *drawn[j]->distribution;
+      double value = own.quantile(u[j]);
+      if (drawn[j]->whole) {
+        value = std::round(value);
+        if (own.most && value > *own.most) value = std::floor(*own.most);
+        if (own.least && value < *own.least) value = std::ceil(*own.least);
+      }
+      values.push_back(value_text(value));
     }
   }
   if (points.empty()) points.emplace_back();

@@ -182,7 +182,11 @@ void parse_seeds(const base::ConfigNode& root, Study& study) {
   if (!node) return;
   if (node->is_list()) {
     for (const base::ConfigNode& item : node->items()) {
-      study.seeds.push_back(item.as<std::uint64_t>());
+      const auto seed = item.as<std::uint64_t>();
+      if (std::ranges::find(study.seeds, seed) != study.seeds.end()) {
+        item.fail("stands in the list twice");
+      }
+      study.seeds.push_back(seed);
     }
     if (study.seeds.empty()) node->fail("is an empty list");
     return;
@@ -258,7 +262,9 @@ double Distribution::quantile(double u) const {
   const boost::math::normal normal(mean, deviation);
   const double low = least ? boost::math::cdf(normal, *least) : 0;
   const double high = most ? boost::math::cdf(normal, *most) : 1;
-  double value = boost::math::quantile(normal, low + u * (high - low));
+  // A bound far in the tail has a share of 0 or 1, which no value of a normal distribution has.
+  const double share = std::clamp(low + u * (high - low), 1e-300, 1 - 0x1p-53);
+  double value = boost::math::quantile(normal, share);
   if (least) value = std::max(value, *least);
   if (most) value = std::min(value, *most);
   return value;

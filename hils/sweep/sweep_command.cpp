@@ -139,18 +139,19 @@ std::pair<std::string, std::string> parse_map(const std::string& text) {
 void print_status(const SweepFolder& sweep) {
   std::map<std::string, std::size_t> outcomes;
   std::vector<bool> done(sweep.table.rows.size(), false);
-  std::map<std::size_t, std::string> outcome_of;
+  std::map<std::size_t, RowOutcome> outcome_of;
   double wall_s = 0;
   double most_mib = 0;
   std::size_t lines = 0;
   sweep.for_each_result([&](RowResult&& result) {
     done[result.row - 1] = true;
-    outcome_of[result.row] = to_string(result.outcome);
+    RowOutcome& known = outcome_of.try_emplace(result.row, result.outcome).first->second;
+    if (is_broken(known) || !is_broken(result.outcome)) known = result.outcome;
     wall_s += result.machine.wall_s;
     most_mib = std::max(most_mib, result.machine.max_rss_mib);
     ++lines;
   });
-  for (const auto& [row, outcome] : outcome_of) ++outcomes[outcome];
+  for (const auto& [row, outcome] : outcome_of) ++outcomes[std::string(to_string(outcome))];
   fmt::print("{}: {} of {} runs flown\n", sweep.study.name, outcome_of.size(), done.size());
   for (const auto& [outcome, number] : outcomes) fmt::print("  {:<8} {}\n", outcome, number);
   const auto missing = std::ranges::find(done, false);
@@ -173,7 +174,7 @@ void print_row(const SweepFolder& sweep, std::size_t number) {
   } else {
     fmt::print("Outcome: {}{}\n", to_string(result.outcome),
                result.cause.empty() ? "" : ": " + result.cause);
-    for (std::size_t i = 0; i < result.figures.size(); ++i) {
+    for (std::size_t i = 0; i < std::min(result.figures.size(), sweep.figures.size()); ++i) {
       if (std::isfinite(result.figures[i])) {
         fmt::print("  {} = {}\n", sweep.figures[i], result.figures[i]);
       }
@@ -357,6 +358,11 @@ int submit(const SweepFolder& sweep, SlurmArray array) {
   if (array.missing.empty()) {
     fmt::print("All runs have been flown; 'hils sweep collect {}' is next.\n", sweep.path.string());
     return kExitPassed;
+  }
+  for (const std::string& text : {array.logs.string(), array.partition}) {
+    if (text.find_first_of("\"\\%\n\r") != std::string::npos) {
+      throw base::ConfigError("'" + text + "': a job array takes no \", \\, % or line break here");
+    }
   }
   fs::create_directories(array.logs);
   const fs::path script = sweep.path / "slurm" / "sweep.sbatch";

@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <string_view>
+#include <set>
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
@@ -26,17 +25,22 @@ constexpr int kPlanSchema = 1;
 /// Most rows whose scenario is checked when a study is planned: those with the ends of a parameter.
 constexpr std::size_t kMostChecked = 64;
 
+/// Headings of the results' table, of which SQL knows no capitals.
 void check_headings(const Study& study, const std::vector<std::string>& figures) {
+  const auto lower = [](std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+  };
+  std::set<std::string> taken{"row",      "point", "seed",    "outcome",
+                              "incident", "cause", "version", "truth_sha256"};
+  for (const std::string& figure : figures) {
+    if (!taken.insert(lower(figure)).second) {
+      throw base::ConfigError("two columns of the results would be called '" + figure +
+                              "': give the scenario's steps different names");
+    }
+  }
   for (const Parameter& parameter : study.parameters) {
-    const bool taken = std::ranges::any_of(figures, [&](const std::string& figure) {
-      return std::ranges::equal(figure, parameter.name, [](char a, char b) {
-        return std::tolower(static_cast<unsigned char>(a)) ==
-               std::tolower(static_cast<unsigned char>(b));
-      });
-    });
-    constexpr std::array<std::string_view, 5> kOthers{"outcome", "incident", "cause", "version",
-                                                      "truth_sha256"};
-    if (taken || std::ranges::find(kOthers, parameter.name) != kOthers.end()) {
+    if (taken.contains(lower(parameter.name))) {
       throw base::ConfigError("the parameter '" + parameter.name +
                               "' is called as a column of the results; give it another 'name'");
     }
@@ -79,7 +83,9 @@ void check_rows(const SweepFolder& folder) {
           fmt::format("row {}: {}", number, without_folder(error.what(), scratch)));
     }
   }
-  fs::remove_all(folder.path / "work");
+  fs::remove_all(scratch);
+  std::error_code others;
+  fs::remove(folder.path / "work", others);  // unless somebody has files there
 }
 
 std::string plan_json(const SweepFolder& folder) {
@@ -89,6 +95,7 @@ std::string plan_json(const SweepFolder& folder) {
   json["study_folder"] = folder.study_folder.string();
   json["rows"] = folder.table.rows.size();
   json["version"] = CAS_VERSION;
+  json["figures"] = folder.figures;
   return json.dump(2) + "\n";
 }
 
@@ -137,6 +144,14 @@ SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder
     }
     return open(folder);
   }
+  std::error_code none;
+  const fs::path scenario_folder = fs::absolute(Study::scenario_of(study_file)).parent_path();
+  if (fs::equivalent(sweep.path, sweep.study_folder, none) ||
+      fs::equivalent(sweep.path, scenario_folder, none)) {
+    throw base::ConfigError(folder.string() +
+                            ": holds the study or its scenario, which the sweep would write over: "
+                            "choose another folder");
+  }
   fs::create_directories(sweep.path);
   write_scenario(Study::scenario_of(study_file), sweep.study.settings, sweep.study_folder,
                  sweep.path, {"vehicle"});
@@ -174,6 +189,10 @@ SweepFolder SweepFolder::open(const fs::path& folder) {
                     .figures = {},
                     .study_folder = plan.value("study_folder", std::string())};
   sweep.figures = figure_names(Scenario::load(sweep.scenario()));
+  if (plan.contains("figures") && plan["figures"] != nlohmann::json(sweep.figures)) {
+    throw base::ConfigError(plan_file.string() + ": was planned by CAS " +
+                            plan.value("version", std::string("?")) + ", whose figures are others");
+  }
   if (sweep.table.rows.size() != plan.value("rows", std::size_t{0})) {
     throw base::ConfigError(fmt::format("{}: has {} rows; {} were planned", table_file.string(),
                                         sweep.table.rows.size(),
@@ -218,7 +237,11 @@ void SweepFolder::for_each_result(const std::function<void(RowResult&&)>& visit)
 std::vector<RowResult> SweepFolder::results(std::size_t first, std::size_t last) const {
   std::vector<RowResult> rows(last - first);
   for_each_result([&](RowResult&& result) {
-    if (result.row >= first && result.row < last) rows[result.row - first] = std::move(result);
+    if (result.row < first || result.row >= last) return;
+    RowResult& known = rows[result.row - first];
+    if (known.row == 0 || is_broken(known.outcome) || !is_broken(result.outcome)) {
+      known = std::move(result);
+    }
   });
   return rows;
 }

@@ -65,9 +65,10 @@ struct SweepFolder {
   const TableRow& row(std::size_t row) const;
 
   /// Calls `visit` for each line of each journal, in the order of their names and lines; torn lines
-  /// are left out. A later line of a row stands for it.
+  /// are left out. A later line of a row stands for it, but that of a run that broke for none of a
+  /// run that did not.
   void for_each_result(const std::function<void(RowResult&&)>& visit) const;
-  /// The newest result of each row from `first` to before `last`; row 0 where there is none.
+  /// The result that stands for each row from `first` to before `last`; row 0 where there is none.
   std::vector<RowResult> results(std::size_t first, std::size_t last) const;
 
   /// CSV of rows with a result: table and figures, and what they cost.

@@ -71,6 +71,9 @@ std::string tail_of(const fs::path& log_file) {
   return text.empty() ? text : ": " + text;
 }
 
+/// As a shell tells it: ended by SIGTERM, which a job's end sends to all of its processes.
+constexpr int kExitTerminated = 128 + SIGTERM;
+
 /// A run under way.
 struct Flight {
   std::size_t row;
@@ -92,7 +95,12 @@ class Runner {
         journal_(make_folder(sweep.path / "journal") / (options.chunk.name() + ".jsonl")),
         host_(host_name()) {
     fs::remove_all(scratch_);  // of a runner that was killed: the journal's lock shows that it is
-    fs::create_directories(scratch_);
+    std::error_code error;     // a chunk that ends may take the folder above away meanwhile
+    for (int i = 0; i < 10; ++i) {
+      fs::create_directories(scratch_, error);
+      if (!error) break;
+    }
+    if (error) throw base::ConfigError(scratch_.string() + ": cannot be made: " + error.message());
     find_pending();
   }
 
@@ -157,9 +165,7 @@ class Runner {
     std::vector<bool> done(last_ - first_, false);
     sweep_.for_each_result([&](RowResult&& result) {
       if (result.row < first_ || result.row >= last_) return;
-      const bool broken =
-          result.outcome == RowOutcome::kDied || result.outcome == RowOutcome::kHung;
-      done[result.row - first_] = !(options_.retry && broken);
+      if (!(options_.retry && is_broken(result.outcome))) done[result.row - first_] = true;
     });
     for (std::size_t row = first_; row < last_; ++row) {
       if (!done[row - first_]) pending_.push_back(row);
@@ -213,6 +219,11 @@ class Runner {
     if (end.code == kExitMachine) {
       throw base::ConfigError("row " + std::to_string(flight.row) + tail_of(log_file) +
                               "; what has been flown is kept");
+    }
+    if (end.code == kExitInterrupted || end.code == kExitTerminated) {
+      throw RunStopped(
+          fmt::format("row {} was interrupted; 'hils sweep run' goes on with it", flight.row),
+          true);
     }
     if (end.code == kExitPassed) {
       try {

@@ -220,7 +220,7 @@ class Dialect:
             raise KeyError(f"the dialect has no message {name}")
         return found
 
-    def encode(self, name: Union[str, int], *, system: int, component: int, sequence: int = 0,
+    def encode(self, name: Union[str, int], /, *, system: int, component: int, sequence: int = 0,
                **fields: Any) -> bytes:
         """A MAVLink 2 packet. Fields that are left out are 0; one whose name is `system`, `component` or
         `sequence` goes in `fields` of encode_fields()."""
@@ -323,7 +323,7 @@ class UdpLink:
         self._socket.bind(host_and_port(local))
         self._closed = False
 
-    def send(self, name: str, **fields: Any) -> None:
+    def send(self, name: str, /, **fields: Any) -> None:
         """Sends one message; fields that are left out are 0."""
         packet = self.dialect.encode_fields(name, fields, self.system, self.component, self._sequence)
         self._sequence = (self._sequence + 1) & 0xFF

@@ -291,7 +291,7 @@ class Client:
                     self._on_message(json.loads(line))
         except OSError as error:
             why = error.strerror or str(error)
-        except ValueError:
+        except (ValueError, TypeError, AttributeError):
             why = "an answer is no JSON: another program listens there"
         with self._lock:
             self._lost = self._lost or why
@@ -464,7 +464,7 @@ class AsyncClient:
                 self._on_message(json.loads(line))
         except OSError as error:
             why = error.strerror or str(error)
-        except ValueError:
+        except (ValueError, TypeError, AttributeError):
             why = "an answer is no JSON: another program listens there"
         finally:
             self._lost = self._lost or why

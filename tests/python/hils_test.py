@@ -5,6 +5,7 @@ import json
 import math
 import os
 import sys
+import time
 import unittest
 from unittest import mock
 
@@ -70,8 +71,9 @@ class HilsTest(FolderTest):
 
     def test_leaving_the_block_interrupts_it(self):
         with cas.start({"code": "wait"}, "out/w") as running:
-            while "waiting" not in running.output:
-                pass
+            deadline = time.monotonic() + PATIENCE_S
+            while "waiting" not in running.output and time.monotonic() < deadline:
+                time.sleep(0.01)
             with self.assertRaises(cas.CallTimeout):
                 running.wait(0.01)
             self.assertFalse(running.done)

@@ -3,6 +3,7 @@
 
 import asyncio
 import threading
+import time
 import unittest
 
 from helpers import PATIENCE_S, FakeServer, FolderTest
@@ -38,8 +39,9 @@ class ClientTest(FolderTest):
         with rpc.Client(self.server(answer), timeout_s=PATIENCE_S) as client:
             other = threading.Thread(target=lambda: got.update(first=client.call("first")))
             other.start()
-            while not waiting:
-                pass
+            deadline = time.monotonic() + PATIENCE_S
+            while not waiting and time.monotonic() < deadline:
+                time.sleep(0.01)
             got["second"] = client.call("second")
             other.join()
         self.assertEqual(got, {"first": "first", "second": "second"})
