@@ -198,6 +198,16 @@ TEST_F(Sweep, ARunThatDiesCostsItsOwnRow) {
   EXPECT_NE(table.find("was ended by signal 9 (Killed)"), std::string::npos);
   sweep({"run", hurt.string(), "--retry"});
   EXPECT_EQ(TemporaryFolder::read(hurt / "chunks/chunk_1_of_1.csv"), whole());
+
+  // As if it had died in another chunk, whose journal is read later: what was flown then stands.
+  std::istringstream lines(TemporaryFolder::read(hurt / "journal/chunk_1_of_1.jsonl"));
+  std::ofstream later(hurt / "journal/chunk_2_of_2.jsonl");
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("\"died\"") != std::string::npos) later << line << '\n';
+  }
+  later.close();
+  EXPECT_GT(fs::file_size(hurt / "journal/chunk_2_of_2.jsonl"), 0U);
+  EXPECT_EQ(sweep({"status", hurt.string()}).find("died"), std::string::npos);
 }
 
 TEST_F(Sweep, ARunThatHangsCostsItsOwnRow) {
