@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/config/frame_table.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -40,14 +41,17 @@ int level_of(const Vehicle& vehicle, std::size_t index) {
 bool Frame::fits(const Vehicle& vehicle) const {
   if (vehicle.rotors.size() != rotors.size()) return false;
   for (std::size_t i = 0; i < rotors.size(); ++i) {
-    const Rotor& rotor = vehicle.rotors[i];
+    const auto at = std::ranges::find(vehicle.rotors, static_cast<int>(i), &Rotor::output);
+    if (at == vehicle.rotors.end()) return false;
+    const Rotor& rotor = *at;
     const double angle_deg =
         std::atan2(-rotor.position_B_m.y(), rotor.position_B_m.x()) * 180 / std::numbers::pi;
     if (std::abs(std::remainder(angle_deg - rotors[i].angle_deg, 360)) > kSameDirection_deg) {
       return false;
     }
     if (rotors[i].spin != 0 && rotors[i].spin != rotor.spin) return false;
-    if (rotors[i].level != level_of(vehicle, i)) return false;
+    const auto index = static_cast<std::size_t>(at - vehicle.rotors.begin());
+    if (rotors[i].level != level_of(vehicle, index)) return false;
   }
   return true;
 }

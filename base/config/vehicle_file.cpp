@@ -300,7 +300,7 @@ class Description {
 
   static Eigen::Vector3d upward(const Eigen::Vector3d& axis) {
     if (axis.head<2>().norm() < kUpright_rad) return Eigen::Vector3d::UnitZ();
-    return axis.z() < 0 ? Eigen::Vector3d(-axis) : axis;
+    return axis.z() < -kUpright_rad ? Eigen::Vector3d(-axis) : axis;
   }
 
   const UrdfLink* nearest(const Eigen::Vector3d& p_B) const {

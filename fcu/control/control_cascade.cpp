@@ -63,7 +63,7 @@ const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
     output_ = MixerResult{};
     detector_.reset();
     if (setpoint.stopped) {
-      found_lost_ = 0;  // on the ground anything may be repaired
+      found_lost_ = told_lost_ = 0;  // on the ground anything may be repaired
       mixer_.set_lost(params_.rotors_lost);
     } else if (setpoint.idle) {
       output_ = mixer_.idle();
@@ -134,11 +134,13 @@ void ControlCascade::look_for_losses(const EstimatorState& estimate, double dt) 
     return;
   }
   const auto rotor = detector_.update(estimate.w_D, output_.omega_sq, mixer_.lost(), dt);
-  if (!rotor || has(found_lost_, *rotor)) return;
-  found_lost_ |= 1U << *rotor;
-  const bool left_out = mixer_.set_lost(params_.rotors_lost | found_lost_);
+  if (!rotor || has(told_lost_, *rotor)) return;
+  told_lost_ |= 1U << *rotor;
+  const RotorSet found = found_lost_ | 1U << *rotor;
+  const bool left_out = mixer_.set_lost(params_.rotors_lost | found);
   loss_ = RotorLoss{*rotor, left_out};
   if (!left_out) return;
+  found_lost_ = found;
   // The integrators have learnt to make up for the lost rotor, and nothing is missing any more.
   rates_.reset();
   detector_.reset();

@@ -75,6 +75,7 @@ class ControlCascade {
   Mixer mixer_;
   RotorLossDetector detector_;
   RotorSet found_lost_ = 0;
+  RotorSet told_lost_ = 0;  // found, left out or not: each is told once
   std::optional<RotorLoss> loss_;
   Eigen::Vector2d side_N_n_ = Eigen::Vector2d::Zero();  // wanted of the rotors, horizontal
   MixerResult output_;

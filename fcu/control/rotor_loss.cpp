@@ -31,6 +31,17 @@ RotorLossDetector::RotorLossDetector(const base::Vehicle& vehicle)
   moment_D_.row(0) = wrench_B.row(3);
   moment_D_.row(1) = -wrench_B.row(4);
   moment_D_.row(2) = -wrench_B.row(5);
+  loss_D_ = moment_D_;
+  base::Vehicle apart = vehicle;
+  for (base::Rotor& rotor : apart.rotors) rotor.wake.reset();
+  const base::Effectiveness apart_B = apart.effectiveness();
+  for (Eigen::Index i = 0; i < moment_D_.cols(); ++i) {
+    const auto& wake = vehicle.rotors[static_cast<std::size_t>(i)].wake;
+    if (!wake) continue;
+    const Eigen::Matrix<double, 6, 1> gain = apart_B.col(i) - wrench_B.col(i);
+    loss_D_.col(static_cast<Eigen::Index>(wake->upper)) -=
+        Eigen::Vector3d(gain[3], -gain[4], -gain[5]);
+  }
   up_s_.resize(rotors);
   down_s_.resize(rotors);
   high_.resize(rotors);
@@ -98,7 +109,7 @@ int RotorLossDetector::suspect(RotorSet lost) const {
   for (Index i = 0; i < omega_.size(); ++i) {
     const double omega_sq = omega_[i] * omega_[i];
     if (has(lost, static_cast<int>(i)) || omega_sq < kSlowest * high_[i]) continue;
-    const Vector3d own = -weight_.cwiseProduct(moment_D_.col(i)) * omega_sq;
+    const Vector3d own = -weight_.cwiseProduct(loss_D_.col(i)) * omega_sq;
     const double along = own.dot(missing);
     const double share = along / own.squaredNorm();
     if (share < kLeastShare || share > kMostShare) continue;

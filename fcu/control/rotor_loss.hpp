@@ -49,7 +49,9 @@ class RotorLossDetector {
   int suspect(RotorSet lost) const;
 
   Eigen::Vector3d inertia_kg_m2_;
-  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, base::kMaxRotors> moment_D_;
+  using Moments = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, base::kMaxRotors>;
+  Moments moment_D_;
+  Moments loss_D_;          ///< what goes with a rotor: the one below it gains what its wake took
   Eigen::Vector3d weight_;  // makes the axes comparable
   base::RotorVector up_s_, down_s_, high_;
   base::RotorVector omega_;  // as the rotors should turn, rad/s

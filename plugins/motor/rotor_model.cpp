@@ -119,7 +119,10 @@ RotorModel::Motion RotorModel::motion(std::size_t rotor, std::span<const double>
                                       std::span<const double> x_dot) const {
   const Hub& hub = hubs_[rotor];
   Motion motion{.omega = x[rotor], .omega_dot = x_dot[rotor], .axis_B = hub.axis_B};
-  if (hub.wake_loss > 0 && !stopped_[hub.upper]) motion.upper_omega = x[hub.upper];
+  if (hub.wake_loss > 0 && !stopped_[hub.upper]) {
+    // Induced speed goes with the root of the thrust that is left.
+    motion.upper_omega = std::sqrt(effectiveness_[hub.upper]) * x[hub.upper];
+  }
   for (std::size_t k = 0; k < servo_count_; ++k) {
     if (servos_[k].rotor != rotor) continue;
     const Eigen::Vector3d& hinge_B = servos_[k].params.axis_B;

@@ -25,6 +25,7 @@ TEST_P(ShippedFrame, HoversStepsAndStandsAgainstWind) {
   EXPECT_TRUE(flight.verdict().passed) << flight.text();
   // As STATUSTEXT has it in the flight's log.
   EXPECT_EQ(flight.log().find("lost: flying on"), std::string::npos) << "no rotor is lost";
+  EXPECT_EQ(flight.log().find("lost: the others"), std::string::npos) << "no rotor is lost";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedFrame,

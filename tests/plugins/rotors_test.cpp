@@ -194,6 +194,9 @@ TEST(CoaxialPair, TheLowerRotorLosesThrustToTheUpper) {
   EXPECT_NEAR(thrust(400, 500) - 1e-5 * 400 * 400, 1e-5 * 500 * (500 - 0.3 * 400), kRounding);
   EXPECT_NEAR(thrust(1000, 200), 1e-5 * 1000 * 1000, kRounding) << "it does not pull downwards";
   EXPECT_NEAR(evaluate(model, {500, 500}).wrench.torque_B.z(), 0, kRounding);
+  model.set_effectiveness(Eigen::Vector2d(0, 1));
+  EXPECT_NEAR(thrust(500, 500), one, kRounding) << "no wake from one without blades";
+  model.set_effectiveness(Eigen::Vector2d(1, 1));
   model.stop(0);
   EXPECT_NEAR(thrust(500, 500), one, kRounding);
 }
