@@ -267,13 +267,19 @@ std::string listed(const std::vector<LinkConfig>& links) {
 std::vector<std::string> parse_link_names(const base::ConfigNode& node,
                                           const std::vector<LinkConfig>& links) {
   std::vector<std::string> names;
+  const auto add = [&](const base::ConfigNode& entry, const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      entry.fail("link '" + name + "' is named twice");
+    }
+    names.push_back(name);
+  };
   for (const base::ConfigNode& entry : one_or_many(node)) {
     const auto name = entry.as<std::string>();
     const auto known = [&](const LinkConfig& link) { return link.name == name; };
     if (name == "any") {
-      for (const LinkConfig& link : links) names.push_back(link.name);
+      for (const LinkConfig& link : links) add(entry, link.name);
     } else if (std::any_of(links.begin(), links.end(), known)) {
-      names.push_back(name);
+      add(entry, name);
     } else {
       entry.fail("there is no link '" + name + "'; links are " + listed(links));
     }

@@ -233,6 +233,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "t.yaml:6: gains: there is no file 'no_gains.yaml'"},
         BadCase{"UnknownLinkInRoute", route("from: sim, to: fuc"),
                 "t.yaml:7: routes[0].to: there is no link 'fuc'; links are sim, fcu, gcs"},
+        BadCase{"LinkNamedTwice", route("from: [any, sim], to: fcu"),
+                "t.yaml:7: routes[0].from[1]: link 'sim' is named twice"},
         BadCase{"UnknownMessage", route("from: sim, to: fcu, allow: [HIL_SENSR]"),
                 "name 'HIL_SENSR'; did you mean HIL_SENSOR?"},
         BadCase{"MessageUnlikeAnyOther", route("from: sim, to: fcu, allow: [LABORATORY_THING]"),
