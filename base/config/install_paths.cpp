@@ -123,6 +123,22 @@ std::vector<fs::path> plugin_dirs() {
   return folders;
 }
 
+std::optional<fs::path> web_dir() {
+  std::vector<fs::path> folders;
+  add_from_environment("CAS_WEB_PATH", folders);
+  // Beside the configuration, before symlinks are followed: in the build tree that one is a link.
+  const auto add_beside = [&folders](const fs::path& from, const char* steps) {
+    if (!from.empty()) add_folder((from / steps).lexically_normal().parent_path() / "web", folders);
+  };
+  add_beside(program_dir(), CAS_BIN_TO_CONFIG);
+  add_beside(library_dir(), CAS_LIB_TO_CONFIG);
+  add_beside(library_dir(), "../share/cas/config");
+  for (const fs::path& folder : folders) {
+    if (is_there(folder / "index.html")) return folder;
+  }
+  return std::nullopt;
+}
+
 fs::path find_config(const fs::path& name) {
   std::error_code error;
   if (fs::exists(name, error)) return name;

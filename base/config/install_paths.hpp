@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,10 @@ CAS_BASE_EXPORT std::vector<std::filesystem::path> config_dirs();
 /// Folders with plugins, best first: each of CAS_PLUGIN_PATH, then the one that belongs to the
 /// running program or this library. Only folders that exist.
 CAS_BASE_EXPORT std::vector<std::filesystem::path> plugin_dirs();
+
+/// Folder of the built page (index.html, replay.html and what they load): CAS_WEB_PATH, else the
+/// one that belongs to the running program or this library. Nothing where the page was not built.
+CAS_BASE_EXPORT std::optional<std::filesystem::path> web_dir();
 
 /// A file given by the user: as it stands when it exists (absolute or from the working folder),
 /// else below one of config_dirs(), "vehicles/iris_paper.yaml". @throws ConfigError when it is
