@@ -20,9 +20,7 @@ std::string lower(std::string text) {
 Presence presence(const MonitorState& state, double now_s) {
   const double look_age_s = now_s - state.status_at_s;
   const double late_s = overdue_s(state, state.status_at_s, now_s);
-  if (!state.casd_fault.empty() || late_s > kStale_s) {
-    return {.kind = Presence::Kind::kUnknown, .age_s = look_age_s};
-  }
+  if (is_stale(state, now_s)) return {.kind = Presence::Kind::kUnknown, .age_s = look_age_s};
   const json vehicles = state.status.value("vehicles", json::array());
   for (const json& vehicle : vehicles) {
     if (state.chosen_vehicle && vehicle.value("system", 0) != *state.chosen_vehicle) continue;
@@ -40,6 +38,10 @@ Presence presence(const MonitorState& state, double now_s) {
 
 double overdue_s(const MonitorState& state, double at_s, double now_s) {
   return std::max(now_s - at_s - state.interval_s, 0.0);
+}
+
+bool is_stale(const MonitorState& state, double now_s) {
+  return !state.casd_fault.empty() || overdue_s(state, state.status_at_s, now_s) > kStale_s;
 }
 
 std::vector<MessageRow> visible_rows(const MonitorState& state) {

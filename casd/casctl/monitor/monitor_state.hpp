@@ -102,6 +102,9 @@ inline constexpr double kStale_s = 3;
 /// For how long, s, an answer is older than it need be: by more than the time between two looks.
 double overdue_s(const MonitorState& state, double at_s, double now_s);
 
+/// Whether casd's last answer is too old to be shown as the present.
+bool is_stale(const MonitorState& state, double now_s);
+
 /// The rows that the filters leave, in order.
 std::vector<MessageRow> visible_rows(const MonitorState& state);
 

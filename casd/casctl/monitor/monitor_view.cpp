@@ -2,8 +2,14 @@
 #include "casd/casctl/monitor/monitor_view.hpp"
 
 #include <algorithm>
+#include <utility>
 
-#include "casd/casctl/monitor/sections.hpp"
+#include "casd/casctl/monitor/gain_section.hpp"
+#include "casd/casctl/monitor/link_section.hpp"
+#include "casd/casctl/monitor/message_section.hpp"
+#include "casd/casctl/monitor/prompt.hpp"
+#include "casd/casctl/monitor/value_text.hpp"
+#include "casd/casctl/monitor/vehicle_section.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
@@ -203,6 +209,49 @@ Block three_panes(const MonitorState& state, double now_s, std::size_t width, st
   const Block middle = fit_block(field_section(state, now_s, second, rows), rows, second);
   return beside(beside(links_and_messages(state, now_s, first, rows), edge, middle), edge,
                 vehicle_and_gains(state, now_s, third, rows));
+}
+
+/// The keys and the commands of the prompt: 80 columns by 19 lines have room for them.
+Block help_section(const MonitorState& state, std::size_t width, std::size_t rows) {
+  Block all;
+  const auto key = [&](const std::string& name, const std::string& does) {
+    constexpr std::size_t kNames = 13;
+    const std::vector<std::string> lines = wrap(does, width > kNames + 10 ? width - kNames : width);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      all.emplace_back(left(i == 0 ? name : "", kNames) + lines[i]);
+    }
+  };
+  key("up, down", "select a message (j, k; PgUp, PgDn by half a screen)");
+  key("Enter", "open it: fields, units, course and a plot; again: close it");
+  key("left, right", "the field that is plotted");
+  key("Tab", "messages of the next link, then of all");
+  key("d", "received, sent, dropped, all");
+  key("s", "sort by name, rate, age, count");
+  key("/", "filter by name; Esc ends it");
+  key("p", "hold messages and values still; vehicle and links go on");
+  key("a", "attitude and position: horizon, trail, what the vehicle said");
+  key("g", "gains; Enter there edits P, I and D of the loop");
+  key("v", "the next vehicle, where casd hears several");
+  key(":", "a command; Tab completes, up brings back earlier ones, Esc leaves");
+  key("q", "quit");
+  all.emplace_back("COMMANDS, each after a colon", Style::kHeader);
+  std::string line;
+  for (const std::string& usage : prompt_usages()) {
+    constexpr std::size_t kGap = 3;
+    if (!line.empty() && columns(line) + kGap + columns(usage) > width) {
+      all.emplace_back(std::exchange(line, ""));
+    }
+    line += (line.empty() ? "" : std::string(kGap, ' ')) + usage;
+  }
+  all.emplace_back(line);
+  const std::size_t room = rows > 1 ? rows - 1 : 0;
+  const std::size_t most = all.size() > room ? all.size() - room : 0;
+  const std::size_t first = std::min(state.help_top, most);
+  Block block{join(
+      {{"KEYS", Style::kHeader}, {most > 0 ? "up and down show the rest" : "", Style::kHeader}},
+      width)};
+  for (std::size_t i = first; i < all.size() && i < first + room; ++i) block.push_back(all[i]);
+  return block;
 }
 
 }  // namespace

@@ -51,6 +51,17 @@ ScreenLine TextTable::row(std::size_t index) const {
   return {text(rows_[index].cells), rows_[index].style};
 }
 
+Block TextTable::lines(std::size_t first, std::size_t most) const {
+  Block block{header()};
+  for (std::size_t i = first; i < size() && block.size() < most; ++i) block.push_back(row(i));
+  return block;
+}
+
+Block TextTable::scrolled(std::size_t selected, std::size_t most) const {
+  const std::size_t room = most > 1 ? most - 1 : 0;
+  return lines(selected < room ? 0 : selected - room + 1, most);
+}
+
 bool TextTable::shows(const std::string& header) const {
   return std::any_of(shown_.begin(), shown_.end(),
                      [&](std::size_t c) { return columns_[c].header == header; });

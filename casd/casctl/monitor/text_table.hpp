@@ -28,6 +28,10 @@ class TextTable {
 
   ScreenLine header() const;
   ScreenLine row(std::size_t index) const;
+  /// The header, and the rows from `first` on that have room in `most` lines.
+  Block lines(std::size_t first, std::size_t most) const;
+  /// The same, scrolled as far as the selected row needs.
+  Block scrolled(std::size_t selected, std::size_t most) const;
   std::size_t size() const { return rows_.size(); }
   /// Whether a column is on the screen.
   bool shows(const std::string& header) const;

@@ -10,7 +10,6 @@
 #include <sstream>
 
 #include "casd/casctl/monitor/monitor_model.hpp"
-#include "casd/casctl/monitor/sections.hpp"
 #include "casd/casctl/session/printable.hpp"
 #include "tests/casd/casctl/monitor_answers.hpp"
 

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "casd/casctl/monitor/monitor_state.hpp"
+#include "casd/casctl/monitor/screen_text.hpp"
+
+namespace cas::casctl {
+
+/// "in_air", as the vehicle of this summary said it lately; else how old what it said is.
+std::string landed_text(const MonitorState& state, const nlohmann::json& summary, double now_s);
+
+/// State, attitude, position, horizon, trail and texts of the vehicle.
+Block vehicle_section(const MonitorState& state, double now_s, std::size_t width, std::size_t rows);
+
+/// The vehicle in a line or two; that there is none in as many as it takes.
+Block vehicle_summary(const MonitorState& state, double now_s, std::size_t width);
+
+}  // namespace cas::casctl
