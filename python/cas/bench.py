@@ -20,7 +20,7 @@ from .casd import Casd
 from .errors import CallError, CasError, NoSuchVehicle, NotReached, ProgramEnded, Refused
 from .places import program
 from .rpc import Client
-from .sim import Sim
+from .sim import Motion, Sim
 from .sim_calls import SimStatus
 
 READY_PATIENCE_S = 60.0
@@ -32,21 +32,8 @@ _HOME_POSITION = 242
 
 
 @dataclass(frozen=True)
-class Estimate:
-    """What the controller believes."""
-
-    #: From its origin, m.
-    north_m: float
-    east_m: float
-    up_m: float
-    #: Velocity, m/s.
-    north_m_s: float
-    east_m_s: float
-    up_m_s: float
-    #: Of the body (forward, right, down) against north, east, down, rad.
-    roll_rad: float
-    pitch_rad: float
-    yaw_rad: float
+class Estimate(Motion):
+    """What the controller believes, from its own origin."""
 
 
 class _Program:

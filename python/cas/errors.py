@@ -90,7 +90,7 @@ def call_error(method: str, error: Any) -> CallError:
 
 
 class RunError(CasError):
-    """`hils` did not end with 0. `exit_code` is its code, `output` what it printed, `run` the run's folder as
+    """`hils` did not end with 0. `exit_code` is its code, -9 where signal 9 ended it, `output` what it printed, `run` the run's folder as
     read, where it left results."""
 
     def __init__(self, message: str, exit_code: int, output: str, run: Optional[Any] = None) -> None:
@@ -113,7 +113,7 @@ class NoVerdict(RunError):
 
 
 class Interrupted(RunError):
-    """Exit code 130."""
+    """Exit code 130, or ended by SIGINT."""
 
 
 RUN_ERRORS: dict[int, type[RunError]] = {1: LimitMissed, 2: WrongUse, 3: NoVerdict, 130: Interrupted}

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import tempfile
@@ -45,7 +46,8 @@ class Running(Generic[R]):
     def _scenario_file(self, scenario: Scenario) -> str:
         if not isinstance(scenario, Mapping):
             return os.fspath(scenario)
-        file = Path(self._folder.name) / f"{scenario.get('name', 'scenario')}.yaml"
+        name = re.sub(r"[^\w.-]", "_", str(scenario.get("name", "")))[:100].strip(".") or "scenario"
+        file = Path(self._folder.name) / f"{name}.yaml"
         file.write_text(json.dumps(dict(scenario), indent=1), encoding="utf-8")  # JSON is YAML
         return str(file)
 
@@ -84,14 +86,15 @@ class Running(Generic[R]):
         self._folder.cleanup()
         results: Optional[R] = None
         try:
-            if code not in (2, 130):
+            if code >= 0 and code not in (2, 130):  # else what lies there is of an earlier run
                 results = self._read(self.out, code, self.output)
         except FormatError:
             pass
         if results is not None and (code == 0 or not check):
             return results
-        kind = RUN_ERRORS.get(code, RunError)
-        raise kind(f"hils ended with {code}: {_last_words(self.output)}", code, self.output, results)
+        kind = RUN_ERRORS.get(130 if code == -signal.SIGINT else code, RunError)
+        end = f"ended with {code}" if code >= 0 else f"was ended by signal {-code} ({signal.strsignal(-code)})"
+        raise kind(f"hils {end}: {_last_words(self.output)}", code, self.output, results)
 
     def stop(self) -> None:
         """Interrupts it, as Ctrl-C does."""

@@ -133,7 +133,9 @@ class Sweep:
     def runs(self) -> Table:
         """A row a run: `row`, `point`, `seed`, the parameters, `outcome`, `up`, and the figures; what a run has not is
         not a number."""
-        return read_csv(self.folder / "results.csv")
+        plan = self.folder / "plan.json"
+        figures = json.loads(plan.read_text(encoding="utf-8")).get("figures", []) if plan.is_file() else []
+        return read_csv(self.folder / "results.csv", numbers=set(figures))
 
     @functools.cached_property
     def machine(self) -> Table:

@@ -429,7 +429,11 @@ class AsyncClient:
         """From now on the notifications of `topic`."""
         subscription: AsyncSubscription[Any] = AsyncSubscription(topic, self)
         self._subscriptions.setdefault(topic, []).append(subscription)
-        await self.call("subscribe", {"topic": topic})
+        try:
+            await self.call("subscribe", {"topic": topic})
+        except BaseException:
+            self._subscriptions[topic].remove(subscription)
+            raise
         return subscription
 
     async def unsubscribe(self, subscription: AsyncSubscription[Any]) -> None:

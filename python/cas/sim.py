@@ -16,11 +16,10 @@ PATIENCE_S = 120.0
 
 
 @dataclass(frozen=True)
-class Pose:
-    """True place and attitude of a vehicle's centre of mass at a simulated time."""
+class Motion:
+    """Place, velocity and attitude of a vehicle."""
 
-    time_s: float
-    #: From the world's origin, m.
+    #: From the origin, m.
     north_m: float
     east_m: float
     up_m: float
@@ -32,6 +31,13 @@ class Pose:
     roll_rad: float
     pitch_rad: float
     yaw_rad: float
+
+
+@dataclass(frozen=True)
+class Pose(Motion):
+    """True motion of a vehicle's centre of mass at a simulated time, from the world's origin."""
+
+    time_s: float
     in_contact: bool
 
 
@@ -42,7 +48,7 @@ def pose_of(status: SimStatus, vehicle: Union[int, str] = 0) -> Pose:
             east, north, up = truth["p_W"]
             v_east, v_north, v_up = truth["v_W"]
             roll, pitch, yaw = truth["rpy_ND_rad"]
-            return Pose(status["time_s"], north, east, up, v_north, v_east, v_up, roll, pitch, yaw,
+            return Pose(north, east, up, v_north, v_east, v_up, roll, pitch, yaw, status["time_s"],
                         truth["in_contact"])
     names = ", ".join(truth["name"] for truth in status["vehicles"])
     raise KeyError(f"the simulator has no vehicle {vehicle!r}; it has {names}")

@@ -8,7 +8,7 @@ import bisect
 import csv
 import math
 from pathlib import Path
-from typing import Any, Iterable, Iterator, Mapping, Sequence, Union
+from typing import Any, Collection, Iterable, Iterator, Mapping, Sequence, Union
 
 from .errors import FormatError
 
@@ -94,8 +94,9 @@ def _numbers(texts: list[str]) -> Sequence[Any]:
     return numbers
 
 
-def read_csv(path: Union[str, Path]) -> Table:
-    """A CSV file with a head, as CAS writes it. An empty cell among numbers is not a number."""
+def read_csv(path: Union[str, Path], numbers: Collection[str] = ()) -> Table:
+    """A CSV file with a head, as CAS writes it. An empty cell among numbers is not a number; a column in which all are
+    empty is text, unless `numbers` names it."""
     with open(path, newline="", encoding="utf-8") as lines:
         rows = csv.reader(lines)
         head = next(rows, None)
@@ -107,7 +108,8 @@ def read_csv(path: Union[str, Path]) -> Table:
                 break  # of a run that was cut off in the middle of a line
             for values, text in zip(columns, row):
                 values.append(text)
-    return Table({name: _numbers(texts) for name, texts in zip(head, columns)})
+    return Table({name: [math.nan] * len(texts) if name in numbers and not any(texts) else _numbers(texts)
+                  for name, texts in zip(head, columns)})
 
 
 def rms(values: Iterable[float]) -> float:

@@ -26,9 +26,14 @@ if code == "wait":
     signal.signal(signal.SIGINT, lambda *_: sys.exit(130))
     print("waiting", flush=True)
     while True: time.sleep(60)
+if code == "killed":
+    print("waiting", flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
 if code in (0, 1, 3):
     json.dump({{"passed": code == 0, "valid": code != 3}}, open(os.path.join(out, "summary.json"), "w"))
-    open(os.path.join(out, "results.csv"), "w").write("row,up,rms_x_m,cause\\n1,1,0.5,\\n2,,,\\"died, twice\\"\\n")
+    json.dump({{"figures": ["up", "crash_s", "rms_x_m"]}}, open(os.path.join(out, "plan.json"), "w"))
+    open(os.path.join(out, "results.csv"), "w").write(
+        "row,up,crash_s,rms_x_m,incident,cause\\n1,1,,0.5,,\\n2,,,,,\\"died, twice\\"\\n")
     json.dump({{"variants": []}}, open(os.path.join(out, "comparison.json"), "w"))
 print("hils: the end")
 sys.exit(code)
@@ -69,6 +74,19 @@ class HilsTest(FolderTest):
         with self.assertRaises(cas.WrongUse):
             cas.run({"code": 2}, "out/d", check=False, timeout_s=PATIENCE_S)
 
+    def test_one_that_a_signal_ended_is_named_and_an_earlier_run_is_not_taken_for_its_results(self):
+        cas.run({"code": 0}, "out/k", timeout_s=PATIENCE_S)
+        for check in (True, False):
+            with self.assertRaisesRegex(cas.RunError, r"hils was ended by signal 9 \(Killed\): ") as caught:
+                cas.run({"code": "killed"}, "out/k", check=check, timeout_s=PATIENCE_S)
+            self.assertEqual((caught.exception.exit_code, caught.exception.run), (-9, None))
+
+    def test_the_name_of_a_scenario_leads_nowhere(self):
+        for number, (name, file) in enumerate((("../../a b", "_.._a_b.yaml"), ("..", "scenario.yaml"), (7, "7.yaml"))):
+            cas.run({"name": name}, f"out/n{number}", timeout_s=PATIENCE_S)
+            arguments = json.loads((self.folder / f"out/n{number}/arguments.json").read_text())
+            self.assertEqual(os.path.basename(arguments[1]), file)
+
     def test_leaving_the_block_interrupts_it(self):
         with cas.start({"code": "wait"}, "out/w") as running:
             deadline = time.monotonic() + PATIENCE_S
@@ -92,6 +110,8 @@ class HilsTest(FolderTest):
         self.assertEqual((runs.rows, list(runs["row"]), runs["cause"]), (2, [1, 2], ["", "died, twice"]))
         self.assertEqual(runs["rms_x_m"][0], 0.5)
         self.assertTrue(math.isnan(runs["up"][1]))
+        self.assertTrue(all(math.isnan(each) for each in runs["crash_s"]))  # numbers, also where no run has one
+        self.assertEqual(runs["incident"], ["", ""])
         arguments = json.loads((self.folder / "out/sweep/arguments.json").read_text())
         self.assertEqual((arguments[0], arguments[4:]), ("sweep", ["--jobs", "2", "--again", "0"]))
 

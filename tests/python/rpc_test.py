@@ -116,7 +116,7 @@ class ClientTest(FolderTest):
         def answer(request):
             if request["method"] == "work":
                 return [notice("texts", 7), result(request, 8)]
-            if request["method"] == "fail":
+            if "fail" in (request["method"], request["params"].get("topic")):
                 return [{"jsonrpc": "2.0", "id": request["id"], "error": {"code": -32000, "message": "no"}}]
             return [result(request, True)]
 
@@ -130,6 +130,9 @@ class ClientTest(FolderTest):
                     self.assertEqual([await texts.__anext__(), await texts.__anext__()], [7, 7])
                 with self.assertRaises(cas.Refused):
                     await client.call("fail")
+                with self.assertRaises(cas.Refused):
+                    await client.subscribe("fail")
+                self.assertEqual(client._subscriptions["fail"], [])
             with self.assertRaises(cas.NotRunning):
                 await cas.AsyncCasd.connect(self.folder / "nothing.sock")
 
