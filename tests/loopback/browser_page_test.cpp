@@ -175,7 +175,9 @@ TEST(BrowserPage, CommandsNothing) {
   // The same lines do command casd where no browser stands before them.
   RawClient direct(port);
   EXPECT_EQ(direct.ask(kReload)["result"]["reloaded"], true);
-  EXPECT_NE(casd.output().find("casd.reload: done"), std::string::npos) << casd.output();
+  EXPECT_TRUE(wait_until([&] {
+    return casd.output().find("casd.reload: done") != std::string::npos;
+  })) << casd.output();
 }
 
 }  // namespace
