@@ -78,7 +78,9 @@ LAYERS = {
     "libsim/core/load":
         API | {"libsim/core", "libsim/core/body", "urdfdom", "sdformat", "expat", "libpng"},
     "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode load"),
-    "libsim/hilsim": API | RPC | PROGRAM | rooms("libsim/core", "body load run") | {"Asio"},
+    # of the runtime: SHA-256
+    "libsim/hilsim":
+        API | RPC | PROGRAM | rooms("libsim/core", "body load run") | {"mavlink_gen/runtime", "Asio"},
 
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>

@@ -11,13 +11,18 @@
 #include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "base/os/log.hpp"
 #include "base/os/thread.hpp"
 #include "base/rpc/server.hpp"
 #include "libsim/hilsim/control_description.hpp"
+#include "libsim/hilsim/motion_watch.hpp"
 #include "libsim/hilsim/pace_watch.hpp"
+#include "libsim/hilsim/scene.hpp"
 #include "libsim/hilsim/sim_report.hpp"
 
 namespace cas::sim {
@@ -30,6 +35,10 @@ using base::rpc::Reply;
 
 constexpr double kLongestTime = 1e9;  // s
 constexpr auto kPacePeriod = std::chrono::seconds(5);
+/// Between two samples of the motion, a little less than 1/60 s: who asks 60 times a second
+/// gets 60.
+constexpr auto kWatchPeriod = std::chrono::milliseconds(16);
+constexpr std::size_t kMeshPiece = 256 * 1024;  // bytes of one answer
 
 /// Asks for a line with the state of the run. Not a constant: the C library keeps some for itself.
 int status_signal() { return SIGRTMIN; }
@@ -40,6 +49,24 @@ std::string status_line(const LoopFigures& f) {
                 base::to_seconds(f.time), f.paused ? "paused" : "running", f.real_time_factor,
                 static_cast<unsigned long long>(f.late_steps));
   return line;
+}
+
+std::string to_base64(std::string_view bytes) {
+  constexpr const char* kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t at) {
+      return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0U;
+    };
+    const unsigned three = byte(i) << 16U | byte(i + 1) << 8U | byte(i + 2);
+    text += kDigits[three >> 18U];
+    text += kDigits[three >> 12U & 63U];
+    text += i + 1 < bytes.size() ? kDigits[three >> 6U & 63U] : '=';
+    text += i + 2 < bytes.size() ? kDigits[three & 63U] : '=';
+  }
+  return text;
 }
 
 /// A named parameter, or nothing when it is missing or of another kind.
@@ -116,6 +143,50 @@ struct ControlServer::Impl {
     });
   }
 
+  void add_picture_methods() {
+    server.add_method("sim.watch", [this](const Json&, Reply reply) { watch(std::move(reply)); });
+    server.add_method("sim.scene", [this](const Json&, Reply reply) {
+      with_scene([reply = std::move(reply)](const Scene& now) { reply.result(now.json()); });
+    });
+    server.add_method("sim.mesh", [this](const Json& params, const Reply& reply) {
+      const std::string hash = params.at("hash").get<std::string>();
+      const std::size_t offset = params.value("offset", std::size_t{0});
+      with_scene([reply, hash, offset](const Scene& now) {
+        const std::string* bytes = now.mesh(hash);
+        if (bytes == nullptr || offset > bytes->size()) {
+          return reply.error(base::rpc::kInvalidParams, "there is no such mesh", nullptr);
+        }
+        reply.result({{"bytes", bytes->size()},
+                      {"base64", to_base64(std::string_view(*bytes).substr(offset, kMeshPiece))}});
+      });
+    });
+  }
+
+  /// Made once the runner has started, which the loop's first order tells.
+  void with_scene(std::function<void(const Scene&)> use) {
+    if (scene) return use(*scene);
+    loop.post([this, use = std::move(use)] {
+      asio::post(io, [this, use] {
+        if (!scene) scene = std::make_unique<Scene>(std::as_const(loop).runner());
+        use(*scene);
+      });
+    });
+  }
+
+  /// Answers with the sample there is, or with the one that is being taken for all who wait.
+  void watch(Reply reply) {
+    if (base::steady_now() < sample_ends) return reply.result(sample);
+    watchers.push_back(std::move(reply));
+    if (watchers.size() > 1) return;
+    loop.post([this] {
+      asio::post(io, [this, taken = motion.take()] {
+        sample = motion.json(*taken);
+        sample_ends = base::steady_now() + kWatchPeriod;
+        for (const Reply& waiting : std::exchange(watchers, {})) waiting.result(sample);
+      });
+    });
+  }
+
   void wait_for_signal() {
     signals.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
@@ -157,6 +228,11 @@ struct ControlServer::Impl {
   }
 
   SimLoop& loop;
+  MotionWatch motion{loop};
+  std::unique_ptr<const Scene> scene;  // once somebody has asked
+  Json sample;                         // newest of `motion`
+  base::RunTime sample_ends{};         // until then nobody needs another
+  std::vector<Reply> watchers;         // wait for the next
   PaceWatch pace{loop.runner().config().pace.speed};
   asio::io_context io{1};
   asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
@@ -175,6 +251,7 @@ ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem:
   impl_->wait_for_signal();
   if (loop.runner().config().pace.mode == PaceMode::kRealtime) impl_->watch_pace();
   impl_->add_methods();
+  impl_->add_picture_methods();
   if (unix_path) impl_->server.listen_unix(*unix_path);
   impl_->thread = std::thread([this] {
     base::configure_this_thread("control", {});

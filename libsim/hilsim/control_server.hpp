@@ -15,10 +15,12 @@ namespace cas::sim {
 ///   SIGUSR2                     one step while paused    SIGHUP    reset
 ///
 /// Methods sim.status, pause, resume, step {n}, run_until {time_s}, reset, stats, phase {name},
-/// quit; each is carried out between two steps and answered when it is done.
+/// quit; each is carried out between two steps and answered when it is done. For a picture:
+/// sim.scene, mesh {hash}, watch, which is sampled 60 times a second at most, however many ask.
 class ControlServer {
  public:
-  /// Blocks the signals for the calling thread and those it starts. @throws base::ConfigError
+  /// Blocks the signals for the calling thread and those it starts. Before SimRunner::start().
+  /// @throws base::ConfigError
   ControlServer(SimLoop& loop, const std::optional<std::filesystem::path>& unix_path);
   ~ControlServer();
   ControlServer(const ControlServer&) = delete;

@@ -19,6 +19,10 @@ def _given(**params: Any) -> Dict[str, Any]:
     return {key: value for key, value in params.items() if value is not None}
 
 
+MeshPiece = TypedDict("MeshPiece", {
+    "base64": str,  # the bytes from `offset` on, 256 KiB at most
+    "bytes": int,  # of the whole mesh
+})
 VehicleTruth = TypedDict("VehicleTruth", {
     "in_contact": bool,
     "name": str,
@@ -37,6 +41,57 @@ SimStatus = TypedDict("SimStatus", {
     "steps": int,
     "time_s": float,  # simulated
     "vehicles": List[VehicleTruth],
+})
+SceneHome = TypedDict("SceneHome", {
+    "alt_m": float,
+    "lat_deg": float,
+    "lon_deg": float,
+})
+ScenePart = TypedDict("ScenePart", {
+    "length_m": NotRequired[float],  # along z
+    "mesh": NotRequired[str],  # sha256: and the hash
+    "name": str,
+    "p": List[float],  # m, in the parent
+    "q": List[float],  # w, x, y, z
+    "radius_m": NotRequired[float],
+    "shape": str,  # box, sphere, cylinder, plane, mesh
+    "size_m": NotRequired[List[float]],
+})
+SceneObstacle = TypedDict("SceneObstacle", {
+    "name": str,
+    "parts": List[ScenePart],
+})
+SceneRay = TypedDict("SceneRay", {
+    "dir_B": List[float],
+    "max_m": float,
+    "name": str,
+    "p_B": List[float],  # m
+})
+SceneRotor = TypedDict("SceneRotor", {
+    "axis_B": List[float],
+    "k_f": float,  # N s^2
+    "k_m": float,  # N m s^2
+    "omega_max_rad_s": float,
+    "p_B": List[float],  # m, hub
+    "radius_m": float,
+    "spin": int,  # 1 counter-clockwise, -1 clockwise
+})
+SceneVehicle = TypedDict("SceneVehicle", {
+    "mass_kg": float,
+    "name": str,
+    "parts": List[ScenePart],
+    "rays": List[SceneRay],
+    "rotors": List[SceneRotor],
+    "system": int,
+    "type": str,  # the vehicle file's name
+})
+Scene = TypedDict("Scene", {
+    "frame": str,  # W
+    "hash": str,
+    "home": SceneHome,
+    "obstacles": List[SceneObstacle],  # that move
+    "vehicles": List[SceneVehicle],
+    "world": List[ScenePart],
 })
 Distribution = TypedDict("Distribution", {
     "count": int,
@@ -59,12 +114,43 @@ SimStats = TypedDict("SimStats", {
     "time_s": float,  # simulated
     "wall_s": float,
 })
+ObstacleMotion = TypedDict("ObstacleMotion", {
+    "p": List[float],  # m, in W
+    "q": List[float],  # w, x, y, z
+})
+VehicleMotion = TypedDict("VehicleMotion", {
+    "contact": int,  # 0 or 1
+    "p": List[float],  # m, in W
+    "q": List[float],  # w, x, y, z; turns B into W
+    "rays": List[Optional[float]],  # m
+    "rotors": List[float],  # rad/s
+    "vel": List[float],  # m/s, in W
+    "w": List[float],  # rad/s, in B
+})
+Motion = TypedDict("Motion", {
+    "late_steps": int,
+    "o": List[ObstacleMotion],
+    "paused": bool,
+    "rate": float,  # real-time factor
+    "steps": int,
+    "t_s": float,  # simulated
+    "v": List[VehicleMotion],
+    "wind_W": List[float],  # m/s, at the first vehicle
+})
 
 class SimCalls:
     """sim.*"""
 
     def __init__(self, call: _Call) -> None:
         self._call = call
+
+    def mesh(self, hash: str, *, offset: Optional[int] = None) -> MeshPiece:
+        """A mesh of the scene, in pieces: counts of vertices and triangles (uint32), vertices (float32), indices (uint32).
+
+        hash: 64 hexadecimal digits
+        offset: bytes
+        """
+        return cast(MeshPiece, self._call("sim.mesh", _given(hash=hash, offset=offset)))
 
     def pause(self) -> SimStatus:
         """Pauses; in lockstep once the newest HIL_SENSOR has been answered."""
@@ -93,6 +179,10 @@ class SimCalls:
         """
         return cast(SimStatus, self._call("sim.run_until", _given(time_s=time_s)))
 
+    def scene(self) -> Scene:
+        """What there is, as the physics has it: shapes, rotors, beams."""
+        return cast(Scene, self._call("sim.scene", _given()))
+
     def stats(self) -> SimStats:
         """Figures of the run and of each plugin."""
         return cast(SimStats, self._call("sim.stats", _given()))
@@ -108,12 +198,24 @@ class SimCalls:
         """
         return cast(SimStatus, self._call("sim.step", _given(n=n)))
 
+    def watch(self) -> Motion:
+        """The newest motion, rounded for a picture; sampled 60 times a second at most, however many ask."""
+        return cast(Motion, self._call("sim.watch", _given()))
+
 
 class AsyncSimCalls:
     """sim.*"""
 
     def __init__(self, call: _AsyncCall) -> None:
         self._call = call
+
+    async def mesh(self, hash: str, *, offset: Optional[int] = None) -> MeshPiece:
+        """A mesh of the scene, in pieces: counts of vertices and triangles (uint32), vertices (float32), indices (uint32).
+
+        hash: 64 hexadecimal digits
+        offset: bytes
+        """
+        return cast(MeshPiece, await self._call("sim.mesh", _given(hash=hash, offset=offset)))
 
     async def pause(self) -> SimStatus:
         """Pauses; in lockstep once the newest HIL_SENSOR has been answered."""
@@ -142,6 +244,10 @@ class AsyncSimCalls:
         """
         return cast(SimStatus, await self._call("sim.run_until", _given(time_s=time_s)))
 
+    async def scene(self) -> Scene:
+        """What there is, as the physics has it: shapes, rotors, beams."""
+        return cast(Scene, await self._call("sim.scene", _given()))
+
     async def stats(self) -> SimStats:
         """Figures of the run and of each plugin."""
         return cast(SimStats, await self._call("sim.stats", _given()))
@@ -156,3 +262,7 @@ class AsyncSimCalls:
         n: from 1
         """
         return cast(SimStatus, await self._call("sim.step", _given(n=n)))
+
+    async def watch(self) -> Motion:
+        """The newest motion, rounded for a picture; sampled 60 times a second at most, however many ask."""
+        return cast(Motion, await self._call("sim.watch", _given()))

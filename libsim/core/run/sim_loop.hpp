@@ -62,6 +62,7 @@ class CAS_SIM_EXPORT SimLoop {
   const base::Histogram& step_times() const { return step_times_; }
   const base::Histogram& lateness() const { return pacer_.lateness(); }
   const SimRunner& runner() const { return runner_; }
+  SimRunner& runner() { return runner_; }
 
  private:
   void take_orders();

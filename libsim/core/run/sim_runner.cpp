@@ -84,7 +84,8 @@ struct SimRunner::Impl {
     compare_field(model, world.projection().home(), config.decimal_year);
     if (!config.pace.speed_given) config.pace.speed = model.real_time_factor.value_or(1.0);
     for (const VehicleConfig& vehicle : config.vehicles) {
-      const VehicleModel vehicle_model = load_vehicle_model(vehicle.vehicle.urdf);
+      const VehicleModel& vehicle_model =
+          vehicle_models.emplace_back(load_vehicle_model(vehicle.vehicle.urdf));
       log_warnings(vehicle_model.warnings);
       compare_mass(vehicle, vehicle_model);
       require_free_start(model, vehicle_model, vehicle);
@@ -131,6 +132,7 @@ struct SimRunner::Impl {
   SimConfig config;
   SimOptions options;
   WorldModel model;
+  std::vector<VehicleModel> vehicle_models;
   base::Duration step;
   TopicBus bus;
   SimWorld world;
@@ -216,6 +218,8 @@ base::Duration SimRunner::step_size() const { return impl_->step; }
 std::uint64_t SimRunner::steps() const { return impl_->steps; }
 const World& SimRunner::world() const { return impl_->world; }
 const SimConfig& SimRunner::config() const { return impl_->config; }
+const WorldModel& SimRunner::world_model() const { return impl_->model; }
+const std::vector<VehicleModel>& SimRunner::vehicle_models() const { return impl_->vehicle_models; }
 std::uint64_t SimRunner::lockstep_timeouts() const { return impl_->lockstep_timeouts; }
 bool SimRunner::peers_in_step() const {
   const auto& peers = impl_->plugins.peers();

@@ -16,6 +16,9 @@
 
 namespace cas::sim {
 
+struct VehicleModel;
+struct WorldModel;
+
 /// Figures of one plugin instance: "mavlink_interface@iris0" and its JSON object.
 struct PluginFigures {
   std::string name;
@@ -56,6 +59,10 @@ class CAS_SIM_EXPORT SimRunner {
   std::uint64_t steps() const;
   const World& world() const;
   const SimConfig& config() const;
+  /// What stands in the world; never changes.
+  const WorldModel& world_model() const;
+  /// Of each vehicle, index = VehicleId; they never change.
+  const std::vector<VehicleModel>& vehicle_models() const;
   std::vector<std::string> vehicle_names() const;  ///< index = VehicleId
   /// Lockstep: waits for the controls that are due, then tells whether nothing is on its way
   /// between simulator and controllers. True at any time in the other modes, and when the wait was

@@ -52,6 +52,31 @@ class Hilsim : public testing::Test {
   cas::test::TemporaryFolder folder_;
 };
 
+TEST_F(Hilsim, TellsWhatThereIsAndHowItMoves) {
+  ChildProcess hilsim(command(write("realtime", "[{plugin: fake_counter}]"), {"--paused"}));
+  ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
+  Client client("unix:" + socket());
+
+  const Json scene = client.call("sim.scene", nullptr);
+  ASSERT_EQ(scene.at("vehicles").size(), 1U);
+  const Json& vehicle = scene["vehicles"][0];
+  EXPECT_EQ(vehicle.at("rotors").size(), 4U);
+  EXPECT_EQ(vehicle.at("parts").at(0).at("shape"), "box") << "what collides is what is drawn";
+  EXPECT_EQ(scene.at("world").at(0).at("shape"), "plane");
+  EXPECT_EQ(client.call("sim.scene", nullptr).at("hash"), scene.at("hash"));
+  EXPECT_THROW(client.call("sim.mesh", {{"hash", "none"}}), base::rpc::CallError);
+
+  EXPECT_EQ(client.call("sim.watch", nullptr).at("t_s"), 0);
+  client.call("sim.step", {{"n", 250}});
+  Json motion;
+  EXPECT_TRUE(wait_until([&] {  // a sample is shared for a sixtieth of a second
+    motion = client.call("sim.watch", nullptr);
+    return motion.at("t_s") == 0.25;
+  }));
+  EXPECT_TRUE(motion.at("paused"));
+  EXPECT_LT(motion.at("v")[0].at("vel")[2].get<double>(), -2.0) << "it falls";
+}
+
 TEST_F(Hilsim, AnswersOnItsControlSocket) {
   ChildProcess hilsim(command(write("realtime", "[{plugin: fake_counter}]"), {"--paused"}));
   const auto status = hilsim.wait_ready();

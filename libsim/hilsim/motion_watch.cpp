@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/hilsim/motion_watch.hpp"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libsim/api/messages.hpp"
+#include "libsim/core/body/world_model.hpp"
+#include "libsim/hilsim/round_json.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+using Json = nlohmann::json;
+
+// What a picture may be off by.
+constexpr double kLength = 1e-4;  // m
+constexpr double kTurn = 1e-5;
+constexpr double kSpeed = 1e-3;  // m/s, rad/s
+constexpr double kRotor = 1e-1;  // rad/s
+
+/// What the plugins of one vehicle published last. Written and read on the simulation thread.
+struct Newest {
+  base::RotorVector omega_rad_s;
+  std::optional<RangeSample> range;
+};
+
+Json rotors_json(const base::RotorVector& omega_rad_s) {
+  Json speeds = Json::array();
+  for (const double speed : omega_rad_s) speeds.push_back(rounded(speed, kRotor));
+  return speeds;
+}
+
+Json rays_json(const std::optional<RangeSample>& range) {
+  if (!range) return Json::array();
+  return Json::array({range->valid ? Json(rounded(range->distance_m, kLength)) : Json()});
+}
+
+}  // namespace
+
+struct MotionWatch::Sample {
+  struct Vehicle {
+    BodyState state;
+    bool in_contact = false;
+    Newest newest;
+  };
+  LoopFigures figures;
+  Eigen::Vector3d wind_W = Eigen::Vector3d::Zero();  // at the first vehicle
+  std::vector<Vehicle> vehicles;
+};
+
+struct MotionWatch::Impl {
+  SimLoop& loop;
+  std::vector<std::unique_ptr<Newest>> newest;  // each where its subscriptions find it
+  std::vector<Subscription> subscriptions;
+};
+
+MotionWatch::MotionWatch(SimLoop& loop) : impl_(new Impl{loop, {}, {}}) {
+  TopicBus& bus = loop.runner().bus();
+  for (const std::string& name : loop.runner().vehicle_names()) {
+    Newest& newest = *impl_->newest.emplace_back(std::make_unique<Newest>());
+    impl_->subscriptions.push_back(bus.subscribe<RotorSpeeds>(
+        name + "/rotor_speeds",
+        [&newest](const RotorSpeeds& speeds) { newest.omega_rad_s = speeds.omega_rad_s; },
+        Need::kOptional));
+    impl_->subscriptions.push_back(bus.subscribe<RangeSample>(
+        name + "/" + kRangefinder, [&newest](const RangeSample& range) { newest.range = range; },
+        Need::kOptional));
+  }
+}
+
+MotionWatch::~MotionWatch() = default;
+
+std::shared_ptr<const MotionWatch::Sample> MotionWatch::take() const {
+  const World& world = impl_->loop.runner().world();
+  auto sample = std::make_shared<Sample>();
+  sample->figures = impl_->loop.figures();
+  for (std::size_t i = 0; i < impl_->newest.size(); ++i) {
+    const auto id = static_cast<VehicleId>(i);
+    sample->vehicles.push_back({world.state(id), world.in_contact(id), *impl_->newest[i]});
+  }
+  if (!impl_->newest.empty()) sample->wind_W = world.environment(VehicleId{}).wind_W;
+  return sample;
+}
+
+Json MotionWatch::json(const Sample& sample) const {
+  const LoopFigures& f = sample.figures;
+  Json vehicles = Json::array();
+  for (const Sample::Vehicle& vehicle : sample.vehicles) {
+    vehicles.push_back({{"p", rounded(vehicle.state.p_WB, kLength)},
+                        {"q", rounded(vehicle.state.q_WB, kTurn)},
+                        {"vel", rounded(vehicle.state.v_WB, kSpeed)},
+                        {"w", rounded(vehicle.state.w_WB_B, kSpeed)},
+                        {"rotors", rotors_json(vehicle.newest.omega_rad_s)},
+                        {"contact", vehicle.in_contact ? 1 : 0},
+                        {"rays", rays_json(vehicle.newest.range)}});
+  }
+  Json obstacles = Json::array();
+  const double time_s = base::to_seconds(f.time);
+  for (const MovingObstacle& obstacle : impl_->loop.runner().world_model().moving) {
+    const BodyState state = obstacle.path.at(time_s);
+    obstacles.push_back({{"p", rounded(state.p_WB, kLength)}, {"q", rounded(state.q_WB, kTurn)}});
+  }
+  return {{"t_s", rounded(time_s, 1e-6)},
+          {"steps", f.steps},
+          {"rate", rounded(f.real_time_factor, 1e-3)},
+          {"paused", f.paused},
+          {"late_steps", f.late_steps},
+          {"v", std::move(vehicles)},
+          {"wind_W", rounded(sample.wind_W, kSpeed)},
+          {"o", std::move(obstacles)}};
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/hilsim/scene.hpp"
+
+#include <Eigen/Geometry>
+#include <bit>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "libsim/core/body/world_model.hpp"
+#include "libsim/core/load/model_loader.hpp"
+#include "libsim/hilsim/round_json.hpp"
+#include "mavlink_gen/runtime/sha256.hpp"
+
+namespace cas::sim {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kLength = 1e-4;  // m, what a picture may be off by
+constexpr double kTurn = 1e-6;
+
+std::string sha256_hex(std::string_view bytes) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  const mav::Sha256Digest digest =
+      mav::Sha256()
+          .update({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()})
+          .finish();
+  std::string text;
+  for (const std::uint8_t byte : digest) {
+    text += kDigits[byte >> 4U];
+    text += kDigits[byte & 0xFU];
+  }
+  return text;
+}
+
+template <class Number>
+void append(std::string& bytes, Number value) {
+  static_assert(std::endian::native == std::endian::little && sizeof(Number) == 4);
+  char raw[sizeof value];
+  std::memcpy(raw, &value, sizeof value);
+  bytes.append(raw, sizeof raw);
+}
+
+/// As Scene::mesh() has them.
+std::string mesh_bytes(const TriangleMesh& mesh) {
+  std::string bytes;
+  bytes.reserve(8 + 12 * (mesh.vertices.size() + mesh.triangles.size()));
+  append(bytes, static_cast<std::uint32_t>(mesh.vertices.size()));
+  append(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    for (const double coordinate : vertex) append(bytes, static_cast<float>(coordinate));
+  }
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t index : triangle) append(bytes, index);
+  }
+  return bytes;
+}
+
+/// Writes shapes, and keeps the meshes that they name.
+class ShapeWriter {
+ public:
+  explicit ShapeWriter(std::map<std::string, std::string>& meshes) : meshes_(meshes) {}
+
+  Json list(const std::vector<Shape>& shapes) {
+    Json parts = Json::array();
+    for (const Shape& shape : shapes) parts.push_back(one(shape));
+    return parts;
+  }
+
+ private:
+  Json one(const Shape& shape) {
+    Json part{{"name", shape.name},
+              {"p", rounded(shape.pose.translation(), kLength)},
+              {"q", rounded(Eigen::Quaterniond(shape.pose.linear()), kTurn)}};
+    std::visit([&](const auto& geometry) { add(part, geometry); }, shape.geometry);
+    return part;
+  }
+
+  void add(Json& part, const Box& box) {
+    part["shape"] = "box";
+    part["size_m"] = rounded(box.size_m, kLength);
+  }
+  void add(Json& part, const Sphere& sphere) {
+    part["shape"] = "sphere";
+    part["radius_m"] = rounded(sphere.radius_m, kLength);
+  }
+  void add(Json& part, const Cylinder& cylinder) {
+    part["shape"] = "cylinder";
+    part["radius_m"] = rounded(cylinder.radius_m, kLength);
+    part["length_m"] = rounded(cylinder.length_m, kLength);
+  }
+  void add(Json& part, const Plane&) { part["shape"] = "plane"; }
+  void add(Json& part, const Mesh& mesh) {
+    std::string& hash = hashes_[mesh.triangles.get()];  // shapes share meshes
+    if (hash.empty()) {
+      std::string bytes = mesh_bytes(*mesh.triangles);
+      hash = sha256_hex(bytes);
+      meshes_.emplace(hash, std::move(bytes));
+    }
+    part["shape"] = "mesh";
+    part["mesh"] = "sha256:" + hash;
+  }
+
+  std::map<std::string, std::string>& meshes_;
+  std::map<const TriangleMesh*, std::string> hashes_;
+};
+
+Json rotors_json(const base::Vehicle& vehicle) {
+  Json rotors = Json::array();
+  for (const base::Rotor& rotor : vehicle.rotors) {
+    rotors.push_back({{"p_B", rounded(rotor.position_B_m, kLength)},
+                      {"axis_B", rounded(rotor.axis_B, kTurn)},
+                      {"radius_m", rounded(rotor.params.radius_m, kLength)},
+                      {"spin", rotor.spin},
+                      {"k_f", rotor.params.thrust_coefficient},
+                      {"k_m", rotor.params.torque_coefficient},
+                      {"omega_max_rad_s", rotor.params.omega_max_rad_s}});
+  }
+  return rotors;
+}
+
+/// The beams of the vehicle's rangefinder plugins, which have read the same keys.
+Json rays_json(const VehicleConfig& vehicle) {
+  Json rays = Json::array();
+  for (const PluginConfig& plugin : vehicle.plugins) {
+    if (plugin.plugin != kRangefinder) continue;
+    const auto axes = [&](const char* key, const Eigen::Vector3d& otherwise) {
+      const auto node = plugin.params.find(key);
+      return node ? node->as<Eigen::Vector3d>() : otherwise;
+    };
+    const Eigen::Vector3d direction = axes("direction_B", -Eigen::Vector3d::UnitZ());
+    rays.push_back({{"name", plugin.plugin},
+                    {"p_B", rounded(axes("position_B_m", Eigen::Vector3d::Zero()), kLength)},
+                    {"dir_B", rounded(direction.normalized(), kTurn)},
+                    {"max_m", plugin.params.require<double>("max_m")}});
+  }
+  return rays;
+}
+
+}  // namespace
+
+Scene::Scene(const SimRunner& runner) {
+  ShapeWriter shapes(meshes_);
+  const base::Geodetic& home = runner.world().projection().home();
+  Json scene{
+      {"frame", "W"},
+      {"home", {{"lat_deg", home.lat_deg}, {"lon_deg", home.lon_deg}, {"alt_m", home.alt_m}}},
+      {"vehicles", Json::array()},
+      {"world", shapes.list(runner.world_model().statics)},
+      {"obstacles", Json::array()}};
+  for (std::size_t i = 0; i < runner.config().vehicles.size(); ++i) {
+    const VehicleConfig& vehicle = runner.config().vehicles[i];
+    const VehicleModel& model = runner.vehicle_models()[i];
+    scene["vehicles"].push_back({{"name", vehicle.name},
+                                 {"type", vehicle.vehicle.name},
+                                 {"system", vehicle.vehicle.system_id},
+                                 {"mass_kg", model.mass.mass_kg()},
+                                 {"parts", shapes.list(model.shapes)},
+                                 {"rotors", rotors_json(vehicle.vehicle)},
+                                 {"rays", rays_json(vehicle)}});
+  }
+  for (const MovingObstacle& obstacle : runner.world_model().moving) {
+    scene["obstacles"].push_back(
+        {{"name", obstacle.name}, {"parts", shapes.list(obstacle.shapes)}});
+  }
+  scene["hash"] = sha256_hex(scene.dump(-1, ' ', false, Json::error_handler_t::replace));
+  json_ = std::make_unique<const Json>(std::move(scene));
+}
+
+Scene::~Scene() = default;
+
+const std::string* Scene::mesh(const std::string& hash) const {
+  const auto found = meshes_.find(hash);
+  return found == meshes_.end() ? nullptr : &found->second;
+}
+
+}  // namespace cas::sim

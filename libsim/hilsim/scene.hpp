@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libsim/core/run/sim_runner.hpp"
+
+namespace cas::sim {
+
+/// What there is in a run, for whoever draws it: the answer to `sim.scene`, made of the models that
+/// the physics uses, and the meshes that it names by their SHA-256.
+class Scene {
+ public:
+  /// Reads only what never changes after SimRunner::start(): from any thread.
+  explicit Scene(const SimRunner& runner);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  const nlohmann::json& json() const { return *json_; }
+  /// The bytes of a mesh, nullptr for an unknown hash. Little-endian: counts of vertices and of
+  /// triangles (uint32), vertices (float32 x, y, z, m), triangles (uint32 indices).
+  const std::string* mesh(const std::string& hash) const;
+
+ private:
+  std::map<std::string, std::string> meshes_;  // bytes by hash
+  std::unique_ptr<const nlohmann::json> json_;
+};
+
+}  // namespace cas::sim
