@@ -11,29 +11,66 @@
 namespace cas::mav {
 namespace detail {
 
-using CrcTables = std::array<std::array<std::uint16_t, 256>, 8>;
+/// Plain arrays, and no loop over the bits of each: all that sends or receives a packet has the
+/// compiler compute them.
+struct CrcTables {
+  std::uint16_t at[8][256];
+};
+
+inline constexpr std::uint16_t kReflectedPolynomial = 0x8408;  // 0x1021 with its bits mirrored
 
 /// Table k advances the checksum over one byte that k more bytes follow.
 constexpr CrcTables make_crc_tables() {
-  constexpr std::uint16_t kReflectedPolynomial = 0x8408;  // 0x1021 with its bits mirrored
   CrcTables tables{};
   for (unsigned i = 0; i < 256; ++i) {
-    unsigned crc = i;
-    for (int bit = 0; bit < 8; ++bit) {
-      crc = (crc & 1U) != 0 ? (crc >> 1U) ^ kReflectedPolynomial : crc >> 1U;
-    }
-    tables[0][i] = static_cast<std::uint16_t>(crc);
+    const unsigned e = (i ^ i << 4U) & 0xFFU;
+    tables.at[0][i] = static_cast<std::uint16_t>(e << 8U ^ e << 3U ^ e >> 4U);
   }
-  for (std::size_t k = 1; k < 8; ++k) {
-    for (std::size_t i = 0; i < 256; ++i) {
-      const unsigned before = tables[k - 1][i];
-      tables[k][i] = static_cast<std::uint16_t>((before >> 8U) ^ tables[0][before & 0xFFU]);
+  for (unsigned k = 1; k < 8; ++k) {
+    for (unsigned i = 0; i < 256; ++i) {
+      const unsigned before = tables.at[k - 1][i];
+      tables.at[k][i] = static_cast<std::uint16_t>(before >> 8U ^ tables.at[0][before & 0xFFU]);
     }
   }
   return tables;
 }
 
 inline constexpr CrcTables kCrcTables = make_crc_tables();
+
+/// Most bytes that a packet's checksum takes in: header without the start byte, payload.
+inline constexpr std::size_t kMaxChecksummedBytes = 9 + 255;
+
+/// Element m is what becomes of the checksum's highest bit after m zero bits.
+struct CrcShifts {
+  std::uint16_t at[8 * kMaxChecksummedBytes + 16];
+};
+
+constexpr CrcShifts make_crc_shifts() {
+  CrcShifts shifts{};
+  unsigned crc = 0x8000;
+  for (auto& shift : shifts.at) {
+    shift = static_cast<std::uint16_t>(crc);
+    crc = (crc & 1U) != 0 ? (crc >> 1U) ^ kReflectedPolynomial : crc >> 1U;
+  }
+  return shifts;
+}
+
+inline constexpr CrcShifts kCrcShifts = make_crc_shifts();
+
+/// Element n has all bits of those of its four lanes that are set in n, highest bit first.
+using CrcLaneMasks = std::array<std::array<std::uint16_t, 4>, 16>;
+
+constexpr CrcLaneMasks make_crc_lane_masks() {
+  CrcLaneMasks masks{};
+  for (unsigned n = 0; n < 16; ++n) {
+    for (unsigned lane = 0; lane < 4; ++lane) {
+      if ((n >> (3U - lane) & 1U) != 0) masks[n][lane] = 0xFFFF;
+    }
+  }
+  return masks;
+}
+
+inline constexpr CrcLaneMasks kCrcLaneMasks = make_crc_lane_masks();
 
 }  // namespace detail
 
@@ -42,10 +79,12 @@ inline constexpr CrcTables kCrcTables = make_crc_tables();
 class Crc16 {
  public:
   constexpr Crc16() = default;
+  /// Goes on from a checksum.
+  constexpr explicit Crc16(std::uint16_t value) : value_(value) {}
 
   /// Takes further bytes in.
   Crc16& update(std::span<const std::uint8_t> bytes) {
-    const auto& t = detail::kCrcTables;
+    const auto& t = detail::kCrcTables.at;
     unsigned crc = value_;
     const auto* p = bytes.data();
     auto left = bytes.size();
@@ -66,8 +105,8 @@ class Crc16 {
   }
 
   constexpr Crc16& update(std::uint8_t byte) {
-    value_ =
-        static_cast<std::uint16_t>((value_ >> 8U) ^ detail::kCrcTables[0][(value_ ^ byte) & 0xFFU]);
+    value_ = static_cast<std::uint16_t>((value_ >> 8U) ^
+                                        detail::kCrcTables.at[0][(value_ ^ byte) & 0xFFU]);
     return *this;
   }
 
@@ -78,15 +117,35 @@ class Crc16 {
   std::uint16_t value_{0xFFFF};
 };
 
+/// What `crc` becomes over that many zero bytes, at most detail::kMaxChecksummedBytes.
+///
+/// The checksum is linear, so this moves one along a stream: with c(i) the running checksum of the
+/// first i bytes from any start, the checksum of bytes i to j is c(j) ^ crc_over_zeros(c(i) ^
+/// 0xFFFF, j - i).
+inline std::uint16_t crc_over_zeros(std::uint16_t crc, std::size_t bytes) {
+  // Each set bit brings one element of kCrcShifts; four are added at once.
+  const auto* shifts = detail::kCrcShifts.at + 8 * bytes;
+  std::uint64_t sum = 0;
+  for (unsigned group = 0; group < 4; ++group) {
+    std::uint64_t elements;
+    std::uint64_t mask;
+    std::memcpy(&elements, shifts + std::size_t{4} * group, sizeof elements);
+    std::memcpy(&mask, detail::kCrcLaneMasks[crc >> (12U - 4U * group) & 0xFU].data(), sizeof mask);
+    sum ^= elements & mask;
+  }
+  sum ^= sum >> 32U;
+  return static_cast<std::uint16_t>(sum ^ sum >> 16U);
+}
+
 /// Whether some CRC_EXTRA would make `received` the right checksum after `payload_crc`: of 256
 /// arbitrary pairs about 255 have none.
 constexpr bool has_fitting_crc_extra(std::uint16_t payload_crc, std::uint16_t received) {
-  // update() xors the table entry into the shifted checksum; the entry must exist.
-  const auto wanted = static_cast<std::uint16_t>(received ^ (payload_crc >> 8U));
-  for (const auto entry : detail::kCrcTables[0]) {
-    if (entry == wanted) return true;
-  }
-  return false;
+  // update() xors the table entry into the shifted checksum; the entry must exist. Entries are
+  // e << 8 ^ e << 3 ^ e >> 4 of a byte e, so their high byte, e ^ e >> 5, tells e.
+  const unsigned wanted = received ^ (payload_crc >> 8U);
+  const unsigned high = wanted >> 8U;
+  const unsigned e = high ^ high >> 5U;
+  return ((e << 8U ^ e << 3U ^ e >> 4U) & 0xFFFFU) == wanted;
 }
 
 }  // namespace cas::mav

@@ -24,6 +24,7 @@ enum class UnknownPolicy : std::uint8_t {
 /// MAVLink has no escaping: any byte may look like a start. A candidate is taken for a packet when
 /// its checksum is right; when not, the search goes on one byte after the candidate's start, so a
 /// stray start byte never costs a packet. Whole buffers and single bytes give the same packets.
+/// Any bytes cost much the same: each is read for a checksum at most twice (Stats::summed_bytes).
 ///
 /// - A packet of an unknown id is only probably one, so the search goes on inside it at once; it is
 ///   reported when it is complete.
@@ -42,6 +43,8 @@ class PacketParser {
     std::uint64_t unknown_ids{};    ///< probable packets whose id the table does not hold
     std::uint64_t skipped_bytes{};  ///< part of no intact, known packet
     std::uint64_t incompatible{};   ///< intact, dropped for an unknown incompatibility flag
+    std::uint64_t summed_bytes{};   ///< read for a checksum: work, at most 2 for each byte
+    std::uint64_t headers{};        ///< looked at: work, at most 3 for each byte
   };
 
   /// @param table  borrows its storage, which must outlive the parser
@@ -59,17 +62,7 @@ class PacketParser {
   template <class OnPacket, class OnUnknown>
   void feed(std::span<const std::uint8_t> bytes, OnPacket&& on_packet, OnUnknown&& on_unknown) {
     while (!bytes.empty()) {
-      if (held_size_ > 0) {
-        bytes = resume(bytes, on_packet, on_unknown);
-        continue;
-      }
-      bytes = skip_to_start(bytes);
-      const auto candidate = inspect(bytes);
-      if (bytes.size() < candidate.need) {
-        hold(bytes);
-        return decide_held(on_packet, on_unknown);
-      }
-      bytes = bytes.subspan(judge(candidate, bytes, on_packet, on_unknown));
+      bytes = end_ > 0 ? resume(bytes, on_packet, on_unknown) : pass(bytes, on_packet, on_unknown);
     }
   }
 
@@ -83,12 +76,13 @@ class PacketParser {
   /// Likewise, with on_unknown(const PacketView&) for ids that the table does not hold.
   template <class OnPacket, class OnUnknown>
   void flush(OnPacket&& on_packet, OnUnknown&& on_unknown) {
-    while (held_size_ > 0) {
-      if (scan_ < held_size_) {
+    while (end_ > 0) {
+      if (scan_ < end_) {
         ++scan_;
         ++stats_.skipped_bytes;
       } else {
-        waiting_[0] = false;
+        waiting_[begin_] = false;
+        --waiting_count_;
       }
       decide_held(on_packet, on_unknown);
     }
@@ -97,13 +91,13 @@ class PacketParser {
   /// What has been found so far.
   const Stats& stats() const { return stats_; }
   /// True while the bytes so far end inside what may be a packet.
-  bool inside_packet() const { return held_size_ > 0; }
+  bool inside_packet() const { return end_ > 0; }
 
   /// Forgets a half packet.
   void reset() {
-    held_size_ = 0;
-    scan_ = 0;
+    forget_held();
     waiting_ = {};
+    waiting_count_ = 0;
   }
 
  private:
@@ -116,15 +110,14 @@ class PacketParser {
     const MessageInfo* info{};
   };
 
-  std::span<const std::uint8_t> skip_to_start(std::span<const std::uint8_t> bytes) {
+  static std::size_t bytes_before_start(std::span<const std::uint8_t> bytes) {
     std::size_t i = 0;
     while (i < bytes.size() && bytes[i] != kStartV2 && bytes[i] != kStartV1) ++i;
-    stats_.skipped_bytes += i;
-    return bytes.subspan(i);
+    return i;
   }
 
-  Candidate inspect(std::span<const std::uint8_t> bytes) const {
-    if (bytes.empty()) return {Kind::kNone, 0, nullptr};
+  Candidate inspect(std::span<const std::uint8_t> bytes) {
+    ++stats_.headers;
     return bytes[0] == kStartV1 ? inspect_v1(bytes) : inspect_v2(bytes);
   }
 
@@ -132,20 +125,19 @@ class PacketParser {
     if (bytes.size() < kHeaderBytesV1) return {Kind::kUndecided, kHeaderBytesV1, nullptr};
     const std::size_t length = bytes[1];
     const auto* info = table_.find(std::uint32_t{bytes[5]});
-    if (info == nullptr) return unknown(kHeaderBytesV1 + length + kChecksumBytes);
+    if (info == nullptr) return unknown(packet_size(bytes));
     // Extensions do not belong into MAVLink 1, but some senders put them there.
     if (length < info->min_length || length > info->max_length) return {Kind::kNone, 1, nullptr};
-    return {Kind::kPacket, kHeaderBytesV1 + length + kChecksumBytes, info};
+    return {Kind::kPacket, packet_size(bytes), info};
   }
 
   Candidate inspect_v2(std::span<const std::uint8_t> bytes) const {
     if (bytes.size() < kHeaderBytesV2) return {Kind::kUndecided, kHeaderBytesV2, nullptr};
-    const std::size_t signature = (bytes[2] & kIncompatSigned) != 0 ? kSignatureBytes : 0;
-    const auto need = kHeaderBytesV2 + bytes[1] + kChecksumBytes + signature;
     const auto id = bytes[7] | static_cast<std::uint32_t>(bytes[8]) << 8U |
                     static_cast<std::uint32_t>(bytes[9]) << 16U;
     const auto* info = table_.find(id);
-    return info == nullptr ? unknown(need) : Candidate{Kind::kPacket, need, info};
+    if (info == nullptr) return unknown(packet_size(bytes));
+    return {Kind::kPacket, packet_size(bytes), info};
   }
 
   Candidate unknown(std::size_t need) const {
@@ -153,30 +145,79 @@ class PacketParser {
     return {Kind::kUnknown, need, nullptr};
   }
 
-  // --- complete candidates -----------------------------------------------------------------------
+  // --- bytes as they come ------------------------------------------------------------------------
 
-  /// Decides about a candidate at the front of `bytes`; returns the bytes used up.
+  /// Takes packets out of `bytes` without a copy; returns the bytes left, when a candidate is held.
   template <class OnPacket, class OnUnknown>
-  std::size_t judge(const Candidate& candidate, std::span<const std::uint8_t> bytes,
-                    OnPacket& on_packet, OnUnknown& on_unknown) {
-    if (candidate.kind == Kind::kPacket) {
-      return judge_packet(*candidate.info, bytes.first(candidate.need), on_packet);
+  std::span<const std::uint8_t> pass(std::span<const std::uint8_t> bytes, OnPacket& on_packet,
+                                     OnUnknown& on_unknown) {
+    std::size_t read = 0;  // bytes at the front that a candidate's checksum has read
+    const auto advance = [&](std::size_t count) {
+      bytes = bytes.subspan(count);
+      read = read > count ? read - count : 0;
+    };
+    while (true) {
+      const auto skipped = bytes_before_start(bytes);
+      stats_.skipped_bytes += skipped;
+      advance(skipped);
+      if (bytes.empty()) return bytes;
+      const auto candidate = inspect(bytes);
+      if (candidate.kind == Kind::kNone) {
+        ++stats_.skipped_bytes;
+        advance(1);
+        continue;
+      }
+      if (read > 0 || bytes.size() < candidate.need) {
+        const auto wanted = read > candidate.need ? read : candidate.need;
+        const auto taken = wanted < bytes.size() ? wanted : bytes.size();
+        hold(bytes.first(taken), read);
+        decide_held(on_packet, on_unknown);
+        return bytes.subspan(taken);
+      }
+      const auto packet = bytes.first(candidate.need);
+      const auto sum = Crc16().update(summed(packet));
+      stats_.summed_bytes += summed(packet).size();
+      read = candidate.need;
+      if (candidate.kind == Kind::kPacket) {
+        advance(judge_packet(*candidate.info, packet, sum, on_packet));
+        continue;
+      }
+      judge_unknown(packet, sum, on_unknown);
+      ++stats_.skipped_bytes;
+      advance(1);
     }
-    if (candidate.kind == Kind::kUnknown) judge_unknown(bytes.first(candidate.need), on_unknown);
-    const std::size_t used = bytes.empty() ? 0 : 1;
-    stats_.skipped_bytes += used;
-    return used;
   }
 
+  /// What the checksum takes in: everything after the start byte but checksum and signature.
+  static std::span<const std::uint8_t> summed(std::span<const std::uint8_t> packet) {
+    return packet.subspan(1, header_bytes(packet) - 1 + packet[1]);
+  }
+
+  /// By its header.
+  static std::size_t packet_size(std::span<const std::uint8_t> bytes) {
+    const bool is_signed = bytes[0] == kStartV2 && (bytes[2] & kIncompatSigned) != 0;
+    return header_bytes(bytes) + bytes[1] + kChecksumBytes + (is_signed ? kSignatureBytes : 0);
+  }
+
+  static std::size_t header_bytes(std::span<const std::uint8_t> packet) {
+    return packet[0] == kStartV1 ? kHeaderBytesV1 : kHeaderBytesV2;
+  }
+
+  static std::uint16_t received_crc(std::span<const std::uint8_t> packet) {
+    const auto* end = packet.data() + header_bytes(packet) + packet[1];
+    return static_cast<std::uint16_t>(end[0] | end[1] << 8U);
+  }
+
+  /// Judges a candidate by the checksum of its summed() bytes; returns the bytes used up.
   template <class OnPacket>
-  std::size_t judge_packet(const MessageInfo& info, std::span<const std::uint8_t> bytes,
+  std::size_t judge_packet(const MessageInfo& info, std::span<const std::uint8_t> bytes, Crc16 sum,
                            OnPacket& on_packet) {
-    const auto packet = view_packet(bytes);
-    if (payload_crc(packet).update(info.crc_extra).value() != received_crc(packet)) {
+    if (sum.update(info.crc_extra).value() != received_crc(bytes)) {
       ++stats_.crc_errors;
       ++stats_.skipped_bytes;
       return 1;
     }
+    const auto packet = view_packet(bytes);
     if (has_unknown_flag(packet)) {
       ++stats_.incompatible;
       stats_.skipped_bytes += bytes.size();
@@ -188,10 +229,10 @@ class PacketParser {
   }
 
   template <class OnUnknown>
-  void judge_unknown(std::span<const std::uint8_t> bytes, OnUnknown& on_unknown) {
+  void judge_unknown(std::span<const std::uint8_t> bytes, Crc16 sum, OnUnknown& on_unknown) {
     const auto packet = view_packet(bytes);
     if (has_unknown_flag(packet)) return;
-    if (!has_fitting_crc_extra(payload_crc(packet).value(), received_crc(packet))) return;
+    if (!has_fitting_crc_extra(sum.value(), received_crc(bytes))) return;
     ++stats_.unknown_ids;
     on_unknown(packet);
   }
@@ -200,63 +241,72 @@ class PacketParser {
     return (packet.incompat_flags & ~unsigned{kIncompatSigned}) != 0;
   }
 
-  /// The checksum of everything after the start byte, without CRC_EXTRA.
-  static Crc16 payload_crc(const PacketView& packet) {
-    return Crc16().update({packet.bytes.data() + 1, packet.payload.data() + packet.payload.size()});
-  }
-
-  static std::uint16_t received_crc(const PacketView& packet) {
-    const auto* end = packet.payload.data() + packet.payload.size();
-    return static_cast<std::uint16_t>(end[0] | end[1] << 8U);
-  }
-
-  // --- candidates that wait for more bytes -------------------------------------------------------
+  // --- candidates that wait for more bytes or overlap
+  // ----------------------------------------------
   //
-  //   held_:  [w . . w . . . | c . . . . . ]
-  //            ^0             ^scan_       ^held_size_
+  //   held_:  . . . [w . . w . . . | c . . . . . ] . . .
+  //                  ^begin_        ^scan_        ^end_
   //
   //   w  candidate of an unknown id (waiting_), complete later; behind it is searched already
   //   c  candidate that the search waits for
 
-  std::span<const std::uint8_t> held() const { return {held_.data(), held_size_}; }
-
-  void hold(std::span<const std::uint8_t> bytes) {
+  void hold(std::span<const std::uint8_t> bytes, std::size_t read) {
     std::memcpy(held_.data(), bytes.data(), bytes.size());
-    held_size_ = bytes.size();
-    scan_ = 0;
+    end_ = bytes.size();
+    read_end_ = read;
+  }
+
+  void forget_held() {
+    begin_ = scan_ = end_ = 0;
+    read_end_ = running_end_ = 0;
+  }
+
+  std::span<const std::uint8_t> held(std::size_t from) const {
+    return {held_.data() + from, end_ - from};
   }
 
   /// Adds bytes up to the next decision; returns those left over.
   template <class OnPacket, class OnUnknown>
   std::span<const std::uint8_t> resume(std::span<const std::uint8_t> bytes, OnPacket& on_packet,
                                        OnUnknown& on_unknown) {
-    const auto missing = decision_at_ - held_size_;
+    const auto missing = decision_at_ - end_;
     const auto taken = missing < bytes.size() ? missing : bytes.size();
-    std::memcpy(held_.data() + held_size_, bytes.data(), taken);
-    held_size_ += taken;
-    if (held_size_ == decision_at_) decide_held(on_packet, on_unknown);
+    if (taken == 1) {
+      held_[end_] = bytes[0];  // a call of memcpy costs more than all else of a byte
+    } else {
+      std::memcpy(held_.data() + end_, bytes.data(), taken);
+    }
+    end_ += taken;
+    if (end_ == decision_at_) decide_held(on_packet, on_unknown);
     return bytes.subspan(taken);
   }
 
   /// Searches the held bytes as far as they go, and drops those that nothing waits for.
   template <class OnPacket, class OnUnknown>
   void decide_held(OnPacket& on_packet, OnUnknown& on_unknown) {
-    auto scan_end = held_size_ + 1;
-    while (scan_ < held_size_) {
-      const auto rest = skip_to_start(held().subspan(scan_));
-      scan_ = held_size_ - rest.size();
-      if (rest.empty()) break;
+    auto scan_end = end_ + 1;
+    while (true) {
+      const auto skipped = bytes_before_start(held(scan_));
+      stats_.skipped_bytes += skipped;
+      scan_ += skipped;
+      if (scan_ == end_) break;
+      const auto rest = held(scan_);
       const auto candidate = inspect(rest);
-      if (candidate.kind == Kind::kUnknown) {
-        waiting_[scan_++] = true;
-        ++stats_.skipped_bytes;
+      if (candidate.kind == Kind::kPacket || candidate.kind == Kind::kUndecided) {
+        if (rest.size() < candidate.need) {
+          scan_end = scan_ + candidate.need;
+          break;
+        }
+        const auto packet = rest.first(candidate.need);
+        scan_ += judge_packet(*candidate.info, packet, held_sum(packet), on_packet);
         continue;
       }
-      if (rest.size() < candidate.need) {
-        scan_end = scan_ + candidate.need;
-        break;
+      if (candidate.kind == Kind::kUnknown) {
+        waiting_[scan_] = true;
+        ++waiting_count_;
       }
-      scan_ += judge(candidate, rest, on_packet, on_unknown);
+      ++scan_;
+      ++stats_.skipped_bytes;
     }
     const auto waiting_end = report_waiting(on_unknown);
     decision_at_ = waiting_end < scan_end ? waiting_end : scan_end;
@@ -264,40 +314,88 @@ class PacketParser {
   }
 
   /// Reports complete unknown packets in the order of their starts; returns the end of the first
-  /// incomplete one, or one past the largest index.
+  /// incomplete one, or one past the largest index. Nothing before begin_ waits any more.
   template <class OnUnknown>
   std::size_t report_waiting(OnUnknown& on_unknown) {
-    for (std::size_t i = 0; i < scan_; ++i) {
-      if (!waiting_[i]) continue;
-      const auto rest = held().subspan(i);
-      const auto need = inspect(rest).need;
-      if (rest.size() < need) return i + need;
-      judge_unknown(rest.first(need), on_unknown);
-      waiting_[i] = false;
+    for (; waiting_count_ > 0; ++begin_) {
+      if (!waiting_[begin_]) continue;
+      const auto rest = held(begin_);
+      const auto need = packet_size(rest);
+      if (rest.size() < need) return begin_ + need;
+      waiting_[begin_] = false;
+      --waiting_count_;
+      const auto packet = rest.first(need);
+      judge_unknown(packet, held_sum(packet), on_unknown);
     }
+    begin_ = scan_;
     return held_.size() + 1;
   }
 
   void drop_decided() {
-    std::size_t keep = 0;
-    while (keep < scan_ && !waiting_[keep]) ++keep;
-    if (keep == 0) return;
-    held_size_ -= keep;
-    scan_ -= keep;
-    decision_at_ -= keep;
-    std::memmove(held_.data(), held_.data() + keep, held_size_);
-    std::memmove(waiting_.data(), waiting_.data() + keep, held_size_);
-    std::memset(waiting_.data() + held_size_, 0, waiting_.size() - held_size_);
+    if (begin_ == end_) return forget_held();
+    if (begin_ < kMaxPacketBytes) return;  // what waits is at most one packet long, so it has room
+    std::memmove(held_.data(), held_.data() + begin_, end_ - begin_);
+    std::memmove(waiting_.data(), waiting_.data() + begin_, scan_ - begin_);
+    std::memset(waiting_.data() + scan_ - begin_, 0, begin_);
+    keep_running();
+    std::memmove(running_.data(), running_.data() + begin_,
+                 (running_end_ - begin_ + 1) * sizeof(std::uint16_t));
+    read_end_ = read_end_ > begin_ ? read_end_ - begin_ : 0;
+    running_end_ -= begin_;
+    end_ -= begin_;
+    scan_ -= begin_;
+    decision_at_ -= begin_;
+    begin_ = 0;
+  }
+
+  // --- checksums of held candidates --------------------------------------------------------------
+  //
+  // Candidates overlap. What none has read yet is summed at once; over the rest goes one running
+  // checksum, whose values at both ends of a candidate tell that of the candidate.
+
+  /// The checksum of the summed() bytes of a candidate that lies in held_.
+  Crc16 held_sum(std::span<const std::uint8_t> packet) {
+    const auto bytes = summed(packet);
+    const auto from = static_cast<std::size_t>(bytes.data() - held_.data());
+    const auto to = from + bytes.size();
+    if (from >= read_end_) {
+      read_end_ = to;
+      stats_.summed_bytes += bytes.size();
+      return Crc16().update(bytes);
+    }
+    run_to(to);
+    return Crc16(static_cast<std::uint16_t>(
+        running_[to] ^ crc_over_zeros(running_[from] ^ Crc16().value(), bytes.size())));
+  }
+
+  void run_to(std::size_t to) {
+    keep_running();
+    if (running_end_ >= to) return;
+    stats_.summed_bytes += to - running_end_;
+    Crc16 crc(running_[running_end_]);
+    for (; running_end_ < to; ++running_end_) {
+      running_[running_end_ + 1] = crc.update(held_[running_end_]).value();
+    }
+  }
+
+  /// The running checksum may begin anywhere: nothing needs it before begin_.
+  void keep_running() {
+    if (running_end_ >= begin_) return;
+    running_end_ = begin_;
+    running_[begin_] = 0;
   }
 
   MessageTable table_;
   UnknownPolicy policy_;
   Stats stats_;
-  std::size_t held_size_{};
-  std::size_t scan_{};
-  std::size_t decision_at_{};
-  std::array<std::uint8_t, kMaxPacketBytes> held_{};
-  std::array<bool, kMaxPacketBytes> waiting_{};
+  std::size_t begin_{}, scan_{}, end_{};
+  std::size_t decision_at_{};  ///< end_ at which something can be decided
+  std::size_t read_end_{};     ///< bytes behind it were read for no checksum
+  std::size_t running_end_{};  ///< last element of running_ that is computed
+  std::array<std::uint8_t, 2 * kMaxPacketBytes> held_{};
+  std::size_t waiting_count_{};
+  std::array<bool, 2 * kMaxPacketBytes> waiting_{};
+  std::array<std::uint16_t, 2 * kMaxPacketBytes + 1> running_{};  ///< [i]: checksum up to held_[i]
 };
 
 }  // namespace cas::mav

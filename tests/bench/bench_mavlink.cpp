@@ -185,16 +185,34 @@ void receive_and_dispatch_mixed(benchmark::State& state) {
   });
 }
 
-void receive_mixed_bytewise(benchmark::State& state) {
+/// Feeds pieces of a size, as a slow UART gives them.
+void feed_pieces(PacketParser& parser, std::span<const std::uint8_t> stream, std::size_t piece) {
+  for (std::size_t i = 0; i < stream.size(); i += piece) {
+    const auto size = piece < stream.size() - i ? piece : stream.size() - i;
+    parser.feed(stream.subspan(i, size),
+                [](const PacketView& packet) { benchmark::DoNotOptimize(packet.payload.data()); });
+  }
+}
+
+void receive_mixed_in_pieces(benchmark::State& state) {
   const auto stream = stream_of(kStreamMessages, mixed);
   PacketParser parser(common::table());
-  measure(state, kStreamMessages, [&] {
-    for (const auto& byte : stream) {
-      parser.feed({&byte, 1}, [&](const PacketView& packet) {
-        benchmark::DoNotOptimize(packet.payload.data());
-      });
-    }
-  });
+  measure(state, kStreamMessages,
+          [&] { feed_pieces(parser, stream, static_cast<std::size_t>(state.range(0))); });
+}
+
+/// Patterns of starts of packets that never end well, one after the other: a "message" is a byte.
+template <std::uint8_t... pattern>
+void refuse(benchmark::State& state) {
+  constexpr std::size_t kRepetitions = 1000;
+  constexpr std::array<std::uint8_t, sizeof...(pattern)> kPattern{pattern...};
+  std::vector<std::uint8_t> stream;
+  for (std::size_t i = 0; i < kRepetitions; ++i) {
+    stream.insert(stream.end(), kPattern.begin(), kPattern.end());
+  }
+  const auto piece = state.range(0) == 0 ? stream.size() : static_cast<std::size_t>(state.range(0));
+  PacketParser parser(common::table());
+  measure(state, stream.size(), [&] { feed_pieces(parser, stream, piece); });
 }
 
 void checksum_280_bytes(benchmark::State& state) {
@@ -212,7 +230,12 @@ BENCHMARK(encode_signed<BasicSha256<Sha256Portable>>);
 BENCHMARK(receive_hil_sensor);
 BENCHMARK(receive_mixed);
 BENCHMARK(receive_and_dispatch_mixed);
-BENCHMARK(receive_mixed_bytewise);
+BENCHMARK(receive_mixed_in_pieces)->Arg(1)->Arg(8)->Arg(256);
+BENCHMARK(refuse<0xFE, 0xFF>)->Arg(0)->Arg(1);
+BENCHMARK(refuse<0xFE, 0xFE, 0x0A>)->Arg(0)->Arg(1);
+BENCHMARK(refuse<0xFE, 0x03>)->Arg(0)->Arg(1);
+BENCHMARK(refuse<0xFD, 0xFF, 0x00>)->Arg(0)->Arg(1);
+BENCHMARK(refuse<0xFD, 0xFD, 0x00, 0x00>)->Arg(0)->Arg(1);
 BENCHMARK(checksum_280_bytes);
 
 }  // namespace

@@ -32,7 +32,7 @@ struct Received {
 };
 
 Received receive(const Bytes& stream, std::size_t chunk,
-                 const MessageTable& table = common::table()) {
+                 const MessageTable& table = common::table(), bool flush = false) {
   Received received;
   PacketParser parser(table);
   const auto keep = [](std::vector<Bytes>& into) {
@@ -44,8 +44,84 @@ Received receive(const Bytes& stream, std::size_t chunk,
     const auto size = std::min(chunk, stream.size() - i);
     parser.feed(std::span(stream).subspan(i, size), keep(received.packets), keep(received.unknown));
   }
+  if (flush) parser.flush(keep(received.packets), keep(received.unknown));
   received.stats = parser.stats();
   return received;
+}
+
+/// What a flushed parser must find, by the plainest search: every start is looked at afresh.
+Received plain_search(const Bytes& stream, const MessageTable& table) {
+  Received found;
+  for (std::size_t i = 0; i < stream.size();) {
+    const auto left = stream.size() - i;
+    const auto* p = stream.data() + i;
+    const std::size_t header = p[0] == kStartV1 ? kHeaderBytesV1 : kHeaderBytesV2;
+    const bool start = p[0] == kStartV1 || p[0] == kStartV2;
+    std::size_t used = 1;
+    if (start && left >= header) {
+      const bool is_signed = p[0] == kStartV2 && (p[2] & kIncompatSigned) != 0;
+      const auto size = header + p[1] + kChecksumBytes + (is_signed ? kSignatureBytes : 0U);
+      const auto id = p[0] == kStartV1 ? p[5]
+                                       : p[7] | static_cast<unsigned>(p[8]) << 8U |
+                                             static_cast<unsigned>(p[9]) << 16U;
+      const auto* info = table.find(id);
+      const bool fits = info == nullptr || p[0] == kStartV2 ||
+                        (p[1] >= info->min_length && p[1] <= info->max_length);
+      if (left >= size && fits) {
+        const auto* end = p + header + p[1];
+        const auto sum = Crc16().update({p + 1, end});
+        const auto has_checksum = [&](unsigned extra) {
+          const auto crc = Crc16(sum).update(static_cast<std::uint8_t>(extra)).value();
+          return crc == (end[0] | end[1] << 8U);
+        };
+        const bool known_flags = p[0] == kStartV1 || (p[2] & ~unsigned{kIncompatSigned}) == 0;
+        if (info == nullptr) {
+          bool probable = false;
+          for (unsigned extra = 0; extra < 256; ++extra) probable = probable || has_checksum(extra);
+          if (probable && known_flags) found.unknown.emplace_back(p, p + size);
+        } else if (!has_checksum(info->crc_extra)) {
+          ++found.stats.crc_errors;
+        } else if (!known_flags) {
+          ++found.stats.incompatible;
+          found.stats.skipped_bytes += size - 1;
+          used = size;
+        } else {
+          found.packets.emplace_back(p, p + size);
+          i += size;
+          continue;
+        }
+      }
+    }
+    ++found.stats.skipped_bytes;
+    i += used;
+  }
+  return found;
+}
+
+/// Starts, small lengths and ids that are known and not, repeated or at random, between packets.
+Bytes hostile_stream(unsigned seed) {
+  std::mt19937 random(seed);
+  const auto hostile_byte = [&]() -> std::uint8_t {
+    constexpr std::uint8_t kLikely[] = {kStartV1, kStartV2, 0, 0, 1, 3, 9, 10, 28, 30, 0xFF};
+    return random() % 8 == 0 ? static_cast<std::uint8_t>(random())
+                             : kLikely[random() % std::size(kLikely)];
+  };
+  Bytes stream;
+  for (int part = 0; part < 30; ++part) {
+    Bytes pattern(1 + random() % 6);
+    for (auto& byte : pattern) byte = hostile_byte();
+    for (auto n = random() % 100; n > 0; --n) append(stream, pattern);
+    for (auto n = random() % 300; n > 0; --n) stream.push_back(hostile_byte());
+    common::Tunnel tunnel{.payload_length = 128};
+    for (auto& byte : tunnel.payload) byte = hostile_byte();
+    for (auto packet : {packet_of(tunnel), packet_of(common::Heartbeat{}),
+                        packet_of(common::Attitude{.yawspeed = static_cast<float>(part)})}) {
+      if (random() % 4 == 0) packet[random() % packet.size()] ^= 1;
+      if (random() % 4 == 0) packet.resize(random() % packet.size());
+      append(stream, packet);
+    }
+  }
+  return stream;
 }
 
 TEST(PacketParser, FindsPacketsBetweenGarbageWholeAndBytewise) {
@@ -70,6 +146,70 @@ TEST(PacketParser, FindsPacketsBetweenGarbageWholeAndBytewise) {
        {stream.size(), std::size_t{1}, std::size_t{7}, std::size_t{300}}) {
     const auto received = receive(stream, chunk);
     EXPECT_EQ(received.packets, sent) << "chunks of " << chunk;
+  }
+}
+
+TEST(PacketParser, FindsInHostileBytesWhatThePlainestSearchFinds) {
+  static constexpr MessageInfo kFew[] = {{0, 50, 9, 9, -1, -1, "HEARTBEAT"},
+                                         {385, 147, 133, 133, 2, 3, "TUNNEL"}};
+  static constexpr StaticMessageTable kStorage(kFew);
+  std::size_t packets = 0;
+  std::size_t unknown = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const auto stream = hostile_stream(seed);
+    for (const auto& table : {common::table(), kStorage.view()}) {
+      const auto expected = plain_search(stream, table);
+      packets += expected.packets.size();
+      unknown += expected.unknown.size();
+      for (const std::size_t chunk :
+           {stream.size(), std::size_t{1}, std::size_t{8}, std::size_t{301}}) {
+        const auto received = receive(stream, chunk, table, true);
+        ASSERT_EQ(received.packets, expected.packets) << "seed " << seed << ", chunks of " << chunk;
+        ASSERT_EQ(received.unknown, expected.unknown) << "seed " << seed << ", chunks of " << chunk;
+        ASSERT_EQ(received.stats.crc_errors, expected.stats.crc_errors);
+        ASSERT_EQ(received.stats.skipped_bytes, expected.stats.skipped_bytes);
+        ASSERT_EQ(received.stats.incompatible, expected.stats.incompatible);
+      }
+    }
+  }
+  EXPECT_GT(packets, 3000U);
+  EXPECT_GT(unknown, 500U);
+}
+
+TEST(PacketParser, NoBytesCostMoreThanTwoReadsAndThreeHeadersEach) {
+  std::vector<Bytes> patterns{{0xFE, 0xFF},       {0xFE, 0xFE, 0x0A},       {0xFD, 0xFF, 0x00},
+                              {0xFE, 0x03},       {0xFD, 0xFD, 0x00, 0x00}, {0xFE},
+                              {0xFD, 0xFD, 0x00}, {0xFD, 0, 0, 0, 0, 0, 0}, {0xFE, 9, 0, 0, 0}};
+  for (const auto& pattern : patterns) {
+    Bytes stream;
+    while (stream.size() < 20000) append(stream, pattern);
+    for (const std::size_t chunk : {stream.size(), std::size_t{1}, std::size_t{8}}) {
+      const auto stats = receive(stream, chunk).stats;
+      EXPECT_LE(stats.summed_bytes, 2 * stream.size()) << testing::PrintToString(pattern);
+      EXPECT_LE(stats.headers, 3 * stream.size()) << testing::PrintToString(pattern);
+    }
+  }
+}
+
+TEST(Crc16, MovesOverZerosAsIfTheyWereRead) {
+  const Bytes zeros(detail::kMaxChecksummedBytes, 0);
+  for (const unsigned crc : {0x0000U, 0x0001U, 0x8000U, 0xFFFFU, 0x1234U, 0xBEEFU}) {
+    for (std::size_t n = 0; n <= zeros.size(); ++n) {
+      const auto value = static_cast<std::uint16_t>(crc);
+      ASSERT_EQ(crc_over_zeros(value, n), Crc16(value).update({zeros.data(), n}).value()) << n;
+    }
+  }
+}
+
+TEST(Crc16, AnExtraFitsExactlyWhenOneOf256Does) {
+  constexpr std::uint16_t kPayloadCrc = 0x5AC3;
+  std::vector<bool> reached(65536);
+  for (unsigned extra = 0; extra < 256; ++extra) {
+    reached[Crc16(kPayloadCrc).update(static_cast<std::uint8_t>(extra)).value()] = true;
+  }
+  for (unsigned received = 0; received < 65536; ++received) {
+    ASSERT_EQ(has_fitting_crc_extra(kPayloadCrc, static_cast<std::uint16_t>(received)),
+              reached[received]);
   }
 }
 
