@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// node build.mjs FOLDER: writes index.html with its assets (for casweb), replay.html (all in one file, with a place for
+// records) and licences.txt. Fails when the app is larger than its budget.
+import {createHash} from 'node:crypto';
+import {existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync} from 'node:fs';
+import {dirname, join, resolve} from 'node:path';
+import {fileURLToPath} from 'node:url';
+import {gzipSync} from 'node:zlib';
+import {build} from 'esbuild';
+
+const kBudget = 250_000;  // bytes, gzip -9
+
+const here = dirname(fileURLToPath(import.meta.url));
+const out = resolve(process.argv[2] ?? join(here, 'dist'));
+const common = {
+  absWorkingDir: here, entryPoints: ['src/main.ts'], bundle: true, minify: true, target: 'es2022', write: false, metafile: true,
+  legalComments: 'none', loader: {'.ts': 'ts'}, outdir: '/', define: {'process.env.NODE_ENV': '"production"'},
+  conditions: ['production'],
+};
+
+/** Names and licence texts of the packages that are in a bundle. */
+function licences(metafile) {
+  const packages = new Set();
+  for (const input of Object.keys(metafile.inputs)) {
+    const found = /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(input);
+    if (found) packages.add(found[1]);
+  }
+  return [...packages].sort().map((name) => {
+    const folder = join(here, 'node_modules', name);
+    const {version, license} = JSON.parse(readFileSync(join(folder, 'package.json'), 'utf8'));
+    const file = readdirSync(folder).find((each) => /^licen[cs]e/i.test(each));
+    if (!file) throw new Error(`${name} has no licence file`);
+    return `${name} ${version} (${license})\n\n${readFileSync(join(folder, file), 'utf8').trim()}\n`;
+  }).join('\n\n');
+}
+
+const hashOf = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
+const shortHash = (bytes) => createHash('sha256').update(bytes).digest('hex').slice(0, 12);
+const output = (result, ending) => result.outputFiles.find((file) => file.path.endsWith(ending)).text.trim();
+
+// One file: app and records are compressed in it; a small script unpacks the app, whose hash the policy names.
+const single = await build({...common, format: 'iife'});
+const texts = licences(single.metafile);
+const js = `/*! CAS, BSD-3-Clause; with:\n\n${texts.replaceAll('*/', '* /')}\n*/\n${output(single, '.js')}`;
+const css = output(single, '.css');
+const boot = "(async()=>{const t=document.getElementById('app').textContent.trim();" +
+  "const b=Uint8Array.from(atob(t),(c)=>c.charCodeAt(0));" +
+  "const s=document.createElement('script');" +
+  "s.textContent=await new Response(new Blob([b]).stream().pipeThrough(new DecompressionStream('gzip'))).text();" +
+  'document.body.append(s)})()';
+const packed = gzipSync(js, {level: 9});
+const replay = readFileSync(join(here, 'src/replay.html'), 'utf8')
+  .replace('SCRIPT_HASHES', () => `${hashOf(boot)} ${hashOf(js)}`)
+  .replace('STYLE_HASH', () => hashOf(css))
+  .replace('PAGE_CSS', () => css)
+  .replace('PAGE_APP', () => packed.toString('base64'))
+  .replace('BOOT_JS', () => boot);
+
+// Files for casweb: the 3D view is a part of its own, loaded beside the frame of the page.
+const split = await build({...common, format: 'esm', splitting: true, entryNames: 'page-[hash]', chunkNames: 'part-[hash]'});
+if (existsSync(join(out, 'assets'))) rmSync(join(out, 'assets'), {recursive: true});
+mkdirSync(join(out, 'assets'), {recursive: true});
+let entry = '';
+for (const file of split.outputFiles) {
+  const name = file.path.split('/').pop();
+  if (name.endsWith('.js')) writeFileSync(join(out, 'assets', name), file.contents);
+  if (/^page-.*\.js$/.test(name)) entry = name;
+}
+const cssName = `page-${shortHash(css)}.css`;
+writeFileSync(join(out, 'assets', cssName), css);
+const index = readFileSync(join(here, 'src/index.html'), 'utf8')
+  .replace('PAGE_CSS', `/assets/${cssName}`)
+  .replace('PAGE_JS', `/assets/${entry}`);
+writeFileSync(join(out, 'licences.txt'), texts);
+writeFileSync(join(out, 'replay.html'), replay);
+writeFileSync(join(out, 'index.html'), index);  // last: its presence says that the page is whole
+
+const whole = packed.length + gzipSync(css, {level: 9}).length;
+console.log(`page: ${(js.length / 1000).toFixed(0)} kB, ${(whole / 1000).toFixed(1)} kB compressed (budget ${kBudget / 1000} kB)`);
+if (whole > kBudget) {
+  console.error('page: over its budget');
+  process.exit(1);
+}

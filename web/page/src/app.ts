@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+import {html, nothing, type TemplateResult} from 'lit';
+import {kStale_s} from './bench.ts';
+import {actions, interlock} from './commands.ts';
+import {age, clean, clock, fixed, minutes} from './numbers.ts';
+import {page, Part, setTheme, theme} from './page.ts';
+import type {Verdict, VerdictRow} from './protocol.ts';
+import {jump, nextSpeed} from './timeline.ts';
+import type {World} from './world.ts';
+
+const kTabs = ['Messages', 'Plots', 'Gains', 'Log'];
+
+/** Rows for the panel: the position first, several of a kind as their worst. */
+export function shownRows(rows: VerdictRow[]): VerdictRow[] {
+  const bounded = rows.filter((row) => row.limit !== null);
+  const share = (row: VerdictRow) => (row.value === null ? Infinity : row.least ? -row.value : row.value / Math.max(1e-12, row.limit!));
+  const kinds: [RegExp, string][] = [[/ lost$/, 'lost'], [/ rate off$/, 'rate off'], [/ delivered$/, 'delivered']];
+  const result: VerdictRow[] = [];
+  for (const row of bounded) {
+    const kind = kinds.find(([pattern]) => pattern.test(row.name));
+    if (!kind) {
+      result.push(row);
+      continue;
+    }
+    const known = result.find((each) => each.name === kind[1]);
+    if (!known) result.push({...row, name: kind[1]});
+    else if (share(row) > share(known)) Object.assign(known, row, {name: kind[1], missed: row.missed || known.missed});
+    else known.missed = known.missed || row.missed;
+  }
+  const order = ['north', 'east', 'up', 'yaw', 'lost'];
+  const rank = (row: VerdictRow) => (order.indexOf(row.name) + 1 || order.length + 1);
+  return result.sort((a, b) => rank(a) - rank(b));
+}
+
+/** "Passed, 5 of 5 limits". */
+export function verdictText(verdict: Verdict): {text: string; tone: '' | 'red' | 'amber'} {
+  const bounded = verdict.rows.filter((row) => row.limit !== null);
+  const missed = verdict.rows.filter((row) => row.missed).length;
+  if (verdict.state === 'invalid') return {text: `No verdict: ${verdict.sentences[0] ?? 'the run does not count'}`, tone: 'amber'};
+  if (verdict.state === 'failed') return {text: missed > 0 ? `Failed, ${missed} missed` : 'Failed', tone: 'red'};
+  if (verdict.state === 'passed') return {text: `Passed, ${bounded.length} of ${bounded.length} limits`, tone: ''};
+  return missed > 0 ? {text: `${missed} limits missed`, tone: 'red'} : {text: `${bounded.length} of ${bounded.length} limits kept so far`, tone: ''};
+}
+
+class App extends Part {
+  protected override render() {
+    const {bench, source} = page;
+    return html`<a class="skip" href="#commands">Skip to commands</a>
+      <div class="frame"><h1 class="hidden">CAS: ${clean(bench.name)}</h1>
+        ${this.header()}
+        <section id="link" aria-label="Links"><cas-links></cas-links></section>
+        <aside class="fly" aria-label="Flight">
+          <div class="sect tight"><cas-horizon></cas-horizon></div>
+          ${this.limits()}
+          ${source.player ? this.recordRows() : source.commands ? html`<cas-commands></cas-commands>` : html`<div class="sect" id="commands"><p>View only.</p></div>`}
+          <cas-rotors></cas-rotors>
+        </aside>
+        <section class="world" aria-label="3D view">${this.banner()}<cas-world></cas-world></section>
+        <aside class="look" aria-label="Data">${this.tabs(page.tab, kTabs, (tab) => { page.tab = tab; })}</aside>
+        <aside class="two" aria-label="More data">${this.tabs(page.secondTab, kTabs, (tab) => { page.secondTab = tab; })}</aside>
+        <footer class="time" aria-label="Timeline">
+          <div class="ctl">${source.player ? html`<cas-player></cas-player>` : this.benchRows()}</div>
+          <div class="tl"><cas-timeline></cas-timeline></div>
+        </footer>
+      </div>
+      <div class="hidden" aria-live="polite">${this.newest()}</div>`;
+  }
+
+  private newest(): string {
+    const event = page.bench.happenings.findLast((each) => each.t_s <= (page.bench.time_s ?? 0));
+    return event ? clean(event.text) : '';
+  }
+
+  private header(): TemplateResult {
+    const {bench} = page;
+    const verdict = bench.verdict && verdictText(bench.verdict);
+    const state = bench.vehicle?.state;
+    const old = state?.heartbeat_age_s !== undefined && state.heartbeat_age_s > 1.5;
+    const landed = state?.landed?.replace('_', ' ');
+    const several = bench.vehicles.length > 1;
+    return html`<header class="top">
+      <span class="brand">CAS</span>${this.pill()}<span class="sep"></span>
+      <span class="run"><b>${clean(bench.name) || '–'}</b> <span class="mut optional">&nbsp;${clean(bench.subtitle)}</span></span>
+      <span class="grow"></span>
+      <span class="clock">${clock(bench.time_s)}<small>${this.clockNote()}</small></span><span class="sep"></span>
+      <span class="sec said">
+        ${several ? html`<select aria-label="Vehicle" @change=${(event: Event) => this.select(Number((event.target as HTMLSelectElement).value))}>
+          ${bench.vehicles.map((vehicle, i) => html`<option value=${i} ?selected=${i === bench.selected}>${vehicle.system} ${clean(vehicle.name)}</option>`)}</select>`
+          : html`<b>${bench.vehicle?.system ?? '–'}</b>&nbsp;`}
+        ${state ? html`<span class=${old ? 'stale' : ''}>${state.autopilot ?? ''}${state.hil ? ' · HIL' : ''} · <b>${state.armed ? 'armed' : 'disarmed'}</b> · ${
+          clean(state.mode ?? '–')}${landed ? ` · ${landed}` : ''}${old ? ` · ${age(state.heartbeat_age_s!)}` : ''}</span>` : html`<span class="mut">no vehicle heard</span>`}
+      </span><span class="grow"></span>
+      ${verdict ? html`<span class=${`pill ${verdict.tone}`}><span>${verdict.tone ? '' : html`<span class="tick">✓</span> `}${clean(verdict.text)}</span></span>` : nothing}
+      <button class="ib optional" aria-label=${`Theme: ${theme()}`} @click=${() => setTheme(theme() === 'dark' ? 'light' : 'dark')}>◐</button>
+      <button class="ib optional" aria-label="Keys" @click=${() => this.help()}>?</button>
+    </header>`;
+  }
+
+  private pill(): TemplateResult {
+    const {bench} = page;
+    if (bench.connection === 'record') return html`<span class="pill blue"><i></i>Record</span>`;
+    if (bench.connection === 'live') return html`<span class="pill"><i></i>Live</span>${bench.readOnly ? html`<span class="pill grey">view only</span>` : nothing}`;
+    if (bench.connection === 'lost') return html`<span class="pill red"><i></i>Page lost ${Math.round(bench.waiting_s)} s</span>`;
+    return html`<span class="pill grey"><i></i>Connecting</span>`;
+  }
+
+  private clockNote(): string {
+    const {bench} = page;
+    if (page.source.player) return `of ${minutes(page.source.player.duration_s, 1)}`;
+    if (bench.simAge_s > kStale_s && bench.time_s !== null) return age(bench.simAge_s);
+    return bench.paused ? 'paused' : bench.rate === undefined ? '' : `${fixed(bench.rate, 3)} ×`;
+  }
+
+  private limits(): TemplateResult {
+    const {bench} = page;
+    const {verdict} = bench;
+    const since = bench.measured ? `RMS from ${fixed(bench.measured[0], 1)} s` : '';
+    if (!verdict || verdict.rows.length === 0) {
+      return html`<div class="sect"><h2>Limits</h2><p>${page.source.player ? 'This log has no limits.' : 'No scenario is flown: nothing is judged.'}</p></div>`;
+    }
+    const words = {running: 'Limits so far', passed: 'Verdict: passed', failed: 'Verdict: failed', invalid: 'No verdict'};
+    const other = bench.besideVerdict;
+    const others = other ? shownRows(other.rows) : [];
+    return html`<div class="sect"><h2>${words[verdict.state]} <small>${other ? 'A · B' : since}</small></h2>
+      <div class="rows">${shownRows(verdict.rows).map((row) => {
+        const digits = row.digits === undefined ? 2 : row.unit === 'm' ? 2 : row.unit === 'rad' ? 3 : Math.min(row.digits, row.unit === 'us' ? 0 : 2);
+        const share = row.value === null || row.limit === null ? 0 : row.limit === 0 ? (row.value > 0 ? 1 : 0) : row.value / row.limit;
+        const beside = others.find((each) => each.name === row.name);
+        return html`<div class=${`lim ${row.missed ? 'missed' : ''} ${other ? 'two-runs' : ''}`}><span class="sec">${row.name}</span>
+          <span class="bar"><b .style=${`width:${(Math.min(1, Math.max(0, share)) * 100).toFixed(1)}%`}></b></span>
+          ${other ? html`<span class="mut">${fixed(beside?.value, digits)}</span>` : nothing}
+          <span>${fixed(row.value, digits)} <em>of ${row.limit}${row.unit ? ` ${row.unit}` : ''}</em></span></div>`;
+      })}</div>
+      ${verdict.state !== 'running' ? verdict.sentences.slice(0, 3).map((sentence) => html`<p class="bad">${clean(sentence)}</p>`) : nothing}</div>`;
+  }
+
+  /** In a record: what the paper measured in the same place. */
+  private recordRows() {
+    const {bench} = page;
+    const hop = bench.links?.hops.find((each) => each.from === 'casd' && each.to === 'fcu') ?? bench.links?.hops.find((each) => each.from === 'sim');
+    const back = bench.links?.hops.find((each) => each.from === 'fcu');
+    const controls = back && Object.entries(back.msgs).find(([name]) => name.includes('CONTROLS'))?.[1];
+    if (!hop?.msgs.HIL_SENSOR) return html`<div id="commands" tabindex="-1"></div>`;
+    return html`<div class="sect" id="commands" tabindex="-1"><h2>Beside the paper <small>TCAS, hover</small></h2>
+      <table class="paper"><tr class="mut"><th></th><th class="n">now</th><th>[HILS]</th></tr>
+        <tr><td>sensor rate</td><td class="n">${fixed(hop.msgs.HIL_SENSOR, 1)} Hz</td><td>431.9</td></tr>
+        <tr><td>control rate</td><td class="n">${fixed(controls, 1)} Hz</td><td>342.6</td></tr></table></div>`;
+  }
+
+  private benchRows() {
+    const {programs} = page.bench;
+    return html`<h2>Programs</h2><div class="rows">${programs.map((program) => html`<div class="lim"><span class="sec">${clean(program.name)}</span><span></span>
+      <span class=${program.state === 'up' ? '' : 'bad'}>${clean(program.state)}${program.version ? html` <em>${clean(program.version)}</em>` : nothing}</span></div>`)}</div>`;
+  }
+
+  private banner(): TemplateResult | typeof nothing {
+    const {bench} = page;
+    if (bench.faultsOfPage.length > 0) {
+      return html`<div class="banner" role="alert"><b>The page cannot show this</b>${clean(bench.faultsOfPage[0]!)}</div>`;
+    }
+    if (bench.connection === 'connecting' && bench.waiting_s > 1) {
+      return html`<div class="banner quiet"><b>Looking for hilsim and casd</b>${bench.waiting_s > 5
+        ? html`Start them with <code>scripts/run</code>, and the page with <code>casweb</code>.` : nothing}</div>`;
+    }
+    const down = bench.links?.hops.find((hop) => hop.state === 'down');
+    if (down && bench.connection === 'live') {
+      return html`<div class="banner" role="alert"><b>The link ${clean(down.link ?? down.to)} is down</b>
+        ${clean(down.endpoint ?? '')} is gone. casd tries again by itself.</div>`;
+    }
+    return nothing;
+  }
+
+  private tabs(active: string, names: string[], choose: (tab: string) => void): TemplateResult {
+    const keys = (event: KeyboardEvent) => {
+      const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
+      if (step === 0) return;
+      event.stopPropagation();
+      event.preventDefault();
+      choose(names[(names.indexOf(active) + step + names.length) % names.length]!);
+      const list = event.currentTarget as HTMLElement;
+      page.redraw();
+      void this.updateComplete.then(() => list.querySelector<HTMLElement>('[aria-selected=true]')?.focus());
+    };
+    return html`<div class="tabs" role="tablist" aria-label="Data" @keydown=${keys}>${names.map((name) => html`<button role="tab"
+        aria-selected=${name === active} tabindex=${name === active ? 0 : -1} @click=${() => { choose(name); page.redraw(); }}>${name}</button>`)}</div>
+      <div class="tab" role="tabpanel" aria-label=${active}>${
+        active === 'Messages' ? html`<cas-messages></cas-messages>` : active === 'Plots' ? html`<cas-plots></cas-plots>`
+        : active === 'Gains' ? html`<cas-gains></cas-gains>` : html`<cas-log></cas-log>`}</div>`;
+  }
+
+  private select(i: number): void {
+    page.bench.selected = i;
+    page.redraw();
+  }
+
+  help(): void {
+    const dialog = document.querySelector<HTMLDialogElement>('dialog')!;
+    if (dialog.open) dialog.close();
+    else dialog.showModal();
+  }
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    window.addEventListener('keydown', this.onKey);
+  }
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    window.removeEventListener('keydown', this.onKey);
+  }
+
+  private readonly onKey = (event: KeyboardEvent) => {
+    const target = event.target as HTMLElement;
+    if (event.key === 'Escape') {
+      if (page.question || page.goto) page.answer(false);
+      target.blur?.();
+      return;
+    }
+    if (page.question && event.key === 'Enter' && target.tagName !== 'BUTTON') {
+      event.preventDefault();
+      return page.answer(true);
+    }
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (['INPUT', 'SELECT', 'TEXTAREA'].includes(target.tagName)) return;
+    if (event.key === ' ' && target.tagName === 'BUTTON') return;
+    const act = this.keyOf(event);
+    if (!act) return;
+    event.preventDefault();
+    act();
+    page.redraw();
+  };
+
+  private keyOf(event: KeyboardEvent): (() => void) | undefined {
+    const world = document.querySelector<World>('cas-world')!;
+    const player = page.source.player;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const {bench} = page;
+    if (event.shiftKey && key === 't') return () => setTheme(theme() === 'dark' ? 'light' : 'dark');
+    const common: Record<string, () => void> = {
+      '1': () => world.setCamera('orbit'), '2': () => world.setCamera('follow'), '3': () => world.setCamera('chase'),
+      '4': () => world.setCamera('top'), '0': () => world.frameAll(), '?': () => this.help(),
+      '/': () => {
+        page.tab = 'Messages';
+        page.redraw();
+        void this.updateComplete.then(() => document.querySelector<HTMLElement>('.filter input')?.focus());
+      },
+      '[': () => { bench.selected = Math.max(0, bench.selected - 1); },
+      ']': () => { bench.selected = Math.min(bench.vehicles.length - 1, bench.selected + 1); },
+      k: () => { page.tab = 'Gains'; },
+      r: () => document.querySelectorAll<HTMLElement & {reset(): void}>('cas-plots').forEach((plots) => plots.reset()),
+    };
+    if (common[key]) return common[key];
+    if (player) {
+      const step = event.shiftKey ? 10 : 1;
+      const keys: Record<string, () => void> = {
+        ' ': () => player.play(!player.playing), ',': () => player.seek(player.time_s - 0.02), '.': () => player.seek(player.time_s + 0.02),
+        ArrowLeft: () => player.seek(player.time_s - step), ArrowRight: () => player.seek(player.time_s + step),
+        Home: () => player.seek(0), End: () => player.seek(player.duration_s), n: () => jump(false), p: () => jump(true),
+        '-': () => { player.speed = nextSpeed(player.speed, false); }, '=': () => { player.speed = nextSpeed(player.speed, true); },
+        '+': () => { player.speed = nextSpeed(player.speed, true); },
+      };
+      return keys[key];
+    }
+    if (key === ' ') return () => void page.source.call(bench.paused ? 'sim.resume' : 'sim.pause').catch(() => undefined);
+    if (!page.source.commands || interlock()) return undefined;
+    const keys: Record<string, () => void> = {
+      h: actions.hold, l: actions.land, t: actions.takeoff, g: actions.goto, a: actions.arm,
+      m: () => document.querySelector<HTMLElement>('select[aria-label=Mode]')?.focus(),
+    };
+    return keys[key];
+  }
+}
+customElements.define('cas-app', App);

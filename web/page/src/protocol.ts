@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What docs/web_protocol.md says, as types. Unknown keys are ignored.
+import type {Quat, Vec3} from './frames.ts';
+
+export interface Part {
+  shape: 'box' | 'sphere' | 'cylinder' | 'plane' | 'mesh';
+  size_m?: Vec3;
+  radius_m?: number;
+  length_m?: number;
+  mesh?: string;
+  p: Vec3;
+  q: Quat;
+  name?: string;
+}
+
+export interface SceneRotor {
+  p_B: Vec3;
+  axis_B: Vec3;
+  radius_m: number;
+  spin: number;
+  k_f: number;
+  omega_max_rad_s: number;
+}
+
+export interface SceneVehicle {
+  name: string;
+  system?: number;
+  mass_kg?: number;
+  parts?: Part[];
+  rotors: SceneRotor[];
+  rays?: {name: string; p_B: Vec3; dir_B: Vec3; max_m: number}[];
+}
+
+export interface Scene {
+  hash: string;
+  vehicles: SceneVehicle[];
+  world?: Part[];
+  obstacles?: {name: string; parts: Part[]}[];
+}
+
+export interface SimVehicle {
+  p: Vec3;
+  q: Quat;
+  vel: Vec3;
+  w: Vec3;
+  rotors: number[];
+  contact?: number;
+  rays?: (number | null)[];
+}
+
+export interface SnapSim {
+  t_s: number;
+  rate?: number;
+  paused?: boolean;
+  late_steps?: number;
+  v: SimVehicle[];
+  wind_W?: Vec3;
+  o?: {p: Vec3; q: Quat}[];
+}
+
+export interface Delay {
+  p50: number;
+  p99: number;
+  max?: number;
+}
+
+export interface Hop {
+  from: string;
+  to: string;
+  link?: string;
+  type?: string;
+  state?: string;
+  endpoint?: string;
+  baud?: number;
+  full?: number;
+  queued?: number;
+  high_water?: number;
+  msgs: Record<string, number>;
+  lost?: number;
+  dropped?: Record<string, number>;
+  us?: Delay;
+  measured?: string;
+}
+
+export interface SnapLinks {
+  hops: Hop[];
+  forward_us?: ({from: string; to: string; count?: number} & Delay)[];
+}
+
+export interface LoopFigures {
+  system?: number;
+  ms: Delay;
+  count: number;
+  unanswered?: number;
+}
+
+export interface SnapLoop {
+  measured?: string;
+  vehicles: LoopFigures[];
+}
+
+/** [message id, moment of leaving in us, us on the way]; a lost one has its id negated. */
+export type TapePacket = [number, number, number];
+
+export interface SnapTape {
+  t_s: number;
+  ms: number;
+  around?: 'now' | 'loss';
+  hops: Record<string, TapePacket[]>;
+}
+
+export interface VehicleState {
+  system: number;
+  autopilot?: string;
+  type?: string;
+  armed?: boolean;
+  hil?: boolean;
+  mode?: string;
+  landed?: string;
+  link?: string;
+  heartbeat_age_s?: number;
+  attitude?: {roll_rad: number; pitch_rad: number; yaw_rad: number; age_s: number};
+  position_N?: {x_m: number; y_m: number; z_m: number; vx_m_s: number; vy_m_s: number; vz_m_s: number; age_s: number};
+  complaints?: string[];
+}
+
+export interface VerdictRow {
+  name: string;
+  value: number | null;
+  limit: number | null;
+  least?: boolean;
+  unit?: string;
+  digits?: number;
+  missed?: boolean;
+}
+
+export interface Verdict {
+  state: 'running' | 'passed' | 'failed' | 'invalid';
+  rows: VerdictRow[];
+  sentences: string[];
+}
+
+export interface ListedMessage {
+  link: string;
+  direction: string;
+  id: number;
+  name: string;
+  system: number;
+  component: number;
+  count: number;
+  hz: number;
+  age_s: number;
+}
+
+export interface Stage {
+  name: string;
+  begin_s: number;
+  end_s: number;
+  measured: boolean;
+}
+
+export interface Span {
+  name: string;
+  begin_s: number;
+  end_s: number | null;
+}
+
+/** Something that happened. */
+export interface Happening {
+  t_s: number;
+  kind: 'text' | 'state' | 'fault' | 'stage' | 'incident' | 'loss' | 'parameter' | 'act' | 'link' | 'program';
+  severity: number;
+  text: string;
+  by?: string;
+}
+
+/** Severities of STATUSTEXT in words. */
+export const kSeverities = ['emergency', 'alert', 'critical', 'error', 'warning', 'notice', 'info', 'debug'];
+export const kWarning = 4;

@@ -1,0 +1,716 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The 3D view, in W: x east, y north, z up. Loaded beside the frame of the page, not before it.
+import {
+  BoxGeometry, BufferGeometry, CanvasTexture, Color, ConeGeometry, CircleGeometry, CylinderGeometry, DirectionalLight,
+  DoubleSide, Float32BufferAttribute, Fog, Group, HemisphereLight, Line, LineBasicMaterial, LineDashedMaterial, LineLoop,
+  LineSegments, MathUtils, Mesh, MeshBasicMaterial, MeshLambertMaterial, type Object3D, PerspectiveCamera, PlaneGeometry,
+  Points, PointsMaterial, Quaternion, Raycaster, Plane, Scene, SphereGeometry, Sprite, SpriteMaterial, Vector2, Vector3,
+  WebGLRenderer, BackSide, BufferAttribute,
+} from 'three';
+import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+import {Line2} from 'three/examples/jsm/lines/Line2.js';
+import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
+import {LineMaterial} from 'three/examples/jsm/lines/LineMaterial.js';
+import {kStale_s, type Bench, type Motion} from './bench.ts';
+import {distance, type Quat, type Vec3} from './frames.ts';
+import {fixed} from './numbers.ts';
+import {colour, type Camera} from './page.ts';
+import type {Part, SceneVehicle} from './protocol.ts';
+import {between, indexAt, type Series} from './series.ts';
+
+const kThrustScale_m_n = 0.075;
+const kGrid_m = 26;
+const kTrailLive_s = 12;
+const kChange_s = 0.25;
+const kRotorSlowness = 50;
+
+/** Lines each metre, strong ones each 5 m, that fade out into the ground. */
+function makeGrid(): LineSegments {
+  const ground = hex('gnd');
+  const points: number[] = [];
+  const colours: number[] = [];
+  const mixed = new Color();
+  const add = (x: number, y: number, line: Color) => {
+    mixed.lerpColors(line, ground, Math.min(1, Math.hypot(x, y) / kGrid_m));
+    points.push(x, y, 0);
+    colours.push(mixed.r, mixed.g, mixed.b);
+  };
+  for (let i = -kGrid_m; i <= kGrid_m; ++i) {
+    const line = hex(i % 5 === 0 ? 'grid2' : 'grid');
+    const half = Math.floor(Math.sqrt(kGrid_m ** 2 - i ** 2));
+    for (let j = -half; j < half; ++j) {
+      add(i, j, line);
+      add(i, j + 1, line);
+      add(j, i, line);
+      add(j + 1, i, line);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
+  geometry.setAttribute('color', new Float32BufferAttribute(colours, 3));
+  return new LineSegments(geometry, new LineBasicMaterial({vertexColors: true, depthWrite: false}));
+}
+
+/** A label over the view. */
+export interface Tag {
+  id: string;
+  kind: 'est' | 'ref' | 'axis';
+  text: string;
+  x: number;
+  y: number;
+  /** Where its line begins; nothing without one. */
+  from?: [number, number];
+}
+
+type SeriesOf = (vehicle: number, key: string) => Series | undefined;
+
+interface Craft {
+  group: Group;
+  discs: {fill: MeshBasicMaterial; blades: Group; arrow: Group; k_f: number; omegaMax: number; spin: number; angle: number}[];
+}
+
+const hex = (name: string): Color => new Color(colour(name));
+
+function segments(points: number[], material: LineBasicMaterial | LineDashedMaterial): LineSegments {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
+  const lines = new LineSegments(geometry, material);
+  lines.computeLineDistances();
+  return lines;
+}
+
+function circlePoints(radius: number, parts = 40): Vector3[] {
+  return Array.from({length: parts}, (_, i) => {
+    const a = (2 * Math.PI * i) / parts;
+    return new Vector3(radius * Math.cos(a), radius * Math.sin(a), 0);
+  });
+}
+
+/** Turns z to an axis. */
+function toAxis(axis: Vec3): Quaternion {
+  return new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...axis).normalize());
+}
+
+function place(object: Object3D, p: Vec3, q: Quat): void {
+  object.position.set(...p);
+  object.quaternion.set(q[1], q[2], q[3], q[0]);
+}
+
+/** A vehicle without rotors in its description still is something to look at. */
+const kUnknown: SceneVehicle = {name: 'vehicle', rotors: []};
+
+function armOf(scene: SceneVehicle): number {
+  return Math.max(0.12, ...scene.rotors.map((rotor) => Math.hypot(rotor.p_B[0], rotor.p_B[1])));
+}
+
+/** The stand-in: arms to the real hubs, discs of the real radius, the nose marked. */
+function makeCraft(scene: SceneVehicle): Craft {
+  const group = new Group();
+  const arm = armOf(scene);
+  const body = new MeshLambertMaterial({color: hex('t3')});
+  const dark = new MeshLambertMaterial({color: hex('t2')});
+  const nose = new MeshLambertMaterial({color: hex('acc'), emissive: hex('acc'), emissiveIntensity: 0.35});
+  const add = (geometry: BufferGeometry, material: MeshLambertMaterial, x: number, y: number, z: number) => {
+    const mesh = new Mesh(geometry, material);
+    mesh.position.set(x, y, z);
+    group.add(mesh);
+  };
+  add(new BoxGeometry(0.9 * arm, 0.42 * arm, 0.22 * arm), body, 0, 0, 0);
+  add(new BoxGeometry(0.26 * arm, 0.3 * arm, 0.1 * arm), nose, 0.42 * arm, 0, 0.1 * arm);
+  for (const side of [-1, 1]) {  // landing gear
+    add(new BoxGeometry(1.1 * arm, 0.03 * arm, 0.03 * arm), dark, 0, side * 0.45 * arm, -0.42 * arm);
+    for (const x of [-0.3, 0.3]) {
+      const leg = new Mesh(new CylinderGeometry(0.016 * arm, 0.016 * arm, 0.42 * arm), dark);
+      leg.rotation.x = Math.PI / 2 + side * 0.35;
+      leg.position.set(x * arm, side * 0.36 * arm, -0.24 * arm);
+      group.add(leg);
+    }
+  }
+  const discs = scene.rotors.map((rotor) => {
+    const hub = new Vector3(...rotor.p_B);
+    const length = hub.length();
+    if (length > 0.01) {
+      const strut = new Mesh(new CylinderGeometry(0.045 * arm, 0.045 * arm, length), dark);
+      strut.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), hub.clone().normalize());
+      strut.position.copy(hub).multiplyScalar(0.5);
+      group.add(strut);
+    }
+    const front = rotor.p_B[0] > 0.01;
+    const tint = hex(front ? 'acc' : 't2');
+    const disc = new Group();
+    disc.position.copy(hub).addScaledVector(new Vector3(...rotor.axis_B), 0.03);
+    disc.quaternion.copy(toAxis(rotor.axis_B));
+    const fill = new MeshBasicMaterial({color: tint, transparent: true, opacity: 0.2, side: DoubleSide, depthWrite: false});
+    disc.add(new Mesh(new CircleGeometry(rotor.radius_m, 40), fill));
+    const rim = new LineLoop(new BufferGeometry().setFromPoints(circlePoints(rotor.radius_m)), new LineBasicMaterial({color: tint}));
+    disc.add(rim);
+    const blades = new Group();
+    const blade = new Mesh(new PlaneGeometry(rotor.radius_m * 1.9, rotor.radius_m * 0.14),
+      new MeshBasicMaterial({color: tint, side: DoubleSide}));
+    blades.add(blade);
+    disc.add(blades);
+    const arrow = new Group();  // along z, one metre long, scaled
+    const green = new MeshBasicMaterial({color: hex('act')});
+    const shaft = new Mesh(new CylinderGeometry(0.008, 0.008, 1), green);
+    shaft.rotation.x = Math.PI / 2;
+    shaft.position.z = 0.5;
+    shaft.name = 'shaft';
+    const tip = new Mesh(new ConeGeometry(0.025, 0.06), green);
+    tip.rotation.x = Math.PI / 2;
+    tip.name = 'tip';
+    arrow.add(shaft, tip);
+    disc.add(arrow);
+    group.add(disc);
+    return {fill, blades, arrow, k_f: rotor.k_f, omegaMax: rotor.omega_max_rad_s, spin: rotor.spin, angle: 0};
+  });
+  return {group, discs};
+}
+
+/** The vehicle as dashed wire. */
+function makeGhost(scene: SceneVehicle, name: string): Group {
+  const group = new Group();
+  const arm = armOf(scene);
+  const material = new LineDashedMaterial({color: hex(name), dashSize: 0.12 * arm, gapSize: 0.08 * arm});
+  const points: number[] = [];
+  for (const rotor of scene.rotors) {
+    points.push(0, 0, 0, ...rotor.p_B);
+    const ring = circlePoints(rotor.radius_m, 32).map((v) => v.applyQuaternion(toAxis(rotor.axis_B)).add(new Vector3(...rotor.p_B)));
+    const loop = new Line(new BufferGeometry().setFromPoints([...ring, ring[0]!]), material);
+    loop.computeLineDistances();
+    group.add(loop);
+  }
+  points.push(0, 0, 0, arm * 0.8, 0, 0);
+  group.add(segments(points, material));
+  return group;
+}
+
+function makePart(part: Part, material: MeshLambertMaterial): Object3D | null {
+  if (part.shape === 'box' && part.size_m) return new Mesh(new BoxGeometry(...part.size_m), material);
+  if (part.shape === 'sphere') return new Mesh(new SphereGeometry(part.radius_m ?? 0.1, 24, 16), material);
+  if (part.shape === 'cylinder') {
+    const mesh = new Mesh(new CylinderGeometry(part.radius_m, part.radius_m, part.length_m, 32), material);
+    mesh.rotation.x = Math.PI / 2;
+    return new Group().add(mesh);
+  }
+  return null;
+}
+
+/** Ring with a cross: where the vehicle is to be. */
+function referenceTexture(): CanvasTexture {
+  const canvas = document.createElement('canvas');
+  canvas.width = canvas.height = 64;
+  const g = canvas.getContext('2d')!;
+  g.strokeStyle = colour('ref');
+  g.lineWidth = 5;
+  g.beginPath();
+  g.arc(32, 32, 17, 0, 7);
+  g.stroke();
+  g.lineWidth = 2.5;
+  g.beginPath();
+  g.moveTo(2, 32);
+  g.lineTo(62, 32);
+  g.moveTo(32, 2);
+  g.lineTo(32, 62);
+  g.stroke();
+  return new CanvasTexture(canvas);
+}
+
+/** Colour of an error: blue 0, the vehicle's own at half, amber at the limit, red above. */
+function errorColour(share: number, stops: Color[], into: Color): Color {
+  if (share < 0.5) return into.lerpColors(stops[0]!, stops[1]!, share * 2);
+  if (share <= 1) return into.lerpColors(stops[1]!, stops[2]!, (share - 0.5) * 2);
+  return into.copy(stops[3]!);
+}
+
+export class View3D {
+  frames = 0;
+  camera: PerspectiveCamera;
+  tags: Tag[] = [];
+  private readonly renderer: WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private scene = new Scene();
+  private crafts: Craft[] = [];
+  private ghost?: Group;
+  private besideGhost?: Group;
+  private trail?: Line2;
+  private besideTrail?: Line2;
+  private trailMaterial!: LineMaterial;
+  private reference!: Sprite;
+  private path?: Object3D;
+  private drop!: Line;
+  private ring!: Sprite;
+  private shadowTrail?: Line;
+  private winds: Group[] = [];
+  private gridHolder = new Group();
+  private mode: Camera = 'follow';
+  private last_s = 0;
+  private changing = 0;
+  private from?: {position: Vector3; target: Vector3};
+  private readonly offset = new Vector3(-1.35, -1.9, 0.85);
+  private built = '';
+  private trailKey = '';
+  private lastPosition: Vector3 | null = null;
+  private readonly sides = new Map<string, boolean>();
+  private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
+
+  /** @throws Error where there is no WebGL */
+  constructor(canvas: HTMLCanvasElement, private readonly series: SeriesOf) {
+    this.renderer = new WebGLRenderer({canvas, antialias: true, powerPreference: 'high-performance'});
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.camera = new PerspectiveCamera(46, 1, 0.05, 2000);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(-4, -4.6, 4.6);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = false;
+    this.controls.maxPolarAngle = Math.PI * 0.495;
+    this.controls.minDistance = 0.4;
+    this.controls.maxDistance = 400;
+  }
+
+  /** Draws in the colours of the theme anew. */
+  restyle(): void {
+    this.built = '';
+  }
+
+  setCamera(mode: Camera): void {
+    if (mode === this.mode) return;
+    this.from = {position: this.camera.position.clone(), target: this.controls.target.clone()};
+    this.changing = this.still.matches ? 0 : kChange_s;
+    this.mode = mode;
+    this.lastPosition = null;
+    this.controls.enableRotate = mode !== 'top';
+    if (mode === 'follow') this.offset.set(-1.35, -1.9, 0.85);
+  }
+
+  /** Where a ray from the pointer meets the ground, in W. */
+  groundAt(x: number, y: number): Vec3 | null {
+    const {clientWidth, clientHeight} = this.renderer.domElement;
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((x / clientWidth) * 2 - 1, 1 - (y / clientHeight) * 2), this.camera);
+    const hit = ray.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), 0), new Vector3());
+    return hit ? [hit.x, hit.y, hit.z] : null;
+  }
+
+  /** Puts the camera where the whole flight is seen. */
+  frameAll(bench: Bench): void {
+    const far = this.extent(bench);
+    this.controls.target.set(far.centre[0], far.centre[1], far.centre[2]);
+    const back = Math.max(2.2, far.size * 1.35);
+    this.camera.position.set(far.centre[0] - 0.55 * back, far.centre[1] - 0.72 * back, far.centre[2] + 0.55 * back);
+  }
+
+  private extent(bench: Bench): {centre: Vec3; size: number} {
+    const low: Vec3 = [0, 0, 0];
+    const high: Vec3 = [0, 0, 1];
+    bench.vehicles.forEach((vehicle, i) => {
+      (['e', 'n', 'u'] as const).forEach((axis, k) => {
+        const series = this.series(i, `truth.${axis}`) ?? this.series(i, `est.${axis}`);
+        if (series) {
+          for (let j = 0; j < series.v.length; j += 10) {
+            low[k] = Math.min(low[k]!, series.v[j]!);
+            high[k] = Math.max(high[k]!, series.v[j]!);
+          }
+        }
+        const p = vehicle.sim?.p[k];
+        if (p !== undefined) {
+          low[k] = Math.min(low[k]!, p);
+          high[k] = Math.max(high[k]!, p);
+        }
+      });
+    });
+    const centre = low.map((value, k) => (value + high[k]!) / 2) as Vec3;
+    return {centre, size: Math.max(2, ...low.map((value, k) => high[k]! - value))};
+  }
+
+  /** Builds what does not move: when the vehicles, the theme or the selection change. */
+  private build(bench: Bench): void {
+    const key = `${document.documentElement.dataset.theme}|${bench.selected}|${bench.vehicles.map((v) => v.name + (v.scene?.rotors.length ?? 0)).join()}|${bench.scene?.hash}|${bench.beside.length}`;
+    if (key === this.built) return;
+    const first = this.built === '';
+    this.built = key;
+    this.scene.traverse((object) => {
+      const mesh = object as Mesh;
+      mesh.geometry?.dispose();
+      for (const material of [mesh.material].flat()) material?.dispose();
+    });
+    this.scene = new Scene();
+    this.scene.background = hex('sky2');
+    this.scene.fog = new Fog(hex('sky2'), 9, kGrid_m + 22);
+    const light = new DirectionalLight('#ffffff', 2.2);
+    light.position.set(-3, -4, 9);
+    this.scene.add(light, new HemisphereLight('#ffffff', '#556070', 1.6));
+    this.addSkyAndGround();
+    this.addAxes();
+    this.addWorld(bench);
+    this.crafts = bench.vehicles.map((vehicle) => makeCraft(vehicle.scene ?? kUnknown));
+    for (const {group} of this.crafts) this.scene.add(group);
+    const own = bench.vehicle?.scene ?? kUnknown;
+    this.ghost = makeGhost(own, 'est');
+    this.besideGhost = bench.beside.length > 0 ? makeGhost(own, 't2') : undefined;
+    this.scene.add(this.ghost);
+    if (this.besideGhost) this.scene.add(this.besideGhost);
+    this.addTrail();
+    this.reference = new Sprite(new SpriteMaterial({map: referenceTexture(), sizeAttenuation: false, depthTest: false, fog: false}));
+    this.reference.scale.setScalar(0.032);
+    this.drop = new Line(new BufferGeometry().setFromPoints([new Vector3(), new Vector3(0, 0, 1)]),
+      new LineDashedMaterial({color: hex('t3'), dashSize: 0.008, gapSize: 0.014}));
+    this.drop.computeLineDistances();
+    this.ring = new Sprite(new SpriteMaterial({map: referenceTexture(), sizeAttenuation: false, depthTest: false, color: hex('t1')}));
+    this.ring.scale.setScalar(0.03);
+    this.ring.visible = false;
+    this.scene.add(this.reference, this.drop, this.ring);
+    this.addWind();
+    this.path = undefined;
+    this.trailKey = '';
+    if (first) this.frameAll(bench);
+  }
+
+  private addSkyAndGround(): void {
+    const dome = new SphereGeometry(900, 24, 16);
+    const [high, low] = [hex('sky1'), hex('sky2')];
+    const colours: number[] = [];
+    const position = dome.getAttribute('position');
+    const mixed = new Color();
+    for (let i = 0; i < position.count; ++i) {
+      mixed.lerpColors(low, high, MathUtils.clamp(position.getY(i) / 420, 0, 1));
+      colours.push(mixed.r, mixed.g, mixed.b);
+    }
+    dome.setAttribute('color', new Float32BufferAttribute(colours, 3));
+    const sky = new Mesh(dome, new MeshBasicMaterial({vertexColors: true, side: BackSide, fog: false, depthWrite: false, depthTest: false}));
+    sky.rotation.x = Math.PI / 2;
+    sky.renderOrder = -2;
+    const ground = new Mesh(new CircleGeometry(700, 48), new MeshBasicMaterial({color: hex('gnd'), depthWrite: false, depthTest: false}));
+    ground.renderOrder = -1;
+    this.scene.add(sky, ground);
+    this.gridHolder = new Group();
+    this.gridHolder.add(makeGrid());
+    this.scene.add(this.gridHolder);
+  }
+
+  private addAxes(): void {
+    this.scene.add(segments([0, 0, 0, 0, 5, 0, 0, 0, 0, 5, 0, 0], new LineBasicMaterial({color: hex('t3')})));
+  }
+
+  private addWorld(bench: Bench): void {
+    const material = new MeshLambertMaterial({color: hex('grid2'), side: DoubleSide});
+    for (const part of bench.scene?.world ?? []) {
+      const mesh = makePart(part, material);
+      if (mesh) {
+        const holder = new Group().add(mesh);
+        place(holder, part.p, part.q);
+        this.scene.add(holder);
+      } else if (part.shape === 'mesh' && part.mesh) {
+        void this.addMesh(part, material);
+      }
+    }
+  }
+
+  /** Triangles by their hash, as docs/web_protocol.md has them. */
+  private async addMesh(part: Part, material: MeshLambertMaterial): Promise<void> {
+    const scene = this.scene;
+    const answer = await fetch(`/mesh/${part.mesh!.replace('sha256:', '')}`).catch(() => null);
+    if (!answer?.ok) return;
+    const bytes = await answer.arrayBuffer();
+    const [vertices, triangles] = new Uint32Array(bytes, 0, 2) as unknown as [number, number];
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(new Float32Array(bytes, 8, vertices * 3), 3));
+    geometry.setIndex(new BufferAttribute(new Uint32Array(bytes, 8 + vertices * 12, triangles * 3), 1));
+    geometry.computeVertexNormals();
+    const mesh = new Mesh(geometry, material);
+    place(mesh, part.p, part.q);
+    scene.add(mesh);
+  }
+
+  private addTrail(): void {
+    this.trailMaterial = new LineMaterial({linewidth: 3.5, vertexColors: true, worldUnits: false, fog: false});
+    this.trail = new Line2(new LineGeometry(), this.trailMaterial);
+    this.trail.visible = false;
+    this.trail.frustumCulled = false;
+    this.besideTrail = new Line2(new LineGeometry(),
+      new LineMaterial({linewidth: 2, color: hex('t2'), dashed: true, dashSize: 0.12, gapSize: 0.1}));
+    this.besideTrail.visible = false;
+    this.besideTrail.frustumCulled = false;
+    this.shadowTrail = new Line(new BufferGeometry(), new LineBasicMaterial({color: hex('shadow'), transparent: true, opacity: 0.5}));
+    this.shadowTrail.frustumCulled = false;
+    this.scene.add(this.trail, this.besideTrail, this.shadowTrail);
+  }
+
+  private addWind(): void {
+    this.winds = Array.from({length: 5}, () => {
+      const group = new Group();
+      const material = new LineBasicMaterial({color: hex('t2'), transparent: true, opacity: 0.55});
+      group.add(segments([0, 0, 0, 1, 0, 0, 1, 0, 0, 0.85, 0.07, 0, 1, 0, 0, 0.85, -0.07, 0], material));
+      group.visible = false;
+      this.scene.add(group);
+      return group;
+    });
+  }
+
+  /** One picture. */
+  draw(bench: Bench, now_s: number, replay: boolean): void {
+    const canvas = this.renderer.domElement;
+    const [w, h] = [canvas.parentElement!.clientWidth, canvas.parentElement!.clientHeight];
+    if (w === 0 || h === 0) return;
+    const passed = Math.min(0.1, now_s - this.last_s);
+    this.last_s = now_s;
+    const size = this.renderer.getSize(new Vector2());
+    if (size.x !== w || size.y !== h) {
+      this.renderer.setSize(w, h, false);
+      this.camera.aspect = w / h;
+      this.camera.updateProjectionMatrix();
+    }
+    this.build(bench);
+    this.moveVehicles(bench, passed);
+    this.moveMarks(bench);
+    this.moveTrail(bench, replay);
+    this.moveWind(bench);
+    this.moveCamera(bench, passed);
+    this.renderer.render(this.scene, this.camera);
+    this.tags = this.placeTags(bench, w, h);
+    this.frames++;
+  }
+
+  private moveVehicles(bench: Bench, passed: number): void {
+    this.crafts.forEach((craft, i) => {
+      const shown = bench.motion(bench.vehicles[i]);
+      craft.group.visible = Boolean(shown);
+      if (!shown) return;
+      place(craft.group, shown.motion.p, shown.motion.q);
+      const omega = bench.vehicles[i]?.sim?.rotors;
+      craft.discs.forEach((disc, k) => {
+        const speed = omega?.[k] ?? 0;
+        const share = disc.omegaMax > 0 ? speed / disc.omegaMax : 0;
+        disc.fill.opacity = 0.08 + 0.28 * Math.min(1, share);
+        if (!bench.paused && !this.still.matches) disc.angle += (disc.spin * speed * passed) / kRotorSlowness;
+        disc.blades.rotation.z = disc.angle;
+        disc.blades.visible = !this.still.matches;
+        const length = disc.k_f * speed * speed * kThrustScale_m_n;
+        disc.arrow.visible = length > 0.02;
+        disc.arrow.children[0]!.scale.set(1, Math.max(1e-3, length), 1);
+        disc.arrow.children[0]!.position.z = length / 2;
+        disc.arrow.children[1]!.position.z = length;
+      });
+    });
+  }
+
+  private moveMarks(bench: Bench): void {
+    const estimate = bench.estimate();
+    const truth = bench.truth();
+    this.ghost!.visible = Boolean(estimate && truth);
+    if (estimate && truth) place(this.ghost!, estimate.p, estimate.q);
+    const beside = bench.beside[bench.selected];
+    if (this.besideGhost) {
+      this.besideGhost.visible = Boolean(beside);
+      if (beside) place(this.besideGhost, beside.p, beside.q);
+    }
+    const reference = bench.vehicle?.reference;
+    this.reference.visible = Boolean(reference);
+    if (reference) this.reference.position.set(...reference.p_W);
+    const shown = bench.motion();
+    this.drop.visible = Boolean(shown);
+    if (shown) {
+      this.drop.position.set(shown.motion.p[0], shown.motion.p[1], 0);
+      this.drop.scale.z = Math.max(0.001, shown.motion.p[2]);
+      this.gridHolder.position.x = Math.round(shown.motion.p[0] / 5) * 5;
+      this.gridHolder.position.y = Math.round(shown.motion.p[1] / 5) * 5;
+    }
+    if (!this.path) this.makePath(bench);
+  }
+
+  /** The path that was ordered, dotted. */
+  private makePath(bench: Bench): void {
+    const [n, e, u] = ['n', 'e', 'u'].map((axis) => this.series(bench.selected, `ref.${axis}`));
+    const points: number[] = [];
+    if (n && e && u) {
+      const gap = 0.09;
+      let last: Vec3 | null = null;
+      for (let i = 0; i < n.t.length; ++i) {
+        const p: Vec3 = [e.v[i]!, n.v[i]!, u.v[i]!];
+        if (last && distance(last, p) < gap) continue;
+        points.push(...p);
+        last = p;
+      }
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
+    this.path = new Points(geometry, new PointsMaterial({color: hex('ref'), size: 2.2, sizeAttenuation: false, transparent: true, opacity: 0.8}));
+    this.scene.add(this.path);
+  }
+
+  private moveTrail(bench: Bench, replay: boolean): void {
+    const t = bench.time_s ?? 0;
+    const key = replay ? `${this.built}|${bench.selected}` : `${Math.floor(t * 10)}`;
+    const whole = ['e', 'n', 'u'].map((axis) => this.series(bench.selected, `truth.${axis}`) ?? this.series(bench.selected, `est.${axis}`));
+    const [e, n, u] = whole;
+    if (!e || !n || !u || e.t.length < 2) {
+      this.trail!.visible = false;
+      return;
+    }
+    if (key !== this.trailKey) {
+      this.trailKey = key;
+      const from = replay ? (bench.measured?.[0] ?? 0) - 5 : t - kTrailLive_s;
+      this.fillTrail(bench, [e, n, u], from, replay ? Infinity : t);
+      if (replay && bench.beside.length > 0) this.fillBeside(bench);
+    }
+    if (replay) {  // only as far as it has been flown
+      const geometry = this.trail!.geometry;
+      const i = indexAt(this.trailTimes, t);
+      geometry.instanceCount = Math.max(0, Math.min(this.trailTimes.length - 1, i));
+      this.shadowTrail!.geometry.setDrawRange(0, Math.max(0, i + 1));
+    }
+  }
+
+  private trailTimes: number[] = [];
+
+  private fillTrail(bench: Bench, [e, n, u]: [Series, Series, Series] | Series[], from: number, to: number): void {
+    const stops = ['tr0', 't1', 'amber', 'red'].map(hex);
+    const error = this.series(bench.selected, 'error.m');
+    const points: number[] = [];
+    const ground: number[] = [];
+    const colours: number[] = [];
+    const mixed = new Color();
+    this.trailTimes = [];
+    let last: Vec3 | null = null;
+    for (let i = Math.max(0, indexAt(e!.t, from)); i < e!.t.length && e!.t[i]! <= to; ++i) {
+      const p: Vec3 = [e!.v[i]!, n!.v[i]!, u!.v[i]!];
+      if (last && distance(last, p) < 0.015) continue;
+      last = p;
+      points.push(...p);
+      ground.push(p[0], p[1], 0.002);
+      this.trailTimes.push(e!.t[i]!);
+      const off = error ? between(error.t, error.v, e!.t[i]!) : undefined;
+      errorColour(off === undefined || !Number.isFinite(off) ? 0.25 : off / bench.errorLimit_m, stops, mixed);
+      colours.push(mixed.r, mixed.g, mixed.b);
+    }
+    this.trail!.visible = points.length >= 6;
+    if (points.length < 6) return;
+    this.trail!.geometry.dispose();
+    this.trail!.geometry = new LineGeometry();
+    this.trail!.geometry.setPositions(points);
+    this.trail!.geometry.setColors(colours);
+    this.shadowTrail!.geometry.dispose();
+    this.shadowTrail!.geometry = new BufferGeometry();
+    this.shadowTrail!.geometry.setAttribute('position', new Float32BufferAttribute(ground, 3));
+  }
+
+  private besideSeries?: SeriesOf;
+  /** Where the second run's series are. */
+  setBeside(series: SeriesOf): void {
+    this.besideSeries = series;
+  }
+
+  private fillBeside(bench: Bench): void {
+    const [e, n, u] = ['e', 'n', 'u'].map((axis) => this.besideSeries?.(bench.selected, `truth.${axis}`));
+    if (!e || !n || !u) return;
+    const points: number[] = [];
+    for (let i = 0; i < e.t.length; i += 5) points.push(e.v[i]!, n.v[i]!, u.v[i]!);
+    if (points.length < 6) return;
+    this.besideTrail!.geometry.setPositions(points);
+    this.besideTrail!.computeLineDistances();
+    this.besideTrail!.visible = true;
+  }
+
+  private moveWind(bench: Bench): void {
+    const wind = bench.wind_W;
+    const speed = wind ? Math.hypot(...wind) : 0;
+    const p = bench.motion()?.motion.p ?? [0, 0, 0];
+    const places: Vec3[] = [[-2.9, 1.6, 0.3], [-1.6, 3.4, 0.35], [0.3, 4.6, 0.4], [2.2, 4.4, 0.35], [2.6, 2.2, 0.3]];
+    this.winds.forEach((group, i) => {
+      group.visible = speed > 0.3;
+      if (!group.visible || !wind) return;
+      const [x, y, z] = places[i]!;
+      group.position.set(p[0] + x, p[1] + y, p[2] + z);
+      group.rotation.z = Math.atan2(wind[1], wind[0]);
+      group.scale.setScalar(Math.min(1.6, speed * 0.2));
+    });
+  }
+
+  private moveCamera(bench: Bench, passed: number): void {
+    const shown = bench.motion();
+    const {controls, camera} = this;
+    if (shown && this.mode !== 'orbit') {
+      const p = new Vector3(...shown.motion.p);
+      if (this.mode === 'chase') {
+        const yaw = shown.motion.rpy.yaw;
+        controls.target.copy(p);
+        camera.position.set(p.x - 1.9 * Math.sin(yaw), p.y - 1.9 * Math.cos(yaw), p.z + 0.75);
+      } else if (this.mode === 'top') {
+        if (!this.lastPosition) camera.position.set(p.x, p.y - 1e-3, p.z + 9);
+        else camera.position.add(p.clone().sub(this.lastPosition));
+        controls.target.copy(p);
+      } else {
+        if (!this.lastPosition) camera.position.copy(p).add(this.offset);
+        else camera.position.add(p.clone().sub(this.lastPosition));
+        controls.target.copy(p);
+      }
+      this.lastPosition = p;
+    } else if (this.mode === 'orbit' && this.lastPosition === null) {
+      this.frameAll(bench);
+      this.lastPosition = new Vector3();
+    }
+    controls.update();
+    if (this.changing > 0 && this.from) {
+      this.changing = Math.max(0, this.changing - passed);
+      const share = MathUtils.smoothstep(1 - this.changing / kChange_s, 0, 1);
+      camera.position.lerpVectors(this.from.position, camera.position.clone(), share);
+      camera.lookAt(this.from.target.clone().lerp(controls.target, share));
+    }
+    camera.updateMatrixWorld();
+  }
+
+  private project(p: Vec3, w: number, h: number): [number, number] | null {
+    const v = new Vector3(...p).project(this.camera);
+    if (v.z > 1) return null;
+    return [((v.x + 1) / 2) * w, ((1 - v.y) / 2) * h];
+  }
+
+  private placeTags(bench: Bench, w: number, h: number): Tag[] {
+    const tags: Tag[] = [];
+    const axis = (id: string, text: string, p: Vec3, dx = 0, dy = 0) => {
+      const at = this.project(p, w, h);
+      if (at && at[0] > 4 && at[0] < w - 40 && at[1] > 40 && at[1] < h - 46) tags.push({id, kind: 'axis', text, x: at[0] + dx, y: at[1] + dy});
+    };
+    axis('N', 'N', [0, 5.25, 0], -4, -8);
+    axis('E', 'E', [5.25, 0, 0], -4, -8);
+    axis('N5', '5 m', [0, 4.85, 0], 8, 2);
+    axis('E5', '5 m', [4.85, 0, 0], 6, 2);
+    axis('home', 'home', [0, 0, 0], -38, 2);
+    const shown = bench.motion();
+    if (shown) {
+      const p = shown.motion.p;
+      if (p[2] > 0.3) axis('height', `${fixed(p[2])} m`, [p[0], p[1], p[2] * 0.42], 8, -8);
+      if (bench.vehicles.length > 1) {
+        bench.vehicles.forEach((vehicle, i) => {
+          const q = bench.motion(vehicle)?.motion.p;
+          if (q) axis(`number${i}`, String(vehicle.system), [q[0], q[1], q[2] + 0.35], -3, -14);
+        });
+      }
+      this.pointTags(bench, shown.motion, w, h, tags);
+    }
+    return tags;
+  }
+
+  /** Estimate and reference: on their side of the vehicle, which changes only after 40 px. */
+  private pointTags(bench: Bench, motion: Motion, w: number, h: number, tags: Tag[]): void {
+    const estimate = bench.truth() ? bench.estimate() : undefined;
+    const reference = bench.vehicle?.reference;
+    const add = (id: 'est' | 'ref', p: Vec3, text: string, dx: number, dy: number) => {
+      const at = this.project(p, w, h);
+      if (!at || at[0] < 0 || at[1] < 0 || at[0] > w || at[1] > h) return;
+      const width = text.length * 6.1 + 14;
+      const room = dx > 0 ? w - at[0] - dx - width : at[0] + dx - width;
+      const flipped = this.sides.get(id) ?? false;
+      const flip = flipped ? room < 40 : room < 0;
+      this.sides.set(id, flip);
+      const x = dx > 0 !== flip ? at[0] + Math.abs(dx) : at[0] - Math.abs(dx) - width;
+      const y = Math.max(50, Math.min(h - 76, at[1] + dy));
+      tags.push({id, kind: id, text, x: Math.max(8, Math.min(w - width - 8, x)), y, from: at});
+    };
+    if (estimate) {
+      const old = estimate.age_s > kStale_s;
+      const text = old ? `estimate as of ${fixed(estimate.age_s)} s ago` : `estimate · ${fixed(distance(motion.p, estimate.p))} m off`;
+      add('est', estimate.p, text, -90, -92);
+    }
+    if (reference) add('ref', reference.p_W, `reference · ${fixed(distance(motion.p, reference.p_W))} m away`, 70, 78);
+  }
+}

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+import {html, nothing, svg} from 'lit';
+import {fixed} from './numbers.ts';
+import {colour, page, Part, sized, themeListeners, type Camera} from './page.ts';
+import type {Tag, View3D} from './scene3d.ts';
+
+const kCameras: [Camera, string][] = [['orbit', 'Orbit'], ['follow', 'Follow'], ['chase', 'Chase'], ['top', 'Top']];
+
+/** Direction that the wind comes from, degrees from north. */
+export function windFrom(wind: [number, number, number]): number {
+  return (Math.round((Math.atan2(-wind[0], -wind[1]) * 180) / Math.PI) + 360) % 360;
+}
+
+/** What the view shows, in a sentence. */
+export function viewSentence(): string {
+  const {bench} = page;
+  const shown = bench.motion();
+  if (!shown) return 'No vehicle.';
+  const [e, n, u] = shown.motion.p;
+  const reference = bench.vehicle?.reference;
+  const off = reference ? `, error ${fixed(Math.hypot(e - reference.p_W[0], n - reference.p_W[1], u - reference.p_W[2]))} m` : '';
+  return `Vehicle ${bench.vehicle?.system ?? 1} at ${fixed(n, 1)} m north, ${fixed(e, 1)} m east, ${fixed(u, 1)} m up${off}`;
+}
+
+/** The 3D view with its cameras and tags; a map from above where there is no WebGL. */
+export class World extends Part {
+  view?: View3D;
+  tags: Tag[] = [];
+  /** Why there is no 3D view. */
+  flat = '';
+  private sentence = '';
+  private said_s = -10;
+  private loading = false;
+  private readonly onTheme = () => this.view?.restyle();
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    themeListeners.add(this.onTheme);
+  }
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    themeListeners.delete(this.onTheme);
+  }
+
+  private async load(): Promise<void> {
+    this.loading = true;
+    const canvas = this.querySelector<HTMLCanvasElement>('canvas.gl')!;
+    try {
+      const {View3D} = await import('./scene3d.ts');
+      this.view = new View3D(canvas, (vehicle, key) => page.source.series(vehicle, key));
+      this.view.setBeside((vehicle, key) => page.source.beside?.(vehicle, key));
+      this.view.setCamera(page.camera);
+    } catch (error) {
+      this.flat = 'This browser has no WebGL: a map from above instead.';
+      console.info('no 3D view:', error);
+    }
+    this.requestUpdate();
+  }
+
+  protected override render() {
+    const {bench} = page;
+    if (page.now_s - this.said_s > 5) {
+      this.said_s = page.now_s;
+      this.sentence = viewSentence();
+    }
+    const wind = bench.wind_W && Math.hypot(...bench.wind_W);
+    const hasTruth = Boolean(bench.truth());
+    return html`<div class="view">
+        <canvas class="gl" ?hidden=${this.flat !== ''} role="img" aria-label=${this.sentence}
+          @click=${this.clicked} @wheel=${this.wheeled}></canvas>
+        ${this.flat ? html`<canvas class="map" role="img" aria-label=${this.sentence}></canvas>` : nothing}
+      </div>
+      <div class="tags" aria-hidden="true"><svg>${this.tags.map((tag) => tag.from ? svg`<path
+          d=${`M${tag.from[0].toFixed(1)} ${tag.from[1].toFixed(1)}L${(tag.x + (tag.x > tag.from[0] ? 0 : tag.text.length * 6.1 + 12)).toFixed(1)} ${(tag.y + 9).toFixed(1)}`}
+          stroke=${`var(--${tag.kind})`} opacity=".7" fill="none"></path>` : nothing)}</svg>
+        ${this.tags.map((tag) => html`<span class=${tag.from ? `tag ${tag.kind}` : 'axis'}
+          .style=${`transform:translate(${tag.x.toFixed(1)}px,${tag.y.toFixed(1)}px)`}>${tag.text}</span>`)}
+      </div>
+      <div class="hud tl" role="group" aria-label="Camera">${kCameras.map(([mode, name], i) => html`
+        <button class="chip" aria-pressed=${page.camera === mode} @click=${() => this.setCamera(mode)}>${name}<kbd class="optional">${i + 1}</kbd></button>`)}</div>
+      <div class="hud tr optional">${wind !== undefined && wind > 0.05
+        ? html`<span class="chip">wind ${fixed(wind, 1)} m/s from ${windFrom(bench.wind_W!)}°</span>` : nothing}</div>
+      <div class="hud bl optional"><span class="chip"><i class="truth-i"></i><span>${bench.beside.length > 0 ? 'A' : hasTruth ? 'vehicle' : 'vehicle at its estimate'}</span>${
+        hasTruth ? html`<i class="est-i"></i><span>estimate</span>` : nothing}${
+        bench.vehicle?.reference ? html`<i class="ref-i"></i><span>reference</span>` : nothing}${
+        bench.beside.length > 0 ? html`<span class="c-t2">┄ B</span>` : nothing}</span></div>
+      <div class="hud br optional"><span class="chip">trail: error 0<span class="scale"></span>${bench.errorLimit_m} m</span>
+        <span class="chip">frame N · grid 1 m</span></div>
+      ${this.flat ? html`<div class="banner quiet">${this.flat}</div>` : nothing}`;
+  }
+
+  setCamera(mode: Camera): void {
+    page.camera = mode;
+    this.view?.setCamera(mode);
+    page.redraw();
+  }
+  frameAll(): void {
+    this.setCamera('orbit');
+    this.view?.frameAll(page.bench);
+  }
+
+  /** The ground under the pointer, while a place to go to is chosen. */
+  private readonly clicked = (event: MouseEvent) => {
+    if (!page.goto || !this.view) return;
+    const hit = this.view.groundAt(event.offsetX, event.offsetY);
+    if (!hit) return;
+    const up_m = page.goto.up_m;
+    page.goto = {north_m: hit[1], east_m: hit[0], up_m};
+    const place = `${fixed(hit[1], 1)} north, ${fixed(hit[0], 1)} east, ${fixed(up_m, 1)} up`;
+    page.ask(`Go to ${place}?`, 'Go', () => {
+      void page.command('vehicle.goto', {north_m: hit[1], east_m: hit[0], down_m: -up_m});
+    });
+    page.goto = {north_m: hit[1], east_m: hit[0], up_m};
+  };
+  /** The wheel changes the height of the place. */
+  private readonly wheeled = (event: WheelEvent) => {
+    if (!page.goto) return;
+    page.goto.up_m = Math.max(0.5, page.goto.up_m - Math.sign(event.deltaY) * 0.25);
+    page.redraw();
+  };
+
+  protected override frame(now_s: number): void {
+    if (!this.hasUpdated || this.clientWidth === 0 || document.hidden) return;
+    if (!this.view && !this.loading) void this.load();
+    if (this.view) {
+      this.view.draw(page.bench, now_s, Boolean(page.source.player));
+      if (this.view.tags.length > 0 || this.tags.length > 0) {
+        this.tags = this.view.tags;
+        this.requestUpdate();
+      }
+    } else if (this.flat) {
+      this.drawMap();
+    }
+  }
+
+  /** North up; the vehicle as a dot. */
+  private drawMap(): void {
+    const canvas = this.querySelector<HTMLCanvasElement>('canvas.map');
+    if (!canvas) return;
+    const g = sized(canvas);
+    const [W, H] = [canvas.clientWidth, canvas.clientHeight];
+    const p = page.bench.motion()?.motion.p ?? [0, 0, 0];
+    const scale = 40;
+    const at = (e: number, n: number): [number, number] => [W / 2 + (e - p[0]) * scale, H / 2 - (n - p[1]) * scale];
+    g.fillStyle = colour('gnd');
+    g.fillRect(0, 0, W, H);
+    for (let i = -30; i <= 30; ++i) {
+      const [x] = at(Math.round(p[0]) + i, 0);
+      const [, y] = at(0, Math.round(p[1]) + i);
+      g.fillStyle = colour((Math.round(p[0]) + i) % 5 === 0 ? 'grid2' : 'grid');
+      g.fillRect(x, 0, 1, H);
+      g.fillStyle = colour((Math.round(p[1]) + i) % 5 === 0 ? 'grid2' : 'grid');
+      g.fillRect(0, y, W, 1);
+    }
+    const [e, n] = ['e', 'n'].map((axis) => page.source.series(page.bench.selected, `truth.${axis}`) ?? page.source.series(page.bench.selected, `est.${axis}`));
+    if (e && n) {
+      g.beginPath();
+      for (let i = 0; i < e.t.length && e.t[i]! <= (page.bench.time_s ?? 0); i += 5) g.lineTo(...at(e.v[i]!, n.v[i]!));
+      g.strokeStyle = colour('est');
+      g.lineWidth = 2;
+      g.stroke();
+    }
+    g.beginPath();
+    g.arc(...at(p[0], p[1]), 6, 0, 7);
+    g.fillStyle = colour('t1');
+    g.fill();
+  }
+}
+customElements.define('cas-world', World);
