@@ -46,6 +46,14 @@ Inversion pseudo_inverse(const MatrixXd& rows, const RotorVector& scale) {
           static_cast<int>(decomposition.rank())};
 }
 
+/// From B (forward, left, up) to thrust and the axes of D (forward, right, down).
+base::Effectiveness in_D(const base::Effectiveness& wrench_B) {
+  base::Effectiveness rows(6, wrench_B.cols());
+  rows << wrench_B.row(2), wrench_B.row(3), -wrench_B.row(4), -wrench_B.row(5), wrench_B.row(0),
+      -wrench_B.row(1);
+  return rows;
+}
+
 Saturation saturation(double wanted, double achieved, double scale) {
   const double tolerance = 1e-6 * scale;
   return {achieved<wanted - tolerance, achieved> wanted + tolerance};
@@ -80,11 +88,17 @@ AllocationSetup AllocationSetup::of(const base::Vehicle& whole, RotorSet lost) {
   }
   setup.wrench_B.resize(6, rotors + servos);
   setup.wrench_B.leftCols(rotors) = vehicle.effectiveness();
-  // With the axis a quarter of a turn away: the part that sin(tilt) multiplies.
+  // Axes a quarter of a turn to either side: half their difference is the part that sin(tilt)
+  // multiplies, half their sum the part along the hinge.
   const std::vector<double> quarter(vehicle.rotors.size(), M_PI / 2);
+  const std::vector<double> back(vehicle.rotors.size(), -M_PI / 2);
   const base::Effectiveness turned = vehicle.effectiveness(quarter);
+  const base::Effectiveness turned_back = vehicle.effectiveness(back);
+  setup.hinge_B.resize(6, servos);
   for (Index k = 0; k < servos; ++k) {
-    setup.wrench_B.col(rotors + k) = turned.col(setup.servos[static_cast<std::size_t>(k)].rotor);
+    const Index i = setup.servos[static_cast<std::size_t>(k)].rotor;
+    setup.wrench_B.col(rotors + k) = 0.5 * (turned.col(i) - turned_back.col(i));
+    setup.hinge_B.col(k) = 0.5 * (turned.col(i) + turned_back.col(i));
   }
   return setup;
 }
@@ -95,14 +109,9 @@ ControlAllocation::ControlAllocation(const AllocationSetup& setup, RotorSet lost
   const Index columns = setup.wrench_B.cols();
   CAS_CHECK(high_.size() == rotors && setup.weight.size() == rotors);
   CAS_CHECK(columns == rotors + static_cast<Index>(servos_.size()));
-  // From B (forward, left, up) to thrust and the axes of D (forward, right, down).
-  wrench_D_.resize(6, columns);
-  wrench_D_.row(0) = setup.wrench_B.row(2);
-  wrench_D_.row(1) = setup.wrench_B.row(3);
-  wrench_D_.row(2) = -setup.wrench_B.row(4);
-  wrench_D_.row(3) = -setup.wrench_B.row(5);
-  wrench_D_.row(4) = setup.wrench_B.row(0);
-  wrench_D_.row(5) = -setup.wrench_B.row(1);
+  CAS_CHECK(setup.hinge_B.cols() == static_cast<Index>(servos_.size()));
+  wrench_D_ = in_D(setup.wrench_B);
+  hinge_D_ = in_D(setup.hinge_B);
 
   RotorVector scale(columns);
   for (Index i = 0; i < rotors; ++i) {
@@ -322,6 +331,7 @@ void ControlAllocation::hold_limits(RotorVector& x, MixerResult& result) const {
   result.omega_sq = x.head(rotors).cwiseMax(low_).cwiseMin(high_);
   x.head(rotors) = result.omega_sq;
   if (!servos_.empty()) result.tilt_rad.setZero(rotors);
+  Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (std::size_t k = 0; k < servos_.size(); ++k) {
     const AllocationSetup::Servo& servo = servos_[k];
     const Index i = servo.rotor;
@@ -332,8 +342,9 @@ void ControlAllocation::hold_limits(RotorVector& x, MixerResult& result) const {
     result.tilt_rad[i] = tilt;
     x[i] = omega_sq * std::cos(tilt);
     part = omega_sq * std::sin(tilt);
+    wrench += hinge_D_.col(static_cast<Index>(k)) * (omega_sq - x[i]);
   }
-  const Eigen::Matrix<double, 6, 1> wrench = wrench_D_ * x;
+  wrench += wrench_D_ * x;
   result.u = wrench.head<4>();
   result.side_D_n = wrench.tail<2>();
 }

@@ -24,6 +24,8 @@ struct ControlDemand {
 struct AllocationSetup {
   /// A servo that turns a rotor's axis. The rotor's omega^2 then has two parts, both of which act
   /// linearly: omega^2 cos(tilt) in the column of the rotor, omega^2 sin(tilt) in a further one.
+  /// Thrust along a hinge that is not at right angles to the rotor's axis does not turn with it;
+  /// the inversion takes it for a part of the first column, which is right to the first order.
   struct Servo {
     int rotor = 0;  ///< which one it turns, 0..
     double min_rad = 0;
@@ -36,6 +38,7 @@ struct AllocationSetup {
   base::RotorVector high;    ///< fastest of each rotor, omega^2
   base::RotorVector weight;  ///< price of each rotor's share of `high`; equal: shared evenly
   std::vector<Servo> servos;
+  base::Effectiveness hinge_B;  ///< of each servo: what omega^2 gives along the hinge at any tilt
 
   /// Of a vehicle; all rotors have the same weight.
   /// @param lost  rotors that leave no wake to the one below
@@ -112,6 +115,7 @@ class ControlAllocation {
   void hold_limits(base::RotorVector& x, MixerResult& result) const;
 
   Matrix wrench_D_;
+  Matrix hinge_D_;  // columns: servos
   base::RotorVector low_, high_;
   std::vector<AllocationSetup::Servo> servos_;
   Inverse<3> lift_;  // of U1, U2, U3

@@ -133,7 +133,7 @@ void ControlCascade::look_for_losses(const EstimatorState& estimate, double dt) 
     detector_.reset();
     return;
   }
-  const auto rotor = detector_.update(estimate.w_D, output_.omega_sq, mixer_.lost(), dt);
+  const auto rotor = detector_.update(estimate.w_D, output_, mixer_.lost(), dt);
   if (!rotor || has(told_lost_, *rotor)) return;
   told_lost_ |= 1U << *rotor;
   const RotorSet found = found_lost_ | 1U << *rotor;

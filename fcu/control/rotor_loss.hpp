@@ -3,9 +3,11 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "base/config/vehicle.hpp"
 #include "fcu/control/control_allocation.hpp"
+#include "fcu/control/mixer_result.hpp"
 
 namespace cas::fcu {
 
@@ -21,7 +23,8 @@ namespace cas::fcu {
 ///
 /// Its slow part is the wind's and the centre of gravity's, and is taken off. If what is left looks
 /// like the missing moment of one rotor, and of none other as much, in direction and in size, for
-/// long enough, that rotor is lost. Rotors that turn slowly are not looked at, a rotor that has
+/// long enough, that rotor is lost. Servos are taken to follow the tilts asked of them with their
+/// lag and their fastest rate. Rotors that turn slowly are not looked at, a rotor that has
 /// lost less than most of its thrust is not found, and the roll moments of the upper and lower
 /// rotor of a coaxial pair differ by their yaw alone.
 class RotorLossDetector {
@@ -32,29 +35,34 @@ class RotorLossDetector {
   void reset() { started_ = false; }
 
   /// One control step in free flight.
-  /// @param w_D       measured body rates, rad/s
-  /// @param omega_sq  speeds asked for from now on, rad^2/s^2
-  /// @param lost      rotors that are known to be lost
-  /// @param dt        s since the last step
+  /// @param w_D    measured body rates, rad/s
+  /// @param asked  speeds and tilts asked for from now on
+  /// @param lost   rotors that are known to be lost
+  /// @param dt     s since the last step
   /// @return index of a rotor that is lost, once
-  std::optional<int> update(const Eigen::Vector3d& w_D, const base::RotorVector& omega_sq,
-                            RotorSet lost, double dt);
+  std::optional<int> update(const Eigen::Vector3d& w_D, const MixerResult& asked, RotorSet lost,
+                            double dt);
 
   /// Moment that nobody asked for, without its slow part, axes of D, N m.
   Eigen::Vector3d residual_D() const { return residual_D_ - slow_D_; }
 
  private:
+  void take_axes();
   void follow_speeds(const base::RotorVector& omega_sq, double dt);
+  void follow_tilts(const base::RotorVector& tilt_rad, double dt);
   void observe(const Eigen::Vector3d& w_D, double dt);
   int suspect(RotorSet lost) const;
 
-  Eigen::Vector3d inertia_kg_m2_;
+  base::Vehicle vehicle_;
+  base::Vehicle apart_;  // the same without wakes
+  bool has_servos_ = false;
   using Moments = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, base::kMaxRotors>;
-  Moments moment_D_;
-  Moments loss_D_;          ///< what goes with a rotor: the one below it gains what its wake took
+  Moments moment_D_;        // with the axes as they are tilted
+  Moments loss_D_;          // what goes with a rotor: the one below it gains what its wake took
   Eigen::Vector3d weight_;  // makes the axes comparable
   base::RotorVector up_s_, down_s_, high_;
-  base::RotorVector omega_;  // as the rotors should turn, rad/s
+  base::RotorVector omega_;       // as the rotors should turn, rad/s
+  std::vector<double> tilt_rad_;  // as the servos should stand
   bool started_ = false;
   Eigen::Vector3d momentum_start_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d integral_ = Eigen::Vector3d::Zero();

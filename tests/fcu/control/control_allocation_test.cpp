@@ -120,6 +120,33 @@ TEST(ControlAllocation, YawsATricopterByTiltingItsTail) {
   }
 }
 
+/// Rodrigues: of thrust along a hinge that leans, the part along the hinge does not turn.
+TEST(ControlAllocation, TurnsOnlyWhatStandsAcrossAHingeThatLeans) {
+  base::Vehicle vehicle = test::tri();
+  constexpr double kLean = 0.4;  // rad: the tail's hinge rises towards the nose
+  vehicle.rotors[2].tilt->axis_B = {std::cos(kLean), 0, std::sin(kLean)};
+  const ControlAllocation allocation(AllocationSetup::of(vehicle));
+  EXPECT_EQ(allocation.rank(), 4);
+  for (const double yaw : {-0.3, 0.0, 0.3}) {
+    const Vector4d u(hover_n(vehicle), 0.2, -0.1, yaw);
+    const MixerResult result = allocation.allocate({u, {}});
+    // What it says it gives is what the rotors give.
+    EXPECT_TRUE(wrench(vehicle, result).head<4>().isApprox(result.u, kTolerance));
+    // The inversion takes the part along the hinge to shrink with cos(tilt), too: that error is of
+    // the second order in the tilt, and all there is.
+    const base::Rotor& tail = vehicle.rotors[2];
+    const double tilt = result.tilt_rad[2];
+    ASSERT_GT(std::abs(tilt), 0.01);
+    const Eigen::Vector3d along_B =
+        std::sin(kLean) * result.omega_sq[2] * (1 - std::cos(tilt)) * tail.tilt->axis_B;
+    const Eigen::Vector3d force_B = tail.params.thrust_coefficient * along_B;
+    const Eigen::Vector3d moment_B =
+        tail.position_B_m.cross(force_B) - tail.spin * tail.params.torque_coefficient * along_B;
+    const Vector4d error(force_B.z(), moment_B.x(), -moment_B.y(), -moment_B.z());
+    EXPECT_LT((result.u - u - error).norm(), kTolerance) << yaw;
+  }
+}
+
 TEST(ControlAllocation, GivesUpYawWhereTheTailTiltsNoFurther) {
   const base::Vehicle vehicle = test::tri();
   const ControlAllocation allocation(AllocationSetup::of(vehicle));
@@ -320,6 +347,30 @@ TEST_P(HexaWithoutOne, HoversOnFourWithTheOppositeOneIdle) {
   const double spin = vehicle.rotors[static_cast<std::size_t>(lost)].spin;
   EXPECT_NEAR(yaw(-0.2 * spin), -0.2 * spin, kTolerance);  // the opposite one does speed up
   EXPECT_LT(yaw(0.2 * spin) * spin, 0.01);
+}
+
+/// Why the heading goes: level flight wants the opposite rotor at rest, and of the four that are
+/// left pitch and roll take what yaw would need.
+TEST_P(HexaWithoutOne, LeavesFourRotorsWhoseMatrixHasRankThree) {
+  const base::Vehicle vehicle = test::hexa_x();
+  const int lost = GetParam();
+  const int opposite = (lost + 3) % 6;
+  const Eigen::MatrixXd all = vehicle.effectiveness().bottomRows(4);  // thrust and moments
+  Eigen::MatrixXd four(4, 4);
+  Eigen::MatrixXd five(4, 5);
+  for (int i = 0, k = 0, m = 0; i < 6; ++i) {
+    if (i != lost) five.col(m++) = all.col(i);
+    if (i != lost && i != opposite) four.col(k++) = all.col(i);
+  }
+  const auto rank = [](Eigen::MatrixXd matrix) {
+    matrix.rowwise().normalize();
+    Eigen::FullPivLU<Eigen::MatrixXd> lu(matrix);
+    lu.setThreshold(1e-6);
+    return lu.rank();
+  };
+  EXPECT_EQ(rank(all), 4);
+  EXPECT_EQ(rank(five), 4) << "yaw is there, but for the opposite rotor pushing down";
+  EXPECT_EQ(rank(four), 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, HexaWithoutOne, testing::Range(0, 6));

@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "base/earth/frames.hpp"
 
@@ -17,11 +16,9 @@ MultirotorSim::MultirotorSim(const base::Vehicle& vehicle, double mass_scale, do
     : vehicle_(vehicle),
       mass_kg_(vehicle.mass_kg * mass_scale),
       inertia_(vehicle.inertia_kg_m2 * mass_scale),
-      upright_(vehicle.effectiveness()) {
-  const std::vector<double> quarter(vehicle.rotors.size(), M_PI / 2);
-  turned_ = vehicle.effectiveness(quarter);
-  Eigen::MatrixXd u_from_omega_sq(4, upright_.cols());
-  u_from_omega_sq << upright_.row(2), upright_.row(3), -upright_.row(4), -upright_.row(5);
+      wrench_B_(vehicle.effectiveness()) {
+  Eigen::MatrixXd u_from_omega_sq(4, wrench_B_.cols());
+  u_from_omega_sq << wrench_B_.row(2), wrench_B_.row(3), -wrench_B_.row(4), -wrench_B_.row(5);
   omega_sq_from_u_ = u_from_omega_sq.completeOrthogonalDecomposition().pseudoInverse();
   state_.q_ND = base::quaternion_rpy(0, 0, yaw_rad);
   const int rotors = vehicle.rotor_count();
@@ -63,8 +60,7 @@ MultirotorSim::Rates MultirotorSim::rates(const State& s) const {
   for (int i = 0; i < s.omega.size(); ++i) {
     const base::Rotor& rotor = vehicle_.rotors[static_cast<std::size_t>(i)];
     const double strength = share_[i] * s.omega[i] * s.omega[i];
-    wrench_B +=
-        strength * (std::cos(tilt_[i]) * upright_.col(i) + std::sin(tilt_[i]) * turned_.col(i));
+    wrench_B += strength * wrench_B_.col(i);
     const double rotor_drag = rotor.params.drag_coefficient * std::abs(s.omega[i]);
     drag += rotor_drag;
     turn_drag += rotor_drag * rotor.position_B_m.head<2>().squaredNorm();
@@ -92,6 +88,7 @@ void MultirotorSim::turn_servos(double dt) {
     const double most = rotor.tilt->rate_rad_s * dt;
     tilt_[i] += std::clamp(tilt_command_[i] - tilt_[i], -most, most);
   }
+  wrench_B_ = vehicle_.effectiveness({tilt_.data(), vehicle_.rotors.size()});
 }
 
 void MultirotorSim::step(double dt) {

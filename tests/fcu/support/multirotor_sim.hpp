@@ -58,8 +58,7 @@ class MultirotorSim {
   base::Vehicle vehicle_;
   double mass_kg_;
   Eigen::Vector3d inertia_;
-  Columns upright_;  // force and moment in B of omega^2, without tilt
-  Columns turned_;   // the same with a quarter of a turn of tilt
+  Columns wrench_B_;  // force and moment in B of omega^2, with the servos where they stand
   Eigen::MatrixXd omega_sq_from_u_;
   State state_;
   base::RotorVector omega_command_;
