@@ -99,4 +99,23 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${debian}/python/postinst;${debia
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "HIL simulation for UAVs from Python
 Package cas: commands casd, steps the simulator, starts whole benches and
 scenarios, reads their results and logs, and speaks MAVLink.")
+
+# The environments of cas.env, for the one Python that they were built with.
+if(TARGET _cas_env)
+  find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
+  install(TARGETS _cas_env LIBRARY DESTINATION lib/python3/dist-packages COMPONENT env)
+  install(FILES ${debian}/copyright ${changelog} DESTINATION /usr/share/doc/python3-cas-env COMPONENT env)
+  list(APPEND CPACK_COMPONENTS_ALL env)
+  math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_ENV_PACKAGE_NAME python3-cas-env)
+  set(CPACK_DEBIAN_ENV_FILE_NAME DEB-DEFAULT)
+  set(CPACK_DEBIAN_ENV_PACKAGE_DEPENDS "python3-cas ${exactly}, cas-sim ${exactly}, python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor})")
+  set(CPACK_DEBIAN_ENV_PACKAGE_SUGGESTS "python3-numpy")
+  set(CPACK_DEBIAN_ENV_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_ENV_PACKAGE_GENERATE_SHLIBS OFF)
+  set(CPACK_COMPONENT_ENV_DESCRIPTION "simulator of UAVs as an environment for Python
+Extension of package cas: reset and step by one control period, inside the
+process, for optimisers and learners.")
+endif()
+
 include(CPack)

@@ -27,6 +27,7 @@ EXTERNALS = {
     "libpng": ("png.h",),
     "sdformat": ("sdf/", "ignition/", "gz/"),
     "sqlite": ("sqlite3.h",),
+    "pybind11": ("pybind11/",),
     "Boost": ("boost/math/", "boost/random/"),
     "ncurses": ("ncurses", "curses.h"),
     "intrinsics": ("cpuid.h", "immintrin.h", "nmmintrin.h", "arm_neon.h", "arm_acle.h"),
@@ -145,6 +146,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/firmware": rooms("hils", "flight run measure report programs"),
     "hils/compare": rooms("hils", "run measure report programs virtual"),
     "hils/sweep": rooms("hils", "flight scenario run measure report programs virtual"),
+    "hils/env": rooms("hils", "sweep"),
     "hils/figures": rooms("hils", "measure report programs virtual"),
     "hils": rooms("hils", "flight scenario run measure report ulog programs virtual firmware compare sweep"),
 }.items()}

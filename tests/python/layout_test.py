@@ -8,7 +8,7 @@ import unittest
 from helpers import SOURCE
 
 PACKAGE = SOURCE / "python" / "cas"
-OPTIONAL = {"numpy", "matplotlib"}
+OPTIONAL = {"numpy", "matplotlib", "gymnasium"}
 
 
 class LayoutTest(unittest.TestCase):
