@@ -24,6 +24,8 @@ struct FlightController::Impl {
 
   // The loop of [HILS] Fig. 8.
   void on_sensor(const HilSensor& m, RunTime now);
+  void on_gps(const HilGps& m, RunTime now);
+  void begin_new_run();
   void control(std::uint64_t time_usec, RunTime now);
   double time_step(std::uint64_t time_usec);
   void settle_frame();
@@ -44,7 +46,10 @@ struct FlightController::Impl {
   mav::PacketParser parser;
   mav::SequenceTracker sequence;
   std::array<std::uint64_t, Outbox::kIds> received{};
+  bool started = false;
   bool sensors_lost = false;
+  FlightStatus status;
+  HilObserver observer;
 };
 
 // The loop.
@@ -56,12 +61,27 @@ struct FlightController::Impl {
 ///                                                     HIL_CONTROLS (u1, u2, u3, u4) <---------+
 void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {
   // Estimate attitude, velocity and position from every sample ...
-  const bool fresh = sensors.on_sensor(m, core, now);
+  const SensorInput::Sample sample = sensors.accept(m.time_usec, now);
+  if (sample == SensorInput::Sample::kStale) return tick(now);
+  if (sample == SensorInput::Sample::kNewRun) begin_new_run();
+  if (observer) observer(HilSensor::kId, m.time_usec, false);
+  status.sensor_time_usec = m.time_usec;
+  sensors.on_sensor(m, now);
   // ... and control at 400 Hz, on the sensor's clock.
-  if (fresh && sensors.control_due(m.time_usec, core.config.control_rate_hz)) {
-    control(m.time_usec, now);
-  }
+  if (sensors.control_due(m.time_usec, core.config.control_rate_hz)) control(m.time_usec, now);
   tick(now);
+}
+
+void FlightController::Impl::on_gps(const HilGps& m, RunTime now) {
+  if (observer) observer(HilGps::kId, m.time_usec, false);
+  sensors.on_gps(m, now);
+}
+
+/// A new simulation: the estimate begins anew and the rotors stop.
+void FlightController::Impl::begin_new_run() {
+  core.texts.warn("Sensor time went back: estimator restarted");
+  core.commander.disarm(true);
+  core.restart_estimate();
 }
 
 void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
@@ -76,8 +96,15 @@ void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
   tell_of_losses();
 
   // The answer carries the stamp of the sample that it was computed from.
-  send_answer(output, time_usec, core);
-  core.status.u = output.u;
+  const std::uint32_t answer = send_answer({.result = output,
+                                            .mixer = core.cascade.mixer(),
+                                            .scales = core.config.vehicle.scales,
+                                            .time_usec = time_usec,
+                                            .armed = core.commander.armed(),
+                                            .by_motor = core.hil.answer_by_motor},
+                                           core.outbox);
+  if (observer) observer(answer, time_usec, true);
+  status.u = output.u;
 
   // For the next step.
   core.estimator.set_at_rest(!core.commander.flying());
@@ -142,7 +169,10 @@ base::Duration param_interval(const LineConfig& line) {
 }  // namespace
 
 FlightController::Impl::Impl(const FcuConfig& config, PacketSink send)
-    : core(config, std::move(send)), ground(param_interval(config.line)), parser(table()) {
+    : core(config, std::move(send)),
+      sensors({core.estimator, core.cascade, core.readings, core.hil, core.start}),
+      ground(core, param_interval(config.line)),
+      parser(table()) {
   for (const auto& [name, value] : config.params) {
     const ParamSetResult result = core.params.set(name, value);
     if (result == ParamSetResult::kUnknown) throw base::ConfigError("no parameter " + name);
@@ -160,8 +190,7 @@ FlightController::Impl::Impl(const FcuConfig& config, PacketSink send)
 }
 
 void FlightController::Impl::begin(RunTime now) {
-  if (std::exchange(core.started, true)) return;
-  core.start = now;
+  if (!std::exchange(started, true)) core.start = now;
 }
 
 bool FlightController::Impl::is_for_us(const mav::PacketView& packet) const {
@@ -180,26 +209,26 @@ void FlightController::Impl::on_packet(const mav::PacketView& packet, RunTime no
   if (packet.message_id == HilSensor::kId) {
     if (const auto m = mav::decode<HilSensor>(packet)) on_sensor(*m, now);
   } else if (packet.message_id == HilGps::kId) {
-    if (const auto m = mav::decode<HilGps>(packet)) sensors.on_gps(*m, core, now);
+    if (const auto m = mav::decode<HilGps>(packet)) on_gps(*m, now);
   } else {
-    ground.on_packet(packet, core, now);
+    ground.on_packet(packet, now);
   }
 }
 
 void FlightController::Impl::tick(RunTime now) {
   watch_sensors(now);
-  ground.update(core, now);
+  ground.update(now);
 }
 
 void FlightController::Impl::watch_sensors(RunTime now) {
-  const bool lost =
-      core.sensors.seen(SensorHealth::kImu) && !core.sensors.alive(SensorHealth::kImu, now);
+  const SensorHealth& health = core.readings.health;
+  const bool lost = health.seen(SensorHealth::kImu) && !health.alive(SensorHealth::kImu, now);
   if (lost && !sensors_lost) core.commander.on_sensors_lost();
   sensors_lost = lost;
 }
 
 void FlightController::Impl::update_status() {
-  FlightStatus& s = core.status;
+  FlightStatus& s = status;
   const EstimatorState& e = core.estimator.state();
   s.armed = core.commander.armed();
   s.mode = core.commander.mode();
@@ -248,10 +277,10 @@ void FlightController::tick(RunTime now) {
 }
 
 void FlightController::set_hil_observer(HilObserver observer) {
-  impl_->core.observer = std::move(observer);
+  impl_->observer = std::move(observer);
 }
 
-const FlightStatus& FlightController::status() const { return impl_->core.status; }
+const FlightStatus& FlightController::status() const { return impl_->status; }
 
 const Estimator& FlightController::estimator() const { return impl_->core.estimator; }
 

@@ -124,7 +124,7 @@ LAYERS = {
     "fcu/flight": BASE | MAVLINK | rooms("fcu", "estimation control params") | {"Eigen"},
     "fcu/core":
         BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen"},
-    "fcu/protocols": BASE | MAVLINK | rooms("fcu", "core flight") | {"Eigen"},
+    "fcu/protocols": BASE | MAVLINK | rooms("fcu", "core flight params") | {"Eigen"},
     "fcu": BASE | MAVLINK | rooms("fcu", "core flight protocols") | {"Eigen"},
     "fcu/emulator":
         BASE | MAVLINK | RPC | PROGRAM | rooms("fcu", "core line params") | {"fcu", "Eigen", "Asio"},

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "base/time/clock.hpp"
-#include "base/time/rate_gate.hpp"
 #include "fcu/control/control_cascade.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "fcu/core/outbox.hpp"
@@ -22,11 +21,18 @@
 
 namespace cas::fcu {
 
-/// Sticks from MANUAL_CONTROL or HIL_RC_INPUTS_RAW, with the time they were heard.
-struct ManualInput {
-  Sticks sticks;
-  base::RunTime last;
-  bool seen = false;
+/// Whom the vehicle may be flown by.
+struct PilotInput {
+  struct Heard {
+    Sticks sticks;
+    std::optional<base::RunTime> at;
+  };
+  Heard manual_control;  ///< MANUAL_CONTROL
+  Heard radio;           ///< HIL_RC_INPUTS_RAW, RC_CHANNELS_OVERRIDE
+
+  bool seen() const { return manual_control.at || radio.at; }
+  /// Of the pilot who is heard now; nothing when there is none.
+  std::optional<Sticks> sticks(const FlightParams& params, base::RunTime now) const;
 };
 
 /// How rough the ride is, for VIBRATION: deviation of the specific force from its own mean.
@@ -62,6 +68,7 @@ class Battery {
     consumed_mah_ += kCurrent_a * dt / 3.6;
   }
 
+  int cells() const { return params_.cells; }
   /// 0..1 of full
   double remaining() const { return remaining_; }
   double voltage_v() const {
@@ -79,8 +86,25 @@ class Battery {
   double consumed_mah_ = 0;
 };
 
-/// Everything the parts of the flight controller share. The protocols read and command it; the
-/// flight loop runs it.
+/// The newest of each sensor, and how it does.
+struct SensorReadings {
+  SensorHealth health;
+  VibrationMeter vibration;
+  std::optional<mavlink::common::HilGps> gps;
+  double pressure_hpa = 0;
+  double temperature_degc = 0;
+};
+
+/// The place to return to.
+struct Home {
+  bool set = false;
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m
+  double yaw_rad = 0;                             ///< heading when home was set
+  double ground_z = 0;  ///< z (down) of the ground at the take-off place, m
+};
+
+/// The parts of the flight controller. The flight loop runs them, commands command them, telemetry
+/// reads them; every other unit gets those of them that it works with.
 struct FcuCore {
   FcuCore(const FcuConfig& configuration, PacketSink send)
       : config(configuration),
@@ -96,8 +120,6 @@ struct FcuCore {
   TaskContext context(base::RunTime now, double dt) const;
   ArmingInput arming_input(base::RunTime now) const;
   FailsafeInput failsafe_input(base::RunTime now) const;
-  /// Of the pilot who is heard now; nothing when there is none.
-  std::optional<Sticks> sticks(base::RunTime now) const;
   /// Forgets the estimate and begins anew, as at start.
   void restart_estimate();
   /// Sets home to the present position.
@@ -114,34 +136,22 @@ struct FcuCore {
   FcuConfig config;
   ParamStore params;
   FlightParams flight;
+  HilParams hil;
   std::uint64_t params_applied = ~0ULL;
   Outbox outbox;
   StatusTexts texts;
   Estimator estimator;
   ControlCascade cascade;
   Commander commander;
-  SensorHealth sensors;
+  SensorReadings readings;
   Battery battery;
-  VibrationMeter vibration;
-  ManualInput manual_control;
-  ManualInput rc_input;
-  std::optional<mavlink::common::HilGps> last_gps;
-  double last_pressure_hpa = 0;
-  double last_temperature_degc = 0;
-  bool home_set = false;
-  Eigen::Vector3d home_N = Eigen::Vector3d::Zero();  ///< m
-  double home_yaw_rad = 0;                           ///< heading when home was set
-  double ground_z = 0;  ///< z (down) of the ground at the take-off place, m
-  bool ground_station_seen = false;
-  base::RunTime ground_station_last;
+  PilotInput pilot;
+  Home home;
+  std::optional<base::RunTime> ground_station_heard;
   base::RunTime start;
-  bool started = false;
-  base::RunTime last_imu_at;
   std::optional<base::SimTime> last_control;  ///< stamp of the newest control step
   std::uint64_t position_resets_seen = 0;
   bool reboot_wanted = false;
-  FlightStatus status;
-  HilObserver observer;
 };
 
 }  // namespace cas::fcu

@@ -58,7 +58,7 @@ ControlParams control_params(const ParamStore& store) {
   p.thrust_min = store.get("MPC_THR_MIN");
   p.thrust_max = store.get("MPC_THR_MAX");
   // HIL_CONTROLS has U1..U4 only, and the simulator makes speeds of all rotors of them.
-  if (store.get_int("CAS_HIL_ACT") != 0) {
+  if (hil_params(store).answer_by_motor) {
     p.rotors_lost = static_cast<std::uint32_t>(get_if_any(store, "CAS_ROT_LOST"));
     p.detect_rotor_loss = get_if_any(store, "CAS_ROT_DETECT") != 0;
     p.side_share = get_if_any(store, "CAS_SIDE_SHARE");
@@ -143,6 +143,11 @@ FlightParams flight_params(const ParamStore& store) {
   p.pattern_speed_m_s = store.get("CAS_TRJ_SPEED");
   p.pattern_period_s = store.get("CAS_TRJ_PERIOD");
   return p;
+}
+
+HilParams hil_params(const ParamStore& store) {
+  return {.stamp_by_arrival = store.get_int("CAS_STAMP_MODE") == 1,
+          .answer_by_motor = store.get_int("CAS_HIL_ACT") != 0};
 }
 
 }  // namespace cas::fcu

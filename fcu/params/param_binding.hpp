@@ -57,8 +57,15 @@ struct FlightParams {
   double pattern_period_s = 10;
 };
 
+/// How HIL messages are read and answered.
+struct HilParams {
+  bool stamp_by_arrival = false;  ///< CAS_STAMP_MODE
+  bool answer_by_motor = false;   ///< CAS_HIL_ACT
+};
+
 ControlParams control_params(const ParamStore& store);
 EstimatorParams estimator_params(const ParamStore& store);
 FlightParams flight_params(const ParamStore& store);
+HilParams hil_params(const ParamStore& store);
 
 }  // namespace cas::fcu

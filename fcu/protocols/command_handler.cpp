@@ -17,14 +17,7 @@
 namespace cas::fcu {
 
 using base::RunTime;
-using mavlink::common::CommandAck;
-using mavlink::common::CommandInt;
-using mavlink::common::CommandLong;
-using mavlink::common::MavCmd;
-using mavlink::common::MavFrame;
-using mavlink::common::MavModeFlag;
-using mavlink::common::MavResult;
-using mavlink::common::SetMode;
+using namespace mavlink::common;  // NOLINT: the file is about its messages
 
 // Gyro calibration.
 
@@ -36,7 +29,7 @@ constexpr double kTellPeriod_s = 0.5;
 
 }  // namespace
 
-MavResult GyroCalibration::on_command(const Command& command, FcuCore& core, RunTime now) {
+MavResult GyroCalibration::on_command(const Command& command, RunTime now) {
   const auto& p = command.param;
   const bool nothing_asked = std::all_of(
       p.begin(), p.end(), [](double value) { return !std::isfinite(value) || value == 0; });
@@ -45,30 +38,30 @@ MavResult GyroCalibration::on_command(const Command& command, FcuCore& core, Run
     return MavResult::kAccepted;
   }
   if (p[0] != 1) return MavResult::kUnsupported;
-  if (core.commander.armed() || running_) return MavResult::kTemporarilyRejected;
-  core.restart_estimate();
+  if (core_.commander.armed() || running_) return MavResult::kTemporarilyRejected;
+  core_.restart_estimate();
   running_ = command;
   cancelled_ = false;
   begin_ = told_ = now;
-  core.texts.info("[cal] calibration started: 2 gyro");
+  core_.texts.info("[cal] calibration started: 2 gyro");
   return MavResult::kInProgress;
 }
 
-std::optional<GyroCalibration::Progress> GyroCalibration::end(Result result, FcuCore& core) {
+std::optional<GyroCalibration::Progress> GyroCalibration::end(Result result) {
   const bool good = result == MavResult::kAccepted;
-  core.texts.info(good ? "[cal] calibration done: gyro"
-                       : "[cal] calibration failed: gyro not at rest, or cancelled");
+  core_.texts.info(good ? "[cal] calibration done: gyro"
+                        : "[cal] calibration failed: gyro not at rest, or cancelled");
   const Progress progress{*running_, result, good ? 100 : 0};
   running_.reset();
   return progress;
 }
 
-std::optional<GyroCalibration::Progress> GyroCalibration::update(FcuCore& core, RunTime now) {
+std::optional<GyroCalibration::Progress> GyroCalibration::update(RunTime now) {
   if (!running_) return std::nullopt;
-  if (cancelled_) return end(MavResult::kCancelled, core);
-  const double rest_s = core.estimator.rest_s();
-  if (core.estimator.aligned() && rest_s >= kRest_s) return end(MavResult::kAccepted, core);
-  if (base::to_seconds(now - begin_) > kPatience_s) return end(MavResult::kFailed, core);
+  if (cancelled_) return end(MavResult::kCancelled);
+  const double rest_s = core_.estimator.rest_s();
+  if (core_.estimator.aligned() && rest_s >= kRest_s) return end(MavResult::kAccepted);
+  if (base::to_seconds(now - begin_) > kPatience_s) return end(MavResult::kFailed);
   if (base::to_seconds(now - told_) < kTellPeriod_s) return std::nullopt;
   told_ = now;
   return Progress{*running_, MavResult::kInProgress,
@@ -88,15 +81,14 @@ bool same(double a, double b) {
 
 }  // namespace
 
-void CommandHandler::acknowledge(const Command& command, Result result, FcuCore& core,
-                                 int percent) {
+void CommandHandler::acknowledge(const Command& command, Result result, int percent) {
   CommandAck ack;
   ack.command = command.id;
   ack.result = result;
   ack.progress = static_cast<std::uint8_t>(percent);
   ack.target_system = command.from.system;
   ack.target_component = command.from.component;
-  core.outbox.reply(ack, command.version);
+  core_.outbox.reply(ack, command.version);
 }
 
 bool CommandHandler::was_answered(const Command& command, RunTime now) const {
@@ -107,15 +99,14 @@ bool CommandHandler::was_answered(const Command& command, RunTime now) const {
          base::to_seconds(now - last_->at) < kRepetition_s;
 }
 
-void CommandHandler::run(const Command& command, bool repeated, FcuCore& core, RunTime now) {
-  if (repeated && was_answered(command, now)) return acknowledge(command, last_->result, core);
-  const MavResult result = execute(command, core, now);
+void CommandHandler::run(const Command& command, bool repeated, RunTime now) {
+  if (repeated && was_answered(command, now)) return acknowledge(command, last_->result);
+  const MavResult result = execute(command, now);
   last_ = Answered{command, result, now};
-  acknowledge(command, result, core);
+  acknowledge(command, result);
 }
 
-void CommandHandler::on_long(const CommandLong& m, mav::Source from, int version, FcuCore& core,
-                             RunTime now) {
+void CommandHandler::on_long(const CommandLong& m, mav::Source from, int version, RunTime now) {
   Command command;
   command.id = m.command;
   const float values[] = {m.param1, m.param2, m.param3, m.param4, m.param5, m.param6, m.param7};
@@ -124,11 +115,10 @@ void CommandHandler::on_long(const CommandLong& m, mav::Source from, int version
   if (command.param[4] == 0 && command.param[5] == 0) command.param[4] = command.param[5] = kUnset;
   command.from = from;
   command.version = version;
-  run(command, m.confirmation > 0, core, now);
+  run(command, m.confirmation > 0, now);
 }
 
-void CommandHandler::on_int(const CommandInt& m, mav::Source from, int version, FcuCore& core,
-                            RunTime now) {
+void CommandHandler::on_int(const CommandInt& m, mav::Source from, int version, RunTime now) {
   constexpr std::int32_t kNoPlace = std::numeric_limits<std::int32_t>::max();
   Command command;
   command.id = m.command;
@@ -144,41 +134,40 @@ void CommandHandler::on_int(const CommandInt& m, mav::Source from, int version, 
   command.frame = m.frame;
   command.from = from;
   command.version = version;
-  run(command, false, core, now);
+  run(command, false, now);
 }
 
-void CommandHandler::on_set_mode(const SetMode& m, mav::Source from, int version, FcuCore& core,
-                                 RunTime now) {
+void CommandHandler::on_set_mode(const SetMode& m, mav::Source from, int version, RunTime now) {
   Command command;
   command.id = MavCmd::kDoSetMode;
   command.from = from;
   command.version = version;
   const MavResult result =
       has(static_cast<MavModeFlag>(m.base_mode), MavModeFlag::kCustomModeEnabled)
-          ? set_flight_mode(flight_mode_from_custom(m.custom_mode), core, now)
+          ? set_flight_mode(flight_mode_from_custom(m.custom_mode), core_, now)
           : MavResult::kUnsupported;
-  acknowledge(command, result, core);
+  acknowledge(command, result);
 }
 
-void CommandHandler::update(FcuCore& core, RunTime now) {
-  if (const auto told = calibration_.update(core, now)) {
-    acknowledge(told->command, told->result, core, told->percent);
+void CommandHandler::update(RunTime now) {
+  if (const auto told = calibration_.update(now)) {
+    acknowledge(told->command, told->result, told->percent);
     last_.reset();  // the stored answer is out of date
   }
 }
 
-MavResult CommandHandler::execute(const Command& command, FcuCore& core, RunTime now) {
-  const MavResult result = flight_command(command, core, now);
+MavResult CommandHandler::execute(const Command& command, RunTime now) {
+  const MavResult result = flight_command(command, core_, now);
   if (result != MavResult::kUnsupported) {
     telemetry_.hurry();
     return result;
   }
-  return information_command(command, core, now);
+  return information_command(command, now);
 }
 
-MavResult CommandHandler::request_message(const Command& command, FcuCore& core, RunTime now) {
+MavResult CommandHandler::request_message(const Command& command, RunTime now) {
   const std::uint32_t id = whole_number(command.param[0], kHighestMessageId);
-  switch (telemetry_.send_now(id, core, now, command.version)) {
+  switch (telemetry_.send_now(id, now, command.version)) {
     case Telemetry::Sent::kSent:
       return MavResult::kAccepted;
     case Telemetry::Sent::kNothingYet:
@@ -189,41 +178,41 @@ MavResult CommandHandler::request_message(const Command& command, FcuCore& core,
   return MavResult::kFailed;
 }
 
-MavResult CommandHandler::information_command(const Command& command, FcuCore& core, RunTime now) {
+MavResult CommandHandler::information_command(const Command& command, RunTime now) {
   const std::uint32_t id = whole_number(command.param[0], kHighestMessageId);
   switch (command.id) {
     case MavCmd::kRequestMessage:
-      return request_message(command, core, now);
+      return request_message(command, now);
     case MavCmd::kSetMessageInterval:
       return telemetry_.set_interval(id, command.param[1]) ? MavResult::kAccepted
                                                            : MavResult::kUnsupported;
     case MavCmd::kGetMessageInterval:
-      core.outbox.reply(mavlink::common::MessageInterval{static_cast<std::uint16_t>(id),
-                                                         telemetry_.interval_us(id)},
-                        command.version);
+      core_.outbox.reply(
+          MessageInterval{static_cast<std::uint16_t>(id), telemetry_.interval_us(id)},
+          command.version);
       return MavResult::kAccepted;
     case MavCmd::kRequestAutopilotCapabilities:
-      telemetry_.send_now(mavlink::common::AutopilotVersion::kId, core, now, command.version);
+      telemetry_.send_now(AutopilotVersion::kId, now, command.version);
       return MavResult::kAccepted;
     case MavCmd::kRequestProtocolVersion:
-      telemetry_.send_now(mavlink::common::ProtocolVersion::kId, core, now, 2);
+      telemetry_.send_now(ProtocolVersion::kId, now, 2);
       return MavResult::kAccepted;
     case MavCmd::kGetHomePosition:
-      telemetry_.send_now(mavlink::common::HomePosition::kId, core, now, command.version);
-      return core.home_set ? MavResult::kAccepted : MavResult::kTemporarilyRejected;
+      telemetry_.send_now(HomePosition::kId, now, command.version);
+      return core_.home.set ? MavResult::kAccepted : MavResult::kTemporarilyRejected;
     case MavCmd::kRunPrearmChecks:
-      if (const auto reason = reason_not_to_arm(core.arming_input(now))) {
-        core.texts.critical("Preflight Fail: " + *reason);
+      if (const auto reason = reason_not_to_arm(core_.arming_input(now))) {
+        core_.texts.critical("Preflight Fail: " + *reason);
       } else {
-        core.texts.info("Preflight checks passed");
+        core_.texts.info("Preflight checks passed");
       }
       return MavResult::kAccepted;
     case MavCmd::kPreflightCalibration:
-      return calibration_.on_command(command, core, now);
+      return calibration_.on_command(command, now);
     case MavCmd::kPreflightStorage:
       // Parameters are saved as they change; 2 resets them.
-      if (core.commander.armed()) return MavResult::kTemporarilyRejected;
-      if (command.param[0] == 2) core.params.reset_to_defaults();
+      if (core_.commander.armed()) return MavResult::kTemporarilyRejected;
+      if (command.param[0] == 2) core_.params.reset_to_defaults();
       return MavResult::kAccepted;
     default:
       return MavResult::kUnsupported;

@@ -22,6 +22,8 @@ class GyroCalibration {
  public:
   using Result = mavlink::common::MavResult;
 
+  explicit GyroCalibration(FcuCore& core) : core_(core) {}
+
   struct Progress {
     Command command;  ///< the one that began it
     Result result{};
@@ -29,13 +31,14 @@ class GyroCalibration {
   };
 
   /// Begins or cancels. UNSUPPORTED for other calibrations than the gyro's.
-  Result on_command(const Command& command, FcuCore& core, base::RunTime now);
+  Result on_command(const Command& command, base::RunTime now);
   /// Progress to report to the sender of the running command, if any.
-  std::optional<Progress> update(FcuCore& core, base::RunTime now);
+  std::optional<Progress> update(base::RunTime now);
 
  private:
-  std::optional<Progress> end(Result result, FcuCore& core);
+  std::optional<Progress> end(Result result);
 
+  FcuCore& core_;
   std::optional<Command> running_;
   bool cancelled_ = false;
   base::RunTime begin_;
@@ -46,16 +49,17 @@ class GyroCalibration {
 /// (`confirmation` above 0) gets the same answer again and does nothing twice.
 class CommandHandler {
  public:
-  explicit CommandHandler(Telemetry& telemetry) : telemetry_(telemetry) {}
+  CommandHandler(FcuCore& core, Telemetry& telemetry)
+      : core_(core), telemetry_(telemetry), calibration_(core) {}
 
-  void on_long(const mavlink::common::CommandLong& m, mav::Source from, int version, FcuCore& core,
+  void on_long(const mavlink::common::CommandLong& m, mav::Source from, int version,
                base::RunTime now);
-  void on_int(const mavlink::common::CommandInt& m, mav::Source from, int version, FcuCore& core,
+  void on_int(const mavlink::common::CommandInt& m, mav::Source from, int version,
               base::RunTime now);
-  void on_set_mode(const mavlink::common::SetMode& m, mav::Source from, int version, FcuCore& core,
+  void on_set_mode(const mavlink::common::SetMode& m, mav::Source from, int version,
                    base::RunTime now);
   /// Continues a calibration.
-  void update(FcuCore& core, base::RunTime now);
+  void update(base::RunTime now);
 
  private:
   using Result = mavlink::common::MavResult;
@@ -64,13 +68,14 @@ class CommandHandler {
     Result result{};
     base::RunTime at;
   };
-  static void acknowledge(const Command& command, Result result, FcuCore& core, int percent = 0);
+  void acknowledge(const Command& command, Result result, int percent = 0);
   bool was_answered(const Command& command, base::RunTime now) const;
-  void run(const Command& command, bool repeated, FcuCore& core, base::RunTime now);
-  Result execute(const Command& command, FcuCore& core, base::RunTime now);
-  Result information_command(const Command& command, FcuCore& core, base::RunTime now);
-  Result request_message(const Command& command, FcuCore& core, base::RunTime now);
+  void run(const Command& command, bool repeated, base::RunTime now);
+  Result execute(const Command& command, base::RunTime now);
+  Result information_command(const Command& command, base::RunTime now);
+  Result request_message(const Command& command, base::RunTime now);
 
+  FcuCore& core_;
   Telemetry& telemetry_;
   GyroCalibration calibration_;
   std::optional<Answered> last_;

@@ -41,7 +41,7 @@ Vector3d place_of(const Command& command, const FcuCore& core) {
             .head<2>();
   }
   if (std::isfinite(alt)) {
-    p_N.z() = is_relative(command.frame) ? core.home_N.z() - alt : projection->home().alt_m - alt;
+    p_N.z() = is_relative(command.frame) ? core.home.p_N.z() - alt : projection->home().alt_m - alt;
   }
   return p_N;
 }
@@ -106,15 +106,15 @@ MavResult change_speed(const Command& command, FcuCore& core) {
 MavResult set_home(const Command& command, FcuCore& core) {
   if (command.param[0] == 1) {
     if (!core.estimator.position_valid()) return MavResult::kTemporarilyRejected;
-    const double ground = core.ground_z;
+    const double ground = core.home.ground_z;
     core.set_home_here();
-    if (core.commander.flying()) core.ground_z = ground;
+    if (core.commander.flying()) core.home.ground_z = ground;
     return MavResult::kAccepted;
   }
   const Vector3d place = place_of(command, core);
   if (!place.allFinite()) return MavResult::kDenied;
-  core.home_N = place;
-  core.home_set = true;
+  core.home.p_N = place;
+  core.home.set = true;
   return MavResult::kAccepted;
 }
 

@@ -6,15 +6,8 @@
 
 #include "base/earth/frames.hpp"
 #include "fcu/core/fcu_core.hpp"
-#include "mavlink/common/hil_rc_inputs_raw.hpp"
-#include "mavlink/common/manual_control.hpp"
-#include "mavlink/common/mission_request.hpp"
-#include "mavlink/common/mission_request_int.hpp"
-#include "mavlink/common/rc_channels_override.hpp"
-#include "mavlink/common/set_attitude_target.hpp"
-#include "mavlink/common/set_position_target_global_int.hpp"
-#include "mavlink/common/set_position_target_local_ned.hpp"
-#include "mavlink/common/statustext.hpp"
+#include "fcu/protocols/wire_units.hpp"
+#include "mavlink/common/all.hpp"
 
 namespace cas::fcu {
 
@@ -33,26 +26,21 @@ bool take(const PacketView& packet, Handler&& handler) {
   return true;
 }
 
-void on_heartbeat(const Heartbeat& m, FcuCore& core, RunTime now) {
-  if (m.type != MavType::kGcs) return;
-  core.ground_station_seen = true;
-  core.ground_station_last = now;
-}
-
-void on_timesync(const Timesync& m, const PacketView& packet, FcuCore& core, RunTime now) {
+void on_timesync(const Timesync& m, const PacketView& packet, base::Duration uptime,
+                 Outbox& outbox) {
   if (m.tc1 != 0) return;  // an answer, and we never ask
   Timesync answer;
-  answer.tc1 = (now - core.start).count();
+  answer.tc1 = uptime.count();
   answer.ts1 = m.ts1;
   answer.target_system = packet.source.system;
   answer.target_component = packet.source.component;
-  core.outbox.reply(answer, packet.version);
+  outbox.reply(answer, packet.version);
 }
 
-void on_ping(const Ping& m, const PacketView& packet, FcuCore& core) {
+void on_ping(const Ping& m, const PacketView& packet, Outbox& outbox) {
   if (m.target_system != 0 || m.target_component != 0) return;  // an answer
-  core.outbox.reply(Ping{m.time_usec, m.seq, packet.source.system, packet.source.component},
-                    packet.version);
+  outbox.reply(Ping{m.time_usec, m.seq, packet.source.system, packet.source.component},
+               packet.version);
 }
 
 // Setpoints that companions stream, and sticks.
@@ -76,10 +64,6 @@ TrajectorySetpoint from_mask(Mask mask, const Vector3d& p, const Vector3d& v, co
   return out;
 }
 
-Vector3d vec(float x, float y, float z) {
-  return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-}
-
 double unit(std::int16_t value) { return std::clamp(value / 1000.0, -1.0, 1.0); }
 
 /// Microseconds of a channel to -1..1; a value that is no pulse is the middle.
@@ -88,23 +72,30 @@ double channel(std::uint16_t pulse_us) {
   return std::clamp((pulse_us - 1500.0) / 500.0, -1.0, 1.0);
 }
 
-void take_channels(std::uint16_t roll, std::uint16_t pitch, std::uint16_t throttle,
-                   std::uint16_t yaw, ManualInput& input, RunTime now) {
-  input.sticks.roll = channel(roll);
-  input.sticks.pitch = -channel(pitch);
-  input.sticks.throttle = 0.5 * (channel(throttle) + 1);
-  input.sticks.yaw = channel(yaw);
-  input.last = now;
-  input.seen = true;
+/// Channels 1 roll, 2 pitch (low is nose down), 3 throttle, 4 yaw: 1000..2000 us.
+template <class Message>
+Sticks from_channels(const Message& m) {
+  return {.roll = channel(m.chan1_raw),
+          .pitch = -channel(m.chan2_raw),
+          .yaw = channel(m.chan4_raw),
+          .throttle = 0.5 * (channel(m.chan3_raw) + 1)};
+}
+
+/// x forward, y right, r clockwise -1000..1000, z thrust 0..1000.
+Sticks from_manual_control(const ManualControl& m) {
+  return {.roll = unit(m.y),
+          .pitch = unit(m.x),
+          .yaw = unit(m.r),
+          .throttle = std::clamp(m.z / 1000.0, 0.0, 1.0)};
 }
 
 /// Frames LOCAL_NED, LOCAL_OFFSET_NED (about the present place), BODY_NED and BODY_FRD (turned by
 /// the present heading).
-void on_position_target(const SetPositionTargetLocalNed& m, FcuCore& core, RunTime now) {
+void on_position_target(const SetPositionTargetLocalNed& m, const EstimatorState& state,
+                        OffboardTask& offboard, RunTime now) {
   TrajectorySetpoint setpoint =
       from_mask(m.type_mask, vec(m.x, m.y, m.z), vec(m.vx, m.vy, m.vz), vec(m.afx, m.afy, m.afz),
                 static_cast<double>(m.yaw), static_cast<double>(m.yaw_rate));
-  const EstimatorState& state = core.estimator.state();
   const bool body = m.coordinate_frame == MavFrame::kBodyNed ||
                     m.coordinate_frame == MavFrame::kBodyFrd ||
                     m.coordinate_frame == MavFrame::kBodyOffsetNed;
@@ -120,27 +111,29 @@ void on_position_target(const SetPositionTargetLocalNed& m, FcuCore& core, RunTi
       setpoint.yaw_rad = base::wrap_angle(setpoint.yaw_rad + yaw);
   }
   if (offset) setpoint.p_N += state.p_N;
-  core.commander.offboard().on_trajectory(setpoint, now);
+  offboard.on_trajectory(setpoint, now);
 }
 
-void on_global_target(const SetPositionTargetGlobalInt& m, FcuCore& core, RunTime now) {
-  const auto& projection = core.estimator.projection();
+void on_global_target(const SetPositionTargetGlobalInt& m,
+                      const std::optional<base::LocalProjection>& projection, double home_z,
+                      OffboardTask& offboard, RunTime now) {
   if (!projection) return;
   const Vector3d there =
       projection->to_local({m.lat_int * 1e-7, m.lon_int * 1e-7, projection->home().alt_m});
   const auto alt = static_cast<double>(m.alt);
   const bool relative = m.coordinate_frame == MavFrame::kGlobalRelativeAlt ||
                         m.coordinate_frame == MavFrame::kGlobalRelativeAltInt;
-  const double z = relative ? core.home_N.z() - alt : projection->home().alt_m - alt;
-  core.commander.offboard().on_trajectory(
-      from_mask(m.type_mask, {there.x(), there.y(), z}, vec(m.vx, m.vy, m.vz),
-                vec(m.afx, m.afy, m.afz), static_cast<double>(m.yaw),
-                static_cast<double>(m.yaw_rate)),
-      now);
+  const double z = relative ? home_z - alt : projection->home().alt_m - alt;
+  offboard.on_trajectory(from_mask(m.type_mask, {there.x(), there.y(), z}, vec(m.vx, m.vy, m.vz),
+                                   vec(m.afx, m.afy, m.afz), static_cast<double>(m.yaw),
+                                   static_cast<double>(m.yaw_rate)),
+                         now);
 }
 
 /// Attitude with thrust 0..1 of full scale.
-void on_attitude_target(const SetAttitudeTarget& m, FcuCore& core, RunTime now) {
+/// @param full_n  the thrust of 1
+void on_attitude_target(const SetAttitudeTarget& m, double full_n, OffboardTask& offboard,
+                        RunTime now) {
   using A = AttitudeTargetTypemask;
   if (has(m.type_mask, A::kAttitudeIgnore) || has(m.type_mask, A::kThrottleIgnore)) return;
   AttitudeSetpoint setpoint;
@@ -151,106 +144,107 @@ void on_attitude_target(const SetAttitudeTarget& m, FcuCore& core, RunTime now) 
   if (!std::isfinite(m.thrust)) return;
   setpoint.q_ND.normalize();
   const double thrust = std::clamp(static_cast<double>(m.thrust), 0.0, 1.0);
-  setpoint.thrust_n = thrust * core.config.vehicle.scales.u1_max_n;
+  setpoint.thrust_n = thrust * full_n;
   if (!has(m.type_mask, A::kBodyYawRateIgnore) && std::isfinite(m.body_yaw_rate)) {
     setpoint.yaw_rate_rad_s = static_cast<double>(m.body_yaw_rate);
   }
-  core.commander.offboard().on_attitude(setpoint, now);
-}
-
-/// x forward, y right, r clockwise -1000..1000, z thrust 0..1000.
-void on_manual_control(const ManualControl& m, FcuCore& core, RunTime now) {
-  if (m.target != 0 && m.target != core.config.system_id) return;
-  ManualInput& input = core.manual_control;
-  input.sticks.pitch = unit(m.x);
-  input.sticks.roll = unit(m.y);
-  input.sticks.yaw = unit(m.r);
-  input.sticks.throttle = std::clamp(m.z / 1000.0, 0.0, 1.0);
-  input.last = now;
-  input.seen = true;
-}
-
-/// Channels 1 roll, 2 pitch (low is nose down), 3 throttle, 4 yaw: 1000..2000 us.
-void on_rc_inputs(const HilRcInputsRaw& m, FcuCore& core, RunTime now) {
-  take_channels(m.chan1_raw, m.chan2_raw, m.chan3_raw, m.chan4_raw, core.rc_input, now);
-}
-
-void on_rc_override(const RcChannelsOverride& m, FcuCore& core, RunTime now) {
-  take_channels(m.chan1_raw, m.chan2_raw, m.chan3_raw, m.chan4_raw, core.rc_input, now);
+  offboard.on_attitude(setpoint, now);
 }
 
 }  // namespace
 
-void GroundProtocols::on_packet(const PacketView& packet, FcuCore& core, RunTime now) {
-  if (on_link_packet(packet, core, now)) return;
-  if (on_command_packet(packet, core, now)) return;
-  if (on_param_packet(packet, core)) return;
-  if (on_setpoint_packet(packet, core, now)) return;
-  on_mission_packet(packet, core, now);
+GroundProtocols::GroundProtocols(FcuCore& core, base::Duration param_interval)
+    : core_(core),
+      telemetry_(core, core.outbox),
+      params_(core.params, core.outbox, core.texts, param_interval),
+      commands_(core, telemetry_),
+      missions_(core.commander, core.outbox, core.texts) {}
+
+void GroundProtocols::on_packet(const PacketView& packet, RunTime now) {
+  if (on_link_packet(packet, now)) return;
+  if (on_command_packet(packet, now)) return;
+  if (on_param_packet(packet)) return;
+  if (on_setpoint_packet(packet, now)) return;
+  on_mission_packet(packet, now);
 }
 
-bool GroundProtocols::on_link_packet(const PacketView& packet, FcuCore& core, RunTime now) {
-  return take<Heartbeat>(packet, [&](const auto& m) { on_heartbeat(m, core, now); }) ||
-         take<Timesync>(packet, [&](const auto& m) { on_timesync(m, packet, core, now); }) ||
-         take<Ping>(packet, [&](const auto& m) { on_ping(m, packet, core); });
+bool GroundProtocols::on_link_packet(const PacketView& packet, RunTime now) {
+  return take<Heartbeat>(packet,
+                         [&](const auto& m) {
+                           if (m.type == MavType::kGcs) core_.ground_station_heard = now;
+                         }) ||
+         take<Timesync>(
+             packet,
+             [&](const auto& m) { on_timesync(m, packet, now - core_.start, core_.outbox); }) ||
+         take<Ping>(packet, [&](const auto& m) { on_ping(m, packet, core_.outbox); });
 }
 
-bool GroundProtocols::on_command_packet(const PacketView& packet, FcuCore& core, RunTime now) {
+bool GroundProtocols::on_command_packet(const PacketView& packet, RunTime now) {
   const mav::Source from = packet.source;
   const int version = packet.version;
-  return take<CommandLong>(
-             packet, [&](const auto& m) { commands_.on_long(m, from, version, core, now); }) ||
+  return take<CommandLong>(packet,
+                           [&](const auto& m) { commands_.on_long(m, from, version, now); }) ||
          take<CommandInt>(packet,
-                          [&](const auto& m) { commands_.on_int(m, from, version, core, now); }) ||
+                          [&](const auto& m) { commands_.on_int(m, from, version, now); }) ||
          take<SetMode>(packet,
-                       [&](const auto& m) { commands_.on_set_mode(m, from, version, core, now); });
+                       [&](const auto& m) { commands_.on_set_mode(m, from, version, now); });
 }
 
-bool GroundProtocols::on_param_packet(const PacketView& packet, FcuCore& core) {
+bool GroundProtocols::on_param_packet(const PacketView& packet) {
   const int version = packet.version;
   return take<ParamRequestList>(packet, [&](const auto&) { params_.on_list(version); }) ||
-         take<ParamRequestRead>(packet,
-                                [&](const auto& m) { params_.on_read(m, core, version); }) ||
+         take<ParamRequestRead>(packet, [&](const auto& m) { params_.on_read(m, version); }) ||
          take<ParamSet>(packet, [&](const auto& m) {
-           params_.on_set(m, core, version);
-           core.apply_params();
+           params_.on_set(m, version);
+           core_.apply_params();
          });
 }
 
-bool GroundProtocols::on_setpoint_packet(const PacketView& packet, FcuCore& core, RunTime now) {
-  const auto to = [&](auto handler) {
-    return [&, handler](const auto& m) { handler(m, core, now); };
-  };
-  return take<SetPositionTargetLocalNed>(packet, to(on_position_target)) ||
-         take<SetPositionTargetGlobalInt>(packet, to(on_global_target)) ||
-         take<SetAttitudeTarget>(packet, to(on_attitude_target)) ||
-         take<ManualControl>(packet, to(on_manual_control)) ||
-         take<HilRcInputsRaw>(packet, to(on_rc_inputs)) ||
-         take<RcChannelsOverride>(packet, to(on_rc_override));
+bool GroundProtocols::on_setpoint_packet(const PacketView& packet, RunTime now) {
+  OffboardTask& offboard = core_.commander.offboard();
+  const Estimator& estimator = core_.estimator;
+  const auto on_radio = [&](const auto& m) { core_.pilot.radio = {from_channels(m), now}; };
+  return take<SetPositionTargetLocalNed>(
+             packet,
+             [&](const auto& m) { on_position_target(m, estimator.state(), offboard, now); }) ||
+         take<SetPositionTargetGlobalInt>(packet,
+                                          [&](const auto& m) {
+                                            on_global_target(m, estimator.projection(),
+                                                             core_.home.p_N.z(), offboard, now);
+                                          }) ||
+         take<SetAttitudeTarget>(packet,
+                                 [&](const auto& m) {
+                                   on_attitude_target(m, core_.config.vehicle.scales.u1_max_n,
+                                                      offboard, now);
+                                 }) ||
+         take<ManualControl>(packet,
+                             [&](const auto& m) {
+                               if (m.target != 0 && m.target != core_.config.system_id) return;
+                               core_.pilot.manual_control = {from_manual_control(m), now};
+                             }) ||
+         take<HilRcInputsRaw>(packet, on_radio) || take<RcChannelsOverride>(packet, on_radio);
 }
 
-bool GroundProtocols::on_mission_packet(const PacketView& packet, FcuCore& core, RunTime now) {
+bool GroundProtocols::on_mission_packet(const PacketView& packet, RunTime now) {
   const mav::Source from = packet.source;
   const int version = packet.version;
   const auto request = [&](const auto& m) {
-    missions_.on_request(m.seq, m.mission_type, from, version, core);
+    missions_.on_request(m.seq, m.mission_type, from, version);
   };
-  return take<MissionCount>(
-             packet, [&](const auto& m) { missions_.on_count(m, from, version, core, now); }) ||
-         take<MissionItemInt>(
-             packet, [&](const auto& m) { missions_.on_item(m, from, version, core, now); }) ||
+  return take<MissionCount>(packet,
+                            [&](const auto& m) { missions_.on_count(m, from, version, now); }) ||
+         take<MissionItemInt>(packet, [&](const auto& m) { missions_.on_item(m, from, now); }) ||
          take<MissionRequestList>(
-             packet, [&](const auto& m) { missions_.on_request_list(m, from, version, core); }) ||
+             packet, [&](const auto& m) { missions_.on_request_list(m, from, version); }) ||
          take<MissionRequestInt>(packet, request) || take<MissionRequest>(packet, request) ||
-         take<MissionClearAll>(
-             packet, [&](const auto& m) { missions_.on_clear(m, from, version, core); }) ||
-         take<MissionSetCurrent>(packet,
-                                 [&](const auto& m) { missions_.on_set_current(m, core, now); });
+         take<MissionClearAll>(packet,
+                               [&](const auto& m) { missions_.on_clear(m, from, version); }) ||
+         take<MissionSetCurrent>(packet, [&](const auto& m) { missions_.on_set_current(m); });
 }
 
 /// A text that is longer than one message goes out in numbered pieces.
-void GroundProtocols::send_texts(FcuCore& core) {
-  for (const StatusTexts::Line& line : core.texts.take()) {
+void GroundProtocols::send_texts() {
+  for (const StatusTexts::Line& line : core_.texts.take()) {
     Statustext m;
     m.severity = line.severity;
     const std::size_t piece = m.text.size();
@@ -259,15 +253,15 @@ void GroundProtocols::send_texts(FcuCore& core) {
     // A last piece that is exactly full is followed by an empty one: the NUL ends the text.
     for (std::size_t at = 0; at <= line.text.size(); at += piece) {
       mav::set_text(m.text, std::string_view(line.text).substr(at, piece));
-      core.outbox.send(m);
+      core_.outbox.send(m);
       ++m.chunk_seq;
       if (!long_text) break;
     }
   }
 }
 
-void GroundProtocols::hurry_after_a_change(const FcuCore& core) {
-  const Commander& commander = core.commander;
+void GroundProtocols::hurry_after_a_change() {
+  const Commander& commander = core_.commander;
   const bool changed = commander.armed() != was_armed_ || commander.mode() != was_mode_ ||
                        commander.landed() != was_landed_;
   if (!changed) return;
@@ -277,14 +271,14 @@ void GroundProtocols::hurry_after_a_change(const FcuCore& core) {
   telemetry_.hurry();
 }
 
-void GroundProtocols::update(FcuCore& core, RunTime now) {
-  hurry_after_a_change(core);
-  core.apply_params();
-  if (!core.texts.empty()) send_texts(core);
-  telemetry_.update(core, now);
-  commands_.update(core, now);
-  params_.update(core, now);
-  missions_.update(core, now);
+void GroundProtocols::update(RunTime now) {
+  hurry_after_a_change();
+  core_.apply_params();
+  if (!core_.texts.empty()) send_texts();
+  telemetry_.update(now);
+  commands_.update(now);
+  params_.update(now);
+  missions_.update(now);
 }
 
 }  // namespace cas::fcu

@@ -21,23 +21,23 @@ struct FcuCore;
 class GroundProtocols {
  public:
   /// @param param_interval  between two values of a parameter list
-  explicit GroundProtocols(base::Duration param_interval)
-      : params_(param_interval), commands_(telemetry_) {}
+  GroundProtocols(FcuCore& core, base::Duration param_interval);
 
   /// One packet that is meant for us.
-  void on_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
+  void on_packet(const mav::PacketView& packet, base::RunTime now);
   /// Streams, lists, repeats, status texts: whatever time makes due.
-  void update(FcuCore& core, base::RunTime now);
+  void update(base::RunTime now);
 
  private:
-  bool on_link_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
-  bool on_command_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
-  bool on_param_packet(const mav::PacketView& packet, FcuCore& core);
-  bool on_setpoint_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
-  bool on_mission_packet(const mav::PacketView& packet, FcuCore& core, base::RunTime now);
-  void send_texts(FcuCore& core);
-  void hurry_after_a_change(const FcuCore& core);
+  bool on_link_packet(const mav::PacketView& packet, base::RunTime now);
+  bool on_command_packet(const mav::PacketView& packet, base::RunTime now);
+  bool on_param_packet(const mav::PacketView& packet);
+  bool on_setpoint_packet(const mav::PacketView& packet, base::RunTime now);
+  bool on_mission_packet(const mav::PacketView& packet, base::RunTime now);
+  void send_texts();
+  void hurry_after_a_change();
 
+  FcuCore& core_;
   Telemetry telemetry_;
   ParamProtocol params_;
   CommandHandler commands_;

@@ -11,13 +11,7 @@ namespace cas::fcu {
 using base::RunTime;
 using base::SimTime;
 using Eigen::Vector3d;
-using mavlink::common::HilActuatorControls;
-using mavlink::common::HilControls;
-using mavlink::common::HilGps;
-using mavlink::common::HilSensor;
-using mavlink::common::HilSensorUpdatedFlags;
-using mavlink::common::MavMode;
-using mavlink::common::MavModeFlag;
+using namespace mavlink::common;  // NOLINT: the file is about its messages
 
 // HIL_SENSOR and HIL_GPS in.
 
@@ -33,10 +27,6 @@ constexpr std::uint64_t kRestart_us = 1'000'000;  // a jump back this far is a n
 /// A group counts only when all of its bits are set, as in PX4.
 bool all(F flags, F group) { return (flags & group) == group; }
 
-Vector3d vec(float x, float y, float z) {
-  return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-}
-
 }  // namespace
 
 void SensorInput::note_age(std::uint64_t time_usec, RunTime now) {
@@ -46,70 +36,55 @@ void SensorInput::note_age(std::uint64_t time_usec, RunTime now) {
   age_.add(base::Duration(delay - smallest_delay_ns_));
 }
 
-/// The time stood still or went back a little, or is none.
-bool SensorInput::is_stale(std::uint64_t time_usec) const {
-  if (time_usec > base::kLatestTimeUsec) return true;
-  return started_ && time_usec <= last_usec_ && !is_new_run(time_usec);
+SensorInput::Sample SensorInput::accept(std::uint64_t time_usec, RunTime now) {
+  const bool back = started_ && time_usec <= last_usec_;
+  const bool is_new_run = back && last_usec_ - time_usec >= kRestart_us;
+  if (time_usec > base::kLatestTimeUsec || (back && !is_new_run)) {
+    ++stale_;
+    return Sample::kStale;
+  }
+  if (is_new_run) {
+    gate_set_ = started_ = false;
+    last_time_ = {};
+    smallest_delay_ns_ = std::numeric_limits<std::int64_t>::max();
+  }
+  last_usec_ = time_usec;
+  note_age(time_usec, now);
+  return is_new_run ? Sample::kNewRun : Sample::kNext;
 }
 
-/// The time went back so far that the simulation has begun anew.
-bool SensorInput::is_new_run(std::uint64_t time_usec) const {
-  return started_ && time_usec <= last_usec_ && last_usec_ - time_usec >= kRestart_us;
-}
-
-/// A new simulation: the estimate begins anew and the rotors stop.
-void SensorInput::begin_new_run(FcuCore& core) {
-  core.texts.warn("Sensor time went back: estimator restarted");
-  core.commander.disarm(true);
-  core.restart_estimate();
-  gate_set_ = false;
-  last_time_ = {};
-  started_ = false;
-  smallest_delay_ns_ = std::numeric_limits<std::int64_t>::max();
-}
-
-void SensorInput::feed_estimator(const HilSensor& m, SimTime time, FcuCore& core, RunTime now) {
+void SensorInput::feed_estimator(const HilSensor& m, SimTime time, RunTime now) {
+  SensorReadings& readings = to_.readings;
   const F flags = m.fields_updated;
   if (all(flags, kAccel) && all(flags, kGyro)) {
     const ImuInput imu{time, vec(m.xgyro, m.ygyro, m.zgyro), vec(m.xacc, m.yacc, m.zacc)};
-    core.sensors.on_sample(SensorHealth::kImu, imu.gyro_D + imu.accel_D, now);
-    core.vibration.update(imu.accel_D);
-    core.estimator.on_imu(imu);
+    readings.health.on_sample(SensorHealth::kImu, imu.gyro_D + imu.accel_D, now);
+    readings.vibration.update(imu.accel_D);
+    to_.estimator.on_imu(imu);
     const double dt = started_ ? base::to_seconds(time - last_time_) : 0.0;
-    core.cascade.on_rates(core.estimator.state().w_D, dt);
+    to_.cascade.on_rates(to_.estimator.state().w_D, dt);
   }
   if (all(flags, kMag)) {
     const Vector3d field = vec(m.xmag, m.ymag, m.zmag);
-    core.sensors.on_sample(SensorHealth::kMag, field, now);
-    core.estimator.on_magnetometer(time, field);
+    readings.health.on_sample(SensorHealth::kMag, field, now);
+    to_.estimator.on_magnetometer(time, field);
   }
   if (all(flags, F::kAbsPressure)) {
-    core.last_pressure_hpa = static_cast<double>(m.abs_pressure);
-    core.last_temperature_degc = static_cast<double>(m.temperature);
-    core.sensors.on_sample(SensorHealth::kBaro, Vector3d(core.last_pressure_hpa, 0, 0), now);
-    core.estimator.on_barometer(time, 100 * core.last_pressure_hpa);
+    readings.pressure_hpa = static_cast<double>(m.abs_pressure);
+    readings.temperature_degc = static_cast<double>(m.temperature);
+    readings.health.on_sample(SensorHealth::kBaro, Vector3d(readings.pressure_hpa, 0, 0), now);
+    to_.estimator.on_barometer(time, 100 * readings.pressure_hpa);
   }
 }
 
-bool SensorInput::on_sensor(const HilSensor& m, FcuCore& core, RunTime now) {
-  if (is_stale(m.time_usec)) {
-    ++stale_;
-    return false;
-  }
-  if (is_new_run(m.time_usec)) begin_new_run(core);
-  last_usec_ = m.time_usec;
-  note_age(m.time_usec, now);
-  if (core.observer) core.observer(HilSensor::kId, m.time_usec, false);
-  core.status.sensor_time_usec = m.time_usec;
-
+void SensorInput::on_sensor(const HilSensor& m, RunTime now) {
   // By the message's own time, or by its arrival.
-  const bool by_arrival = core.params.get_int("CAS_STAMP_MODE") == 1;
-  SimTime time = by_arrival ? SimTime(now - core.start) : base::from_time_usec(m.time_usec);
+  SimTime time =
+      to_.params.stamp_by_arrival ? SimTime(now - to_.start) : base::from_time_usec(m.time_usec);
   if (started_ && time <= last_time_) time = last_time_ + std::chrono::microseconds(1);
-  feed_estimator(m, time, core, now);
+  feed_estimator(m, time, now);
   last_time_ = time;
   started_ = true;
-  return true;
 }
 
 bool SensorInput::control_due(std::uint64_t time_usec, double rate_hz) {
@@ -128,22 +103,18 @@ bool SensorInput::control_due(std::uint64_t time_usec, double rate_hz) {
   return true;
 }
 
-void SensorInput::on_gps(const HilGps& m, FcuCore& core, RunTime now) {
-  if (core.observer) core.observer(HilGps::kId, m.time_usec, false);
-  core.last_gps = m;
+void SensorInput::on_gps(const HilGps& m, RunTime now) {
+  to_.readings.gps = m;
   GpsInput fix;
-  const bool by_arrival = core.params.get_int("CAS_STAMP_MODE") == 1;
   // By arrival only the receiver's usual delay is known; by the message its own stamp tells it.
-  fix.time = by_arrival ? SimTime(now - core.start) -
-                              base::from_seconds(core.estimator.params().gps_delay_s)
-                        : base::from_time_usec(m.time_usec);
+  fix.time = to_.params.stamp_by_arrival
+                 ? SimTime(now - to_.start) - base::from_seconds(to_.estimator.params().gps_delay_s)
+                 : base::from_time_usec(m.time_usec);
   fix.fix_type = m.fix_type;
   fix.place = {m.lat * 1e-7, m.lon * 1e-7, m.alt * 1e-3};
   fix.velocity_N = Vector3d(m.vn, m.ve, m.vd) * 0.01;
-  if (fix.fix_type >= 3) {
-    core.sensors.on_sample(SensorHealth::kGps, fix.velocity_N, now);
-  }
-  core.estimator.on_gps(fix);
+  if (fix.fix_type >= 3) to_.readings.health.on_sample(SensorHealth::kGps, fix.velocity_N, now);
+  to_.estimator.on_gps(fix);
 }
 
 // HIL_CONTROLS or HIL_ACTUATOR_CONTROLS out.
@@ -161,43 +132,40 @@ float scaled(double value, double full, double low) {
   return output(full > 0 ? value / full : 0.0, low, 1.0);
 }
 
-void send_controls(const Eigen::Vector4d& u, std::uint64_t time_usec, FcuCore& core) {
-  const auto& scales = core.config.vehicle.scales;
-  HilControls answer;
-  answer.time_usec = time_usec;
-  answer.roll_ailerons = scaled(u[1], scales.u2_max_nm, -1);
-  answer.pitch_elevator = scaled(u[2], scales.u3_max_nm, -1);
-  answer.yaw_rudder = scaled(u[3], scales.u4_max_nm, -1);
-  answer.throttle = scaled(u[0], scales.u1_max_n, 0);
-  answer.mode = static_cast<MavMode>(answer_mode(core.commander.armed()));
-  core.outbox.send(answer);
+HilControls controls(const Answer& a) {
+  const base::ControlScales& scales = a.scales;
+  HilControls message;
+  message.time_usec = a.time_usec;
+  message.roll_ailerons = scaled(a.result.u[1], scales.u2_max_nm, -1);
+  message.pitch_elevator = scaled(a.result.u[2], scales.u3_max_nm, -1);
+  message.yaw_rudder = scaled(a.result.u[3], scales.u4_max_nm, -1);
+  message.throttle = scaled(a.result.u[0], scales.u1_max_n, 0);
+  message.mode = static_cast<MavMode>(answer_mode(a.armed));
+  return message;
 }
 
-void send_motor_outputs(const MixerResult& result, std::uint64_t time_usec, FcuCore& core) {
-  const bool armed = core.commander.armed();
-  HilActuatorControls answer;
-  answer.time_usec = time_usec;
-  if (armed) {
-    const auto outputs = core.cascade.mixer().outputs(result);
+HilActuatorControls motor_outputs(const Answer& a) {
+  HilActuatorControls message;
+  message.time_usec = a.time_usec;
+  if (a.armed) {
+    const auto outputs = a.mixer.outputs(a.result);
     for (std::size_t i = 0; i < outputs.size(); ++i) {
-      answer.controls[i] = output(outputs[i], -1, 1);
+      message.controls[i] = output(outputs[i], -1, 1);
     }
   }
-  answer.mode = static_cast<MavModeFlag>(answer_mode(armed));
-  core.outbox.send(answer);
+  message.mode = static_cast<MavModeFlag>(answer_mode(a.armed));
+  return message;
 }
 
 }  // namespace
 
-void send_answer(const MixerResult& output, std::uint64_t time_usec, FcuCore& core) {
-  const bool by_motor = core.params.get_int("CAS_HIL_ACT") != 0;
-  if (by_motor) {
-    send_motor_outputs(output, time_usec, core);
-  } else {
-    send_controls(output.u, time_usec, core);
+std::uint32_t send_answer(const Answer& answer, Outbox& outbox) {
+  if (answer.by_motor) {
+    outbox.send(motor_outputs(answer));
+    return HilActuatorControls::kId;
   }
-  const std::uint32_t id = by_motor ? HilActuatorControls::kId : HilControls::kId;
-  if (core.observer) core.observer(id, time_usec, true);
+  outbox.send(controls(answer));
+  return HilControls::kId;
 }
 
 }  // namespace cas::fcu

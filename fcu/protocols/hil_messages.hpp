@@ -7,20 +7,34 @@
 #include "base/measure/histogram.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
-#include "mavlink/common/hil_gps.hpp"
+#include "fcu/core/fcu_core.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::fcu {
 
-struct FcuCore;
-struct MixerResult;
-
 /// From HIL_SENSOR and HIL_GPS to the estimator; says when a control step is due.
 class SensorInput {
  public:
-  /// @return false for a sample whose time stood still or went back: nothing was done with it
-  bool on_sensor(const mavlink::common::HilSensor& m, FcuCore& core, base::RunTime now);
-  void on_gps(const mavlink::common::HilGps& m, FcuCore& core, base::RunTime now);
+  /// What it feeds, and what it goes by. All outlive it.
+  struct View {
+    Estimator& estimator;
+    ControlCascade& cascade;
+    SensorReadings& readings;
+    const HilParams& params;
+    const base::RunTime& start;
+  };
+  explicit SensorInput(const View& view) : to_(view) {}
+
+  enum class Sample {
+    kStale,  ///< its time stood still or went back a little, or is none: to be left out
+    kNext,
+    kNewRun,  ///< its time went back so far that the simulation has begun anew
+  };
+  /// Judges a sample by its stamp, and counts it.
+  Sample accept(std::uint64_t time_usec, base::RunTime now);
+  /// A sample that is not stale.
+  void on_sensor(const mavlink::common::HilSensor& m, base::RunTime now);
+  void on_gps(const mavlink::common::HilGps& m, base::RunTime now);
   /// Whether the sample with this stamp falls into a new control period, on the grid of the
   /// sensor's clock.
   bool control_due(std::uint64_t time_usec, double rate_hz);
@@ -32,12 +46,9 @@ class SensorInput {
 
  private:
   void note_age(std::uint64_t time_usec, base::RunTime now);
-  bool is_stale(std::uint64_t time_usec) const;
-  bool is_new_run(std::uint64_t time_usec) const;
-  void begin_new_run(FcuCore& core);
-  void feed_estimator(const mavlink::common::HilSensor& m, base::SimTime time, FcuCore& core,
-                      base::RunTime now);
+  void feed_estimator(const mavlink::common::HilSensor& m, base::SimTime time, base::RunTime now);
 
+  View to_;
   base::RateGate gate_{400};
   bool gate_set_ = false;
   std::int64_t last_index_ = -1;
@@ -50,10 +61,17 @@ class SensorInput {
   base::Histogram age_;
 };
 
+/// An answer to the simulator.
+struct Answer {
+  const MixerResult& result;
+  const Mixer& mixer;
+  const base::ControlScales& scales;
+  std::uint64_t time_usec = 0;  ///< stamp of the HIL_SENSOR that it was computed from; it is echoed
+  bool armed = false;
+  bool by_motor = false;  ///< CAS_HIL_ACT
+};
 /// Sends U1..U4 as shares of their full scales (HIL_CONTROLS), or the outputs of motors and servos
-/// (HIL_ACTUATOR_CONTROLS) where CAS_HIL_ACT says so.
-///
-/// @param time_usec  stamp of the HIL_SENSOR that the answer was computed from; it is echoed
-void send_answer(const MixerResult& output, std::uint64_t time_usec, FcuCore& core);
+/// (HIL_ACTUATOR_CONTROLS). @return the message's id
+std::uint32_t send_answer(const Answer& answer, Outbox& outbox);
 
 }  // namespace cas::fcu

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "fcu/flight/mission_task.hpp"
+#include "fcu/core/outbox.hpp"
+#include "fcu/flight/commander.hpp"
 #include "mavlink/common/mission_clear_all.hpp"
 #include "mavlink/common/mission_count.hpp"
 #include "mavlink/common/mission_item_int.hpp"
@@ -16,28 +17,25 @@
 
 namespace cas::fcu {
 
-struct FcuCore;
-
 /// The mission protocol: upload (we ask for the items one by one, again when they do not come),
 /// download, clear, current. Fences and rally points: none, and none are taken.
 class MissionProtocol {
  public:
   static constexpr std::size_t kMaxItems = 500;
 
+  MissionProtocol(Commander& commander, Outbox& outbox, StatusTexts& texts)
+      : commander_(commander), outbox_(outbox), texts_(texts) {}
+
   void on_count(const mavlink::common::MissionCount& m, mav::Source from, int version,
-                FcuCore& core, base::RunTime now);
-  void on_item(const mavlink::common::MissionItemInt& m, mav::Source from, int version,
-               FcuCore& core, base::RunTime now);
-  void on_request_list(const mavlink::common::MissionRequestList& m, mav::Source from, int version,
-                       FcuCore& core);
+                base::RunTime now);
+  void on_item(const mavlink::common::MissionItemInt& m, mav::Source from, base::RunTime now);
+  void on_request_list(const mavlink::common::MissionRequestList& m, mav::Source from, int version);
   void on_request(std::uint16_t seq, mavlink::common::MavMissionType type, mav::Source from,
-                  int version, FcuCore& core);
-  void on_clear(const mavlink::common::MissionClearAll& m, mav::Source from, int version,
-                FcuCore& core);
-  void on_set_current(const mavlink::common::MissionSetCurrent& m, FcuCore& core,
-                      base::RunTime now);
+                  int version);
+  void on_clear(const mavlink::common::MissionClearAll& m, mav::Source from, int version);
+  void on_set_current(const mavlink::common::MissionSetCurrent& m);
   /// Repeats a request that got no answer; reports items reached.
-  void update(FcuCore& core, base::RunTime now);
+  void update(base::RunTime now);
 
  private:
   struct Upload {
@@ -48,9 +46,15 @@ class MissionProtocol {
     base::RunTime asked;
     int tries = 0;
   };
-  void request_next(FcuCore& core, base::RunTime now);
-  void finish(FcuCore& core, mavlink::common::MavMissionResult result);
+  void acknowledge(mav::Source to, int version, mavlink::common::MavMissionType type,
+                   mavlink::common::MavMissionResult result);
+  bool is_flown() const;
+  void request_next(base::RunTime now);
+  void finish(mavlink::common::MavMissionResult result);
 
+  Commander& commander_;
+  Outbox& outbox_;
+  StatusTexts& texts_;
   std::optional<Upload> upload_;
 };
 

@@ -4,77 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fcu/core/fcu_core.hpp"
-#include "fcu/protocols/telemetry_messages.hpp"
-#include "mavlink/common/altitude.hpp"
-#include "mavlink/common/attitude.hpp"
-#include "mavlink/common/attitude_quaternion.hpp"
-#include "mavlink/common/attitude_target.hpp"
-#include "mavlink/common/autopilot_version.hpp"
-#include "mavlink/common/available_modes.hpp"
-#include "mavlink/common/battery_status.hpp"
-#include "mavlink/common/current_mode.hpp"
-#include "mavlink/common/estimator_status.hpp"
 #include "mavlink/common/extended_sys_state.hpp"
-#include "mavlink/common/global_position_int.hpp"
-#include "mavlink/common/gps_global_origin.hpp"
-#include "mavlink/common/gps_raw_int.hpp"
 #include "mavlink/common/heartbeat.hpp"
-#include "mavlink/common/home_position.hpp"
-#include "mavlink/common/local_position_ned.hpp"
-#include "mavlink/common/mission_current.hpp"
-#include "mavlink/common/position_target_local_ned.hpp"
-#include "mavlink/common/protocol_version.hpp"
-#include "mavlink/common/scaled_pressure.hpp"
-#include "mavlink/common/servo_output_raw.hpp"
-#include "mavlink/common/sys_status.hpp"
-#include "mavlink/common/system_time.hpp"
-#include "mavlink/common/vfr_hud.hpp"
-#include "mavlink/common/vibration.hpp"
 
 namespace cas::fcu {
 
-using namespace mavlink::common;  // NOLINT: the file is about its messages
-
 namespace {
 
-/// One message that the controller can send about itself.
-struct MessageSource {
-  std::uint32_t id = 0;
-  double rate_hz = 0;  ///< usual rate; 0: on request only
-  void (*send)(FcuCore& core, base::RunTime now, int version) = nullptr;
-};
-
-constexpr MessageSource kSources[] = {
-    {Heartbeat::kId, 1, send_heartbeat},
-    {SysStatus::kId, 1, send_sys_status},
-    {Attitude::kId, 50, send_attitude},
-    {AttitudeQuaternion::kId, 10, send_attitude_quaternion},
-    {AttitudeTarget::kId, 2, send_attitude_target},
-    {LocalPositionNed::kId, 30, send_local_position},
-    {PositionTargetLocalNed::kId, 10, send_position_target},
-    {GlobalPositionInt::kId, 5, send_global_position},
-    {GpsRawInt::kId, 2, send_gps_raw},
-    {VfrHud::kId, 4, send_vfr_hud},
-    {mavlink::common::Altitude::kId, 1, send_altitude},
-    {Vibration::kId, 0.5, send_vibration},
-    {EstimatorStatus::kId, 1, send_estimator_status},
-    {ExtendedSysState::kId, 1, send_extended_sys_state},
-    {BatteryStatus::kId, 0.5, send_battery_status},
-    {HomePosition::kId, 0.5, send_home_position},
-    {GpsGlobalOrigin::kId, 0, send_gps_global_origin},
-    {ServoOutputRaw::kId, 2, send_servo_output_raw},
-    {ScaledPressure::kId, 0, send_scaled_pressure},
-    {SystemTime::kId, 1, send_system_time},
-    {MissionCurrent::kId, 1, send_mission_current},
-    {AutopilotVersion::kId, 0, send_autopilot_version},
-    {ProtocolVersion::kId, 0, send_protocol_version},
-    {AvailableModes::kId, 0, send_available_modes},
-    {CurrentMode::kId, 0.5, send_current_mode},
-};
-
 /// Sent at once when arming state, mode or landed state change.
-constexpr std::uint32_t kHurriedIds[] = {Heartbeat::kId, ExtendedSysState::kId};
+constexpr std::uint32_t kHurriedIds[] = {mavlink::common::Heartbeat::kId,
+                                         mavlink::common::ExtendedSysState::kId};
 
 /// First update: streams start spread over their intervals instead of all at once.
 constexpr base::Duration kSpread = std::chrono::microseconds(1700);
@@ -83,9 +22,9 @@ constexpr double kLongestInterval_us = 1e9;
 
 }  // namespace
 
-Telemetry::Telemetry() {
+Telemetry::Telemetry(const FcuCore& core, Outbox& outbox) : core_(core), outbox_(outbox) {
   base::Duration offset{};
-  for (const MessageSource& source : kSources) {
+  for (const MessageSource& source : message_sources()) {
     Stream stream;
     stream.id = source.id;
     stream.usual = source.rate_hz > 0 ? base::from_seconds(1.0 / source.rate_hz) : base::Duration{};
@@ -104,10 +43,10 @@ Telemetry::Stream* Telemetry::find(std::uint32_t id) {
   return nullptr;
 }
 
-void Telemetry::update(FcuCore& core, base::RunTime now) {
+void Telemetry::update(base::RunTime now) {
   if (hurry_) {
     hurry_ = false;
-    for (const std::uint32_t id : kHurriedIds) send_now(id, core, now, 2);
+    for (const std::uint32_t id : kHurriedIds) send_now(id, now, 2);
   }
   if (now < next_due_) return;
   next_due_ = now + std::chrono::seconds(1);
@@ -115,20 +54,19 @@ void Telemetry::update(FcuCore& core, base::RunTime now) {
     if (stream.interval <= base::Duration{}) continue;
     if (stream.next < now - stream.interval) stream.next = now;  // never catch up in a burst
     if (stream.next <= now) {
-      stream.send(core, now, 2);
+      stream.send({core_, outbox_, now});
       stream.next += stream.interval;
     }
     next_due_ = std::min(next_due_, stream.next);
   }
 }
 
-Telemetry::Sent Telemetry::send_now(std::uint32_t id, FcuCore& core, base::RunTime now,
-                                    int version) {
+Telemetry::Sent Telemetry::send_now(std::uint32_t id, base::RunTime now, int version) {
   Stream* stream = find(id);
   if (stream == nullptr) return Sent::kUnknown;
-  const std::uint64_t before = core.outbox.counts()[id];
-  stream->send(core, now, version);
-  return core.outbox.counts()[id] > before ? Sent::kSent : Sent::kNothingYet;
+  const std::uint64_t before = outbox_.counts()[id];
+  stream->send({core_, outbox_, now, version});
+  return outbox_.counts()[id] > before ? Sent::kSent : Sent::kNothingYet;
 }
 
 bool Telemetry::set_interval(std::uint32_t id, double interval_us) {

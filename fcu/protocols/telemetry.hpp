@@ -6,25 +6,25 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
+#include "fcu/protocols/telemetry_messages.hpp"
 
 namespace cas::fcu {
-
-struct FcuCore;
 
 /// The messages that stream, each with its own interval.
 class Telemetry {
  public:
-  Telemetry();
+  /// Both outlive it.
+  Telemetry(const FcuCore& core, Outbox& outbox);
 
   /// Sends what is due.
-  void update(FcuCore& core, base::RunTime now);
+  void update(base::RunTime now);
   enum class Sent {
     kSent,
     kNothingYet,  ///< one of ours, but what it tells is not known yet
     kUnknown,     ///< not one of ours
   };
   /// Sends one message at once.
-  Sent send_now(std::uint32_t id, FcuCore& core, base::RunTime now, int version);
+  Sent send_now(std::uint32_t id, base::RunTime now, int version);
   /// SET_MESSAGE_INTERVAL: microseconds, -1 off, 0 default. @return false when not one of ours
   bool set_interval(std::uint32_t id, double interval_us);
   /// Microseconds, -1 off; nothing of the kind: 0.
@@ -33,16 +33,17 @@ class Telemetry {
   void hurry() { hurry_ = true; }
 
  private:
-  using Send = void (*)(FcuCore&, base::RunTime, int version);
   struct Stream {
     std::uint32_t id = 0;
     base::Duration usual{};  // zero: on request only
-    Send send = nullptr;
+    decltype(MessageSource::send) send = nullptr;
     base::Duration interval{};  // zero: off
     base::RunTime next{};
   };
   Stream* find(std::uint32_t id);
 
+  const FcuCore& core_;
+  Outbox& outbox_;
   std::vector<Stream> streams_;
   base::RunTime next_due_{};
   bool hurry_ = false;

@@ -8,31 +8,7 @@
 #include "base/earth/frames.hpp"
 #include "fcu/core/fcu_core.hpp"
 #include "fcu/protocols/wire_units.hpp"
-#include "mavlink/common/altitude.hpp"
-#include "mavlink/common/attitude.hpp"
-#include "mavlink/common/attitude_quaternion.hpp"
-#include "mavlink/common/attitude_target.hpp"
-#include "mavlink/common/autopilot_version.hpp"
-#include "mavlink/common/available_modes.hpp"
-#include "mavlink/common/battery_status.hpp"
-#include "mavlink/common/current_mode.hpp"
-#include "mavlink/common/estimator_status.hpp"
-#include "mavlink/common/extended_sys_state.hpp"
-#include "mavlink/common/global_position_int.hpp"
-#include "mavlink/common/gps_global_origin.hpp"
-#include "mavlink/common/gps_raw_int.hpp"
-#include "mavlink/common/heartbeat.hpp"
-#include "mavlink/common/home_position.hpp"
-#include "mavlink/common/local_position_ned.hpp"
-#include "mavlink/common/mission_current.hpp"
-#include "mavlink/common/position_target_local_ned.hpp"
-#include "mavlink/common/protocol_version.hpp"
-#include "mavlink/common/scaled_pressure.hpp"
-#include "mavlink/common/servo_output_raw.hpp"
-#include "mavlink/common/sys_status.hpp"
-#include "mavlink/common/system_time.hpp"
-#include "mavlink/common/vfr_hud.hpp"
-#include "mavlink/common/vibration.hpp"
+#include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/message.hpp"
 
 namespace cas::fcu {
@@ -41,154 +17,133 @@ using base::RunTime;
 using Eigen::Vector3d;
 using namespace mavlink::common;  // NOLINT: the file is about its messages
 
-// Where the vehicle is, and where it is going.
-
 namespace {
+
+// Where the vehicle is, and where it is going.
 
 double amsl(const FcuCore& core, double z) {
   return (core.estimator.projection() ? core.estimator.projection()->home().alt_m : 0.0) - z;
 }
 
-}  // namespace
-
-void send_attitude(FcuCore& core, RunTime now, int version) {
-  const EstimatorState& s = core.estimator.state();
+void send_attitude(const Report& r) {
+  const EstimatorState& s = r.core.estimator.state();
   const Vector3d rpy = base::euler_rpy(s.q_ND);
-  core.outbox.reply(
-      Attitude{core.time_boot_ms(now), to_float(rpy.x()), to_float(rpy.y()), to_float(rpy.z()),
-               to_float(s.w_D.x()), to_float(s.w_D.y()), to_float(s.w_D.z())},
-      version);
+  r.send(Attitude{r.core.time_boot_ms(r.now), to_float(rpy.x()), to_float(rpy.y()),
+                  to_float(rpy.z()), to_float(s.w_D.x()), to_float(s.w_D.y()),
+                  to_float(s.w_D.z())});
 }
 
-void send_attitude_quaternion(FcuCore& core, RunTime now, int version) {
-  const EstimatorState& s = core.estimator.state();
+void send_attitude_quaternion(const Report& r) {
+  const EstimatorState& s = r.core.estimator.state();
   AttitudeQuaternion m;
-  m.time_boot_ms = core.time_boot_ms(now);
+  m.time_boot_ms = r.core.time_boot_ms(r.now);
   m.q1 = to_float(s.q_ND.w());
-  m.q2 = to_float(s.q_ND.x());
-  m.q3 = to_float(s.q_ND.y());
-  m.q4 = to_float(s.q_ND.z());
-  m.rollspeed = to_float(s.w_D.x());
-  m.pitchspeed = to_float(s.w_D.y());
-  m.yawspeed = to_float(s.w_D.z());
-  core.outbox.reply(m, version);
+  put(s.q_ND.vec(), m.q2, m.q3, m.q4);
+  put(s.w_D, m.rollspeed, m.pitchspeed, m.yawspeed);
+  r.send(m);
 }
 
-void send_attitude_target(FcuCore& core, RunTime now, int version) {
-  if (!core.commander.flying()) return;
-  const AttitudeSetpoint& s = core.cascade.attitude_setpoint();
-  const Vector3d& w = core.cascade.rate_setpoint();
+void send_attitude_target(const Report& r) {
+  if (!r.core.commander.flying()) return;
+  const AttitudeSetpoint& s = r.core.cascade.attitude_setpoint();
+  const Vector3d& w = r.core.cascade.rate_setpoint();
   AttitudeTarget m;
-  m.time_boot_ms = core.time_boot_ms(now);
+  m.time_boot_ms = r.core.time_boot_ms(r.now);
   m.q = {to_float(s.q_ND.w()), to_float(s.q_ND.x()), to_float(s.q_ND.y()), to_float(s.q_ND.z())};
-  m.body_roll_rate = to_float(w.x());
-  m.body_pitch_rate = to_float(w.y());
-  m.body_yaw_rate = to_float(w.z());
-  m.thrust = to_float(s.thrust_n / core.config.vehicle.scales.u1_max_n);
-  core.outbox.reply(m, version);
+  put(w, m.body_roll_rate, m.body_pitch_rate, m.body_yaw_rate);
+  m.thrust = to_float(s.thrust_n / r.core.config.vehicle.scales.u1_max_n);
+  r.send(m);
 }
 
-void send_local_position(FcuCore& core, RunTime now, int version) {
-  if (!core.estimator.projection()) return;
-  const EstimatorState& s = core.estimator.state();
-  core.outbox.reply(LocalPositionNed{core.time_boot_ms(now), to_float(s.p_N.x()),
-                                     to_float(s.p_N.y()), to_float(s.p_N.z()), to_float(s.v_N.x()),
-                                     to_float(s.v_N.y()), to_float(s.v_N.z())},
-                    version);
+void send_local_position(const Report& r) {
+  if (!r.core.estimator.projection()) return;
+  const EstimatorState& s = r.core.estimator.state();
+  r.send(LocalPositionNed{r.core.time_boot_ms(r.now), to_float(s.p_N.x()), to_float(s.p_N.y()),
+                          to_float(s.p_N.z()), to_float(s.v_N.x()), to_float(s.v_N.y()),
+                          to_float(s.v_N.z())});
 }
 
-void send_position_target(FcuCore& core, RunTime now, int version) {
-  const ControlSetpoint& setpoint = core.commander.setpoint();
+void send_position_target(const Report& r) {
+  const ControlSetpoint& setpoint = r.core.commander.setpoint();
   if (!setpoint.trajectory) return;
   const TrajectorySetpoint& t = *setpoint.trajectory;
   PositionTargetLocalNed m;
-  m.time_boot_ms = core.time_boot_ms(now);
+  m.time_boot_ms = r.core.time_boot_ms(r.now);
   m.coordinate_frame = MavFrame::kLocalNed;
-  m.x = to_float(t.p_N.x());
-  m.y = to_float(t.p_N.y());
-  m.z = to_float(t.p_N.z());
-  m.vx = to_float(t.v_N.x());
-  m.vy = to_float(t.v_N.y());
-  m.vz = to_float(t.v_N.z());
-  m.afx = to_float(t.a_N.x());
-  m.afy = to_float(t.a_N.y());
-  m.afz = to_float(t.a_N.z());
+  put(t.p_N, m.x, m.y, m.z);
+  put(t.v_N, m.vx, m.vy, m.vz);
+  put(t.a_N, m.afx, m.afy, m.afz);
   m.yaw = to_float(t.yaw_rad);
   m.yaw_rate = to_float(t.yaw_rate_rad_s);
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_global_position(FcuCore& core, RunTime now, int version) {
-  if (!core.estimator.projection()) return;
-  const EstimatorState& s = core.estimator.state();
-  const base::Geodetic place = core.estimator.projection()->to_geodetic(s.p_N);
+void send_global_position(const Report& r) {
+  if (!r.core.estimator.projection()) return;
+  const EstimatorState& s = r.core.estimator.state();
+  const base::Geodetic place = r.core.estimator.projection()->to_geodetic(s.p_N);
   GlobalPositionInt m;
-  m.time_boot_ms = core.time_boot_ms(now);
+  m.time_boot_ms = r.core.time_boot_ms(r.now);
   m.lat = deg_e7(place.lat_deg);
   m.lon = deg_e7(place.lon_deg);
   m.alt = milli(place.alt_m);
-  m.relative_alt = milli(core.home_N.z() - s.p_N.z());
+  m.relative_alt = milli(r.core.home.p_N.z() - s.p_N.z());
   m.vx = centi(s.v_N.x());
   m.vy = centi(s.v_N.y());
   m.vz = centi(s.v_N.z());
   m.hdg = heading_cdeg(base::euler_rpy(s.q_ND).z());
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_vfr_hud(FcuCore& core, RunTime, int version) {
-  const EstimatorState& s = core.estimator.state();
+void send_vfr_hud(const Report& r) {
+  const EstimatorState& s = r.core.estimator.state();
   VfrHud m;
   m.groundspeed = to_float(s.v_N.head<2>().norm());
   m.airspeed = m.groundspeed;
   m.heading = static_cast<std::int16_t>(heading_cdeg(base::euler_rpy(s.q_ND).z()) / 100);
-  const double throttle = core.cascade.output().u[0] / core.config.vehicle.scales.u1_max_n;
+  const double throttle = r.core.cascade.output().u[0] / r.core.config.vehicle.scales.u1_max_n;
   m.throttle = static_cast<std::uint16_t>(std::lround(100 * std::clamp(throttle, 0.0, 1.0)));
-  m.alt = to_float(amsl(core, s.p_N.z()));
+  m.alt = to_float(amsl(r.core, s.p_N.z()));
   m.climb = to_float(-s.v_N.z());
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_altitude(FcuCore& core, RunTime now, int version) {
-  const EstimatorState& s = core.estimator.state();
+void send_altitude(const Report& r) {
+  const EstimatorState& s = r.core.estimator.state();
   mavlink::common::Altitude m;
-  m.time_usec = core.time_boot_us(now);
-  m.altitude_amsl = to_float(amsl(core, s.p_N.z()));
-  m.altitude_monotonic = to_float(amsl(core, s.p_N.z()) + s.baro_offset_m);
+  m.time_usec = r.core.time_boot_us(r.now);
+  m.altitude_amsl = to_float(amsl(r.core, s.p_N.z()));
+  m.altitude_monotonic = to_float(amsl(r.core, s.p_N.z()) + s.baro_offset_m);
   m.altitude_local = to_float(-s.p_N.z());
-  m.altitude_relative = to_float(core.home_N.z() - s.p_N.z());
+  m.altitude_relative = to_float(r.core.home.p_N.z() - s.p_N.z());
   m.altitude_terrain = to_float(kUnset);
   m.bottom_clearance = to_float(kUnset);
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_home_position(FcuCore& core, RunTime now, int version) {
-  if (!core.home_set || !core.estimator.projection()) return;
-  const base::Geodetic place = core.estimator.projection()->to_geodetic(core.home_N);
-  const Eigen::Quaterniond q = base::quaternion_rpy(0, 0, core.home_yaw_rad);
+void send_home_position(const Report& r) {
+  if (!r.core.home.set || !r.core.estimator.projection()) return;
+  const base::Geodetic place = r.core.estimator.projection()->to_geodetic(r.core.home.p_N);
+  const Eigen::Quaterniond q = base::quaternion_rpy(0, 0, r.core.home.yaw_rad);
   HomePosition m;
   m.latitude = deg_e7(place.lat_deg);
   m.longitude = deg_e7(place.lon_deg);
   m.altitude = milli(place.alt_m);
-  m.x = to_float(core.home_N.x());
-  m.y = to_float(core.home_N.y());
-  m.z = to_float(core.home_N.z());
+  put(r.core.home.p_N, m.x, m.y, m.z);
   m.q = {to_float(q.w()), to_float(q.x()), to_float(q.y()), to_float(q.z())};
   m.approach_x = m.approach_y = m.approach_z = to_float(kUnset);
-  m.time_usec = core.time_boot_us(now);
-  core.outbox.reply(m, version);
+  m.time_usec = r.core.time_boot_us(r.now);
+  r.send(m);
 }
 
-void send_gps_global_origin(FcuCore& core, RunTime now, int version) {
-  if (!core.estimator.origin_final()) return;
-  const base::Geodetic& origin = core.estimator.projection()->home();
-  core.outbox.reply(GpsGlobalOrigin{deg_e7(origin.lat_deg), deg_e7(origin.lon_deg),
-                                    milli(origin.alt_m), core.time_boot_us(now)},
-                    version);
+void send_gps_global_origin(const Report& r) {
+  if (!r.core.estimator.origin_final()) return;
+  const base::Geodetic& origin = r.core.estimator.projection()->home();
+  r.send(GpsGlobalOrigin{deg_e7(origin.lat_deg), deg_e7(origin.lon_deg), milli(origin.alt_m),
+                         r.core.time_boot_us(r.now)});
 }
 
 // How the vehicle and its parts are.
-
-namespace {
 
 MavState system_state(const FcuCore& core) {
   if (core.commander.mode() == FlightMode::kTermination) return MavState::kFlightTermination;
@@ -202,28 +157,26 @@ bool ready_to_arm(const FcuCore& core, RunTime now) {
   return !reason_not_to_arm(core.arming_input(now)).has_value();
 }
 
-}  // namespace
-
-void send_heartbeat(FcuCore& core, RunTime, int version) {
-  const FlightMode mode = core.commander.mode();
+void send_heartbeat(const Report& r) {
+  const FlightMode mode = r.core.commander.mode();
   Heartbeat m;
-  m.type = static_cast<MavType>(core.params.get_int("MAV_TYPE"));
+  m.type = static_cast<MavType>(r.core.params.get_int("MAV_TYPE"));
   m.autopilot = MavAutopilot::kPx4;
   m.base_mode =
       MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled | MavModeFlag::kStabilizeEnabled;
-  if (core.commander.armed()) m.base_mode |= MavModeFlag::kSafetyArmed;
+  if (r.core.commander.armed()) m.base_mode |= MavModeFlag::kSafetyArmed;
   if (is_manual(mode)) {
     m.base_mode |= MavModeFlag::kManualInputEnabled;
   } else {
     m.base_mode |= MavModeFlag::kAutoEnabled | MavModeFlag::kGuidedEnabled;
   }
   m.custom_mode = px4_custom_mode(mode);
-  m.system_status = system_state(core);
+  m.system_status = system_state(r.core);
   m.mavlink_version = 3;
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_sys_status(FcuCore& core, RunTime now, int version) {
+void send_sys_status(const Report& r) {
   using S = MavSysStatusSensor;
   SysStatus m;
   const S always = S::k3dGyro | S::k3dAccel | S::k3dMag | S::kAbsolutePressure | S::kGps |
@@ -232,7 +185,7 @@ void send_sys_status(FcuCore& core, RunTime now, int version) {
                    S::kBattery | S::kPrearmCheck;
   m.onboard_control_sensors_present = always;
   m.onboard_control_sensors_enabled = always;
-  const auto alive = [&](SensorHealth::Sensor s) { return core.sensors.alive(s, now); };
+  const auto alive = [&](SensorHealth::Sensor s) { return r.core.readings.health.alive(s, r.now); };
   // Nothing breaches a fence that is not there; a ground station (MAVProxy) takes less for a
   // breach.
   S health = S::kMotorOutputs | S::kBattery | S::kGeofence;
@@ -240,23 +193,23 @@ void send_sys_status(FcuCore& core, RunTime now, int version) {
   if (alive(SensorHealth::kMag)) health |= S::k3dMag;
   if (alive(SensorHealth::kBaro)) health |= S::kAbsolutePressure;
   if (alive(SensorHealth::kGps)) health |= S::kGps;
-  if (core.estimator.aligned()) health |= S::kAhrs | S::kAttitudeStabilization;
-  if (core.estimator.heading_valid()) health |= S::kYawPosition;
-  if (core.estimator.height_valid()) health |= S::kZAltitudeControl;
-  if (core.estimator.position_valid()) health |= S::kXyPositionControl;
-  if (ready_to_arm(core, now)) health |= S::kPrearmCheck;
+  if (r.core.estimator.aligned()) health |= S::kAhrs | S::kAttitudeStabilization;
+  if (r.core.estimator.heading_valid()) health |= S::kYawPosition;
+  if (r.core.estimator.height_valid()) health |= S::kZAltitudeControl;
+  if (r.core.estimator.position_valid()) health |= S::kXyPositionControl;
+  if (ready_to_arm(r.core, r.now)) health |= S::kPrearmCheck;
   m.onboard_control_sensors_health = health;
   m.load = 0;  // not measured
-  m.voltage_battery = static_cast<std::uint16_t>(1000 * core.battery.voltage_v());
-  m.current_battery = centi(core.battery.current_a(core.commander.armed()));
-  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * core.battery.remaining()));
-  core.outbox.reply(m, version);
+  m.voltage_battery = static_cast<std::uint16_t>(1000 * r.core.battery.voltage_v());
+  m.current_battery = centi(r.core.battery.current_a(r.core.commander.armed()));
+  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * r.core.battery.remaining()));
+  r.send(m);
 }
 
-void send_extended_sys_state(FcuCore& core, RunTime, int version) {
+void send_extended_sys_state(const Report& r) {
   ExtendedSysState m;
   m.vtol_state = MavVtolState::kUndefined;
-  switch (core.commander.landed()) {
+  switch (r.core.commander.landed()) {
     case LandedState::kOnGround:
       m.landed_state = MavLandedState::kOnGround;
       break;
@@ -270,12 +223,12 @@ void send_extended_sys_state(FcuCore& core, RunTime, int version) {
       m.landed_state = MavLandedState::kLanding;
       break;
   }
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_battery_status(FcuCore& core, RunTime, int version) {
+void send_battery_status(const Report& r) {
   constexpr std::uint16_t kNoCell = 0xFFFF;
-  const int cells = core.params.get_int("BAT1_N_CELLS");
+  const int cells = r.core.battery.cells();
   BatteryStatus m;
   m.battery_function = MavBatteryFunction::kAll;
   m.type = MavBatteryType::kLipo;
@@ -283,25 +236,25 @@ void send_battery_status(FcuCore& core, RunTime, int version) {
   m.voltages.fill(kNoCell);
   for (int i = 0; i < std::min(cells, 10); ++i) {
     m.voltages[static_cast<std::size_t>(i)] =
-        static_cast<std::uint16_t>(1000 * core.battery.voltage_v() / cells);
+        static_cast<std::uint16_t>(1000 * r.core.battery.voltage_v() / cells);
   }
-  m.current_battery = centi(core.battery.current_a(core.commander.armed()));
-  m.current_consumed = static_cast<std::int32_t>(core.battery.consumed_mah());
+  m.current_battery = centi(r.core.battery.current_a(r.core.commander.armed()));
+  m.current_consumed = static_cast<std::int32_t>(r.core.battery.consumed_mah());
   m.energy_consumed = -1;
-  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * core.battery.remaining()));
-  const double left = core.battery.remaining();
-  m.charge_state = left < core.flight.battery_emergency  ? MavBatteryChargeState::kEmergency
-                   : left < core.flight.battery_critical ? MavBatteryChargeState::kCritical
-                   : left < core.flight.battery_low      ? MavBatteryChargeState::kLow
-                                                         : MavBatteryChargeState::kOk;
-  core.outbox.reply(m, version);
+  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * r.core.battery.remaining()));
+  const double left = r.core.battery.remaining();
+  m.charge_state = left < r.core.flight.battery_emergency  ? MavBatteryChargeState::kEmergency
+                   : left < r.core.flight.battery_critical ? MavBatteryChargeState::kCritical
+                   : left < r.core.flight.battery_low      ? MavBatteryChargeState::kLow
+                                                           : MavBatteryChargeState::kOk;
+  r.send(m);
 }
 
-void send_estimator_status(FcuCore& core, RunTime now, int version) {
+void send_estimator_status(const Report& r) {
   using E = EstimatorStatusFlags;
-  const Estimator& e = core.estimator;
+  const Estimator& e = r.core.estimator;
   EstimatorStatus m;
-  m.time_usec = core.time_boot_us(now);
+  m.time_usec = r.core.time_boot_us(r.now);
   if (e.aligned()) m.flags |= E::kAttitude;
   if (e.velocity_valid()) m.flags |= E::kVelocityHoriz;
   if (e.height_valid()) m.flags |= E::kVelocityVert | E::kPosVertAbs;
@@ -318,23 +271,23 @@ void send_estimator_status(FcuCore& core, RunTime now, int version) {
   const Vector3d deviation = e.covariance().deviation(ErrorCovariance::kPosition);
   m.pos_horiz_accuracy = to_float(std::hypot(deviation.x(), deviation.y()));
   m.pos_vert_accuracy = to_float(deviation.z());
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_vibration(FcuCore& core, RunTime now, int version) {
-  const Vector3d v = core.vibration.square.cwiseMax(0.0).cwiseSqrt();
-  core.outbox.reply(
-      Vibration{core.time_boot_us(now), to_float(v.x()), to_float(v.y()), to_float(v.z()), 0, 0, 0},
-      version);
+void send_vibration(const Report& r) {
+  const Vector3d v = r.core.readings.vibration.square.cwiseMax(0.0).cwiseSqrt();
+  r.send(Vibration{r.core.time_boot_us(r.now), to_float(v.x()), to_float(v.y()), to_float(v.z()), 0,
+                   0, 0});
 }
 
-void send_gps_raw(FcuCore& core, RunTime now, int version) {
-  if (!core.last_gps) return;
-  const HilGps& g = *core.last_gps;
+void send_gps_raw(const Report& r) {
+  if (!r.core.readings.gps) return;
+  const HilGps& g = *r.core.readings.gps;
   GpsRawInt m;
-  m.time_usec = core.time_boot_us(now);
-  m.fix_type = core.sensors.alive(SensorHealth::kGps, now) ? static_cast<GpsFixType>(g.fix_type)
-                                                           : GpsFixType::kNoGps;
+  m.time_usec = r.core.time_boot_us(r.now);
+  m.fix_type = r.core.readings.health.alive(SensorHealth::kGps, r.now)
+                   ? static_cast<GpsFixType>(g.fix_type)
+                   : GpsFixType::kNoGps;
   m.lat = g.lat;
   m.lon = g.lon;
   m.alt = g.alt;
@@ -344,49 +297,48 @@ void send_gps_raw(FcuCore& core, RunTime now, int version) {
   m.cog = g.cog;
   m.satellites_visible = g.satellites_visible;
   m.alt_ellipsoid = g.alt;
-  m.h_acc = static_cast<std::uint32_t>(1000 * core.params.get("EKF2_GPS_P_NOISE"));
-  m.v_acc = static_cast<std::uint32_t>(1000 * core.params.get("CAS_GPS_Z_NOISE"));
-  m.vel_acc = static_cast<std::uint32_t>(1000 * core.params.get("EKF2_GPS_V_NOISE"));
-  core.outbox.reply(m, version);
+  const EstimatorParams& noise = r.core.estimator.params();
+  m.h_acc = static_cast<std::uint32_t>(1000 * noise.gps_position_noise_m);
+  m.v_acc = static_cast<std::uint32_t>(1000 * noise.gps_height_noise_m);
+  m.vel_acc = static_cast<std::uint32_t>(1000 * noise.gps_velocity_noise_m_s);
+  r.send(m);
 }
 
-void send_scaled_pressure(FcuCore& core, RunTime now, int version) {
+void send_scaled_pressure(const Report& r) {
   ScaledPressure m;
-  m.time_boot_ms = core.time_boot_ms(now);
-  m.press_abs = to_float(core.last_pressure_hpa);
-  m.temperature = centi(core.last_temperature_degc);
-  core.outbox.reply(m, version);
+  m.time_boot_ms = r.core.time_boot_ms(r.now);
+  m.press_abs = to_float(r.core.readings.pressure_hpa);
+  m.temperature = centi(r.core.readings.temperature_degc);
+  r.send(m);
 }
 
-void send_servo_output_raw(FcuCore& core, RunTime now, int version) {
-  const Mixer& mixer = core.cascade.mixer();
-  const auto outputs = mixer.outputs(core.cascade.output());
+void send_servo_output_raw(const Report& r) {
+  const Mixer& mixer = r.core.cascade.mixer();
+  const auto outputs = mixer.outputs(r.core.cascade.output());
   const auto pwm = [&](std::size_t i) -> std::uint16_t {
     const OutputKind kind = mixer.output_kind(i);
     if (kind == OutputKind::kNothing) return 0;
     if (kind == OutputKind::kServo) {
       return static_cast<std::uint16_t>(1500 + std::lround(500 * outputs[i]));
     }
-    return static_cast<std::uint16_t>(core.commander.armed() ? 1000 + std::lround(1000 * outputs[i])
-                                                             : 900);
+    return static_cast<std::uint16_t>(
+        r.core.commander.armed() ? 1000 + std::lround(1000 * outputs[i]) : 900);
   };
   ServoOutputRaw m;
-  m.time_usec = static_cast<std::uint32_t>(core.time_boot_us(now));
+  m.time_usec = static_cast<std::uint32_t>(r.core.time_boot_us(r.now));
   std::uint16_t* const fields[] = {&m.servo1_raw,  &m.servo2_raw,  &m.servo3_raw,  &m.servo4_raw,
                                    &m.servo5_raw,  &m.servo6_raw,  &m.servo7_raw,  &m.servo8_raw,
                                    &m.servo9_raw,  &m.servo10_raw, &m.servo11_raw, &m.servo12_raw,
                                    &m.servo13_raw, &m.servo14_raw, &m.servo15_raw, &m.servo16_raw};
   for (std::size_t i = 0; i < std::size(fields); ++i) *fields[i] = pwm(i);
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_system_time(FcuCore& core, RunTime now, int version) {
-  core.outbox.reply(SystemTime{0, core.time_boot_ms(now)}, version);
-}
+void send_system_time(const Report& r) { r.send(SystemTime{0, r.core.time_boot_ms(r.now)}); }
 
-void send_mission_current(FcuCore& core, RunTime, int version) {
-  const MissionTask& mission = core.commander.mission();
-  const bool flown = core.commander.mode() == FlightMode::kMission;
+void send_mission_current(const Report& r) {
+  const MissionTask& mission = r.core.commander.mission();
+  const bool flown = r.core.commander.mode() == FlightMode::kMission;
   MissionCurrent m;
   m.seq = static_cast<std::uint16_t>(mission.current());
   m.total = static_cast<std::uint16_t>(mission.items().size());
@@ -395,12 +347,10 @@ void send_mission_current(FcuCore& core, RunTime, int version) {
                     : flown                 ? MissionState::kActive
                                             : MissionState::kNotStarted;
   m.mission_mode = flown ? 1 : 2;
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
 // Version and modes.
-
-namespace {
 
 struct ModeInfo {
   FlightMode mode;
@@ -420,9 +370,7 @@ constexpr std::array<ModeInfo, 9> kModes{{
     {FlightMode::kOffboard, MavStandardMode::kNonStandard, "Offboard"},
 }};
 
-}  // namespace
-
-void send_autopilot_version(FcuCore& core, base::RunTime, int version) {
+void send_autopilot_version(const Report& r) {
   using C = MavProtocolCapability;
   AutopilotVersion m;
   m.capabilities = C::kMissionInt | C::kParamFloat | C::kCommandInt | C::kParamEncodeBytewise |
@@ -431,19 +379,19 @@ void send_autopilot_version(FcuCore& core, base::RunTime, int version) {
   // major, minor, patch, FIRMWARE_VERSION_TYPE_OFFICIAL: a release that ground stations know the
   // modes and parameters of.
   m.flight_sw_version = 1U << 24U | 15U << 16U | 0U << 8U | 255U;
-  m.uid = core.config.system_id;
-  core.outbox.reply(m, version);
+  m.uid = r.core.config.system_id;
+  r.send(m);
 }
 
-void send_protocol_version(FcuCore& core, base::RunTime, int version) {
+void send_protocol_version(const Report& r) {
   ProtocolVersion m;
   m.version = 200;
   m.min_version = 100;
   m.max_version = 200;
-  core.outbox.reply(m, version);
+  r.send(m);
 }
 
-void send_available_modes(FcuCore& core, base::RunTime, int version) {
+void send_available_modes(const Report& r) {
   for (std::size_t i = 0; i < kModes.size(); ++i) {
     AvailableModes m;
     m.number_modes = static_cast<std::uint8_t>(kModes.size());
@@ -451,18 +399,50 @@ void send_available_modes(FcuCore& core, base::RunTime, int version) {
     m.standard_mode = kModes[i].standard;
     m.custom_mode = px4_custom_mode(kModes[i].mode);
     mav::set_text(m.mode_name, kModes[i].title);
-    core.outbox.reply(m, version);
+    r.send(m);
   }
 }
 
-void send_current_mode(FcuCore& core, base::RunTime, int version) {
+void send_current_mode(const Report& r) {
   CurrentMode m;
   for (const ModeInfo& info : kModes) {
-    if (info.mode == core.commander.mode()) m.standard_mode = info.standard;
+    if (info.mode == r.core.commander.mode()) m.standard_mode = info.standard;
   }
-  m.custom_mode = px4_custom_mode(core.commander.mode());
+  m.custom_mode = px4_custom_mode(r.core.commander.mode());
   m.intended_custom_mode = m.custom_mode;
-  core.outbox.reply(m, version);
+  r.send(m);
 }
+
+constexpr MessageSource kSources[] = {
+    {Heartbeat::kId, 1, send_heartbeat},
+    {SysStatus::kId, 1, send_sys_status},
+    {Attitude::kId, 50, send_attitude},
+    {AttitudeQuaternion::kId, 10, send_attitude_quaternion},
+    {AttitudeTarget::kId, 2, send_attitude_target},
+    {LocalPositionNed::kId, 30, send_local_position},
+    {PositionTargetLocalNed::kId, 10, send_position_target},
+    {GlobalPositionInt::kId, 5, send_global_position},
+    {GpsRawInt::kId, 2, send_gps_raw},
+    {VfrHud::kId, 4, send_vfr_hud},
+    {mavlink::common::Altitude::kId, 1, send_altitude},
+    {Vibration::kId, 0.5, send_vibration},
+    {EstimatorStatus::kId, 1, send_estimator_status},
+    {ExtendedSysState::kId, 1, send_extended_sys_state},
+    {BatteryStatus::kId, 0.5, send_battery_status},
+    {HomePosition::kId, 0.5, send_home_position},
+    {GpsGlobalOrigin::kId, 0, send_gps_global_origin},
+    {ServoOutputRaw::kId, 2, send_servo_output_raw},
+    {ScaledPressure::kId, 0, send_scaled_pressure},
+    {SystemTime::kId, 1, send_system_time},
+    {MissionCurrent::kId, 1, send_mission_current},
+    {AutopilotVersion::kId, 0, send_autopilot_version},
+    {ProtocolVersion::kId, 0, send_protocol_version},
+    {AvailableModes::kId, 0, send_available_modes},
+    {CurrentMode::kId, 0.5, send_current_mode},
+};
+
+}  // namespace
+
+std::span<const MessageSource> message_sources() { return kSources; }
 
 }  // namespace cas::fcu

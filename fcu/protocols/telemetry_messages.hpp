@@ -1,44 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "base/time/clock.hpp"
+#include "fcu/core/outbox.hpp"
 
 namespace cas::fcu {
 
 struct FcuCore;
 
-// Each sends one message now, in the given MAVLink version; nothing while its content is unknown.
+/// A message of the controller about itself, on its way out.
+struct Report {
+  const FcuCore& core;
+  Outbox& outbox;
+  base::RunTime now;
+  int version = 2;  ///< of MAVLink
 
-// Where the vehicle is, and where it is going.
-void send_attitude(FcuCore& core, base::RunTime now, int version);
-void send_attitude_quaternion(FcuCore& core, base::RunTime now, int version);
-void send_attitude_target(FcuCore& core, base::RunTime now, int version);
-void send_local_position(FcuCore& core, base::RunTime now, int version);
-void send_position_target(FcuCore& core, base::RunTime now, int version);
-void send_global_position(FcuCore& core, base::RunTime now, int version);
-void send_vfr_hud(FcuCore& core, base::RunTime now, int version);
-void send_altitude(FcuCore& core, base::RunTime now, int version);
-void send_home_position(FcuCore& core, base::RunTime now, int version);
-void send_gps_global_origin(FcuCore& core, base::RunTime now, int version);
+  template <class Message>
+  void send(const Message& message) const {
+    outbox.reply(message, version);
+  }
+};
 
-// How the vehicle and its parts are.
-void send_heartbeat(FcuCore& core, base::RunTime now, int version);
-void send_sys_status(FcuCore& core, base::RunTime now, int version);
-void send_extended_sys_state(FcuCore& core, base::RunTime now, int version);
-void send_battery_status(FcuCore& core, base::RunTime now, int version);
-void send_estimator_status(FcuCore& core, base::RunTime now, int version);
-void send_vibration(FcuCore& core, base::RunTime now, int version);
-void send_gps_raw(FcuCore& core, base::RunTime now, int version);
-void send_scaled_pressure(FcuCore& core, base::RunTime now, int version);
-void send_servo_output_raw(FcuCore& core, base::RunTime now, int version);
-void send_system_time(FcuCore& core, base::RunTime now, int version);
-void send_mission_current(FcuCore& core, base::RunTime now, int version);
-
-// Version and modes.
-void send_autopilot_version(FcuCore& core, base::RunTime now, int version);
-void send_protocol_version(FcuCore& core, base::RunTime now, int version);
-/// All modes, one message each.
-void send_available_modes(FcuCore& core, base::RunTime now, int version);
-void send_current_mode(FcuCore& core, base::RunTime now, int version);
+/// One message that the controller can send about itself.
+struct MessageSource {
+  std::uint32_t id = 0;
+  double rate_hz = 0;  ///< usual rate; 0: on request only
+  /// Sends it now; nothing while its content is unknown.
+  void (*send)(const Report& r) = nullptr;
+};
+std::span<const MessageSource> message_sources();
 
 }  // namespace cas::fcu

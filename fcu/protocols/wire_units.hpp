@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +15,12 @@ namespace cas::fcu {
 /// For fields that may hold NaN.
 inline float to_float(double value) { return static_cast<float>(value); }
 
+inline void put(const Eigen::Vector3d& v, float& x, float& y, float& z) {
+  x = to_float(v.x());
+  y = to_float(v.y());
+  z = to_float(v.z());
+}
+
 /// The nearest whole number that the field can hold; 0 for NaN.
 template <class Integer>
 Integer to_whole(double value) {
@@ -21,6 +28,11 @@ Integer to_whole(double value) {
   constexpr double kHigh = std::numeric_limits<Integer>::max();
   return std::isnan(value) ? Integer{0}
                            : static_cast<Integer>(std::clamp(std::round(value), kLow, kHigh));
+}
+
+/// Three fields of a message.
+inline Eigen::Vector3d vec(float x, float y, float z) {
+  return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
 }
 
 /// Hundredths (m/s to cm/s, A to cA, deg C to cdegC), rounded towards zero, within -32767..32767.
