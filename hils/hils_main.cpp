@@ -29,6 +29,8 @@
 #include "hils/programs/lockstep_run.hpp"
 #include "hils/programs/realtime_run.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/replay/replay_command.hpp"
+#include "hils/replay/replay_page.hpp"
 #include "hils/report/report.hpp"
 #include "hils/report/results_folder.hpp"
 #include "hils/run/station_endpoint.hpp"
@@ -133,7 +135,13 @@ int run(const RunFlags& flags) {
   for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
     write_ulog(request, result.vehicles[i].record, i);
   }
+  const bool has_replay = !write_replay(request, result).empty();
   fmt::print("{}\nResults: {}\n", text_report(result), flags.out);
+  if (has_replay) {
+    fmt::print("Replay:  {}\n", (std::filesystem::path(flags.out) / "replay.html").string());
+  } else {
+    fmt::print("{}\n", how_to_get_page());
+  }
   return result.verdict.exit_code();
 }
 
@@ -265,11 +273,13 @@ int main(int argc, char** argv) {
   CompareFlags compare_flags;
   const CLI::App* compare_command = add_compare(app, compare_flags);
   const SweepCommand sweep(app);
+  const ReplayCommand replay(app);
   base::cli::add_manual(app, "hils", std::string(CAS_VERSION));
   if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
   return guarded([&] {
     base::log::init("hils", base::log::parse_level(log_level));
     if (sweep.parsed()) return sweep.run();
+    if (replay.parsed()) return replay.run();
     return compare_command->parsed() ? compare(compare_flags) : run(flags);
   });
 }

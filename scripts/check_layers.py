@@ -27,6 +27,7 @@ EXTERNALS = {
     "libpng": ("png.h",),
     "sdformat": ("sdf/", "ignition/", "gz/"),
     "sqlite": ("sqlite3.h",),
+    "zlib": ("zlib.h",),
     "pybind11": ("pybind11/",),
     "Boost": ("boost/math/", "boost/random/"),
     "ncurses": ("ncurses", "curses.h"),
@@ -141,6 +142,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/measure": rooms("hils", "flight scenario run"),
     "hils/report": rooms("hils", "measure run"),
     "hils/ulog": rooms("hils", "measure run"),
+    "hils/replay": rooms("hils", "scenario run measure programs"),
     "hils/programs": rooms("hils", "flight scenario run measure"),
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
     "hils/firmware": rooms("hils", "flight run measure report programs"),
@@ -148,7 +150,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/sweep": rooms("hils", "flight scenario run measure report programs virtual"),
     "hils/env": rooms("hils", "sweep"),
     "hils/figures": rooms("hils", "measure report programs virtual"),
-    "hils": rooms("hils", "flight scenario run measure report ulog programs virtual firmware compare sweep"),
+    "hils": rooms("hils", "flight scenario run measure report ulog replay programs virtual firmware compare sweep"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

@@ -10,6 +10,7 @@ const kDegrees = 180 / Math.PI;
 /** Artificial horizon with speed, height, heading and climb: the truth, else the estimate. */
 class Horizon extends Part {
   private colours = {sky: '', ground: ''};
+  private drawn = '';
   private readonly onTheme = () => {
     this.colours = {sky: colour('pfs'), ground: colour('pfg')};
   };
@@ -40,6 +41,11 @@ class Horizon extends Part {
     const g = sized(canvas);
     const [W, H] = [canvas.clientWidth, canvas.clientHeight];
     const shown = page.bench.motion();
+    const old = page.bench.estimate()?.age_s ?? 0;
+    const key = `${W}x${H}|${this.colours.sky}|${shown?.motion.p.join()}|${shown?.motion.q.join()}|${shown?.motion.vel.join()}|${
+      shown?.label}|${Math.round(old * 10)}|${Math.round((shown?.motion.age_s ?? 0) * 10)}`;
+    if (key === this.drawn) return;  // nothing moved
+    this.drawn = key;
     g.save();
     g.beginPath();
     g.roundRect(0, 0, W, H, 7);

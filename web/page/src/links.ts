@@ -54,6 +54,7 @@ class Links extends Part {
   private height = 0;
   private shownTape: unknown;
   private tapeBegan_s = 0;
+  private played = -1;
   private readonly observer = new ResizeObserver(() => {
     this.width = this.clientWidth;
     this.height = this.clientHeight;
@@ -77,17 +78,22 @@ class Links extends Part {
     if (tape !== this.shownTape) {
       this.shownTape = tape;
       this.tapeBegan_s = now_s;
+      this.played = -1;
       this.requestUpdate();
     }
     if (!tape) return;
     const passed = page.source.player ? (time_s ?? 0) - tape.t_s : now_s - this.tapeBegan_s;
     const share = matchMedia('(prefers-reduced-motion: reduce)').matches ? 1 : Math.max(0, Math.min(1, passed / kTapePlay_s));
+    const step = Math.round(share * 240);  // finer is no pixel
+    if (step === this.played) return;
+    this.played = step;
     for (const head of this.querySelectorAll<SVGElement>('.head')) {
       const {x0, x1} = head.dataset as {x0: string; x1: string};
       head.setAttribute('transform', `translate(${Number(x0) + share * (Number(x1) - Number(x0))} 0)`);
     }
     for (const bar of this.querySelectorAll<SVGElement>('.packet')) {
-      bar.setAttribute('opacity', Number(bar.dataset.at) <= share ? '0.95' : '0.28');
+      const opacity = Number(bar.dataset.at) <= share ? '0.95' : '0.28';
+      if (bar.getAttribute('opacity') !== opacity) bar.setAttribute('opacity', opacity);
     }
   }
 

@@ -31,7 +31,7 @@ function hook(started_ms: number) {
         vehicles: bench.vehicles.map((vehicle) => ({name: vehicle.name, p: vehicle.sim?.p, rotors: vehicle.sim?.rotors})),
         drawn: shown?.label, estimate: bench.estimate(), reference: bench.vehicle?.reference, state: bench.vehicle?.state,
         camera: page.camera, cameraAt: world?.view?.camera.position.toArray(), tags: world?.view?.tags.map((tag) => tag.id) ?? [],
-        flat: world?.flat ?? '', frames: world?.view?.frames ?? 0, playing: page.source.player?.playing, speed: page.source.player?.speed,
+        flat: world?.flat ?? '', frames: world?.view?.frames ?? 0, playing: page.source?.player?.playing, speed: page.source?.player?.speed,
         links: bench.links?.hops, loop: bench.loop, tape: bench.tape?.around, verdict: bench.verdict?.state,
         happenings: bench.happenings.length, messages: bench.messages.length, question: page.question?.text, refusal: page.refusal,
         theme: theme(), firstData_ms: firstData_ms === undefined ? undefined : firstData_ms - started_ms,

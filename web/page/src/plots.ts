@@ -258,7 +258,8 @@ class Plots extends Part {
       const cursor = section.querySelector<HTMLElement>('.cursor-t')!;
       const x = entry && player ? entry.plot.valToPos(t, 'x') : -1;
       const inside = entry && x >= 0 && x <= entry.plot.over.clientWidth;
-      cursor.style.transform = inside ? `translateX(${(x + 14).toFixed(1)}px)` : 'translateX(-9999px)';
+      const to = inside ? `translateX(${Math.round(x + 22)}px)` : 'translateX(-9999px)';
+      if (cursor.style.transform !== to) cursor.style.transform = to;
     }
   }
 

@@ -248,6 +248,8 @@ export class View3D {
   private from?: {position: Vector3; target: Vector3};
   private readonly offset = new Vector3(-1.35, -1.9, 0.85);
   private built = '';
+  private shown = '';
+  private meshes = 0;
   private trailKey = '';
   private lastPosition: Vector3 | null = null;
   private readonly sides = new Map<string, boolean>();
@@ -419,6 +421,7 @@ export class View3D {
     const mesh = new Mesh(geometry, material);
     place(mesh, part.p, part.q);
     scene.add(mesh);
+    this.meshes++;
   }
 
   private addTrail(): void {
@@ -465,6 +468,9 @@ export class View3D {
     this.moveTrail(bench, replay);
     this.moveWind(bench);
     this.moveCamera(bench, passed);
+    const shown = `${this.built}|${bench.time_s}|${bench.paused}|${w}x${h}|${this.camera.matrixWorld.elements.join()}|${this.meshes}`;
+    if (shown === this.shown && this.changing === 0) return;  // nothing moved
+    this.shown = shown;
     this.renderer.render(this.scene, this.camera);
     this.tags = this.placeTags(bench, w, h);
     this.frames++;

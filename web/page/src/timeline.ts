@@ -71,7 +71,9 @@ class Timeline extends Part {
   protected override frame(): void {
     const head = this.querySelector<SVGElement>('.playhead');
     const {time_s} = page.bench;
-    if (head && time_s !== null) head.setAttribute('transform', `translate(${this.x(time_s).toFixed(1)} 0)`);
+    if (!head || time_s === null) return;
+    const to = `translate(${(Math.round(this.x(time_s) * 2) / 2).toFixed(1)} 0)`;
+    if (head.getAttribute('transform') !== to) head.setAttribute('transform', to);
   }
 
   protected override render() {

@@ -124,7 +124,7 @@ export class World extends Part {
     if (!this.view && !this.loading) void this.load();
     if (this.view) {
       this.view.draw(page.bench, now_s, Boolean(page.source.player));
-      if (this.view.tags.length > 0 || this.tags.length > 0) {
+      if (this.view.tags !== this.tags) {
         this.tags = this.view.tags;
         this.requestUpdate();
       }

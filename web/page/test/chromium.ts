@@ -5,11 +5,16 @@ import {chromium, type Browser, type Page} from 'playwright-core';
 /** Debian's chromium; nothing where it is not installed. */
 export const kChromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find((file) => existsSync(file));
 
+const kCommon = ['--no-sandbox', '--disable-dev-shm-usage'];
+
+/** A browser that draws WebGL on the processor. */
 export function launch(): Promise<Browser> {
-  return chromium.launch({
-    executablePath: kChromium!, headless: true,
-    args: ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox', '--disable-dev-shm-usage'],
-  });
+  return chromium.launch({executablePath: kChromium!, args: [...kCommon, '--use-angle=swiftshader', '--enable-unsafe-swiftshader']});
+}
+
+/** A browser without WebGL. */
+export function launchFlat(): Promise<Browser> {
+  return chromium.launch({executablePath: kChromium!, args: [...kCommon, '--disable-3d-apis']});
 }
 
 /** What the page says of itself (main.ts, hook). */

@@ -15,7 +15,7 @@ try {
     entryPoints: files.map((name) => join(here, name)), bundle: true, outdir: out, format: 'esm', platform: 'node',
     target: 'node18', outExtension: {'.js': '.mjs'}, packages: 'external', sourcemap: 'inline', logLevel: 'warning',
   });
-  const run = spawnSync(process.execPath, ['--test', ...readdirSync(out).map((name) => join(out, name))], {
+  const run = spawnSync(process.execPath, ['--test', '--test-concurrency=1', ...readdirSync(out).map((name) => join(out, name))], {
     stdio: 'inherit', env: {...process.env, CAS_PAGE: process.env.CAS_PAGE ?? join(here, '..', 'dist')},
   });
   process.exitCode = run.status ?? 1;

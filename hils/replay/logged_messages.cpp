@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/replay/logged_messages.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "casd/port/message_decoder.hpp"
+#include "casd/tlog/tlog_files.hpp"
+#include "hils/replay/column.hpp"
+#include "mavlink/common/extended_sys_state.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/statustext.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kSeriesPeriod_s = 0.0475;  // 20 Hz, with room for a stamp that jitters
+constexpr double kTimeStep_s = 0.001;
+constexpr std::size_t kMostElements = 8;  // of an array
+
+/// One number of a message over time.
+struct Series {
+  std::string unit;
+  std::vector<double> values;
+};
+
+/// One message over time.
+struct Logged {
+  std::map<std::int64_t, int> per_second;
+  std::vector<double> times_s;
+  std::vector<std::pair<std::string, Series>> fields;
+  double next_s = 0;
+
+  void add(const std::string& name, const std::string& unit, double value) {
+    const auto found = std::ranges::find(fields, name, &std::pair<std::string, Series>::first);
+    if (found != fields.end()) {
+      found->second.values.push_back(value);
+    } else {
+      fields.push_back({name, {.unit = unit, .values = {value}}});
+    }
+  }
+};
+
+/// Five figures of the largest value: finer than any plot shows; whole numbers stay whole.
+double step_of(const std::vector<double>& values) {
+  double most = 0;
+  bool whole = true;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    most = std::max(most, std::abs(value));
+    whole = whole && value == std::floor(value);
+  }
+  if (whole || most == 0) return 1;
+  return std::pow(10.0, std::floor(std::log10(most)) - 4);
+}
+
+void for_each_packet(const std::filesystem::path& tlog,
+                     const std::function<void(std::int64_t, const mav::PacketView&)>& use) {
+  casd::TlogReader log;
+  if (!log.open(tlog)) throw base::ConfigError("cannot read " + tlog.string());
+  mav::PacketParser parser(mavlink::common::table());
+  while (const auto record = log.next()) {
+    parser.reset();  // a damaged record must not swallow the next one
+    const auto stamp = static_cast<std::int64_t>(record->unix_us);
+    parser.feed(record->packet, [&](const mav::PacketView& packet) { use(stamp, packet); });
+  }
+}
+
+/// Puts together what a vehicle says.
+class Listener {
+ public:
+  void on_packet(double t_s, const mav::PacketView& packet) {
+    last_s_ = std::max(last_s_, t_s);
+    on_state(t_s, packet);
+    on_text(t_s, packet);
+    const mav::MessageInfo* info = mavlink::common::table().find(packet.message_id);
+    if (info == nullptr) return;
+    Logged& logged = messages_[std::string(info->name)];
+    ++logged.per_second[static_cast<std::int64_t>(std::floor(t_s))];
+    if (t_s < logged.next_s) return;
+    logged.next_s = t_s + kSeriesPeriod_s;
+    logged.times_s.push_back(t_s);
+    add_fields(packet, logged);
+  }
+
+  Json json() const {
+    Json messages = Json::array();
+    for (const auto& [name, logged] : messages_) messages.push_back(message_json(name, logged));
+    return {{"messages", std::move(messages)},
+            {"texts", texts_},
+            {"states", states_},
+            {"duration_s", last_s_}};
+  }
+
+ private:
+  void add_fields(const mav::PacketView& packet, Logged& logged) {
+    for (const auto& field : decoder_.fields(packet.message_id, packet.payload)) {
+      const auto name = field["name"].get<std::string>();
+      if (name.starts_with("time_")) continue;
+      const std::string unit = field.value("units", "");
+      const auto& value = field["value"];
+      if (value.is_number()) {
+        logged.add(name, unit, value.get<double>());
+      } else if (value.is_null()) {
+        logged.add(name, unit, std::nan(""));
+      } else if (value.is_array()) {
+        for (std::size_t i = 0; i < std::min(value.size(), kMostElements); ++i) {
+          logged.add(name + "[" + std::to_string(i) + "]", unit,
+                     value[i].is_number() ? value[i].get<double>() : std::nan(""));
+        }
+      }
+    }
+  }
+
+  void on_state(double t_s, const mav::PacketView& packet) {
+    std::array<std::uint32_t, 3> state = state_;
+    if (const auto heartbeat = mav::decode<mavlink::common::Heartbeat>(packet)) {
+      state[0] = static_cast<std::uint32_t>(heartbeat->base_mode);
+      state[1] = heartbeat->custom_mode;
+      heard_ = true;
+    }
+    if (const auto landed = mav::decode<mavlink::common::ExtendedSysState>(packet)) {
+      state[2] = static_cast<std::uint32_t>(landed->landed_state);
+    }
+    if (!heard_ || (state == state_ && !states_.empty())) return;
+    state_ = state;
+    states_.push_back({t_s, state[0], state[1], state[2]});
+  }
+
+  void on_text(double t_s, const mav::PacketView& packet) {
+    const auto text = mav::decode<mavlink::common::Statustext>(packet);
+    if (!text) return;
+    const std::string_view part = mav::text(text->text);
+    if (text->id == 0 || text->chunk_seq == 0) sentence_.clear();
+    sentence_ += part;
+    if (text->id != 0 && part.size() == text->text.size()) return;  // goes on in the next message
+    texts_.push_back({t_s, static_cast<int>(text->severity), sentence_});
+    sentence_.clear();
+  }
+
+  static Json message_json(const std::string& name, const Logged& logged) {
+    Json rates = Json::array();
+    for (const auto& [second, count] : logged.per_second) rates.push_back({second, count});
+    Json fields = Json::array();
+    for (const auto& [field, series] : logged.fields) {
+      if (series.values.size() != logged.times_s.size()) continue;  // an array that grew
+      Json entry{{"name", field}};
+      if (!series.unit.empty()) entry["unit"] = series.unit;
+      entry["values"] = column_json(series.values, step_of(series.values));
+      fields.push_back(std::move(entry));
+    }
+    return {{"name", name},
+            {"rates", std::move(rates)},
+            {"t", column_json(logged.times_s, kTimeStep_s)},
+            {"fields", std::move(fields)}};
+  }
+
+  casd::MessageDecoder decoder_;
+  std::map<std::string, Logged> messages_;
+  Json texts_ = Json::array();
+  Json states_ = Json::array();
+  std::array<std::uint32_t, 3> state_{};
+  bool heard_ = false;
+  std::string sentence_;
+  double last_s_ = 0;
+};
+
+}  // namespace
+
+Json logged_messages(const std::filesystem::path& tlog, std::uint8_t system,
+                     const ClockMap& clock) {
+  Listener listener;
+  std::optional<std::int64_t> first_us;
+  double before_s = 0;
+  for_each_packet(tlog, [&](std::int64_t stamp_us, const mav::PacketView& packet) {
+    if (!first_us) first_us = stamp_us;
+    if (packet.source.system != system) return;
+    const std::int64_t us = clock.empty() ? stamp_us - *first_us : clock.to_sim_us(stamp_us);
+    // A wall clock that is set back, or a log that begins before the simulation: time goes on.
+    before_s = std::max(before_s, 1e-6 * static_cast<double>(us));
+    listener.on_packet(before_s, packet);
+  });
+  return listener.json();
+}
+
+std::uint8_t first_autopilot(const std::filesystem::path& tlog) {
+  std::uint8_t system = 0;
+  for_each_packet(tlog, [&](std::int64_t, const mav::PacketView& packet) {
+    if (system != 0) return;
+    const auto heartbeat = mav::decode<mavlink::common::Heartbeat>(packet);
+    if (!heartbeat || heartbeat->autopilot == mavlink::common::MavAutopilot::kInvalid) return;
+    system = packet.source.system;
+  });
+  return system;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+#include "hils/measure/tracking.hpp"
+
+namespace cas::hils {
+
+/// What a vehicle said in a flight log, for the page:
+///
+///   messages: name, packets in each second, and each number as a series of at most 20 Hz
+///   texts:    STATUSTEXT, put together where it came in several packets
+///   states:   HEARTBEAT's mode and EXTENDED_SYS_STATE's landed state, when one of them changed
+///   duration_s: time of the last packet
+///
+/// @param clock  leads from the log's clock to simulated time; an empty one counts from the log's
+///               first packet
+/// @throws base::ConfigError when the log cannot be read
+nlohmann::ordered_json logged_messages(const std::filesystem::path& tlog, std::uint8_t system,
+                                       const ClockMap& clock);
+
+/// System of the first autopilot in a flight log; 0: there is none. @throws base::ConfigError
+std::uint8_t first_autopilot(const std::filesystem::path& tlog);
+
+}  // namespace cas::hils

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/replay/replay_command.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iterator>
+
+#include "base/error.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/replay/replay_page.hpp"
+#include "hils/replay/replay_record.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The gzipped record of a run's folder or of a flight log.
+std::string record_of(const fs::path& source) {
+  if (source.extension() == ".tlog") return gzip(tlog_record(source));
+  if (!fs::is_directory(source)) {
+    throw base::ConfigError(source.string() +
+                            ": neither the folder of a run nor a flight log (.tlog)");
+  }
+  const fs::path file = record_file(source);
+  std::ifstream in(file, std::ios::binary);
+  if (!in) {
+    throw base::ConfigError(source.string() + ": has no record (" +
+                            file.lexically_relative(source).string() +
+                            "); `hils run` leaves one in its --out folder");
+  }
+  std::string record{std::istreambuf_iterator<char>(in), {}};
+  gunzip(record);  // says so when it is cut
+  return record;
+}
+
+}  // namespace
+
+fs::path write_replay(const RunRequest& request, const RunResult& run) {
+  const std::string record = gzip(replay_record(request, run));
+  base::write_file(record_file(request.out), record, base::Durability::kCache);
+  if (!has_page()) return {};
+  fs::path file = request.out / "replay.html";
+  base::write_file(file, replay_page({&record, 1}), base::Durability::kCache);
+  return file;
+}
+
+ReplayCommand::ReplayCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "replay", "Make a page that replays a run, or two side by side, without a server");
+  command
+      ->add_option(
+          "SOURCE", sources_,
+          "Folder of a run or a flight log (.tlog); a second one is shown beside the first")
+      ->required()
+      ->expected(1, 2);
+  command->add_option("--out", out_, "File for the page (of one folder: its replay.html)");
+  command_ = command;
+}
+
+bool ReplayCommand::parsed() const { return command_->parsed(); }
+
+int ReplayCommand::run() const {
+  fs::path out = out_;
+  if (out.empty()) {
+    if (sources_.size() != 1 || !fs::is_directory(sources_.front())) {
+      throw base::ConfigError("--out FILE is needed, unless one folder of a run is replayed");
+    }
+    out = fs::path(sources_.front()) / "replay.html";
+  }
+  std::vector<std::string> records;
+  for (const std::string& source : sources_) records.push_back(record_of(source));
+  base::write_file(out, replay_page(records), base::Durability::kCache);
+  fmt::print("Replay: {}\n", out.string());
+  return 0;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/replay/replay_page.hpp"
+
+#include <zlib.h>
+
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+constexpr int kGzip = 16 + MAX_WBITS;  // a gzip header, not zlib's
+constexpr std::string_view kPlace = "<!--RECORDS-->";
+
+std::filesystem::path template_file() {
+  const auto folder = base::web_dir();
+  if (!folder || !std::filesystem::exists(*folder / "replay.html")) {
+    throw base::ConfigError(std::string(how_to_get_page()));
+  }
+  return *folder / "replay.html";
+}
+
+}  // namespace
+
+std::string gzip(std::string_view text) {
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzip, MAX_MEM_LEVEL,
+                   Z_DEFAULT_STRATEGY) != Z_OK) {
+    throw base::ConfigError("zlib cannot begin to compress");
+  }
+  std::string bytes(deflateBound(&stream, text.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));  // zlib only reads it
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+  stream.avail_out = static_cast<uInt>(bytes.size());
+  const int end = deflate(&stream, Z_FINISH);
+  bytes.resize(stream.total_out);
+  deflateEnd(&stream);
+  if (end != Z_STREAM_END) throw base::ConfigError("zlib could not compress a record");
+  return bytes;
+}
+
+std::string gunzip(std::string_view bytes) {
+  z_stream stream{};
+  if (inflateInit2(&stream, kGzip) != Z_OK) throw base::ConfigError("zlib cannot begin to read");
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib only reads it
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  std::string text;
+  std::array<char, 65536> part{};
+  int state = Z_OK;
+  while (state == Z_OK) {
+    stream.next_out = reinterpret_cast<Bytef*>(part.data());
+    stream.avail_out = static_cast<uInt>(part.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+    text.append(part.data(), part.size() - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  if (state != Z_STREAM_END) throw base::ConfigError("this is no record: it is not gzip, or cut");
+  return text;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) {
+      return i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U;
+    };
+    const std::uint32_t three = byte(0) << 16U | byte(1) << 8U | byte(2);
+    text += kLetters[three >> 18U & 63U];
+    text += kLetters[three >> 12U & 63U];
+    text += i + 1 < bytes.size() ? kLetters[three >> 6U & 63U] : '=';
+    text += i + 2 < bytes.size() ? kLetters[three & 63U] : '=';
+  }
+  return text;
+}
+
+std::string replay_page(std::span<const std::string> records) {
+  const std::filesystem::path file = template_file();
+  std::ifstream in(file, std::ios::binary);
+  std::string page{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t place = page.find(kPlace);
+  if (place == std::string::npos) {
+    throw base::ConfigError(file.string() + ": not the page of CAS: it has no place for records");
+  }
+  std::string blocks;
+  for (const std::string& record : records) {
+    blocks += "<script type=\"application/octet-stream\" class=\"record\">" + base64(record) +
+              "</script>\n";
+  }
+  return page.replace(place, kPlace.size(), blocks);
+}
+
+bool has_page() {
+  const auto folder = base::web_dir();
+  return folder && std::filesystem::exists(*folder / "replay.html");
+}
+
+std::string_view how_to_get_page() {
+  return "the page was not built, so there is no replay.html: install nodejs and npm "
+         "(scripts/setup run) and build again";
+}
+
+std::filesystem::path record_file(const std::filesystem::path& out) {
+  return out / "run" / "record.json.gz";
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace cas::hils {
+
+/// gzip of a text, the same bytes for the same text.
+std::string gzip(std::string_view text);
+/// What gzip() took. @throws base::ConfigError for other or damaged bytes
+std::string gunzip(std::string_view bytes);
+/// Base 64 of bytes (RFC 4648, Sect. 4).
+std::string base64(std::string_view bytes);
+
+/// The page that replays records without a server: replay.html of the built page with the records
+/// in it.
+///
+/// @param records  gzip of what replay_record() gives; the first is the one that is shown, the
+///                 second stands beside it
+/// @throws base::ConfigError where the page was not built, or is damaged
+std::string replay_page(std::span<const std::string> records);
+
+/// Whether replay_page() has a page to put records into.
+bool has_page();
+/// How to get one: a sentence.
+std::string_view how_to_get_page();
+
+/// Where a run's folder has its record.
+std::filesystem::path record_file(const std::filesystem::path& out);
+
+}  // namespace cas::hils

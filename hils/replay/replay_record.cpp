@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/replay/replay_record.hpp"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/config/vehicle.hpp"
+#include "base/error.hpp"
+#include "base/time/clock.hpp"
+#include "hils/measure/csv_row.hpp"
+#include "hils/programs/composition.hpp"
+#include "hils/replay/column.hpp"
+#include "hils/replay/hop_record.hpp"
+#include "hils/replay/logged_messages.hpp"
+#include "libsim/core/load/model_loader.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;
+constexpr double kTruthPeriod_s = 0.02;
+constexpr double kReferencePeriod_s = 0.05;
+constexpr double kTimeStep_s = 0.001;
+
+/// Columns of truth.csv with their names in the record, and what a pixel can show of them.
+struct TruthColumn {
+  std::string_view name;
+  double step;
+};
+constexpr std::array<TruthColumn, 13> kTruthColumns{{{"t", kTimeStep_s},
+                                                     {"x", 0.001},
+                                                     {"y", 0.001},
+                                                     {"z", 0.001},
+                                                     {"vx", 0.002},
+                                                     {"vy", 0.002},
+                                                     {"vz", 0.002},
+                                                     {"roll", 0.0005},
+                                                     {"pitch", 0.0005},
+                                                     {"yaw", 0.0005},
+                                                     {"p", 0.002},
+                                                     {"q", 0.002},
+                                                     {"r", 0.002}}};
+constexpr double kRotorStep_rad_s = 1;
+
+std::string dump(const Json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// truth.csv at 50 Hz; null where there is none.
+Json truth_json(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::vector<double>> columns;
+  std::string line;
+  std::getline(in, line);  // header
+  double next_s = 0;
+  while (std::getline(in, line)) {
+    const auto row = parse_csv_row(line);
+    if (!row || row->size() < kTruthColumns.size()) continue;  // the last line may be cut
+    if (row->front() < next_s) continue;
+    next_s = row->front() + kTruthPeriod_s - 1e-6;
+    columns.resize(row->size());
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      columns[i].push_back(i < row->size() ? (*row)[i] : 0);
+    }
+  }
+  if (columns.empty()) return nullptr;
+  Json truth;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const bool is_rotor = i >= kTruthColumns.size();
+    const std::string name = is_rotor ? "rotor" + std::to_string(i - kTruthColumns.size() + 1)
+                                      : std::string(kTruthColumns[i].name);
+    truth[name] = column_json(columns[i], is_rotor ? kRotorStep_rad_s : kTruthColumns[i].step);
+  }
+  return truth;
+}
+
+/// Where the vehicle was to be, in the axes of the truth, from its first climb to its landing.
+Json reference_json(const RunRecord& record) {
+  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
+  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
+  std::array<std::vector<double>, 5> columns;
+  bool climbed = false;
+  for (const Stage& stage : record.stages) {
+    climbed = climbed || stage.step.kind == StepKind::kTakeoff;
+    if (stage.step.kind == StepKind::kLand) climbed = false;
+    if (!climbed) continue;
+    const double begin = base::to_seconds(stage.begin);
+    const double end = base::to_seconds(stage.end);
+    for (double t = begin; t < end; t += kReferencePeriod_s) {
+      const Pose pose = reference_at(stage, std::llround(t * 1e6));
+      const std::array row{t, pose.x_m + start.x_m, pose.y_m + start.y_m, pose.z_m + start.z_m,
+                           pose.yaw_rad};
+      for (std::size_t i = 0; i < row.size(); ++i) columns[i].push_back(row[i]);
+    }
+  }
+  if (columns.front().empty()) return nullptr;
+  return {{"t", column_json(columns[0], kTimeStep_s)},
+          {"x", column_json(columns[1], 0.001)},
+          {"y", column_json(columns[2], 0.001)},
+          {"z", column_json(columns[3], 0.001)},
+          {"yaw", column_json(columns[4], 0.0005)}};
+}
+
+Json vector_json(const Eigen::Vector3d& v) {
+  const auto rounded = [](double x) { return std::round(x * 1e4) / 1e4; };
+  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
+}
+
+Json part_json(const sim::Shape& shape) {
+  Json part;
+  if (const auto* box = std::get_if<sim::Box>(&shape.geometry)) {
+    part = {{"shape", "box"}, {"size_m", vector_json(box->size_m)}};
+  } else if (const auto* ball = std::get_if<sim::Sphere>(&shape.geometry)) {
+    part = {{"shape", "sphere"}, {"radius_m", ball->radius_m}};
+  } else if (const auto* cylinder = std::get_if<sim::Cylinder>(&shape.geometry)) {
+    part = {{"shape", "cylinder"}, {"radius_m", cylinder->radius_m}, {"length_m", cylinder->length_m}};
+  } else {
+    return nullptr;
+  }
+  const Eigen::Quaterniond q(shape.pose.rotation());
+  part["p"] = vector_json(shape.pose.translation());
+  part["q"] = {q.w(), q.x(), q.y(), q.z()};
+  return part;
+}
+
+/// The vehicle as sim.scene describes it: collision shapes and rotors.
+Json scene_json(const base::Vehicle& vehicle) {
+  Json parts = Json::array();
+  if (!vehicle.urdf.empty()) {
+    for (const sim::Shape& shape : sim::load_vehicle_model(vehicle.urdf).shapes) {
+      if (Json part = part_json(shape); !part.is_null()) parts.push_back(std::move(part));
+    }
+  }
+  Json rotors = Json::array();
+  for (const base::Rotor& rotor : vehicle.rotors) {
+    rotors.push_back({{"p_B", vector_json(rotor.position_B_m)},
+                      {"axis_B", vector_json(rotor.axis_B)},
+                      {"radius_m", rotor.params.radius_m},
+                      {"spin", rotor.spin},
+                      {"k_f", rotor.params.thrust_coefficient},
+                      {"omega_max_rad_s", rotor.params.omega_max_rad_s}});
+  }
+  return {{"name", vehicle.name},
+          {"mass_kg", vehicle.mass_kg},
+          {"parts", std::move(parts)},
+          {"rotors", std::move(rotors)}};
+}
+
+Json number_or_null(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json checks_json(const Verdict& verdict) {
+  Json checks = Json::array();
+  for (const LimitCheck& check : verdict.checks) {
+    checks.push_back({{"what", check.what},
+                      {"validity", check.kind == LimitCheck::Kind::kValidity},
+                      {"value", number_or_null(check.value)},
+                      {"bound", number_or_null(check.bound)},
+                      {"least", check.sense == LimitCheck::Sense::kAtLeast},
+                      {"unit", check.unit},
+                      {"digits", check.digits},
+                      {"found", check.found},
+                      {"wanted", check.wanted},
+                      {"judged", check.judged},
+                      {"kept", check.kept}});
+  }
+  return checks;
+}
+
+Json stages_json(const RunRecord& record) {
+  Json stages = Json::array();
+  for (const Stage& stage : record.stages) {
+    if (stage.step.kind == StepKind::kEndTrajectory) continue;  // follows each trajectory by itself
+    stages.push_back({{"name", phase_of(stage.step)},
+                      {"step", to_string(stage.step.kind)},
+                      {"begin_s", base::to_seconds(stage.begin)},
+                      {"end_s", base::to_seconds(stage.end)},
+                      {"measured", stage.step.measure}});
+  }
+  return stages;
+}
+
+Json faults_json(const RunRecord& record) {
+  Json faults = Json::array();
+  for (const auto& fault : record.faults) {
+    faults.push_back({{"name", fault.name},
+                      {"begin_s", base::to_seconds(fault.begin)},
+                      {"end_s", fault.end ? Json(base::to_seconds(*fault.end)) : Json(nullptr)}});
+  }
+  return faults;
+}
+
+/// Crashes and their kin, changed parameters, and commands from outside.
+Json events_json(const Measurement& figures) {
+  Json events = Json::array();
+  for (const Incident& incident : figures.incidents) {
+    events.push_back(
+        {{"t_s", incident.time_s}, {"kind", "incident"}, {"text", "the vehicle " + incident.what}});
+  }
+  for (const ParameterChange& change : figures.changes.parameters) {
+    Json event{{"t_s", change.time_s},
+               {"kind", "parameter"},
+               {"text", change.parameter},
+               {"before", number_or_null(change.before)},
+               {"after", number_or_null(change.after)},
+               {"by", change.by}};
+    events.push_back(std::move(event));
+  }
+  for (const OutsideAct& act : figures.changes.acts) {
+    events.push_back({{"t_s", act.time_s}, {"kind", "act"}, {"text", act.what}, {"by", act.by}});
+  }
+  return events;
+}
+
+Json responses_json(const Measurement& figures) {
+  Json responses = Json::array();
+  for (const StepResponse& response : figures.responses) {
+    responses.push_back({{"name", response.name},
+                         {"size_m", response.size},
+                         {"rise_s", number_or_null(response.rise_s)},
+                         {"overshoot_pct", number_or_null(response.overshoot_pct)},
+                         {"settling_s", number_or_null(response.settling_s)},
+                         {"integrated_error_m_s", number_or_null(response.integrated_error)}});
+  }
+  return responses;
+}
+
+Json vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult& result) {
+  const RunRecord& record = result.record;
+  Json vehicle{{"name", record.vehicle},
+               {"system", record.system},
+               {"scene", scene_json(base::Vehicle::load(request.scenario.vehicles.at(i).vehicle))},
+               {"passed", result.verdict.passed},
+               {"checks", checks_json(result.verdict)},
+               {"stages", stages_json(record)},
+               {"faults", faults_json(record)},
+               {"events", events_json(result.figures)},
+               {"responses", responses_json(result.figures)},
+               {"truth", truth_json(record.truth_csv)},
+               {"reference", reference_json(record)},
+               {"link", hop_record(record)}};
+  vehicle["log"] = std::filesystem::exists(record.flight_tlog)
+                       ? logged_messages(record.flight_tlog, record.system, record.log_clock)
+                       : Json(nullptr);
+  return vehicle;
+}
+
+/// What lies between casd and the controller: a serial line with its rate, or UDP.
+Json line_json(const RunRequest& request) {
+  if (request.architecture == Architecture::kDirect) return {{"type", "none"}};
+  if (request.architecture == Architecture::kSitl) return {{"type", "udp"}};
+  const double baud =
+      request.fcu_device.empty() ? static_cast<double>(line_of(request).baud) : request.fcu_baud;
+  return {{"type", "serial"}, {"baud", baud}};
+}
+
+}  // namespace
+
+std::string replay_record(const RunRequest& request, const RunResult& run) {
+  const Measurement whole = run.whole();
+  Json record{{"format", kFormat},
+              {"cas", CAS_VERSION},
+              {"name", request.scenario.name},
+              {"description", request.scenario.description},
+              {"seed", request.seed},
+              {"architecture", to_string(request.architecture)},
+              {"virtual", whole.virtual_clock},
+              {"duration_s", whole.simulated_s},
+              {"rate", whole.pace.real_time_factor},
+              {"nominal_hz",
+               {{"HIL_SENSOR", request.scenario.rates.sensor_hz},
+                {"HIL_GPS", request.scenario.rates.gps_hz},
+                {"HIL_CONTROLS", request.scenario.rates.controls_hz},
+                {"HIL_ACTUATOR_CONTROLS", request.scenario.rates.controls_hz}}},
+              {"line", line_json(request)},
+              {"controller", request.fcu_device.empty() ? "fcu_emulator" : request.fcu_device},
+              {"verdict",
+               {{"valid", run.verdict.valid},
+                {"passed", run.verdict.passed},
+                {"failures", run.verdict.failures}}},
+              {"vehicles", Json::array()}};
+  for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
+    record["vehicles"].push_back(vehicle_json(request, i, run.vehicles[i]));
+  }
+  return dump(record);
+}
+
+std::string tlog_record(const std::filesystem::path& tlog) {
+  const std::uint8_t system = first_autopilot(tlog);
+  if (system == 0) throw base::ConfigError(tlog.string() + ": no autopilot is in this log");
+  Json log = logged_messages(tlog, system, {});
+  const Json duration_s = log["duration_s"];
+  const Json vehicle{{"name", tlog.stem().string()}, {"system", system}, {"log", std::move(log)}};
+  return dump({{"format", kFormat},
+               {"cas", CAS_VERSION},
+               {"name", tlog.filename().string()},
+               {"duration_s", duration_s},
+               {"vehicles", Json::array({vehicle})}});
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "hils/measure/run_result.hpp"
+#include "hils/run/run_request.hpp"
+
+namespace cas::hils {
+
+/// A finished run as the page replays it (docs/web.md, "The record"), as JSON text: of each vehicle
+/// its shape, truth, estimate, reference, messages, hops, stages, faults and checks, and what
+/// happened when. The same run gives the same bytes. @throws base::ConfigError when its files
+/// cannot be read
+std::string replay_record(const RunRequest& request, const RunResult& run);
+
+/// The record of a flight log alone: no truth, no hops, no verdict. @throws base::ConfigError when
+/// it cannot be read, or no autopilot is in it
+std::string tlog_record(const std::filesystem::path& tlog);
+
+}  // namespace cas::hils

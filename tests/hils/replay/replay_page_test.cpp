@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/replay/replay_page.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/replay/column.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::hils {
+namespace {
+
+TEST(ReplayColumn, IsTheDifferencesOfWholeSteps) {
+  const std::vector<double> values{1.0, 1.26, std::nan(""), -0.5};
+  EXPECT_EQ(column_json(values, 0.5).dump(), R"({"k":0.5,"d":[2,1,0,-4]})");
+  const std::vector<double> huge{std::numeric_limits<double>::max()};
+  EXPECT_EQ(column_json(huge, 1).at("d").at(0).get<double>(), 9e15);
+}
+
+TEST(ReplayPage, Base64IsThatOfTheStandard) {  // RFC 4648, Sect. 10
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foob\xff"), "Zm9vYv8=");
+}
+
+TEST(ReplayPage, GzipIsRepeatableAndComesBack) {
+  const std::string text(100'000, 'a');
+  EXPECT_EQ(gzip(text), gzip(text));
+  EXPECT_LT(gzip(text).size(), 1000U);
+  EXPECT_EQ(gunzip(gzip(text)), text);
+  EXPECT_THROW(gunzip("no record"), base::ConfigError);
+  const std::string whole = gzip(text);
+  EXPECT_THROW(gunzip(whole.substr(0, whole.size() / 2)), base::ConfigError);
+}
+
+/// CAS_WEB_PATH as long as it lives.
+class WebPath {
+ public:
+  explicit WebPath(const std::string& folder) { ::setenv("CAS_WEB_PATH", folder.c_str(), 1); }
+  ~WebPath() { ::unsetenv("CAS_WEB_PATH"); }
+  WebPath(const WebPath&) = delete;
+  WebPath& operator=(const WebPath&) = delete;
+};
+
+TEST(ReplayPage, HasTheRecordsInTheirPlace) {
+  const cas::test::TemporaryFolder folder;
+  base::write_file(folder.path() / "index.html", "-");
+  base::write_file(folder.path() / "replay.html", "<body><!--RECORDS--></body>");
+  const WebPath path(folder.path().string());
+  const std::vector<std::string> records{"foo", "f"};
+  EXPECT_EQ(replay_page(records),
+            "<body><script type=\"application/octet-stream\" class=\"record\">Zm9v</script>\n"
+            "<script type=\"application/octet-stream\" class=\"record\">Zg==</script>\n</body>");
+}
+
+TEST(ReplayPage, OfAnotherMakeIsRefused) {
+  const cas::test::TemporaryFolder folder;
+  base::write_file(folder.path() / "index.html", "-");
+  base::write_file(folder.path() / "replay.html", "<body></body>");
+  const WebPath path(folder.path().string());
+  const std::string record = "foo";
+  EXPECT_THROW(replay_page({&record, 1}), base::ConfigError);
+}
+
+}  // namespace
+}  // namespace cas::hils

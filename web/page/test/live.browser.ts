@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page against a casweb that is a few lines: docs/web_protocol.md, spoken by the test.
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import {extname, join} from 'node:path';
+import {after, before, test} from 'node:test';
+import type {Browser, Page, WebSocketRoute} from 'playwright-core';
+import {complaints, launch, scene, until} from './chromium.ts';
+import {makeRecord, placeAt} from './fixture.ts';
+
+const kAddress = 'http://127.0.0.1:5791';
+const kPolicy = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'none'; connect-src 'self'; " +
+  "worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+let browser: Browser;
+before(async () => { browser = await launch(); });
+after(() => browser.close());
+
+interface Call {
+  method: string;
+  params: Record<string, unknown>;
+}
+
+/** A casweb that answers, and remembers what it was asked. */
+class FakeServer {
+  calls: Call[] = [];
+  acks: {topic: string; seq: number}[] = [];
+  readOnly = false;
+  refuses = new Map<string, string>();
+  landed = 'on_ground';
+  armed = false;
+  hil = true;
+  private socket?: WebSocketRoute;
+  private seq = 0;
+  private time_s = 10;
+
+  async serve(page: Page): Promise<void> {
+    await page.route(`${kAddress}/**`, (route) => {
+      const path = new URL(route.request().url()).pathname;
+      const file = join(process.env.CAS_PAGE!, path === '/' ? 'index.html' : path);
+      const types: Record<string, string> = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css'};
+      return route.fulfill({body: readFileSync(file), contentType: types[extname(file)] ?? 'text/plain', headers: {'Content-Security-Policy': kPolicy}});
+    });
+    await page.routeWebSocket(`${kAddress.replace('http', 'ws')}/rpc`, (socket) => {
+      this.socket = socket;
+      socket.onMessage((text) => this.onMessage(JSON.parse(String(text)) as {id?: number; method: string; params: Record<string, unknown>}));
+    });
+  }
+
+  private onMessage({id, method, params}: {id?: number; method: string; params: Record<string, unknown>}): void {
+    if (method === 'ack') {
+      this.acks.push(params as {topic: string; seq: number});
+      this.feed(params.topic as string);
+      return;
+    }
+    this.calls.push({method, params});
+    const refusal = this.refuses.get(method);
+    const answer = refusal ? {error: {code: -32000, message: refusal}} : {result: this.answer(method)};
+    this.socket!.send(JSON.stringify({jsonrpc: '2.0', id, ...answer}));
+    if (method === 'watch') for (const topic of ['sim', 'vehicle', 'links', 'messages']) this.feed(topic);
+  }
+
+  private answer(method: string): unknown {
+    const record = makeRecord();
+    switch (method) {
+      case 'hello': return {
+        protocol: 1, casweb: '0.1.0', read_only: this.readOnly, source: 'live', casd: '0.1.0', hilsim: '0.1.0', clock: {sim_s: 10, rate: 1, paused: false},
+        topics: {sim: 60, links: 2, loop: 1, messages: 1, value: 10, vehicle: 10}, scenario: {name: 'hover', seed: 1, limits: {}},
+        methods: this.readOnly ? ['ack', 'watch'] : ['ack', 'watch', 'vehicle.hold', 'vehicle.arm'],
+      };
+      case 'sim.scene': return {hash: 'a', vehicles: [record.vehicles[0]!.scene], world: [{shape: 'plane', p: [0, 0, 0], q: [1, 0, 0, 0]}, {shape: 'box', size_m: [1, 2, 3], p: [5, 5, 1.5], q: [1, 0, 0, 0]}]};
+      case 'bench.status': return {programs: [{name: 'hilsim', state: 'up', version: '0.1.0'}, {name: 'casd', state: 'up', version: '0.1.0'}]};
+      case 'gain.list': return {loops: [{loop: 'position', parameters: {p: 'MPC_XY_P'}}]};
+      case 'gain.get': return {loop: 'position', p: 0.6};
+      case 'gain.set': return {loop: 'position', p: 0.9, before: {p: 0.6}};
+      default: return {result: 'ACCEPTED'};
+    }
+  }
+
+  /** The next snapshot of a topic. */
+  feed(topic: string): void {
+    this.time_s += topic === 'sim' ? 0.05 : 0;
+    const [n, e, u] = placeAt(this.time_s);
+    const snaps: Record<string, object> = {
+      sim: {t_s: this.time_s, rate: 1, paused: false, v: [{p: [e, n, u], q: [0.7071, 0, 0, 0.7071], vel: [0, 0, 0], w: [0, 0, 0], rotors: [800, 800, 800, 800]}], wind_W: [3, 1, 0]},
+      vehicle: {vehicles: [{state: {
+        system: 1, autopilot: 'PX4', armed: this.armed, hil: this.hil, mode: 'HOLD', landed: this.landed, heartbeat_age_s: 0.2, link: 'fcu',
+        attitude: {roll_rad: 0, pitch_rad: 0, yaw_rad: 0, age_s: 0.02}, position_N: {x_m: n, y_m: e, z_m: -u, vx_m_s: 0, vy_m_s: 0, vz_m_s: 0, age_s: 0.02},
+      }, telemetry: {}}]},
+      links: {hops: [
+        {from: 'sim', to: 'casd', link: 'sim', type: 'udp', state: 'up', msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, lost: 0, measured: 'none'},
+        {from: 'casd', to: 'fcu', link: 'fcu', type: 'serial', state: 'up', baud: 921600, full: 0.4, queued: 0, high_water: 12, msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, measured: 'none'},
+        {from: 'fcu', to: 'casd', link: 'fcu', type: 'serial', state: 'up', full: 0.28, msgs: {HIL_CONTROLS: 400, HEARTBEAT: 1}, lost: 0, measured: 'none'},
+        {from: 'casd', to: 'sim', link: 'sim', type: 'udp', state: 'up', msgs: {HIL_CONTROLS: 400}, measured: 'none'},
+      ], forward_us: [{from: 'sim', to: 'fcu', count: 1, p50: 28, p99: 132}]},
+      messages: {messages: [{link: 'fcu', direction: 'rx', id: 0, name: 'HEARTBEAT', system: 1, component: 1, count: 9, hz: 1, age_s: 0.3}]},
+    };
+    this.say(`snap.${topic}`, {seq: ++this.seq, ...snaps[topic]});
+  }
+
+  say(method: string, params: object): void {
+    this.socket?.send(JSON.stringify({jsonrpc: '2.0', method, params}));
+  }
+  cut(): void {
+    void this.socket?.close({code: 1001});
+  }
+}
+
+async function open(server: FakeServer, width = 1280): Promise<{page: Page; errors: string[]}> {
+  const page = await browser.newPage({viewport: {width, height: 800}, colorScheme: 'dark'});
+  const errors = complaints(page);
+  await server.serve(page);
+  await page.goto(`${kAddress}/#k=secret-token`);
+  await until(page, 'the bench is live', (now) => now.connection === 'live' && now.drawn === 'truth');
+  return {page, errors};
+}
+
+test('a live bench is shown, each snapshot acknowledged, and the token leaves the address', async () => {
+  const server = new FakeServer();
+  const {page, errors} = await open(server);
+  const before = (await scene(page)).time_s!;
+  await until(page, 'it goes on', (now) => now.time_s! > before + 0.5 && now.frames > 0);
+  assert.equal(server.calls[0]!.method, 'hello');
+  assert.equal(server.calls[0]!.params.token, 'secret-token');
+  assert.ok(!page.url().includes('secret'), page.url());
+  assert.ok(server.acks.some((ack) => ack.topic === 'sim') && server.acks.some((ack) => ack.topic === 'links'));
+  await page.getByText('delay not measured').first().waitFor({state: 'attached'});
+  server.say('event.statustext', {vehicle: 1, severity: 'warning', text: '<img src=x onerror=alert(1)>'});
+  server.say('event.unknown', {what: 1});
+  await page.getByRole('tab', {name: 'Log'}).first().click();
+  await page.getByText('<img src=x').first().waitFor();
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test('arming asks, holding does not, and a refusal stands in the vehicle\'s own words', async () => {
+  const server = new FakeServer();
+  server.refuses.set('vehicle.arm', 'Preflight Fail: heading estimate invalid');
+  const {page} = await open(server);
+  const asked = (method: string) => server.calls.filter((call) => call.method === method).length;
+  await page.getByRole('button', {name: /^Arm/}).click();
+  assert.equal((await scene(page)).question, 'Arm vehicle 1?');
+  assert.equal(asked('vehicle.arm'), 0, 'only asked');
+  await page.keyboard.press('Escape');
+  await until(page, 'the question is gone', (now) => now.question === undefined);
+  await page.keyboard.press('a');
+  await until(page, 'it asks by key, too', (now) => now.question === 'Arm vehicle 1?');
+  await page.getByRole('button', {name: /^Arm/}).click();
+  await until(page, 'it is refused', (now) => now.refusal.includes('heading estimate'));
+  assert.equal(asked('vehicle.arm'), 1);
+  await page.getByText('Preflight Fail: heading estimate invalid').waitFor();
+  await page.keyboard.press('h');
+  await until(page, 'hold is done at once', () => asked('vehicle.hold') === 1);
+  await page.close();
+});
+
+test('a click on the ground is a place to go to, once it was answered', async () => {
+  const server = new FakeServer();
+  server.armed = true;
+  server.landed = 'in_air';
+  const {page} = await open(server);
+  await until(page, 'a picture', (now) => now.frames > 0);
+  await page.keyboard.press('g');
+  const box = (await page.locator('canvas.gl').boundingBox())!;
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height * 0.8);
+  await until(page, 'it asks', (now) => /^Go to .* north, .* east, .* up\?$/.test(now.question ?? ''));
+  await page.keyboard.press('Enter');
+  await until(page, 'it goes', () => server.calls.some((call) => call.method === 'vehicle.goto'));
+  const {params} = server.calls.find((call) => call.method === 'vehicle.goto')!;
+  assert.equal(typeof params.north_m, 'number');
+  assert.ok((params.down_m as number) < 0);
+  await page.close();
+});
+
+test('gains are set after a question and undone', async () => {
+  const server = new FakeServer();
+  const {page} = await open(server);
+  await page.getByRole('tab', {name: 'Gains'}).first().click();
+  await page.getByLabel('New P').fill('0.9');
+  await page.getByRole('button', {name: 'Apply'}).click();
+  await page.getByRole('button', {name: /^Set/}).click();
+  await until(page, 'it is set', () => server.calls.some((call) => call.method === 'gain.set' && call.params.p === 0.9));
+  await page.getByRole('button', {name: 'Undo'}).click();
+  await until(page, 'it is set back', () => server.calls.some((call) => call.method === 'gain.set' && call.params.p === 0.6));
+  await page.close();
+});
+
+test('a lost server is told at once, nothing looks live, and the page comes back', async () => {
+  const server = new FakeServer();
+  const {page} = await open(server);
+  server.cut();
+  await until(page, 'it says lost', (now) => now.connection === 'lost');
+  await page.getByText('nothing can be commanded').waitFor();
+  await until(page, 'it is back', (now) => now.connection === 'live');
+  assert.ok(server.calls.filter((call) => call.method === 'hello').length >= 2);
+  await page.close();
+});
+
+test('view only has no commands, and a vehicle out of HIL is not commanded', async () => {
+  const server = new FakeServer();
+  server.readOnly = true;
+  const {page} = await open(server, 400);
+  await page.getByText('View only.').waitFor();
+  assert.equal(await page.getByRole('button', {name: /^Arm/}).count(), 0);
+  const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(wider <= 0, `${wider} px too wide`);
+  await page.close();
+  const other = new FakeServer();
+  other.hil = false;
+  const second = await open(other);
+  await second.page.getByText('does not say that it is in HIL').waitFor();
+  assert.equal(await second.page.getByRole('button', {name: /^Arm/}).count(), 0);
+  await second.page.close();
+});

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// replay.html from file:// in a real browser; asserts on what the page says of itself, never on pixels.
+import assert from 'node:assert/strict';
+import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {pathToFileURL} from 'node:url';
+import type {Browser, Page} from 'playwright-core';
+import {complaints, launch, launchFlat, scene, until} from './chromium.ts';
+import {kDuration_s, makeRecord, pack} from './fixture.ts';
+
+let browser: Browser;
+const folder = mkdtempSync(join(tmpdir(), 'cas-page-'));
+before(async () => { browser = await launch(); });
+after(async () => {
+  await browser.close();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+/** A replay with these blocks; answers its address. */
+function replay(name: string, blocks: string[]): string {
+  const html = readFileSync(join(process.env.CAS_PAGE!, 'replay.html'), 'utf8');
+  const records = blocks.map((block) => `<script type="application/octet-stream" class="record">${block}</script>`).join('\n');
+  const file = join(folder, `${name}.html`);
+  writeFileSync(file, html.replace('<!--RECORDS-->', () => records));
+  return pathToFileURL(file).href;
+}
+
+async function open(address: string, width = 1280, height = 800, dark = true): Promise<{page: Page; errors: string[]}> {
+  const page = await browser.newPage({viewport: {width, height}, colorScheme: dark ? 'dark' : 'light'});
+  const errors = complaints(page);
+  await page.goto(address);
+  return {page, errors};
+}
+
+test('a replay opens from a file, plays, and complains of nothing', async () => {
+  const {page, errors} = await open(replay('one', [pack(makeRecord())]));
+  const first = await until(page, 'a picture', (now) => now.frames > 0);
+  assert.equal(first.connection, 'record');
+  assert.equal(first.time_s, 8, 'at the measured stage');
+  assert.equal(first.drawn, 'truth');
+  assert.equal(first.verdict, 'failed');
+  assert.ok(first.tags.includes('est') || first.tags.includes('ref'));
+  await page.getByRole('button', {name: 'Play', exact: true}).click();
+  await until(page, 'time goes on', (now) => now.time_s! > 8.2 && now.playing === true);
+  await page.keyboard.press('Space');
+  await until(page, 'it stands', (now) => now.playing === false);
+  await page.keyboard.press('=');
+  assert.equal((await scene(page)).speed, 2);
+  await page.keyboard.press('Home');
+  assert.equal((await scene(page)).time_s, 0);
+  await page.keyboard.press('n');
+  await until(page, 'the next event is arming', (now) => now.time_s === 2);
+  await page.keyboard.press('n');
+  await until(page, 'then the gust', (now) => now.time_s === 18);
+  for (const [key, camera] of [['2', 'follow'], ['3', 'chase'], ['4', 'top'], ['1', 'orbit']] as const) {
+    await page.keyboard.press(key);
+    assert.equal((await scene(page)).camera, camera);
+  }
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test('the timeline scrubs, the log jumps, and a plot takes a field', async () => {
+  const {page, errors} = await open(replay('scrub', [pack(makeRecord())]));
+  await until(page, 'a picture', (now) => now.frames > 0);
+  const slider = page.getByRole('slider', {name: 'Time in the record'});
+  const box = (await slider.boundingBox())!;
+  await page.mouse.click(box.x + 14 + (box.width - 28) / 2, box.y + 40);
+  const middle = (await scene(page)).time_s!;
+  assert.ok(Math.abs(middle - kDuration_s / 2) < 0.2, `${middle}`);
+  await page.getByRole('tab', {name: 'Log'}).first().click();
+  await page.getByRole('button', {name: /GPS.* is weak/}).first().click();
+  assert.equal((await scene(page)).time_s, 26);
+  assert.equal(await page.locator('.log b').count(), 0, 'text from the wire is no HTML');
+  await page.getByRole('tab', {name: 'Messages'}).first().click();
+  await page.getByRole('button', {name: 'Plot LOCAL_POSITION_NED.x'}).first().click();
+  await page.getByRole('tab', {name: 'Plots'}).first().click();
+  await page.locator('[aria-label="LOCAL_POSITION_NED.x"] canvas').first().waitFor();
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test('the loss is told: hop, tape and limits', async () => {
+  const {page} = await open(replay('loss', [pack(makeRecord())]));
+  await until(page, 'a picture', (now) => now.frames > 0);
+  await page.keyboard.press('Home');
+  for (let i = 0; i < 4; ++i) await page.keyboard.press('n');  // arming, gust, its end, loss
+  const now = await until(page, 'at the loss', (scene) => scene.time_s === 24);
+  assert.equal(now.links!.find((hop) => hop.to === 'fcu')!.lost, 7);
+  await page.keyboard.press('ArrowRight');
+  await until(page, 'the tape around it', (scene) => scene.tape === 'loss');
+  await page.getByText('7 of 20000 HIL_SENSOR were lost').waitFor();
+  await page.close();
+});
+
+test('two runs lie over each other', async () => {
+  const {page, errors} = await open(replay('two', [pack(makeRecord('a')), pack(makeRecord('b', 3))]));
+  await until(page, 'a picture', (now) => now.frames > 0);
+  await page.getByText('A · B').waitFor();
+  await page.getByText('truth B').first().waitFor();
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test('a flight log alone is drawn at its estimate', async () => {
+  const whole = makeRecord('log.tlog');
+  const {name, system, log} = whole.vehicles[0]!;
+  const bare = {format: 1, name: whole.name, duration_s: whole.duration_s, vehicles: [{name, system, log}]};
+  const {page, errors} = await open(replay('log', [pack(bare)]));
+  const now = await until(page, 'a picture', (scene) => scene.frames > 0);
+  assert.equal(now.drawn, 'estimate');
+  await page.getByText('not recorded').first().waitFor({state: 'attached'});
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test('a damaged record is a sentence', async () => {
+  const {page} = await open(replay('damaged', ['AAAA']));
+  await page.getByText('The record cannot be read').waitFor();
+  await page.close();
+});
+
+test('each control has a name, and no label is cut or touches its neighbour', async () => {
+  for (const [width, height] of [[1280, 800], [1920, 1080], [400, 800]] as const) {
+    const {page} = await open(replay('names', [pack(makeRecord())]), width, height);
+    await until(page, 'a picture', (now) => now.frames > 0);
+    const nameless = await page.evaluate(() => [...document.querySelectorAll('button, select, input, canvas:not(.uplot canvas), [role=slider]')]
+      .filter((each) => !(each.getAttribute('aria-label') ?? each.textContent ?? '').trim()).map((each) => each.outerHTML.slice(0, 120)));
+    assert.deepEqual(nameless, [], `at ${width}`);
+    const touching = await page.evaluate(() => {
+      const texts = [...document.querySelectorAll('cas-links svg text')].map((each) => ({text: each.textContent!.trim(), box: each.getBoundingClientRect()}));
+      const frame = document.querySelector('#link')!.getBoundingClientRect();
+      const found: string[] = [];
+      texts.forEach((a, i) => {
+        if (a.text && (a.box.left < frame.left || a.box.right > frame.right + 0.5)) found.push(`cut: ${a.text}`);
+        for (const b of texts.slice(i + 1)) {
+          const over = Math.min(a.box.right, b.box.right) - Math.max(a.box.left, b.box.left);
+          const high = Math.min(a.box.bottom, b.box.bottom) - Math.max(a.box.top, b.box.top);
+          if (a.text && b.text && over > 0.5 && high > 4) found.push(`${a.text} | ${b.text}`);
+        }
+      });
+      return found;
+    });
+    assert.deepEqual(touching, [], `at ${width}`);
+    const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(wider <= 0, `${wider} px too wide at ${width}`);
+    await page.close();
+  }
+});
+
+test('nothing moves its place after it was drawn', async () => {
+  const {page} = await open(replay('still', [pack(makeRecord())]), 1280, 800, false);
+  const now = await until(page, 'a picture', (each) => each.frames > 0);
+  await page.keyboard.press('Space');
+  await until(page, 'it plays', (each) => each.time_s! > 8.5);
+  const {shift, paint_ms} = await page.evaluate(async () => {
+    const shifts = await new Promise<number>((done) => {
+      let sum = 0;
+      new PerformanceObserver((list) => {
+        for (const entry of list.getEntries()) sum += (entry as unknown as {value: number}).value;
+      }).observe({type: 'layout-shift', buffered: true});
+      setTimeout(() => done(sum), 200);
+    });
+    return {shift: shifts, paint_ms: performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? 0};
+  });
+  assert.ok(shift < 0.001, `layout shift ${shift}`);
+  console.log(`first frame ${paint_ms.toFixed(0)} ms, first data ${now.firstData_ms?.toFixed(0)} ms after the script began`);
+  await page.close();
+});
+
+test('without WebGL there is a map, and all else works', async () => {
+  const flat = await launchFlat();
+  const page = await flat.newPage({viewport: {width: 1280, height: 800}});
+  await page.goto(replay('flat', [pack(makeRecord())]));
+  await until(page, 'the map', (now) => now.flat !== '');
+  await page.keyboard.press('Space');
+  await until(page, 'it plays', (now) => now.time_s! > 8.2);
+  await flat.close();
+});
