@@ -15,26 +15,12 @@
 #include "casd/station/gain_map.hpp"
 #include "casd/station/param_exchange.hpp"
 #include "casd/station/vehicle_modes.hpp"
-#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_packets.hpp"
 #include "hils/flight/flight_step.hpp"
 #include "hils/measure/run_record.hpp"
-#include "mavlink/common/command_int.hpp"
-#include "mavlink/common/command_long.hpp"
-#include "mavlink/common/heartbeat.hpp"
-#include "mavlink/common/manual_control.hpp"
-#include "mavlink/common/mission_clear_all.hpp"
-#include "mavlink/common/mission_count.hpp"
-#include "mavlink/common/mission_set_current.hpp"
-#include "mavlink/common/param_set.hpp"
-#include "mavlink/common/param_value.hpp"
-#include "mavlink/common/rc_channels_override.hpp"
-#include "mavlink/common/set_attitude_target.hpp"
-#include "mavlink/common/set_mode.hpp"
-#include "mavlink/common/set_position_target_global_int.hpp"
-#include "mavlink/common/set_position_target_local_ned.hpp"
+#include "mavlink/common/all.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
-#include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
 
@@ -338,16 +324,10 @@ bool FlightChanges::from_outside() const {
 FlightChanges flight_changes(const RunRecord& record, const casd::GainMap& gains,
                              bool own_station) {
   ChangeReader reader(record, gains, own_station);
-  casd::TlogReader log;
-  if (log.open(record.flight_tlog)) {
-    mav::PacketParser parser(table());
-    while (const auto entry = log.next()) {
-      parser.reset();  // a damaged record must not swallow the next one
-      parser.feed(entry->packet, [&](const mav::PacketView& packet) {
-        reader.on_packet(static_cast<std::int64_t>(entry->unix_us), packet);
-      });
-    }
-  }
+  casd::for_each_tlog_packet(record.flight_tlog, table(),
+                             [&](std::uint64_t unix_us, const mav::PacketView& packet) {
+                               reader.on_packet(static_cast<std::int64_t>(unix_us), packet);
+                             });
   reader.add_calls();
   return reader.finish();
 }

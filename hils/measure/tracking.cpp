@@ -9,13 +9,12 @@
 
 #include "base/earth/frames.hpp"
 #include "base/error.hpp"
-#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_packets.hpp"
 #include "hils/measure/csv_row.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/local_position_ned.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
-#include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
 
@@ -88,11 +87,8 @@ std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
 
 std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::uint8_t system,
                                       const ClockMap& clock) {
-  casd::TlogReader log;
-  if (!log.open(tlog)) throw base::ConfigError("cannot read " + tlog.string());
   std::vector<PoseSample> samples;
   std::optional<mavlink::common::Attitude> attitude;
-  mav::PacketParser parser(mavlink::common::table());
   const auto on_packet = [&](std::uint64_t stamp_us, const mav::PacketView& packet) {
     if (packet.source.system != system) return;
     if (const auto newer = mav::decode<mavlink::common::Attitude>(packet)) attitude = newer;
@@ -106,10 +102,8 @@ std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::ui
                                 .pitch_rad = attitude->pitch,
                                 .yaw_rad = attitude->yaw}});
   };
-  while (const auto record = log.next()) {
-    parser.reset();  // a damaged record must not swallow the next one
-    parser.feed(record->packet,
-                [&](const mav::PacketView& packet) { on_packet(record->unix_us, packet); });
+  if (!casd::for_each_tlog_packet(tlog, mavlink::common::table(), on_packet)) {
+    throw base::ConfigError("cannot read " + tlog.string());
   }
   return samples;
 }
