@@ -19,9 +19,7 @@ namespace {
 constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
 constexpr base::Duration kStopPatience = std::chrono::seconds(10);
 
-std::filesystem::path program_folder() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
-}
+std::filesystem::path program_folder() { return own_program().parent_path(); }
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 #include "hils/programs/child_process.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -48,10 +49,10 @@ base::Descriptor open_notify_socket(const std::filesystem::path& path) {
   return fd;
 }
 
-/// The environment of this process with NOTIFY_SOCKET and the variables `own` set.
+/// The environment of this process with NOTIFY_SOCKET, where there is one, and the variables `own`.
 std::vector<std::string> environment_with(const std::string& notify_socket,
                                           std::vector<std::string> own) {
-  own.push_back("NOTIFY_SOCKET=" + notify_socket);
+  if (!notify_socket.empty()) own.push_back("NOTIFY_SOCKET=" + notify_socket);
   std::vector<std::string> variables = own;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view theirs(*entry);
@@ -96,6 +97,7 @@ double seconds(const timeval& time) {
 ExitStatus to_exit_status(int status, const rusage& usage) {
   ExitStatus exit;
   exit.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  exit.max_rss_mib = static_cast<double>(usage.ru_maxrss) / 1024;
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     exit.code = 128 + signal;
@@ -109,11 +111,12 @@ ExitStatus to_exit_status(int status, const rusage& usage) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(Options options)
-    : options_(std::move(options)), notify_(open_notify_socket(options_.notify_socket)) {
+ChildProcess::ChildProcess(Options options) : options_(std::move(options)) {
+  const bool notifies = !options_.notify_socket.empty();
+  if (notifies) notify_ = open_notify_socket(options_.notify_socket);
   std::vector<std::string> environment =
       environment_with(options_.notify_socket.string(), options_.environment);
-  ready_ = !options_.says_ready;
+  ready_ = !notifies || !options_.says_ready;
   const std::vector<char*> argv = pointers(options_.arguments);
   const std::vector<char*> envp = pointers(environment);
   const base::Descriptor log(
@@ -127,10 +130,10 @@ ChildProcess::ChildProcess(Options options)
   }
   ::setpgid(pid_, pid_);
   pidfd_ = base::Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
-  if (!pidfd_) {
-    kill();
-    fail("cannot watch " + options_.name);
-  }
+  if (pidfd_) return;
+  kill();
+  ::waitpid(pid_, nullptr, 0);
+  fail("cannot watch " + options_.name);
 }
 
 ChildProcess::~ChildProcess() {
@@ -162,6 +165,17 @@ const std::optional<ExitStatus>& ChildProcess::poll_exit() {
   return exit_;
 }
 
+const std::optional<ExitStatus>& ChildProcess::wait_exit(base::Duration patience) {
+  constexpr double kLongestLook_s = 60;
+  while (!poll_exit()) {
+    const double left_s = base::to_seconds(begin_ + patience - base::steady_now());
+    if (left_s <= 0) break;
+    pollfd ended{pidfd_.get(), POLLIN, 0};
+    ::poll(&ended, 1, static_cast<int>(std::min(left_s, kLongestLook_s) * 1000) + 1);
+  }
+  return exit_;
+}
+
 void ChildProcess::terminate() {
   if (!exit_ && pid_ > 0) ::kill(-pid_, SIGTERM);
 }
@@ -181,5 +195,7 @@ std::string ChildProcess::log_tail(std::size_t lines) const {
   for (const std::string& line : tail) text += "\n    " + line;
   return text;
 }
+
+std::filesystem::path own_program() { return std::filesystem::read_symlink(kSameProgram); }
 
 }  // namespace cas::hils

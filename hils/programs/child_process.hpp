@@ -15,23 +15,24 @@ namespace cas::hils {
 
 /// How a process ended.
 struct ExitStatus {
-  int code = 0;       ///< exit code; 128 + signal when a signal ended it
-  double cpu_s = 0;   ///< user and system time
+  int code = 0;            ///< exit code; 128 + signal when a signal ended it
+  double cpu_s = 0;        ///< user and system time
+  double max_rss_mib = 0;  ///< most memory that it had at once
   std::string words;  ///< "ended with exit code 78", "was ended by signal 11 (Segmentation fault)"
 };
 
 /// A program started by hils, in its own process group, which dies with its parent.
 ///
-/// Its output goes to a file; it says that it is ready on its own NOTIFY_SOCKET. Waiting is by
-/// pidfd. The thread that constructs it must live as long as the child shall (PDEATHSIG follows
+/// Its output goes to a file; one that has a NOTIFY_SOCKET says there that it is ready. Waiting is
+/// by pidfd. The thread that constructs it must live as long as the child shall (PDEATHSIG follows
 /// the thread).
 class ChildProcess {
  public:
   struct Options {
-    std::string name;                    ///< for messages: "casd"
-    std::vector<std::string> arguments;  ///< argv, the program's path first
-    std::filesystem::path log_file;      ///< standard output and error
-    std::filesystem::path notify_socket;
+    std::string name;                        ///< for messages: "casd"
+    std::vector<std::string> arguments;      ///< argv, the program's path first
+    std::filesystem::path log_file;          ///< standard output and error
+    std::filesystem::path notify_socket{};   ///< empty: it has none, and is ready at once
     bool says_ready = true;                  ///< else it is taken to be ready at once
     std::filesystem::path cwd{};             ///< empty: this process's
     std::vector<std::string> environment{};  ///< "NAME=VALUE", over this process's
@@ -47,6 +48,7 @@ class ChildProcess {
   const std::string& name() const { return options_.name; }
   int pidfd() const { return pidfd_.get(); }
   int notify_fd() const { return notify_.get(); }
+  base::RunTime begin() const { return begin_; }
 
   /// Reads the messages on the notify socket. @return true once READY=1 has come
   bool take_notifications();
@@ -54,6 +56,8 @@ class ChildProcess {
 
   /// Collects the end of the process if it has ended.
   const std::optional<ExitStatus>& poll_exit();
+  /// Waits for its end until `patience` after its begin. @return nothing when it still runs then
+  const std::optional<ExitStatus>& wait_exit(base::Duration patience);
   void terminate();  ///< SIGTERM to the group
   void kill();       ///< SIGKILL to the group
   /// The last lines of its output.
@@ -63,9 +67,15 @@ class ChildProcess {
   Options options_;
   base::Descriptor notify_;
   base::Descriptor pidfd_;
+  base::RunTime begin_ = base::steady_now();
   pid_t pid_ = -1;
   bool ready_ = false;
   std::optional<ExitStatus> exit_;
 };
+
+/// Path that starts the running program again, also after its file was replaced.
+inline constexpr const char* kSameProgram = "/proc/self/exe";
+/// Where the running program lies, for commands that are printed or written.
+std::filesystem::path own_program();
 
 }  // namespace cas::hils

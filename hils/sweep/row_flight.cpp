@@ -47,6 +47,11 @@ RowResult flown(const RowTask& task, const fs::path& folder) {
   write_scenario(task.scenario, task.values, task.study_folder, folder);
   RunRequest request;
   request.scenario = Scenario::load(folder / "scenario.yaml");
+  if (figure_names(request.scenario) != task.figures) {
+    throw base::ConfigError(
+        "the run has other figures than the columns of its table: steps and vehicles have the same "
+        "names in each run");
+  }
   request.architecture = task.architecture;
   request.seed = task.seed;
   request.out = folder / "out";
@@ -79,7 +84,8 @@ RowTask RowTask::of(const SweepFolder& sweep, std::size_t row) {
           .architecture = sweep.study.architecture,
           .scenario = sweep.scenario(),
           .study_folder = sweep.study_folder,
-          .values = sweep.values_of(own)};
+          .values = sweep.values_of(own),
+          .figures = sweep.figures};
 }
 
 void RowTask::save(const fs::path& file) const {
@@ -90,6 +96,7 @@ void RowTask::save(const fs::path& file) const {
   json["scenario"] = scenario.string();
   json["study_folder"] = study_folder.string();
   json["values"] = values;
+  json["figures"] = figures;
   base::write_file(file, json.dump() + "\n", base::Durability::kCache);
 }
 
@@ -101,7 +108,8 @@ RowTask RowTask::load(const fs::path& file) {
             .architecture = parse_architecture(json.at("architecture").get<std::string>()),
             .scenario = json.at("scenario").get<std::string>(),
             .study_folder = json.at("study_folder").get<std::string>(),
-            .values = json.at("values").get<std::vector<KeyValue>>()};
+            .values = json.at("values").get<std::vector<KeyValue>>(),
+            .figures = json.at("figures").get<std::vector<std::string>>()};
   } catch (const Json::exception& error) {
     throw base::ConfigError(file.string() + ": " + error.what());
   }

@@ -21,6 +21,7 @@ struct RowTask {
   std::filesystem::path scenario;      ///< the sweep's
   std::filesystem::path study_folder;  ///< values may name files in it
   std::vector<KeyValue> values{};
+  std::vector<std::string> figures{};  ///< names of the columns that the run must give
 
   static RowTask of(const SweepFolder& sweep, std::size_t row);
   /// As JSON, for the process that flies it. @throws base::ConfigError

@@ -89,6 +89,7 @@ Bins Bins::of(const std::string& name, const std::vector<std::string>& values, b
   }
   if (!numbers || distinct.size() <= most) return by_value(name, values, std::move(distinct));
 
+  log = log && *number_of(distinct.front()) > 0;  // a drawn value may have been rounded to 0
   const auto scale = [log](double value) { return log ? std::log(value) : value; };
   const double low = scale(*number_of(distinct.front()));
   const double width = (scale(*number_of(distinct.back())) - low) / static_cast<double>(most);

@@ -2,12 +2,12 @@
 #include "hils/sweep/sweep_command.hpp"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -26,8 +26,8 @@
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/measure/judgement.hpp"
+#include "hils/programs/child_process.hpp"
 #include "hils/sweep/row_flight.hpp"
-#include "hils/sweep/row_process.hpp"
 #include "hils/sweep/share_limits.hpp"
 #include "hils/sweep/slurm_script.hpp"
 #include "hils/sweep/sqlite_file.hpp"
@@ -99,17 +99,6 @@ void write_row(const SweepFolder& sweep, std::size_t row) {
                  sweep.again(row));
 }
 
-/// Waits for a process, at most `patience_s`. @return nothing at the deadline
-std::optional<ProcessEnd> wait_for(RowProcess& process, double patience_s) {
-  while (true) {
-    if (const auto end = process.poll_end()) return end;
-    const double left_s = patience_s - base::to_seconds(base::steady_now() - process.begin());
-    if (left_s <= 0) return std::nullopt;
-    pollfd ended{process.pidfd(), POLLIN, 0};
-    ::poll(&ended, 1, static_cast<int>(std::min(left_s, 60.0) * 1000) + 1);
-  }
-}
-
 /// Flies rows again with a whole report each. @return those that have one now
 std::vector<std::size_t> fly_again(const SweepFolder& sweep, const std::vector<std::size_t>& rows) {
   std::vector<std::size_t> flown;
@@ -120,8 +109,10 @@ std::vector<std::size_t> fly_again(const SweepFolder& sweep, const std::vector<s
       write_row(sweep, row);
       std::vector<std::string> command = command_of(sweep, row);
       command.front() = kSameProgram;
-      RowProcess process(std::move(command), sweep.again(row) / "log.txt");
-      wait_for(process, sweep.study.deadline_s);
+      ChildProcess process({.name = "the process of a run",
+                            .arguments = std::move(command),
+                            .log_file = sweep.again(row) / "log.txt"});
+      process.wait_exit(base::from_seconds(sweep.study.deadline_s));
     }
     if (fs::exists(report)) flown.push_back(row);
   }
@@ -220,6 +211,33 @@ double measured_run_seconds(const SweepFolder& sweep) {
     ++runs;
   });
   return runs > 0 ? wall_s / static_cast<double>(runs) : kUsualRunSeconds;
+}
+
+/// How many chunks a job array has: those of the first one, whose jobs may still run. @param asked
+/// by the user; 0: `usual`
+std::size_t chunks_of_array(const SweepFolder& sweep, std::size_t asked, std::size_t usual) {
+  const fs::path file = sweep.path / "slurm" / "chunks.txt";
+  const std::size_t rows = sweep.table.rows.size();
+  if (!fs::exists(file)) {
+    const std::size_t chunks = std::min(asked > 0 ? asked : usual, rows);
+    fs::create_directories(file.parent_path());
+    base::write_file(file, fmt::format("{}\n", chunks));
+    return chunks;
+  }
+  std::size_t chunks = 0;
+  std::istringstream(text_of_file(file)) >> chunks;
+  if (chunks < 1 || chunks > rows) {
+    throw base::ConfigError(
+        fmt::format("{}: is a number of chunks from 1 to {}", file.string(), rows));
+  }
+  if (asked > 0 && std::min(asked, rows) != chunks) {
+    throw base::ConfigError(
+        fmt::format("{}: the sweep was submitted in {} chunks, whose jobs may still run; leave out "
+                    "--chunks, or "
+                    "remove this file when they have ended",
+                    file.string(), chunks));
+  }
+  return chunks;
 }
 
 /// The program of that name on PATH; empty where there is none.
@@ -330,13 +348,13 @@ int collect_sweep(const fs::path& folder, const std::string& against,
   const std::vector<ShareCheck> checks = check_shares(view.sweep.study.limits, counts);
   constexpr std::size_t kWorst = 10;
   page.worst = worst_rows(view, std::max(kWorst, again));
-  page.flown_again = fly_again(
-      view.sweep, {page.worst.begin(), page.worst.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                                again, page.worst.size()))});
   base::write_file(folder / "results.csv", view.sweep.results_csv(view.results));
   base::write_file(folder / "machine.csv", view.sweep.machine_csv_of(view.results));
   write_sqlite(view, folder / "sweep.sqlite");
   base::write_file(folder / "junit.xml", sweep_junit(view.sweep.study.name, counts, checks));
+  page.flown_again = fly_again(
+      view.sweep, {page.worst.begin(), page.worst.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                                again, page.worst.size()))});
   base::write_file(folder / "sweep.html", sweep_html(view, checks, page));
   fmt::print("{}Results: {}\n", sweep_text(view, checks, page.before), folder.string());
   if (counts.flown < counts.rows) return kExitInvalid;
@@ -374,9 +392,10 @@ int submit(const SweepFolder& sweep, SlurmArray array) {
                              shell_word(script.string()));
   }
   const fs::path log_file = sweep.path / "slurm" / "sbatch.txt";
-  RowProcess process({sbatch.string(), script.string()}, log_file);
-  constexpr double kPatience_s = 120;
-  const auto end = wait_for(process, kPatience_s);
+  ChildProcess process(
+      {.name = "sbatch", .arguments = {sbatch.string(), script.string()}, .log_file = log_file});
+  constexpr base::Duration kPatience = std::chrono::minutes(2);
+  const std::optional<ExitStatus>& end = process.wait_exit(kPatience);
   const std::string said = text_of_file(log_file);
   if (!end || end->code != 0) {
     throw std::runtime_error(
@@ -408,9 +427,8 @@ int SweepCommand::run() const {
       const double seconds =
           flags.run_seconds > 0 ? flags.run_seconds : measured_run_seconds(sweep);
       const std::size_t rows = sweep.table.rows.size();
-      const std::size_t chunks = flags.chunks > 0
-                                     ? std::min(flags.chunks, rows)
-                                     : slurm_chunks(rows, seconds, flags.jobs, flags.chunk_minutes);
+      const std::size_t chunks = chunks_of_array(
+          sweep, flags.chunks, slurm_chunks(rows, seconds, flags.jobs, flags.chunk_minutes));
       const double chunk_s =
           seconds * std::ceil(static_cast<double>(rows) / static_cast<double>(chunks * flags.jobs));
       return submit(sweep, {.name = sweep.study.name,

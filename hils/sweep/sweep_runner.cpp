@@ -8,16 +8,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <list>
+#include <memory>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/measure/judgement.hpp"
+#include "hils/programs/child_process.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/sweep/journal.hpp"
 #include "hils/sweep/row_flight.hpp"
-#include "hils/sweep/row_process.hpp"
 #include "hils/sweep/sweep_progress.hpp"
 
 namespace cas::hils {
@@ -56,6 +60,17 @@ std::string host_name() {
   return name.data();
 }
 
+/// A new folder whose name nobody knows before: others may write where it is made.
+fs::path fresh_folder(const fs::path& parent) {
+  std::error_code exists;
+  fs::create_directories(parent, exists);
+  std::string name = (parent / "hils-sweep-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) {
+    throw base::ConfigError(name + ": cannot be made: " + std::strerror(errno));
+  }
+  return name;
+}
+
 /// The last lines of a program's output, on one line.
 std::string tail_of(const fs::path& log_file) {
   constexpr std::size_t kMost = 300;
@@ -78,7 +93,7 @@ constexpr int kExitTerminated = 128 + SIGTERM;
 struct Flight {
   std::size_t row;
   fs::path folder;
-  RowProcess process;
+  std::unique_ptr<ChildProcess> process;
 };
 
 class Runner {
@@ -88,9 +103,7 @@ class Runner {
         options_(options),
         first_(rows_of_chunk(sweep.table.rows.size(), options.chunk.k, options.chunk.n).first),
         last_(rows_of_chunk(sweep.table.rows.size(), options.chunk.k, options.chunk.n).second),
-        scratch_((options.scratch.empty()
-                      ? sweep.path / "work"
-                      : options.scratch / fmt::format("hils-sweep-{}", ::getpid())) /
+        scratch_((options.scratch.empty() ? sweep.path / "work" : fresh_folder(options.scratch)) /
                  options.chunk.name()),
         journal_(make_folder(sweep.path / "journal") / (options.chunk.name() + ".jsonl")),
         host_(host_name()) {
@@ -178,27 +191,29 @@ class Runner {
     const fs::path folder = scratch_ / std::to_string(row);
     fs::create_directories(folder);
     RowTask::of(sweep_, row).save(folder / "task.json");
+    ChildProcess::Options options{.name = "the process of a run",
+                                  .arguments = {kSameProgram, "sweep", "fly", folder.string()},
+                                  .log_file = folder / "log.txt"};
     flights_.push_back({.row = row,
                         .folder = folder,
-                        .process = RowProcess({kSameProgram, "sweep", "fly", folder.string()},
-                                              folder / "log.txt")});
+                        .process = std::make_unique<ChildProcess>(std::move(options))});
   }
 
   /// Until a process has ended or the next deadline may be over.
   void wait() {
     std::vector<pollfd> ends;
-    for (const Flight& flight : flights_) ends.push_back({flight.process.pidfd(), POLLIN, 0});
+    for (const Flight& flight : flights_) ends.push_back({flight.process->pidfd(), POLLIN, 0});
     constexpr int kLookMs = 200;
     ::poll(ends.data(), ends.size(), kLookMs);
   }
 
   void collect() {
     for (auto flight = flights_.begin(); flight != flights_.end();) {
-      const base::Duration elapsed = base::steady_now() - flight->process.begin();
-      if (const auto end = flight->process.poll_end()) {
+      const base::Duration elapsed = base::steady_now() - flight->process->begin();
+      if (const auto& end = flight->process->poll_exit()) {
         keep(*flight, result_of(*flight, *end), *end, elapsed);
       } else if (base::to_seconds(elapsed) > sweep_.study.deadline_s) {
-        flight->process.kill();
+        flight->process->kill();
         keep(
             *flight,
             row_without_figures(RowOutcome::kHung, fmt::format("the run had no result after {:g} s",
@@ -214,7 +229,7 @@ class Runner {
     }
   }
 
-  RowResult result_of(const Flight& flight, const ProcessEnd& end) const {
+  RowResult result_of(const Flight& flight, const ExitStatus& end) const {
     const fs::path log_file = flight.folder / "log.txt";
     if (end.code == kExitMachine) {
       throw base::ConfigError("row " + std::to_string(flight.row) + tail_of(log_file) +
@@ -239,7 +254,7 @@ class Runner {
                                "the process of the run " + end.words + tail_of(log_file));
   }
 
-  void keep(const Flight& flight, RowResult result, const ProcessEnd& end, base::Duration elapsed) {
+  void keep(const Flight& flight, RowResult result, const ExitStatus& end, base::Duration elapsed) {
     result.row = flight.row;
     result.version = CAS_VERSION;
     result.machine = {.wall_s = base::to_seconds(elapsed),

@@ -28,6 +28,9 @@ TEST(Bins, ManyValuesShareThem) {
   EXPECT_EQ(bins.bin_of[100], 3U);
   const Bins log = Bins::of("a", {"1", "10", "20", "100"}, true, 2);
   EXPECT_EQ(log.labels, (std::vector<std::string>{"1..10", "10..100"}));
+  const Bins rounded = Bins::of("a", {"0", "10", "20", "100"}, true, 2);  // 0 has no logarithm
+  EXPECT_EQ(rounded.labels, (std::vector<std::string>{"0..50", "50..100"}));
+  EXPECT_EQ(rounded.bin_of, (std::vector<std::size_t>{0, 0, 0, 1}));
 }
 
 TEST(SuccessMap, CountsCellsAndLeavesOutRunsWithoutAVerdict) {

@@ -127,6 +127,10 @@ class Sweep : public testing::Test {
     children >> child;
     return child;
   }
+  static bool is_stopped(pid_t process) {
+    const std::string stat = TemporaryFolder::read("/proc/" + std::to_string(process) + "/stat");
+    return stat.find(") T ") != std::string::npos;
+  }
 
   TemporaryFolder folder_;
   fs::path study_;
@@ -188,7 +192,13 @@ TEST_F(Sweep, ARunThatDiesCostsItsOwnRow) {
   const fs::path hurt = plan("hurt", study_);
   ChildProcess program(hils({"run", hurt.string(), "--jobs", "1"}));
   pid_t child = 0;
-  ASSERT_TRUE(wait_until([&] { return (child = child_of(program.pid())) > 0; }));
+  // One that has been stopped cannot end by itself before it is killed.
+  ASSERT_TRUE(wait_until(
+      [&] {
+        child = child_of(program.pid());
+        return child > 0 && ::kill(child, SIGSTOP) == 0 && is_stopped(child);
+      },
+      kSweepPatience));
   ASSERT_EQ(::kill(child, SIGKILL), 0);
   EXPECT_EQ(program.wait_exit(kSweepPatience), 0) << program.output();
   const std::string table = TemporaryFolder::read(hurt / "chunks/chunk_1_of_1.csv");
@@ -231,6 +241,21 @@ TEST_F(Sweep, WhatNoRunTakesEndsWithTwoAndTheKey) {
   EXPECT_NE(sweep({"run", wrong.string()}, 2).find("packet_los"), std::string::npos);
 }
 
+TEST_F(Sweep, ARowWithOtherFiguresThanItsTableIsRefused) {
+  const fs::path study = folder_.write(
+      "named.yaml",
+      "schema: 1\nname: named\nscenario: hop.yaml\nset:\n"
+      "  'steps[2]': {trajectory: {name: jump, shape: step, size_m: 1, duration_s: 4, measure: "
+      "true}}\nvary:\n"
+      "  - {name: word, key: 'steps[2].trajectory.name', values: [jump, leap]}\n");
+  const fs::path named = plan("named", study);
+  sweep({"run", named.string(), "--jobs", "2"});
+  const std::string table = TemporaryFolder::read(named / "chunks/chunk_1_of_1.csv");
+  EXPECT_EQ(column(table, "outcome")[1], "refused") << table;
+  EXPECT_NE(table.find("the run has other figures than the columns of its table"),
+            std::string::npos);
+}
+
 TEST_F(Sweep, ShowPrintsACommandThatGivesTheSameBytes) {
   const fs::path one = plan("one", study_);
   sweep({"run", one.string(), "--chunk", "5/24"});
@@ -268,7 +293,8 @@ int number_in(const fs::path& database, const std::string& sql) {
   return number;
 }
 
-/// A job array whose sbatch flies its tasks one after the other on this machine.
+/// A job array whose sbatch keeps the script; its tasks are then flown on this machine. Submitted
+/// again with another length of a chunk, it is cut as before.
 TEST_F(Sweep, AJobArrayGivesTheSameTable) {
   const fs::path array = plan("array", study_);
   sweep({"run", array.string(), "--chunk", "2/3"});  // is not submitted again
@@ -276,24 +302,33 @@ TEST_F(Sweep, AJobArrayGivesTheSameTable) {
                                         "#!/bin/sh\n"
                                         "grep -q '^#SBATCH --array=1,3$' \"$1\" || exit 1\n"
                                         "grep -q '^#SBATCH --partition=lab$' \"$1\" || exit 1\n"
-                                        "for task in 1 3; do\n"
-                                        "  SLURM_ARRAY_TASK_ID=$task sh \"$1\" || exit 1\n"
-                                        "done >&2\n"
                                         "echo Submitted batch job 42\n");
   fs::permissions(sbatch, fs::perms::owner_all);
-  const auto submit = [&](const std::string& path) {
+  const auto submit = [&](const std::string& path, const std::string& flag,
+                          const std::string& value) {
     std::vector<std::string> command{"/usr/bin/env", "PATH=" + path};
-    const auto own = hils(
-        {"run", array.string(), "--slurm", "--chunks", "3", "--partition", "lab", "--jobs", "2"});
+    const auto own =
+        hils({"run", array.string(), "--slurm", flag, value, "--partition", "lab", "--jobs", "2"});
     command.insert(command.end(), own.begin(), own.end());
     return command;
   };
-  ChildProcess nowhere(submit(folder_ / "nothing"));
-  EXPECT_EQ(nowhere.wait_exit(), 3);
+  ChildProcess nowhere(submit(folder_ / "nothing", "--chunks", "3"));
+  EXPECT_EQ(nowhere.wait_exit(kSweepPatience), 3);
   EXPECT_NE(nowhere.output().find("there is no sbatch on this machine"), std::string::npos);
-  ChildProcess program(submit((folder_ / "bin").string() + ":/usr/bin:/bin"));
+  const std::string path = (folder_ / "bin").string() + ":/usr/bin:/bin";
+  ChildProcess other(submit(path, "--chunks", "4"));
+  EXPECT_EQ(other.wait_exit(kSweepPatience), 2);
+  EXPECT_NE(other.output().find("was submitted in 3 chunks"), std::string::npos) << other.output();
+  ChildProcess program(submit(path, "--chunk-minutes", "1000"));
   EXPECT_EQ(program.wait_exit(kSweepPatience), 0) << program.output();
   EXPECT_NE(program.output().find("Submitted batch job 42"), std::string::npos);
+  for (const std::string task : {"1", "3"}) {
+    ChildProcess job({"/usr/bin/env", "SLURM_ARRAY_TASK_ID=" + task,
+                      "TMPDIR=" + (folder_ / "tmp").string(), "/bin/sh",
+                      (array / "slurm/sweep.sbatch").string()});
+    EXPECT_EQ(job.wait_exit(kSweepPatience), 0) << job.output();
+  }
+  EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
 
   const std::string said = sweep({"collect", array.string(), "--again", "1"});
   EXPECT_NE(said.find("24 of 24 runs flown, 24 with a verdict"), std::string::npos) << said;
