@@ -52,7 +52,11 @@ void measure_hold(const RunRecord& record, Measurement& figures) {
   const std::int64_t begin = microseconds(hold.begin);
   const std::int64_t end = microseconds(hold.end);
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
-  figures.rms = rms_about(between(truth, begin, end), reference_in_truth(hold, truth));
+  const auto flown = between(truth, begin, end);
+  const ReferenceAt reference = reference_in_truth(hold, truth);
+  figures.rms = rms_about(flown, reference);
+  figures.peak_error_m = peak_error_m(flown, reference);
+  figures.rotor_activity_rad_s2 = rotor_activity_rad_s2(flown);
   const std::vector<PoseSample> estimate =
       read_estimate(record.flight_tlog, record.system, record.log_clock);
   const auto in_hold = between(estimate, begin, end);

@@ -63,13 +63,15 @@ struct Measurement {
   double handover_p99_us = 0;    ///< slowest hop between two programs of the bench; 0: not measured
   double reading_spread_us = 0;  ///< p99 less p50 of HIL_SENSOR from casd to the controller's read
   std::optional<double> cpu_pressure;
-  std::vector<BenchFaultScript::Span> faults;  ///< of the bench
-  std::vector<Incident> incidents;             ///< crashes and their kin, in the order of time
-  FlightChanges changes;                       ///< parameters, and who acted from outside
-  std::vector<StepResponse> responses;         ///< to the steps of the flight
-  std::optional<RmsFigures> rms;               ///< truth against reference during the hold
-  std::optional<RmsFigures> rms_estimate;      ///< estimate against reference during the hold
-  std::vector<PluginFigure> plugins;           ///< what the vehicle's plugins report
+  std::vector<BenchFaultScript::Span> faults;   ///< of the bench
+  std::vector<Incident> incidents;              ///< crashes and their kin, in the order of time
+  FlightChanges changes;                        ///< parameters, and who acted from outside
+  std::vector<StepResponse> responses;          ///< to the steps of the flight
+  std::optional<RmsFigures> rms;                ///< truth against reference during the hold
+  std::optional<RmsFigures> rms_estimate;       ///< estimate against reference during the hold
+  std::optional<double> peak_error_m;           ///< farthest from the reference during the hold
+  std::optional<double> rotor_activity_rad_s2;  ///< see rotor_activity_rad_s2(), during the hold
+  std::vector<PluginFigure> plugins;            ///< what the vehicle's plugins report
 };
 
 /// Works out the figures of a vehicle. @throws base::ConfigError when its files cannot be read

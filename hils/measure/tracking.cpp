@@ -137,6 +137,32 @@ RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& ref
           .samples = samples.size()};
 }
 
+double peak_error_m(std::span<const PoseSample> samples, const ReferenceAt& reference_at) {
+  double peak = 0;
+  for (const PoseSample& sample : samples) {
+    const Pose reference = reference_at(sample.time_us);
+    peak =
+        std::max(peak, std::hypot(sample.pose.x_m - reference.x_m, sample.pose.y_m - reference.y_m,
+                                  sample.pose.z_m - reference.z_m));
+  }
+  return peak;
+}
+
+double rotor_activity_rad_s2(std::span<const PoseSample> samples) {
+  double squares = 0;
+  double count = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double dt = 1e-6 * static_cast<double>(samples[i].time_us - samples[i - 1].time_us);
+    if (!(dt > 0)) continue;
+    for (std::size_t rotor = 0; rotor < static_cast<std::size_t>(samples[i].rotors); ++rotor) {
+      squares +=
+          std::pow((samples[i].omega_rad_s[rotor] - samples[i - 1].omega_rad_s[rotor]) / dt, 2);
+      count += 1;
+    }
+  }
+  return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
 Pose reference_at(const Stage& stage, std::int64_t time_us) {
   Pose pose{.x_m = stage.reference_m.x(),
             .y_m = stage.reference_m.y(),

@@ -75,6 +75,12 @@ using ReferenceAt = std::function<Pose(std::int64_t time_us)>;
 /// Deviations of the samples from a reference, which may move.
 RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& reference_at);
 
+/// Farthest distance of the samples from a reference.
+double peak_error_m(std::span<const PoseSample> samples, const ReferenceAt& reference_at);
+/// How much the rotors are made to work: root mean square of their accelerations from sample to
+/// sample, over all of them, rad/s^2. A hover without noise has 0.
+double rotor_activity_rad_s2(std::span<const PoseSample> samples);
+
 /// Where the vehicle shall be at a moment of a step: the place of the last takeoff or goto, or the
 /// point of the trajectory under way. North, east, up from the start; a trajectory is taken to have
 /// begun when the vehicle confirmed it.

@@ -108,6 +108,8 @@ void add_vehicle(const Scenario& scenario, const Measurement& measured, Figures&
   add_delay("age_at_use", measured.age_by_stamp, figures);
   add_rms("rms", measured.rms, figures);
   add_rms("rms_estimate", measured.rms_estimate, figures);
+  figures.add("peak_error_m", measured.peak_error_m);
+  figures.add("rotor_activity_rad_s2", measured.rotor_activity_rad_s2);
   for (const std::string& name : response_names(scenario)) {
     const auto found = std::ranges::find(measured.responses, name, &StepResponse::name);
     const bool has = found != measured.responses.end();

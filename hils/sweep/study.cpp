@@ -110,13 +110,6 @@ std::vector<std::string> parse_keys(const base::ConfigNode& node) {
   return keys;
 }
 
-bool is_plain_name(std::string_view name) {
-  return !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
-    return std::isalnum(c) != 0 ||
-           std::string_view("_.[]-").find(static_cast<char>(c)) != std::string_view::npos;
-  });
-}
-
 Parameter parse_parameter(const base::ConfigNode& node) {
   Parameter parameter;
   parameter.keys = parse_keys(node.at("key"));
@@ -143,19 +136,6 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Columns of one table differ by more than the case of their letters: SQLite's do.
-std::vector<Parameter> parse_parameters(const base::ConfigNode& root) {
-  std::vector<Parameter> parameters;
-  std::set<std::string> names{"row", "point", "seed"};
-  for (const base::ConfigNode& node : root.at("vary").items()) {
-    parameters.push_back(parse_parameter(node));
-    if (!names.insert(lower(parameters.back().name)).second) {
-      node.fail("the name '" + parameters.back().name + "' is taken; give it another 'name'");
-    }
-  }
-  return parameters;
-}
-
 Sampling parse_sampling(const base::ConfigNode& root, const std::vector<Parameter>& parameters) {
   const bool drawn = std::ranges::any_of(
       parameters, [](const Parameter& each) { return each.distribution.has_value(); });
@@ -180,27 +160,14 @@ Sampling parse_sampling(const base::ConfigNode& root, const std::vector<Paramete
 void parse_seeds(const base::ConfigNode& root, Study& study) {
   const std::optional<base::ConfigNode> node = root.find("seeds");
   if (!node) return;
-  if (node->is_list()) {
-    for (const base::ConfigNode& item : node->items()) {
-      const auto seed = item.as<std::uint64_t>();
-      if (std::ranges::find(study.seeds, seed) != study.seeds.end()) {
-        item.fail("stands in the list twice");
-      }
-      study.seeds.push_back(seed);
-    }
-    if (study.seeds.empty()) node->fail("is an empty list");
-    return;
-  }
-  const auto first = node->get<std::uint64_t>("first", 1);
-  if (const auto each = node->find("each")) {
+  if (const auto each = node->is_map() ? node->find("each") : std::nullopt) {
     if (each->as<std::string>() != "row" || node->has("count")) {
       node->fail("is a list, {first: 1, count: 5}, or {first: 1, each: row}");
     }
-    study.row_seed = first;
+    study.row_seed = node->get<std::uint64_t>("first", 1);
     return;
   }
-  const int count = base::get_whole_in<int>(*node, "count", 1, 1, kMostPoints);
-  for (int i = 0; i < count; ++i) study.seeds.push_back(first + static_cast<std::uint64_t>(i));
+  study.seeds = parse_seed_list(*node);
 }
 
 ShareLimit parse_limit(const base::ConfigNode& node) {
@@ -220,6 +187,28 @@ ShareLimit parse_limit(const base::ConfigNode& node) {
   return limit;
 }
 
+}  // namespace
+
+bool is_plain_name(std::string_view name) {
+  return !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("_.[]-").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+}
+
+/// Columns of one table differ by more than the case of their letters: SQLite's do.
+std::vector<Parameter> parse_parameters(const base::ConfigNode& root) {
+  std::vector<Parameter> parameters;
+  std::set<std::string> names{"row", "point", "seed"};
+  for (const base::ConfigNode& node : root.at("vary").items()) {
+    parameters.push_back(parse_parameter(node));
+    if (!names.insert(lower(parameters.back().name)).second) {
+      node.fail("the name '" + parameters.back().name + "' is taken; give it another 'name'");
+    }
+  }
+  return parameters;
+}
+
 std::vector<std::pair<std::string, std::string>> parse_settings(const base::ConfigNode& root) {
   std::vector<std::pair<std::string, std::string>> settings;
   const std::optional<base::ConfigNode> node = root.find("set");
@@ -236,7 +225,22 @@ std::vector<std::pair<std::string, std::string>> parse_settings(const base::Conf
   return settings;
 }
 
-}  // namespace
+std::vector<std::uint64_t> parse_seed_list(const base::ConfigNode& node) {
+  std::vector<std::uint64_t> seeds;
+  if (node.is_list()) {
+    for (const base::ConfigNode& item : node.items()) {
+      const auto seed = item.as<std::uint64_t>();
+      if (std::ranges::find(seeds, seed) != seeds.end()) item.fail("stands in the list twice");
+      seeds.push_back(seed);
+    }
+    if (seeds.empty()) node.fail("is an empty list");
+    return seeds;
+  }
+  const auto first = node.get<std::uint64_t>("first", 1);
+  const int count = base::get_whole_in<int>(node, "count", 1, 1, kMostPoints);
+  for (int i = 0; i < count; ++i) seeds.push_back(first + static_cast<std::uint64_t>(i));
+  return seeds;
+}
 
 std::string_view to_string(Share share) {
   switch (share) {

@@ -87,4 +87,13 @@ struct Study {
   static std::filesystem::path scenario_of(const std::filesystem::path& study_file);
 };
 
+/// Letters, digits and _ . - [ ]: what a column, a scenario or a folder may be called.
+bool is_plain_name(std::string_view name);
+/// The list `vary`. @throws base::ConfigError
+std::vector<Parameter> parse_parameters(const base::ConfigNode& root);
+/// The map `set`: key paths and the YAML of their values. @throws base::ConfigError
+std::vector<std::pair<std::string, std::string>> parse_settings(const base::ConfigNode& root);
+/// A list of seeds, or {first, count}. @throws base::ConfigError
+std::vector<std::uint64_t> parse_seed_list(const base::ConfigNode& node);
+
 }  // namespace cas::hils

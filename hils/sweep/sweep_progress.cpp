@@ -24,7 +24,7 @@ std::string clock_text(double seconds) {
 
 std::string sweep_line(const SweepState& state) {
   const std::size_t full = state.all > 0 ? state.done * kBar / state.all : kBar;
-  std::string line = fmt::format("sweep: [{}{}] {} of {}", std::string(full, '#'),
+  std::string line = fmt::format("{}: [{}{}] {} of {}", state.verb, std::string(full, '#'),
                                  std::string(kBar - full, '-'), state.done, state.all);
   const double elapsed_s = base::to_seconds(state.elapsed);
   if (state.flown > 0 && elapsed_s > 0) {

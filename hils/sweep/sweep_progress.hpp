@@ -16,6 +16,7 @@ struct SweepState {
   std::size_t flown = 0;     ///< by this process
   std::size_t unjudged = 0;  ///< of those, without a verdict
   base::Duration elapsed{};  ///< since this process began
+  const char* verb = "sweep";
 };
 
 /// "sweep: [######----] 600 of 1000, 4.2 runs/s, 1:35 left, 2 without a verdict". What is left is

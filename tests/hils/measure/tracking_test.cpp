@@ -10,6 +10,7 @@
 #include <fstream>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "mavlink/common/attitude.hpp"
@@ -103,6 +104,22 @@ TEST(Rms, TakesTheShortWayRoundForYaw) {
   const std::vector<PoseSample> samples{{0, {.yaw_rad = M_PI - 0.1}}};
   const auto reference = [](std::int64_t) { return Pose{.yaw_rad = -M_PI + 0.1}; };
   EXPECT_NEAR(rms_about(samples, reference).yaw_rad, 0.2, 1e-12);
+}
+
+TEST(PeakError, IsTheFarthestDistanceFromTheReference) {
+  const std::vector<PoseSample> samples{{.time_us = 0, .pose = {.x_m = 4, .y_m = 4, .z_m = 1}},
+                                        {.time_us = 1, .pose = {.x_m = 1, .y_m = 0, .z_m = 3}}};
+  const auto reference = [](std::int64_t) { return Pose{.x_m = 1, .z_m = 1}; };
+  EXPECT_DOUBLE_EQ(peak_error_m(samples, reference), 5);
+}
+
+TEST(RotorActivity, IsTheRmsOfTheAccelerationsOfAllRotors) {
+  const std::vector<PoseSample> samples{
+      {.time_us = 0, .rotors = 2, .omega_rad_s = {500, 400}},
+      {.time_us = 10'000, .rotors = 2, .omega_rad_s = {503, 396}},
+      {.time_us = 20'000, .rotors = 2, .omega_rad_s = {503, 396}}};
+  EXPECT_NEAR(rotor_activity_rad_s2(samples), std::sqrt((300.0 * 300 + 400 * 400) / 4), 1e-9);
+  EXPECT_EQ(rotor_activity_rad_s2({}), 0);
 }
 
 TEST(Between, TakesTheBeginAndLeavesTheEnd) {

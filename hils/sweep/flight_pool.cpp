@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/sweep/flight_pool.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "hils/measure/judgement.hpp"
+#include "hils/programs/supervisor.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// As a shell tells it: ended by SIGTERM, which a job's end sends to all of its processes.
+constexpr int kExitTerminated = 128 + SIGTERM;
+
+volatile sig_atomic_t stop_raised = 0;
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0) return "?";
+  return name.data();
+}
+
+/// The last lines of a program's output, on one line.
+std::string tail_of(const fs::path& log_file) {
+  constexpr std::size_t kMost = 300;
+  std::string text;
+  try {
+    text = text_of_file(log_file);
+  } catch (const base::ConfigError&) {
+    return {};
+  }
+  while (text.ends_with('\n')) text.pop_back();
+  if (text.size() > kMost) text.erase(0, text.size() - kMost);
+  std::ranges::replace(text, '\n', ' ');
+  return text.empty() ? text : ": " + text;
+}
+
+}  // namespace
+
+FlightPool::FlightPool(fs::path folder, double deadline_s)
+    : folder_(std::move(folder)), deadline_s_(deadline_s), host_(host_name()) {
+  fs::remove_all(folder_);
+  std::error_code error;  // somebody else who ends may take the folder above away meanwhile
+  for (int i = 0; i < 10; ++i) {
+    fs::create_directories(folder_, error);
+    if (!error) return;
+  }
+  throw base::ConfigError(folder_.string() + ": cannot be made: " + error.message());
+}
+
+FlightPool::~FlightPool() {
+  flights_.clear();
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+void FlightPool::start(const RowTask& task) {
+  const fs::path folder = folder_ / std::to_string(task.row);
+  fs::create_directories(folder);
+  task.save(folder / "task.json");
+  ChildProcess::Options options{.name = "the process of a run",
+                                .arguments = {kSameProgram, "sweep", "fly", folder.string()},
+                                .log_file = folder / "log.txt"};
+  flights_.push_back({.row = task.row,
+                      .folder = folder,
+                      .process = std::make_unique<ChildProcess>(std::move(options))});
+}
+
+bool FlightPool::wait(int input) const {
+  std::vector<pollfd> ends;
+  for (const Flight& flight : flights_) ends.push_back({flight.process->pidfd(), POLLIN, 0});
+  ends.push_back({input, POLLIN, 0});
+  constexpr int kLookMs = 200;
+  return ::poll(ends.data(), ends.size(), kLookMs) > 0 && ends.back().revents != 0;
+}
+
+void FlightPool::take_ended(const std::function<void(RowResult&&)>& take) {
+  for (auto flight = flights_.begin(); flight != flights_.end();) {
+    const base::Duration elapsed = base::steady_now() - flight->process->begin();
+    RowResult result;
+    ExitStatus end;
+    if (const auto& exit = flight->process->poll_exit()) {
+      end = *exit;
+      result = result_of(*flight, end);
+    } else if (base::to_seconds(elapsed) > deadline_s_) {
+      flight->process->kill();
+      result = row_without_figures(RowOutcome::kHung,
+                                   fmt::format("the run had no result after {:g} s", deadline_s_));
+    } else {
+      ++flight;
+      continue;
+    }
+    result.row = flight->row;
+    result.version = CAS_VERSION;
+    result.machine = {.wall_s = base::to_seconds(elapsed),
+                      .cpu_s = end.cpu_s,
+                      .max_rss_mib = end.max_rss_mib,
+                      .host = host_};
+    take(std::move(result));
+    std::error_code ignored;
+    fs::remove_all(flight->folder, ignored);
+    flight = flights_.erase(flight);
+  }
+}
+
+RowResult FlightPool::result_of(const Flight& flight, const ExitStatus& end) const {
+  const fs::path log_file = flight.folder / "log.txt";
+  if (end.code == kExitMachine) {
+    throw base::ConfigError("row " + std::to_string(flight.row) + tail_of(log_file) +
+                            "; what has been flown is kept");
+  }
+  if (end.code == kExitInterrupted || end.code == kExitTerminated) {
+    throw RunStopped(
+        fmt::format("row {} was interrupted; the same command goes on with it", flight.row), true);
+  }
+  if (end.code == kExitPassed) {
+    try {
+      const std::string line = text_of_file(flight.folder / "result.json");
+      if (auto result = parse_journal_line(line); result && result->row == flight.row) {
+        return std::move(*result);
+      }
+    } catch (const base::ConfigError&) {
+      // it ended without a result
+    }
+  }
+  return row_without_figures(RowOutcome::kDied,
+                             "the process of the run " + end.words + tail_of(log_file));
+}
+
+fs::path fresh_folder(const fs::path& parent, const std::string& prefix) {
+  std::error_code exists;
+  fs::create_directories(parent, exists);
+  std::string name = (parent / (prefix + "-XXXXXX")).string();
+  if (::mkdtemp(name.data()) == nullptr) {
+    throw base::ConfigError(name + ": cannot be made: " + std::strerror(errno));
+  }
+  return name;
+}
+
+struct StopRequest::Actions {
+  struct sigaction on_int {};
+  struct sigaction on_term {};
+};
+
+StopRequest::StopRequest() : before_(std::make_unique<Actions>()) {
+  stop_raised = 0;
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_raised = 1; };
+  ::sigaction(SIGINT, &action, &before_->on_int);
+  ::sigaction(SIGTERM, &action, &before_->on_term);
+}
+
+StopRequest::~StopRequest() {
+  ::sigaction(SIGINT, &before_->on_int, nullptr);
+  ::sigaction(SIGTERM, &before_->on_term, nullptr);
+}
+
+bool StopRequest::raised() { return stop_raised != 0; }
+
+}  // namespace cas::hils

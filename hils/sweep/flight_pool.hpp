@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <memory>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "hils/programs/child_process.hpp"
+#include "hils/sweep/row_flight.hpp"
+
+namespace cas::hils {
+
+/// Flies tasks, each in a process of its own, several at once. A run that dies or hangs costs its
+/// own result. For one thread.
+class FlightPool {
+ public:
+  /// @param folder      for the files of runs under way; made here, and gone with the object
+  /// @param deadline_s  wall-clock time after which a run has hung
+  FlightPool(std::filesystem::path folder, double deadline_s);
+  /// Ends what is under way.
+  ~FlightPool();
+  FlightPool(const FlightPool&) = delete;
+  FlightPool& operator=(const FlightPool&) = delete;
+
+  /// @throws base::ConfigError when the process cannot be started
+  void start(const RowTask& task);
+  std::size_t size() const { return flights_.size(); }
+  /// Until a run has ended, the next deadline may be over, or there is something to read.
+  /// @param input  descriptor; -1: none @return whether it has something, or has ended
+  bool wait(int input = -1) const;
+  /// Hands over the result of each run that has ended or hung; its row is the task's.
+  /// @throws base::ConfigError when the machine let a run down (a full disk), RunStopped when one
+  /// was interrupted
+  void take_ended(const std::function<void(RowResult&&)>& take);
+
+ private:
+  struct Flight {
+    std::size_t row;
+    std::filesystem::path folder;
+    std::unique_ptr<ChildProcess> process;
+  };
+  RowResult result_of(const Flight& flight, const ExitStatus& end) const;
+
+  std::filesystem::path folder_;
+  double deadline_s_;
+  std::string host_;
+  std::list<Flight> flights_;
+};
+
+/// A new folder in `parent` under a name that nobody can know before. @throws base::ConfigError
+std::filesystem::path fresh_folder(const std::filesystem::path& parent, const std::string& prefix);
+
+/// Notes SIGINT and SIGTERM while it lives.
+class StopRequest {
+ public:
+  StopRequest();
+  ~StopRequest();
+  StopRequest(const StopRequest&) = delete;
+  StopRequest& operator=(const StopRequest&) = delete;
+  static bool raised();
+
+ private:
+  struct Actions;
+  std::unique_ptr<Actions> before_;
+};
+
+}  // namespace cas::hils
