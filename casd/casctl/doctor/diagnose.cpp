@@ -224,6 +224,23 @@ void check_devices(const DoctorFacts& facts, Findings& all) {
   }
 }
 
+/// Whether a HIL stream passes casd to or from the vehicle's link.
+bool has_stream(const DoctorFacts& facts, const std::string& link) {
+  return rate_of(facts, link, "tx", {"HIL_SENSOR"}) > 0 ||
+         rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"}) > 0;
+}
+
+/// Whether a vehicle that does not say HIL is stock firmware in software (SITL), which never does
+/// and exchanges sensors and controls with its simulator directly: the topology must consent to
+/// such vehicles, and nothing may speak for a board.
+bool is_in_software(const DoctorFacts& facts, const json& vehicle) {
+  const std::string link = vehicle.value("link", "");
+  const std::string autopilot = vehicle.value("autopilot", "");
+  return facts.after.value("allow_not_hil", false) && !vehicle.value("hil", false) &&
+         (autopilot == "PX4" || autopilot == "ArduPilot") && facts.sys_hitl.value_or(0) != 1.0 &&
+         link_named(facts.after, link).value("type", "") != "serial" && !has_stream(facts, link);
+}
+
 void check_vehicles(const DoctorFacts& facts, Findings& all) {
   const json vehicles = facts.after.value("vehicles", json::array());
   if (vehicles.empty()) {
@@ -243,6 +260,10 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
           "links lead to one vehicle, put them into one `group`");
     } else if (age_s > kFresh_s) {
       bad(all, who + " has been silent for " + fixed(age_s, 0) + " s", "see its link above");
+    } else if (is_in_software(facts, vehicle)) {
+      good(all, who + " is taken for " + vehicle.value("autopilot", "") +
+                    " in software (SITL): it does not say HIL, and the topology allows that "
+                    "(allow_not_hil); casctl arm --not-hil arms it");
     } else if (!vehicle.value("hil", false)) {
       bad(all, who + " does not say that it is in HIL mode",
           facts.sys_hitl == 1.0 ? "SYS_HITL is 1 already: restart the board"
@@ -289,10 +310,15 @@ void check_readiness(const DoctorFacts& facts, Findings& all) {
     } else if (checks == "unknown") {
       const std::string autopilot = vehicle.value("autopilot", "");
       const bool tells = autopilot == "PX4" || autopilot == "ArduPilot";
-      all.push_back({tells ? Health::kBad : Health::kWarning,
-                     who + " has not told whether its arming checks pass",
-                     "wait until it has sent SYS_STATUS, or ask: casctl message-interval "
-                     "SYS_STATUS 1; casctl arm tells what it lacks"});
+      if (rate_of(facts, vehicle.value("link", ""), "rx", {"SYS_STATUS"}) > 0) {
+        warn(all, who + " does not tell whether its arming checks pass",
+             "PX4 tells it from v1.13 on; casctl arm tells what it lacks");
+      } else {
+        all.push_back({tells ? Health::kBad : Health::kWarning,
+                       who + " has not told whether its arming checks pass",
+                       "wait until it has sent SYS_STATUS, or ask: casctl message-interval "
+                       "SYS_STATUS 1; casctl arm tells what it lacks"});
+      }
     } else {
       good(all, who + " says that its arming checks pass");
     }
@@ -303,6 +329,12 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
     const std::string link = vehicle.value("link", "");
     const std::string who = "vehicle " + vehicle.at("system").dump();
+    if (is_in_software(facts, vehicle)) {
+      good(all, who +
+                    " exchanges sensors and controls with its simulator, not through casd; "
+                    "hilsim's figures have their rates");
+      continue;
+    }
     const double sensor_hz = rate_of(facts, link, "tx", {"HIL_SENSOR"});
     const double control_hz = rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
     if (sensor_hz <= 0) {

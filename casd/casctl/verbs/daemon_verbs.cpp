@@ -201,6 +201,12 @@ int show_latency(Session& session) {
   table.print(std::cout);
   std::cout << "from read on one link to written on the other\n";
   for (const json& echo : session.call("link.echo")) {
+    if (echo.at("count") == 0) {
+      std::cout << "vehicle " << echo.at("vehicle") << ": none of its " << echo.at("unmatched")
+                << " controls carries the stamp of a HIL_SENSOR that casd saw, so their delay is "
+                   "unknown (stock firmware on a line stamps them with its own clock)\n";
+      continue;
+    }
     std::cout << "vehicle " << echo.at("vehicle") << " answers HIL_SENSOR after "
               << fixed(echo.value("p50", 0.0), 0) << " us (p99 " << fixed(echo.value("p99", 0.0), 0)
               << ", " << echo.at("count") << " answers, " << echo.at("unmatched")

@@ -88,6 +88,49 @@ TEST(Doctor, TellsFilteredPacketsBesideALinkThatLosesNone) {
       << findings(facts);
 }
 
+/// PX4 in software beside its simulator, in a good flight.
+DoctorFacts software_setup() {
+  DoctorFacts facts = good_setup();
+  json udp = link("px4", "udp");
+  for (json* status : {&facts.before, &facts.after}) {
+    (*status)["links"] = json::array({udp});
+    (*status)["allow_not_hil"] = true;
+    (*status)["vehicles"][0]["hil"] = false;
+    (*status)["vehicles"][0]["link"] = "px4";
+  }
+  facts.devices.clear();
+  facts.messages = json::array({message("px4", "rx", "HEARTBEAT", 1)});
+  facts.sys_hitl = 0;
+  return facts;
+}
+
+TEST(Doctor, FindsNothingWrongWithFirmwareInSoftware) {
+  EXPECT_EQ(complaints(software_setup()), "");
+  EXPECT_NE(findings(software_setup()).find("PX4 in software (SITL)"), std::string::npos);
+}
+
+TEST(Doctor, TakesNoVehicleForSoftwareThatMayBeABoard) {
+  const std::string bad = "does not say that it is in HIL mode";
+  DoctorFacts no_consent = software_setup();
+  no_consent.after["allow_not_hil"] = false;
+  EXPECT_NE(complaints(no_consent).find(bad), std::string::npos) << complaints(no_consent);
+  DoctorFacts restart = software_setup();
+  restart.sys_hitl = 1;
+  EXPECT_NE(complaints(restart).find(bad), std::string::npos) << complaints(restart);
+  DoctorFacts board = software_setup();
+  board.after["links"][0]["type"] = "serial";
+  EXPECT_NE(complaints(board).find(bad), std::string::npos) << complaints(board);
+}
+
+// PX4 v1.12.0 has no MAV_SYS_STATUS_PREARM_CHECK.
+TEST(Doctor, DoesNotFailAFirmwareThatNeverTellsOfItsArmingChecks) {
+  DoctorFacts facts = software_setup();
+  facts.after["vehicles"][0]["arming_checks"] = "unknown";
+  facts.messages.push_back(message("px4", "rx", "SYS_STATUS", 1));
+  EXPECT_EQ(complaints(facts), "vehicle 1 does not tell whether its arming checks pass\n");
+  for (const Finding& finding : diagnose(facts)) EXPECT_NE(finding.health, Health::kBad);
+}
+
 TEST(Doctor, NamesACauseBeforeItsEffects) {
   DoctorFacts facts = good_setup();
   facts.devices[0].exists = false;
