@@ -4,22 +4,30 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hils/firmware/firmware_scenario.hpp"
 #include "hils/flight/flight_plan.hpp"
 #include "hils/measure/incident.hpp"
+#include "hils/measure/judgement.hpp"
+#include "hils/measure/tracking.hpp"
 
 namespace cas::hils {
 
 /// Figures of a flight of stock firmware.
 struct FirmwareFigures {
   std::vector<Stage> stages;
-  std::string flight_failure;  ///< a sentence; empty when every step was done
-  int looks = 0;               ///< at the true position during the measured hold
-  double height_error_m = 0;   ///< of its mean
-  double drift_m = 0;          ///< farthest from where the hold began, horizontal
+  std::string flight_failure;     ///< a sentence; empty when every step was done
+  std::string version;            ///< of the firmware; empty: it did not tell
+  int looks = 0;                  ///< at the true position during the measured hold
+  double height_error_m = 0;      ///< of its mean
+  double drift_m = 0;             ///< farthest from where the hold began, horizontal
+  std::optional<RmsFigures> rms;  ///< of the true position about its mean in the measured hold
+  double wall_s = 0;
+  std::string messages = "[]";  ///< message.list of casd at the flight's end: rates, counts, gaps
+  std::string hops = "[]";      ///< link.latency of casd: from one link's read to another's write
   double simulated_s = 0;
   double real_time_factor = 0;
   std::vector<Incident> incidents;  ///< by the true flight
@@ -28,17 +36,17 @@ struct FirmwareFigures {
   std::uint64_t lost = 0;  ///< packets, by the gaps in the sequence numbers that casd heard
 };
 
-/// Looks for incidents in the true flight, truth.csv.
-void add_incidents(const std::filesystem::path& truth, FirmwareFigures& figures);
+/// Looks into the true flight, truth.csv: incidents, and how still the measured hold was.
+void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures);
 /// Takes over what casd's counters say (link.list).
 void add_losses(const nlohmann::json& links, FirmwareFigures& figures);
 
-/// A sentence for each limit of the scenario that was missed, for a flight that was not completed,
-/// and for each incident.
-std::vector<std::string> misses(const FirmwareScenario& scenario, const FirmwareFigures& figures);
+/// What the flight was held to: that it was completed and recorded, without incidents, and within
+/// each limit of the scenario.
+Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures);
 
 /// Starts casd, hilsim and the firmware, flies the steps through casd, prints and writes the
-/// figures (summary.json, truth.csv). @return exit code of hils. @throws RunStopped,
+/// figures (summary.json, junit.xml, truth.csv). @return exit code of hils. @throws RunStopped,
 /// base::ConfigError
 int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out);
 

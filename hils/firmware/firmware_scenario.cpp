@@ -3,6 +3,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <string>
 
@@ -22,6 +24,15 @@ Firmware parse_firmware(const base::ConfigNode& node) {
   Firmware firmware;
   firmware.command = node.require<std::vector<std::string>>("command");
   if (firmware.command.empty()) node.at("command").fail("names no program");
+  firmware.start = node.get<std::string>("start", "");
+  if (!firmware.start.empty()) {
+    firmware.command.insert(firmware.command.end(), {"-s", firmware.start});
+  }
+  firmware.least_version = node.get<std::string>("least_version", "");
+  if (firmware.least_version.find_first_not_of("0123456789.") != std::string::npos) {
+    node.at("least_version").fail("is numbers with dots between them, such as '1.12'");
+  }
+  firmware.hint = node.get<std::string>("hint", "");
   firmware.cwd = node.get<std::string>("cwd", "");
   if (const auto variables = node.find("environment")) {
     for (const auto& [name, value] : variables->entries()) {
@@ -30,6 +41,20 @@ Firmware parse_firmware(const base::ConfigNode& node) {
   }
   firmware.on_serial_line = node.get("on_serial_line", false);
   return firmware;
+}
+
+/// Stock firmware has no parameters CAS_TRJ_*.
+void refuse_trajectories(const base::ConfigNode& steps, const std::vector<FlightStep>& flight) {
+  const bool any = std::ranges::any_of(
+      flight, [](const FlightStep& step) { return step.kind == StepKind::kTrajectory; });
+  if (!any) return;
+  for (const base::ConfigNode& node : steps.items()) {
+    if (node.is_map() && node.has("trajectory")) {
+      node.at("trajectory")
+          .fail(
+              "only the controller of CAS flies a trajectory by itself: stock firmware takes goto");
+    }
+  }
 }
 
 std::optional<double> limit(const base::ConfigNode& limits, std::string_view key) {
@@ -100,6 +125,20 @@ std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces
 
 }  // namespace
 
+bool is_at_least(const std::string& version, const std::string& least) {
+  const auto numbers = [](const std::string& text) {
+    std::vector<int> all;
+    for (const char* at = text.data(); at < text.data() + text.size();) {
+      int number = 0;
+      const auto [end, error] = std::from_chars(at, text.data() + text.size(), number);
+      all.push_back(number);
+      at = end + 1;  // behind the dot
+    }
+    return all;
+  };
+  return numbers(version) >= numbers(least);
+}
+
 std::string with_variables(const std::string& text,
                            const std::map<std::string, std::string>& more) {
   std::string result;
@@ -140,6 +179,7 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
   scenario.firmware = parse_firmware(root.at("firmware"));
   scenario.not_hil = root.get("not_hil", false);
   scenario.steps = parse_flight(root.at("steps"), gains_of(scenario.topology));
+  refuse_trajectories(root.at("steps"), scenario.steps);
   if (const auto limits = root.find("limits")) {
     scenario.height_error_m = limit(*limits, "height_error_m");
     scenario.drift_m = limit(*limits, "drift_m");

@@ -17,11 +17,19 @@ namespace cas::hils {
 /// a variable of the environment, with which the user says where the firmware is.
 struct Firmware {
   std::vector<std::string> command;  ///< argv, the program first
-  std::string cwd;                   ///< where it runs; empty: a folder in the results
+  /// PX4's start script, behind the command as `-s FILE`: without one v1.12 runs the board's own
+  /// script, which mounts and formats, and ends with 255. Empty: none.
+  std::string start;
+  std::string least_version;  ///< "1.12": what is older is not flown; empty: any
+  std::string hint;           ///< what helps where it is too old or ends by itself
+  std::string cwd;            ///< where it runs; empty: a folder in the results
   std::map<std::string, std::string> environment;
   bool on_serial_line =
       false;  ///< ${CAS_FCU_TTY} is the end of a pseudo-terminal, casd has the other
 };
+
+/// Whether a version is a later one or the same: "1.16.1" is at least "1.12".
+bool is_at_least(const std::string& version, const std::string& least);
 
 /// A flight of stock firmware: a shipped world and topology, as one would start them by hand, the
 /// firmware, and the steps of a flight.

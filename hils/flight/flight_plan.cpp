@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/flight/flight_plan.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace cas::hils {
@@ -25,18 +26,21 @@ Motion VehicleReport::estimate() const {
           .rpy_rad = {roll_rad, pitch_rad, yaw_rad}};
 }
 
-FlightPlan::FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad)
-    : steps_(std::move(steps)), reference_yaw_rad_(start_yaw_rad) {}
+FlightPlan::FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad, FirmwareHabits habits)
+    : steps_(std::move(steps)), habits_(habits), reference_yaw_rad_(start_yaw_rad) {}
 
 std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleReport& vehicle,
                                              std::size_t others_through) {
   while (!done() && failure_.empty()) {
     const FlightStep& step = steps_[current_];
     if (!begun_ && others_through >= current_) begin_step(now, step);
-    if (begun_ && phase_ == Phase::kBegin && vehicle.heard && now >= retry_at_) {
+    if (begun_ && disarmed_itself(step, now, vehicle)) phase_ = Phase::kBegin;
+    if (begun_ && phase_ == Phase::kBegin && vehicle.heard && now >= retry_at_ &&
+        !bides(step, now, vehicle)) {
       if (needs_command(step, vehicle)) {
         phase_ = Phase::kCommanding;
-        return step;
+        rearming_ = habits_.arms_early && step.kind == StepKind::kTakeoff && !vehicle.armed;
+        return rearming_ ? FlightStep{.kind = StepKind::kArm} : step;
       }
       phase_ = Phase::kWaiting;
     }
@@ -70,7 +74,8 @@ void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
 
 void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
   last_refusal_ = refusal;
-  if (refusal.empty()) {
+  const bool again = std::exchange(rearming_, false);
+  if (refusal.empty() && !again) {
     phase_ = Phase::kWaiting;
     accepted_ = now;
     return;
@@ -95,6 +100,26 @@ bool FlightPlan::needs_command(const FlightStep& step, const VehicleReport& vehi
   if (!is_command(step.kind)) return false;
   if (step.kind == StepKind::kDisarm) return vehicle.armed;
   return true;
+}
+
+/// Whether an arm step's vehicle was armed, and is not any more: HEARTBEATs come each second.
+bool FlightPlan::disarmed_itself(const FlightStep& step, base::SimTime now,
+                                 const VehicleReport& vehicle) const {
+  constexpr base::Duration kHeartbeats = seconds(3);
+  return habits_.arms_early && step.kind == StepKind::kArm && phase_ == Phase::kWaiting &&
+         vehicle.heard && !vehicle.armed && now - accepted_ > kHeartbeats;
+}
+
+/// Whether the step's command would come too early.
+bool FlightPlan::bides(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle) {
+  if (!vehicle.armed) {
+    const bool arms = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff;
+    if (!habits_.arms_early || !arms || vehicle.position_lack.empty()) return false;
+    last_refusal_ = vehicle.position_lack;
+    return true;
+  }
+  return step.kind == StepKind::kDisarm &&
+         now - step_begin_ < std::min(habits_.disarms_itself, step.timeout / 2);
 }
 
 bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle,

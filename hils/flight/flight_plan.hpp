@@ -21,6 +21,7 @@ struct VehicleReport {
   bool in_air = false;
   bool on_ground = false;
   bool has_position = false;
+  std::string position_lack{};  ///< what takeoff by position still needs; empty: nothing
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
   double roll_rad = 0;
@@ -42,6 +43,16 @@ struct Stage {
   double reference_yaw_rad = 0;
 };
 
+/// What stock firmware does and our controller does not.
+struct FirmwareHabits {
+  /// It accepts arming before it can take off, refuses to take off and disarms itself (PX4 v1.12.0
+  /// after 8 s, ArduCopter 4.5.6 after 10 s). So it is armed once it has its position, and again
+  /// where it has disarmed itself, within the step's time.
+  bool arms_early = false;
+  /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
+  base::Duration disarms_itself{};
+};
+
 /// Takes a vehicle through the steps of a scenario. It says which command is to be given and when
 /// a step is done; it gives none itself and reads no clock. FleetPlan keeps several in step.
 ///
@@ -52,7 +63,8 @@ class FlightPlan {
   static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
 
   /// @param start_yaw_rad  heading of the vehicle at the start, kept until a step sets another
-  explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0);
+  explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0,
+                      FirmwareHabits habits = {});
 
   /// Looks at the vehicle. @return the step whose command is to be given now, if any
   /// @param others_through  so many steps the other vehicles are through with: the next one begins
@@ -87,6 +99,9 @@ class FlightPlan {
   enum class Phase { kBegin, kCommanding, kWaiting };
 
   bool needs_command(const FlightStep& step, const VehicleReport& vehicle) const;
+  bool disarmed_itself(const FlightStep& step, base::SimTime now,
+                       const VehicleReport& vehicle) const;
+  bool bides(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
   bool reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle,
                std::size_t others_through);
   void check_time(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
@@ -97,6 +112,7 @@ class FlightPlan {
   void end_step(base::SimTime now);
 
   std::vector<FlightStep> steps_;
+  FirmwareHabits habits_;
   std::size_t current_ = 0;
   Phase phase_ = Phase::kBegin;
   base::SimTime step_begin_;
@@ -104,6 +120,7 @@ class FlightPlan {
   base::SimTime accepted_;
   std::optional<base::SimTime> still_since_;
   bool begun_ = false;
+  bool rearming_ = false;  ///< the command under way arms, whatever the step is
   bool airborne_ = false;  ///< between takeoff and land: disarming is a crash
   Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
   double reference_yaw_rad_ = 0;

@@ -23,6 +23,7 @@ VehicleReport to_report(const Json& state) {
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
   report.on_ground = landed == "on_ground";
+  report.position_lack = state.value("position_lacks", "");
   if (const auto p = state.find("position_N"); p != state.end() && p->is_object()) {
     report.has_position = true;
     report.p_N = {p->value("x_m", 0.0), p->value("y_m", 0.0), p->value("z_m", 0.0)};

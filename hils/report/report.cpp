@@ -351,15 +351,12 @@ struct JunitCases {
 
 /// A case for the verdict and one for each thing that a run is held to, under the same names
 /// whatever comes out.
-/// @param who  behind the name of the suite: ".left", or nothing
-std::string junit_suite(const Measurement& figures, const Verdict& verdict,
-                        const std::string& who) {
-  JunitCases cases{.suite = escape_xml(fmt::format("hils.{}.{}{}", figures.scenario,
-                                                   to_string(figures.architecture), who))};
+std::string junit_suite(const std::string& name, double wall_s, const Verdict& verdict) {
+  JunitCases cases{.suite = escape_xml(name)};
   if (verdict.passed) {
-    cases.add("verdict", figures.wall_s, "");
+    cases.add("verdict", wall_s, "");
   } else {
-    cases.add_missed("verdict", figures.wall_s, !verdict.valid,
+    cases.add_missed("verdict", wall_s, !verdict.valid,
                      fmt::format("{}", fmt::join(verdict.failures, "; ")));
   }
   for (const LimitCheck& check : verdict.checks) {
@@ -375,9 +372,18 @@ std::string junit_suite(const Measurement& figures, const Verdict& verdict,
   return fmt::format(
       "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" "
       "time=\"{:.3f}\">\n{}</testsuite>\n",
-      cases.suite, cases.tests, cases.failures, cases.errors, cases.skipped, figures.wall_s,
-      cases.text);
+      cases.suite, cases.tests, cases.failures, cases.errors, cases.skipped, wall_s, cases.text);
 }
+
+/// @param who  behind the name of the suite: ".left", or nothing
+std::string junit_suite(const Measurement& figures, const Verdict& verdict,
+                        const std::string& who) {
+  return junit_suite(
+      fmt::format("hils.{}.{}{}", figures.scenario, to_string(figures.architecture), who),
+      figures.wall_s, verdict);
+}
+
+constexpr const char* kXmlHead = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
 
 }  // namespace
 
@@ -420,13 +426,17 @@ std::string summary_json(const RunResult& run) {
 }
 
 std::string junit_report(const RunResult& run) {
-  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+  std::string text = kXmlHead;
   if (!run.has_several()) return text + junit_suite(run.vehicles.front().figures, run.verdict, "");
   text += "<testsuites>\n";
   for (const VehicleResult& vehicle : run.vehicles) {
     text += junit_suite(vehicle.figures, vehicle.verdict, "." + vehicle.figures.vehicle);
   }
   return text + "</testsuites>\n";
+}
+
+std::string junit_report(const std::string& name, double wall_s, const Verdict& verdict) {
+  return kXmlHead + junit_suite(name, wall_s, verdict);
 }
 
 }  // namespace cas::hils

@@ -32,5 +32,7 @@ std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*a
 /// one for each that was missed, or for each reason why the run is not valid. Several vehicles have
 /// a suite each.
 std::string junit_report(const RunResult& run);
+/// Of a run that has a verdict and no Measurement. @param name  of the suite: "hils.px4_sitl"
+std::string junit_report(const std::string& name, double wall_s, const Verdict& verdict);
 
 }  // namespace cas::hils

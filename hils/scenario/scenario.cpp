@@ -320,6 +320,12 @@ const Limits& Scenario::limits_of(std::size_t vehicle) const {
 Scenario Scenario::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
   if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
+  if (root.has("firmware")) {
+    root.at("firmware")
+        .fail(
+            "only `hils run` flies stock firmware: here our controller flies, and "
+            "each scenario with `vehicle` will do");
+  }
   Scenario scenario;
   scenario.file = file;
   scenario.name = root.get<std::string>("name", file.stem().string());

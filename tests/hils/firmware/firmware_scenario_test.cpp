@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
@@ -28,6 +30,53 @@ TEST(FirmwareScenario, TheShippedOnesAreRead) {
         << "only firmware without a wire is armed without the HIL flag";
   }
   EXPECT_FALSE(FirmwareScenario::is(kScenarios / "hover.yaml"));
+}
+
+/// The shipped PX4 scenario with a line put in the place of another.
+std::filesystem::path changed(const test::TemporaryFolder& folder, const std::string& line,
+                              const std::string& by) {
+  std::ifstream in(kScenarios / "px4_sitl.yaml");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t at = text.find(line);
+  EXPECT_NE(at, std::string::npos) << line;
+  return folder.write("changed.yaml", text.replace(at, line.size(), by));
+}
+
+TEST(FirmwareScenario, GivesPx4ItsStartScript) {
+  const auto& firmware = FirmwareScenario::load(kScenarios / "px4_sitl.yaml").firmware;
+  ASSERT_EQ(firmware.command.size(), 5U);
+  EXPECT_EQ(firmware.command[3], "-s");
+  EXPECT_EQ(firmware.command[4], "etc/init.d-posix/rcS");
+  EXPECT_NE(firmware.hint.find("PX4_SIM_MODEL"), std::string::npos);
+}
+
+TEST(FirmwareScenario, RefusesATrajectoryWhenItIsRead) {
+  const test::TemporaryFolder folder;
+  const auto file = changed(
+      folder, "  - hold: {duration_s: 20, measure: true}",
+      "  - trajectory: {shape: circle, size_m: 2, speed_m_s: 1, duration_s: 10, measure: true}");
+  try {
+    FirmwareScenario::load(file);
+    FAIL() << "a trajectory";
+  } catch (const base::ConfigError& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find("steps[2].trajectory"), std::string::npos) << said;
+    EXPECT_NE(said.find("stock firmware takes goto"), std::string::npos) << said;
+  }
+}
+
+TEST(FirmwareScenario, RefusesAVersionThatIsNone) {
+  const test::TemporaryFolder folder;
+  const auto file = changed(folder, "least_version: \"1.12\"", "least_version: \"v1.12\"");
+  EXPECT_THROW(FirmwareScenario::load(file), base::ConfigError);
+}
+
+TEST(FirmwareScenario, ComparesVersionsByTheirNumbers) {
+  EXPECT_TRUE(is_at_least("1.16.1", "1.12"));
+  EXPECT_TRUE(is_at_least("1.12.0", "1.12"));
+  EXPECT_TRUE(is_at_least("4.5.6", ""));
+  EXPECT_FALSE(is_at_least("1.9.2", "1.12"));
+  EXPECT_FALSE(is_at_least("1.11.3", "1.12"));
 }
 
 TEST(FirmwareScenario, FindsTheShippedWorldAndTopologyFromAFolderOfOnesOwn) {
@@ -77,19 +126,24 @@ TEST(FirmwareScenario, TakesTheFirmwaresPlaceFromTheEnvironment) {
   }
 }
 
+std::vector<std::string> failures(const FirmwareScenario& scenario,
+                                  const FirmwareFigures& figures) {
+  return judge(scenario, figures).failures;
+}
+
 TEST(FirmwareScenario, SaysWhatWasMissed) {
   FirmwareScenario scenario;
   scenario.height_error_m = 0.5;
   scenario.drift_m = 1.0;
   FirmwareFigures figures;
-  EXPECT_EQ(misses(scenario, figures).size(), 2U) << "nothing was measured";
+  EXPECT_EQ(failures(scenario, figures).size(), 2U) << "nothing was measured";
   figures.looks = 10;
   figures.height_error_m = 0.4;
   figures.drift_m = 0.9;
-  EXPECT_TRUE(misses(scenario, figures).empty());
+  EXPECT_TRUE(failures(scenario, figures).empty());
   figures.drift_m = 1.1;
   figures.flight_failure = "arm: refused";
-  EXPECT_EQ(misses(scenario, figures),
+  EXPECT_EQ(failures(scenario, figures),
             (std::vector<std::string>{"arm: refused", "drift 1.10 m, limit 1.00 m"}));
 }
 
@@ -128,14 +182,43 @@ std::string truth(double falls_at_s) {
 TEST(FirmwareFlight, ThatCrashedHasFailedWithoutAnyLimit) {
   const test::TemporaryFolder folder;
   FirmwareFigures good = flown();
-  add_incidents(folder.write("good.csv", truth(99)), good);
-  EXPECT_TRUE(misses({}, good).empty()) << misses({}, good).front();
+  add_truth(folder.write("good.csv", truth(99)), good);
+  EXPECT_TRUE(failures({}, good).empty()) << failures({}, good).front();
   FirmwareFigures fallen = flown();
-  add_incidents(folder.write("fallen.csv", truth(7)), fallen);
-  const std::vector<std::string> missed = misses({}, fallen);
+  add_truth(folder.write("fallen.csv", truth(7)), fallen);
+  const std::vector<std::string> missed = failures({}, fallen);
   EXPECT_TRUE(std::ranges::any_of(missed, [](const std::string& sentence) {
-    return sentence.find("the vehicle hit the ground at ") == 0;
+    return sentence.find("hit the ground at ") != std::string::npos;
   })) << testing::PrintToString(missed);
+}
+
+TEST(FirmwareFlight, HasTheRmsOfItsMeasuredHold) {
+  const test::TemporaryFolder folder;
+  FirmwareFigures figures = flown();
+  figures.stages.back().step.measure = true;
+  add_truth(folder.write("good.csv", truth(99)), figures);
+  ASSERT_TRUE(figures.rms);
+  EXPECT_NEAR(figures.rms->z_m, 0, 1e-9);
+  EXPECT_NEAR(static_cast<double>(figures.rms->samples), 500, 1);
+}
+
+TEST(FirmwareFlight, IsJudgedUnderTheSameNamesWhateverComesOut) {
+  FirmwareScenario scenario;
+  scenario.drift_m = 1;
+  FirmwareFigures figures = flown();
+  figures.looks = 1;
+  const auto names = [&] {
+    std::string all;
+    for (const LimitCheck& each : judge(scenario, figures).checks) all += each.what + " ";
+    return all;
+  };
+  EXPECT_TRUE(judge(scenario, figures).passed);
+  const std::string good = names();
+  EXPECT_EQ(good, "flight drift incidents true flight ");
+  figures.drift_m = 2;
+  figures.flight_failure = "land was not done within 60 s";
+  EXPECT_EQ(judge(scenario, figures).exit_code(), kExitLimitsMissed);
+  EXPECT_EQ(names(), good);
 }
 
 TEST(FirmwareFlight, ThatNobodyRecordedHasFailed) {
@@ -143,8 +226,8 @@ TEST(FirmwareFlight, ThatNobodyRecordedHasFailed) {
   for (const std::filesystem::path& file :
        {folder.path() / "none.csv", folder.write("empty.csv", "t,x\n")}) {
     FirmwareFigures figures = flown();
-    add_incidents(file, figures);
-    const std::vector<std::string> missed = misses({}, figures);
+    add_truth(file, figures);
+    const std::vector<std::string> missed = failures({}, figures);
     ASSERT_EQ(missed.size(), 1U) << file;
     EXPECT_EQ(missed[0].find("the true flight was not recorded: "), 0U) << missed[0];
   }

@@ -150,6 +150,74 @@ TEST(FlightPlan, NamesThePhaseByTheStepsNameOrWord) {
   EXPECT_EQ(plan.phase(), "done");
 }
 
+constexpr FirmwareHabits kStock{.arms_early = true, .disarms_itself = seconds(5)};
+
+TEST(FlightPlan, ArmsStockFirmwareOnceItHasAPosition) {
+  FlightPlan plan(hover(), 0, kStock);
+  VehicleReport vehicle = on_ground();
+  vehicle.position_lack = "the GPS has no fix yet";
+  EXPECT_FALSE(plan.update(at(seconds(0)), vehicle));
+  vehicle.position_lack.clear();
+  const auto command = plan.update(at(seconds(3)), vehicle);
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->kind, StepKind::kArm);
+}
+
+TEST(FlightPlan, SaysWhatStockFirmwareLackedForItsPosition) {
+  FlightPlan plan(hover(), 0, kStock);
+  VehicleReport vehicle = on_ground();
+  vehicle.position_lack = "the GPS has no fix yet";
+  plan.update(at(seconds(0)), vehicle);
+  plan.update(at(milliseconds(10'100)), vehicle);
+  EXPECT_EQ(plan.failure(), "arm was not done within 10 s: the GPS has no fix yet");
+}
+
+// PX4 v1.12.0: armed 1.5 s after its start it refused to take off, and disarmed after 8 s.
+TEST(FlightPlan, ArmsStockFirmwareAgainThatDisarmedItselfBeforeTakeoff) {
+  FlightPlan plan(hover(), 0, kStock);
+  VehicleReport vehicle = on_ground();
+  ASSERT_EQ(plan.update(at(seconds(0)), vehicle)->kind, StepKind::kArm);
+  plan.on_outcome(at(seconds(0)), "");
+  vehicle.armed = true;
+  ASSERT_EQ(plan.update(at(seconds(1)), vehicle)->kind, StepKind::kTakeoff);
+  plan.on_outcome(at(seconds(1)), "temporarily rejected");
+  vehicle.armed = false;
+  ASSERT_EQ(plan.update(at(seconds(2)), vehicle)->kind, StepKind::kArm);
+  plan.on_outcome(at(seconds(2)), "");
+  EXPECT_FALSE(plan.update(at(milliseconds(2500)), vehicle));
+  vehicle.armed = true;
+  ASSERT_EQ(plan.update(at(seconds(3)), vehicle)->kind, StepKind::kTakeoff);
+  plan.on_outcome(at(seconds(3)), "");
+  plan.update(at(seconds(5)), hovering());
+  plan.update(at(seconds(6)), hovering());
+  EXPECT_EQ(plan.completed(), 2U) << plan.failure();
+}
+
+TEST(FlightPlan, ArmsStockFirmwareAgainThatWasNeverHeardArmed) {
+  FlightPlan plan(hover(), 0, kStock);
+  ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
+  plan.on_outcome(at(seconds(0)), "");
+  EXPECT_FALSE(plan.update(at(seconds(2)), on_ground()));
+  const auto again = plan.update(at(seconds(4)), on_ground());
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->kind, StepKind::kArm);
+}
+
+TEST(FlightPlan, LeavesStockFirmwareTheTimeToDisarmItself) {
+  FlightPlan plan({{.kind = StepKind::kDisarm, .timeout = seconds(20)}}, 0, kStock);
+  VehicleReport landed = on_ground();
+  landed.armed = true;
+  EXPECT_FALSE(plan.update(at(seconds(0)), landed));
+  EXPECT_FALSE(plan.update(at(seconds(2)), on_ground()));
+  EXPECT_TRUE(plan.done()) << "it did so itself";
+
+  FlightPlan told({{.kind = StepKind::kDisarm, .timeout = seconds(20)}}, 0, kStock);
+  told.update(at(seconds(0)), landed);
+  const auto command = told.update(at(seconds(5)), landed);
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->kind, StepKind::kDisarm);
+}
+
 TEST(FlightPlan, SkipsDisarmWhenTheVehicleHasDisarmedItself) {
   FlightPlan plan({{.kind = StepKind::kDisarm}});
   EXPECT_FALSE(plan.update(at(seconds(0)), on_ground()));

@@ -187,6 +187,17 @@ INSTANTIATE_TEST_SUITE_P(
                     "rate_error_pct"}),
     [](const auto& test) { return test.param.name; });
 
+TEST(FirmwareScenarioFile, IsRefusedWhereOurControllerWouldFlyIt) {
+  try {
+    Scenario::load(cas::test::source_dir() + "/config/scenarios/px4_sitl.yaml");
+    FAIL() << "stock firmware in a comparison";
+  } catch (const base::ConfigError& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find(": firmware: only `hils run` flies stock firmware"), std::string::npos)
+        << said;
+  }
+}
+
 TEST_F(ScenarioFile, RefusesUnknownKeys) {
   const std::string error = error_of(std::string(kHead) + kFlight + "limit: {lost: 0}\n");
   EXPECT_NE(error.find("limit"), std::string::npos) << error;
