@@ -205,6 +205,7 @@ json FigureMethods::status() const {
               {"uptime_s", base::to_seconds(source_.now() - source_.started)},
               {"threads", to_string(topology.threads)},
               {"self", {{"system", topology.self.system}, {"component", topology.self.component}}},
+              {"allow_not_hil", topology.commanding.allow_not_hil},
               {"clients", server_.clients()},
               {"links", links()},
               {"vehicles", source_.vehicles()}};

@@ -62,7 +62,8 @@ constexpr const char* kText = R"json({
     "hil": "boolean", "mode": "string", "state": "string", "arming_checks": "string", "landed": "string", "link": "string",
     "heartbeat_age_s": "number", "complaints": ["string"], "rival?": "Rival", "attitude?": "Attitude",
     "position_N?": "PositionN", "global?": "GlobalPosition", "home?": "Home", "altitude_m?": "number: above home",
-    "altitude_age_s?": "number", "landed_age_s?": "number", "at_s": "number: by casd's clock", "statustexts": ["StatusText"]},
+    "altitude_age_s?": "number", "landed_age_s?": "number", "position_lacks?": "string: what takeoff by position still needs; left out: nothing",
+    "firmware?": "string: its version", "at_s": "number: by casd's clock", "statustexts": ["StatusText"]},
   "TelemetryState": {"armed": "boolean|null", "mode": "string|null", "landed": "string|null", "system_state": "string|null",
     "age_s": "number|null"},
   "TelemetryAttitude": {"roll_deg": "number|null", "pitch_deg": "number|null", "yaw_deg": "number|null", "age_s": "number|null"},
@@ -107,7 +108,8 @@ constexpr const char* kText = R"json({
   "Self": {"system": "integer", "component": "integer"},
   "Reload": {"accepted": "boolean", "age_s": "number", "reason?": "string"},
   "DaemonStatus": {"schema": "integer", "program": "string", "version": "string", "uptime_s": "number", "name?": "string",
-    "topology?": "string", "threads": "string: per_link, single, blocking", "self": "Self", "clients": "integer", "links": ["Link"],
+    "topology?": "string", "threads": "string: per_link, single, blocking", "self": "Self", "allow_not_hil": "boolean: as in the topology",
+    "clients": "integer", "links": ["Link"],
     "vehicles": ["Vehicle"], "recording?": "Recording", "reload?": "Reload"}
 },
 "methods": {

@@ -163,6 +163,12 @@ json state_json(const VehicleState& vehicle, const LinkName& link_name, base::Ru
     state["altitude_m"] = altitude->message;
     state["altitude_age_s"] = age_s(*altitude, now);
   }
+  if (std::string lack = position_lack(vehicle); !lack.empty()) {
+    state["position_lacks"] = std::move(lack);
+  }
+  if (std::string version = vehicle.firmware_version(); !version.empty()) {
+    state["firmware"] = std::move(version);
+  }
   if (const auto at = vehicle.landed_at()) state["landed_age_s"] = base::to_seconds(now - *at);
   state["at_s"] = moment_s(now);
   state["statustexts"] = texts_json(vehicle, now);

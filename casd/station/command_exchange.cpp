@@ -58,12 +58,13 @@ std::string seconds_text(base::Duration d) {
 }  // namespace
 
 void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Done done,
-                            Objection objection) {
+                            Objection objection, Doubt doubt) {
   if (newest_counts(command.id)) replace(command.id, now);
   Request request;
   request.command = command;
   request.done = std::move(done);
   request.objection = std::move(objection);
+  request.doubt = std::move(doubt);
   if (find(command.id) != active_.end()) {
     if (waiting_.size() >= kMaxWaiting) {
       request.done(failure(OutcomeKind::kRefused, "too many commands wait for this vehicle"));
@@ -99,29 +100,72 @@ void CommandExchange::transmit(Request& request, base::RunTime now) {
   }
 }
 
-void CommandExchange::on_ack(const CommandAck& ack, base::RunTime now) {
+bool CommandExchange::on_ack(const CommandAck& ack, base::RunTime now) {
   const auto request = find(ack.command);
-  if (request == active_.end() || request->refused) return;
+  if (request == active_.end() || request->refused) return false;
   if (ack.result == MavResult::kInProgress) {
+    if (request->accepted) return false;
     request->in_progress = true;
     request->deadline = now + timing_.in_progress_timeout;
-    return;
+    return false;
+  }
+  if (ack.result == MavResult::kAccepted && request->doubt) {
+    if (request->accepted) return false;
+    request->deadline = now + timing_.effect_timeout;
+    request->accepted = true;
+    return true;
   }
   if (ack.result == MavResult::kAccepted) {
     Outcome outcome;
     outcome.result = ack.result;
     finish(request, std::move(outcome), now);
-    return;
+    return false;
   }
   request->refused = ack.result;
+  if (request->accepted) return true;  // a HEARTBEAT tells which of the two is true
   request->deadline = now + timing_.text_grace;
   if (timing_.text_grace == base::Duration::zero()) on_deadline(request, now);
+  return false;
 }
 
 void CommandExchange::on_status_text(std::string_view text) {
   for (Request& request : active_) {
     if (request.texts.size() < kMaxTexts) request.texts.emplace_back(text);
   }
+}
+
+void CommandExchange::on_heartbeat(base::RunTime now) {
+  const auto decided = [](const Request& r) { return r.accepted && (r.refused || !r.doubt()); };
+  // end_doubt() calls back, which may start more: look again from the front.
+  for (;;) {
+    const auto found = std::find_if(active_.begin(), active_.end(), decided);
+    if (found == active_.end()) return;
+    end_doubt(found, now);
+  }
+}
+
+/// The vehicle has said what there is to be heard of an accepted command: in a HEARTBEAT, or in
+/// none until the deadline.
+void CommandExchange::end_doubt(std::list<Request>::iterator request, base::RunTime now) {
+  const std::optional<std::string> instead = request->doubt();
+  const std::string what = describe(request->command.id) + " was accepted";
+  const std::string within = " within " + seconds_text(timing_.effect_timeout) + " s";
+  Outcome outcome;
+  outcome.result = MavResult::kAccepted;
+  if (instead && request->refused) {
+    outcome = failure(OutcomeKind::kRefused,
+                      what + ", then " + describe(*request->refused) + ": " + *instead);
+    outcome.result = request->refused;
+  } else if (instead) {
+    outcome =
+        failure(OutcomeKind::kRefused, what + " and not carried out" + within + ": " + *instead);
+  } else if (now >= request->deadline) {
+    outcome = failure(OutcomeKind::kTimeout, what + ", and no HEARTBEAT came" + within);
+  }
+  if (!outcome.ok() && !request->texts.empty()) {
+    outcome.message += "; it says: " + request->texts.back();
+  }
+  finish(request, std::move(outcome), now);
 }
 
 void CommandExchange::tick(base::RunTime now) {
@@ -147,6 +191,8 @@ void CommandExchange::on_deadline(std::list<Request>::iterator request, base::Ru
   const std::string what = describe(request->command.id);
   if (request->objected) {
     finish(request, *request->objected, now);
+  } else if (request->accepted) {
+    end_doubt(request, now);
   } else if (request->refused) {
     Outcome outcome = failure(OutcomeKind::kRefused, what + " was " + describe(*request->refused));
     if (*request->refused == MavResult::kFailed) outcome.message = what + " failed";

@@ -26,6 +26,8 @@ struct CommandTiming {
   /// A refusal waits this long for the status text that says why; 0: it does not wait for a tick
   /// either.
   base::Duration text_grace = std::chrono::milliseconds(250);
+  /// An accepted command must show in the HEARTBEAT within this long, where it has a `Doubt`.
+  base::Duration effect_timeout = std::chrono::seconds(3);
 };
 
 /// The command protocol (https://mavlink.io/en/services/command.html) with one vehicle: sends,
@@ -35,20 +37,31 @@ struct CommandTiming {
 /// counts (arm and disarm, mode, reposition): there it replaces the one under way. MAVLink cannot
 /// tell acknowledgements of the same command apart, so one that arrives after its request was
 /// given up counts for the next of its id.
+///
+/// An acknowledgement may promise too much: PX4 1.16 accepts a mode and rejects it in a second
+/// acknowledgement. A command with a `Doubt` is done when the HEARTBEAT shows its effect.
 class CommandExchange {
  public:
   using Message = std::variant<mavlink::common::CommandLong, mavlink::common::CommandInt>;
   using Send = std::function<void(const Message&)>;
   /// Asked before each transmission. @return why the command may not be sent, if so
   using Objection = std::function<std::optional<Outcome>(base::RunTime)>;
+  /// Asked at each HEARTBEAT after the acknowledgement. @return what the vehicle shows instead
+  /// ("it is in HOLD"); nothing once the command has taken effect
+  using Doubt = std::function<std::optional<std::string>()>;
 
   explicit CommandExchange(Send send, CommandTiming timing = {})
       : send_(std::move(send)), timing_(timing) {}
 
   /// @param objection  ends the command at the next tick; empty: none
-  void start(const VehicleCommand& command, base::RunTime now, Done done, Objection objection = {});
-  void on_ack(const mavlink::common::CommandAck& ack, base::RunTime now);
+  /// @param doubt  empty: the acknowledgement is believed
+  void start(const VehicleCommand& command, base::RunTime now, Done done, Objection objection = {},
+             Doubt doubt = {});
+  /// @return whether an accepted command waits for a HEARTBEAT from now on
+  bool on_ack(const mavlink::common::CommandAck& ack, base::RunTime now);
   void on_status_text(std::string_view text);
+  /// The vehicle has told its state anew.
+  void on_heartbeat(base::RunTime now);
   void tick(base::RunTime now);
   /// Ends all commands with this outcome.
   void give_up(const Outcome& outcome);
@@ -58,9 +71,11 @@ class CommandExchange {
     VehicleCommand command;
     Done done;
     Objection objection;
+    Doubt doubt;
     std::optional<Outcome> objected;
     int sent = 0;
     bool in_progress = false;
+    bool accepted = false;  ///< and in doubt
     base::RunTime deadline{};
     std::optional<mavlink::common::MavResult> refused;
     std::vector<std::string> texts;
@@ -68,6 +83,7 @@ class CommandExchange {
 
   void transmit(Request& request, base::RunTime now);
   void replace(mavlink::common::MavCmd id, base::RunTime now);
+  void end_doubt(std::list<Request>::iterator request, base::RunTime now);
   void on_deadline(std::list<Request>::iterator request, base::RunTime now);
   void finish(std::list<Request>::iterator request, Outcome outcome, base::RunTime now);
   std::list<Request>::iterator find(mavlink::common::MavCmd id);

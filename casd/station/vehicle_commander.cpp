@@ -16,6 +16,7 @@ using namespace mavlink::common;
 constexpr std::pair<std::uint32_t, double> kArduPilotStreams[] = {
     {SysStatus::kId, 1},         {ExtendedSysState::kId, 2},  {Attitude::kId, 10},
     {LocalPositionNed::kId, 10}, {GlobalPositionInt::kId, 5}, {HomePosition::kId, 0.5},
+    {GpsRawInt::kId, 1},         {kEkfStatusReport, 1},
 };
 
 bool addressed(const CommandAck& ack, mav::Source self) {
@@ -27,6 +28,9 @@ bool addressed(const CommandAck& ack, mav::Source self) {
 
 /// Farther from home than any vehicle here flies: a number beyond it is a slip.
 constexpr double kFarthest_m = 100'000;
+
+/// PX4's height of a takeoff that names none.
+constexpr std::string_view kTakeoffHeight = "MIS_TAKEOFF_ALT";
 
 }  // namespace
 
@@ -60,6 +64,7 @@ void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& pack
   if (vehicle == nullptr) return;
   if (vehicle != before && options_.ask_on_sight) ask_on_sight(packet.source.system, now);
   dispatch(*vehicle, packet, now);
+  beat_for_the_fast(*vehicle, now);
 }
 
 /// What commanding needs to know and a vehicle may not stream by itself.
@@ -79,7 +84,19 @@ void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& pa
   switch (packet.message_id) {
     case CommandAck::kId:
       if (const auto ack = mav::decode<CommandAck>(packet); ack && addressed(*ack, options_.self)) {
-        vehicle.commands.on_ack(*ack, now);
+        // In lockstep time may stand still: no HEARTBEAT comes by itself then.
+        if (vehicle.commands.on_ack(*ack, now)) {
+          vehicle.commands.start(request_command(Heartbeat::kId), now, [](const Outcome&) {});
+        }
+      }
+      break;
+    case Heartbeat::kId:
+      vehicle.commands.on_heartbeat(now);
+      break;
+    case ExtendedSysState::kId:
+      if (vehicle.state.landed() == MavLandedState::kTakeoff ||
+          vehicle.state.landed() == MavLandedState::kInAir) {
+        put_takeoff_height_back(vehicle, now);
       }
       break;
     case ParamValue::kId:
@@ -123,6 +140,29 @@ void VehicleCommander::beat(base::RunTime now) {
   const base::Duration period = base::from_seconds(1.0 / options_.heartbeat_hz);
   *next_beat_ += period;
   if (now >= *next_beat_) next_beat_ = now + period;
+  send_beat(now);
+}
+
+/// Of a vehicle at 20 times real time, a second of ours is 20 s: PX4 v1.16 took its ground station
+/// for lost and returned. At real time the ticks keep up with its clock.
+void VehicleCommander::beat_for_the_fast(KnownVehicle& vehicle, base::RunTime now) {
+  constexpr double kPeriods = 2;
+  constexpr base::Duration kLeast = std::chrono::milliseconds(10);  // whatever its clock says
+  const std::optional<base::Duration> clock = vehicle.state.boot_time();
+  if (!clock || !next_beat_ || options_.heartbeat_hz <= 0) return;
+  if (*clock < vehicle.beat_at) vehicle.beat_at = *clock;
+  const base::Duration period = base::from_seconds(1.0 / options_.heartbeat_hz);
+  if (*clock - vehicle.beat_at < base::from_seconds(kPeriods / options_.heartbeat_hz)) return;
+  if (now - last_beat_ < kLeast) return;
+  next_beat_ = now + period;
+  send_beat(now);
+}
+
+void VehicleCommander::send_beat(base::RunTime now) {
+  last_beat_ = now;
+  for (const auto& [system, vehicle] : table_.all()) {
+    vehicle->beat_at = vehicle->state.boot_time().value_or(base::Duration{});
+  }
   Heartbeat message;
   message.type = MavType::kGcs;
   message.autopilot = MavAutopilot::kInvalid;
@@ -331,11 +371,26 @@ void VehicleCommander::takeoff_amsl(KnownVehicle& vehicle, double altitude_m, ba
     start(system, command, now, std::move(done));
     return;
   }
-  set_param(system, "MIS_TAKEOFF_ALT", altitude_m, now,
-            [this, system, command, done = std::move(done)](const Outcome& set) {
+  set_param(system, std::string(kTakeoffHeight), altitude_m, now,
+            [this, &vehicle, command, done = std::move(done)](const Outcome& set) {
               if (!set.ok()) return done(set);
-              start(system, command, now_, done);
+              const auto before = set.before.find(std::string(kTakeoffHeight));
+              if (before != set.before.end() && !vehicle.takeoff_height_before) {
+                vehicle.takeoff_height_before = before->second;
+              }
+              vehicle.commands.start(command, now_, [this, &vehicle, done](const Outcome& taken) {
+                if (taken.kind == OutcomeKind::kRefused) put_takeoff_height_back(vehicle, now_);
+                done(taken);
+              });
             });
+}
+
+/// The navigator reads the parameter when it begins to climb: not before it is in the air.
+void VehicleCommander::put_takeoff_height_back(KnownVehicle& vehicle, base::RunTime now) {
+  const std::optional<double> before = std::exchange(vehicle.takeoff_height_before, std::nullopt);
+  if (before) {
+    vehicle.params.set(std::string(kTakeoffHeight), *before, now, [](const Outcome&) {});
+  }
 }
 
 /// ArduPilot: takes off in GUIDED mode only, to a height above home.
@@ -371,7 +426,8 @@ void VehicleCommander::hold(std::uint8_t system, base::RunTime now, Done done) {
 
 void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base::RunTime now,
                                 Done done) {
-  const KnownVehicle* vehicle = known(system, done);
+  now_ = now;
+  KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   const VehicleState& state = vehicle->state;
   const std::optional<std::uint32_t> mode = custom_mode(state.autopilot(), word);
@@ -382,7 +438,12 @@ void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base
                                             (words.empty() ? std::string() : "; it has " + words)));
     return;
   }
-  start(system, mode_command(state, *mode), now, std::move(done));
+  // The exchange is the vehicle's own: it does not outlive its state.
+  const auto doubt = [&state, mode]() -> std::optional<std::string> {
+    if (state.heartbeat().message.custom_mode == *mode) return std::nullopt;
+    return "it is in " + state.mode();
+  };
+  vehicle->commands.start(mode_command(state, *mode), now, std::move(done), {}, doubt);
 }
 
 void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::RunTime now,

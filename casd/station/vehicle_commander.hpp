@@ -45,7 +45,8 @@ class Station {
 
 struct CommanderOptions {
   mav::Source self{254, 190};
-  double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent
+  double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent. A vehicle that
+                               ///< runs faster than real time gets it by its own clock
   bool allow_not_hil = false;  ///< consent to arm vehicles that are not in HIL
   bool ask_on_sight = true;    ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle
   CommandTiming command_timing{};
@@ -103,7 +104,8 @@ class VehicleCommander final : public Station {
   /// both consent, and while a second autopilot uses its system id. Each repetition asks again.
   void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);
   void disarm(std::uint8_t system, bool force, base::RunTime now, Done done);
-  /// Climbs to `altitude_m` above home.
+  /// Climbs to `altitude_m` above home. Of a PX4 whose home is unknown it writes MIS_TAKEOFF_ALT,
+  /// and puts it back once the vehicle is in the air or has refused.
   void takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done);
   void land(std::uint8_t system, base::RunTime now, Done done);
   void hold(std::uint8_t system, base::RunTime now, Done done);
@@ -117,6 +119,7 @@ class VehicleCommander final : public Station {
     std::optional<double> yaw_deg;
   };
   void go_to(std::uint8_t system, const Target& target, base::RunTime now, Done done);
+  /// Done when the HEARTBEAT shows the mode; a refusal says which one it shows instead.
   void set_mode(std::uint8_t system, std::string_view word, base::RunTime now, Done done);
   /// Period of a message on the vehicle's link; 0 the vehicle's default, negative off.
   void message_interval(std::uint8_t system, std::uint32_t message_id, double period_us,
@@ -164,6 +167,7 @@ class VehicleCommander final : public Station {
   void start_spinning(std::uint8_t system, const VehicleCommand& command, bool not_hil,
                       base::RunTime now, Done done);
   void takeoff_amsl(KnownVehicle& vehicle, double altitude_m, base::RunTime now, Done done);
+  void put_takeoff_height_back(KnownVehicle& vehicle, base::RunTime now);
   void takeoff_guided(KnownVehicle& vehicle, double altitude_m, base::RunTime now, Done done);
   Done explained(const KnownVehicle& vehicle, Done done);
   std::optional<Outcome> interlock(const VehicleState& state, bool not_hil,
@@ -173,6 +177,8 @@ class VehicleCommander final : public Station {
   struct Steps;
   void run_steps(std::shared_ptr<Steps> steps);
   void beat(base::RunTime now);
+  void beat_for_the_fast(KnownVehicle& vehicle, base::RunTime now);
+  void send_beat(base::RunTime now);
 
   CommanderOptions options_;
   SendPacket send_;
@@ -180,6 +186,7 @@ class VehicleCommander final : public Station {
   OnText on_text_;
   VehicleTable table_;
   std::optional<base::RunTime> next_beat_;
+  base::RunTime last_beat_{};
   base::RunTime now_{};
 };
 

@@ -56,7 +56,9 @@ void add(std::vector<std::string>& all, std::string text) {
 void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
   for (const Sensor& sensor : kNeeded) {
     const std::string name(sensor.name);
-    if (!has(status.onboard_control_sensors_present, sensor.bit)) {
+    // PX4 v1.12 leaves "present" unset for sensors that it calls healthy.
+    if (!has(status.onboard_control_sensors_present | status.onboard_control_sensors_health,
+             sensor.bit)) {
       add(all, "no " + name);
     } else if (has(status.onboard_control_sensors_enabled, sensor.bit) &&
                !has(status.onboard_control_sensors_health, sensor.bit)) {
@@ -65,11 +67,18 @@ void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
   }
 }
 
+/// PX4 v1.16 ends texts with a tab, v1.12 puts one between words.
+std::string without_tabs(std::string text) {
+  std::replace(text.begin(), text.end(), '\t', ' ');
+  text.erase(text.find_last_not_of(' ') + 1);
+  return text;
+}
+
 }  // namespace
 
 std::optional<StatusText> StatusTextJoiner::add(const Statustext& chunk, base::RunTime now) {
   const std::string_view part = mav::text(chunk.text);
-  if (chunk.id == 0) return StatusText{chunk.severity, std::string(part), now};
+  if (chunk.id == 0) return StatusText{chunk.severity, without_tabs(std::string(part)), now};
   if (chunk.chunk_seq == 0 || chunk.id != id_) text_.clear();
   if (chunk.chunk_seq != 0 && (chunk.id != id_ || chunk.chunk_seq != next_)) text_ += "...";
   id_ = chunk.id;
@@ -78,7 +87,7 @@ std::optional<StatusText> StatusTextJoiner::add(const Statustext& chunk, base::R
   const bool whole = part.size() < chunk.text.size() || text_.size() > kTextBytes;
   if (!whole) return std::nullopt;
   id_ = 0;
-  return StatusText{chunk.severity, std::exchange(text_, {}), now};
+  return StatusText{chunk.severity, without_tabs(std::exchange(text_, {})), now};
 }
 
 bool VehicleState::is_at(const Origin& from, base::RunTime now) const {
@@ -131,12 +140,15 @@ void VehicleState::on_packet(const Origin& from, const mav::PacketView& packet, 
       break;
     case Attitude::kId:
       hear(attitude_, packet, now);
+      if (attitude_) on_boot_time(attitude_->message.time_boot_ms, now);
       break;
     case LocalPositionNed::kId:
       hear(local_position_, packet, now);
+      if (local_position_) on_boot_time(local_position_->message.time_boot_ms, now);
       break;
     case GlobalPositionInt::kId:
       hear(global_position_, packet, now);
+      if (global_position_) on_boot_time(global_position_->message.time_boot_ms, now);
       break;
     case HomePosition::kId:
       hear(home_, packet, now);
@@ -166,6 +178,7 @@ void VehicleState::on_packet(const Origin& from, const mav::PacketView& packet, 
     case AutopilotVersion::kId:
       if (const auto message = mav::decode<AutopilotVersion>(packet)) {
         capabilities_ = static_cast<std::uint64_t>(message->capabilities);
+        flight_version_ = message->flight_sw_version;
       }
       break;
     case Statustext::kId:
@@ -179,6 +192,14 @@ void VehicleState::on_packet(const Origin& from, const mav::PacketView& packet, 
 void VehicleState::on_heartbeat(const Heartbeat& message, base::RunTime now) {
   heartbeat_ = {message, now};
   if (!hil()) without_hil_ = now;
+  if (armed()) armed_at_ = now;
+}
+
+void VehicleState::on_boot_time(std::uint32_t time_boot_ms, base::RunTime now) {
+  constexpr base::Duration kOutOfOrder = std::chrono::seconds(1);
+  const base::Duration time = std::chrono::milliseconds(time_boot_ms);
+  if (boot_time_ && time < *boot_time_ - kOutOfOrder) restarted_at_ = now;
+  boot_time_ = time;
 }
 
 void VehicleState::on_status_text(const Statustext& chunk, base::RunTime now) {
@@ -273,6 +294,14 @@ ParamEncoding VehicleState::param_encoding() const {
   return autopilot() == Autopilot::kArduPilot ? ParamEncoding::kCast : ParamEncoding::kBytewise;
 }
 
+std::string VehicleState::firmware_version() const {
+  if (flight_version_ == 0) return {};
+  const auto byte = [this](unsigned shift) {
+    return std::to_string(flight_version_ >> shift & 0xFFU);
+  };
+  return byte(24) + "." + byte(16) + "." + byte(8);
+}
+
 ArmingChecks arming_checks(const VehicleState& vehicle, base::RunTime now) {
   const auto& status = vehicle.sys_status();
   constexpr auto kBit = MavSysStatusSensor::kPrearmCheck;
@@ -284,6 +313,58 @@ ArmingChecks arming_checks(const VehicleState& vehicle, base::RunTime now) {
                                                                    : ArmingChecks::kFail;
 }
 
+namespace {
+
+/// Five floats, then the flags; zeros at the end are cut off.
+EstimatorStatusFlags ekf_flags(const MessageMemory::Kept& report) {
+  constexpr std::size_t kFlags = 20;
+  const auto byte = [&](std::size_t at) {
+    return at < report.payload.size() ? static_cast<unsigned>(report.payload[at]) : 0U;
+  };
+  // The bits are those of ESTIMATOR_STATUS.
+  return static_cast<EstimatorStatusFlags>(byte(kFlags) | byte(kFlags + 1) << 8U);
+}
+
+/// The estimator's flags in the newest report of either autopilot.
+std::optional<EstimatorStatusFlags> estimator_flags(const VehicleState& vehicle) {
+  const auto& status = vehicle.estimator_status();
+  if (status && status->at >= vehicle.restarted_at()) return status->message.flags;
+  const MessageMemory::Kept* report = vehicle.messages().find(kEkfStatusReport);
+  if (vehicle.autopilot() != Autopilot::kArduPilot || report == nullptr ||
+      report->at < vehicle.restarted_at()) {
+    return std::nullopt;
+  }
+  return ekf_flags(*report);
+}
+
+std::string estimator_lack(EstimatorStatusFlags flags) {
+  using E = EstimatorStatusFlags;
+  if (!has(flags, E::kAttitude)) return "the estimator has no attitude yet";
+  if (!has(flags, E::kVelocityHoriz | E::kVelocityVert)) return "the estimator has no velocity yet";
+  if (!has(flags, E::kPosHorizAbs) || has(flags, E::kConstPosMode)) {
+    return "the estimator has no horizontal position yet";
+  }
+  return has(flags, E::kPosVertAbs) ? "" : "the estimator has no height yet";
+}
+
+}  // namespace
+
+std::string position_lack(const VehicleState& vehicle) {
+  if (vehicle.autopilot() == Autopilot::kOther) return {};
+  const auto& gps = vehicle.gps_raw();
+  std::string lack;
+  if (const auto flags = estimator_flags(vehicle)) {
+    lack = estimator_lack(*flags);
+  } else if (!gps || gps->at < vehicle.restarted_at()) {
+    lack = "it has told nothing of its estimator and GPS yet";
+  } else if (gps->message.fix_type < GpsFixType::k3dFix) {
+    lack = "the GPS has no fix yet";
+  }
+  const auto& home = vehicle.told_home();
+  const bool has_home = home && home->at >= vehicle.restarted_at();
+  return lack.empty() && !has_home ? "it has not told its home position yet" : lack;
+}
+
 std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime now,
                                     std::uint64_t texts_before) {
   std::vector<std::string> all;
@@ -293,7 +374,8 @@ std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime n
   std::uint64_t number = vehicle.status_text_count() - vehicle.status_texts().size();
   for (const StatusText& text : vehicle.status_texts()) {
     if (number++ < texts_before) continue;
-    if (now - text.at < kFreshText && is_reason(text.text)) add(all, text.text);
+    const bool over = vehicle.armed_at() && text.at <= *vehicle.armed_at();
+    if (!over && now - text.at < kFreshText && is_reason(text.text)) add(all, text.text);
   }
   return all;
 }

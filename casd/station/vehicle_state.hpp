@@ -67,6 +67,9 @@ struct HomeAmsl {
 /// A vehicle is silent when no HEARTBEAT has come for this long.
 inline constexpr base::Duration kVehicleTimeout = std::chrono::seconds(3);
 
+/// EKF_STATUS_REPORT, a message of ArduPilot's dialect.
+inline constexpr std::uint32_t kEkfStatusReport = 193;
+
 /// Another autopilot that uses a vehicle's system id.
 struct Rival {
   mav::Source source;
@@ -115,6 +118,12 @@ class VehicleState {
   bool waits_for_sticks() const;
   const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
   base::Duration heartbeat_age(base::RunTime now) const { return now - heartbeat_.at; }
+  /// The vehicle's own clock, by the newest packet that carries it: time since it was started.
+  std::optional<base::Duration> boot_time() const { return boot_time_; }
+  /// When its clock was last seen to have begun anew: what it told before is of another start.
+  base::RunTime restarted_at() const { return restarted_at_; }
+  /// When a HEARTBEAT last said that it is armed.
+  std::optional<base::RunTime> armed_at() const { return armed_at_; }
 
   mavlink::common::MavLandedState landed() const;
   std::string_view landed_word() const;
@@ -142,11 +151,15 @@ class VehicleState {
   }
   /// The newest packet of each message that casd's station hears: all but the HIL messages.
   const MessageMemory& messages() const { return messages_; }
+  /// By HOME_POSITION alone.
+  const std::optional<Heard<mavlink::common::HomePosition>>& told_home() const { return home_; }
   /// HOME_POSITION, or what GLOBAL_POSITION_INT and LOCAL_POSITION_NED together imply.
   std::optional<HomeAmsl> home() const;
   /// Height above home in m, from the newest of what the vehicle tells, and when it told it.
   std::optional<Heard<double>> altitude() const;
   ParamEncoding param_encoding() const;
+  /// "1.12.0", by AUTOPILOT_VERSION; empty while the vehicle has not told it.
+  std::string firmware_version() const;
 
   /// The newest whole status texts, oldest first, at most ten.
   const std::deque<StatusText>& status_texts() const { return status_texts_; }
@@ -161,6 +174,7 @@ class VehicleState {
 
   void heard_over(const Origin& from, base::RunTime now);
   void on_heartbeat(const mavlink::common::Heartbeat& message, base::RunTime now);
+  void on_boot_time(std::uint32_t time_boot_ms, base::RunTime now);
   void on_status_text(const mavlink::common::Statustext& chunk, base::RunTime now);
 
   mav::Source source_;
@@ -169,6 +183,9 @@ class VehicleState {
   std::optional<Rival> rival_;
   std::optional<base::RunTime> without_hil_;  ///< newest HEARTBEAT without the HIL flag
   Heard<mavlink::common::Heartbeat> heartbeat_{};
+  std::optional<base::RunTime> armed_at_;
+  std::optional<base::Duration> boot_time_;
+  base::RunTime restarted_at_{};
   std::optional<Heard<mavlink::common::ExtendedSysState>> extended_;
   std::optional<Heard<mavlink::common::Attitude>> attitude_;
   std::optional<Heard<mavlink::common::LocalPositionNed>> local_position_;
@@ -181,6 +198,7 @@ class VehicleState {
   std::optional<Heard<mavlink::common::ServoOutputRaw>> servo_output_;
   MessageMemory messages_;
   std::optional<std::uint64_t> capabilities_;
+  std::uint32_t flight_version_ = 0;  ///< major, minor, patch, kind: a byte each
   StatusTextJoiner joiner_;
   std::deque<StatusText> status_texts_;
   std::uint64_t status_text_count_ = 0;
@@ -191,9 +209,17 @@ enum class ArmingChecks { kUnknown, kPass, kFail };
 /// kUnknown while no fresh SYS_STATUS tells of them.
 ArmingChecks arming_checks(const VehicleState& vehicle, base::RunTime now);
 
+/// What a vehicle would need before it can take off by its position, in words; empty: nothing, or
+/// its autopilot is of a kind that does not tell. Stock firmware accepts arming before that,
+/// refuses to take off and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
+///
+/// The estimator's own word counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot; where
+/// neither comes, a fix of the GPS. Beside it HOME_POSITION must have come.
+std::string position_lack(const VehicleState& vehicle);
+
 /// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or
 /// unhealthy (SYS_STATUS), and recent reasons of its own checks ("Preflight Fail: ...",
-/// "PreArm: ..."). The texts of an armed vehicle are ignored. Empty: none.
+/// "PreArm: ..."). What it said before it was last armed is over. Empty: none.
 /// @param texts_before  how many status texts had come before a request: those do not count
 std::vector<std::string> complaints(const VehicleState& vehicle, base::RunTime now,
                                     std::uint64_t texts_before = 0);

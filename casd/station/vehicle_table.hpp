@@ -37,7 +37,10 @@ struct KnownVehicle {
   CommandExchange commands;
   ParamExchange params;
   std::uint64_t texts_seen = 0;
-  bool contested = false;  ///< a rival was told of
+  /// What MIS_TAKEOFF_ALT was before a takeoff wrote it; put back in the air.
+  std::optional<double> takeoff_height_before;
+  base::Duration beat_at{};  ///< its own clock at the newest HEARTBEAT that was sent
+  bool contested = false;    ///< a rival was told of
 };
 
 /// "vehicle 1".

@@ -139,6 +139,7 @@ Vehicle = TypedDict("Vehicle", {
     "type": str,
 })
 DaemonStatus = TypedDict("DaemonStatus", {
+    "allow_not_hil": bool,  # as in the topology
     "clients": int,
     "links": List[Link],
     "name": NotRequired[str],
@@ -342,6 +343,7 @@ VehicleState = TypedDict("VehicleState", {
     "autopilot": str,
     "complaints": List[str],
     "component": int,
+    "firmware": NotRequired[str],  # its version
     "global": NotRequired[GlobalPosition],
     "heartbeat_age_s": float,
     "hil": bool,
@@ -351,6 +353,7 @@ VehicleState = TypedDict("VehicleState", {
     "link": str,
     "mode": str,
     "position_N": NotRequired[PositionN],
+    "position_lacks": NotRequired[str],  # what takeoff by position still needs; left out: nothing
     "rival": NotRequired[Rival],
     "state": str,
     "statustexts": List[StatusText],

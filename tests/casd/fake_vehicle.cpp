@@ -16,7 +16,13 @@ void FakeVehicle::handle(const mav::PacketView& packet, base::RunTime now) {
     if (command->target_system != source_.system) return;
     commands.push_back(*command);
     fall_silent(command->command);
-    if (!deaf()) answer(command->command, now);
+    if (deaf()) return;
+    take_mode(*command);
+    answer(command->command, now);
+    if (script.beats_on_request && command->command == MavCmd::kRequestMessage &&
+        command->param1 == static_cast<float>(Heartbeat::kId)) {
+      say_heartbeat(now + script.delay);
+    }
   } else if (const auto placed = mav::decode<CommandInt>(packet)) {
     int_commands.push_back(*placed);
     fall_silent(placed->command);
@@ -41,6 +47,14 @@ void FakeVehicle::handle(const mav::PacketView& packet, base::RunTime now) {
 
 bool FakeVehicle::deaf() { return script.deaf_for > 0 && script.deaf_for-- > 0; }
 
+void FakeVehicle::take_mode(const CommandLong& command) {
+  const bool takes = script.result == MavResult::kAccepted && !script.keeps_mode;
+  if (command.command != MavCmd::kDoSetMode || !takes) return;
+  const auto main = static_cast<std::uint32_t>(command.param2);
+  const auto sub = static_cast<std::uint32_t>(command.param3);
+  custom_mode = autopilot == MavAutopilot::kPx4 ? main << 16 | sub << 24 : main;
+}
+
 /// What it would have said by itself is not said.
 void FakeVehicle::fall_silent(MavCmd command) {
   if (command != script.silent_from) return;
@@ -59,6 +73,10 @@ void FakeVehicle::answer(MavCmd command, base::RunTime now) {
   }
   ack.result = script.result;
   for (int i = 0; i < script.answers; ++i) say(ack, now + script.delay);
+  if (script.then) {
+    ack.result = *script.then;
+    say(ack, now + script.delay);
+  }
   if (!script.text.empty()) say_text(script.text, now + script.delay);
 }
 

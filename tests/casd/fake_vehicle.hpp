@@ -23,6 +23,10 @@ class FakeVehicle {
     base::Duration delay = std::chrono::milliseconds(5);  ///< of each answer
     int deaf_for = 0;                                     ///< commands and requests it misses first
     bool in_progress_first = false;
+    bool beats_on_request = false;  ///< MAV_CMD_REQUEST_MESSAGE of HEARTBEAT
+    bool keeps_mode = false;        ///< accepts another mode and stays in its own
+    /// Answers once more, with this: PX4 1.16 does, asked for POSCTL without sticks.
+    std::optional<mavlink::common::MavResult> then;
     std::string text;  ///< STATUSTEXT sent just after an ACK
     /// The command that is the last thing it answers; it says nothing else from then on.
     std::optional<mavlink::common::MavCmd> silent_from;
@@ -72,6 +76,7 @@ class FakeVehicle {
   };
 
   bool deaf();
+  void take_mode(const mavlink::common::CommandLong& command);
   void fall_silent(mavlink::common::MavCmd command);
   void answer(mavlink::common::MavCmd command, base::RunTime now);
   void on_param_set(const mavlink::common::ParamSet& message, base::RunTime now);

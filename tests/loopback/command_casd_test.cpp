@@ -92,7 +92,7 @@ TEST_F(CommandCasdTest, ArmsTakesOffAndLandsThroughALine) {
   });
   EXPECT_TRUE(wait_until(
       [this] { return client_->call("vehicle.state", json::object()).contains("home"); }));
-  EXPECT_EQ(casctl({"arm"}), 0);
+  EXPECT_EQ(casctl({"arm", "--no-wait"}), 0);
   EXPECT_EQ(casctl({"takeoff", "2.5"}), 0);
   EXPECT_EQ(casctl({"land"}), 0);
   const auto& commands = vehicle_->stop().commands;
@@ -111,14 +111,14 @@ TEST_F(CommandCasdTest, GivesTheVehiclesReasonForARefusal) {
     vehicle.script.text = "Arming denied: high gyro bias";
   });
   std::string output;
-  EXPECT_EQ(casctl({"arm"}, &output), 1);
+  EXPECT_EQ(casctl({"arm", "--no-wait"}, &output), 1);
   EXPECT_NE(output.find("Arming denied: high gyro bias"), std::string::npos) << output;
 }
 
 TEST_F(CommandCasdTest, HoldsTheInterlock) {
   start([](FakeVehicle& vehicle) { vehicle.base_mode = MavModeFlag::kCustomModeEnabled; });
   std::string output;
-  EXPECT_EQ(casctl({"arm", "--not-hil"}, &output), 1);
+  EXPECT_EQ(casctl({"arm", "--not-hil", "--no-wait"}, &output), 1);
   EXPECT_NE(output.find("allow_not_hil"), std::string::npos) << output;
   for (const auto& command : vehicle_->stop().commands) {
     EXPECT_NE(command.command, mavlink::common::MavCmd::kComponentArmDisarm);
@@ -156,7 +156,6 @@ class OldNews : public CommandCasdTest, public testing::WithParamInterface<OldNe
   void start_with(std::optional<MavCmd> silent_from) {
     start([silent_from, armed = GetParam().armed](FakeVehicle& vehicle) {
       vehicle.script.silent_from = silent_from;
-      vehicle.custom_mode = 4U << 16U | 3U << 24U;  // PX4's HOLD
       if (armed) vehicle.base_mode |= MavModeFlag::kSafetyArmed;
       say_all(vehicle, base::steady_now());
     });
@@ -191,19 +190,18 @@ TEST_P(OldNews, IsFollowedByNewOfAVehicleThatGoesOnTalking) {
 
 INSTANTIATE_TEST_SUITE_P(
     Verbs, OldNews,
-    testing::Values(OldNewsCase{"Arm", MavCmd::kComponentArmDisarm, {"arm"}, true},
+    testing::Values(OldNewsCase{"Arm", MavCmd::kComponentArmDisarm, {"arm", "--no-wait"}, true},
                     OldNewsCase{"Disarm", MavCmd::kComponentArmDisarm, {"disarm"}, false},
                     OldNewsCase{"Takeoff", MavCmd::kNavTakeoff, {"takeoff", "2.5"}, true},
                     OldNewsCase{"Land", MavCmd::kNavLand, {"land"}, true},
                     OldNewsCase{"Rtl", MavCmd::kNavReturnToLaunch, {"rtl"}, true},
-                    OldNewsCase{"Goto", MavCmd::kDoReposition, {"goto", "0", "0", "-2.5"}, true},
-                    OldNewsCase{"Mode", MavCmd::kDoSetMode, {"mode", "HOLD"}, true}),
+                    OldNewsCase{"Goto", MavCmd::kDoReposition, {"goto", "0", "0", "-2.5"}, true}),
     [](const auto& test) { return test.param.name; });
 
 TEST_F(CommandCasdTest, SaysForHowLongAVehicleHasBeenSilent) {
   start([](FakeVehicle& vehicle) { vehicle.script.silent_from = MavCmd::kComponentArmDisarm; });
   std::string said;
-  EXPECT_EQ(casctl({"arm", "--wait", "--timeout", "4"}, &said), 4) << said;
+  EXPECT_EQ(casctl({"arm", "--no-wait", "--wait", "--timeout", "4"}, &said), 4) << said;
   EXPECT_NE(said.find("; no HEARTBEAT has come for "), std::string::npos) << said;
 }
 
@@ -229,7 +227,7 @@ TEST_F(CommandCasdTest, ComesBackAfterAKillWithNothingStale) {
   EXPECT_TRUE(casd_->wait_exit().has_value());
   EXPECT_EQ(casctl({"status"}), 3);
   run_casd();
-  EXPECT_EQ(casctl({"arm"}), 0);
+  EXPECT_EQ(casctl({"arm", "--no-wait"}), 0);
   EXPECT_EQ(casctl({"param", "get", "SYS_HITL"}), 0);
 }
 

@@ -43,7 +43,7 @@ const std::vector<Verb>& verbs() {
       {"reload", {"reload"}, 0, "read again"},
       {"mode", {"mode", "HOLD"}, 0, "took mode HOLD"},
       {"mode (wrong word)", {"mode", "NOPE"}, 1, "it has MANUAL"},
-      {"arm", {"arm"}, 1, "no accelerometer and gyro data"},
+      {"arm", {"arm", "--no-wait"}, 1, "no accelerometer and gyro data"},
       {"disarm", {"disarm", "--wait"}, 0, "vehicle 1 disarmed"},
       {"takeoff", {"takeoff", "2"}, 0, "takes off to 2.0 m"},
       {"land", {"land"}, 0, "lands"},

@@ -122,20 +122,44 @@ json arm(Session& session, const json& params) {
   }
 }
 
+/// Vehicles let one arm before they can take off, and disarm themselves again. Where the interlock
+/// will hold there is nothing to wait for.
+void wait_for_position(Session& session, bool not_hil) {
+  using Clock = std::chrono::steady_clock;
+  const auto give_up = Clock::now() + std::chrono::duration<double>(session.options().timeout_s);
+  for (;;) {
+    const json state = session.vehicle_call("vehicle.state");
+    const bool armable = not_hil || state.value("hil", false);
+    if (!armable || state.value("armed", false) || !state.contains("position_lacks")) return;
+    const std::string lack = state["position_lacks"];
+    if (Clock::now() >= give_up) {
+      throw WaitTimeout("not armed, because it could not take off: " + lack +
+                        "; --no-wait arms all the same");
+    }
+    session.wait_because("it cannot take off yet: " + lack, std::chrono::milliseconds(200));
+  }
+}
+
 void add_arm(CommandLine& line) {
   struct Flags {
     bool force = false;
     bool not_hil = false;
+    bool no_wait = false;
   };
   const auto flags = std::make_shared<Flags>();
   const Verb verb =
       line.add_verb("arm", "Arm the motors (only of a vehicle in HIL mode)", "casctl arm --wait",
                     [flags](Session& session) {
                       const json params{{"force", flags->force}, {"not_hil", flags->not_hil}};
+                      if (!flags->no_wait && !flags->force) {
+                        wait_for_position(session, flags->not_hil);
+                      }
                       return tell(session, arm(session, params), "armed", "armed",
                                   [](const SaidSince& now) { return now.armed(); });
                     });
-  verb.add_flag("--force", flags->force, "Skip the vehicle's own checks");
+  verb.add_flag("--force", flags->force, "Skip the vehicle's own checks, and wait for nothing");
+  verb.add_flag("--no-wait", flags->no_wait,
+                "Arm at once, also before the vehicle has the position that takeoff needs");
   verb.add_flag("--not-hil", flags->not_hil,
                 "Arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "
                 "configuration must consent");

@@ -66,7 +66,7 @@ class CasctlTest : public testing::Test {
 };
 
 TEST_F(CasctlTest, EndsWithZeroWhenTheVehicleAcknowledged) {
-  const Ended armed = run("arm");
+  const Ended armed = run("arm --no-wait");
   EXPECT_EQ(armed.code, 0);
   EXPECT_EQ(armed.out, "vehicle 1 armed\n");
 }
@@ -74,7 +74,7 @@ TEST_F(CasctlTest, EndsWithZeroWhenTheVehicleAcknowledged) {
 TEST_F(CasctlTest, EndsWithOneWhenTheVehicleRefuses) {
   fixture_.vehicle().script.result = MavResult::kDenied;
   fixture_.vehicle().script.text = "Arming denied: throttle high";
-  const Ended refused = run("arm");
+  const Ended refused = run("arm --no-wait");
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.out.find("denied: Arming denied: throttle high"), std::string::npos)
       << refused.out;
@@ -83,7 +83,7 @@ TEST_F(CasctlTest, EndsWithOneWhenTheVehicleRefuses) {
 TEST_F(CasctlTest, PrintsTextsOfAVehicleWithoutWhatGivesATerminalOrders) {
   fixture_.vehicle().script.result = MavResult::kDenied;
   fixture_.vehicle().script.text = "Denied\x1b[2J\x07!";
-  const Ended refused = run("arm");
+  const Ended refused = run("arm --no-wait");
   EXPECT_NE(refused.out.find("Denied?[2J?!"), std::string::npos) << refused.out;
 }
 
@@ -106,7 +106,7 @@ TEST_F(CasctlTest, SaysNothingOfARestartThatWasRefused) {
 
 TEST_F(CasctlTest, EndsWithOneAtTheInterlock) {
   fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
-  const Ended refused = run("arm --not-hil");
+  const Ended refused = run("arm --not-hil --no-wait");
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.out.find("allow_not_hil"), std::string::npos) << refused.out;
 }
@@ -166,8 +166,7 @@ TEST_F(CasctlTest, EndsWithFourWhereAStateDoesNotCome) {
   fixture_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
   fixture_.vehicle().say(in_air, base::steady_now());
   fixture_.vehicle().say(local, base::steady_now());
-  for (const std::string verb :
-       {"disarm", "takeoff 50", "land", "rtl", "goto 50 0 -3", "mode LAND"}) {
+  for (const std::string verb : {"disarm", "takeoff 50", "land", "rtl", "goto 50 0 -3"}) {
     const Ended ended = run(verb + " --wait --timeout 0.3");
     EXPECT_EQ(ended.code, 4) << verb << ": " << ended.out;
     EXPECT_NE(ended.out.find("acknowledged, but the vehicle was not heard to be"),
@@ -177,9 +176,20 @@ TEST_F(CasctlTest, EndsWithFourWhereAStateDoesNotCome) {
 }
 
 TEST_F(CasctlTest, EndsWithFourWhereTheVehicleAcceptsAndDoesNotArm) {
-  const Ended ended = run("arm --wait --timeout 0.5");
+  const Ended ended = run("arm --no-wait --wait --timeout 0.5");
   EXPECT_EQ(ended.code, 4) << ended.out;
   EXPECT_NE(ended.out.find("acknowledged, but the vehicle was not heard to be armed"),
+            std::string::npos)
+      << ended.out;
+}
+
+TEST_F(CasctlTest, EndsWithOneWhereAModeIsAcceptedAndNotTaken) {
+  fixture_.vehicle().custom_mode = 4U << 16U | 3U << 24U;  // PX4's HOLD
+  fixture_.vehicle().script.keeps_mode = true;
+  fixture_.vehicle().script.then = MavResult::kTemporarilyRejected;
+  const Ended ended = run("mode POSCTL");
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_NE(ended.out.find("was accepted, then temporarily rejected: it is in HOLD"),
             std::string::npos)
       << ended.out;
 }
@@ -205,16 +215,53 @@ TEST_F(CasctlTest, SaysWhatAMisspeltVerbOrOptionMayHaveMeant) {
 
 TEST_F(CasctlTest, AsksAgainToArmWhileTheVehicleSaysNotNow) {
   fixture_.vehicle().script.result = MavResult::kTemporarilyRejected;
-  const Ended later = run("arm --wait --timeout 0.3");
+  const Ended later = run("arm --no-wait --wait --timeout 0.3");
   EXPECT_EQ(later.code, 4);
-  EXPECT_EQ(run("arm").code, 1);  // without --wait it is a refusal
+  EXPECT_EQ(run("arm --no-wait").code, 1);  // without --wait it is a refusal
   EXPECT_NE(later.out.find("casctl: waiting: MAV_CMD 400"), std::string::npos) << later.out;
+}
+
+TEST_F(CasctlTest, ArmsOnceTheVehicleHasThePositionThatTakeoffNeeds) {
+  using E = mavlink::common::EstimatorStatusFlags;
+  mavlink::common::EstimatorStatus status;
+  status.flags = E::kAttitude | E::kVelocityHoriz | E::kVelocityVert | E::kConstPosMode;
+  fixture_.vehicle().say_heartbeat(base::steady_now());
+  fixture_.vehicle().say(status, base::steady_now());
+  const Ended early = run("arm --timeout 0.3");
+  EXPECT_EQ(early.code, 4) << early.out;
+  EXPECT_NE(
+      early.out.find("casctl: waiting: it cannot take off yet: the estimator has no horizontal "
+                     "position yet\n"),
+      std::string::npos)
+      << early.out;
+  EXPECT_NE(early.out.find("--no-wait arms all the same"), std::string::npos) << early.out;
+  EXPECT_EQ(run("arm --no-wait").code, 0);
+}
+
+TEST_F(CasctlTest, ArmsAVehicleThatHasItsPosition) {
+  using E = mavlink::common::EstimatorStatusFlags;
+  mavlink::common::EstimatorStatus status;
+  status.flags =
+      E::kAttitude | E::kVelocityHoriz | E::kVelocityVert | E::kPosHorizAbs | E::kPosVertAbs;
+  fixture_.vehicle().say_heartbeat(base::steady_now());
+  fixture_.vehicle().say(status, base::steady_now() + std::chrono::milliseconds(100));
+  fixture_.vehicle().say(mavlink::common::HomePosition{},
+                         base::steady_now() + std::chrono::milliseconds(200));
+  const Ended armed = run("arm");
+  EXPECT_EQ(armed.code, 0) << armed.out;
+}
+
+TEST_F(CasctlTest, WaitsForNoPositionWhereTheInterlockHolds) {
+  fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  const Ended refused = run("arm");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_EQ(refused.out.find("waiting"), std::string::npos) << refused.out;
 }
 
 TEST_F(CasctlTest, DecidesOnTheResultAndNotOnWhatTheVehicleSays) {
   fixture_.vehicle().script.result = MavResult::kDenied;
   fixture_.vehicle().script.text = "temporarily rejected, as people say";
-  const Ended denied = run("arm --wait --timeout 3");
+  const Ended denied = run("arm --no-wait --wait --timeout 3");
   EXPECT_EQ(denied.code, 1);
   EXPECT_EQ(denied.out.find("waiting"), std::string::npos) << denied.out;
 }
@@ -235,7 +282,7 @@ TEST_F(CasctlTest, SaysThatADisarmedVehicleMustBeArmedToTakeOff) {
 
 TEST_F(CasctlTest, EndsWithFourWhenTheVehicleIsSilent) {
   fixture_.vehicle().script.answers = 0;
-  EXPECT_EQ(run("arm").code, 4);
+  EXPECT_EQ(run("arm --no-wait").code, 4);
 }
 
 TEST_F(CasctlTest, EndsWithFourWhenTheStateIsNotReached) {

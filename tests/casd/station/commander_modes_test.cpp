@@ -5,7 +5,10 @@ namespace cas::casd {
 namespace {
 
 using namespace mavlink::common;
+using namespace std::chrono_literals;
 using test::VehicleCommanderTest;
+
+constexpr std::uint32_t kHold = 4U << 16U | 3U << 24U;
 
 TEST_F(VehicleCommanderTest, SetsPx4ModesByMainAndSubMode) {
   meet();
@@ -14,6 +17,72 @@ TEST_F(VehicleCommanderTest, SetsPx4ModesByMainAndSubMode) {
   EXPECT_EQ(vehicle_.commands.at(0).param1, 33.0F);  // custom and HIL
   EXPECT_EQ(vehicle_.commands.at(0).param2, 4.0F);
   EXPECT_EQ(vehicle_.commands.at(0).param3, 3.0F);
+}
+
+TEST_F(VehicleCommanderTest, HasAModeOnlyOnceTheHeartbeatShowsIt) {
+  meet();
+  vehicle_.script.keeps_mode = true;
+  commander_.set_mode(1, "HOLD", now_, done());
+  run_for(1500ms);
+  EXPECT_FALSE(outcome_.has_value())
+      << "an acknowledgement and a HEARTBEAT with the mode of before";
+  vehicle_.custom_mode = kHold;
+  EXPECT_TRUE(finish().ok());
+}
+
+// PX4 v1.16.1: POSCTL without sticks is acknowledged twice, and the vehicle stays in HOLD.
+TEST_F(VehicleCommanderTest, RefusesAModeThatIsAcceptedAndThenRejected) {
+  vehicle_.custom_mode = kHold;
+  meet();
+  vehicle_.script.keeps_mode = true;
+  vehicle_.script.then = MavResult::kTemporarilyRejected;
+  vehicle_.script.text = "Switching to POSCTL is not possible";
+  commander_.set_mode(1, "POSCTL", now_, done());
+  const Outcome outcome = finish();
+  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
+  EXPECT_EQ(outcome.result, MavResult::kTemporarilyRejected);
+  EXPECT_EQ(outcome.message,
+            "MAV_CMD 176 (set mode) was accepted, then temporarily rejected: it is in HOLD; it "
+            "says: Switching to POSCTL is not possible");
+}
+
+TEST_F(VehicleCommanderTest, BelievesTheHeartbeatAgainstASecondAcknowledgement) {
+  meet();
+  vehicle_.script.then = MavResult::kTemporarilyRejected;
+  commander_.set_mode(1, "HOLD", now_, done());
+  EXPECT_TRUE(finish().ok());
+}
+
+TEST_F(VehicleCommanderTest, RefusesAModeThatIsAcceptedAndDoesNotCome) {
+  vehicle_.custom_mode = kHold;
+  meet();
+  vehicle_.script.keeps_mode = true;
+  commander_.set_mode(1, "POSCTL", now_, done());
+  const Outcome outcome = finish();
+  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
+  EXPECT_EQ(outcome.message,
+            "MAV_CMD 176 (set mode) was accepted and not carried out within 3.0 s: it is in HOLD");
+}
+
+TEST_F(VehicleCommanderTest, AsksForTheHeartbeatThatShowsTheMode) {
+  meet();
+  beating_ = false;  // as in lockstep, while time stands still
+  vehicle_.script.beats_on_request = true;
+  commander_.set_mode(1, "HOLD", now_, done());
+  const base::RunTime asked = now_;
+  EXPECT_TRUE(finish().ok());
+  EXPECT_LT(now_ - asked, 100ms);
+}
+
+TEST_F(VehicleCommanderTest, TakesNoHeartbeatOfBeforeForTheModeThatWasAskedFor) {
+  vehicle_.custom_mode = kHold;
+  meet();
+  beating_ = false;
+  commander_.set_mode(1, "HOLD", now_, done());
+  const Outcome outcome = finish();
+  EXPECT_EQ(outcome.kind, OutcomeKind::kTimeout);
+  EXPECT_NE(outcome.message.find("no HEARTBEAT came within 3.0 s"), std::string::npos)
+      << outcome.message;
 }
 
 TEST_F(VehicleCommanderTest, AnswersAnUnknownModeWithTheModesThereAre) {

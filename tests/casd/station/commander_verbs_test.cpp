@@ -32,6 +32,27 @@ TEST_F(VehicleCommanderTest, Px4TakesOffByParameterWhileHomeIsUnknown) {
   EXPECT_FLOAT_EQ(static_cast<float>(vehicle_.params["MIS_TAKEOFF_ALT"].value), 2.5F);
   ASSERT_EQ(vehicle_.commands.size(), 1U);
   EXPECT_TRUE(std::isnan(vehicle_.commands[0].param7));
+
+  ExtendedSysState state;
+  state.landed_state = MavLandedState::kOnGround;
+  vehicle_.say(state, now_);
+  run_for(1s);
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 2.5) << "it has not begun to climb";
+  state.landed_state = MavLandedState::kTakeoff;
+  vehicle_.say(state, now_);
+  run_for(1s);
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10) << "what its owner wrote";
+}
+
+TEST_F(VehicleCommanderTest, ATakeoffThatIsRefusedLeavesTheParameterAsItWas) {
+  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+  vehicle_.script.result = MavResult::kDenied;
+  meet();
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_EQ(finish().kind, OutcomeKind::kRefused);
+  run_for(1s);
+  EXPECT_EQ(vehicle_.param_sets.size(), 2U);
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
 }
 
 TEST_F(VehicleCommanderTest, ArduPilotTakesOffInGuidedToAHeightAboveHome) {
@@ -39,11 +60,10 @@ TEST_F(VehicleCommanderTest, ArduPilotTakesOffInGuidedToAHeightAboveHome) {
   meet();
   commander_.takeoff(1, 2.5, now_, done());
   EXPECT_TRUE(finish().ok());
-  ASSERT_EQ(vehicle_.commands.size(), 2U);
-  EXPECT_EQ(vehicle_.commands[0].command, MavCmd::kDoSetMode);
-  EXPECT_EQ(vehicle_.commands[0].param2, 4.0F);  // GUIDED
-  EXPECT_EQ(vehicle_.commands[1].command, MavCmd::kNavTakeoff);
-  EXPECT_EQ(vehicle_.commands[1].param7, 2.5F);
+  EXPECT_EQ(vehicle_.commands.front().command, MavCmd::kDoSetMode);
+  EXPECT_EQ(vehicle_.commands.front().param2, 4.0F);  // GUIDED
+  EXPECT_EQ(vehicle_.commands.back().command, MavCmd::kNavTakeoff);
+  EXPECT_EQ(vehicle_.commands.back().param7, 2.5F);
 }
 
 TEST_F(VehicleCommanderTest, GoesToALocalPlaceByLatitudeAndLongitude) {

@@ -99,6 +99,150 @@ TEST_F(Stock, ItsReasonsAreOverWhenItIsArmedOrWhenTheyAreOld) {
   EXPECT_TRUE(complaints_now().empty());
 }
 
+TEST_F(Stock, ItsReasonsAreOverOnceItHasFlown) {
+  beat();
+  vehicle_.say_text("Arming denied! Check the preflight failures", now_);
+  pass(milliseconds(50));
+  vehicle_.base_mode = vehicle_.base_mode | MavModeFlag::kSafetyArmed;
+  beat();
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
+  beat();
+  EXPECT_TRUE(complaints_now().empty()) << "45 s are not over yet";
+  vehicle_.say_text("Preflight Fail: No valid GPS", now_);
+  pass(milliseconds(50));
+  EXPECT_EQ(complaints_now().size(), 1U) << "and this is new";
+}
+
+// PX4 v1.12.0.
+TEST_F(Stock, ASensorThatIsHealthyIsThereWithoutTheBitThatSaysSo) {
+  beat();
+  SysStatus status;
+  status.onboard_control_sensors_present = S::k3dMag | S::kAbsolutePressure | S::kGps;
+  status.onboard_control_sensors_enabled = kAll;
+  status.onboard_control_sensors_health = kAll;
+  vehicle_.say(status, now_);
+  pass(milliseconds(20));
+  EXPECT_TRUE(complaints_now().empty()) << testing::PrintToString(complaints_now());
+}
+
+// PX4 v1.16.1 ends its texts with a tab.
+TEST_F(Stock, TextsComeWithoutTabs) {
+  beat();
+  vehicle_.say_text("Preflight Fail: No\tvalid GPS\t", now_);
+  pass(milliseconds(50));
+  EXPECT_EQ(complaints_now(), (std::vector<std::string>{"Preflight Fail: No valid GPS"}));
+}
+
+class StockPosition : public Stock {
+ protected:
+  std::string lack() { return position_lack(*commander_.find(1)); }
+  void say_estimator(EstimatorStatusFlags flags) {
+    EstimatorStatus status;
+    status.flags = flags;
+    vehicle_.say(status, now_);
+    pass(milliseconds(20));
+  }
+  void say_home() {
+    vehicle_.say(HomePosition{}, now_);
+    pass(milliseconds(20));
+  }
+  void say_fix(GpsFixType fix) {
+    GpsRawInt gps;
+    gps.fix_type = fix;
+    vehicle_.say(gps, now_);
+    pass(milliseconds(20));
+  }
+  using E = EstimatorStatusFlags;
+  static constexpr E kFlies =
+      E::kAttitude | E::kVelocityHoriz | E::kVelocityVert | E::kPosHorizAbs | E::kPosVertAbs;
+};
+
+TEST_F(StockPosition, OfPx4IsItsEstimatorsWordAndHome) {
+  beat();
+  EXPECT_EQ(lack(), "it has told nothing of its estimator and GPS yet");
+  say_fix(GpsFixType::k3dFix);
+  say_estimator(E::kAttitude | E::kVelocityHoriz | E::kVelocityVert | E::kConstPosMode);
+  EXPECT_EQ(lack(), "the estimator has no horizontal position yet");
+  say_estimator(kFlies);
+  EXPECT_EQ(lack(), "it has not told its home position yet");
+  say_home();
+  EXPECT_EQ(lack(), "");
+}
+
+TEST_F(StockPosition, IsAFixWhereNoEstimatorSpeaks) {
+  beat();
+  say_home();
+  say_fix(GpsFixType::kNoFix);
+  EXPECT_EQ(lack(), "the GPS has no fix yet");
+  say_fix(GpsFixType::k3dFix);
+  EXPECT_EQ(lack(), "");
+}
+
+TEST_F(StockPosition, OfArduPilotIsItsEkfReport) {
+  vehicle_.autopilot = MavAutopilot::kArdupilotmega;
+  beat();
+  say_home();
+  say_fix(GpsFixType::k3dFix);
+  const auto report = [this](std::uint8_t low, std::uint8_t high) {
+    // EKF_STATUS_REPORT: five floats, then the flags.
+    std::vector<std::uint8_t> payload(22);
+    payload[20] = low;
+    payload[21] = high;
+    const mav::PacketView packet{
+        .version = 2, .source = {1, 1}, .message_id = kEkfStatusReport, .payload = payload};
+    commander_.on_packet(LinkId{0}, packet, now_);
+  };
+  report(0xA7, 0x02);  // attitude, velocity, height, constant position
+  EXPECT_EQ(lack(), "the estimator has no horizontal position yet");
+  report(0x3F, 0x03);
+  EXPECT_EQ(lack(), "");
+}
+
+TEST_F(StockPosition, OfBeforeARestartDoesNotCount) {
+  beat();
+  Attitude attitude;
+  attitude.time_boot_ms = 60'000;
+  vehicle_.say(attitude, now_);
+  say_estimator(kFlies);
+  say_home();
+  EXPECT_EQ(lack(), "");
+  attitude.time_boot_ms = 500;
+  vehicle_.say(attitude, now_);
+  pass(milliseconds(20));
+  EXPECT_NE(lack(), "");
+}
+
+TEST_F(StockPosition, OfAnotherKindOfAutopilotIsNotAskedFor) {
+  vehicle_.autopilot = MavAutopilot::kGeneric;
+  beat();
+  EXPECT_EQ(lack(), "");
+}
+
+TEST_F(Stock, AVehicleAtTwentyTimesRealTimeHearsItsGroundStationByItsOwnClock) {
+  beat();
+  const int before = vehicle_.heartbeats;
+  for (int i = 0; i < 100; ++i) {
+    Attitude attitude;
+    attitude.time_boot_ms = static_cast<std::uint32_t>(2000 * i / 10);  // 20 s of its own
+    vehicle_.say(attitude, now_);
+    pass(milliseconds(10));
+  }
+  EXPECT_GE(vehicle_.heartbeats - before, 9);
+  EXPECT_LE(vehicle_.heartbeats - before, 12);
+}
+
+TEST_F(Stock, AVehicleInRealTimeHearsItsGroundStationOnceASecond) {
+  beat();
+  const int before = vehicle_.heartbeats;
+  for (int i = 0; i < 1000; ++i) {
+    Attitude attitude;
+    attitude.time_boot_ms = static_cast<std::uint32_t>(10 * i);
+    vehicle_.say(attitude, now_);
+    pass(milliseconds(10));
+  }
+  EXPECT_EQ(vehicle_.heartbeats - before, 10);
+}
+
 TEST_F(Stock, ARefusalToArmTellsWhatIsSickAndWhatWasSaidSinceItWasAsked) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
   vehicle_.custom_mode = 3U << 24 | 4U << 16;  // HOLD
@@ -125,11 +269,15 @@ TEST_F(Stock, RefusedInAModeThatWantsSticksItIsPutIntoHoldAndAskedAgain) {
   commander_.arm(1, {}, now_, [&](const Outcome& o) { outcome = o; });
   pass(milliseconds(100));
   vehicle_.script.result = MavResult::kAccepted;  // in HOLD it will
-  pass(seconds(3));
+  pass(milliseconds(500));
+  beat();
+  pass(seconds(1));
   ASSERT_TRUE(outcome);
   EXPECT_TRUE(outcome->ok()) << outcome->message;
   std::vector<MavCmd> sent;
-  for (const CommandLong& command : vehicle_.commands) sent.push_back(command.command);
+  for (const CommandLong& command : vehicle_.commands) {
+    if (command.command != MavCmd::kRequestMessage) sent.push_back(command.command);
+  }
   EXPECT_EQ(sent, (std::vector<MavCmd>{MavCmd::kComponentArmDisarm, MavCmd::kDoSetMode,
                                        MavCmd::kComponentArmDisarm}));
   EXPECT_FLOAT_EQ(vehicle_.commands[1].param2, 4);
