@@ -95,16 +95,28 @@ std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
   return run_in_real_time(request);
 }
 
+/// Says of the first flag that means nothing to stock firmware what does instead.
+/// @throws base::ConfigError
+void refuse_flags_of_our_controller(const RunFlags& flags) {
+  const auto refuse = [&flags](bool given, const char* flag, const char* instead) {
+    if (!given) return;
+    throw base::ConfigError(flags.scenario + ": " + flag +
+                            " has no place in a flight of stock firmware: " + instead);
+  };
+  refuse(flags.seed.has_value(), "--seed", "its world has `seed`");
+  refuse(flags.lockstep, "--lockstep", "its world says whether it is flown in lockstep");
+  refuse(flags.on_virtual_clock, "--virtual", "it has a clock of its own; its world has `speed`");
+  refuse(!flags.architecture.empty(), "--architecture", "its topology says how it is connected");
+  refuse(!flags.fcu_device.empty(), "--fcu",
+         "it is started as a program; for a board take the scenario pixhawk.yaml");
+  refuse(!flags.ground_station.empty(), "--gcs", "its topology has a link for a ground station");
+}
+
 int run(const RunFlags& flags) {
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
   if (FirmwareScenario::is(file)) {
-    if (!flags.ground_station.empty()) {
-      throw base::ConfigError(
-          flags.scenario +
-          ": --gcs has no place in a flight of stock firmware: its topology has "
-          "a link for a ground station");
-    }
+    refuse_flags_of_our_controller(flags);
     return fly_firmware(FirmwareScenario::load(file), std::filesystem::absolute(flags.out));
   }
   RunRequest request;

@@ -56,6 +56,22 @@ TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
   EXPECT_NE(refused("udp:0", {}).find("no port from 1 to 65535"), std::string::npos);
 }
 
+TEST(HilsProgram, RefusesWhatMeansNothingToStockFirmware) {
+  const TemporaryFolder folder;
+  const std::string px4 = source_dir() + "/config/scenarios/px4_sitl.yaml";
+  const std::vector<std::vector<std::string>> all{
+      {"--seed", "2"},           {"--lockstep"},        {"--virtual"}, {"--architecture", "loop"},
+      {"--fcu", "/dev/ttyACM0"}, {"--gcs", "udp:14550"}};
+  for (const std::vector<std::string>& flag : all) {
+    std::vector<std::string> arguments{px4, "--out", folder / "out"};
+    arguments.insert(arguments.end(), flag.begin(), flag.end());
+    const std::string text = refusal(arguments);
+    EXPECT_NE(text.find(flag[0] + " has no place in a flight of stock firmware: it"),
+              std::string::npos)
+        << text;
+  }
+}
+
 /// A plugin from a folder of its own flies, and its figures are in the run's folder.
 TEST(HilsProgram, FindsPluginsInAFolderOfTheirOwn) {
   const TemporaryFolder folder;
