@@ -8,6 +8,7 @@
                         `hils`, with its results
     read                a run's folder, .tlog, .ulg, .csv
     mavlink             a small codec
+    env                 the simulator by reset and step, in this process (import cas.env)
 
 Units are in the names. Frames are those of docs/frames_and_units.md: N is north-east-down, W east-north-up, B
 forward-left-up, D forward-right-down.
