@@ -44,6 +44,7 @@ bool Frame::fits(const Vehicle& vehicle) const {
     const auto at = std::ranges::find(vehicle.rotors, static_cast<int>(i), &Rotor::output);
     if (at == vehicle.rotors.end()) return false;
     const Rotor& rotor = *at;
+    if (rotor.axis_B.z() <= 0) return false;  // the tables tell places and spins from above
     const double angle_deg =
         std::atan2(-rotor.position_B_m.y(), rotor.position_B_m.x()) * 180 / std::numbers::pi;
     if (std::abs(std::remainder(angle_deg - rotors[i].angle_deg, 360)) > kSameDirection_deg) {

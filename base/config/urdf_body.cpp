@@ -3,30 +3,18 @@
 
 #include <expat.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 
 namespace cas::base {
 namespace {
 
-constexpr double kTriangleSlack = 1e-6;  // of the largest moment: files round their figures
-
 /// The text is no URDF that can be read here.
 struct NotReadable {};
-
-struct Inertial {
-  double mass = 0;
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();  // of the centre of gravity in the link
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  int line = 0;
-};
 
 struct Link {
   int line = 0;
@@ -149,14 +137,14 @@ class Reader {
     if (path_ == "/robot/link/inertial") {
       link_->inertial.emplace().line = line;
     } else if (path_ == "/robot/link/inertial/mass") {
-      link_->inertial->mass = number(attributes, "value");
+      link_->inertial->mass_kg = number(attributes, "value");
     } else if (path_ == "/robot/link/inertial/origin") {
       link_->inertial->X = pose(attributes);
     } else if (path_ == "/robot/link/inertial/inertia") {
       const double ixy = number(attributes, "ixy");
       const double ixz = number(attributes, "ixz");
       const double iyz = number(attributes, "iyz");
-      link_->inertial->inertia << number(attributes, "ixx"), ixy, ixz, ixy,
+      link_->inertial->inertia_kg_m2 << number(attributes, "ixx"), ixy, ixz, ixy,
           number(attributes, "iyy"), iyz, ixz, iyz, number(attributes, "izz");
     }
   }
@@ -167,23 +155,15 @@ class Reader {
   bool failed_ = false;
 };
 
-Eigen::Matrix3d parallel_axis(double mass, const Eigen::Vector3d& p) {
-  return mass * (p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose());
-}
-
 /// Walks the tree of links once.
 class Assembler {
  public:
-  Assembler(const Reader& reader, UrdfBody& body) : reader_(reader), body_(body) {}
+  Assembler(const Reader& reader, ModelBody& body) : reader_(reader), body_(body) {}
 
   void run() {
     visit(root(), Eigen::Isometry3d::Identity(), nullptr);
     if (body_.links.size() != reader_.links.size()) throw NotReadable{};  // of several trees
-    body_.inertial_line = first_line_;
-    if (body_.mass_kg <= 0) return;
-    body_.cog_R_m = moment_ / body_.mass_kg;
-    const Eigen::Matrix3d inertia = inertia_ - parallel_axis(body_.mass_kg, body_.cog_R_m);
-    body_.inertia_B_kg_m2 = 0.5 * (inertia + inertia.transpose());
+    sum_.finish(body_);
   }
 
  private:
@@ -204,50 +184,31 @@ class Assembler {
       throw NotReadable{};
     }
     const Link& link = found->second;
-    UrdfLink& placed = body_.links.emplace_back();
+    ModelLink& placed = body_.links.emplace_back();
     placed.name = name;
     placed.line = joint != nullptr ? joint->line : link.line;
     placed.position_R_m = X_RL.translation();
     if (joint != nullptr && joint->continuous && joint->axis.norm() > 0) {
       placed.axis_R = (X_RL.linear() * joint->axis).normalized();
     }
-    if (link.inertial) add(*link.inertial, X_RL);
+    if (link.inertial) {
+      if (link.inertial->mass_kg < 0) throw NotReadable{};
+      sum_.add(*link.inertial, X_RL);
+    }
     for (const Joint& next : reader_.joints) {
       if (next.parent == name) visit(next.child, X_RL * next.X, &next);
     }
   }
 
-  void add(const Inertial& inertial, const Eigen::Isometry3d& X_RL) {
-    if (inertial.mass < 0) throw NotReadable{};
-    if (first_line_ == 0) first_line_ = inertial.line;
-    const Eigen::Isometry3d X_RC = X_RL * inertial.X;
-    body_.mass_kg += inertial.mass;
-    moment_ += inertial.mass * X_RC.translation();
-    inertia_ += parallel_axis(inertial.mass, X_RC.translation());
-    if (inertial.mass > 0 && !is_physical_inertia(inertial.inertia)) return;
-    inertia_ += X_RC.linear() * inertial.inertia * X_RC.linear().transpose();
-  }
-
   const Reader& reader_;
-  UrdfBody& body_;
-  int first_line_ = 0;
-  Eigen::Vector3d moment_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d inertia_ = Eigen::Matrix3d::Zero();  // about the root's origin
+  ModelBody& body_;
+  BodySum sum_;
 };
 
 }  // namespace
 
-const UrdfLink* UrdfBody::find(std::string_view name) const {
-  const auto found = std::ranges::find(links, name, &UrdfLink::name);
-  return found == links.end() ? nullptr : &*found;
-}
-
-std::optional<UrdfBody> read_urdf_body(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return std::nullopt;
-  const std::string xml{std::istreambuf_iterator<char>(stream), {}};
-  UrdfBody body;
-  body.file = file;
+std::optional<ModelBody> read_urdf_body(const std::string& xml) {
+  ModelBody body;
   try {
     const Reader reader(xml);
     Assembler(reader, body).run();
@@ -255,13 +216,6 @@ std::optional<UrdfBody> read_urdf_body(const std::filesystem::path& file) {
     return std::nullopt;
   }
   return body;
-}
-
-bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
-  if (!inertia.allFinite() || !inertia.isApprox(inertia.transpose())) return false;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia, Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d moments = solver.eigenvalues();  // rising
-  return moments[0] > 0 && moments[2] <= moments[0] + moments[1] + kTriangleSlack * moments[2];
 }
 
 }  // namespace cas::base

@@ -36,6 +36,11 @@ struct RotorParams {
   double zero_thrust_speed_m_s = 0;       ///< axial airspeed at which thrust has faded to zero
   double reference_density_kg_m3 = 0;     ///< air in which k_f and k_m hold; 0: in any air
   double ground_effect = 0;               ///< share of Cheeseman and Bennett's thrust gain, 0..1
+  // May be left out of the file: 0.
+  double inflow_thrust_slope = 0;        ///< sigma a / (8 lambda_h): thrust over axial inflow
+  double flapping_gain = 0;              ///< tilt of the disc over the advance ratio, rad
+  double flapping_stiffness_nm_rad = 0;  ///< moment at the hub over the tilt of the disc
+  double esc_dead_time_s = 0;            ///< from a command to the first change of the current
 };
 
 /// A servo that turns a rotor's axis: a tricopter's tail.
@@ -67,7 +72,7 @@ struct Wake {
 struct CAS_BASE_EXPORT Rotor {
   Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();  ///< hub, from the centre of gravity, FLU
   Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ();  ///< direction of thrust, unit; without tilt
-  int spin = 1;    ///< +1 counter-clockwise, -1 clockwise, seen against axis_B: from above
+  int spin = 1;    ///< +1 counter-clockwise, -1 clockwise, seen against axis_B from its tip
   int output = 0;  ///< of the autopilot, 0..15, 0..1 on it; in the file 1..16: its number if none
   RotorParams params;
   std::optional<Wake> wake;       ///< the lower rotor of a coaxial pair
@@ -103,8 +108,9 @@ struct BatteryParams {
 /// An airframe as config/vehicles/*.yaml describes it, for simulator and controller alike.
 struct CAS_BASE_EXPORT Vehicle {
   std::string name;
-  std::filesystem::path urdf;  ///< the body's model; resolved against the YAML's folder
-  double mass_kg = 0;          ///< rotors included; the file's, or the model's
+  std::filesystem::path
+      urdf;            ///< the body's model, a URDF or SDF file; resolved against the YAML's folder
+  double mass_kg = 0;  ///< rotors included; the file's, or the model's
   Eigen::Vector3d inertia_kg_m2 =
       Eigen::Vector3d::Zero();           ///< Ixx, Iyy, Izz about the centre of gravity
   std::vector<Rotor> rotors;             ///< 1 to kMaxRotors

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Vehicle::load(): the vehicle file, and the model's word where the file has none.
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 
+#include "base/config/model_body.hpp"
 #include "base/config/sensor_set.hpp"
-#include "base/config/urdf_body.hpp"
 #include "base/config/vehicle.hpp"
 
 namespace cas::base {
@@ -120,6 +121,15 @@ RotorParams parse_rotor_params(const ConfigNode& node) {
   rotor.zero_thrust_speed_m_s = non_negative(node, "zero_thrust_speed_m_s");
   rotor.reference_density_kg_m3 = non_negative(node, "reference_density_kg_m3");
   rotor.ground_effect = node.require_in("ground_effect", 0.0, 1.0);
+  rotor.inflow_thrust_slope = node.get_in("inflow_thrust_slope", 0.0, 0.0, 10.0);
+  rotor.flapping_gain = node.get_in("flapping_gain", 0.0, 0.0, 10.0);
+  rotor.flapping_stiffness_nm_rad = node.get_in("flapping_stiffness_nm_rad", 0.0, 0.0, kHuge);
+  rotor.esc_dead_time_s = node.get_in("esc_dead_time_s", 0.0, 0.0, 0.1);
+  if (rotor.inflow_thrust_slope > 0 && rotor.zero_thrust_speed_m_s > 0) {
+    node.at("inflow_thrust_slope")
+        .fail(
+            "takes thrust by the axial airspeed, and so does zero_thrust_speed_m_s; set one to 0");
+  }
   return rotor;
 }
 
@@ -149,7 +159,9 @@ Rotor parse_rotor(const ConfigNode& item, const ConfigNode& common, int index, i
   rotor.params = parse_rotor_params(item.merged_over(common));
   rotor.spin = item.require<int>("spin");
   if (rotor.spin != 1 && rotor.spin != -1) {
-    item.at("spin").fail("must be 1 (counter-clockwise seen from above) or -1 (clockwise)");
+    item.at("spin").fail(
+        "must be 1 (counter-clockwise) or -1 (clockwise), seen from where the thrust points: "
+        "from above, where the rotor points up");
   }
   const auto output = item.find("output");
   rotor.output = output ? output_of(*output) : index;
@@ -186,7 +198,7 @@ void check_outputs(const ConfigNode& node, const std::vector<Rotor>& rotors) {
 /// Holds the file's word against the model's, or takes the model's.
 class Description {
  public:
-  Description(const ConfigNode& node, std::optional<UrdfBody> body)
+  Description(const ConfigNode& node, std::optional<ModelBody> body)
       : node_(node), body_(std::move(body)) {}
 
   bool has_mass() const { return body_ && body_->mass_kg > 0; }
@@ -225,24 +237,26 @@ class Description {
     return inertia;
   }
 
-  /// The link that carries a rotor: the one that `link` names, else rotor_N, else the turning link
-  /// nearest to the place that the file gives. Nothing where the model has no such link.
-  const UrdfLink* link_of(const ConfigNode& item, int number) const {
+  /// The link that carries a rotor: the one that `link` names, else rotor_N (from rotor_0 on where
+  /// there is one), else the turning link nearest to the place that the file gives. Nothing where
+  /// the model has no such link.
+  const ModelLink* link_of(const ConfigNode& item, int number) const {
     if (const auto key = item.find("link")) {
       const auto name = key->as<std::string>();
-      const UrdfLink* const link = body_ ? body_->find(name) : nullptr;
+      const ModelLink* const link = body_ ? body_->find(name) : nullptr;
       if (link == nullptr) key->fail("the model has no link '" + name + "'" + turning_names());
       return link;
     }
     if (!body_) return nullptr;
-    const std::string name = std::string("rotor_") + std::to_string(number);
-    const UrdfLink* const numbered = body_->find(name);
+    const int before_first = body_->find("rotor_0") != nullptr ? 1 : 0;  // as PX4's models count
+    const std::string name = std::string("rotor_") + std::to_string(number - before_first);
+    const ModelLink* const numbered = body_->find(name);
     if (numbered != nullptr && numbered->axis_R) return numbered;
     return item.has("position_B_m") ? nearest(item.require<Eigen::Vector3d>("position_B_m"))
                                     : nullptr;
   }
 
-  void place(const ConfigNode& item, const UrdfLink* link, Rotor& rotor) const {
+  void place(const ConfigNode& item, const ModelLink* link, Rotor& rotor) const {
     if (const auto key = item.find("position_B_m")) {
       rotor.position_B_m = key->as<Eigen::Vector3d>();
       if (link != nullptr) check_place(*key, *link, rotor.position_B_m);
@@ -258,7 +272,8 @@ class Description {
   }
 
   /// Each link that turns is one rotor's.
-  void check_all_listed(const ConfigNode& rotors, const std::vector<const UrdfLink*>& taken) const {
+  void check_all_listed(const ConfigNode& rotors,
+                        const std::vector<const ModelLink*>& taken) const {
     for (std::size_t i = 0; i < taken.size(); ++i) {
       if (taken[i] == nullptr) continue;
       if (std::find(taken.begin(), taken.begin() + static_cast<std::ptrdiff_t>(i), taken[i]) !=
@@ -267,11 +282,11 @@ class Description {
       }
     }
     if (!body_) return;
-    for (const UrdfLink& link : body_->links) {
+    for (const ModelLink& link : body_->links) {
       if (!link.axis_R || std::find(taken.begin(), taken.end(), &link) != taken.end()) continue;
       rotors.fail("lists " + std::to_string(taken.size()) + " rotors, but " + at_line(link.line) +
                   " has one more: link '" + link.name +
-                  "' turns on a continuous joint; list it, or make the joint fixed");
+                  "' turns without end; list it, or make the joint fixed");
     }
   }
 
@@ -284,15 +299,15 @@ class Description {
              "); mend one, or leave this key out");
   }
 
-  void check_place(const ConfigNode& key, const UrdfLink& link, const Eigen::Vector3d& p_B) const {
+  void check_place(const ConfigNode& key, const ModelLink& link, const Eigen::Vector3d& p_B) const {
     const Eigen::Vector3d model = body_->position_B_m(link);
     if ((p_B - model).norm() <= kSamePlace_m) return;
     differ(key, text(p_B), link.line, text(model),
            "link '" + link.name + "' from the centre of gravity, which is at " +
-               text(body_->cog_R_m) + " of the root link");
+               text(body_->cog_R_m) + " of the model's frame");
   }
 
-  void check_axis(const ConfigNode& key, const UrdfLink& link, const Eigen::Vector3d& axis) const {
+  void check_axis(const ConfigNode& key, const ModelLink& link, const Eigen::Vector3d& axis) const {
     // A joint's axis may point either way: the sense of turning is `spin`.
     if (axis.cross(*link.axis_R).norm() <= kSameAxis_rad) return;
     differ(key, text(axis), link.line, text(upward(*link.axis_R)), "link '" + link.name + "'");
@@ -303,9 +318,9 @@ class Description {
     return axis.z() < -kUpright_rad ? Eigen::Vector3d(-axis) : axis;
   }
 
-  const UrdfLink* nearest(const Eigen::Vector3d& p_B) const {
-    const UrdfLink* found = nullptr;
-    for (const UrdfLink& link : body_->links) {
+  const ModelLink* nearest(const Eigen::Vector3d& p_B) const {
+    const ModelLink* found = nullptr;
+    for (const ModelLink& link : body_->links) {
       if (!link.axis_R) continue;
       const double distance = (body_->position_B_m(link) - p_B).norm();
       if (found == nullptr || distance < (body_->position_B_m(*found) - p_B).norm()) found = &link;
@@ -316,7 +331,7 @@ class Description {
   std::string turning_names() const {
     std::string names;
     if (body_) {
-      for (const UrdfLink& link : body_->links) {
+      for (const ModelLink& link : body_->links) {
         if (link.axis_R) names += (names.empty() ? "; those that turn are '" : "', '") + link.name;
       }
     }
@@ -324,8 +339,40 @@ class Description {
   }
 
   ConfigNode node_;
-  std::optional<UrdfBody> body_;
+  std::optional<ModelBody> body_;
 };
+
+/// The first of thrust, roll, pitch and yaw that four rotors do not give independently of those
+/// before it: [HILS] Eq. (3) has no inverse then. Nothing where they give all four.
+const char* missing_input(const Eigen::Matrix4d& mixer) {
+  constexpr double kSame = 1e-6;  // files round places to less
+  const std::array names{"thrust", "roll moment", "pitch moment", "yaw moment"};
+  const double arm = mixer.middleRows<2>(1).cwiseAbs().maxCoeff();
+  for (int axis = 0; axis < 4; ++axis) {
+    Eigen::MatrixXd rows = mixer.topRows(axis + 1);
+    const double scale = axis == 1 || axis == 2 ? arm : rows.row(axis).cwiseAbs().maxCoeff();
+    if (rows.row(axis).norm() <= kSame * scale) return names[static_cast<std::size_t>(axis)];
+    rows.rowwise().normalize();
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposition(rows.transpose());
+    decomposition.setThreshold(kSame);
+    if (decomposition.rank() <= axis) return names[static_cast<std::size_t>(axis)];
+  }
+  return nullptr;
+}
+
+/// Four rotors without servos are mixed by the inverse of [HILS] Eq. (3), so there must be one.
+void check_mixer(const ConfigNode& rotors, const Vehicle& vehicle) {
+  if (vehicle.rotor_count() != 4 || std::ranges::any_of(vehicle.rotors, [](const Rotor& rotor) {
+        return rotor.tilt.has_value();
+      })) {
+    return;
+  }
+  const char* const missing = missing_input(vehicle.mixing_matrix());
+  if (missing == nullptr) return;
+  rotors.fail(std::string("places and spins of the four rotors leave no independent ") + missing +
+              ", so U1 to U4 cannot be mixed; four rotors must not stand in a row, nor may the "
+              "spins of their sides or diagonals cancel");
+}
 
 // The rest.
 
@@ -391,6 +438,8 @@ void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const Des
         model.link_of(items[i], static_cast<int>(i) + 1) == nullptr) {
       missing.add(items[i], "position_B_m");
     }
+    if (items[i].has("in_wake_of")) missing.need(items[i], "wake_thrust_share");
+    if (items[i].has("wake_thrust_share")) missing.need(items[i], "in_wake_of");
     if (const auto tilt = items[i].find("tilt")) {
       for (const char* key :
            {"axis_B", "min_deg", "max_deg", "rate_deg_s", "time_constant_s", "output"}) {
@@ -403,9 +452,10 @@ void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const Des
 /// Every key that must be there and is not. @throws ConfigError naming them all
 void check_missing(const ConfigNode& node, const ConfigNode& common, const Description& model) {
   MissingKeys missing;
-  for (const char* key : {"name", "system_id", "urdf", "body_drag_linear_n_s_m", "rotors"}) {
+  for (const char* key : {"name", "system_id", "body_drag_linear_n_s_m", "rotors"}) {
     missing.need(node, key);
   }
+  if (!node.has("sdf")) missing.need(node, "urdf");
   if (!model.has_mass()) {
     missing.need(node, "mass_kg");
     missing.need(node, "inertia_kg_m2");
@@ -428,7 +478,7 @@ std::vector<Rotor> parse_rotors(const ConfigNode& node, const ConfigNode& common
                                 const Description& model) {
   const std::vector<ConfigNode> items = rotor_items(node);
   std::vector<Rotor> rotors;
-  std::vector<const UrdfLink*> links;
+  std::vector<const ModelLink*> links;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const int index = static_cast<int>(i);
     rotors.push_back(parse_rotor(items[i], common, index, static_cast<int>(items.size())));
@@ -448,8 +498,10 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   check_schema(node);
   Vehicle vehicle;
   const auto urdf = node.find("urdf");
-  if (urdf) vehicle.urdf = node.resolve(urdf->as<std::string>());
-  const Description model(node, urdf ? read_urdf_body(vehicle.urdf) : std::nullopt);
+  const auto sdf = node.find("sdf");
+  if (urdf && sdf) sdf->fail("is a second model beside 'urdf'; leave one out");
+  if (urdf || sdf) vehicle.urdf = node.resolve((urdf ? *urdf : *sdf).as<std::string>());
+  const Description model(node, urdf || sdf ? read_model_body(vehicle.urdf) : std::nullopt);
   const ConfigNode common = node.find("rotor").value_or(ConfigNode::empty(file.string()));
   check_missing(node, common, model);
 
@@ -457,6 +509,7 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   vehicle.mass_kg = model.mass_kg();
   vehicle.inertia_kg_m2 = model.inertia_kg_m2();
   vehicle.rotors = parse_rotors(node.at("rotors"), common, model);
+  check_mixer(node.at("rotors"), vehicle);
   if (const auto scales = node.find("scales")) {
     vehicle.scales = parse_scales(*scales);
   } else {

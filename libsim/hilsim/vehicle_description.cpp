@@ -35,7 +35,7 @@ void print_body(std::string& text, const VehicleModel& model) {
   const double most = full.cwiseAbs().maxCoeff();
   const Eigen::Matrix3d inertia = full.unaryExpr([most](double v) { return tidy(v, most); });
   print(text, "mass               %.6g kg", model.mass.mass_kg());
-  print(text, "centre of gravity  [%.4f, %.4f, %.4f] m from the origin of the model's root link",
+  print(text, "centre of gravity  [%.4f, %.4f, %.4f] m from the model's origin",
         cog.x(), cog.y(), cog.z());
   print(text, "inertia            Ixx %.6g  Iyy %.6g  Izz %.6g kg m^2", inertia(0, 0),
         inertia(1, 1), inertia(2, 2));
@@ -48,7 +48,9 @@ double most_thrust_n(const base::RotorParams& params) {
 }
 
 void print_rotors(std::string& text, const base::Vehicle& vehicle) {
-  print(text, "rotors             hub from the centre of gravity (forward, left, up), axis, spin");
+  print(text,
+        "rotors             hub from the centre of gravity (forward, left, up), axis, spin seen "
+        "against the axis");
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
     const base::Rotor& rotor = vehicle.rotors[i];
     const Eigen::Vector3d& p = rotor.position_B_m;

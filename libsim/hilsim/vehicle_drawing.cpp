@@ -151,6 +151,8 @@ class Drawing {
                            : "fill=\"#d9822b\" fill-opacity=\"0.25\" stroke=\"#d9822b\"");
     const Flat hub = project(view, rotor.position_B_m);
     const Flat tip = project(view, rotor.position_B_m + 0.08 * rotor.axis_B);
+    // The arrow turns as the rotor is seen to in this view.
+    const bool from_behind = rotor.axis_B.dot(view.right_B.cross(view.up_B)) < -1e-9;
     // Rotors of one arm stand over each other: their numbers stand side by side.
     const double aside = rotor.wake ? 26 : -4;
     char text[400];
@@ -158,7 +160,7 @@ class Drawing {
                   "<path d=\"M %.1f %.1f L %.1f %.1f\" stroke=\"black\"/>"
                   "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%zu %s</text>\n",
                   hub.x(), hub.y(), tip.x(), tip.y(), hub.x() + aside, hub.y() - 6, index + 1,
-                  rotor.spin > 0 ? "&#8634;" : "&#8635;");
+                  (rotor.spin > 0) != from_behind ? "&#8634;" : "&#8635;");
     add(text);
   }
 

@@ -6,10 +6,13 @@
 #include <map>
 #include <utility>
 
+#include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
-#include "libsim/core/load/xml_tree.hpp"
 
 namespace cas::sim {
+
+using base::parse_xml;
+using base::XmlElement;
 
 namespace {
 

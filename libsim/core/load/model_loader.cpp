@@ -9,11 +9,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "base/config/urdf_body.hpp"
+#include "base/config/sdf_model.hpp"
+#include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/uri.hpp"
-#include "libsim/core/load/xml_tree.hpp"
 
 namespace cas::sim {
 
@@ -21,6 +21,27 @@ namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& sentence) {
   throw base::ConfigError(file.string() + ": " + sentence);
+}
+
+/// The contact solver knows no body without extent.
+void check_size(const std::filesystem::path& file, const std::string& link,
+                const Eigen::Vector3d& size_m) {
+  if (size_m.allFinite() && (size_m.array() > 0).all()) return;
+  fail(file, "link '" + link + "': a <collision> geometry has a size that is not above 0");
+}
+
+/// A mesh's bounding box; its centre moves the shape's pose.
+void take_as_box(const TriangleMesh& mesh, Shape& shape) {
+  constexpr double kThinnest = 1e-3;  // a flat part still needs a thickness to collide
+  Eigen::Vector3d centre;
+  const Box box = bounding_box(mesh, centre);
+  shape.geometry = Box{box.size_m.cwiseMax(kThinnest)};
+  shape.pose.translate(centre);
+}
+
+void require_shapes(const std::filesystem::path& file, const VehicleModel& model) {
+  if (!model.shapes.empty()) return;
+  fail(file, "has no <collision> geometry: the vehicle would fall through the ground");
 }
 
 /// Collects what urdfdom would print while it lives.
@@ -71,9 +92,7 @@ class Assembler {
     model_.name = urdf_.getName();
     visit(*urdf_.getRoot(), Eigen::Isometry3d::Identity());
     finish_mass();
-    if (model_.shapes.empty()) {
-      fail(file_, "has no <collision> geometry: the vehicle would fall through the ground");
-    }
+    require_shapes(file_, model_);
     return std::move(model_);
   }
 
@@ -139,19 +158,19 @@ class Assembler {
     switch (collision.geometry->type) {
       case urdf::Geometry::BOX: {
         const auto& dim = static_cast<const urdf::Box&>(*collision.geometry).dim;
-        check_size(link, {dim.x, dim.y, dim.z});
+        check_size(file_, link.name, {dim.x, dim.y, dim.z});
         shape.geometry = Box{{dim.x, dim.y, dim.z}};
         break;
       }
       case urdf::Geometry::SPHERE: {
         const double radius = static_cast<const urdf::Sphere&>(*collision.geometry).radius;
-        check_size(link, Eigen::Vector3d::Constant(radius));
+        check_size(file_, link.name, Eigen::Vector3d::Constant(radius));
         shape.geometry = Sphere{radius};
         break;
       }
       case urdf::Geometry::CYLINDER: {
         const auto& cylinder = static_cast<const urdf::Cylinder&>(*collision.geometry);
-        check_size(link, {cylinder.radius, cylinder.radius, cylinder.length});
+        check_size(file_, link.name, {cylinder.radius, cylinder.radius, cylinder.length});
         shape.geometry = Cylinder{cylinder.radius, cylinder.length};
         break;
       }
@@ -162,24 +181,12 @@ class Assembler {
     model_.shapes.push_back(std::move(shape));
   }
 
-  /// The contact solver knows no body without extent.
-  void check_size(const urdf::Link& link, const Eigen::Vector3d& size_m) const {
-    if (size_m.allFinite() && (size_m.array() > 0).all()) return;
-    fail(file_, "link '" + link.name + "': a <collision> geometry has a size that is not above 0");
-  }
-
   void take_mesh_as_box(const urdf::Link& link, const urdf::Mesh& mesh, Shape& shape) {
     const auto found = find_package_file(mesh.filename, file_.parent_path());
     if (!found) {
       fail(file_, "link '" + link.name + "': mesh '" + mesh.filename + "' is nowhere to be found");
     }
-    Eigen::Vector3d centre;
-    const Box box =
-        bounding_box(load_mesh(*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}), centre);
-    // A flat part still needs a thickness to collide.
-    constexpr double kThinnest = 1e-3;
-    shape.geometry = Box{box.size_m.cwiseMax(kThinnest)};
-    shape.pose.translate(centre);
+    take_as_box(load_mesh(*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}), shape);
   }
 
   void warn(const std::string& sentence) {
@@ -189,6 +196,86 @@ class Assembler {
   const std::filesystem::path& file_;
   const urdf::ModelInterface& urdf_;
   MassSum sum_;
+  VehicleModel model_;
+};
+
+/// The shapes of an SDF model; mass, places and axes are base::SdfModel's.
+class SdfShapes {
+ public:
+  SdfShapes(const std::filesystem::path& file, const base::SdfModel& sdf)
+      : file_(file), sdf_(sdf) {}
+
+  VehicleModel run() {
+    const base::ModelBody body = sdf_.body();
+    if (body.mass_kg <= 0) fail(file_, "no link has a mass");
+    if (!is_physical_inertia(body.inertia_B_kg_m2)) {
+      fail(file_, "the vehicle's inertia about its centre of gravity is not that of a body");
+    }
+    model_.name = sdf_.name();
+    model_.mass = MassProperties(body.mass_kg, body.inertia_B_kg_m2);
+    model_.cog_in_root_m = body.cog_R_m;
+    for (const base::ModelLink& link : body.links) {
+      if (link.axis_R) model_.rotors.push_back({link.name, body.position_B_m(link), *link.axis_R});
+    }
+    for (const base::SdfLink& link : sdf_.links()) {
+      for (const base::XmlElement& child : link.element->children) {
+        if (child.name == "collision") take_collision(child, link);
+      }
+    }
+    require_shapes(file_, model_);
+    for (Shape& shape : model_.shapes) shape.pose.pretranslate(-body.cog_R_m);
+    return std::move(model_);
+  }
+
+ private:
+  void take_collision(const base::XmlElement& collision, const base::SdfLink& link) {
+    const base::XmlElement* const geometry = collision.child("geometry");
+    if (geometry == nullptr || geometry->children.empty()) return;
+    Shape shape;
+    shape.name = link.name;
+    shape.pose = sdf_.pose_of(collision, link);
+    const base::XmlElement& form = geometry->children.front();
+    if (form.name == "box") {
+      shape.geometry = Box{sdf_.vector(part(form, "size"))};
+      check_size(file_, link.name, std::get<Box>(shape.geometry).size_m);
+    } else if (form.name == "sphere") {
+      shape.geometry = Sphere{sdf_.number(part(form, "radius"))};
+      check_size(file_, link.name,
+                 Eigen::Vector3d::Constant(std::get<Sphere>(shape.geometry).radius_m));
+    } else if (form.name == "cylinder") {
+      const Cylinder cylinder{sdf_.number(part(form, "radius")), sdf_.number(part(form, "length"))};
+      shape.geometry = cylinder;
+      check_size(file_, link.name, {cylinder.radius_m, cylinder.radius_m, cylinder.length_m});
+    } else if (form.name == "mesh") {
+      take_mesh(form, shape);
+    } else {
+      model_.warnings.push_back(file_.string() + ":" + std::to_string(form.line) + ": link '" +
+                                link.name + "': a <" + form.name +
+                                "> collision is left out; boxes, spheres, cylinders and meshes "
+                                "touch the ground");
+      return;
+    }
+    model_.shapes.push_back(std::move(shape));
+  }
+
+  void take_mesh(const base::XmlElement& mesh, Shape& shape) {
+    const base::XmlElement& uri = part(mesh, "uri");
+    const auto found = find_model_file(uri.text, file_.parent_path(), {});
+    if (!found) sdf_.fail(uri, "mesh '" + uri.text + "' is nowhere to be found");
+    const base::XmlElement* const scale = mesh.child("scale");
+    take_as_box(load_mesh(*found, scale != nullptr ? sdf_.vector(*scale)
+                                                   : Eigen::Vector3d(Eigen::Vector3d::Ones())),
+                shape);
+  }
+
+  const base::XmlElement& part(const base::XmlElement& form, std::string_view name) const {
+    const base::XmlElement* const found = form.child(name);
+    if (found == nullptr) sdf_.fail(form, "<" + form.name + "> has no <" + std::string(name) + ">");
+    return *found;
+  }
+
+  const std::filesystem::path& file_;
+  const base::SdfModel& sdf_;
   VehicleModel model_;
 };
 
@@ -203,14 +290,16 @@ VehicleModel load_vehicle_model(const std::filesystem::path& file) {
   if (!stream) fail(file, "vehicle model cannot be read");
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   // A template may parse, without what its macros stand for.
-  if (const auto sentence = template_language(text)) fail(file, "is not a URDF: " + *sentence);
+  if (const auto sentence = base::template_language(text))
+    fail(file, "is not a URDF: " + *sentence);
+  if (base::SdfModel::is_sdf(text)) {
+    const base::SdfModel sdf(text, file);
+    return SdfShapes(file, sdf).run();
+  }
   const UrdfMessages messages;
   const urdf::ModelInterfaceSharedPtr urdf = urdf::parseURDF(text);
   if (!urdf || !urdf->getRoot()) {
-    const XmlElement root = parse_xml(text, file.string());  // broken XML ends here, with its line
-    if (root.name == "sdf") {
-      fail(file, "is an SDF file; a vehicle's model is a URDF (an SDF file may be a 'world')");
-    }
+    base::parse_xml(text, file.string());  // broken XML ends here, with its line
     fail(file, "is not a URDF: " + (messages.first().empty() ? "no root link" : messages.first()));
   }
   return Assembler(file, *urdf).run();

@@ -12,15 +12,15 @@
 
 namespace cas::sim {
 
-/// A rotor as the URDF places it: the child of a continuous joint.
+/// A rotor as the model places it: the child of a continuous joint.
 struct ModelRotor {
-  std::string joint;
+  std::string joint;  ///< of an SDF the link
   Eigen::Vector3d position_B_m;  ///< joint origin from the centre of gravity
   Eigen::Vector3d axis_B;        ///< unit
 };
 
-/// A vehicle as one rigid body: B has its origin in the centre of gravity and the axes of the root
-/// link, which are forward, left, up.
+/// A vehicle as one rigid body: B has its origin in the centre of gravity and the axes of a URDF's
+/// root link or of an SDF's model, which are forward, left, up.
 struct VehicleModel {
   std::string name;
   MassProperties mass;
@@ -30,7 +30,7 @@ struct VehicleModel {
   std::vector<std::string> warnings;  ///< one sentence each: what was mended or left out
 };
 
-/// Reads a URDF file, also one that SolidWorks exported (several links, package:// meshes). Links
+/// Reads an SDF file (base::SdfModel) or a URDF file, also one that SolidWorks exported (several links, package:// meshes). Links
 /// are combined by the parallel-axis theorem; rotors (continuous joints) count with their mass and
 /// inertia at rest. A link whose inertia no body can have is named and taken as a point mass.
 /// Other moving joints are taken as fixed. @throws base::ConfigError naming file and element

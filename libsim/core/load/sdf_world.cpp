@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/config/install_paths.hpp"
+#include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
 #include "libsim/core/load/heightmap.hpp"
 #include "libsim/core/load/mesh_file.hpp"
@@ -18,9 +19,12 @@
 #include "libsim/core/load/sdf_omissions.hpp"
 #include "libsim/core/load/sdf_world.hpp"
 #include "libsim/core/load/uri.hpp"
-#include "libsim/core/load/xml_tree.hpp"
 
 namespace cas::sim {
+
+using base::parse_xml;
+using base::template_language;
+using base::XmlElement;
 
 namespace {
 

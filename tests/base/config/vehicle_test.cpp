@@ -276,8 +276,72 @@ INSTANTIATE_TEST_SUITE_P(
         RotorCase{"WakeWithoutShare", ", in_wake_of: 1", "key 'wake_thrust_share' is missing"},
         RotorCase{"Tilt", ", tilt: {axis_B: [1, 0, 0], output: 4}",
                   "'rotors[1].tilt.min_deg', 'rotors[1].tilt.max_deg'"},
+        RotorCase{"InflowAndFade", ", inflow_thrust_slope: 1.3, zero_thrust_speed_m_s: 20",
+                  "rotors[1].inflow_thrust_slope: takes thrust by the axial airspeed"},
+        RotorCase{"DeadTime", ", esc_dead_time_s: 1", "rotors[1].esc_dead_time_s: 1 must lie in"},
         RotorCase{"Unknown", ", raduis_m: 1", "rotors[1].raduis_m: unknown key"},
         RotorCase{"LinkOfNoModel", ", link: prop", "the model has no link 'prop'"}),
+    [](const auto& test) { return test.param.name; });
+
+struct SingularCase {
+  const char* name;
+  const char* rotors;
+  const char* missing;  ///< what is not independent; nullptr: all are
+};
+
+class FourRotors : public testing::TestWithParam<SingularCase> {};
+
+TEST_P(FourRotors, AreRefusedWhereEquation3HasNoInverse) {
+  const test::TemporaryFolder folder;
+  const std::string whole = round_vehicle(1);
+  const auto file = folder.write(
+      "v.yaml", whole.substr(0, whole.find("rotors:")) + "rotors: " + GetParam().rotors);
+  if (GetParam().missing == nullptr) {
+    EXPECT_NO_THROW(Vehicle::load(file));
+    return;
+  }
+  try {
+    Vehicle::load(file);
+    FAIL() << "was accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(
+        std::string(error.what())
+            .find(std::string("v.yaml:12: rotors: places and spins of the four rotors leave no "
+                              "independent ") +
+                  GetParam().missing),
+        std::string::npos)
+        << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Eq3, FourRotors,
+    testing::Values(
+        SingularCase{"Row",
+                     "[{position_B_m: [0, 0.3, 0], spin: 1}, {position_B_m: [0, 0.1, 0], "
+                     "spin: -1}, {position_B_m: [0, -0.1, 0], spin: 1}, {position_B_m: [0, "
+                     "-0.3, 0], spin: -1}]\n",
+                     "pitch moment"},
+        SingularCase{"Diagonal",
+                     "[{position_B_m: [0.3, 0.3, 0], spin: 1}, {position_B_m: [0.1, "
+                     "0.1, 0], spin: -1}, {position_B_m: [-0.1, -0.1, 0], spin: 1}, "
+                     "{position_B_m: [-0.3, -0.3, 0], spin: -1}]\n",
+                     "pitch moment"},
+        SingularCase{"OneSense",
+                     "[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: [0.2, "
+                     "-0.2, 0], spin: 1}, {position_B_m: [-0.2, 0.2, 0], spin: 1}, "
+                     "{position_B_m: [-0.2, -0.2, 0], spin: 1}]\n",
+                     "yaw moment"},
+        SingularCase{"SpinsBySides",
+                     "[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: "
+                     "[0.2, -0.2, 0], spin: -1}, {position_B_m: [-0.2, 0.2, 0], "
+                     "spin: 1}, {position_B_m: [-0.2, -0.2, 0], spin: -1}]\n",
+                     "yaw moment"},
+        SingularCase{"Quad",
+                     "[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: [0.2, -0.2, "
+                     "0], spin: -1}, {position_B_m: [-0.2, 0.2, 0], spin: -1}, "
+                     "{position_B_m: [-0.2, -0.2, 0], spin: 1}]\n",
+                     nullptr}),
     [](const auto& test) { return test.param.name; });
 
 // One description: the model and the vehicle file.
@@ -331,6 +395,132 @@ TEST(OneDescription, WhatTheFileLeavesOutIsTheModels) {
   EXPECT_EQ(vehicle.rotors[0].axis_B, Eigen::Vector3d::UnitZ()) << "thrust is upwards";
   EXPECT_TRUE(vehicle.rotors[1].axis_B.isApprox(Eigen::Vector3d(0, -std::sin(0.3), std::cos(0.3)),
                                                 kDigitsInTheFile));
+}
+
+/// The same quad as an SDF file, an element a line.
+std::string quad_sdf(double arm, double lean_rad, double mass, double inertia, double cog_x) {
+  const auto text_of = [](double value) { return std::to_string(value); };
+  std::string text =
+      "<sdf version='1.9'>\n<model name='q'>\n<link name='base_link'>\n<inertial>"
+      "<pose>" +
+      text_of(cog_x) + " 0 0 0 0 0</pose><mass>" + text_of(mass) + "</mass><inertia><ixx>" +
+      text_of(inertia) + "</ixx><iyy>" + text_of(inertia) + "</iyy><izz>" + text_of(1.5 * inertia) +
+      "</izz></inertia></inertial></link>\n";
+  const double places[4][2] = {{1, -1}, {-1, 1}, {1, 1}, {-1, -1}};
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = "prop_" + std::to_string(i + 1);
+    text += "<link name='" + name + "'><pose>" + text_of(arm * places[i][0]) + " " +
+            text_of(arm * places[i][1]) + " 0.02 " + text_of(i == 0 ? lean_rad : 0.0) +
+            " 0 0</pose><inertial><mass>0</mass><inertia><ixx>0</ixx><iyy>0</iyy><izz>0</izz>"
+            "</inertia></inertial></link>\n<joint name='j" +
+            std::to_string(i) + "' type='revolute'><parent>base_link</parent><child>" + name +
+            "</child><axis><xyz>0 0 -1</xyz><limit><lower>-1e16</lower><upper>1e16</upper>"
+            "</limit></axis></joint>\n";
+  }
+  return text + "</model>\n</sdf>\n";
+}
+
+std::string with_sdf(std::string text) {
+  return text.replace(text.find("urdf: q.urdf"), 12, "sdf: q.sdf");
+}
+
+TEST(OneDescription, AnSdfModelSaysTheSameAsAUrdf) {
+  const test::TemporaryFolder folder;
+  folder.write("q.urdf", quad_model(0.2, 0.3, 1.2, 0.02, 0.01));
+  folder.write("q.sdf", quad_sdf(0.2, 0.3, 1.2, 0.02, 0.01));
+  const std::string text = std::string(kQuadRest) +
+                           "rotors: [{link: prop_1, spin: 1}, {link: prop_2, spin: 1}, {link: "
+                           "prop_3, spin: -1}, {link: prop_4, spin: -1}]\n";
+  const Vehicle urdf = Vehicle::load(folder.write("u.yaml", text));
+  const Vehicle sdf = Vehicle::load(folder.write("s.yaml", with_sdf(text)));
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR(sdf.mass_kg, urdf.mass_kg, kRounding);
+  EXPECT_TRUE(sdf.inertia_kg_m2.isApprox(urdf.inertia_kg_m2, kRounding));
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_TRUE(sdf.rotors[i].position_B_m.isApprox(urdf.rotors[i].position_B_m, kRounding)) << i;
+    EXPECT_TRUE(sdf.rotors[i].axis_B.isApprox(urdf.rotors[i].axis_B, kRounding)) << i;
+  }
+}
+
+TEST(OneDescription, RotorsOfAModelThatCountsFromZeroAreFoundByTheirNumber) {
+  const test::TemporaryFolder folder;
+  std::string model = quad_sdf(0.2, 0, 1.2, 0.02, 0);
+  for (std::size_t at = model.find("prop_"); at != std::string::npos; at = model.find("prop_")) {
+    model.replace(at, 6, "rotor_" + std::to_string(model[at + 5] - '1'));
+  }
+  folder.write("q.sdf", model);
+  const Vehicle vehicle = Vehicle::load(folder.write(
+      "q.yaml", with_sdf(kQuadRest) + "rotors: [{spin: 1}, {spin: 1}, {spin: -1}, {spin: -1}]\n"));
+  EXPECT_TRUE(vehicle.rotors[0].position_B_m.isApprox(Eigen::Vector3d(0.2, -0.2, 0.02)));
+  EXPECT_TRUE(vehicle.rotors[3].position_B_m.isApprox(Eigen::Vector3d(-0.2, -0.2, 0.02)));
+}
+
+struct SdfCase {
+  const char* name;
+  const char* from;
+  const char* to;
+  const char* message;
+};
+
+class WrongSdf : public testing::TestWithParam<SdfCase> {};
+
+TEST_P(WrongSdf, IsRefusedWithItsPlace) {
+  const auto& [name, from, to, message] = GetParam();
+  const test::TemporaryFolder folder;
+  std::string model = quad_sdf(0.2, 0, 1.2, 0.02, 0.01);
+  ASSERT_NE(model.find(from), std::string::npos);
+  folder.write("q.sdf", model.replace(model.find(from), std::string(from).size(), to));
+  const auto file = folder.write("q.yaml", with_sdf(kQuadRest) + R"(mass_kg: 1.2
+rotors:
+  - {link: prop_1, position_B_m: [0.19, -0.2, 0.02], spin: 1}
+  - {link: prop_2, spin: 1}
+  - {link: prop_3, spin: -1}
+  - {link: prop_4, spin: -1}
+)");
+  try {
+    Vehicle::load(file);
+    EXPECT_STREQ(message, "") << "was accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_STRNE(message, "") << error.what();
+    EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, WrongSdf,
+    testing::Values(
+        SdfCase{"Right", "q", "q", ""},
+        SdfCase{"OtherMass", "<mass>1.2", "<mass>1.3", "mass_kg: is 1.2, but "},
+        SdfCase{"OtherMassLine", "<mass>1.2", "<mass>1.3", "q.sdf:4 has 1.3"},
+        SdfCase{"OtherPlace", "<pose>0.200000 -0.2", "<pose>0.210000 -0.2",
+                "q.sdf:6 has [0.2, -0.2, 0.02] (link 'prop_1'"},
+        SdfCase{"Include", "<link name='prop_1'>", "<include/><link name='prop_1'>",
+                "q.sdf:5: <include> is not followed"},
+        SdfCase{"NoMass", "<mass>1.200000</mass>", "",
+                "q.sdf:4: link 'base_link' has no <inertial>"},
+        SdfCase{"NoFrame", "<pose>0.200000 -0.2", "<pose relative_to='arm'>0.200000 -0.2",
+                "q.sdf:5: the model has no link, joint or frame 'arm'"},
+        SdfCase{"Circle", "<pose>0.200000 -0.2", "<pose relative_to='prop_1'>0.200000 -0.2",
+                "q.sdf:5: poses go round in a circle"},
+        SdfCase{"Words", "<pose>0.200000 -0.2", "<pose>left -0.2",
+                "q.sdf:5: <pose> is not made of numbers"},
+        SdfCase{"Axis", "<xyz>0 0 -1", "<xyz>0 0 0", "q.sdf:6: <xyz> of an axis is zero"},
+        SdfCase{"Limited", "<lower>-1e16</lower><upper>1e16</upper>",
+                "<lower>-1</lower><upper>1</upper>", ""},
+        SdfCase{"Broken", "</model>", "</modle>", "q.sdf:13: mismatched tag"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(OneDescription, HasOneModelOnly) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("q.yaml", std::string(kQuadRest) + "sdf: q.sdf\n");
+  try {
+    Vehicle::load(file);
+    FAIL() << "was accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("sdf: is a second model beside 'urdf'"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 struct DifferentCase {

@@ -8,6 +8,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
+#include "libsim/core/load/world_loader.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -153,6 +154,75 @@ TEST_F(ModelLoader, OtherMovingJointsAreTakenAsFixed) {
   EXPECT_THAT(model.warnings, Contains(HasSubstr("joint 'arm_joint' moves")));
 }
 
+/// Poses upon poses; libsdformat, which reads worlds here, resolves them by its own code.
+const std::string kSdf = R"(<model name='leaning'>
+  <frame name='arm' attached_to='body'><pose>0.2 0 0.05 0 0 0.5</pose></frame>
+  <link name='body'>
+    <pose>0.01 0 0.02 0.1 0 0.2</pose>
+    <inertial>
+      <pose>0.02 0 0 0 0 0</pose><mass>1.2</mass>
+      <inertia><ixx>0.01</ixx><iyy>0.012</iyy><izz>0.02</izz><ixz>0.001</ixz></inertia>
+    </inertial>
+    <collision name='box'>
+      <pose>0 0 -0.02 0 0.2 0</pose><geometry><box><size>0.2 0.3 0.1</size></box></geometry>
+    </collision>
+    <collision name='mast'>
+      <pose relative_to='arm'>0 0 0.1 0 0 0</pose>
+      <geometry><cylinder><radius>0.02</radius><length>0.2</length></cylinder></geometry>
+    </collision>
+  </link>
+  <link name='prop'>
+    <pose relative_to='arm'>0.1 0 0.03 0.3 0 0</pose>
+    <inertial>
+      <mass>0.02</mass><inertia><ixx>2e-5</ixx><iyy>2e-5</iyy><izz>4e-5</izz></inertia>
+    </inertial>
+  </link>
+  <joint name='motor' type='revolute'>
+    <pose>0 0 0.01 0 0.2 0</pose><parent>body</parent><child>prop</child>
+    <axis><xyz>0 0 1</xyz><limit><lower>-1e16</lower><upper>1e16</upper></limit></axis>
+  </joint>
+  <link name='foot'>
+    <pose relative_to='motor' degrees='true'>0 0 -0.3 0 45 0</pose>
+    <inertial>
+      <mass>0.1</mass><inertia><ixx>1e-4</ixx><iyy>1e-4</iyy><izz>1e-4</izz></inertia>
+    </inertial>
+    <collision name='ball'><geometry><sphere><radius>0.03</radius></sphere></geometry></collision>
+  </link>
+  <joint name='leg' type='fixed'><parent>body</parent><child>foot</child></joint>
+</model>)";
+
+TEST_F(ModelLoader, AnSdfModelStandsWhereLibsdformatHasIt) {
+  const VehicleModel model =
+      load_vehicle_model(folder_.write("v.sdf", "<sdf version='1.9'>" + kSdf + "</sdf>"));
+  const WorldModel world = load_sdf_world(
+      folder_.write("w.sdf", "<sdf version='1.9'><world name='w'>" + kSdf + "</world></sdf>"), {});
+  constexpr double kRounding = 1e-9;  // libsdformat's pi for degrees, and its quaternions
+  ASSERT_EQ(model.shapes.size(), 3U);
+  ASSERT_EQ(world.statics.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    Eigen::Isometry3d X_RS = model.shapes[i].pose;
+    X_RS.pretranslate(model.cog_in_root_m);
+    EXPECT_TRUE(X_RS.isApprox(world.statics[i].pose, kRounding)) << world.statics[i].name;
+    EXPECT_EQ(model.shapes[i].geometry.index(), world.statics[i].geometry.index());
+  }
+  // The propeller turns about the axis of its joint, which leans with arm, link and joint.
+  const auto turn = [](double angle, const Eigen::Vector3d& axis) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
+  };
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  const Eigen::Quaterniond body = turn(0.2, z) * turn(0.1, x);
+  const Eigen::Quaterniond prop = body * turn(0.5, z) * turn(0.3, x);
+  ASSERT_EQ(model.rotors.size(), 1U);
+  EXPECT_TRUE(model.rotors[0].axis_B.isApprox(prop * turn(0.2, y) * z, kRounding));
+  const Eigen::Vector3d arm = Eigen::Vector3d(0.01, 0, 0.02) + body * Eigen::Vector3d(0.2, 0, 0.05);
+  const Eigen::Vector3d hub = arm + body * turn(0.5, z) * Eigen::Vector3d(0.1, 0, 0.03) +
+                              prop * Eigen::Vector3d(0, 0, 0.01);
+  EXPECT_TRUE((model.rotors[0].position_B_m + model.cog_in_root_m).isApprox(hub, kRounding));
+  EXPECT_NEAR(model.mass.mass_kg(), 1.32, kRounding);
+}
+
 TEST_F(ModelLoader, RefusesWhatCannotFly) {
   EXPECT_THAT(refuse(link("base", kCollision)), HasSubstr("no link has an <inertial>"));
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall))),
@@ -161,7 +231,8 @@ TEST_F(ModelLoader, RefusesWhatCannotFly) {
   EXPECT_THAT(refuse("<robot name='r'>\n<link>\n</robot>"), HasSubstr("v.urdf:3: mismatched tag"));
   EXPECT_THAT(refuse("<robot name='r'/>"), HasSubstr("v.urdf: is not a URDF"));
   const auto sdf = folder_.write("v.sdf", "<sdf version='1.6'/>");
-  EXPECT_THAT(test::refusal([&] { load_vehicle_model(sdf); }), HasSubstr("v.sdf: is an SDF file"));
+  EXPECT_THAT(test::refusal([&] { load_vehicle_model(sdf); }),
+              HasSubstr("v.sdf:1: has no <model>; a world is no vehicle"));
   EXPECT_THAT(refuse("<robot name='r'><xacro:rotor n='1'/></robot>"),
               HasSubstr("it is a xacro file, a template; expand it first"));
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +

@@ -8,13 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "libsim/core/export.hpp"
+#include "base/export.hpp"
 
-namespace cas::sim {
+namespace cas::base {
 
 /// One element of an XML file, without namespaces and comments.
-struct CAS_SIM_EXPORT XmlElement {
+struct CAS_BASE_EXPORT XmlElement {
   std::string name;
+  int line = 0;  ///< of its start, from 1
   std::map<std::string, std::string, std::less<>> attributes;
   std::string text;  ///< all character data directly inside
   std::vector<XmlElement> children;
@@ -27,9 +28,9 @@ struct CAS_SIM_EXPORT XmlElement {
 
 /// A sentence for a text that a program has to fill in before it is a model: xacro, or ERB and
 /// other templates; nothing for any other. Comments do not count.
-CAS_SIM_EXPORT std::optional<std::string> template_language(std::string_view text);
+CAS_BASE_EXPORT std::optional<std::string> template_language(std::string_view text);
 
-/// Reads a whole XML text. @throws base::ConfigError "FILE:LINE: what is wrong"
-CAS_SIM_EXPORT XmlElement parse_xml(std::string_view text, const std::string& file);
+/// Reads a whole XML text. @throws ConfigError "FILE:LINE: what is wrong"
+CAS_BASE_EXPORT XmlElement parse_xml(std::string_view text, const std::string& file);
 
-}  // namespace cas::sim
+}  // namespace cas::base

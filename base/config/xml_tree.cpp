@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "libsim/core/load/xml_tree.hpp"
+#include "base/config/xml_tree.hpp"
 
 #include <expat.h>
 
@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 
-namespace cas::sim {
+namespace cas::base {
 
 namespace {
 
@@ -28,6 +28,7 @@ struct Builder {
     }
     XmlElement& element = self.open.back()->children.emplace_back();
     element.name = name;
+    element.line = static_cast<int>(XML_GetCurrentLineNumber(self.parser));
     for (; *attributes != nullptr; attributes += 2)
       element.attributes[attributes[0]] = attributes[1];
     self.open.push_back(&element);
@@ -88,10 +89,10 @@ XmlElement parse_xml(std::string_view text, const std::string& file) {
   XML_SetCharacterDataHandler(parser.get(), Builder::on_text);
   if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) !=
       XML_STATUS_OK) {
-    throw base::ConfigError(file + ":" + std::to_string(XML_GetCurrentLineNumber(parser.get())) +
-                            ": " + XML_ErrorString(XML_GetErrorCode(parser.get())));
+    throw ConfigError(file + ":" + std::to_string(XML_GetCurrentLineNumber(parser.get())) + ": " +
+                      XML_ErrorString(XML_GetErrorCode(parser.get())));
   }
   return std::move(builder.top.children.front());
 }
 
-}  // namespace cas::sim
+}  // namespace cas::base
