@@ -94,12 +94,13 @@ struct AirspeedSample {
 /// Distance along the beam of a rangefinder, and the limits of its range.
 struct RangeSample {
   static constexpr std::string_view kTypeName = "cas.RangeSample";
-  static constexpr unsigned kTypeVersion = 2;
+  static constexpr unsigned kTypeVersion = 3;
   base::SimTime time;
   double distance_m = 0;
   double min_m = 0;
   double max_m = 0;
-  bool valid = false;  ///< something was met between min_m and max_m
+  bool valid = false;                     ///< something was met between min_m and max_m
+  Eigen::Vector3d direction_B{0, 0, -1};  ///< of the beam, unit
 };
 
 /// Asks the wind for a 1-cosine gust from now on.

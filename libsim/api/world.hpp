@@ -97,10 +97,11 @@ class World {
 
   /// Whether a flat disc that is fixed to the vehicle, a rotor's, touches the world or another
   /// vehicle; cheap where nothing is near. A host without contacts says no.
-  /// @param centre_B  from the centre of gravity, m; the disc's axis is z of B
+  /// @param centre_B  from the centre of gravity, m
+  /// @param axis_B    at right angles to the disc, of length 1
   virtual bool disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
-                            double radius_m) const {
-    (void)vehicle, (void)centre_B, (void)radius_m;
+                            const Eigen::Vector3d& axis_B, double radius_m) const {
+    (void)vehicle, (void)centre_B, (void)axis_B, (void)radius_m;
     return false;
   }
 

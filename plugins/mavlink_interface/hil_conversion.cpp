@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/mavlink_interface/hil_conversion.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -63,6 +65,38 @@ double within(float value, double low, double high) {
 template <class Mode>
 bool is_armed(Mode mode) {
   return (static_cast<unsigned>(mode) & kModeArmed) != 0;
+}
+
+/// MAV_SENSOR_ORIENTATION of a beam: one of MAVLink's where it is no farther from it than files
+/// round, else a quaternion that turns Dx into the beam.
+void set_direction(mv::DistanceSensor& packet, const Eigen::Vector3d& direction_B) {
+  using R = mv::MavSensorOrientation;
+  constexpr double kSame = 1e-3;  // rad
+  constexpr double kHalf = 0.70710678118654752;
+  struct Named {
+    Eigen::Vector3d direction_D;
+    R orientation;
+  };
+  static const std::array<Named, 10> kNamed{{{{0, 0, 1}, R::kRotationPitch270},
+                                             {{0, 0, -1}, R::kRotationPitch90},
+                                             {{1, 0, 0}, R::kRotationNone},
+                                             {{kHalf, kHalf, 0}, R::kRotationYaw45},
+                                             {{0, 1, 0}, R::kRotationYaw90},
+                                             {{-kHalf, kHalf, 0}, R::kRotationYaw135},
+                                             {{-1, 0, 0}, R::kRotationYaw180},
+                                             {{-kHalf, -kHalf, 0}, R::kRotationYaw225},
+                                             {{0, -1, 0}, R::kRotationYaw270},
+                                             {{kHalf, -kHalf, 0}, R::kRotationYaw315}}};
+  const Eigen::Vector3d direction_D(direction_B.x(), -direction_B.y(), -direction_B.z());
+  for (const Named& named : kNamed) {
+    if ((named.direction_D - direction_D).norm() > kSame) continue;
+    packet.orientation = named.orientation;
+    return;
+  }
+  packet.orientation = R::kRotationCustom;
+  const auto q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), direction_D);
+  packet.quaternion = {static_cast<float>(q.w()), static_cast<float>(q.x()),
+                       static_cast<float>(q.y()), static_cast<float>(q.z())};
 }
 
 }  // namespace
@@ -132,7 +166,7 @@ mv::DistanceSensor to_distance_sensor(const RangeSample& sample) {
   packet.max_distance = to_known16(sample.max_m * 100.0);
   packet.current_distance = to_known16(sample.distance_m * 100.0);
   packet.type = mv::MavDistanceSensor::kLaser;
-  packet.orientation = mv::MavSensorOrientation::kRotationPitch270;
+  set_direction(packet, sample.direction_B);
   packet.covariance = kUnknownCovariance;
   packet.signal_quality =
       sample.valid && !std::isnan(sample.distance_m) ? kFullSignal : kInvalidSignal;

@@ -11,6 +11,10 @@ BatteryModel::BatteryModel(const base::BatteryParams& params,
     : params_(params), torque_coefficients_(torque_coefficients), voltage_v_(params.full_v) {}
 
 void BatteryModel::advance(const base::RotorVector& omega, double dt) {
+  if (charge_ <= 0) {
+    voltage_v_ = current_a_ = 0;
+    return;
+  }
   constexpr double kSecondsPerHour = 3600;
   const double open_v = params_.empty_v + charge_ * (params_.full_v - params_.empty_v);
   const double power_w =

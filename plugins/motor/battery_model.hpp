@@ -8,7 +8,8 @@
 namespace cas::sim {
 
 /// A battery that feeds the rotors: open-circuit voltage falls linearly with the charge, the inner
-/// resistance takes the rest. Temperature and recovery after load are not modelled.
+/// resistance takes the rest; empty, it gives nothing any more. Temperature and recovery after load
+/// are not modelled.
 class BatteryModel {
  public:
   BatteryModel() = default;

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.hpp"
-
 namespace cas::sim {
 namespace {
 
@@ -34,12 +32,7 @@ MotorMixer::MotorMixer(const base::Vehicle& vehicle) : rotors_(vehicle.rotors) {
     pseudo_inverse_ = mixing.completeOrthogonalDecomposition().pseudoInverse();
     return;
   }
-  const Eigen::FullPivLU<Eigen::Matrix4d> mixing(vehicle.mixing_matrix());
-  if (!mixing.isInvertible()) {
-    throw base::ConfigError("vehicle '" + vehicle.name +
-                            "': its rotors cannot give thrust and three moments independently");
-  }
-  inverse_ = mixing.inverse();
+  inverse_ = Eigen::FullPivLU<Eigen::Matrix4d>(vehicle.mixing_matrix()).inverse();
 }
 
 base::RotorVector MotorMixer::targets(const MotorCommand& command) const {

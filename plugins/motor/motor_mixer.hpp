@@ -19,8 +19,6 @@ namespace cas::sim {
 class MotorMixer {
  public:
   MotorMixer() = default;
-  /// @throws base::ConfigError when four rotors without servos cannot give thrust and three moments
-  ///         independently
   explicit MotorMixer(const base::Vehicle& vehicle);
 
   /// @return target speeds of the rotors, rad/s; numbers that are not finite count as 0

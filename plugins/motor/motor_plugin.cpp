@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "libsim/api/plugin.hpp"
 #include "plugins/motor/battery_model.hpp"
 #include "plugins/motor/body_drag.hpp"
+#include "plugins/motor/esc_delay.hpp"
 #include "plugins/motor/motor_mixer.hpp"
 #include "plugins/motor/rotor_model.hpp"
 
@@ -31,6 +33,7 @@ class MotorPlugin final : public Plugin {
     strikes_.reserve(discs_.size());
     asked_.setZero(vehicle.rotor_count());
     mixer_ = MotorMixer(vehicle);
+    esc_ = EscDelay(vehicle, context.step());
     rotors_ = std::make_unique<RotorModel>(vehicle);
     if (vehicle.battery) full_battery_.emplace(*vehicle.battery, torque_coefficients(vehicle));
     battery_ = full_battery_;
@@ -42,7 +45,7 @@ class MotorPlugin final : public Plugin {
     speeds_ = context.bus().advertise<RotorSpeeds>(context.topic("rotor_speeds"));
     command_ = context.bus().subscribe<MotorCommand>(context.topic("motor_command"),
                                                      [this](const MotorCommand& command) {
-                                                       asked_ = mixer_.targets(command);
+                                                       take(mixer_.targets(command));
                                                        tilt(command);
                                                        drive();
                                                      });
@@ -57,19 +60,22 @@ class MotorPlugin final : public Plugin {
   }
 
   void post_step(const StepInfo& step, const World& world) override {
-    const base::RotorVector omega =
-        base::RotorVector::Map(world.states_of(*rotors_).data(), rotors_->rotor_count());
+    const std::span<const double> states = world.states_of(*rotors_);
+    const base::RotorVector omega = base::RotorVector::Map(states.data(), rotors_->rotor_count());
     speeds_.publish({step.time, omega});
-    look_for_strikes(step, world, omega);
-    if (!battery_) return;
-    battery_->advance(omega, base::to_seconds(step.dt));
-    drive();
+    look_for_strikes(step, world, states);
+    now_ = step.time;
+    if (esc_.is_used()) asked_ = esc_.held(now_);
+    if (battery_) battery_->advance(omega, base::to_seconds(step.dt));
+    if (battery_ || esc_.is_used()) drive();
   }
 
   void reset() override {
     battery_ = full_battery_;
     health_ = {};
     asked_.setZero();
+    esc_.clear();
+    now_ = {};
     rotors_->set_tilt_targets(asked_);
     strikes_.clear();
     rotors_->release_all();
@@ -95,12 +101,13 @@ class MotorPlugin final : public Plugin {
   };
 
   /// A turning rotor whose disc touches the world or another vehicle stops, and stays so.
-  void look_for_strikes(const StepInfo& step, const World& world, const base::RotorVector& omega) {
+  void look_for_strikes(const StepInfo& step, const World& world, std::span<const double> states) {
+    std::size_t servo = discs_.size();  // its state
     for (std::size_t i = 0; i < discs_.size(); ++i) {
-      if (rotors_->is_stopped(i) || omega[static_cast<Eigen::Index>(i)] < kTurning_rad_s) continue;
-      if (!world.disc_touches(vehicle_, discs_[i].position_B_m, discs_[i].params.radius_m)) {
-        continue;
-      }
+      const base::Rotor& disc = discs_[i];
+      const Eigen::Vector3d axis_B = disc.tilt ? disc.tilted_axis_B(states[servo++]) : disc.axis_B;
+      if (rotors_->is_stopped(i) || states[i] < kTurning_rad_s) continue;
+      if (!world.disc_touches(vehicle_, disc.position_B_m, axis_B, disc.params.radius_m)) continue;
       rotors_->stop(i);
       strikes_.push_back({i, step.time});
       base::log::warn(name_ + ": rotor " + std::to_string(i + 1) + " touched something at " +
@@ -115,6 +122,16 @@ class MotorPlugin final : public Plugin {
               ",\"time_s\":" + std::to_string(base::to_seconds(strike.time)) + "}";
     }
     return json + "]";
+  }
+
+  /// Speeds that the controller asks for from now on.
+  void take(const base::RotorVector& asked) {
+    if (esc_.is_used()) {
+      esc_.push(now_, asked);
+      asked_ = esc_.held(now_);
+    } else {
+      asked_ = asked;
+    }
   }
 
   /// Passes on the speeds that battery and rotors can follow.
@@ -143,6 +160,8 @@ class MotorPlugin final : public Plugin {
   std::vector<base::Rotor> discs_;
   std::vector<Strike> strikes_;
   MotorMixer mixer_;
+  EscDelay esc_;
+  base::SimTime now_;  // between steps
   std::unique_ptr<RotorModel> rotors_;
   std::optional<BodyDrag> drag_;
   std::optional<BatteryModel> full_battery_;

@@ -21,7 +21,15 @@ RotorModel::RotorModel(const base::Vehicle& vehicle) : count_(vehicle.rotors.siz
       hub.wake_loss = 1.0 - rotor.wake->thrust_share;
     }
     if (rotor.tilt) servos_[servo_count_++] = {i, *rotor.tilt};
-    upright_ = upright_ && !rotor.wake && !rotor.tilt && hub.axis_B == Eigen::Vector3d::UnitZ();
+    plain_ = plain_ && !rotor.wake && !rotor.tilt && hub.axis_B == Eigen::Vector3d::UnitZ() &&
+             hub.params.flapping_stiffness_nm_rad == 0 && hub.params.inflow_thrust_slope == 0;
+  }
+  if (std::ranges::any_of(vehicle.rotors, [](const base::Rotor& rotor) {
+        return rotor.params.inflow_thrust_slope > 0;
+      })) {
+    for (const base::Rotor& rotor : vehicle.rotors) {
+      axial_.emplace_back(rotor.params.inflow_thrust_slope);
+    }
   }
 }
 
@@ -81,14 +89,14 @@ void RotorModel::evaluate(const BodyState& body, const Environment& environment,
                           std::span<const double> x, std::span<double> x_dot,
                           Wrench& wrench) const {
   const Surroundings around = surroundings(body, environment);
-  if (upright_) {
+  if (plain_) {
     add_all<true>(around, body.w_WB_B, x, x_dot, wrench);
   } else {
     add_all<false>(around, body.w_WB_B, x, x_dot, wrench);
   }
 }
 
-template <bool kUpright>
+template <bool kPlain>
 void RotorModel::add_all(const Surroundings& around, const Eigen::Vector3d& w_WB_B,
                          std::span<const double> x, std::span<double> x_dot, Wrench& wrench) const {
   for (std::size_t k = 0; k < servo_count_; ++k) {
@@ -103,7 +111,7 @@ void RotorModel::add_all(const Surroundings& around, const Eigen::Vector3d& w_WB
     }
     const Hub& hub = hubs_[i];
     x_dot[i] = speed_derivative(hub.params, x[i], targets_[i]);
-    if constexpr (kUpright) {
+    if constexpr (kPlain) {
       add_rotor<true>(i, {.omega = x[i], .omega_dot = x_dot[i]}, w_WB_B, around, wrench);
       spin_momentum_B.z() += hub.spin * hub.params.inertia_kg_m2 * x[i];
     } else {
@@ -132,7 +140,7 @@ RotorModel::Motion RotorModel::motion(std::size_t rotor, std::span<const double>
   return motion;
 }
 
-template <bool kUpright>
+template <bool kPlain>
 void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen::Vector3d& w_WB_B,
                            const Surroundings& around, Wrench& wrench) const {
   const Hub& hub = hubs_[rotor];
@@ -149,7 +157,7 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   const double hub_height = around.height_m + around.up_B.dot(r_B);
   double v_axial = v_hub_B.z();
   Eigen::Vector3d v_plane_B(v_hub_B.x(), v_hub_B.y(), 0.0);
-  if constexpr (!kUpright) {
+  if constexpr (!kPlain) {
     v_axial = motion.axis_B.dot(v_hub_B);
     v_plane_B = v_hub_B - v_axial * motion.axis_B;
   }
@@ -157,9 +165,14 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   // Forces at the hub: [HILS] Eq. (1), less what the rotor above takes, and drag.
   double thrust = params.thrust_coefficient * dynamic * thrust_factor(params, v_axial, hub_height);
   Eigen::Vector3d force_B = -params.drag_coefficient * omega * v_plane_B;
-  if constexpr (kUpright) {
+  if constexpr (kPlain) {
     force_B.z() += thrust;
   } else {
+    if (!axial_.empty() && thrust > 0) {
+      const double area = M_PI * params.radius_m * params.radius_m;
+      const double v_hover = std::sqrt(thrust / (2 * around.air_density_kg_m3 * area));
+      thrust *= axial_[rotor].share(v_axial / v_hover);
+    }
     if (hub.wake_loss > 0 && omega > 0) {
       thrust *= std::max(0.0, 1.0 - hub.wake_loss * motion.upper_omega / omega);
     }
@@ -171,9 +184,19 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   // Moments: the advancing blade lifts more, so counter-clockwise rotors roll one way and clockwise
   // ones the other; reaction to air drag, [HILS] Eq. (2), to spin-up and to the servo's turn.
   wrench.torque_B -= hub.spin * params.rolling_moment_coefficient * omega * v_plane_B;
+  if constexpr (!kPlain) {
+    if (params.flapping_stiffness_nm_rad > 0) {
+      const double tip_speed = std::max(omega * params.radius_m, v_plane_B.norm());
+      const double moment_per_speed = tip_speed > 0 ? effectiveness_[rotor] *
+                                                          params.flapping_stiffness_nm_rad *
+                                                          params.flapping_gain / tip_speed
+                                                    : 0.0;
+      wrench.torque_B -= moment_per_speed * motion.axis_B.cross(v_plane_B);
+    }
+  }
   const double reaction =
       hub.spin * (params.torque_coefficient * dynamic + params.inertia_kg_m2 * motion.omega_dot);
-  if constexpr (kUpright) {
+  if constexpr (kPlain) {
     wrench.torque_B.z() -= reaction;
   } else {
     wrench.torque_B -=

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <vector>
 
 #include "base/config/vehicle.hpp"
 #include "libsim/api/world.hpp"
+#include "plugins/motor/axial_thrust.hpp"
 
 namespace cas::sim {
 
@@ -20,10 +22,14 @@ namespace cas::sim {
 /// -lambda w v and the rolling moment of the advancing blade with airspeed v in the rotor plane;
 /// thrust grows near the ground (Cheeseman and Bennett 1955) and with air density, and falls to
 /// zero at the axial speed where the blades meet the air flat. The lower rotor of a coaxial pair
-/// loses thrust as base::Wake says. A servo tilts the axis with a lag and a fastest rate; the
-/// rotor's angular momentum turns with it. A coefficient of zero switches its effect off. Blade
-/// flapping, other interaction between rotors and the inertia of what a servo turns are not
-/// modelled.
+/// loses thrust as base::Wake says. In climb and descent thrust follows the inflow (AxialThrust).
+/// Blades that flap tilt the disc back by a = A v / (w R), with v / (w R) held at 1, and a stiff
+/// hub passes the moment K a on, which lifts the nose of what flies forwards (G. M. Hoffmann, H.
+/// Huang, S. L. Waslander, C. J. Tomlin, "Quadrotor helicopter flight dynamics and control: theory
+/// and experiment", AIAA 2007-6461); the force of the tilted disc is a part of the in-plane drag. A
+/// servo tilts the axis with a lag and a fastest rate; the rotor's angular momentum turns with it.
+/// A coefficient of zero switches its effect off. Other interaction between rotors and the inertia
+/// of what a servo turns are not modelled.
 class RotorModel final : public ForceModel {
  public:
   explicit RotorModel(const base::Vehicle& vehicle);
@@ -99,16 +105,18 @@ class RotorModel final : public ForceModel {
                               double hub_height);
   static double tilt_rate(const base::TiltServo& servo, double tilt, double target);
   Motion motion(std::size_t rotor, std::span<const double> x, std::span<const double> x_dot) const;
-  template <bool kUpright>
+  template <bool kPlain>
   void add_all(const Surroundings& around, const Eigen::Vector3d& w_WB_B, std::span<const double> x,
                std::span<double> x_dot, Wrench& wrench) const;
-  template <bool kUpright>
+  template <bool kPlain>
   void add_rotor(std::size_t rotor, const Motion& motion, const Eigen::Vector3d& w_WB_B,
                  const Surroundings& around, Wrench& wrench) const;
 
   std::size_t count_ = 0;
   std::size_t servo_count_ = 0;
-  bool upright_ = true;  // no rotor leans, none is in a wake: each term of a step is shorter
+  // No rotor leans, is in a wake, flaps or feels its inflow: each term of a step is shorter.
+  bool plain_ = true;
+  std::vector<AxialThrust> axial_;  // one for each rotor where any thrust depends on the inflow
   std::array<Hub, kMost> hubs_;
   std::array<Servo, kMost> servos_;
   std::array<double, kMost> targets_{};

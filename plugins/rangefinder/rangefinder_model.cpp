@@ -30,6 +30,7 @@ RangeSample RangefinderModel::sample(base::SimTime time, std::optional<double> d
   sample.time = time;
   sample.min_m = params_.min_m;
   sample.max_m = params_.max_m;
+  sample.direction_B = params_.direction_B;
   sample.distance_m = distance_m ? *distance_m + error : params_.max_m;
   if (params_.lsb_m > 0) {
     sample.distance_m = std::round(sample.distance_m / params_.lsb_m) * params_.lsb_m;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
@@ -193,6 +194,32 @@ TEST(DistanceSensor, CarriesCentimetresDownwards) {
   EXPECT_EQ(packet.signal_quality, 100);
   sample.valid = false;
   EXPECT_EQ(to_distance_sensor(sample).signal_quality, 1);
+}
+
+TEST(DistanceSensor, SaysWhereTheBeamPoints) {
+  const auto orientation = [](const Eigen::Vector3d& direction_B) {
+    RangeSample sample;
+    sample.direction_B = direction_B;
+    return static_cast<int>(to_distance_sensor(sample).orientation);
+  };
+  const double half = std::sqrt(0.5);
+  EXPECT_EQ(orientation({0, 0, -1}), 25) << "down: MAV_SENSOR_ROTATION_PITCH_270";
+  EXPECT_EQ(orientation({0, 0, 1}), 24) << "up: PITCH_90";
+  EXPECT_EQ(orientation({1, 0, 0}), 0) << "ahead: NONE";
+  EXPECT_EQ(orientation({0, -1, 0}), 2) << "right: YAW_90";
+  EXPECT_EQ(orientation({-1, 0, 0}), 4) << "behind: YAW_180";
+  EXPECT_EQ(orientation({0, 1, 0}), 6) << "left: YAW_270";
+  EXPECT_EQ(orientation({half, -half, 0}), 1) << "ahead to the right: YAW_45";
+
+  RangeSample slanting;
+  slanting.direction_B = Eigen::Vector3d(1, 0, -1).normalized();
+  const mv::DistanceSensor packet = to_distance_sensor(slanting);
+  EXPECT_EQ(static_cast<int>(packet.orientation), 100) << "none of them: CUSTOM";
+  const Eigen::Quaterniond q(
+      static_cast<double>(packet.quaternion[0]), static_cast<double>(packet.quaternion[1]),
+      static_cast<double>(packet.quaternion[2]), static_cast<double>(packet.quaternion[3]));
+  constexpr double kFloat = 1e-6;
+  EXPECT_TRUE((q * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d(half, 0, half), kFloat));
 }
 
 TEST(SimulatorHeartbeat, IsAGenericSystemWithoutAutopilot) {

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -55,8 +56,9 @@ class ScriptedWorld final : public sim::World {
     added.torque_B += wrench.torque_B;
   }
   void scale_mass(sim::VehicleId, double factor) override { mass_factor = factor; }
-  bool disc_touches(sim::VehicleId, const Eigen::Vector3d& centre_B, double) const override {
-    return touched_disc_B && centre_B == *touched_disc_B;
+  bool disc_touches(sim::VehicleId, const Eigen::Vector3d& centre_B, const Eigen::Vector3d& axis_B,
+                    double) const override {
+    return touched_disc_B && centre_B == *touched_disc_B && axis_B.isApprox(disc_axis_B);
   }
 
   sim::BodyState body;
@@ -64,6 +66,7 @@ class ScriptedWorld final : public sim::World {
   sim::Wrench added;
   double mass_factor = 1.0;
   std::optional<Eigen::Vector3d> touched_disc_B;  // centre of the one that touches something
+  Eigen::Vector3d disc_axis_B = Eigen::Vector3d::UnitZ();  // and its axis
   std::map<const sim::ForceModel*, std::vector<double>> model_states;
 
  private:
@@ -110,13 +113,21 @@ class TestContext final : public sim::PluginContext {
   std::filesystem::path output_dir_;
 };
 
+inline base::Vehicle changed(base::Vehicle vehicle,
+                             const std::function<void(base::Vehicle&)>& change) {
+  change(vehicle);
+  return vehicle;
+}
+
 /// Steps plugins of the build tree, loaded as libraries, against a ScriptedWorld.
 class PluginHarness {
  public:
-  explicit PluginHarness(base::Duration step = std::chrono::milliseconds(1),
-                         std::filesystem::path output_dir = ".",
-                         const std::string& vehicle = "iris_px4")
-      : context(bus, world, load_vehicle(vehicle), step, std::move(output_dir)), step_(step) {}
+  explicit PluginHarness(
+      base::Duration step = std::chrono::milliseconds(1), std::filesystem::path output_dir = ".",
+      const std::string& vehicle = "iris_px4",
+      const std::function<void(base::Vehicle&)>& change = [](auto&) {})
+      : context(bus, world, changed(load_vehicle(vehicle), change), step, std::move(output_dir)),
+        step_(step) {}
 
   /// Loads lib<name>.so and configures it with a YAML text.
   sim::Plugin& add(const std::string& name, const std::string& yaml) {

@@ -177,6 +177,84 @@ TEST(Rotors, DragLiesInTheRotorsOwnPlaneAndThrustFadesAlongItsAxis) {
   EXPECT_TRUE(evaluate(model, {500}, body).wrench.force_B.isApprox(expected, kRounding));
 }
 
+/// Momentum theory, and Leishman's figures between -2 and 0 of the induced velocity in hover.
+TEST(AxialThrust, InducedVelocityIsTheBooks) {
+  EXPECT_NEAR(AxialThrust::induced_velocity(0), 1, kRounding);
+  EXPECT_NEAR(AxialThrust::induced_velocity(1.5), 0.5, kRounding);   // -0.75 + sqrt(0.5625 + 1)
+  EXPECT_NEAR(AxialThrust::induced_velocity(-2.5), 0.5, kRounding);  // 1.25 - sqrt(1.5625 - 1)
+  EXPECT_NEAR(AxialThrust::induced_velocity(-1), 1 + 1.125 - 1.372 + 1.718 - 0.655, kRounding);
+  EXPECT_NEAR(AxialThrust::induced_velocity(-0.5),
+              1 + 1.125 / 2 - 1.372 / 4 + 1.718 / 8 - 0.655 / 16, kRounding);
+  // Where the fit hands over to the windmill-brake state nothing jumps by more than it bends.
+  for (double climb = -2.2; climb < 0.2; climb += 1e-3) {
+    EXPECT_NEAR(AxialThrust::induced_velocity(climb), AxialThrust::induced_velocity(climb + 1e-3),
+                0.02)
+        << climb;
+  }
+}
+
+TEST(AxialThrust, IsWhatBladeAndMomentumAgreeOn) {
+  constexpr double kSlope = 1.3;
+  constexpr double kTable = 1e-3;
+  const AxialThrust thrust(kSlope);
+  EXPECT_NEAR(thrust.share(0), 1, kTable);
+  // In climb s = sqrt(V^2 / 4 + t) solves s^2 + g s = V^2 / 4 + 1 + g - g V / 2.
+  for (const double climb : {0.1, 0.5, 1.0, 1.4}) {
+    const double right = climb * climb / 4 + 1 + kSlope - kSlope * climb / 2;
+    const double s = (-kSlope + std::sqrt(kSlope * kSlope + 4 * right)) / 2;
+    EXPECT_NEAR(thrust.share(climb), s * s - climb * climb / 4, kTable) << climb;
+  }
+  // In descent: what it says fits the book's induced velocity for that thrust.
+  for (const double climb : {-0.3, -0.8, -1.2, -2.0, -4.0}) {
+    const double t = thrust.share(climb);
+    const double root = std::sqrt(t);
+    const double induced = root * AxialThrust::induced_velocity(climb / root);
+    EXPECT_NEAR(t, 1 - kSlope * (climb + induced - 1), 10 * kTable) << climb;
+  }
+  // A vortex ring gives no more thrust for sinking; momentum theory alone would.
+  EXPECT_LT(thrust.share(-0.3), 1.05);
+  EXPECT_GT(thrust.share(-4), 2);
+  EXPECT_EQ(thrust.share(6), 0) << "no thrust, and none downwards";
+}
+
+TEST(Rotors, ThrustFollowsTheInflowAlongTheirAxis) {
+  base::Rotor rotor = simple_rotor();
+  rotor.params.inflow_thrust_slope = 1.2;
+  rotor.axis_B = Vector3d(0, -0.6, 0.8);
+  const RotorModel model(vehicle_of({rotor}));
+  Environment air;
+  air.air_density_kg_m3 = 1.2;
+  const double hover = 1e-5 * 500 * 500;
+  const double v_hover = std::sqrt(hover / (2 * 1.2 * M_PI * 0.1 * 0.1));
+  const AxialThrust book(1.2);
+  for (const double climb : {-1.5, -0.5, 0.0, 0.7}) {
+    BodyState body;
+    body.v_WB = climb * v_hover * rotor.axis_B;
+    EXPECT_TRUE(evaluate(model, {500}, body, air)
+                    .wrench.force_B.isApprox(hover * book.share(climb) * rotor.axis_B, 1e-9))
+        << climb;
+  }
+  EXPECT_EQ(evaluate(model, {0}, {}, air).wrench.force_B, Vector3d::Zero());
+}
+
+/// Hoffmann et al.: the disc tilts back, a stiff hub lifts the nose by K a, a = A v / (w R).
+TEST(Rotors, AStiffHubPassesFlappingOn) {
+  base::Rotor rotor = simple_rotor();
+  rotor.params.thrust_coefficient = rotor.params.torque_coefficient = 0;
+  rotor.params.inertia_kg_m2 = 0;
+  rotor.params.flapping_gain = 0.4;
+  rotor.params.flapping_stiffness_nm_rad = 0.25;
+  const RotorModel model(vehicle_of({rotor}));
+  BodyState body;
+  body.v_WB = {6, 0, 2};
+  const auto moment = [&](double omega) { return evaluate(model, {omega}, body).wrench.torque_B; };
+  // Nose up is about -By. The tips are at 50 m/s; no part of it comes of climbing.
+  EXPECT_TRUE(moment(500).isApprox(Vector3d(0, -0.25 * 0.4 * 6 / 50, 0), kRounding));
+  EXPECT_TRUE(moment(20).isApprox(Vector3d(0, -0.25 * 0.4, 0), kRounding)) << "advance ratio 1";
+  body.v_WB.setZero();
+  EXPECT_TRUE(moment(0).isZero(0));
+}
+
 TEST(CoaxialPair, TheLowerRotorLosesThrustToTheUpper) {
   base::Rotor upper = simple_rotor();
   base::Rotor lower = simple_rotor();
@@ -318,6 +396,38 @@ TEST(MotorPlugin, DrivesTheSixthRotorFromTheSixthOutput) {
   EXPECT_NEAR(x_dot[0], 100 / 0.02, 1e-6) << "armed, the others idle";
 }
 
+TEST(MotorPlugin, ATiltedDiscStrikesWhereItsServoHoldsIt) {
+  test::PluginHarness harness(std::chrono::milliseconds(1), ".", "tri");
+  const Plugin& motor = harness.add("motor", "{}");
+  auto& states = harness.world.model_states.at(harness.context.force_models[0]);
+  states = {500, 500, 500, 0.3};
+  harness.world.touched_disc_B = harness.context.vehicle().rotors[2].position_B_m;
+  harness.step();
+  EXPECT_EQ(motor.stats_json(), "") << "upright, the tail's disc would touch";
+  harness.world.disc_axis_B = {0, -std::sin(0.3), std::cos(0.3)};
+  harness.step();
+  EXPECT_NE(motor.stats_json().find("\"rotor\":3"), std::string::npos);
+}
+
+/// The figures of PX4-gazebo-models, models/x500, put into gz-sim's MulticopterMotorModel.
+TEST(X500, GivesWhatGazebosMotorModelGives) {
+  const RotorModel model(load_vehicle("x500"));
+  const std::vector<double> x(4, 769.0);
+  BodyState body;
+  body.v_WB = {3, 0, 5};
+  Environment air;
+  air.air_density_kg_m3 = 1.0;
+  const Wrench wrench = evaluate(model, x, body, air).wrench;
+  EXPECT_NEAR(wrench.force_B.z(), 4 * 8.54858e-06 * 769 * 769, 1e-9) << "thrust does not fade";
+  EXPECT_NEAR(wrench.force_B.x(), -4 * 769 * 8.06428e-05 * 3, 1e-9);
+  const base::RotorParams params = load_vehicle("x500").rotors[0].params;
+  EXPECT_NEAR(params.torque_coefficient, 0.016 * 8.54858e-06, 1e-12);
+  EXPECT_EQ(params.rolling_moment_coefficient, 1e-6);
+  EXPECT_EQ(params.time_constant_up_s, 0.0125);
+  EXPECT_EQ(params.time_constant_down_s, 0.025);
+  EXPECT_EQ(params.omega_max_rad_s, 1000);
+}
+
 class ShippedFrame : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(ShippedFrame, IsNumberedAndSpinsAsTheAutopilots) {
@@ -349,7 +459,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(std::pair("iris_px4", "quad x"), std::pair("quad_x", "quad x"),
                     std::pair("x500", "quad x"), std::pair("hexa_x", "hexa x"),
                     std::pair("hexa_tilt", "hexa x"), std::pair("octo_x", "octo x"),
-                    std::pair("y6", "coaxial y6"), std::pair("tri", "tricopter")),
+                    std::pair("y6", "coaxial y6"), std::pair("tri", "tricopter"),
+                    std::pair("quad_plus", "quad +"), std::pair("quad_h", "quad h"),
+                    std::pair("x8", "coaxial x8")),
     [](const auto& test) { return std::string(test.param.first); });
 
 }  // namespace

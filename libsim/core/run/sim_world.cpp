@@ -344,10 +344,13 @@ bool SimWorld::is_below_everything(VehicleId vehicle) const {
 }
 
 bool SimWorld::disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
-                            double radius_m) const {
+                            const Eigen::Vector3d& axis_B, double radius_m) const {
   const BodyState& own = state(vehicle);
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   const Disc disc{
-      .centre_W = own.p_WB + own.q_WB * centre_B, .q_WD = own.q_WB, .radius_m = radius_m};
+      .centre_W = own.p_WB + own.q_WB * centre_B,
+      .q_WD = axis_B == z ? own.q_WB : own.q_WB * Eigen::Quaterniond::FromTwoVectors(z, axis_B),
+      .radius_m = radius_m};
   if (solver_->touches_world(disc)) return true;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     if (i == static_cast<std::size_t>(vehicle)) continue;

@@ -60,7 +60,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
                                      const Eigen::Vector3d& direction_W,
                                      double range_m) const override;
   bool disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
-                    double radius_m) const override;
+                    const Eigen::Vector3d& axis_B, double radius_m) const override;
 
   std::optional<Eigen::Vector3d> magnetic_field_W() const override { return magnetic_field_W_; }
   base::Atmosphere atmosphere() const override { return atmosphere_; }

@@ -255,8 +255,9 @@ TEST_P(DiscTouches, WhatStandsInItsWay) {
     const double x = -(reach_m + kArm + kRadius + gap);
     world->add_vehicle(crate({0.1, 0.1, 0.1}), {.x_m = x, .z_m = -0.05});
     world->start();
-    EXPECT_EQ(world->disc_touches(kFirst, {kArm, 0, 0}, kRadius), gap < 0) << gap;
-    EXPECT_FALSE(world->disc_touches(kFirst, {-kArm, 0, 0}, kRadius));
+    EXPECT_EQ(world->disc_touches(kFirst, {kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius), gap < 0)
+        << gap;
+    EXPECT_FALSE(world->disc_touches(kFirst, {-kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius));
   }
 }
 
@@ -272,10 +273,30 @@ TEST(Disc, TouchesTheGroundWhenTiltedAndOtherVehicles) {
   world->add_vehicle(crate(), {});
   world->add_vehicle(crate(), {.x_m = 0.6});
   world->start();
-  EXPECT_FALSE(world->disc_touches(kFirst, {-0.2, 0, 0.02}, 0.128)) << "level, above the ground";
-  EXPECT_TRUE(world->disc_touches(kFirst, {-0.2, 0, -0.06}, 0.128)) << "below it";
-  EXPECT_FALSE(world->disc_touches(kFirst, {0.2, 0, 0.02}, 0.128)) << "72 mm off the other";
-  EXPECT_TRUE(world->disc_touches(kFirst, {0.3, 0, 0.02}, 0.128));
+  EXPECT_FALSE(world->disc_touches(kFirst, {-0.2, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128))
+      << "level, above the ground";
+  EXPECT_TRUE(world->disc_touches(kFirst, {-0.2, 0, -0.06}, Eigen::Vector3d::UnitZ(), 0.128))
+      << "below it";
+  EXPECT_FALSE(world->disc_touches(kFirst, {0.2, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128))
+      << "72 mm off the other";
+  EXPECT_TRUE(world->disc_touches(kFirst, {0.3, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128));
+}
+
+/// A disc whose axis leans by an angle a reaches R sin(a) below its centre, on one side.
+TEST(Disc, LeansWithItsAxis) {
+  const auto world = make_world(flat_world());
+  world->add_vehicle(crate(), {});
+  world->start();
+  constexpr double kRadius = 0.2;
+  constexpr double kLean = 0.5;
+  constexpr double kGap = 1e-3;  // m: the disc has a small thickness
+  const Eigen::Vector3d axis_B(0, -std::sin(kLean), std::cos(kLean));
+  const double ground_B = -world->state(kFirst).p_WB.z();  // the vehicle stands level
+  const double lowest = kRadius * std::sin(kLean);
+  EXPECT_FALSE(world->disc_touches(kFirst, {0, 0, ground_B + lowest + kGap}, axis_B, kRadius));
+  EXPECT_TRUE(world->disc_touches(kFirst, {0, 0, ground_B + lowest - kGap}, axis_B, kRadius));
+  EXPECT_FALSE(world->disc_touches(kFirst, {0, 0, ground_B + lowest - kGap},
+                                   Eigen::Vector3d::UnitZ(), kRadius));
 }
 
 }  // namespace
