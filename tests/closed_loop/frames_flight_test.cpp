@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shipped airframes with other rotors than four upright ones, flown by their scenarios: hover,
+// The shipped airframes other than the paper's, flown by their scenarios: hover,
 // a step and back, 8 m/s of wind; and what a hexarotor does that loses a rotor.
 #include <gtest/gtest.h>
 
@@ -29,7 +29,8 @@ TEST_P(ShippedFrame, HoversStepsAndStandsAgainstWind) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedFrame,
-                         testing::Values("hexa_x", "hexa_tilt", "octo_x", "y6", "tri"),
+                         testing::Values("quad_plus", "quad_h", "hexa_x", "hexa_tilt", "octo_x",
+                                         "y6", "x8", "tri"),
                          [](const auto& test) { return std::string(test.param); });
 
 class LostRotorOfHexa : public testing::TestWithParam<int> {};
