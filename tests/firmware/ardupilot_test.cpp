@@ -16,9 +16,23 @@ std::uint64_t figure(const std::string& stats, const std::string& name) {
   return std::stoull(stats.substr(stats.find(key) + key.size()));
 }
 
+TEST(Ardupilot, IsArmedBeforeItsPositionAndRefusesGuided) {
+  RunningSimulation simulation("ardupilot.yaml", "ardupilot_json", kFreePort);
+  ArdupilotPeer peer(simulation.port(), {.position_after = std::chrono::seconds(20)},
+                     {.waits_for_position = false});
+  ASSERT_TRUE(peer.run_until([&] { return peer.pilot().ended(); })) << peer.pilot().story();
+  EXPECT_EQ(peer.pilot().stage(), Pilot::Stage::kFailed);
+  EXPECT_NE(peer.pilot().failure().find("MAV_CMD 176 (set mode) failed"), std::string::npos)
+      << peer.pilot().story();
+  ASSERT_TRUE(peer.run_until([&] {
+    return casd::position_lack(*peer.pilot().vehicle()) == "the estimator has no velocity yet";
+  })) << casd::position_lack(*peer.pilot().vehicle());
+}
+
 TEST(Ardupilot, TakesOffHoversAndLandsInLockstep) {
   RunningSimulation simulation("ardupilot.yaml", "ardupilot_json", kFreePort);
-  ArdupilotPeer peer(simulation.port(), {}, {.hover = std::chrono::seconds(5)});
+  ArdupilotPeer peer(simulation.port(), {.position_after = std::chrono::seconds(8)},
+                     {.hover = std::chrono::seconds(5)});
   const auto at = [&](Pilot::Stage stage) { return peer.pilot().stage() >= stage; };
   ASSERT_TRUE(peer.run_until([&] { return at(Pilot::Stage::kHover); }))
       << peer.pilot().story() << peer.ardupilot().complaint();

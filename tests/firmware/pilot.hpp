@@ -20,6 +20,7 @@ class Pilot {
   struct Plan {
     double altitude_m = 5;
     base::Duration hover = std::chrono::seconds(4);
+    bool waits_for_position = true;
     bool not_hil = true;  ///< the vehicle's HEARTBEAT does not say HIL
   };
   enum class Stage { kWait, kArm, kTakeoff, kClimb, kHover, kLand, kDescend, kDone, kFailed };
@@ -34,9 +35,10 @@ class Pilot {
                    }) {}
 
   void on_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
-    parser_.feed(bytes, [&](const mav::PacketView& packet) {
+    const auto take = [&](const mav::PacketView& packet) {
       commander_.on_packet(casd::LinkId{0}, packet, now);
-    });
+    };
+    parser_.feed(bytes, take, take);  // also messages of another dialect, as a UDP link of casd
   }
   void tick(base::RunTime now);
 

@@ -43,6 +43,35 @@ INSTANTIATE_TEST_SUITE_P(Releases, Px4Sitl,
                                          ReleaseCase{"V1_16", Px4Release::k1_16}),
                          [](const auto& test) { return test.param.name; });
 
+TEST(Px4SitlCommands, V112IsArmedBeforeItsPositionAndRefusesToTakeOff) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  Px4SitlPeer peer(simulation.port(), {.release = Px4Release::k1_12},
+                   {.waits_for_position = false});
+  ASSERT_TRUE(peer.run_until([&] { return peer.pilot().ended(); })) << peer.pilot().story();
+  EXPECT_EQ(peer.pilot().stage(), Pilot::Stage::kFailed);
+  EXPECT_NE(peer.pilot().failure().find("take off) was temporarily rejected"), std::string::npos)
+      << peer.pilot().story();
+  EXPECT_EQ(casd::position_lack(*peer.pilot().vehicle()), "the estimator has no velocity yet");
+  ASSERT_TRUE(peer.run_until([&] { return !peer.pilot().vehicle()->armed(); }));
+  EXPECT_TRUE(casd::complaints(*peer.pilot().vehicle(), peer.px4().clock()).empty())
+      << "sensors that are healthy and not \"present\"";
+}
+
+TEST(Px4SitlCommands, V116AcceptsPosctlAndStaysInItsMode) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  Px4SitlPeer peer(simulation.port(), {.release = Px4Release::k1_16});
+  ASSERT_TRUE(peer.run_until([&] { return peer.pilot().vehicle() != nullptr; }));
+  const std::string before = peer.pilot().vehicle()->mode();
+  std::optional<casd::Outcome> outcome;
+  peer.pilot().commander().set_mode(1, "POSCTL", peer.px4().clock(),
+                                    [&](const casd::Outcome& o) { outcome = o; });
+  ASSERT_TRUE(peer.run_until([&] { return outcome.has_value(); }));
+  EXPECT_EQ(outcome->kind, casd::OutcomeKind::kRefused);
+  EXPECT_NE(outcome->message.find("was accepted, then temporarily rejected: it is in " + before),
+            std::string::npos)
+      << outcome->message;
+}
+
 TEST(Px4SitlBoot, IsFedAtTheWallClocksPaceUntilItAnswers) {
   RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
   constexpr std::uint64_t kSamples = 96;

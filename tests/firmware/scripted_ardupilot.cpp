@@ -11,6 +11,7 @@
 #include "base/config/vehicle.hpp"
 #include "base/earth/atmosphere.hpp"
 #include "base/earth/magnetic_field.hpp"
+#include "casd/station/vehicle_state.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::test {
@@ -188,10 +189,13 @@ void ScriptedArdupilot::on_controller_packet(std::span<const std::uint8_t> bytes
     heartbeat->type = mv::MavType::kQuadrotor;
     constexpr int kCustom = 1;
     constexpr int kArmed = 128;
-    heartbeat->base_mode = static_cast<mv::MavModeFlag>(kCustom | 80 | (armed_ ? kArmed : 0));
+    const bool armed = armed_ || is_armed_early();
+    heartbeat->base_mode = static_cast<mv::MavModeFlag>(kCustom | 80 | (armed ? kArmed : 0));
     heartbeat->custom_mode = mode_;
     return ground_.send(*heartbeat);
   }
+  if (const auto status = mav::decode<mv::EstimatorStatus>(packet)) return say_ekf_report(*status);
+  if (packet.message_id == mv::HomePosition::kId && is_early()) return;
   // PX4's own words and acknowledgements are not ArduPilot's.
   if (packet.message_id == mv::CommandAck::kId || packet.message_id == mv::HomePosition::kId) {
     if (const auto ack = mav::decode<mv::CommandAck>(packet)) {
@@ -202,6 +206,21 @@ void ScriptedArdupilot::on_controller_packet(std::span<const std::uint8_t> bytes
     }
   }
   ground_.forward(bytes);
+}
+
+bool ScriptedArdupilot::is_armed_early() const {
+  return armed_early_at_ && time_ - *armed_early_at_ < std::chrono::seconds(10);
+}
+
+/// EKF_STATUS_REPORT of ArduPilot's dialect in the place of ESTIMATOR_STATUS.
+void ScriptedArdupilot::say_ekf_report(const mv::EstimatorStatus& status) {
+  constexpr std::uint8_t kCrcExtra = 71;
+  std::array<std::uint8_t, 22> payload{};  // five floats, then the flags
+  const auto flags = is_early() ? static_cast<unsigned>(mv::EstimatorStatusFlags::kAttitude)
+                                : static_cast<unsigned>(status.flags);
+  payload[20] = static_cast<std::uint8_t>(flags & 0xFFU);
+  payload[21] = static_cast<std::uint8_t>(flags >> 8U);
+  ground_.send_foreign(casd::kEkfStatusReport, kCrcExtra, payload);
 }
 
 void ScriptedArdupilot::on_ground_bytes(std::span<const std::uint8_t> bytes) {
@@ -230,10 +249,17 @@ void ScriptedArdupilot::pass_on(mv::CommandLong command) {
 /// The commands that ArduCopter takes its own way. @return false for those that pass as they are
 bool ScriptedArdupilot::on_command(const mv::CommandLong& command, mav::Source from) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  if (command.command == mv::MavCmd::kComponentArmDisarm) arming_ = command.param1 == 1;
+  if (command.command == mv::MavCmd::kComponentArmDisarm) {
+    arming_ = command.param1 == 1;
+    if (arming_ && is_early()) {
+      armed_early_at_ = time_;
+      acknowledge(command, from, mv::MavResult::kAccepted);
+      return true;
+    }
+  }
   if (command.command == mv::MavCmd::kDoSetMode) {
     const auto mode = static_cast<std::uint32_t>(command.param2);
-    const bool known = mode == kStabilize || mode == kGuided || mode == kLand;
+    const bool known = mode == kStabilize || (mode == kGuided && !is_early()) || mode == kLand;
     acknowledge(command, from, known ? mv::MavResult::kAccepted : mv::MavResult::kFailed);
     if (known) mode_ = mode;
     return true;

@@ -37,6 +37,9 @@ class ScriptedArdupilot {
     int channels = 16;  ///< 32: SERVO_32_ENABLE
     std::uint16_t frame_rate_hz = 1200;
     std::string vehicle = "iris_px4";
+    /// Until then it arms, refuses GUIDED and disarms itself after 10 s: ArduCopter 4.5.6 was armed
+    /// 25 s after its start and had its position after 45 s.
+    base::Duration position_after{};
   };
 
   ScriptedArdupilot(const Options& options, Channel::Send to_ground);
@@ -59,6 +62,9 @@ class ScriptedArdupilot {
 
  private:
   void feed_controller();
+  bool is_early() const { return time_ < options_.position_after; }
+  bool is_armed_early() const;
+  void say_ekf_report(const mavlink::common::EstimatorStatus& status);
   void on_controller_packet(std::span<const std::uint8_t> bytes);
   bool on_command(const mavlink::common::CommandLong& command, mav::Source from);
   void acknowledge(const mavlink::common::CommandLong& command, mav::Source to,
@@ -79,6 +85,7 @@ class ScriptedArdupilot {
   std::optional<ParsedJson> newest_;
   std::array<float, 4> motors_{};
   bool armed_ = false;
+  std::optional<base::Duration> armed_early_at_;
   bool arming_ = false;     // what the last arm or disarm command asked for
   std::uint32_t mode_ = 0;  // STABILIZE
   std::string complaint_;

@@ -58,6 +58,28 @@ void Channel::forward(std::span<const std::uint8_t> packet) {
   send_(bytes);
 }
 
+void Channel::send_foreign(std::uint32_t message_id, std::uint8_t crc_extra,
+                           std::span<const std::uint8_t> payload) {
+  const auto byte = [](std::uint32_t value) { return static_cast<std::uint8_t>(value & 0xFFU); };
+  std::vector<std::uint8_t> bytes{0xFD,
+                                  byte(static_cast<std::uint32_t>(payload.size())),
+                                  0,
+                                  0,
+                                  sequence_++,
+                                  kSelf.system,
+                                  kSelf.component,
+                                  byte(message_id),
+                                  byte(message_id >> 8),
+                                  byte(message_id >> 16)};
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  mav::Crc16 crc;
+  crc.update(std::span<const std::uint8_t>(bytes).subspan(1));
+  crc.update(crc_extra);
+  bytes.push_back(byte(crc.value()));
+  bytes.push_back(byte(crc.value() >> 8U));
+  send_(bytes);
+}
+
 ScriptedPx4::ScriptedPx4(const Options& options, Channel::Send to_simulator,
                          Channel::Send to_ground)
     : options_(options),
@@ -192,9 +214,10 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
       heartbeat && options_.mode == Px4Mode::kSitl) {
     heartbeat->base_mode = static_cast<mv::MavModeFlag>(
         static_cast<int>(heartbeat->base_mode) & ~static_cast<int>(mv::MavModeFlag::kHilEnabled));
+    if (is_armed_early()) heartbeat->base_mode |= mv::MavModeFlag::kSafetyArmed;
     return ground_.send(*heartbeat);
   }
-  ground_.forward(bytes);
+  if (!say_v1_12(packet)) ground_.forward(bytes);
 }
 
 void ScriptedPx4::on_ground_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
@@ -202,7 +225,7 @@ void ScriptedPx4::on_ground_bytes(std::span<const std::uint8_t> bytes, base::Run
     if (options_.mode == Px4Mode::kHitl && packet.source == mav::Source{1, 200}) {
       return on_sensor_packet(packet, now);
     }
-    if (!refuse_to_arm(packet)) controller_.on_packet(packet, clock_);
+    if (!answers_its_own_way(packet)) controller_.on_packet(packet, clock_);
   });
 }
 
@@ -223,21 +246,90 @@ std::string ScriptedPx4::preflight_failure() const {
   return {};
 }
 
-bool ScriptedPx4::refuse_to_arm(const mav::PacketView& packet) {
+/// v1.12.0 in software: from 1.5 s on it lets one arm, and has its position after 10 s.
+bool ScriptedPx4::is_early() const {
+  constexpr base::RunTime kPosition{std::chrono::seconds(10)};
+  return options_.release == Px4Release::k1_12 && options_.mode == Px4Mode::kSitl &&
+         clock_ < kPosition;
+}
+
+/// What is armed and does not take off disarms itself after 8 s.
+bool ScriptedPx4::is_armed_early() const {
+  return armed_early_at_ && clock_ - *armed_early_at_ < std::chrono::seconds(8);
+}
+
+/// The commands that stock PX4 answers otherwise than our controller.
+bool ScriptedPx4::answers_its_own_way(const mav::PacketView& packet) {
   const auto command = mav::decode<mv::CommandLong>(packet);
-  if (!command || command->command != mv::MavCmd::kComponentArmDisarm || command->param1 == 0) {
-    return false;
+  if (!command) return false;
+  const bool is_1_16 = options_.release == Px4Release::k1_16;
+  switch (command->command) {
+    case mv::MavCmd::kComponentArmDisarm:
+      if (command->param1 == 0) return false;
+      return refuse_to_arm(*command, packet.source) || arm_early(*command, packet.source);
+    case mv::MavCmd::kNavTakeoff:
+      if (!is_early()) return false;
+      acknowledge(command->command, packet.source, mv::MavResult::kTemporarilyRejected);
+      return true;
+    case mv::MavCmd::kDoSetMode: {
+      // v1.16.1: accepted, then rejected, and the mode stays.
+      constexpr float kPosctl = 3;
+      if (!is_1_16 || command->param2 != kPosctl) return false;
+      acknowledge(command->command, packet.source, mv::MavResult::kAccepted);
+      acknowledge(command->command, packet.source, mv::MavResult::kTemporarilyRejected);
+      return true;
+    }
+    case mv::MavCmd::kPreflightRebootShutdown:
+      // v1.16.1 in software.
+      if (!is_1_16 || options_.mode != Px4Mode::kSitl) return false;
+      acknowledge(command->command, packet.source, mv::MavResult::kDenied);
+      return true;
+    default:
+      return false;
   }
+}
+
+bool ScriptedPx4::refuse_to_arm(const mv::CommandLong& command, mav::Source from) {
   const std::string why = preflight_failure();
   if (why.empty()) return false;
-  mv::CommandAck ack;
-  ack.command = command->command;
-  ack.result = mv::MavResult::kTemporarilyRejected;
-  ack.target_system = packet.source.system;
-  ack.target_component = packet.source.component;
-  ground_.send(ack);
+  acknowledge(command.command, from, mv::MavResult::kTemporarilyRejected);
   complain(why);
   complain("Arming denied! Check the preflight failures");
+  return true;
+}
+
+bool ScriptedPx4::arm_early(const mv::CommandLong& command, mav::Source from) {
+  constexpr base::RunTime kLetsArm{std::chrono::milliseconds(1500)};
+  if (!is_early() || clock_ < kLetsArm) return false;
+  armed_early_at_ = clock_;
+  acknowledge(command.command, from, mv::MavResult::kAccepted);
+  return true;
+}
+
+void ScriptedPx4::acknowledge(mv::MavCmd command, mav::Source to, mv::MavResult result) {
+  mv::CommandAck ack;
+  ack.command = command;
+  ack.result = result;
+  ack.target_system = to.system;
+  ack.target_component = to.component;
+  ground_.send(ack);
+}
+
+/// What v1.12.0 says otherwise: no position before its time, and sensors that are healthy and not
+/// "present".
+bool ScriptedPx4::say_v1_12(const mav::PacketView& packet) {
+  if (options_.release != Px4Release::k1_12) return false;
+  if (packet.message_id == mv::HomePosition::kId) return is_early();
+  if (auto status = mav::decode<mv::EstimatorStatus>(packet); status && is_early()) {
+    status->flags = mv::EstimatorStatusFlags::kAttitude;
+    ground_.send(*status);
+    return true;
+  }
+  auto status = mav::decode<mv::SysStatus>(packet);
+  if (!status) return false;
+  using S = mv::MavSysStatusSensor;
+  status->onboard_control_sensors_present &= ~(S::k3dGyro | S::k3dAccel);
+  ground_.send(*status);
   return true;
 }
 
@@ -247,7 +339,9 @@ void ScriptedPx4::complain(const std::string& text) {
   }
   mv::Statustext message;
   message.severity = mv::MavSeverity::kCritical;
-  std::copy_n(text.begin(), std::min(text.size(), message.text.size()), message.text.begin());
+  // v1.16.1 ends its texts with a tab.
+  const std::string sent = text + (options_.release == Px4Release::k1_16 ? "\t" : "");
+  std::copy_n(sent.begin(), std::min(sent.size(), message.text.size()), message.text.begin());
   ground_.send(message);
 }
 

@@ -38,6 +38,9 @@ class Channel {
   }
   /// A packet that somebody else has numbered.
   void forward(std::span<const std::uint8_t> packet);
+  /// A message that our dialect does not have.
+  void send_foreign(std::uint32_t message_id, std::uint8_t crc_extra,
+                    std::span<const std::uint8_t> payload);
 
  private:
   static constexpr mav::Source kSelf{1, 1};
@@ -93,7 +96,14 @@ class ScriptedPx4 {
   void on_fix(const mavlink::common::HilGps& fix, base::RunTime now);
   void answer_sample();
   void on_controller_packet(std::span<const std::uint8_t> bytes);
-  bool refuse_to_arm(const mav::PacketView& packet);
+  bool answers_its_own_way(const mav::PacketView& packet);
+  bool refuse_to_arm(const mavlink::common::CommandLong& command, mav::Source from);
+  bool arm_early(const mavlink::common::CommandLong& command, mav::Source from);
+  void acknowledge(mavlink::common::MavCmd command, mav::Source to,
+                   mavlink::common::MavResult result);
+  bool is_early() const;
+  bool is_armed_early() const;
+  bool say_v1_12(const mav::PacketView& packet);
   std::string preflight_failure() const;
   void look_for_repeats(Staleness& sensor, std::span<const float> values, int most,
                         const char* complaint);
@@ -121,6 +131,7 @@ class ScriptedPx4 {
   Staleness baro_;
   std::array<float, 4> motors_{};
   bool armed_ = false;
+  std::optional<base::RunTime> armed_early_at_;
   std::vector<std::string> complaints_;
 };
 
