@@ -105,11 +105,12 @@ class CppWriter final {
   std::string fields_by_id() const {
     std::string out =
         "\n/// The fields of a message by its id; none for an unknown one.\n"
-        "constexpr std::span<const cas::mav::FieldInfo> fields_of(std::uint32_t id) {\n"
+        "template <class CasInfo = cas::mav::FieldInfo>\n"
+        "constexpr std::span<const CasInfo> fields_of(std::uint32_t id) {\n"
         "  switch (id) {\n";
     for (const auto& message : dialect_.messages) {
       out += cat({"    case ", std::to_string(message.id), ":\n      return ", names_.type(message),
-                  "::kFields;\n"});
+                  "::template kFields<CasInfo>;\n"});
     }
     return out + "    default:\n      return {};\n  }\n}\n";
   }

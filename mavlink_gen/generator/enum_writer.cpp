@@ -85,13 +85,14 @@ void append_enum(std::string& out, const xml::Enum& item, const std::string& typ
   out += '\n';
   append_comment(out, "", item.text);
   append_comment(out, "", lifecycle_sentence(item.lifecycle));
-  out += cat({"enum class ", type, " : ", underlying_type(item), " {\n"});
+  out += cat({"enum class ", type, " : ", underlying_type(item), " {  // ", item.name, "\n"});
   for (std::size_t i = 0; i < item.entries.size(); ++i) {
     const auto& entry = item.entries[i];
     append_comment(out, "  ", entry.text);
     append_comment(out, "  ", lifecycle_sentence(entry.lifecycle));
     append_params(out, entry);
-    out += cat({"  ", enumerators[i], " = ", value_literal(item, entry.value), ",\n"});
+    out += cat({"  ", enumerators[i], " = ", value_literal(item, entry.value), ",  // ", entry.name,
+                "\n"});
   }
   out += "};\n";
   if (item.bitmask) {
@@ -133,6 +134,29 @@ void append_text(std::string& out, const xml::Enum& item, const std::string& typ
   out += item.entries.empty() ? "{}};\n}\n" : cat({"detail::k", type, "Entries};\n}\n"});
 }
 
+/// Every enum by its name, also those that no field has.
+std::string enum_table(const xml::Dialect& dialect, const Names& names) {
+  std::string out = "\n/// Every enum of the dialect, by name.\n";
+  if (dialect.enums.empty()) {
+    out += "constexpr std::span<const cas::mav::EnumInfo> enums() { return {}; }\n";
+  } else {
+    out += "inline constexpr cas::mav::EnumInfo kEnums[] = {\n";
+    for (const auto& item : dialect.enums) {
+      out += cat({"    enum_info(", names.type(item), "{}),\n"});
+    }
+    out += "};\nconstexpr std::span<const cas::mav::EnumInfo> enums() { return kEnums; }\n";
+  }
+  return out +=
+         "\n/// An enum by its name as in the XML; nullptr when the dialect has none of that "
+         "name.\n"
+         "constexpr const cas::mav::EnumInfo* find_enum(std::string_view name) {\n"
+         "  for (const auto& item : enums()) {\n"
+         "    if (item.name == name) return &item;\n"
+         "  }\n"
+         "  return nullptr;\n"
+         "}\n";
+}
+
 }  // namespace
 
 std::string enum_declarations(const xml::Dialect& dialect, const Names& names) {
@@ -146,7 +170,7 @@ std::string enum_declarations(const xml::Dialect& dialect, const Names& names) {
 std::string enum_texts(const xml::Dialect& dialect, const Names& names) {
   std::string out;
   for (const auto& item : dialect.enums) append_text(out, item, names.type(item));
-  return out;
+  return out += enum_table(dialect, names);
 }
 
 }  // namespace cas::mav::gen

@@ -10,11 +10,13 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "mavlink_gen/generator/amalgamation.hpp"
 #include "mavlink_gen/generator/cpp_writer.hpp"
 #include "mavlink_gen/generator/diff.hpp"
 #include "mavlink_gen/generator/docs.hpp"
 #include "mavlink_gen/generator/json.hpp"
 #include "mavlink_gen/generator/naming.hpp"
+#include "mavlink_gen/generator/runtime_files.hpp"
 #include "mavlink_gen/generator/subset.hpp"
 #include "mavlink_gen/parser/dialect_loader.hpp"
 
@@ -39,6 +41,8 @@ struct Options {
   std::string stamp;
   std::vector<std::string> only;
   bool strict{};
+  bool with_runtime{};
+  bool single{};
 };
 
 int complain(const std::string& sentence, int code) {
@@ -67,8 +71,16 @@ int generate(const Options& options) {
       const auto problem = gen::keep_only(*dialect, options.only);
       if (!problem.empty()) return complain(problem, kInputErrors);
     }
-    const auto& name = options.name.empty() ? dialect->name : options.name;
-    files.merge(gen::write_cpp(*dialect, gen::namespace_of(name)));
+    const auto name = gen::namespace_of(options.name.empty() ? dialect->name : options.name);
+    auto headers = gen::write_cpp(*dialect, name);
+    if (options.single) {
+      headers.insert(gen::runtime_files().begin(), gen::runtime_files().end());
+      headers = {{"mavlink/" + name + ".hpp", gen::amalgamate(headers, name)}};
+    }
+    files.merge(headers);
+  }
+  if (options.with_runtime) {
+    files.insert(gen::runtime_files().begin(), gen::runtime_files().end());
   }
   const auto problem = gen::write_files(options.out, files);
   if (!problem.empty()) return complain(problem, kCannotWrite);
@@ -131,6 +143,14 @@ int run(int argc, char** argv) {
       ->required();
   generate_command->add_option("--name", options.name, "Folder and namespace of the dialect");
   generate_command->add_option("--only", options.only, "Messages to keep: A,B,...")->delimiter(',');
+  auto* with_runtime = generate_command->add_flag(
+      "--with-runtime", options.with_runtime,
+      "Write the runtime as well: the folder needs the standard library alone");
+  generate_command
+      ->add_flag(
+          "--single", options.single,
+          "Write one header for each dialect, mavlink/<dialect>.hpp, that holds all it needs")
+      ->excludes(with_runtime);
   generate_command->add_option("--stamp", options.stamp, "File to touch when all is written");
 
   auto* check_command = app.add_subcommand("check", "Validate dialects, write nothing");

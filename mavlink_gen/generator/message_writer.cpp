@@ -19,10 +19,6 @@ std::string_view field_type_enumerator(xml::BaseType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
-bool has_enum_type(const xml::Field& field) {
-  return !field.enum_name.empty() && xml::is_integer(field.type);
-}
-
 class MessageWriter final {
  public:
   MessageWriter(const xml::Message& message, const xml::Dialect& dialect, const Names& names)
@@ -51,7 +47,7 @@ class MessageWriter final {
   const std::string& member(const xml::Field& field) const { return members_.at(&field); }
 
   std::string element_type(const xml::Field& field) const {
-    if (!has_enum_type(field)) return cpp_type(field.type);
+    if (!field.is_enum()) return cpp_type(field.type);
     return names_.type(*dialect_.find_enum(field.enum_name));
   }
 
@@ -64,7 +60,7 @@ class MessageWriter final {
   void append_constants() {
     out_ += cat(
         {"  static constexpr std::uint32_t kId = ", std::to_string(message_.id), ";\n",
-         "  static constexpr std::string_view kName = \"", message_.name, "\";\n",
+         "  static constexpr cas::mav::TextView kName = \"", message_.name, "\";\n",
          "  static constexpr std::uint8_t kCrcExtra = ", std::to_string(message_.crc_extra), ";\n",
          "  static constexpr std::size_t kMinLength = ", std::to_string(message_.min_length),
          ", kMaxLength = ", std::to_string(message_.max_length), ";\n\n"});
@@ -77,6 +73,7 @@ class MessageWriter final {
       extension = field.extension;
       auto text = field.text;
       if (!field.units.empty()) text += cat({" [", field.units, "]"});
+      if (field.enum_unfit) text += cat({" A number: not every ", field.enum_name, " fits."});
       if (!field.invalid.empty()) text += cat({" Unknown: ", field.invalid});
       if (text.starts_with(' ')) text.erase(0, 1);
       append_comment(out_, "  ", text);
@@ -162,8 +159,8 @@ class MessageWriter final {
     for (const auto& field : message_.fields) {
       const auto offset = std::to_string(field.offset);
       if (field.type == xml::BaseType::kChar && field.array_length > 0) {
-        out_ += cat({"    std::string_view ", member(field), "() const { return text_at_(", offset,
-                     ", ", std::to_string(field.array_length), "); }\n"});
+        out_ += cat({"    cas::mav::TextView ", member(field), "() const { return text_at_(",
+                     offset, ", ", std::to_string(field.array_length), "); }\n"});
       } else {
         const auto type = member_type(field);
         out_ +=
@@ -176,8 +173,10 @@ class MessageWriter final {
 
   void append_reflection() {
     out_ +=
-        "\n  /// Facts of each field, in the order of the members.\n"
-        "  static constexpr cas::mav::FieldInfo kFields[] = {\n";
+        "\n  /// Facts of each field, in the order of the members: kFields<>.\n"
+        "  template <class CasInfo = cas::mav::FieldInfo>\n"
+        "  static constexpr CasInfo kFields[" +
+        std::to_string(message_.fields.size()) + "] = {\n";
     for (const auto& field : message_.fields) {
       out_ += cat({"      {", string_literal(field.name), ", ", string_literal(field.units), ", ",
                    string_literal(field.enum_name), ", ", string_literal(field.invalid),
@@ -191,11 +190,11 @@ class MessageWriter final {
         "  /// Calls visitor(const FieldInfo&, member...) for each field, with that member of "
         "each\n"
         "  /// message given.\n"
-        "  template <class Visitor, class... Messages>\n"
+        "  template <class CasInfo = cas::mav::FieldInfo, class Visitor, class... Messages>\n"
         "  static constexpr void for_each_field(Visitor&& cas_visitor, Messages&... cas_message) "
         "{\n";
     for (std::size_t i = 0; i < message_.fields.size(); ++i) {
-      out_ += cat({"    cas_visitor(kFields[", std::to_string(i), "], cas_message.",
+      out_ += cat({"    cas_visitor(kFields<CasInfo>[", std::to_string(i), "], cas_message.",
                    member(message_.fields[i]), "...);\n"});
     }
     out_ += "  }\n";
@@ -213,7 +212,8 @@ class MessageWriter final {
 }  // namespace
 
 bool uses_enums(const xml::Message& message) {
-  return std::any_of(message.fields.begin(), message.fields.end(), has_enum_type);
+  return std::any_of(message.fields.begin(), message.fields.end(),
+                     [](const xml::Field& field) { return field.is_enum(); });
 }
 
 std::string message_struct(const xml::Message& message, const xml::Dialect& dialect,

@@ -40,7 +40,7 @@ constexpr std::array kReserved = std::to_array<std::string_view>({
     "signbit",
     // names that generated code uses
     "std", "cas", "mavlink", "pack", "unpack", "for_each_field", "at_", "text_at_", "PayloadView",
-    "View", "cas_in", "cas_out", "cas_message", "cas_visitor", "cas_quantity", "kId", "kName",
+    "View", "cas_in", "cas_out", "cas_message", "cas_visitor", "cas_quantity", "CasInfo", "kId", "kName",
     "kCrcExtra", "kMinLength", "kMaxLength", "kFields", "data_", "size_"});
 // clang-format on
 
@@ -107,7 +107,8 @@ Names::Names(const xml::Dialect& dialect) {
     while (!types_.try_emplace(wanted, 1).second) wanted += '_';
     return wanted;
   };
-  for (const auto* word : {"table", "dispatch", "fields_of", "any", "has", "detail", "enum_info"})
+  for (const auto* word : {"table", "dispatch", "fields_of", "any", "has", "detail", "enum_info",
+                           "enums", "find_enum"})
     types_.try_emplace(word, 1);
   std::map<std::string, int, std::less<>> files;
   for (const auto* word : {"all", "enums", "table", "enum_text"}) files.try_emplace(word, 1);

@@ -63,14 +63,6 @@ std::optional<xml::EnumValue> limit(std::string_view text) {
   return is_max ? xml::EnumValue{top - 1, false} : xml::EnumValue{~top + 1, true};
 }
 
-/// Whether an integer type holds the value.
-bool holds(xml::BaseType type, const xml::EnumValue& value) {
-  const auto bits = static_cast<unsigned>(xml::size_of(type)) * 8U;
-  if (!xml::is_signed(type)) return !value.negative && (bits == 64 || value.bits >> bits == 0);
-  const auto top = std::uint64_t{1} << (bits - 1U);
-  return value.negative ? ~value.bits < top : value.bits < top;
-}
-
 std::string integer_literal(const xml::EnumValue& value) {
   constexpr std::uint64_t kLowest = std::uint64_t{1} << 63U;
   if (value.negative && value.bits == kLowest) return "INT64_MIN";
@@ -125,7 +117,7 @@ std::optional<Sentinel> sentinel_of(const xml::Field& field, const xml::Dialect&
   if (sentinel.extent != Sentinel::Extent::kScalar && field.array_length == 0) return std::nullopt;
   if (xml::is_integer(field.type)) {
     const auto value = integer_of(text, field, dialect);
-    if (!value || !holds(field.type, *value)) return std::nullopt;
+    if (!value || !xml::holds(field.type, *value)) return std::nullopt;
     sentinel.literal = integer_literal(*value);
     return sentinel;
   }

@@ -23,6 +23,12 @@ void Diagnostics::add(Severity severity, Position position, std::string text) {
   if (same_kind <= kMaxKept) diagnostics_.push_back({severity, position, std::move(text)});
 }
 
+std::string Diagnostics::suggest(Severity severity, std::string_view word,
+                                 const std::vector<std::string_view>& candidates) const {
+  const auto same_kind = severity == Severity::kError ? error_count_ : warning_count_;
+  return same_kind < kMaxKept ? suggestion(word, candidates) : std::string();
+}
+
 std::uint32_t Diagnostics::add_file(SourceFile file) {
   files_.push_back(std::move(file));
   return static_cast<std::uint32_t>(files_.size() - 1);
@@ -54,6 +60,9 @@ std::string Diagnostics::render() const {
   }
   if (error_count_ > kMaxKept) {
     out += std::to_string(error_count_ - kMaxKept) + " more errors are not shown\n";
+  }
+  if (warning_count_ > kMaxKept) {
+    out += std::to_string(warning_count_ - kMaxKept) + " more warnings are not shown\n";
   }
   return out;
 }

@@ -35,11 +35,16 @@ struct SourceFile {
 /// Collects what is wrong with a dialect, in the order found.
 class Diagnostics final {
  public:
-  /// Errors beyond this number are counted, not kept.
+  /// Errors beyond this number are counted, not kept; so are warnings.
   static constexpr std::size_t kMaxKept = 100;
 
   void error(Position position, std::string text);
   void warning(Position position, std::string text);
+
+  /// suggestion() while another diagnostic of that severity would be kept, else nothing: a file
+  /// full of misspelt words costs no more than a hundred searches.
+  std::string suggest(Severity severity, std::string_view word,
+                      const std::vector<std::string_view>& candidates) const;
 
   std::uint32_t add_file(SourceFile file);
   const std::vector<SourceFile>& files() const { return files_; }

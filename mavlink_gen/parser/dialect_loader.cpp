@@ -210,7 +210,6 @@ class Loader final {
     dialect_.messages.push_back(std::move(message));
   }
 
-  /// Sorts entries and finds the width: all values must fit, and all integer fields of that type.
   void finish_enums() {
     for (auto& item : dialect_.enums) {
       std::stable_sort(item.entries.begin(), item.entries.end(),
@@ -218,17 +217,87 @@ class Loader final {
       if (item.entries.empty()) continue;
       const auto& low = item.entries.front().value;
       const auto& high = item.entries.back().value;
-      item.is_signed = low.negative;
       if (low.negative && !high.negative && high.bits > static_cast<std::uint64_t>(INT64_MAX)) {
         diagnostics_.error(
             item.position,
             "no 64-bit type holds both the lowest and the highest value of " + item.name);
       }
-      while (item.bytes < 8 && !fits(item)) item.bytes *= 2;
     }
   }
 
+  void finish_messages() {
+    std::sort(dialect_.messages.begin(), dialect_.messages.end(),
+              [](const Message& a, const Message& b) { return a.id < b.id; });
+    for (const auto& item : dialect_.enums) enum_names_.push_back(item.name);
+    fields_of_.resize(dialect_.enums.size());
+    for (auto& message : dialect_.messages) {
+      for (auto& field : message.fields) {
+        if (!field.enum_name.empty()) connect_enum(field);
+      }
+    }
+    for (std::size_t i = 0; i < dialect_.enums.size(); ++i) {
+      find_type(dialect_.enums[i], fields_of_[i]);
+    }
+  }
+
+  void connect_enum(Field& field) {
+    const auto it = std::lower_bound(enum_names_.begin(), enum_names_.end(), field.enum_name);
+    if (it == enum_names_.end() || *it != field.enum_name) {
+      diagnostics_.warning(
+          field.position,
+          "there is no enum " + field.enum_name + ", " + field.name + " stays a number" +
+              diagnostics_.suggest(Severity::kWarning, field.enum_name, enum_names_));
+      field.enum_name.clear();
+      return;
+    }
+    const auto index = it - enum_names_.begin();
+    auto& item = dialect_.enums[static_cast<std::size_t>(index)];
+    if (field.display_bitmask) item.bitmask = true;
+    if (!is_integer(field.type)) return;
+    if (item.entries.empty() || (holds(field.type, item.entries.front().value) &&
+                                 holds(field.type, item.entries.back().value))) {
+      fields_of_[static_cast<std::size_t>(index)].push_back(&field);
+      return;
+    }
+    const auto& low = item.entries.front().value;
+    const bool too_low = low.negative && !holds(field.type, low);
+    leave_a_number(field, std::string("the ") + (too_low ? "lowest" : "highest") + " value of " +
+                              item.name + " is " +
+                              (too_low ? low : item.entries.back().value).decimal());
+  }
+
+  void leave_a_number(Field& field, const std::string& why) {
+    field.enum_unfit = true;
+    diagnostics_.warning(field.position, field.name + " is " + std::string(wire_name(field.type)) +
+                                             ", but " + why + ": it stays a number");
+  }
+
+  /// The narrowest type that holds all values, and all that the fields can bring. Nothing holds
+  /// both what 64 bits with and without a sign do.
+  void find_type(Enum& item, const std::vector<Field*>& fields) {
+    int with_sign = 0;
+    int without_sign = 0;
+    for (const auto* field : fields) {
+      auto& widest = is_signed(field->type) ? with_sign : without_sign;
+      widest = std::max(widest, static_cast<int>(size_of(field->type)));
+    }
+    const bool negative = !item.entries.empty() && item.entries.front().value.negative;
+    if (with_sign > 0 && without_sign == 8) {
+      for (auto* field : fields) {
+        if (is_signed(field->type)) {
+          leave_a_number(*field, item.name + " is in fields of uint64_t as well");
+        }
+      }
+      with_sign = 0;
+    }
+    item.is_signed = negative || with_sign > 0;
+    if (item.is_signed) without_sign *= 2;
+    item.bytes = std::max({1, with_sign, without_sign});
+    while (item.bytes < 8 && !fits(item)) item.bytes *= 2;
+  }
+
   static bool fits(const Enum& item) {
+    if (item.entries.empty()) return true;
     const auto bits = static_cast<unsigned>(item.bytes) * 8U;
     const auto& low = item.entries.front().value;
     const auto& high = item.entries.back().value;
@@ -236,34 +305,6 @@ class Loader final {
     const auto high_fits = high.negative || high.bits < limit;
     const auto low_fits = !low.negative || ~low.bits < limit;
     return high_fits && low_fits;
-  }
-
-  void finish_messages() {
-    std::sort(dialect_.messages.begin(), dialect_.messages.end(),
-              [](const Message& a, const Message& b) { return a.id < b.id; });
-    std::vector<std::string_view> names;
-    for (const auto& item : dialect_.enums) names.push_back(item.name);
-    for (auto& message : dialect_.messages) {
-      for (auto& field : message.fields) {
-        if (!field.enum_name.empty()) connect_enum(field, names);
-      }
-    }
-  }
-
-  void connect_enum(Field& field, const std::vector<std::string_view>& names) {
-    const auto it = std::lower_bound(names.begin(), names.end(), field.enum_name);
-    if (it == names.end() || *it != field.enum_name) {
-      diagnostics_.warning(field.position, "there is no enum " + field.enum_name + ", " +
-                                               field.name + " stays a number" +
-                                               suggestion(field.enum_name, names));
-      field.enum_name.clear();
-      return;
-    }
-    auto& item = dialect_.enums[static_cast<std::size_t>(it - names.begin())];
-    if (is_integer(field.type)) {
-      item.bytes = std::max(item.bytes, static_cast<int>(size_of(field.type)));
-    }
-    if (field.display_bitmask) item.bitmask = true;
   }
 
   Diagnostics& diagnostics_;
@@ -275,6 +316,8 @@ class Loader final {
   std::unordered_map<std::string, Position> message_names_;
   std::map<fs::path, std::optional<int>> versions_;
   std::set<fs::path> seen_;
+  std::vector<std::string_view> enum_names_;
+  std::vector<std::vector<Field*>> fields_of_;  ///< of each enum: those that become its type
   std::vector<OpenFile> open_;
   bool in_memory_{};
 };

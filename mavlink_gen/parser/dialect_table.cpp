@@ -19,7 +19,7 @@ DialectTable::DialectTable(const Dialect& dialect) {
   }
   by_id_.resize(detail::slot_count(count));
   by_name_.resize(by_id_.size());
-  detail::fill_slots(messages_, by_id_, by_name_);
+  detail::fill_slots(messages_.data(), messages_.size(), by_id_.data(), by_name_.data());
   table_ = MessageTable(messages_, by_id_, by_name_);
 }
 

@@ -43,9 +43,10 @@ std::string quoted(std::string_view text) { return '\'' + std::string(text) + '\
 
 bool ElementReader::expect_child(const Element& parent, const Element& child, Names allowed) {
   if (std::find(allowed.begin(), allowed.end(), child.name) != allowed.end()) return true;
-  diagnostics_.error(child.position, "<" + child.name + "> is not allowed in <" + parent.name +
-                                         ">" +
-                                         suggestion(child.name, {allowed.begin(), allowed.end()}));
+  diagnostics_.error(
+      child.position,
+      "<" + child.name + "> is not allowed in <" + parent.name + ">" +
+          diagnostics_.suggest(Severity::kError, child.name, {allowed.begin(), allowed.end()}));
   return false;
 }
 
@@ -56,7 +57,8 @@ void ElementReader::expect_attributes(const Element& element, Names allowed) {
     diagnostics_.warning(attribute.position,
                          "<" + element.name + "> has no attribute " + quoted(attribute.name) +
                              ", it is ignored" +
-                             suggestion(attribute.name, {allowed.begin(), allowed.end()}));
+                             diagnostics_.suggest(Severity::kWarning, attribute.name,
+                                                  {allowed.begin(), allowed.end()}));
   }
 }
 

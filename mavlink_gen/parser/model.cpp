@@ -34,6 +34,13 @@ std::string_view wire_name(BaseType type) { return facts(type).name; }
 bool is_integer(BaseType type) { return facts(type).integer; }
 bool is_signed(BaseType type) { return facts(type).negative; }
 
+bool holds(BaseType type, const EnumValue& value) {
+  const auto bits = static_cast<unsigned>(size_of(type)) * 8U;
+  if (!is_signed(type)) return !value.negative && (bits == 64 || value.bits >> bits == 0);
+  const auto top = std::uint64_t{1} << (bits - 1U);
+  return value.negative ? ~value.bits < top : value.bits < top;
+}
+
 std::string EnumValue::decimal() const {
   return negative ? '-' + std::to_string(~bits + 1) : std::to_string(bits);
 }

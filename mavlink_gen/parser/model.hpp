@@ -58,7 +58,8 @@ struct Enum {
   Lifecycle lifecycle;
   std::vector<Entry> entries;  ///< by value
   Position position;
-  int bytes{1};  ///< width that holds each value and each integer field of this type
+  /// Narrowest integer type that holds each value, and all that each field of this type can bring.
+  int bytes{1};
   bool is_signed{};
 };
 
@@ -80,6 +81,7 @@ std::size_t size_of(BaseType type);
 std::string_view wire_name(BaseType type);  ///< as it counts for CRC_EXTRA, e.g. `uint8_t`
 bool is_integer(BaseType type);             ///< a number without fraction; `char` is none
 bool is_signed(BaseType type);
+bool holds(BaseType type, const EnumValue& value);  ///< an integer type
 
 struct Field {
   std::string name;
@@ -91,9 +93,13 @@ struct Field {
   std::string enum_name, units, multiplier, invalid, print_format, default_value, min_value,
       max_value;
   bool display_bitmask{}, instance{};
+  bool enum_unfit{};  ///< no type holds its enum's values and its own: it stays a number
   std::string text;
   Position position;
   std::size_t offset{};  ///< in the payload
+
+  /// Whether its member has the type of its enum.
+  bool is_enum() const { return !enum_name.empty() && is_integer(type) && !enum_unfit; }
 
   std::size_t bytes() const {
     return size_of(type) * static_cast<std::size_t>(array_length == 0 ? 1 : array_length);

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <type_traits>
 
 #include "mavlink_gen/runtime/codec.hpp"
@@ -38,7 +37,7 @@ struct FixedString {
   constexpr FixedString(const char (&text)[n]) {  // implicit: MessageNamed<"HIL_SENSOR">
     for (std::size_t i = 0; i < n; ++i) characters[i] = text[i];
   }
-  constexpr std::string_view view() const { return {characters, n - 1}; }
+  constexpr TextView view() const { return {characters, n - 1}; }
 
   char characters[n]{};
 };

@@ -32,6 +32,12 @@ struct EnumInfo {
   std::span<const EnumEntry> entries;
 };
 
+/// Whether the names of E are at hand: the enum_text.hpp of its dialect has them.
+template <class E>
+concept HasEnumText = requires(E value) {
+  enum_info(value);
+};
+
 namespace detail {
 
 template <class E>
@@ -44,8 +50,11 @@ constexpr std::uint64_t enum_bits(E value) {
 /// The entry of an enum value, nullptr for a value without a name.
 template <class E>
 constexpr const EnumEntry* find_entry(E value) {
-  for (const auto& entry : enum_info(value).entries) {
-    if (entry.value == detail::enum_bits(value)) return &entry;
+  static_assert(HasEnumText<E>, "names of enums: include mavlink/<dialect>/enum_text.hpp");
+  if constexpr (HasEnumText<E>) {
+    for (const auto& entry : enum_info(value).entries) {
+      if (entry.value == detail::enum_bits(value)) return &entry;
+    }
   }
   return nullptr;
 }
@@ -53,17 +62,18 @@ constexpr const EnumEntry* find_entry(E value) {
 /// The name of an enum value as in the XML, empty for a value without one.
 template <class E>
 constexpr std::string_view name_of(E value) {
-  for (const auto& entry : enum_info(value).entries) {
-    if (entry.value == detail::enum_bits(value)) return entry.name;
-  }
-  return {};
+  const auto* entry = find_entry(value);
+  return entry == nullptr ? std::string_view() : entry->name;
 }
 
 /// The value of the entry `name` of E's XML enum; nullopt when there is none.
 template <class E>
 constexpr std::optional<E> value_of(std::string_view name) {
-  for (const auto& entry : enum_info(E{}).entries) {
-    if (entry.name == name) return static_cast<E>(entry.value);
+  static_assert(HasEnumText<E>, "names of enums: include mavlink/<dialect>/enum_text.hpp");
+  if constexpr (HasEnumText<E>) {
+    for (const auto& entry : enum_info(E{}).entries) {
+      if (entry.name == name) return static_cast<E>(entry.value);
+    }
   }
   return std::nullopt;
 }

@@ -6,10 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <limits>
-#include <string_view>
 #include <type_traits>
-#include <utility>
+
+#include "mavlink_gen/runtime/text_view.hpp"
 
 /// What a generated message header needs: metadata of fields, and little-endian loads and stores.
 namespace cas::mav {
@@ -31,10 +30,10 @@ enum class FieldType : std::uint8_t {
 
 /// Facts of one field of a message.
 struct FieldInfo {
-  std::string_view name;       ///< as in the XML
-  std::string_view units;      ///< as in the XML, e.g. `degE7`
-  std::string_view enum_name;  ///< as in the XML
-  std::string_view invalid;    ///< the value that stands for unknown, as in the XML
+  TextView name;       ///< as in the XML
+  TextView units;      ///< as in the XML, e.g. `degE7`
+  TextView enum_name;  ///< as in the XML
+  TextView invalid;    ///< the value that stands for unknown, as in the XML
   FieldType type{};
   std::uint8_t array_length{};  ///< 0: no array
   std::uint8_t wire_offset{};   ///< in the payload
@@ -47,9 +46,10 @@ namespace detail {
 template <class T>
 inline T to_little_endian(T value) {
   if constexpr (std::endian::native == std::endian::big && sizeof(T) > 1) {
-    auto bytes = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
-    for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
-    return std::bit_cast<T>(bytes);
+    std::uint8_t bytes[sizeof(T)], swapped[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof value);
+    for (std::size_t i = 0; i < sizeof(T); ++i) swapped[i] = bytes[sizeof(T) - 1 - i];
+    std::memcpy(&value, swapped, sizeof value);
   }
   return value;
 }
@@ -101,7 +101,7 @@ inline void get(const std::uint8_t* in, std::array<T, n>& values) {
 
 /// The characters up to the first NUL, or all.
 template <std::size_t n>
-constexpr std::string_view text(const std::array<char, n>& characters) {
+constexpr TextView text(const std::array<char, n>& characters) {
   std::size_t size = 0;
   while (size < n && characters[size] != '\0') ++size;
   return {characters.data(), size};
@@ -109,7 +109,7 @@ constexpr std::string_view text(const std::array<char, n>& characters) {
 
 /// Copies `value`, cut to n characters, and fills the rest with NULs.
 template <std::size_t n>
-constexpr void set_text(std::array<char, n>& characters, std::string_view value) {
+constexpr void set_text(std::array<char, n>& characters, TextView value) {
   for (std::size_t i = 0; i < n; ++i) characters[i] = i < value.size() ? value[i] : '\0';
 }
 
@@ -135,11 +135,13 @@ class PayloadView {
   }
 
   /// Characters up to the first NUL, the field's or the payload's end.
-  std::string_view text_at_(std::size_t offset, std::size_t length) const {
+  TextView text_at_(std::size_t offset, std::size_t length) const {
     if (offset >= size_) return {};
     const auto present = size_ - offset < length ? size_ - offset : length;
-    const std::string_view all(reinterpret_cast<const char*>(data_ + offset), present);
-    return all.substr(0, all.find('\0'));
+    const auto* characters = reinterpret_cast<const char*>(data_ + offset);
+    std::size_t size = 0;
+    while (size < present && characters[size] != '\0') ++size;
+    return {characters, size};
   }
 
  private:
@@ -173,6 +175,21 @@ constexpr bool all_equal(const std::array<T, n>& values, T wanted) {
   return true;
 }
 
+namespace detail {
+
+/// Least and greatest value of an integer type; <limits> would cost every sender more than its
+/// message.
+template <class T>
+inline constexpr T kMax = static_cast<T>(std::is_signed_v<T>
+                                             ? (std::uint64_t{1} << (8 * sizeof(T) - 1)) - 1
+                                             : ~std::uint64_t{0});
+template <class T>
+inline constexpr T kMin = static_cast<T>(-kMax<T> - 1);
+
+inline constexpr auto kNan = std::bit_cast<double>(std::uint64_t{0x7FF8000000000000});
+
+}  // namespace detail
+
 /// A raw field as a quantity in a plain unit: raw * factor / divisor.
 template <class T>
 constexpr double to_quantity(T raw, double factor, double divisor) {
@@ -182,7 +199,7 @@ constexpr double to_quantity(T raw, double factor, double divisor) {
 /// Likewise, NaN for the raw value that stands for unknown.
 template <class T, class U>
 constexpr double to_quantity(T raw, double factor, double divisor, U unknown) {
-  if (raw == static_cast<T>(unknown)) return std::numeric_limits<double>::quiet_NaN();
+  if (raw == static_cast<T>(unknown)) return detail::kNan;
   return to_quantity(raw, factor, divisor);
 }
 
@@ -191,10 +208,9 @@ template <class T>
 constexpr T from_quantity(double quantity, double factor, double divisor) {
   const auto raw = quantity * divisor / factor;
   if constexpr (std::is_integral_v<T>) {
-    using Limits = std::numeric_limits<T>;
     if (is_nan(raw)) return 0;
-    if (raw <= static_cast<double>(Limits::min())) return Limits::min();
-    if (raw >= static_cast<double>(Limits::max())) return Limits::max();
+    if (raw <= static_cast<double>(detail::kMin<T>)) return detail::kMin<T>;
+    if (raw >= static_cast<double>(detail::kMax<T>)) return detail::kMax<T>;
     return static_cast<T>(raw + (raw < 0 ? -0.5 : 0.5));
   } else {
     return static_cast<T>(raw);
@@ -207,8 +223,12 @@ template <class T, class U>
 constexpr T from_quantity(double quantity, double factor, double divisor, U unknown) {
   if (is_nan(quantity)) return static_cast<T>(unknown);
   const auto raw = from_quantity<T>(quantity, factor, divisor);
-  const bool at_top = raw == std::numeric_limits<T>::max() && raw == static_cast<T>(unknown);
-  return at_top ? static_cast<T>(raw - 1) : raw;
+  if constexpr (std::is_integral_v<T>) {
+    const bool at_top = raw == detail::kMax<T> && raw == static_cast<T>(unknown);
+    return at_top ? static_cast<T>(raw - 1) : raw;
+  } else {
+    return raw;
+  }
 }
 
 }  // namespace cas::mav

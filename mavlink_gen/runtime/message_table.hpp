@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "mavlink_gen/runtime/packet.hpp"
+#include "mavlink_gen/runtime/text_view.hpp"
 
 namespace cas::mav {
 
@@ -20,7 +20,7 @@ struct MessageInfo {
   std::uint8_t max_length{};  ///< bytes of payload with extensions
   std::int16_t target_system_offset{-1};     ///< in the untruncated payload, -1: no such field
   std::int16_t target_component_offset{-1};  ///< likewise
-  std::string_view name;
+  TextView name;
 };
 
 namespace detail {
@@ -37,24 +37,27 @@ constexpr std::size_t hash(std::uint32_t id) {
   return (id * kGoldenRatio) >> 16U;
 }
 
-constexpr std::size_t hash(std::string_view name) {
+constexpr std::size_t hash(TextView name) {
   std::uint32_t value = 0x811C9DC5;  // FNV-1a, 32 bit: start and prime
-  for (const char c : name) value = (value ^ static_cast<std::uint8_t>(c)) * 0x01000193U;
+  const char* characters = name.data();
+  for (std::size_t i = 0, size = name.size(); i < size; ++i) {
+    value = (value ^ static_cast<std::uint8_t>(characters[i])) * 0x01000193U;
+  }
   return value ^ value >> 16U;
 }
 
-/// Writes into each slot the index of its message. Both spans of slots have slot_count() elements.
-constexpr void fill_slots(std::span<const MessageInfo> messages, std::span<std::uint16_t> by_id,
-                          std::span<std::uint16_t> by_name) {
-  const auto mask = by_id.size() - 1;
-  for (auto& slot : by_id) slot = kNoMessage;
-  for (auto& slot : by_name) slot = kNoMessage;
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    auto slot = hash(messages[i].id) & mask;
-    while (by_id[slot] != kNoMessage) slot = (slot + 1) & mask;
+/// Writes into each slot the index of its message. Both arrays of slots have slot_count() elements.
+/// Bare pointers: compilers evaluate this in every file that has a table.
+constexpr void fill_slots(const MessageInfo* messages, std::size_t count, std::uint16_t* by_id,
+                          std::uint16_t* by_name) {
+  const auto slots = slot_count(count);
+  for (std::size_t i = 0; i < slots; ++i) by_id[i] = by_name[i] = kNoMessage;
+  for (std::size_t i = 0; i < count; ++i) {
+    auto slot = hash(messages[i].id) & (slots - 1);
+    while (by_id[slot] != kNoMessage) slot = (slot + 1) & (slots - 1);
     by_id[slot] = static_cast<std::uint16_t>(i);
-    slot = hash(messages[i].name) & mask;
-    while (by_name[slot] != kNoMessage) slot = (slot + 1) & mask;
+    slot = hash(messages[i].name) & (slots - 1);
+    while (by_name[slot] != kNoMessage) slot = (slot + 1) & (slots - 1);
     by_name[slot] = static_cast<std::uint16_t>(i);
   }
 }
@@ -82,7 +85,7 @@ class MessageTable {
   }
 
   /// By its name as in the XML; nullptr when the table does not hold it.
-  constexpr const MessageInfo* find(std::string_view name) const {
+  constexpr const MessageInfo* find(TextView name) const {
     if (by_name_.empty()) return nullptr;
     const auto mask = by_name_.size() - 1;
     for (auto slot = detail::hash(name) & mask;; slot = (slot + 1) & mask) {
@@ -109,16 +112,16 @@ class StaticMessageTable {
 
   /// @param messages  by id; they must outlive the table
   constexpr explicit StaticMessageTable(const MessageInfo (&messages)[n]) : messages_(messages) {
-    detail::fill_slots(messages_, by_id_, by_name_);
+    detail::fill_slots(messages, n, by_id_, by_name_);
   }
 
   /// Borrows from this object, which must outlive the view.
-  constexpr MessageTable view() const { return {messages_, by_id_, by_name_}; }
+  constexpr MessageTable view() const { return {{messages_, n}, by_id_, by_name_}; }
 
  private:
-  std::span<const MessageInfo> messages_;
-  std::array<std::uint16_t, detail::slot_count(n)> by_id_{};
-  std::array<std::uint16_t, detail::slot_count(n)> by_name_{};
+  const MessageInfo* messages_;
+  std::uint16_t by_id_[detail::slot_count(n)]{};
+  std::uint16_t by_name_[detail::slot_count(n)]{};
 };
 
 /// Whom a packet is for, by its target fields; 0 means everyone.

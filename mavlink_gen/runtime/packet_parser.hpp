@@ -8,6 +8,7 @@
 #include <span>
 
 #include "mavlink_gen/runtime/crc.hpp"
+#include "mavlink_gen/runtime/crc_over_zeros.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
@@ -34,6 +35,10 @@ enum class UnknownPolicy : std::uint8_t {
 /// A packet comes out with its last byte. The one exception: a packet that lies within an
 /// incomplete candidate of a known id waits until that one is decided (it may be its payload), or
 /// for flush().
+///
+/// A callback may throw: the packet it was called for counts as received and does not come again,
+/// and the parser is fit for the next call. Those behind it come out of
+/// feed(bytes.last(parser.unread())).
 class PacketParser {
  public:
   /// Counters since construction; reset() keeps them.
@@ -61,9 +66,12 @@ class PacketParser {
   /// Likewise, with on_unknown(const PacketView&) for ids that the table does not hold.
   template <class OnPacket, class OnUnknown>
   void feed(std::span<const std::uint8_t> bytes, OnPacket&& on_packet, OnUnknown&& on_unknown) {
+    unread_ = bytes.size();
+    if (was_left()) decide_held(on_packet, on_unknown);
     while (!bytes.empty()) {
       bytes = end_ > 0 ? resume(bytes, on_packet, on_unknown) : pass(bytes, on_packet, on_unknown);
     }
+    unread_ = 0;
   }
 
   /// Gives up on candidates that wait for more bytes, e.g. after a pause on the line, and looks for
@@ -76,6 +84,7 @@ class PacketParser {
   /// Likewise, with on_unknown(const PacketView&) for ids that the table does not hold.
   template <class OnPacket, class OnUnknown>
   void flush(OnPacket&& on_packet, OnUnknown&& on_unknown) {
+    if (was_left()) decide_held(on_packet, on_unknown);
     while (end_ > 0) {
       if (scan_ < end_) {
         ++scan_;
@@ -90,6 +99,8 @@ class PacketParser {
 
   /// What has been found so far.
   const Stats& stats() const { return stats_; }
+  /// Bytes at the end of what feed() was given that it did not come to, because a callback threw.
+  std::size_t unread() const { return unread_; }
   /// True while the bytes so far end inside what may be a packet.
   bool inside_packet() const { return end_ > 0; }
 
@@ -171,20 +182,24 @@ class PacketParser {
         const auto wanted = read > candidate.need ? read : candidate.need;
         const auto taken = wanted < bytes.size() ? wanted : bytes.size();
         hold(bytes.first(taken), read);
+        bytes = bytes.subspan(taken);
+        unread_ = bytes.size();
         decide_held(on_packet, on_unknown);
-        return bytes.subspan(taken);
+        return bytes;
       }
       const auto packet = bytes.first(candidate.need);
       const auto sum = Crc16().update(summed(packet));
       stats_.summed_bytes += summed(packet).size();
       read = candidate.need;
-      if (candidate.kind == Kind::kPacket) {
-        advance(judge_packet(*candidate.info, packet, sum, on_packet));
+      const bool right = candidate.kind == Kind::kPacket && is_right(*candidate.info, packet, sum);
+      advance(right ? packet.size() : 1);
+      unread_ = bytes.size();
+      if (right) {
+        deliver(packet, on_packet);
         continue;
       }
-      judge_unknown(packet, sum, on_unknown);
       ++stats_.skipped_bytes;
-      advance(1);
+      if (candidate.kind == Kind::kUnknown) judge_unknown(packet, sum, on_unknown);
     }
   }
 
@@ -208,15 +223,16 @@ class PacketParser {
     return static_cast<std::uint16_t>(end[0] | end[1] << 8U);
   }
 
-  /// Judges a candidate by the checksum of its summed() bytes; returns the bytes used up.
+  /// Judges a candidate by the checksum of its summed() bytes.
+  bool is_right(const MessageInfo& info, std::span<const std::uint8_t> packet, Crc16 sum) {
+    const bool right = sum.update(info.crc_extra).value() == received_crc(packet);
+    if (!right) ++stats_.crc_errors;
+    return right;
+  }
+
+  /// The bytes are used up already: a callback that throws does not get the packet again.
   template <class OnPacket>
-  std::size_t judge_packet(const MessageInfo& info, std::span<const std::uint8_t> bytes, Crc16 sum,
-                           OnPacket& on_packet) {
-    if (sum.update(info.crc_extra).value() != received_crc(bytes)) {
-      ++stats_.crc_errors;
-      ++stats_.skipped_bytes;
-      return 1;
-    }
+  void deliver(std::span<const std::uint8_t> bytes, OnPacket& on_packet) {
     const auto packet = view_packet(bytes);
     if (has_unknown_flag(packet)) {
       ++stats_.incompatible;
@@ -225,7 +241,6 @@ class PacketParser {
       ++stats_.packets;
       on_packet(packet);
     }
-    return bytes.size();
   }
 
   template <class OnUnknown>
@@ -241,8 +256,7 @@ class PacketParser {
     return (packet.incompat_flags & ~unsigned{kIncompatSigned}) != 0;
   }
 
-  // --- candidates that wait for more bytes or overlap
-  // ----------------------------------------------
+  // --- candidates that wait for more bytes or overlap --------------------------------------------
   //
   //   held_:  . . . [w . . w . . . | c . . . . . ] . . .
   //                  ^begin_        ^scan_        ^end_
@@ -261,6 +275,9 @@ class PacketParser {
     read_end_ = running_end_ = 0;
   }
 
+  /// Whether a callback threw while held bytes were decided about.
+  bool was_left() const { return end_ > 0 && decision_at_ == end_; }
+
   std::span<const std::uint8_t> held(std::size_t from) const {
     return {held_.data() + from, end_ - from};
   }
@@ -277,13 +294,16 @@ class PacketParser {
       std::memcpy(held_.data() + end_, bytes.data(), taken);
     }
     end_ += taken;
+    bytes = bytes.subspan(taken);
+    unread_ = bytes.size();
     if (end_ == decision_at_) decide_held(on_packet, on_unknown);
-    return bytes.subspan(taken);
+    return bytes;
   }
 
   /// Searches the held bytes as far as they go, and drops those that nothing waits for.
   template <class OnPacket, class OnUnknown>
   void decide_held(OnPacket& on_packet, OnUnknown& on_unknown) {
+    decision_at_ = end_;
     auto scan_end = end_ + 1;
     while (true) {
       const auto skipped = bytes_before_start(held(scan_));
@@ -298,8 +318,11 @@ class PacketParser {
           break;
         }
         const auto packet = rest.first(candidate.need);
-        scan_ += judge_packet(*candidate.info, packet, held_sum(packet), on_packet);
-        continue;
+        if (is_right(*candidate.info, packet, held_sum(packet))) {
+          scan_ += packet.size();
+          deliver(packet, on_packet);
+          continue;
+        }
       }
       if (candidate.kind == Kind::kUnknown) {
         waiting_[scan_] = true;
@@ -389,6 +412,7 @@ class PacketParser {
   UnknownPolicy policy_;
   Stats stats_;
   std::size_t begin_{}, scan_{}, end_{};
+  std::size_t unread_{};
   std::size_t decision_at_{};  ///< end_ at which something can be decided
   std::size_t read_end_{};     ///< bytes behind it were read for no checksum
   std::size_t running_end_{};  ///< last element of running_ that is computed

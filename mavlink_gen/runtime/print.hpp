@@ -13,11 +13,26 @@
 #include "mavlink_gen/runtime/enum_text.hpp"
 #include "mavlink_gen/runtime/message.hpp"
 
-/// Messages as JSON and as text. Include the dialect's enum_text.hpp before: enum values are
-/// printed by name. Nothing is allocated: the text goes in pieces to a sink,
+/// Messages as JSON and as text. Enum values are printed by name, so the dialect's enum_text.hpp
+/// must be included. Nothing is allocated: the text goes in pieces to a sink,
 /// void(std::string_view).
 namespace cas::mav {
 namespace detail {
+
+template <class T>
+inline constexpr bool kPrints = !std::is_enum_v<T> || HasEnumText<T>;
+template <class T, std::size_t n>
+inline constexpr bool kPrints<std::array<T, n>> = kPrints<T>;
+
+/// Whether the names of all enums in a message are at hand.
+template <class Message>
+constexpr bool prints() {
+  constexpr Message kNone{};
+  bool all = true;
+  Message::for_each_field([&]<class T>(const FieldInfo&, const T&) { all = all && kPrints<T>; },
+                          kNone);
+  return all;
+}
 
 template <class T, class Sink>
 void write_number(T value, Sink& sink) {
@@ -159,35 +174,43 @@ void write_text_value(const std::array<T, n>& values, Sink& sink) {
 /// without a name as they are, NaN and infinity as null.
 template <class Message, class Sink>
 void write_json(const Message& message, Sink&& sink) {
-  sink(std::string_view("{\"message\":\""));
-  sink(Message::kName);
-  sink(std::string_view("\""));
-  Message::for_each_field(
-      [&](const FieldInfo& field, const auto& value) {
-        sink(std::string_view(",\""));
-        sink(field.name);
-        sink(std::string_view("\":"));
-        detail::write_json_value(value, sink);
-      },
-      message);
-  sink(std::string_view("}"));
+  static_assert(detail::prints<Message>(),
+                "enums are printed by name: include mavlink/<dialect>/enum_text.hpp");
+  if constexpr (detail::prints<Message>()) {
+    sink(std::string_view("{\"message\":\""));
+    sink(std::string_view(Message::kName));
+    sink(std::string_view("\""));
+    Message::for_each_field(
+        [&](const FieldInfo& field, const auto& value) {
+          sink(std::string_view(",\""));
+          sink(std::string_view(field.name));
+          sink(std::string_view("\":"));
+          detail::write_json_value(value, sink);
+        },
+        message);
+    sink(std::string_view("}"));
+  }
 }
 
 /// `ATTITUDE time_boot_ms=5 ms roll=0.1 rad ...`: enums by name, units as in the XML.
 template <class Message, class Sink>
 void write_text(const Message& message, Sink&& sink) {
-  sink(Message::kName);
-  Message::for_each_field(
-      [&](const FieldInfo& field, const auto& value) {
-        sink(std::string_view(" "));
-        sink(field.name);
-        sink(std::string_view("="));
-        detail::write_text_value(value, sink);
-        if (field.units.empty()) return;
-        sink(std::string_view(" "));
-        sink(field.units);
-      },
-      message);
+  static_assert(detail::prints<Message>(),
+                "enums are printed by name: include mavlink/<dialect>/enum_text.hpp");
+  if constexpr (detail::prints<Message>()) {
+    sink(std::string_view(Message::kName));
+    Message::for_each_field(
+        [&](const FieldInfo& field, const auto& value) {
+          sink(std::string_view(" "));
+          sink(std::string_view(field.name));
+          sink(std::string_view("="));
+          detail::write_text_value(value, sink);
+          if (field.units.empty()) return;
+          sink(std::string_view(" "));
+          sink(std::string_view(field.units));
+        },
+        message);
+  }
 }
 
 /// A sink over a buffer of the caller: what does not fit is cut, and complete() says so.

@@ -13,7 +13,8 @@ namespace {
 using namespace cas::mav::xml;
 using cas::test::TemporaryFolder;
 
-/// A dialect with one fault. '@' in the text marks the place that the diagnostic must name.
+/// A dialect with one fault. '@' in the text marks the place that the
+/// diagnostic must name.
 struct BadDialect {
   const char* name;
   std::string text;
@@ -25,8 +26,12 @@ void PrintTo(const BadDialect& dialect, std::ostream* out) { *out << dialect.tex
 
 std::string in_mavlink(const std::string& body) { return "<mavlink>\n" + body + "\n</mavlink>\n"; }
 
-std::string in_enum(const std::string& entries) {
-  return in_mavlink("<enums>\n <enum name=\"E\">\n  " + entries + "\n </enum>\n</enums>");
+std::string in_enum(const std::string& entries, const std::string& fields = "") {
+  std::string body = "<enums>\n <enum name=\"E\">\n  " + entries + "\n </enum>\n</enums>";
+  if (!fields.empty()) {
+    body += "\n<messages>\n <message id=\"1\" name=\"M\">\n" + fields + "</message></messages>";
+  }
+  return in_mavlink(body);
 }
 
 std::string in_message(const std::string& fields) {
@@ -150,13 +155,16 @@ INSTANTIATE_TEST_SUITE_P(
         BadDialect{"BinaryWithATwo", in_enum("<entry @value=\"0b12\" name=\"A\"/>"),
                    "no enum value"},
         BadDialect{"NoValueAboveTheHighest",
-                   in_enum("<entry value=\"0xFFFFFFFFFFFFFFFF\" name=\"A\"/>@<entry name=\"B\"/>"),
+                   in_enum("<entry value=\"0xFFFFFFFFFFFFFFFF\" "
+                           "name=\"A\"/>@<entry name=\"B\"/>"),
                    "none is left"},
         BadDialect{"NameTwice",
-                   in_enum("<entry value=\"1\" name=\"A\"/>\n  @<entry value=\"2\" name=\"A\"/>"),
+                   in_enum("<entry value=\"1\" name=\"A\"/>\n  @<entry "
+                           "value=\"2\" name=\"A\"/>"),
                    "the entry A is already at"},
         BadDialect{"ValueTwice",
-                   in_enum("<entry value=\"1\" name=\"A\"/>\n  @<entry value=\"0x1\" name=\"B\"/>"),
+                   in_enum("<entry value=\"1\" name=\"A\"/>\n  @<entry "
+                           "value=\"0x1\" name=\"B\"/>"),
                    "the value 1 of E is already that of A"},
         BadDialect{"NoTypeHoldsAll",
                    in_mavlink("<enums>@<enum name=\"E\"><entry value=\"-1\" name=\"A\"/>"
@@ -176,7 +184,8 @@ INSTANTIATE_TEST_SUITE_P(
                    "parameter 1 stands twice"},
         BadDialect{"ColumnsCountCharacters",
                    in_mavlink("<enums><enum name=\"E\"><description>\xC3\xA4\xE2\x82\xAC"
-                              "</description><entry @value=\"x\" name=\"A\"/></enum></enums>"),
+                              "</description><entry @value=\"x\" "
+                              "name=\"A\"/></enum></enums>"),
                    "no enum value"}),
     kName);
 
@@ -255,6 +264,28 @@ INSTANTIATE_TEST_SUITE_P(
         BadDialect{"FieldInWrongPlace", in_messages("@" + kField), "not allowed in <messages>"},
         BadDialect{"UnknownEnum", in_message("@<field type=\"uint8_t\" name=\"a\" enum=\"NONE\"/>"),
                    "there is no enum NONE", Severity::kWarning},
+        BadDialect{"HighestValueDoesNotFit",
+                   in_enum("<entry value=\"131072\" name=\"A\"/>",
+                           "@<field type=\"uint16_t\" name=\"a\" enum=\"E\"/>"),
+                   "a is uint16_t, but the highest value of E is 131072: it "
+                   "stays a number",
+                   Severity::kWarning},
+        BadDialect{"LowestValueDoesNotFit",
+                   in_enum("<entry value=\"-1\" name=\"A\"/>",
+                           "@<field type=\"uint8_t\" name=\"a\" enum=\"E\"/>"),
+                   "a is uint8_t, but the lowest value of E is -1: it stays a number",
+                   Severity::kWarning},
+        BadDialect{"ValueNeedsTheSignsBit",
+                   in_enum("<entry value=\"128\" name=\"A\"/>",
+                           "@<field type=\"int8_t\" name=\"a\" enum=\"E\"/>"),
+                   "a is int8_t, but the highest value of E is 128", Severity::kWarning},
+        BadDialect{"NoTypeHoldsBothFields",
+                   in_enum("<entry value=\"1\" name=\"A\"/>",
+                           "<field type=\"uint64_t\" name=\"a\" enum=\"E\"/>\n"
+                           "@<field type=\"int8_t\" name=\"b\" enum=\"E\"/>"),
+                   "b is int8_t, but E is in fields of uint64_t as well: it "
+                   "stays a number",
+                   Severity::kWarning},
         BadDialect{"VersionFieldWithoutVersion",
                    in_message("@<field type=\"uint8_t_mavlink_version\" name=\"a\"/>"),
                    "the file has no <version>", Severity::kWarning}),
@@ -281,7 +312,8 @@ TEST(Diagnostics, ChainOfIncludesLeadsToTheFault) {
   EXPECT_EQ(diagnostics.render(),
             "in file included from " + root + "/middle.xml:2:1\n" +  //
                 "                 from " + root + "/outer.xml:3:1\n" + root +
-                "/sub/inner.xml:4:10: error: unknown type 'floot'; did you mean float?\n");
+                "/sub/inner.xml:4:10: error: unknown type 'floot'; did you "
+                "mean float?\n");
 }
 
 TEST(Diagnostics, CircleOfIncludesIsNamed) {
@@ -304,6 +336,28 @@ TEST(Diagnostics, ManyErrorsAreCountedNotKept) {
   EXPECT_EQ(diagnostics.error_count(), 5000U);
   EXPECT_EQ(diagnostics.all().size(), Diagnostics::kMaxKept);
   EXPECT_NE(diagnostics.render().find("4900 more errors"), std::string::npos);
+}
+
+TEST(Diagnostics, SuggestionsEndWithTheDiagnosticsThatAreKept) {
+  const TemporaryFolder folder;
+  std::string misspelt;
+  for (int i = 0; i < 150; ++i) {
+    const std::string number = std::to_string(i);
+    misspelt += "<message id=\"" + number + "\" name=\"M" + number +
+                "\"><field type=\"uint8_t\" name=\"a\" "
+                "enum=\"COLOUR_KINT\"/></message>\n";
+  }
+  const auto file =
+      folder.write("bad.xml", in_mavlink("<enums><enum name=\"COLOUR_KIND\"/></enums>\n<messages>" +
+                                         misspelt + "</messages>"));
+  Diagnostics diagnostics;
+  EXPECT_TRUE(load_dialect(file, diagnostics));
+  EXPECT_EQ(diagnostics.warning_count(), 150U);
+  ASSERT_EQ(diagnostics.all().size(), Diagnostics::kMaxKept);
+  EXPECT_NE(diagnostics.all().back().text.find("did you mean COLOUR_KIND?"), std::string::npos);
+  EXPECT_NE(diagnostics.render().find("50 more warnings are not shown"), std::string::npos);
+  EXPECT_EQ(diagnostics.suggest(Severity::kWarning, "COLOUR_KINT", {"COLOUR_KIND"}), "");
+  EXPECT_NE(diagnostics.suggest(Severity::kError, "COLOUR_KINT", {"COLOUR_KIND"}), "");
 }
 
 TEST(Diagnostics, MissingFileIsAnError) {

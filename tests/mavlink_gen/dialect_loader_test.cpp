@@ -17,15 +17,18 @@ namespace {
 
 using namespace cas::mav::xml;
 
-Dialect load(const std::filesystem::path& file) {
+Dialect load(const std::filesystem::path& file, std::size_t warnings = 0) {
   Diagnostics diagnostics;
   auto dialect = load_dialect(file, diagnostics);
-  EXPECT_EQ(diagnostics.render(), "");
+  EXPECT_EQ(diagnostics.error_count(), 0U) << diagnostics.render();
+  EXPECT_EQ(diagnostics.warning_count(), warnings) << diagnostics.render();
   return dialect.value_or(Dialect{});
 }
 
 Dialect every_construct() {
-  return load(cas::test::source_dir() + "/tests/mavlink_gen/dialects/every_construct.xml");
+  constexpr std::size_t kUnfitFields = 2;  // CRANE_BEAT.state, CRANE_STATUS.narrow
+  return load(cas::test::source_dir() + "/tests/mavlink_gen/dialects/every_construct.xml",
+              kUnfitFields);
 }
 
 const Entry* entry(const Dialect& dialect, const char* enum_name, const std::string& name) {
@@ -150,7 +153,8 @@ TEST(OurDialect, IsTheFactsOfTheMessagesWeSpeak) {
 TEST(PublicDialects, AreReadWithTheLayoutOfTheRoutingTable) {
   const char* folder = std::getenv("CAS_MAVLINK_DEFINITIONS");
   if (folder == nullptr) GTEST_SKIP() << "CAS_MAVLINK_DEFINITIONS names no folder";
-  const auto dialect = load(std::filesystem::path(folder) / "all.xml");
+  constexpr std::size_t kUnfitFields = 1;  // GIMBAL_DEVICE_INFORMATION.cap_flags
+  const auto dialect = load(std::filesystem::path(folder) / "all.xml", kUnfitFields);
   std::size_t compared = 0;
   for (const auto& message : dialect.messages) {
     const auto* info = cas::mav::public_table().find(message.id);

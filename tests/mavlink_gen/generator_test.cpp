@@ -40,8 +40,7 @@ struct Outcome {
   std::string output;  // of both streams
 };
 
-Outcome run(const std::string& arguments) {
-  const std::string command = cas::test::binary_dir() + "/bin/mavlink_gen " + arguments + " 2>&1";
+Outcome shell(const std::string& command) {
   Outcome outcome;
   auto* pipe = ::popen(command.c_str(), "r");
   char buffer[4096];
@@ -50,6 +49,10 @@ Outcome run(const std::string& arguments) {
   }
   outcome.code = WEXITSTATUS(::pclose(pipe));
   return outcome;
+}
+
+Outcome run(const std::string& arguments) {
+  return shell(cas::test::binary_dir() + "/bin/mavlink_gen " + arguments + " 2>&1");
 }
 
 struct NameCase {
@@ -137,7 +140,8 @@ TEST(Docs, ShowFieldsEnumsAndParameters) {
   EXPECT_EQ(page.find("<markup>"), std::string::npos) << "text must not become HTML";
 }
 
-// --- diff ----------------------------------------------------------------------------------------
+// --- diff
+// ----------------------------------------------------------------------------------------
 
 struct ChangeCase {
   const char* name;
@@ -199,17 +203,18 @@ INSTANTIATE_TEST_SUITE_P(
                    "E_TWO removed"},
         ChangeCase{"EntryAdded", "</enum>", "<entry value=\"9\" name=\"E_NINE\"/></enum>",
                    Impact::kCompatible, "E_NINE added"},
-        ChangeCase{
-            "MessageAdded", "</messages>",
-            "<message id=\"8\" name=\"N\"><field type=\"char\" name=\"a\"/></message></messages>",
-            Impact::kCompatible, "N: added"}),
+        ChangeCase{"MessageAdded", "</messages>",
+                   "<message id=\"8\" name=\"N\"><field type=\"char\" "
+                   "name=\"a\"/></message></messages>",
+                   Impact::kCompatible, "N: added"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(Diff, SameDialectHasNoChange) {
   EXPECT_TRUE(gen::compare(load(kCommon), load(kCommon)).empty());
 }
 
-// --- the program ---------------------------------------------------------------------------------
+// --- the program
+// ---------------------------------------------------------------------------------
 
 TEST(Program, ExitCodesSayWhatHappened) {
   const TemporaryFolder folder;
@@ -230,6 +235,83 @@ TEST(Program, ExitCodesSayWhatHappened) {
   EXPECT_EQ(run("--version").code, 0);
 }
 
+/// Compiles and runs one source with a folder of headers.
+Outcome compile_and_run(const std::filesystem::path& folder, const std::string& source) {
+  const TemporaryFolder work;
+  const auto file = work.write("use.cpp", source).string();
+  const auto program = (work.path() / "use").string();
+  return shell(CAS_CXX " -std=c++20 -fno-exceptions -Wall -Wextra -Werror -I" + folder.string() +
+               " -o " + program + ' ' + file + " 2>&1 && " + program);
+}
+
+const std::string kSendAndReceive = R"(
+int main() {
+  using namespace cas::mav;
+  namespace tiny = mavlink::tiny;
+  Encoder encode_packet({.system = 1, .component = 1});
+  int heartbeats = 0;
+  PacketParser parser(tiny::table());
+  parser.feed(encode_packet(tiny::Heartbeat{.type = tiny::MavType::kQuadrotor}),
+              [&](const PacketView& packet) { heartbeats += decode<tiny::Heartbeat>(packet)->type ==
+                                                            tiny::MavType::kQuadrotor; });
+  write_text(tiny::Heartbeat{}, [](std::string_view) {});
+  return heartbeats == 1 ? 0 : 1;
+})";
+
+TEST(Program, FolderWithTheRuntimeNeedsTheStandardLibraryAlone) {
+  const TemporaryFolder folder;
+  const auto outcome = run("generate --with-runtime --only HEARTBEAT --name tiny --out " +
+                           folder.path().string() + ' ' + kCommon);
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const auto built = compile_and_run(folder.path(), R"(#include "mavlink/tiny/all.hpp"
+#include "mavlink/tiny/enum_text.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/runtime/print.hpp"
+)" + kSendAndReceive);
+  EXPECT_EQ(built.code, 0) << built.output;
+}
+
+TEST(Program, OneHeaderHoldsADialectAndMeetsThatOfAnother) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"tiny", "other"}) {
+    const auto outcome = run("generate --single --only HEARTBEAT --name " + name + " --out " +
+                             folder.path().string() + ' ' + kCommon);
+    ASSERT_EQ(outcome.code, 0) << outcome.output;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "mavlink_gen"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "mavlink/tiny"));
+  const auto built = compile_and_run(folder.path(), R"(#include "mavlink/other.hpp"
+#include "mavlink/tiny.hpp"
+static_assert(mavlink::other::Heartbeat::kId == 0);
+)" + kSendAndReceive);
+  EXPECT_EQ(built.code, 0) << built.output;
+}
+
+TEST(Program, ForgottenEnumTextIsOneReadableError) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run("generate --with-runtime --only HEARTBEAT --out " + folder.path().string() + ' ' +
+                kCommon)
+                .code,
+            0);
+  const auto built = compile_and_run(folder.path(), R"(#include "mavlink/common/heartbeat.hpp"
+#include "mavlink_gen/runtime/print.hpp"
+int main() { cas::mav::write_text(mavlink::common::Heartbeat{}, [](std::string_view) {}); })");
+  EXPECT_NE(built.code, 0);
+  const auto error = built.output.find("error:");
+  ASSERT_NE(error, std::string::npos) << built.output;
+  EXPECT_NE(built.output.find("include mavlink/<dialect>/enum_text.hpp"), std::string::npos)
+      << built.output;
+  EXPECT_EQ(built.output.find("error:", error + 1), std::string::npos) << built.output;
+}
+
+TEST(Program, NamesOfTheXmlAreFoundInTheCode) {
+  const auto files = gen::write_cpp(load(kCommon), "common");
+  const auto& enums = files.at("mavlink/common/enums.hpp");
+  EXPECT_NE(enums.find("kNavTakeoff = 22,  // MAV_CMD_NAV_TAKEOFF\n"), std::string::npos);
+  EXPECT_NE(enums.find("enum class MavResult : std::uint8_t {  // MAV_RESULT\n"),
+            std::string::npos);
+}
+
 TEST(Program, FaultyInputWritesNothing) {
   const TemporaryFolder folder;
   const auto bad = folder.write("bad.xml", "<mavlink><messages><x/></messages></mavlink>").string();
@@ -248,6 +330,11 @@ TEST(Program, StrictTakesWarningsForErrors) {
       folder.write("w.xml", "<mavlink><enums><enum name=\"E\" colour=\"red\"/></enums></mavlink>");
   EXPECT_EQ(run("check " + file.string()).code, 0);
   EXPECT_EQ(run("check --strict " + file.string()).code, 1);
+  const auto unfit = run("check --strict " + kDialects + "every_construct.xml");
+  EXPECT_EQ(unfit.code, 1);
+  EXPECT_NE(unfit.output.find("narrow is uint16_t, but the highest value of WIDE_FLAGS"),
+            std::string::npos)
+      << unfit.output;
 }
 
 }  // namespace

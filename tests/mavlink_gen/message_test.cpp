@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <sstream>
 #include <string>
 #include <type_traits>
 
@@ -162,7 +164,7 @@ TEST(Message, MetadataIsThereAtCompileTime) {
   static_assert(common::table().find("HIL_SENSOR")->id == 107);
   static_assert(common::table().find(107)->crc_extra == common::HilSensor::kCrcExtra);
   static_assert(common::table().find(9999) == nullptr);
-  static_assert(common::HilSensor::kFields[0].units == "us");
+  static_assert(common::HilSensor::kFields<>[0].units == "us");
   static_assert(name_of(common::MavResult::kDenied) == "MAV_RESULT_DENIED");
   static_assert(std::is_aggregate_v<common::HilSensor>);
 }
@@ -282,6 +284,31 @@ TEST(Quantity, OutOfRangeIsHeldAtTheLimit) {
   EXPECT_EQ(position.vx, std::numeric_limits<std::int16_t>::max());
   position.set_vx_m_s(-1000);
   EXPECT_EQ(position.vx, std::numeric_limits<std::int16_t>::min());
+}
+
+TEST(EnumText, EveryEnumIsFoundByNameAlsoOneThatNoFieldHas) {
+  const auto* item = common::find_enum("MAV_VTOL_STATE");  // of a command's parameter alone
+  ASSERT_NE(item, nullptr);
+  EXPECT_EQ(item->name, "MAV_VTOL_STATE");
+  EXPECT_FALSE(item->entries.empty());
+  EXPECT_EQ(common::find_enum("MAV_VTOL_STAT"), nullptr);
+  EXPECT_TRUE(std::ranges::is_sorted(common::enums(), {}, &EnumInfo::name));
+  static_assert(common::find_enum("MAV_CMD")->entries.size() > 10);
+}
+
+TEST(TextView, TradesWithTheStandardsTexts) {
+  static_assert(TextView("abc") == "abc" && "abc" == TextView("abc") && TextView("abc") != "ab");
+  static_assert(std::string_view(TextView("abc")) == "abc");
+  static_assert(TextView("abcd", 2) == std::string_view("ab"));
+  static_assert(TextView().empty() && TextView("HIL_GPS").starts_with("HIL_"));
+  static_assert(!TextView("HIL").starts_with("HIL_"));
+  const std::string text(common::Heartbeat::kName);
+  EXPECT_EQ(text, common::Heartbeat::kName);
+  const std::string_view view = TextView(text);
+  EXPECT_EQ(view.data(), text.data());
+  std::ostringstream out;
+  out << common::Heartbeat::kName << '.';
+  EXPECT_EQ(out.str(), "HEARTBEAT.");
 }
 
 TEST(EnumText, EntriesAreFoundByNameAndCommandsKnowTheirParameters) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 #include "mavlink/common/all.hpp"
@@ -174,6 +175,48 @@ TEST(PacketParser, FindsInHostileBytesWhatThePlainestSearchFinds) {
   }
   EXPECT_GT(packets, 3000U);
   EXPECT_GT(unknown, 500U);
+}
+
+TEST(PacketParser, CallbackThatThrowsEachTimeGetsEachPacketOnce) {
+  const auto stream = hostile_stream(3);
+  const auto expected = receive(stream, stream.size(), common::table(), true);
+  ASSERT_FALSE(expected.packets.empty() || expected.unknown.empty());
+  for (const std::size_t chunk :
+       {stream.size(), std::size_t{1}, std::size_t{8}, std::size_t{301}}) {
+    Received received;
+    PacketParser parser(common::table());
+    const auto keep = [](std::vector<Bytes>& into) {
+      return [&into](const PacketView& view) {
+        into.emplace_back(view.bytes.begin(), view.bytes.end());
+        throw std::runtime_error("of the callback");
+      };
+    };
+    const auto feed = [&](std::span<const std::uint8_t> bytes) {
+      while (true) {
+        try {
+          return parser.feed(bytes, keep(received.packets), keep(received.unknown));
+        } catch (const std::runtime_error&) {
+          bytes = bytes.last(parser.unread());
+        }
+      }
+    };
+    for (std::size_t i = 0; i < stream.size(); i += chunk) {
+      feed(std::span(stream).subspan(i, std::min(chunk, stream.size() - i)));
+    }
+    const auto flushed = [&] {
+      try {
+        parser.flush(keep(received.packets), keep(received.unknown));
+      } catch (const std::runtime_error&) {
+        return false;
+      }
+      return true;
+    };
+    while (!flushed()) continue;
+    EXPECT_EQ(received.packets, expected.packets) << "chunks of " << chunk;
+    EXPECT_EQ(received.unknown, expected.unknown) << "chunks of " << chunk;
+    EXPECT_EQ(parser.stats().skipped_bytes, expected.stats.skipped_bytes);
+    EXPECT_EQ(parser.unread(), 0U);
+  }
 }
 
 TEST(PacketParser, NoBytesCostMoreThanTwoReadsAndThreeHeadersEach) {

@@ -20,7 +20,7 @@ namespace every = mavlink::every_construct;
 namespace nasty = mavlink::nasty_names;
 
 TEST(TestDialects, SeveralDialectsLiveInOneProgram) {
-  EXPECT_EQ(every::table().all().size(), 3U);
+  EXPECT_EQ(every::table().all().size(), 4U);
   EXPECT_EQ(nasty::table().all().size(), 12U);
   EXPECT_EQ(mavlink::common::table().all().size(), 90U);
 }
@@ -51,12 +51,38 @@ TEST(TestDialects, ConstantIsFilledByTheEncoder) {
   EXPECT_EQ(decode<every::CraneBeat>(view_packet(buffer.view()))->protocol, 7);
 }
 
-TEST(TestDialects, EnumOnANarrowFieldKeepsTheFieldsBits) {
-  every::CraneStatus status{.narrow = static_cast<every::WideFlags>(0xFFFF'FFFF'1234)};
+template <class Status>
+constexpr bool kTakesWideFlags = requires(Status status) {
+  status.narrow = every::WideFlags{};
+};
+
+TEST(TestDialects, FieldTooNarrowForItsEnumIsANumberThatNoFlagIsAssignedTo) {
+  static_assert(std::is_same_v<decltype(every::CraneStatus::narrow), std::uint16_t>);
+  static_assert(!kTakesWideFlags<every::CraneStatus>);
+  EXPECT_EQ(every::CraneStatus::kFields<>[0].enum_name, "WIDE_FLAGS") << "of which it is, it says";
   PacketBuffer buffer;
-  buffer.size = encode(status, {1, 1}, 0, buffer.bytes);
-  EXPECT_EQ(decode<every::CraneStatus>(view_packet(buffer.view()))->narrow,
-            static_cast<every::WideFlags>(0x1234));
+  buffer.size = encode(every::CraneStatus{.narrow = 0x1234}, {1, 1}, 0, buffer.bytes);
+  EXPECT_EQ(decode<every::CraneStatus>(view_packet(buffer.view()))->narrow, 0x1234);
+}
+
+TEST(TestDialects, EnumOfASignedFieldReadsItsNegativeValues) {
+  static_assert(std::is_same_v<std::underlying_type_t<every::Outcome>, std::int16_t>,
+                "in a field of int8_t and in one of uint8_t");
+  PacketBuffer buffer;
+  const every::CraneReport sent{
+      .outcome = static_cast<every::Outcome>(-1),
+      .wanted = static_cast<every::Outcome>(255),
+      .outcomes = {every::Outcome::kDone, static_cast<every::Outcome>(-2)}};
+  buffer.size = encode(sent, {1, 1}, 0, buffer.bytes);
+  const auto packet = view_packet(buffer.view());
+  const auto received = decode<every::CraneReport>(packet);
+  EXPECT_EQ(static_cast<int>(received->outcome), -1);
+  EXPECT_EQ(static_cast<int>(received->wanted), 255);
+  EXPECT_EQ(*received, sent);
+  EXPECT_EQ(static_cast<int>(view_as<every::CraneReport>(packet)->outcome()), -1);
+  std::string text;
+  write_text(*received, [&](std::string_view piece) { text += piece; });
+  EXPECT_EQ(text, "CRANE_REPORT outcome=-1 wanted=255 outcomes=[OUTCOME_DONE -2]");
 }
 
 TEST(TestDialects, EnumsHaveTheWidthOfTheirValues) {
@@ -71,8 +97,9 @@ TEST(TestDialects, EnumsHaveTheWidthOfTheirValues) {
 
 TEST(TestDialects, UnitsOfTheWireBecomePlainOnes) {
   every::AllTypes message{.u8 = 90, .i8 = -3, .u64 = 1'500'000};
-  EXPECT_DOUBLE_EQ(message.u8_deg(), 180.0);  // deg/2: half degrees of a full circle in a byte
-  EXPECT_DOUBLE_EQ(message.i8_m_s(), -0.6);   // m/s*5: fifths
+  EXPECT_DOUBLE_EQ(message.u8_deg(),
+                   180.0);                   // deg/2: half degrees of a full circle in a byte
+  EXPECT_DOUBLE_EQ(message.i8_m_s(), -0.6);  // m/s*5: fifths
   EXPECT_DOUBLE_EQ(message.u64_s(), 1.5);
   message.set_i8_m_s(1.0);
   message.set_u64_s(0.25);
@@ -86,7 +113,7 @@ TEST(TestDialects, CollidingNamesGetAnUnderscore) {
   message.errno_ = 3;
   message.NULL_ = 4;
   EXPECT_TRUE(has(message.class_, nasty::Class::kClass));
-  EXPECT_EQ(nasty::Namespace::kFields[0].name, "class");
+  EXPECT_EQ(nasty::Namespace::kFields<>[0].name, "class");
   nasty::Std other{.out = 1, .in = 2, .message = 3, .value = 4};
   other.set_speed_m_s_(2.5);
   EXPECT_EQ(other.speed, 250);

@@ -168,7 +168,8 @@ TEST_F(Parameters, ARefusalAnswersWithTheValueInForceAndSaysWhy) {
     EXPECT_EQ(answer->param_value, before) << reason;
     const auto text = emulator_.next<Statustext>();
     ASSERT_TRUE(text);
-    EXPECT_NE(mav::text(text->text).find(reason), std::string_view::npos) << mav::text(text->text);
+    EXPECT_NE(std::string_view(mav::text(text->text)).find(reason), std::string_view::npos)
+        << mav::text(text->text);
   };
   expect_refused(1e6F, MavParamType::kReal32, "out of range");
   expect_refused(NAN, MavParamType::kReal32, "out of range");

@@ -130,8 +130,8 @@ class Peer final {
   void send_random() {
     Message message;
     // Some packets end in zeros, for the truncation.
-    std::size_t kept = random_() % 2 == 0 ? 1 + random_() % std::size(Message::kFields)
-                                          : std::size(Message::kFields);
+    std::size_t kept = random_() % 2 == 0 ? 1 + random_() % std::size(Message::template kFields<>)
+                                          : std::size(Message::template kFields<>);
     Message::for_each_field(
         [&](const FieldInfo& field, auto& value) {
           if (field.name == "mavlink_version" || kept == 0) return;
