@@ -1,28 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Install rules and the exported package, in the components common, casd, sim and dev: find_package(cas) gives cas::base, cas::sim_api, cas::sim,
-# cas::mavlink, cas_add_plugin() and cas_mavlink_generate().
+# Install rules and the exported packages, in the components common, casd, sim, dev and mavlink: find_package(cas) gives cas::base, cas::sim_api,
+# cas::sim, cas_add_plugin() and all of find_package(cas_mavlink).
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cas)
 
-install(TARGETS cas_base cas_sim_api cas_sim cas_mavlink EXPORT cas-targets
+install(TARGETS cas_base cas_sim_api cas_sim EXPORT cas-targets
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT common NAMELINK_COMPONENT dev
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas)
 install(TARGETS cas_sim_sdf LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT common NAMELINK_SKIP)
-install(TARGETS mavlink_gen EXPORT cas-targets
-        RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT dev)
 install(TARGETS casd casctl RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT casd)
 install(TARGETS hilsim fcu_emulator hils RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT sim)
 
-foreach(folder base libsim/api libsim/core mavlink_gen/runtime)
+foreach(folder base libsim/api libsim/core)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas/${folder} COMPONENT dev
           FILES_MATCHING PATTERN "*.hpp" PATTERN "ode" EXCLUDE)
 endforeach()
 include(CasForward)
-install(DIRECTORY ${CAS_MAVLINK_INCLUDE_DIR}/mavlink DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas
-        COMPONENT dev)
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/plugins/example_plugin/
         DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/examples/airspeed COMPONENT dev
@@ -36,5 +32,24 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/casConfig.cmake.in
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/casConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/casConfig.cmake ${PROJECT_BINARY_DIR}/casConfigVersion.cmake
-              ${PROJECT_SOURCE_DIR}/cmake/CasPlugin.cmake ${PROJECT_SOURCE_DIR}/cmake/CasMavlink.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/CasPlugin.cmake
         DESTINATION ${package_dir} COMPONENT dev)
+
+# The MAVLink library is a package of its own, which needs nothing else of the project: find_package(cas_mavlink) gives
+# cas::mavlink_runtime, cas::mavlink, cas::mavlink_parser and cas_mavlink_generate().
+set(mavlink_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cas_mavlink)
+install(TARGETS cas_mavlink_runtime cas_mavlink cas_mavlink_parser mavlink_gen EXPORT cas-mavlink-targets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT mavlink
+        RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT mavlink
+        INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/mavlink_gen/runtime ${PROJECT_SOURCE_DIR}/mavlink_gen/parser
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas/mavlink_gen COMPONENT mavlink FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY ${CAS_MAVLINK_INCLUDE_DIR}/mavlink DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas COMPONENT mavlink)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/mavlink_gen/dialects/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/mavlink
+        COMPONENT mavlink FILES_MATCHING PATTERN "*.xml")
+install(EXPORT cas-mavlink-targets NAMESPACE cas:: DESTINATION ${mavlink_package_dir} COMPONENT mavlink)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/cas_mavlinkConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/cas_mavlinkConfig.cmake ${PROJECT_SOURCE_DIR}/cmake/CasMavlink.cmake
+              ${PROJECT_BINARY_DIR}/cas_mavlinkConfigVersion.cmake
+        DESTINATION ${mavlink_package_dir} COMPONENT mavlink)

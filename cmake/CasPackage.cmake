@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Debian packages by CPack: cas-common (libraries, shipped configuration), casd (with casctl), cas-sim (hilsim with its
-# plugins, hils, fcu_emulator), cas-dev and python3-cas. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
+# plugins, hils, fcu_emulator), cas-dev,
+# cas-mavlink-dev and python3-cas. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
 set(debian ${PROJECT_SOURCE_DIR}/packaging/debian)
 set(exactly "(= ${PROJECT_VERSION})")
 
@@ -29,7 +30,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/examples DESTINATION /usr/share/d
 # What each package has in /usr/share/doc.
 set(changelog ${PROJECT_BINARY_DIR}/changelog.gz)
 execute_process(COMMAND gzip -9nc ${debian}/changelog OUTPUT_FILE ${changelog} COMMAND_ERROR_IS_FATAL ANY)
-foreach(pair common:cas-common casd:casd sim:cas-sim dev:cas-dev python:python3-cas)
+foreach(pair common:cas-common casd:casd sim:cas-sim dev:cas-dev mavlink:cas-mavlink-dev python:python3-cas)
   string(REPLACE ":" ";" pair ${pair})
   list(GET pair 0 component)
   list(GET pair 1 package)
@@ -46,7 +47,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL common casd sim dev python)
+set(CPACK_COMPONENTS_ALL common casd sim dev mavlink python)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGE_NAME cas)
@@ -82,11 +83,17 @@ hilsim simulates vehicles, sensors and weather as plugins; fcu_emulator is a
 flight controller on a pseudo-terminal; hils flies experiments with both, or
 with a real Pixhawk, measures and judges them.")
 
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "cas-common ${exactly}, libeigen3-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "cas-common ${exactly}, cas-mavlink-dev ${exactly}, libeigen3-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "headers and CMake package of CAS
-What it takes to build a plugin for the simulator outside of its tree, and
-the generator of MAVLink codecs.")
+What it takes to build a plugin for the simulator outside of its tree.")
+
+set(CPACK_DEBIAN_MAVLINK_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_MAVLINK_PACKAGE_SUGGESTS "g++, cmake, libexpat1-dev")
+set(CPACK_COMPONENT_MAVLINK_DESCRIPTION "MAVLink for C++20: generator of codecs, runtime, parser
+mavlink_gen turns dialects into headers that need the standard library alone;
+with them come a receiver, signing, a dialect that is generated already, and
+a library that reads dialects while a program runs (with libexpat1-dev).")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)

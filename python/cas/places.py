@@ -17,7 +17,7 @@ SERVICE_FOLDER = Path("/run/cas")
 
 def program(name: str) -> str:
     """The path of a program of CAS: in the folder that CAS_BIN names, else on PATH. Raises ProgramMissing."""
-    package = {"casd": "casd", "casctl": "casd", "mavlink_gen": "cas-dev"}.get(name, "cas-sim")
+    package = {"casd": "casd", "casctl": "casd", "mavlink_gen": "cas-mavlink-dev"}.get(name, "cas-sim")
     folder = os.environ.get("CAS_BIN")
     if folder:
         path = Path(folder) / name
