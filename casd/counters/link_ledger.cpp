@@ -39,13 +39,6 @@ bool take_number(std::string_view& line, Number& number) {
   return error == std::errc{} && end == cell.data() + cell.size();
 }
 
-std::optional<DropCause> parse_cause(std::string_view word) {
-  for (int i = 0; i < kDropCauses; ++i) {
-    if (to_string(static_cast<DropCause>(i)) == word) return static_cast<DropCause>(i);
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 void write_link_ledgers(const std::filesystem::path& file,
@@ -80,8 +73,9 @@ std::map<std::string, LinkLedger> read_link_ledgers(const std::filesystem::path&
     } else if (event == "sent") {
       ledger.sent_.push_back(entry);
     } else {
-      const auto cause =
-          event.starts_with(kDropped) ? parse_cause(event.substr(kDropped.size())) : std::nullopt;
+      const auto cause = event.starts_with(kDropped)
+                             ? kDropCauseWords.find(event.substr(kDropped.size()))
+                             : std::nullopt;
       good = good && cause.has_value();
       entry.cause = cause.value_or(DropCause::kAge);
       ledger.dropped_.push_back(entry);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "base/enum_words.hpp"
+
 namespace cas::casd {
 
 /// Slot of a link in the router, 0..63. A link keeps its slot for life, also over a reload.
@@ -21,21 +23,9 @@ constexpr LinkMask bit(LinkId link) { return LinkMask{1} << link; }
 enum class LinkType : std::uint8_t { kUdp, kUdpServer, kSerial, kTcp, kTcpServer, kTlog };
 /// The word of a topology: "udp", "udp_server", ...
 constexpr std::string_view to_string(LinkType type) {
-  switch (type) {
-    case LinkType::kUdp:
-      return "udp";
-    case LinkType::kUdpServer:
-      return "udp_server";
-    case LinkType::kSerial:
-      return "serial";
-    case LinkType::kTcp:
-      return "tcp";
-    case LinkType::kTcpServer:
-      return "tcp_server";
-    case LinkType::kTlog:
-      return "tlog";
-  }
-  return "?";
+  constexpr base::EnumWords<LinkType::kTlog> kWords{"udp", "udp_server", "serial",
+                                                    "tcp", "tcp_server", "tlog"};
+  return kWords[type];
 }
 
 }  // namespace cas::casd

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "base/enum_words.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_gps.hpp"
@@ -65,19 +66,9 @@ TrafficClass classify(std::uint32_t message_id) {
 }
 
 std::string_view to_string(TrafficClass traffic) {
-  switch (traffic) {
-    case TrafficClass::kCommand:
-      return "command";
-    case TrafficClass::kHil:
-      return "hil";
-    case TrafficClass::kGps:
-      return "gps";
-    case TrafficClass::kSetpoint:
-      return "setpoint";
-    case TrafficClass::kTelemetry:
-      return "telemetry";
-  }
-  return "?";
+  constexpr base::EnumWords<TrafficClass::kTelemetry> kWords{"command", "hil", "gps", "setpoint",
+                                                             "telemetry"};
+  return kWords[traffic];
 }
 
 std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
 #include "casd/station/param_exchange.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -121,24 +122,12 @@ void CallParams::finish() const {
 }
 
 std::string result_word(MavResult result) {
-  switch (result) {
-    case MavResult::kAccepted:
-      return "ACCEPTED";
-    case MavResult::kTemporarilyRejected:
-      return "TEMPORARILY_REJECTED";
-    case MavResult::kDenied:
-      return "DENIED";
-    case MavResult::kUnsupported:
-      return "UNSUPPORTED";
-    case MavResult::kFailed:
-      return "FAILED";
-    case MavResult::kInProgress:
-      return "IN_PROGRESS";
-    case MavResult::kCancelled:
-      return "CANCELLED";
-    default:
-      return "RESULT_" + std::to_string(static_cast<unsigned>(result));
-  }
+  constexpr base::EnumWords<MavResult::kCancelled> kWords{
+      "ACCEPTED", "TEMPORARILY_REJECTED", "DENIED",   "UNSUPPORTED",
+      "FAILED",   "IN_PROGRESS",          "CANCELLED"};
+  return result <= MavResult::kCancelled
+             ? std::string(kWords[result])
+             : "RESULT_" + std::to_string(static_cast<unsigned>(result));
 }
 
 std::string_view severity_word(MavSeverity severity) {

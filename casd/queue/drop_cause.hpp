@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "base/enum_words.hpp"
+
 namespace cas::casd {
 
 /// Why a packet did not go out.
@@ -16,8 +18,9 @@ enum class DropCause : std::uint8_t {
   kUnsignable,  ///< its checksum fits no message, so that it cannot be signed
   kSuperseded,  ///< a newer setpoint of its stream took its place
 };
-inline constexpr int kDropCauses = 7;
-/// "age", "bandwidth", ...
-std::string_view to_string(DropCause cause);
+inline constexpr base::EnumWords<DropCause::kSuperseded> kDropCauseWords{
+    "age", "bandwidth", "queue_full", "closed", "stalled", "unsignable", "superseded"};
+inline constexpr int kDropCauses = kDropCauseWords.kCount;
+constexpr std::string_view to_string(DropCause cause) { return kDropCauseWords[cause]; }
 
 }  // namespace cas::casd

@@ -7,6 +7,7 @@
 
 #include "base/config/config.hpp"
 #include "base/earth/frames.hpp"
+#include "base/enum_words.hpp"
 #include "base/os/write_file.hpp"
 #include "base/rpc/server.hpp"
 
@@ -56,18 +57,10 @@ Json vector_json(const Eigen::Vector3d& v) {
   return out;
 }
 
-std::string landed_word(LandedState landed) {
-  switch (landed) {
-    case LandedState::kOnGround:
-      return "on_ground";
-    case LandedState::kTakingOff:
-      return "taking_off";
-    case LandedState::kInAir:
-      return "in_air";
-    case LandedState::kLanding:
-      return "landing";
-  }
-  return "";
+std::string_view landed_word(LandedState landed) {
+  constexpr base::EnumWords<LandedState::kLanding> kWords{"on_ground", "taking_off", "in_air",
+                                                          "landing"};
+  return kWords[landed];
 }
 
 Json status_json(EmulatorView& view) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include "base/enum_words.hpp"
+
 namespace cas::hils {
 
 /// What no flight may do, whatever its limits.
@@ -20,19 +22,9 @@ inline constexpr std::array kIncidentKinds{IncidentKind::kGround, IncidentKind::
 
 /// The word in a scenario's `allow` and in summary.json.
 constexpr std::string_view to_string(IncidentKind kind) {
-  switch (kind) {
-    case IncidentKind::kGround:
-      return "ground";
-    case IncidentKind::kCrash:
-      return "crash";
-    case IncidentKind::kAttitude:
-      return "attitude";
-    case IncidentKind::kFlyaway:
-      return "flyaway";
-    case IncidentKind::kStrike:
-      return "strike";
-  }
-  return "?";
+  constexpr base::EnumWords<IncidentKind::kStrike> kWords{"ground", "crash", "attitude", "flyaway",
+                                                          "strike"};
+  return kWords[kind];
 }
 
 }  // namespace cas::hils

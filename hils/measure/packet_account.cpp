@@ -9,6 +9,8 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "base/enum_words.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -103,23 +105,12 @@ Point point_of(std::string name, const casd::LinkLedger::Entries& entries, std::
 }
 
 std::string drop_words(casd::DropCause cause) {
-  switch (cause) {
-    case casd::DropCause::kAge:
-      return "too old in casd's queue";
-    case casd::DropCause::kBandwidth:
-      return "too old in casd's queue, under the link's max_bytes_s";
-    case casd::DropCause::kQueueFull:
-      return "casd's queue was full";
-    case casd::DropCause::kClosed:
-      return "the link was down";
-    case casd::DropCause::kStalled:
-      return "the peer stopped reading";
-    case casd::DropCause::kUnsignable:
-      return "casd could not sign it";
-    case casd::DropCause::kSuperseded:
-      return "a newer setpoint took its place";
-  }
-  return "?";
+  constexpr base::EnumWords<casd::DropCause::kSuperseded> kWords{
+      "too old in casd's queue",        "too old in casd's queue, under the link's max_bytes_s",
+      "casd's queue was full",          "the link was down",
+      "the peer stopped reading",       "casd could not sign it",
+      "a newer setpoint took its place"};
+  return std::string(kWords[cause]);
 }
 
 /// Why a packet is lost on a hop that has no ledger of its own.

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "base/enum_words.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -21,17 +23,9 @@ bool has(const Measurement& figures, StepKind kind) {
 }
 
 std::string shape_name(fcu::PatternShape shape) {
-  switch (shape) {
-    case fcu::PatternShape::kCircle:
-      return "circle";
-    case fcu::PatternShape::kFigureEight:
-      return "figure eight";
-    case fcu::PatternShape::kSteps:
-      return "step response";
-    case fcu::PatternShape::kNone:
-      break;
-  }
-  return "trajectory";
+  constexpr base::EnumWords<fcu::PatternShape::kSteps> kWords{"trajectory", "circle",
+                                                              "figure eight", "step response"};
+  return std::string(kWords[shape]);
 }
 
 std::string kind_of(const Measurement& figures) {

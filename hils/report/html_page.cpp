@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "base/enum_words.hpp"
 #include "hils/report/plot.hpp"
 
 namespace cas::hils {
@@ -56,27 +57,14 @@ pre{overflow-x:auto;font-size:12px;line-height:1.35}
 )";
 
 std::string_view css_class(HtmlPage::Mood mood) {
-  switch (mood) {
-    case HtmlPage::Mood::kGood:
-      return "good";
-    case HtmlPage::Mood::kBad:
-      return "bad";
-    case HtmlPage::Mood::kNeutral:
-      break;
-  }
-  return "neutral";
+  constexpr base::EnumWords<HtmlPage::Mood::kNeutral> kWords{"good", "bad", "neutral"};
+  return kWords[mood];
 }
 
 std::string_view row_tag(HtmlPage::Row look) {
-  switch (look) {
-    case HtmlPage::Row::kQuiet:
-      return "<tr class=\"quiet\">";
-    case HtmlPage::Row::kMissed:
-      return "<tr class=\"missed\">";
-    case HtmlPage::Row::kPlain:
-      break;
-  }
-  return "<tr>";
+  constexpr base::EnumWords<HtmlPage::Row::kMissed> kTags{"<tr>", "<tr class=\"quiet\">",
+                                                          "<tr class=\"missed\">"};
+  return kTags[look];
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include <set>
 #include <string>
 
+#include "base/enum_words.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
@@ -111,28 +112,14 @@ void read_sys_hitl(Session& session, DoctorFacts& facts) {
   }
 }
 
-const char* word(Health health) {
-  switch (health) {
-    case Health::kGood:
-      return "good";
-    case Health::kWarning:
-      return "warning";
-    case Health::kBad:
-      return "bad";
-  }
-  return "?";
+std::string_view word(Health health) {
+  constexpr base::EnumWords<Health::kBad> kWords{"good", "warning", "bad"};
+  return kWords[health];
 }
 
-const char* mark(Health health) {
-  switch (health) {
-    case Health::kGood:
-      return "  ok   ";
-    case Health::kWarning:
-      return "  warn ";
-    case Health::kBad:
-      return "  BAD  ";
-  }
-  return "?";
+std::string_view mark(Health health) {
+  constexpr base::EnumWords<Health::kBad> kMarks{"  ok   ", "  warn ", "  BAD  "};
+  return kMarks[health];
 }
 
 int examine(Session& session, double seconds) {
@@ -144,7 +131,7 @@ int examine(Session& session, double seconds) {
   for (const Finding& finding : findings) {
     all.push_back(
         {{"health", word(finding.health)}, {"what", finding.what}, {"remedy", finding.remedy}});
-    text += mark(finding.health) + finding.what + "\n";
+    text.append(mark(finding.health)).append(finding.what).append("\n");
     if (!finding.remedy.empty()) text += "         -> " + finding.remedy + "\n";
   }
   text += ill ? "Not ready to fly: see the lines marked BAD, the first one first: those below may "
