@@ -16,7 +16,7 @@ const browser = await chromium.launch({
 const shots = [
   {name: 'replay-1280', width: 1280, height: 800, colorScheme: 'light'},
   {name: 'replay-dark-1280', width: 1280, height: 800, colorScheme: 'dark'},
-  {name: 'replay-400', width: 400, height: 1800, colorScheme: 'dark'},
+  {name: 'replay-400', width: 400, height: 900, colorScheme: 'dark'},
   {name: 'replay-1920', width: 1920, height: 1080, colorScheme: 'dark'},
 ];
 for (const {name, width, height, colorScheme} of shots) {
@@ -25,7 +25,7 @@ for (const {name, width, height, colorScheme} of shots) {
   page.on('console', (message) => message.type() === 'error' && console.error(name, message.text()));
   page.on('pageerror', (error) => console.error(name, error.message));
   await page.goto(`file://${resolve(file)}`);
-  await page.waitForFunction(() => window.__cas?.scene().frames > 2, null, {timeout: 60_000});
+  await page.waitForFunction(() => window.__cas?.scene().frames > 2, null, {timeout: 240_000});
   if (time) {
     // To the moment by the scrubber's own way: seconds from the start.
     await page.keyboard.press('Home');
@@ -33,7 +33,7 @@ for (const {name, width, height, colorScheme} of shots) {
     for (let t = 0; t < Math.round(Number(time) % 10); ++t) await page.keyboard.press('ArrowRight');
   }
   await page.waitForTimeout(1500);
-  await page.screenshot({path: join(folder, `${name}.png`)});
+  await page.screenshot({path: join(folder, `${name}.png`), fullPage: width < 640});
   await page.close();
 }
 await browser.close();

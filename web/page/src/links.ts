@@ -134,7 +134,8 @@ class Links extends Part {
     const forward = (from: string) => bench.links?.forward_us?.find((each) => each.from === from);
     const pair = (from: string) => {
       const us = forward(from);
-      return us ? `${Math.round(us.p50)} · ${Math.round(us.p99)} µs` : '–';
+      if (!us) return '–';
+      return us.p99 < 10 ? 'under 10 µs' : `${Math.round(us.p50)} · ${Math.round(us.p99)} µs`;
     };
     const missing = (name: string) => bench.programs.some((each) => each.name === name && each.state !== 'up');
     const out = this.hop('casd', 'fcu');

@@ -46,7 +46,7 @@ interface RecordVehicle {
   scene?: SceneVehicle;
   passed?: boolean;
   checks?: Check[];
-  stages?: Stage[];
+  stages?: (Stage & {step?: string})[];
   faults?: Span[];
   events?: {t_s: number; kind: Happening['kind']; text: string; by?: string; before?: number | null; after?: number | null}[];
   responses?: StepResponse[];
@@ -291,14 +291,17 @@ export class VehicleRecord {
     return field ? {t: attitude!.t, v: field.values.map((value) => value * kDegrees)} : undefined;
   }
 
-  /** Distance of the truth from the reference. */
+  /** Distance of the truth from the reference, between climb and the end of what was measured. */
   private error(): Series | undefined {
     const truth = this.truth;
     if (!truth || !this.reference) return undefined;
+    const stages = this.raw.stages ?? [];
+    const begin_s = stages.find((stage) => stage.step === 'takeoff')?.end_s ?? 0;
+    const end_s = stages.find((stage) => stage.measured)?.end_s ?? Infinity;
     const v = new Float64Array(truth.t!.length).fill(NaN);
     for (let i = 0; i < v.length; ++i) {
       const ref = this.referenceAt(truth.t![i]!);
-      if (!ref) continue;
+      if (!ref || truth.t![i]! < begin_s || truth.t![i]! > end_s) continue;
       v[i] = Math.hypot(truth.y![i]! - ref.p_W[0], truth.x![i]! - ref.p_W[1], truth.z![i]! - ref.p_W[2]);
     }
     return {t: truth.t!, v};
