@@ -3,6 +3,9 @@
 add_library(cas_options INTERFACE)
 target_include_directories(cas_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(cas_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
+  target_compile_options(cas_options INTERFACE -Wthread-safety)  # base/os/mutex.hpp
+endif()
 if(CAS_WERROR)
   target_compile_options(cas_options INTERFACE -Werror)
 endif()

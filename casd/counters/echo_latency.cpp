@@ -40,7 +40,7 @@ void EchoLatency::on_controls(std::uint64_t key, std::uint8_t system, base::RunT
   const bool found = sent.key.load(std::memory_order_acquire) == key;
   const std::int64_t at_ns = sent.at_ns.load(std::memory_order_acquire);
   const bool matched = found && sent.key.load(std::memory_order_relaxed) == key;
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   if (!vehicles_.contains(system) && vehicles_.size() == kMaxVehicles) return;
   Vehicle& vehicle = vehicles_[system];
   if (matched) {
@@ -57,7 +57,7 @@ std::size_t EchoLatency::slot_of(std::uint64_t key) {
 }
 
 std::vector<EchoLatency::Figures> EchoLatency::figures() const {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   std::vector<Figures> all;
   for (const auto& [system, vehicle] : vehicles_) {
     all.push_back({.system = system,

@@ -5,10 +5,10 @@
 #include <atomic>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <vector>
 
 #include "base/measure/histogram.hpp"
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
@@ -51,8 +51,8 @@ class EchoLatency {
   static std::size_t slot_of(std::uint64_t key);
 
   std::array<Sent, kSlots> sent_;
-  mutable std::mutex mutex_;
-  std::map<std::uint8_t, Vehicle> vehicles_;
+  mutable base::Mutex mutex_;
+  std::map<std::uint8_t, Vehicle> vehicles_ CAS_GUARDED_BY(mutex_);
 };
 
 }  // namespace cas::casd

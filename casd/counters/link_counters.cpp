@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "base/enum_words.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
@@ -107,7 +108,7 @@ void read_tx(const LinkCounters& link, LinkStatus& status) {
   base::Histogram forwarding;
   std::vector<std::pair<LinkId, base::Histogram>> routes;
   {
-    std::unique_lock lock(tx.mutex);
+    base::MutexLock lock(tx.mutex);
     const std::size_t count = tx.routes.routes();
     lock.unlock();
     routes.reserve(count);
@@ -128,46 +129,39 @@ void read_tx(const LinkCounters& link, LinkStatus& status) {
 }  // namespace
 
 std::string_view to_string(LinkState state) {
-  switch (state) {
-    case LinkState::kOpening:
-      return "opening";
-    case LinkState::kUp:
-      return "up";
-    case LinkState::kDown:
-      return "down";
-  }
-  return "?";
+  constexpr base::EnumWords<LinkState::kDown> kWords{"opening", "up", "down"};
+  return kWords[state];
 }
 
 std::span<const LinkCounterRow> link_counter_rows() { return kRows; }
 
 void LinkCounters::set_endpoint(std::string text) {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   endpoint_ = std::move(text);
 }
 
 std::string LinkCounters::endpoint() const {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   return endpoint_;
 }
 
 void LinkCounters::set_signing_file(std::string file) {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   signing_file_ = std::move(file);
 }
 
 std::string LinkCounters::signing_file() const {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   return signing_file_;
 }
 
 void LinkCounters::set_future_signature(const FutureSignature& signature) {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   future_signature_ = signature;
 }
 
 std::optional<FutureSignature> LinkCounters::future_signature() const {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   return future_signature_;
 }
 
@@ -179,7 +173,7 @@ void LinkCounters::count_refused(Route::Decision why, const PacketInfo& info, un
 void LinkCounters::count_sent(std::span<const PacketRef> packets, base::RunTime now,
                               base::RunTime done) {
   std::size_t bytes = 0;
-  const std::scoped_lock lock(tx.mutex);
+  const base::MutexLock lock(tx.mutex);
   for (const PacketRef& packet : packets) {
     bytes += packet.bytes.size();
     tx.messages.add(packet.info->message_id, packet.info->source, now);
@@ -194,7 +188,7 @@ void LinkCounters::count_sent(std::span<const PacketRef> packets, base::RunTime 
 
 void LinkCounters::count_dropped(const PacketInfo& info, DropCause cause, base::RunTime now) {
   const auto index = static_cast<std::size_t>(cause);
-  const std::scoped_lock lock(tx.mutex);
+  const base::MutexLock lock(tx.mutex);
   tx.dropped[index].add();
   tx.dropped_messages[index].add(info.message_id, info.source, info.received);
   if (ledger) ledger->dropped(info, cause, now);

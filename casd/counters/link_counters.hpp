@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "base/measure/histogram.hpp"
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "casd/counters/link_ledger.hpp"
 #include "casd/packet/link_id.hpp"
@@ -177,9 +177,11 @@ struct LinkCounters {
     std::array<Counter, kDropCauses> dropped;
     std::array<MessageCounters, kDropCauses> dropped_messages;
     MessageCounters messages;
-    base::Histogram forwarding;  ///< read to written; read it through LinkFigures
-    RouteLatency routes;         ///< the same by receiving link
-    mutable std::mutex mutex;
+    mutable base::Mutex mutex;
+    /// Read to written; read it through LinkFigures.
+    base::Histogram forwarding CAS_GUARDED_BY(mutex);
+    /// The same by receiving link.
+    RouteLatency routes CAS_GUARDED_BY(mutex);
   } tx;
 
   /// A received packet was not forwarded, or not to all that its route names.
@@ -201,10 +203,10 @@ struct LinkCounters {
   std::optional<FutureSignature> future_signature() const;
 
  private:
-  mutable std::mutex mutex_;
-  std::string endpoint_;
-  std::string signing_file_;
-  std::optional<FutureSignature> future_signature_;
+  mutable base::Mutex mutex_;
+  std::string endpoint_ CAS_GUARDED_BY(mutex_);
+  std::string signing_file_ CAS_GUARDED_BY(mutex_);
+  std::optional<FutureSignature> future_signature_ CAS_GUARDED_BY(mutex_);
 };
 
 /// A link as `casd.status` and `link.list` report it.

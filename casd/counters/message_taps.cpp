@@ -6,8 +6,8 @@
 namespace cas::casd {
 
 void MessageTaps::note(const Key& key, const mav::PacketView& packet, base::RunTime now) {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock) return;  // a look may miss a packet; the data path does not wait
+  if (!mutex_.try_lock()) return;  // a look may miss a packet; the data path does not wait
+  const base::MutexLock lock(mutex_, std::adopt_lock);
   const auto look =
       std::find_if(looks_.begin(), looks_.end(), [&](const Look& each) { return each.key == key; });
   if (look == looks_.end()) return;
@@ -19,7 +19,7 @@ void MessageTaps::note(const Key& key, const mav::PacketView& packet, base::RunT
 }
 
 std::optional<MessageTaps::Sample> MessageTaps::look(const Key& key, base::RunTime now) {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   expire(now);
   const auto found =
       std::find_if(looks_.begin(), looks_.end(), [&](const Look& each) { return each.key == key; });

@@ -4,10 +4,10 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -56,11 +56,11 @@ class MessageTaps {
     return std::uint64_t{1} << (message_id & 63U);
   }
   void note(const Key& key, const mav::PacketView& packet, base::RunTime now);
-  void expire(base::RunTime now);
+  void expire(base::RunTime now) CAS_REQUIRES(mutex_);
 
   std::atomic<std::uint64_t> watched_{0};  ///< which message ids, modulo 64
-  std::mutex mutex_;
-  std::vector<Look> looks_;
+  base::Mutex mutex_;
+  std::vector<Look> looks_ CAS_GUARDED_BY(mutex_);
 };
 
 }  // namespace cas::casd

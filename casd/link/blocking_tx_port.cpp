@@ -30,7 +30,7 @@ BlockingTxPort::BlockingTxPort(const TxPortOptions& options, LineDrain drain, Li
 // A line without a rate is written to at once; for a paced one the packets wait in the same queue
 // as in the other thread models, and each turn of the loop writes one.
 void BlockingTxPort::deliver(std::span<const PacketRef> packets, base::RunTime now) {
-  const std::scoped_lock lock(writer_mutex_);
+  const base::MutexLock lock(writer_mutex_);
   if (pacer_.limited()) {
     enqueue(packets, now);
     due_ns_.store(1, std::memory_order_relaxed);  // at once
@@ -43,7 +43,7 @@ void BlockingTxPort::deliver(std::span<const PacketRef> packets, base::RunTime n
 
 // One packet, then the wait until the line is through with it.
 void BlockingTxPort::carry_on(base::RunTime) {
-  const std::scoped_lock lock(writer_mutex_);
+  const base::MutexLock lock(writer_mutex_);
   const base::RunTime start = wait_.now();
   busy_.store(false, std::memory_order_relaxed);
   due_ns_.store(0, std::memory_order_relaxed);
@@ -61,7 +61,7 @@ void BlockingTxPort::carry_on(base::RunTime) {
 void BlockingTxPort::write_or_drop(const PacketRef& packet) {
   if (write_one(packet)) return;
   const base::RunTime now = wait_.now();
-  const bool late = queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_);
+  const bool late = options_.queue.too_late(*packet.info, packet.bytes.size(), now, pacer_);
   const DropCause why = writer_ ? DropCause::kStalled : DropCause::kClosed;
   count_drop(*packet.info, late ? DropCause::kAge : why, now);
 }
@@ -75,7 +75,7 @@ bool BlockingTxPort::write_one(const PacketRef& packet) {
     const bool still = stands_still(now);
     if (write_tail(now)) {
       if (begun) return true;
-      if (queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
+      if (options_.queue.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
       begun = !still && write_some({&packet, 1}, now) == 1;
       if (begun && !has_tail()) return true;
     }

@@ -36,8 +36,8 @@ class BlockingTxPort final : public TxPort {
   void carry_on(base::RunTime now) override;
 
  private:
-  void write_or_drop(const PacketRef& packet);
-  bool write_one(const PacketRef& packet);
+  void write_or_drop(const PacketRef& packet) CAS_REQUIRES(writer_mutex_);
+  bool write_one(const PacketRef& packet) CAS_REQUIRES(writer_mutex_);
 
   const LineDrain drain_;
   LineWait& wait_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/direct_tx_port.hpp"
 
-#include <mutex>
 #include <utility>
 
 namespace cas::casd {
@@ -17,9 +16,9 @@ DirectTxPort::DirectTxPort(const TxPortOptions& options, std::shared_ptr<LinkCou
 
 void DirectTxPort::deliver(std::span<const PacketRef> packets, base::RunTime now) {
   std::size_t done = 0;
-  if (!backlog_.load(std::memory_order_acquire)) {
-    const std::unique_lock lock(writer_mutex_, std::try_to_lock);
-    if (lock && !backlog_.load(std::memory_order_relaxed)) {
+  if (!backlog_.load(std::memory_order_acquire) && writer_mutex_.try_lock()) {
+    const base::MutexLock lock(writer_mutex_, std::adopt_lock);
+    if (!backlog_.load(std::memory_order_relaxed)) {
       const std::span<const PacketRef> fresh = worth_sending(packets, now);
       const std::size_t gone = write_direct(fresh, now);
       if (gone < fresh.size()) enqueue(fresh.subspan(gone), now);
@@ -32,7 +31,7 @@ void DirectTxPort::deliver(std::span<const PacketRef> packets, base::RunTime now
 
 void DirectTxPort::carry_on(base::RunTime now) {
   {
-    const std::scoped_lock lock(writer_mutex_);
+    const base::MutexLock lock(writer_mutex_);
     drain(now);
   }
   pump(now);
@@ -43,8 +42,8 @@ void DirectTxPort::carry_on(base::RunTime now) {
 void DirectTxPort::pump(base::RunTime now) {
   while (anything_queued()) {
     if (wants_room() || held_by_pacer(now) || broken()) return;  // the link's thread carries on
-    const std::unique_lock lock(writer_mutex_, std::try_to_lock);
-    if (!lock) return;
+    if (!writer_mutex_.try_lock()) return;
+    const base::MutexLock lock(writer_mutex_, std::adopt_lock);
     drain(now);
   }
 }
@@ -94,8 +93,8 @@ void DirectTxPort::wait_for_reader(base::RunTime now) {
 // Packets that were taken from the queue and found no room have aged since.
 void DirectTxPort::drop_late_batch(base::RunTime now) {
   if (batch_at_ == batch_.size()) return;
-  const auto late = [&](const PacketRef& packet) {
-    if (!queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
+  const auto late = [&](const PacketRef& packet) CAS_REQUIRES(writer_mutex_) {
+    if (!options_.queue.too_late(*packet.info, packet.bytes.size(), now, pacer_)) return false;
     count_drop(*packet.info, DropCause::kAge, now);
     return true;
   };

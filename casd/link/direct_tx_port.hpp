@@ -28,11 +28,12 @@ class DirectTxPort final : public TxPort {
   void carry_on(base::RunTime now) override;
 
  private:
-  std::size_t write_direct(std::span<const PacketRef> packets, base::RunTime now);
+  std::size_t write_direct(std::span<const PacketRef> packets, base::RunTime now)
+      CAS_REQUIRES(writer_mutex_);
   void pump(base::RunTime now);
-  void drain(base::RunTime now);
-  void wait_for_reader(base::RunTime now);
-  void drop_late_batch(base::RunTime now);
+  void drain(base::RunTime now) CAS_REQUIRES(writer_mutex_);
+  void wait_for_reader(base::RunTime now) CAS_REQUIRES(writer_mutex_);
+  void drop_late_batch(base::RunTime now) CAS_REQUIRES(writer_mutex_);
   bool held_by_pacer(base::RunTime now) const;
 };
 

@@ -35,14 +35,14 @@ LinkLoop::~LinkLoop() { stop(); }
 
 void LinkLoop::start() {
   try {
-    thread_ = std::thread([this] { run(); });
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   } catch (const std::system_error& error) {
     throw base::ConfigError("no thread for links (" + name_ + "): " + error.code().message());
   }
 }
 
 void LinkLoop::stop() {
-  stopping_.store(true, std::memory_order_release);
+  thread_.request_stop();
   signal_.raise();
   if (thread_.joinable()) thread_.join();
   links_.clear();
@@ -50,7 +50,7 @@ void LinkLoop::stop() {
 
 void LinkLoop::add(std::unique_ptr<Link> link) {
   {
-    const std::scoped_lock lock(tasks_mutex_);
+    const base::MutexLock lock(tasks_mutex_);
     // std::function must be copyable, a Link is not.
     auto shared = std::make_shared<std::unique_ptr<Link>>(std::move(link));
     tasks_.emplace_back([this, shared] { links_.push_back(std::move(*shared)); });
@@ -69,7 +69,7 @@ void LinkLoop::run_on_loop(const std::function<void()>& task) {
   const auto done = std::make_shared<std::promise<void>>();
   std::future<void> finished = done->get_future();
   {
-    const std::scoped_lock lock(tasks_mutex_);
+    const base::MutexLock lock(tasks_mutex_);
     tasks_.emplace_back([&task, done] {
       task();
       done->set_value();
@@ -90,11 +90,11 @@ bool LinkLoop::answers(base::RunTime now, base::Duration patience) {
   return last == base::RunTime{} || now - last < patience;
 }
 
-void LinkLoop::run() {
+void LinkLoop::run(const std::stop_token& stop) {
   thread_id_.store(std::this_thread::get_id(), std::memory_order_relaxed);
   base::configure_this_thread("casd:" + name_, scheduling_);
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // pacing counts in parts of a millisecond
-  while (!stopping_.load(std::memory_order_acquire)) {
+  while (!stop.stop_requested()) {
     run_tasks();
     wait(base::steady_now());
     const base::RunTime now = base::steady_now();
@@ -155,7 +155,7 @@ void LinkLoop::wait_in_trouble(int error) {
 void LinkLoop::run_tasks() {
   std::vector<std::function<void()>> tasks;
   {
-    const std::scoped_lock lock(tasks_mutex_);
+    const base::MutexLock lock(tasks_mutex_);
     tasks.swap(tasks_);
   }
   for (const auto& task : tasks) task();

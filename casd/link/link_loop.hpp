@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "base/os/descriptor.hpp"
+#include "base/os/mutex.hpp"
 #include "base/os/thread.hpp"
 #include "base/time/clock.hpp"
 #include "casd/link/link.hpp"
@@ -101,7 +101,7 @@ class LinkLoop {
   bool answers(base::RunTime now, base::Duration patience);
 
  private:
-  void run();
+  void run(const std::stop_token& stop);
   void wait(base::RunTime now);
   void rest_until(base::RunTime end, base::RunTime now);
   std::uint64_t received() const;
@@ -111,16 +111,15 @@ class LinkLoop {
   const std::string name_;
   const base::ThreadOptions scheduling_;
   WakeSignal signal_;
-  std::atomic<bool> stopping_{false};
   std::atomic<std::thread::id> thread_id_{};
   std::atomic<std::int64_t> last_turn_ns_{0};  ///< RunTime; 0 before the first
-  std::mutex tasks_mutex_;
-  std::vector<std::function<void()>> tasks_;
+  base::Mutex tasks_mutex_;
+  std::vector<std::function<void()>> tasks_ CAS_GUARDED_BY(tasks_mutex_);
   std::vector<std::unique_ptr<Link>> links_;
   PollSet poll_set_;
   LookPace pace_;
   bool in_trouble_ = false;  ///< waiting failed, and that was said
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 }  // namespace cas::casd

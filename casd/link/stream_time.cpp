@@ -9,7 +9,7 @@ namespace cas::casd {
 using mavlink::common::HilSensor;
 
 base::RunTime StreamTime::now() const {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   return clock_.now();
 }
 
@@ -20,7 +20,7 @@ bool StreamTime::is_sensor(const mav::PacketView& packet) {
 std::optional<base::RunTime> StreamTime::advance(const mav::PacketView& packet) {
   const std::optional<HilSensor> sensor = mav::decode<HilSensor>(packet);
   if (!sensor) return std::nullopt;
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   clock_.on_sensor(sensor->time_usec);
   const base::RunTime now = clock_.now();
   if (next_turn_ && now < *next_turn_) return std::nullopt;

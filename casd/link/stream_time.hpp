@@ -2,9 +2,9 @@
 #pragma once
 
 #include <functional>
-#include <mutex>
 #include <optional>
 
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/stream_clock.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -36,7 +36,7 @@ class StreamTime {
   template <class BeforeTurn>
   void on_packet(const mav::PacketView& packet, BeforeTurn&& before_turn) {
     if (!enabled() || !is_sensor(packet)) return;
-    const std::scoped_lock turn_lock(turn_mutex_);
+    const base::MutexLock turn_lock(turn_mutex_);
     if (const std::optional<base::RunTime> turn = advance(packet)) {
       before_turn();
       turn_(*turn);
@@ -49,13 +49,13 @@ class StreamTime {
  private:
   static bool is_sensor(const mav::PacketView& packet);
   /// @return the moment of the turn that is due, if any
-  std::optional<base::RunTime> advance(const mav::PacketView& packet);
+  std::optional<base::RunTime> advance(const mav::PacketView& packet) CAS_REQUIRES(turn_mutex_);
 
   Turn turn_;
-  std::mutex turn_mutex_;  ///< one sensor message at a time
-  mutable std::mutex mutex_;
-  base::StreamClock clock_;
-  std::optional<base::RunTime> next_turn_;
+  base::Mutex turn_mutex_;  ///< one sensor message at a time
+  mutable base::Mutex mutex_;
+  base::StreamClock clock_ CAS_GUARDED_BY(mutex_);
+  std::optional<base::RunTime> next_turn_ CAS_GUARDED_BY(mutex_);
 };
 
 }  // namespace cas::casd

@@ -47,14 +47,14 @@ Switchboard::Switchboard(std::shared_ptr<const RoutingPlan> plan, base::Duration
       ports_(std::make_shared<PortTable>()) {}
 
 void Switchboard::set_ports(std::shared_ptr<const PortTable> ports) {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   ports_ = std::move(ports);
   generation_.fetch_add(1, std::memory_order_release);
 }
 
 std::shared_ptr<const PortTable> Switchboard::ports_after(std::uint64_t& generation) {
   if (generation == generation_.load(std::memory_order_acquire)) return nullptr;
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   generation = generation_.load(std::memory_order_relaxed);
   return ports_;
 }

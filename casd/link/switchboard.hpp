@@ -5,9 +5,9 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
+#include "base/os/mutex.hpp"
 #include "casd/counters/echo_latency.hpp"
 #include "casd/counters/message_taps.hpp"
 #include "casd/link/stream_time.hpp"
@@ -66,8 +66,8 @@ class Switchboard {
   EchoLatency echo_;
   StreamTime stream_time_;
   std::atomic<std::uint64_t> generation_{1};
-  std::mutex mutex_;
-  std::shared_ptr<const PortTable> ports_;
+  base::Mutex mutex_;
+  std::shared_ptr<const PortTable> ports_ CAS_GUARDED_BY(mutex_);
 };
 
 }  // namespace cas::casd

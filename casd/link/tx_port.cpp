@@ -33,14 +33,13 @@ TxPort::TxPort(const TxPortOptions& options, base::Duration pacer_slack,
       wake_(std::move(wake)),
       line_check_(options.flow_control),
       standstill_(std::max(options.queue.hil_max_age, kShortestStandstill)),
-      queue_(options.queue, [this](const PacketInfo& info, DropCause cause) {
-        count_drop(info, cause, queue_time_);
-      }) {
+      queue_(options.queue, [this](const PacketInfo& info, DropCause cause) CAS_REQUIRES(
+                                queue_mutex_) { count_drop(info, cause, queue_time_); }) {
   pace(true);
 }
 
 void TxPort::attach(std::unique_ptr<PacketWriter> writer, base::RunTime now, bool has_rate) {
-  const std::scoped_lock lock(writer_mutex_);
+  const base::MutexLock lock(writer_mutex_);
   drop_all(DropCause::kClosed, now);
   writer_ = options_.signing ? options_.signing->wrap(std::move(writer)) : std::move(writer);
   pace(has_rate);
@@ -51,7 +50,7 @@ void TxPort::attach(std::unique_ptr<PacketWriter> writer, base::RunTime now, boo
 }
 
 void TxPort::detach(base::RunTime now, DropCause cause) {
-  const std::scoped_lock lock(writer_mutex_);
+  const base::MutexLock lock(writer_mutex_);
   open_.store(false, std::memory_order_release);
   drop_all(cause, now);
   writer_.reset();
@@ -69,7 +68,7 @@ std::optional<base::RunTime> TxPort::stuck_since() const {
 }
 
 void TxPort::enqueue(std::span<const PacketRef> packets, base::RunTime now) {
-  const std::scoped_lock lock(queue_mutex_);
+  const base::MutexLock lock(queue_mutex_);
   queue_time_ = now;
   const bool open = open_.load(std::memory_order_acquire);
   for (const PacketRef& packet : packets) {
@@ -85,7 +84,7 @@ void TxPort::enqueue(std::span<const PacketRef> packets, base::RunTime now) {
 }
 
 void TxPort::drop_all(DropCause cause, base::RunTime now) {
-  const std::scoped_lock lock(queue_mutex_);
+  const base::MutexLock lock(queue_mutex_);
   queue_time_ = now;
   for (; batch_at_ < batch_.size(); ++batch_at_) count_drop(*batch_[batch_at_].info, cause, now);
   queue_.clear(cause);
@@ -113,7 +112,7 @@ void TxPort::count_drop(const PacketInfo& info, DropCause cause, base::RunTime n
 }
 
 bool TxPort::anything_queued() {
-  const std::scoped_lock lock(queue_mutex_);
+  const base::MutexLock lock(queue_mutex_);
   return !queue_.empty();
 }
 
@@ -171,7 +170,7 @@ bool TxPort::take_batch(base::RunTime now) {
   batch_infos_.clear();
   batch_bytes_.clear();
   batch_at_ = 0;
-  const std::scoped_lock lock(queue_mutex_);
+  const base::MutexLock lock(queue_mutex_);
   if (queue_.empty()) {
     backlog_.store(false, std::memory_order_release);
     return false;
@@ -246,7 +245,7 @@ void TxPort::wait_for_room(base::RunTime now) {
 // meanwhile with a checksum or a signature that is wrong.
 void TxPort::spoil_late_tail(base::RunTime now) {
   if (tail_spoilt_) return;
-  if (!queue_.too_late(tail_info_, tail_packet_.size() - tail_at_, now, pacer_)) return;
+  if (!options_.queue.too_late(tail_info_, tail_packet_.size() - tail_at_, now, pacer_)) return;
   tail_packet_.back() ^= 0xFFU;
   writer_->spoil_rest();
   tail_spoilt_ = true;
@@ -298,7 +297,7 @@ std::span<const PacketRef> TxPort::worth_sending(std::span<const PacketRef> pack
              replaces(*packet.info, newer.bytes, packet.bytes);
     };
     const auto newer = packets.subspan(i + 1);
-    if (queue_.too_late(*packet.info, packet.bytes.size(), now, pacer_)) {
+    if (options_.queue.too_late(*packet.info, packet.bytes.size(), now, pacer_)) {
       count_drop(*packet.info, DropCause::kAge, now);
     } else if (is_setpoint(packet) && std::any_of(newer.begin(), newer.end(), takes_its_place)) {
       count_drop(*packet.info, DropCause::kSuperseded, now);

@@ -4,10 +4,10 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "base/os/mutex.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/link/link.hpp"
 #include "casd/link/standstill.hpp"
@@ -68,29 +68,29 @@ class TxPort : public PacketPort {
   TxPort(const TxPortOptions& options, base::Duration pacer_slack,
          std::shared_ptr<LinkCounters> counters, std::function<void()> wake);
 
-  // Under writer_mutex_:
-
   /// Writes packets to the descriptor and counts them. @return how many are gone or begun
-  std::size_t write_some(std::span<const PacketRef> packets, base::RunTime now);
+  std::size_t write_some(std::span<const PacketRef> packets, base::RunTime now)
+      CAS_REQUIRES(writer_mutex_);
   /// Writes the rest of a begun packet. @return true when none is left
-  bool write_tail(base::RunTime now);
-  bool has_tail() const { return tail_at_ < tail_packet_.size(); }
+  bool write_tail(base::RunTime now) CAS_REQUIRES(writer_mutex_);
+  bool has_tail() const CAS_REQUIRES(writer_mutex_) { return tail_at_ < tail_packet_.size(); }
   /// Fills the batch from the queue. @return false when nothing may be written now
-  bool take_batch(base::RunTime now);
+  bool take_batch(base::RunTime now) CAS_REQUIRES(writer_mutex_);
   /// Whether the pacer lets the next packet out.
-  bool line_ready(base::RunTime now);
-  void drop_all(DropCause cause, base::RunTime now);
+  bool line_ready(base::RunTime now) CAS_REQUIRES(writer_mutex_);
+  void drop_all(DropCause cause, base::RunTime now) CAS_REQUIRES(writer_mutex_);
   /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
-  void wait_for_room(base::RunTime now);
+  void wait_for_room(base::RunTime now) CAS_REQUIRES(writer_mutex_);
   /// Whether the other side has made no way for longer than a HIL packet is worth sending, although
   /// it was given something. What is written then would only grow old where nobody can drop it.
-  bool stands_still(base::RunTime now);
-  base::Duration patience(base::RunTime now) const;
+  bool stands_still(base::RunTime now) CAS_REQUIRES(writer_mutex_);
+  base::Duration patience(base::RunTime now) const CAS_REQUIRES(writer_mutex_);
   /// Cares for a line that stands still. @return when to look at it again
-  base::RunTime tend_still_line(base::RunTime now);
+  base::RunTime tend_still_line(base::RunTime now) CAS_REQUIRES(writer_mutex_);
   /// Of packets that one read brought, those that are worth sending, in their order; good until the
   /// next call.
-  std::span<const PacketRef> worth_sending(std::span<const PacketRef> packets, base::RunTime now);
+  std::span<const PacketRef> worth_sending(std::span<const PacketRef> packets, base::RunTime now)
+      CAS_REQUIRES(writer_mutex_);
 
   // From any thread:
   void enqueue(std::span<const PacketRef> packets, base::RunTime now);
@@ -102,27 +102,29 @@ class TxPort : public PacketPort {
   const std::shared_ptr<LinkCounters> counters_;
   const std::function<void()> wake_;
 
-  // Guarded by writer_mutex_.
-  std::mutex writer_mutex_;
-  std::unique_ptr<PacketWriter> writer_;
-  LinePacer pacer_;
+  base::Mutex writer_mutex_;
+  std::unique_ptr<PacketWriter> writer_ CAS_GUARDED_BY(writer_mutex_);
+  LinePacer pacer_ CAS_GUARDED_BY(writer_mutex_);
   std::atomic<bool> capped_{false};  ///< the pacer holds to the topology's cap, not to the line
-  LineCheck line_check_;
-  std::vector<std::uint8_t> tail_packet_;  ///< the packet that was begun
-  std::size_t tail_at_ = 0;                ///< how much of it is gone
-  PacketInfo tail_info_;
-  bool tail_spoilt_ = false;  ///< its check was made wrong, and it was counted as dropped
-  std::vector<PacketRef> worth_sending_;
-  Standstill standstill_;
-  std::vector<std::uint8_t> batch_bytes_;
-  std::vector<PacketInfo> batch_infos_;
-  std::vector<PacketRef> batch_;  ///< taken from the queue, about to be written
-  std::size_t batch_at_ = 0;
+  LineCheck line_check_ CAS_GUARDED_BY(writer_mutex_);
+  /// The packet that was begun, and how much of it is gone.
+  std::vector<std::uint8_t> tail_packet_ CAS_GUARDED_BY(writer_mutex_);
+  std::size_t tail_at_ CAS_GUARDED_BY(writer_mutex_) = 0;
+  PacketInfo tail_info_ CAS_GUARDED_BY(writer_mutex_);
+  /// Its check was made wrong, and it was counted as dropped.
+  bool tail_spoilt_ CAS_GUARDED_BY(writer_mutex_) = false;
+  std::vector<PacketRef> worth_sending_ CAS_GUARDED_BY(writer_mutex_);
+  Standstill standstill_ CAS_GUARDED_BY(writer_mutex_);
+  std::vector<std::uint8_t> batch_bytes_ CAS_GUARDED_BY(writer_mutex_);
+  std::vector<PacketInfo> batch_infos_ CAS_GUARDED_BY(writer_mutex_);
+  /// Taken from the queue, about to be written.
+  std::vector<PacketRef> batch_ CAS_GUARDED_BY(writer_mutex_);
+  std::size_t batch_at_ CAS_GUARDED_BY(writer_mutex_) = 0;
 
-  // Guarded by queue_mutex_, which may be taken while writer_mutex_ is held, never the other way.
-  std::mutex queue_mutex_;
-  base::RunTime queue_time_{};  ///< of the call that works on the queue
-  TxQueue queue_;
+  // May be taken while writer_mutex_ is held, never the other way.
+  base::Mutex queue_mutex_;
+  base::RunTime queue_time_ CAS_GUARDED_BY(queue_mutex_);  ///< of the call that works on the queue
+  TxQueue queue_ CAS_GUARDED_BY(queue_mutex_);
 
   std::atomic<bool> open_{false};
   std::atomic<bool> backlog_{false};  ///< packets wait: no new one may overtake them
@@ -133,14 +135,17 @@ class TxPort : public PacketPort {
   std::atomic<std::int64_t> busy_since_ns_{0};  ///< 0: not busy
 
  private:
-  void pace(bool has_rate);
-  void settle(std::span<const PacketRef> done, const WriteResult& result, base::RunTime now);
-  void account(std::span<const PacketRef> written, base::RunTime now, base::RunTime done);
-  void take_line(std::span<const PacketRef> written, base::RunTime now);
-  void begin_tail(const PacketRef& packet, std::size_t gone, base::RunTime now);
-  void drop_tail(DropCause cause, base::RunTime now);
-  void spoil_late_tail(base::RunTime now);
-  void wait_for_line();
+  void pace(bool has_rate) CAS_REQUIRES(writer_mutex_);
+  void settle(std::span<const PacketRef> done, const WriteResult& result, base::RunTime now)
+      CAS_REQUIRES(writer_mutex_);
+  void account(std::span<const PacketRef> written, base::RunTime now, base::RunTime done)
+      CAS_REQUIRES(writer_mutex_);
+  void take_line(std::span<const PacketRef> written, base::RunTime now) CAS_REQUIRES(writer_mutex_);
+  void begin_tail(const PacketRef& packet, std::size_t gone, base::RunTime now)
+      CAS_REQUIRES(writer_mutex_);
+  void drop_tail(DropCause cause, base::RunTime now) CAS_REQUIRES(writer_mutex_);
+  void spoil_late_tail(base::RunTime now) CAS_REQUIRES(writer_mutex_);
+  void wait_for_line() CAS_REQUIRES(writer_mutex_);
 };
 
 }  // namespace cas::casd

@@ -73,23 +73,23 @@ void TxQueue::drop_late(base::RunTime now, const LinePacer& line) {
   for (const TrafficClass traffic : {kHil, kGps, kTelemetry}) {
     while (!ring(traffic).empty()) {
       const QueuedPacket oldest = ring(traffic).front();
-      if (!too_late(oldest.info, oldest.bytes.size(), now, line)) break;
+      if (!options_.too_late(oldest.info, oldest.bytes.size(), now, line)) break;
       drop_front(traffic, DropCause::kAge);
     }
   }
   const auto late = [&](const PacketInfo& info, std::size_t size) {
-    return too_late(info, size, now, line);
+    return options_.too_late(info, size, now, line);
   };
   setpoints_.drop_late(late, on_drop_);
 }
 
-bool TxQueue::too_late(const PacketInfo& info, std::size_t size, base::RunTime now,
-                       const LinePacer& line) const {
+bool TxQueueOptions::too_late(const PacketInfo& info, std::size_t size, base::RunTime now,
+                              const LinePacer& line) const {
   if (info.traffic == kCommand) return false;
-  const base::Duration limit = info.traffic == kHil        ? options_.hil_max_age
-                               : info.traffic == kGps      ? options_.gps_max_age
-                               : info.traffic == kSetpoint ? options_.setpoint_max_age
-                                                           : options_.telemetry_max_age;
+  const base::Duration limit = info.traffic == kHil        ? hil_max_age
+                               : info.traffic == kGps      ? gps_max_age
+                               : info.traffic == kSetpoint ? setpoint_max_age
+                                                           : telemetry_max_age;
   // A line so slow that one packet takes most of the limit still gets the newest one.
   const base::Duration allowed = std::max(limit - limit / kGuardDivisor, 2 * line.time_for(size));
   return line.arrival(size, now) - info.received + info.waited > allowed;

@@ -29,6 +29,10 @@ struct TxQueueOptions {
   std::size_t gps_bytes = 32 * 1024;
   std::size_t telemetry_bytes = 256 * 1024;
 
+  /// Would a packet that is handed to `line` now arrive too late?
+  bool too_late(const PacketInfo& info, std::size_t size, base::RunTime now,
+                const LinePacer& line) const;
+
   friend bool operator==(const TxQueueOptions&, const TxQueueOptions&) = default;
 };
 
@@ -56,10 +60,6 @@ class TxQueue {
   std::optional<QueuedPacket> pop(base::RunTime now, const LinePacer& line);
   /// Drops everything: the link went away.
   void clear(DropCause cause);
-
-  /// Would a packet that is handed to `line` now arrive too late?
-  bool too_late(const PacketInfo& info, std::size_t size, base::RunTime now,
-                const LinePacer& line) const;
 
   bool empty() const { return count() == 0; }
   std::size_t count() const;

@@ -19,7 +19,7 @@ DuplicateFilter::DuplicateFilter(base::Duration window) : window_(window), key_(
 
 bool DuplicateFilter::is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now) {
   const std::uint64_t hash = hash_of(packet.bytes);
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   Set& set = sender(packet.source, now).by_sequence[packet.sequence];
   Entry* oldest = &set.front();
   for (Entry& entry : set) {

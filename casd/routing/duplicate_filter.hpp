@@ -4,10 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -46,13 +46,13 @@ class DuplicateFilter {
     base::RunTime last;
     std::array<Set, 256> by_sequence;
   };
-  Sender& sender(mav::Source source, base::RunTime now);
+  Sender& sender(mav::Source source, base::RunTime now) CAS_REQUIRES(mutex_);
   std::uint64_t hash_of(std::span<const std::uint8_t> bytes) const;
 
   const base::Duration window_;
   const std::uint64_t key_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Sender>> senders_;
+  base::Mutex mutex_;
+  std::vector<std::unique_ptr<Sender>> senders_ CAS_GUARDED_BY(mutex_);
 };
 
 }  // namespace cas::casd

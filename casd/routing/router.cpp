@@ -105,7 +105,7 @@ void Router::tick(LinkId link, base::RunTime now) { routes_.expire(link, now); }
 void Router::forget(LinkId link) { routes_.forget(link); }
 
 void Router::replace(std::shared_ptr<const RoutingPlan> plan) {
-  const std::scoped_lock lock(plan_mutex_);
+  const base::MutexLock lock(plan_mutex_);
   plan_ = std::move(plan);
   generation_.fetch_add(1, std::memory_order_release);
 }
@@ -115,7 +115,7 @@ bool Router::passes_unknown(LinkId from) { return (plan_for(from).pass_unknown &
 const RoutingPlan& Router::plan_for(LinkId link) {
   PerLink& own = links_[link];
   if (own.generation != generation_.load(std::memory_order_acquire)) {
-    const std::scoped_lock lock(plan_mutex_);
+    const base::MutexLock lock(plan_mutex_);
     own.plan = plan_;
     own.generation = generation_.load(std::memory_order_relaxed);
     own.limiter = RateLimiter(own.plan->rules.from(link).limits().size());

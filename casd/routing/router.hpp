@@ -6,10 +6,10 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string_view>
 
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/packet/packet_info.hpp"
@@ -100,8 +100,8 @@ class Router {
   std::array<std::unique_ptr<DuplicateFilter>, kMaxGroups> duplicates_;
 
   std::atomic<std::uint64_t> generation_{1};
-  std::mutex plan_mutex_;
-  std::shared_ptr<const RoutingPlan> plan_;
+  base::Mutex plan_mutex_;
+  std::shared_ptr<const RoutingPlan> plan_ CAS_GUARDED_BY(plan_mutex_);
 };
 
 }  // namespace cas::casd

@@ -95,7 +95,7 @@ PacketSigner::PacketSigner(const std::filesystem::path& key_file)
 
 void PacketSigner::begin() {
   if (std::exchange(begun_, true)) return;
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   warn_of_future();
   store(signing_.time() + mav::Signing<>::kMaxLag);
 }
@@ -113,14 +113,14 @@ void PacketSigner::warn_of_future() const {
 
 mav::SignatureVerdict PacketSigner::verify(const mav::PacketView& packet,
                                            mav::SigningTime max_ahead) {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   signing_.advance(signing_clock());
   return signing_.verify(
       packet, [](const mav::PacketView&) { return false; }, max_ahead);
 }
 
 mav::SigningTime PacketSigner::time() {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   return signing_.time();
 }
 
@@ -135,7 +135,7 @@ std::size_t PacketSigner::sign(const mav::PacketView& packet, std::uint8_t link_
     const std::size_t size = as_version_2(packet, extra, converted);
     version_2 = mav::view_packet(std::span(converted).first(size));
   }
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   signing_.advance(signing_clock());
   return signing_.sign(version_2, extra, link_id, out);
 }

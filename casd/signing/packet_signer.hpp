@@ -3,9 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <span>
 
+#include "base/os/mutex.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
 
 namespace cas::casd {
@@ -64,15 +64,15 @@ class PacketSigner {
                    std::span<std::uint8_t, mav::kMaxPacketBytes> out);
 
  private:
-  void warn_of_future() const;
+  void warn_of_future() const CAS_REQUIRES(mutex_);
   void store(mav::SigningTime bound);
 
   const mav::SigningKey key_;
   SigningTimeFile time_file_;
   bool store_failed_ = false;
   bool begun_ = false;
-  std::mutex mutex_;
-  mav::Signing<> signing_;
+  base::Mutex mutex_;
+  mav::Signing<> signing_ CAS_GUARDED_BY(mutex_);
 };
 
 /// CRC_EXTRA of a packet's message, found from its checksum: a router signs and strips packets of

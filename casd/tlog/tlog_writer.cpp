@@ -22,25 +22,16 @@ void tell_nobody(const std::string&, const TlogStatus&) {}
 
 }  // namespace
 
-TlogWriter::~TlogWriter() {
-  stop(tell_nobody);
-  if (!thread_.joinable()) return;
-  {
-    const std::scoped_lock lock(mutex_);
-    ending_ = true;
-  }
-  more_.notify_one();
-  thread_.join();
-}
+TlogWriter::~TlogWriter() { stop(tell_nobody); }
 
 void TlogWriter::start(TlogRecording::Options options, Done done) {
   start_thread();
   {
-    const std::scoped_lock lock(status_mutex_);
+    const base::MutexLock lock(status_mutex_);
     ++beginning_;
   }
   {
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     if (active()) order_end(tell_nobody);
     orders_.push_back({.begin = std::move(options), .rest = {}, .done = std::move(done)});
     set_zero(base::steady_now());
@@ -63,7 +54,7 @@ void TlogWriter::start(TlogRecording::Options options) {
 void TlogWriter::start_thread() {
   if (thread_.joinable()) return;
   try {
-    thread_ = std::thread([this] { run(); });
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   } catch (const std::system_error& error) {
     throw base::ConfigError(std::string("cannot record: no thread for it: ") + error.what());
   }
@@ -71,7 +62,7 @@ void TlogWriter::start_thread() {
 
 void TlogWriter::stand_by() {
   start_thread();
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   stands_by_ = true;
   set_zero(base::steady_now());
   if (!active()) phase_.store(Phase::kStandby, std::memory_order_relaxed);
@@ -79,7 +70,7 @@ void TlogWriter::stand_by() {
 
 void TlogWriter::stop(Done done) {
   {
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     if (active()) {
       order_end(std::move(done));
       phase_.store(stands_by_ ? Phase::kStandby : Phase::kOff, std::memory_order_relaxed);
@@ -96,7 +87,6 @@ void TlogWriter::stop() {
   answer.get_future().wait();
 }
 
-/// With mutex_ held.
 void TlogWriter::order_end(Done done) {
   Order end{.begin = std::nullopt, .rest = take_waiting(), .done = std::move(done)};
   const std::size_t bytes = end.rest.before.size() + end.rest.records.size();
@@ -113,7 +103,7 @@ void TlogWriter::order_end(Done done) {
 
 TlogStatus TlogWriter::status(base::RunTime now) const {
   constexpr base::Duration kPatience = std::chrono::seconds(1);
-  const std::scoped_lock lock(status_mutex_);
+  const base::MutexLock lock(status_mutex_);
   TlogStatus status;
   status.active = true;
   if (beginning_ == 0) status = status_;
@@ -129,7 +119,7 @@ TlogStatus TlogWriter::status(base::RunTime now) const {
 
 void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now) {
   if (!listens()) return;
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   const Phase phase = phase_.load(std::memory_order_relaxed);
   if (phase == Phase::kOff) return;
   const bool full = waiting_.size() + packet.size() > kMaxWaitingBytes;
@@ -146,7 +136,7 @@ void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now)
   append_tlog_record(stamp_of(now), packet, waiting_);
 }
 
-/// With mutex_ held. Threads come a moment after they have read, so not in the order of their
+/// Threads come a moment after they have read, so not in the order of their
 /// times; readers of a log count on times that never go back.
 std::uint64_t TlogWriter::stamp_of(base::RunTime now) {
   const auto us =
@@ -156,7 +146,7 @@ std::uint64_t TlogWriter::stamp_of(base::RunTime now) {
   return newest_us_;
 }
 
-/// With mutex_ held: what the stamps are made from. When the wall clock was set back, what was kept
+/// What the stamps are made from. When the wall clock was set back, what was kept
 /// would lie behind what is to come.
 void TlogWriter::set_zero(base::RunTime now) {
   const std::int64_t before = unix_minus_run_ns_;
@@ -168,7 +158,6 @@ void TlogWriter::set_zero(base::RunTime now) {
   waiting_.clear();
 }
 
-/// With mutex_ held.
 TlogWriter::Load TlogWriter::take_waiting() {
   return {.before = std::exchange(before_, {}),
           .records = std::exchange(waiting_, {}),
@@ -186,7 +175,7 @@ void TlogWriter::write(Load load, base::RunTime now) {
 }
 
 TlogStatus TlogWriter::publish() {
-  const std::scoped_lock lock(status_mutex_);
+  const base::MutexLock lock(status_mutex_);
   status_.active = open_;
   status_.file = recording_.file();
   status_.paused = open_ ? recording_.pause() : "";
@@ -198,23 +187,23 @@ TlogStatus TlogWriter::publish() {
 }
 
 /// Orders first: what waits belongs to the recording that was begun last.
-void TlogWriter::run() {
+void TlogWriter::run(const std::stop_token& stop) {
   for (;;) {
     std::deque<Order> orders;
     Load load;
     {
-      std::unique_lock lock(mutex_);
-      const auto has_orders = [this] { return ending_ || !orders_.empty(); };
-      more_.wait(lock, [&] { return has_orders() || active(); });
-      more_.wait_for(lock, kFlushPeriod, has_orders);
-      if (ending_ && orders_.empty()) return;
+      base::MutexLock lock(mutex_);
+      const auto has_orders = [this]() CAS_REQUIRES(mutex_) { return !orders_.empty(); };
+      more_.wait(lock, stop, [&]() CAS_REQUIRES(mutex_) { return has_orders() || active(); });
+      more_.wait_for(lock, stop, kFlushPeriod, has_orders);
+      if (stop.stop_requested() && orders_.empty()) return;
       orders.swap(orders_);
       ordered_bytes_ = 0;
       if (active()) load = take_waiting();
     }
     const base::RunTime now = base::steady_now();
     {
-      const std::scoped_lock lock(status_mutex_);
+      const base::MutexLock lock(status_mutex_);
       asked_disk_ = now;
     }
     for (; !orders.empty(); orders.pop_front()) {
@@ -222,7 +211,7 @@ void TlogWriter::run() {
     }
     if (open_) write(std::move(load), now);
     publish();
-    const std::scoped_lock lock(status_mutex_);
+    const base::MutexLock lock(status_mutex_);
     asked_disk_.reset();
   }
 }
@@ -251,7 +240,7 @@ void TlogWriter::begin_recording(Order order, bool newest, base::RunTime now) {
   }
   const TlogStatus status = publish();
   {
-    const std::scoped_lock lock(status_mutex_);
+    const base::MutexLock lock(status_mutex_);
     --beginning_;
   }
   order.done(fault, status);
@@ -259,7 +248,7 @@ void TlogWriter::begin_recording(Order order, bool newest, base::RunTime now) {
 
 /// Nothing is recorded, unless somebody has ordered another recording or an end meanwhile.
 void TlogWriter::begin_failed() {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   if (!orders_.empty() || !active()) return;
   phase_.store(stands_by_ ? Phase::kStandby : Phase::kOff, std::memory_order_relaxed);
   if (!stands_by_) take_waiting();

@@ -8,13 +8,13 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "casd/tlog/tlog_recording.hpp"
 
@@ -102,31 +102,31 @@ class TlogWriter {
   };
 
   void start_thread();
-  void run();
+  void run(const std::stop_token& stop);
   void carry_out(Order order, bool newest, base::RunTime now);
   void begin_recording(Order order, bool newest, base::RunTime now);
   void begin_failed();
-  void order_end(Done done);
-  void set_zero(base::RunTime now);
-  std::uint64_t stamp_of(base::RunTime now);
-  Load take_waiting();
+  void order_end(Done done) CAS_REQUIRES(mutex_);
+  void set_zero(base::RunTime now) CAS_REQUIRES(mutex_);
+  std::uint64_t stamp_of(base::RunTime now) CAS_REQUIRES(mutex_);
+  Load take_waiting() CAS_REQUIRES(mutex_);
   void write(Load load, base::RunTime now);
   TlogStatus publish();
 
   std::atomic<Phase> phase_{Phase::kOff};
 
-  mutable std::mutex mutex_;  ///< held for copies only: packets come through it
-  std::deque<Order> orders_;
-  std::size_t ordered_bytes_ = 0;  ///< that ends of recordings wait with
-  bool stands_by_ = false;
-  std::condition_variable more_;
-  std::vector<std::uint8_t> waiting_;
-  std::vector<std::uint8_t> before_;  ///< the stretch before `waiting_`, while it stands by
-  base::RunTime stretch_began_{};
-  std::uint64_t overflowed_ = 0;
-  std::int64_t unix_minus_run_ns_ = 0;  ///< wall clock at run time zero
-  std::uint64_t newest_us_ = 0;         ///< since 1970, of the newest record
-  bool ending_ = false;
+  mutable base::Mutex mutex_;  ///< held for copies only: packets come through it
+  std::deque<Order> orders_ CAS_GUARDED_BY(mutex_);
+  std::size_t ordered_bytes_ CAS_GUARDED_BY(mutex_) = 0;  ///< that ends of recordings wait with
+  bool stands_by_ CAS_GUARDED_BY(mutex_) = false;
+  std::condition_variable_any more_;
+  std::vector<std::uint8_t> waiting_ CAS_GUARDED_BY(mutex_);
+  /// The stretch before `waiting_`, while it stands by.
+  std::vector<std::uint8_t> before_ CAS_GUARDED_BY(mutex_);
+  base::RunTime stretch_began_ CAS_GUARDED_BY(mutex_);
+  std::uint64_t overflowed_ CAS_GUARDED_BY(mutex_) = 0;
+  std::int64_t unix_minus_run_ns_ CAS_GUARDED_BY(mutex_) = 0;  ///< wall clock at run time zero
+  std::uint64_t newest_us_ CAS_GUARDED_BY(mutex_) = 0;         ///< since 1970, of the newest record
 
   // Of the thread that writes.
   TlogRecording recording_;
@@ -134,14 +134,16 @@ class TlogWriter {
   std::uint64_t recorded_ = 0;
   std::uint64_t left_out_ = 0;
 
-  mutable std::mutex status_mutex_;  ///< of a copy that can be read while the disk is slow
-  TlogStatus status_;
-  base::RunTime paused_since_{};
-  int beginning_ = 0;                        ///< recordings that were ordered and have not begun
-  std::optional<base::RunTime> asked_disk_;  ///< since when the disk has not answered
+  mutable base::Mutex status_mutex_;  ///< of a copy that can be read while the disk is slow
+  TlogStatus status_ CAS_GUARDED_BY(status_mutex_);
+  base::RunTime paused_since_ CAS_GUARDED_BY(status_mutex_);
+  /// Recordings that were ordered and have not begun.
+  int beginning_ CAS_GUARDED_BY(status_mutex_) = 0;
+  /// Since when the disk has not answered.
+  std::optional<base::RunTime> asked_disk_ CAS_GUARDED_BY(status_mutex_);
 
   std::optional<std::chrono::nanoseconds> epoch_;
-  std::thread thread_;
+  std::jthread thread_;  ///< the last one: it ends before what it works on
 };
 
 }  // namespace cas::casd

@@ -18,7 +18,7 @@ LocalEndpoint::LocalEndpoint(Switchboard& switchboard, mav::Source self)
 void LocalEndpoint::deliver(std::span<const PacketRef> packets, base::RunTime) {
   bool any = false;
   {
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     for (const PacketRef& packet : packets) {
       if (!concerns_us(*packet.info)) continue;
       any = true;
@@ -31,7 +31,7 @@ void LocalEndpoint::deliver(std::span<const PacketRef> packets, base::RunTime) {
 void LocalEndpoint::dispatch(Station& station, base::RunTime now) {
   signal_.lower();
   {
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     std::swap(waiting_, dispatching_);
   }
   for (; !dispatching_.empty(); dispatching_.pop()) {

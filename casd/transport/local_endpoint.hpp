@@ -3,9 +3,9 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <span>
 
+#include "base/os/mutex.hpp"
 #include "casd/link/ingress.hpp"
 #include "casd/link/link_loop.hpp"
 #include "casd/packet/packet_port.hpp"
@@ -47,8 +47,8 @@ class LocalEndpoint final : public PacketPort {
   std::shared_ptr<LinkCounters> counters_;
   Ingress ingress_;
   WakeSignal signal_;
-  std::mutex mutex_;
-  PacketRing waiting_;
+  base::Mutex mutex_;
+  PacketRing waiting_ CAS_GUARDED_BY(mutex_);
   PacketRing dispatching_;
 };
 

@@ -125,7 +125,7 @@ UdpServerWriter::UdpServerWriter(base::Descriptor descriptor, LinkId own,
       counters_(std::move(counters)) {}
 
 WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
-  const std::scoped_lock lock(peers_->mutex);
+  const base::MutexLock lock(peers_->mutex);
   if (packets.size() == 1) {
     send_to_each(packets.front(), peers_->table.for_packet(*packets.front().info, own_));
   } else {
@@ -365,7 +365,7 @@ void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
 }
 
 std::optional<std::uint8_t> UdpServerLink::admit(std::size_t index, base::RunTime now) {
-  const std::scoped_lock lock(peers_->mutex);
+  const base::MutexLock lock(peers_->mutex);
   if (newest_only_) peers_->table.clear();
   const auto peer = peers_->table.add(reader_.sender(index), reader_.sender_size(index), now);
   core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
@@ -375,7 +375,7 @@ std::optional<std::uint8_t> UdpServerLink::admit(std::size_t index, base::RunTim
 void UdpServerLink::on_second(base::RunTime now) {
   core_.on_second(now);
   if (newest_only_) return;  // the one peer stays: it may only listen
-  const std::scoped_lock lock(peers_->mutex);
+  const base::MutexLock lock(peers_->mutex);
   peers_->table.expire(now);
   core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
 }

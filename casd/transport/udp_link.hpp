@@ -2,8 +2,8 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 
+#include "base/os/mutex.hpp"
 #include "casd/link/link_core.hpp"
 #include "casd/link/tx_port.hpp"
 #include "casd/transport/peer_table.hpp"
@@ -50,7 +50,7 @@ class UdpLink final : public Link {
 /// The peers of a server, shared by the link's thread (which changes them) and the senders.
 struct SharedPeers {
   SharedPeers(int max_peers, base::Duration expiry) : table(max_peers, expiry) {}
-  std::mutex mutex;
+  base::Mutex mutex;
   PeerTable table;
 };
 

@@ -42,15 +42,11 @@ base::Descriptor open_signals() {
 Supervisor::Supervisor()
     : signals_(open_signals()), wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!wake_) throw base::ConfigError("cannot open an eventfd");
-  watcher_ = std::thread([this] { watch(); });
+  watcher_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
 }
 
 Supervisor::~Supervisor() {
-  {
-    const std::scoped_lock lock(mutex_);
-    closing_ = true;
-  }
-  wake();
+  watcher_.request_stop();
   watcher_.join();
   for (const auto& child : children_) child->terminate();
   for (const auto& child : children_) {
@@ -67,13 +63,13 @@ ChildProcess& Supervisor::start(ChildProcess::Options options, base::Duration ti
   auto owned = std::make_unique<ChildProcess>(std::move(options));
   ChildProcess& child = *owned;
   {
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     children_.push_back(std::move(owned));
   }
   wake();
-  std::unique_lock lock(mutex_);
-  const bool in_time =
-      changed_.wait_for(lock, timeout, [&] { return child.ready() || !stopped_.empty(); });
+  base::MutexLock lock(mutex_);
+  const bool in_time = changed_.wait_for(
+      lock, timeout, [&]() CAS_REQUIRES(mutex_) { return child.ready() || !stopped_.empty(); });
   if (!stopped_.empty()) throw RunStopped(stopped_, interrupted_);
   if (!in_time) {
     throw RunStopped(child.name() + " was not ready within " +
@@ -85,18 +81,18 @@ ChildProcess& Supervisor::start(ChildProcess::Options options, base::Duration ti
 }
 
 void Supervisor::check() const {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   if (!stopped_.empty()) throw RunStopped(stopped_, interrupted_);
 }
 
 void Supervisor::wait(base::Duration time) {
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, time, [this] { return !stopped_.empty(); });
+  base::MutexLock lock(mutex_);
+  changed_.wait_for(lock, time, [this]() CAS_REQUIRES(mutex_) { return !stopped_.empty(); });
   if (!stopped_.empty()) throw RunStopped(stopped_, interrupted_);
 }
 
 bool Supervisor::stop(ChildProcess& child, base::Duration patience) {
-  std::unique_lock lock(mutex_);
+  base::MutexLock lock(mutex_);
   expected_to_end_.insert(&child);
   child.terminate();
   const auto ended = [&] { return child.poll_exit().has_value(); };
@@ -109,14 +105,14 @@ bool Supervisor::stop(ChildProcess& child, base::Duration patience) {
 }
 
 void Supervisor::kill(ChildProcess& child) {
-  std::unique_lock lock(mutex_);
+  base::MutexLock lock(mutex_);
   expected_to_end_.insert(&child);
   child.kill();
   changed_.wait(lock, [&] { return child.poll_exit().has_value(); });
 }
 
 std::vector<std::pair<std::string, double>> Supervisor::cpu_s() const {
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   std::vector<std::pair<std::string, double>> times;
   for (const auto& child : children_) {
     if (const auto& exit = child->poll_exit()) times.emplace_back(child->name(), exit->cpu_s);
@@ -125,13 +121,13 @@ std::vector<std::pair<std::string, double>> Supervisor::cpu_s() const {
 }
 
 /// Waits for signals, ends of programs and notifications, until closing.
-void Supervisor::watch() {
-  while (true) {
+void Supervisor::watch(const std::stop_token& stop) {
+  const std::stop_callback wake_up(stop, [this] { wake(); });
+  while (!stop.stop_requested()) {
     std::vector<pollfd> fds{{signals_.get(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
     std::vector<ChildProcess*> watched;
     {
-      const std::scoped_lock lock(mutex_);
-      if (closing_) return;
+      const base::MutexLock lock(mutex_);
       for (const auto& child : children_) {
         if (ended_.contains(child.get())) continue;
         watched.push_back(child.get());
@@ -143,7 +139,7 @@ void Supervisor::watch() {
     if (fds[0].revents != 0) on_signal();
     std::uint64_t ignored = 0;
     [[maybe_unused]] const auto drained = ::read(wake_.get(), &ignored, sizeof(ignored));
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     for (std::size_t i = 0; i < watched.size(); ++i) {
       watched[i]->take_notifications();
       if (fds[2 + 2 * i].revents != 0) on_exit(*watched[i]);
@@ -160,7 +156,7 @@ void Supervisor::wake() {
 void Supervisor::on_signal() {
   signalfd_siginfo info{};
   if (::read(signals_.get(), &info, sizeof(info)) != sizeof(info)) return;
-  const std::scoped_lock lock(mutex_);
+  const base::MutexLock lock(mutex_);
   stop_run("interrupted", true);
 }
 

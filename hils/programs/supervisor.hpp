@@ -3,7 +3,6 @@
 
 #include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "base/os/descriptor.hpp"
+#include "base/os/mutex.hpp"
 #include "hils/programs/child_process.hpp"
 
 namespace cas::hils {
@@ -59,23 +59,22 @@ class Supervisor {
   std::vector<std::pair<std::string, double>> cpu_s() const;
 
  private:
-  void watch();
+  void watch(const std::stop_token& stop);
   void wake();
   void on_signal();
-  void on_exit(ChildProcess& child);
-  void stop_run(const std::string& sentence, bool interrupted);
+  void on_exit(ChildProcess& child) CAS_REQUIRES(mutex_);
+  void stop_run(const std::string& sentence, bool interrupted) CAS_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<std::unique_ptr<ChildProcess>> children_;
-  std::set<const ChildProcess*> expected_to_end_;
-  std::set<const ChildProcess*> ended_;  ///< whose end the watcher has seen
-  std::string stopped_;                  ///< why; empty while all is well
-  bool interrupted_ = false;
-  bool closing_ = false;
+  mutable base::Mutex mutex_;
+  std::condition_variable_any changed_;
+  std::vector<std::unique_ptr<ChildProcess>> children_ CAS_GUARDED_BY(mutex_);
+  std::set<const ChildProcess*> expected_to_end_ CAS_GUARDED_BY(mutex_);
+  std::set<const ChildProcess*> ended_ CAS_GUARDED_BY(mutex_);  ///< whose end the watcher has seen
+  std::string stopped_ CAS_GUARDED_BY(mutex_);                  ///< why; empty while all is well
+  bool interrupted_ CAS_GUARDED_BY(mutex_) = false;
   base::Descriptor signals_;
   base::Descriptor wake_;
-  std::thread watcher_;
+  std::jthread watcher_;
 };
 
 }  // namespace cas::hils

@@ -388,6 +388,7 @@ TEST_F(TxPortTest, TakesTheTimeOfAWriteFromTheWriter) {
   open({});
   line.took = milliseconds(3);
   deliver(TrafficClass::kHil, 1, at({}));
+  const base::MutexLock lock(counters->tx.mutex);
   EXPECT_EQ(counters->tx.forwarding.max(), milliseconds(3));
 }
 

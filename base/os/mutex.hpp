@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mutex>
+
+// Says which lock guards what. Clang checks it (-Wthread-safety); other compilers ignore it.
+#ifdef __clang__
+#define CAS_THREAD_SAFETY(attribute) __attribute__((attribute))
+#else
+#define CAS_THREAD_SAFETY(attribute)
+#endif
+/// A member that is touched only while the lock is held.
+#define CAS_GUARDED_BY(lock) CAS_THREAD_SAFETY(guarded_by(lock))
+/// A function that is called only while the lock is held.
+#define CAS_REQUIRES(lock) CAS_THREAD_SAFETY(requires_capability(lock))
+
+namespace cas::base {
+
+/// std::mutex, known to the analysis.
+class CAS_THREAD_SAFETY(capability("mutex")) Mutex {
+ public:
+  void lock() CAS_THREAD_SAFETY(acquire_capability()) { mutex_.lock(); }
+  void unlock() CAS_THREAD_SAFETY(release_capability()) { mutex_.unlock(); }
+  bool try_lock() CAS_THREAD_SAFETY(try_acquire_capability(true)) { return mutex_.try_lock(); }
+
+ private:
+  std::mutex mutex_;
+};
+
+/// Holds a mutex as long as it lives. std::condition_variable_any waits with it, too.
+class CAS_THREAD_SAFETY(scoped_lockable) MutexLock {
+ public:
+  explicit MutexLock(Mutex& mutex) CAS_THREAD_SAFETY(acquire_capability(mutex)) : mutex_(mutex) {
+    mutex_.lock();
+  }
+  /// Of a mutex that try_lock() has locked.
+  MutexLock(Mutex& mutex, std::adopt_lock_t /*locked*/) CAS_REQUIRES(mutex) : mutex_(mutex) {}
+  ~MutexLock() CAS_THREAD_SAFETY(release_capability()) { mutex_.unlock(); }
+  MutexLock(const MutexLock&) = delete;
+  MutexLock& operator=(const MutexLock&) = delete;
+
+  void lock() CAS_THREAD_SAFETY(acquire_capability()) { mutex_.lock(); }
+  void unlock() CAS_THREAD_SAFETY(release_capability()) { mutex_.unlock(); }
+
+ private:
+  Mutex& mutex_;
+};
+
+}  // namespace cas::base
