@@ -207,71 +207,67 @@ std::vector<FlightFigure> step_figures(const FlightBatch& batch) {
           {"step of 1 m, rtk: overshoot, largest", 100 * highest, 10.0, "%", ""}};
 }
 
+/// How far a vehicle is from where it should be, over its samples.
+struct Deviation {
+  double square = NAN;  ///< their sum, m^2; NaN: it did not get there
+  double samples = 0;
+  double peak = 0;  ///< of another quantity that the figure tells
+
+  void add(double off_squared, double value) {
+    square = (samples == 0 ? 0 : square) + off_squared;
+    samples += 1;
+    peak = std::max(peak, value);
+  }
+};
+
+Deviation sum(const std::vector<Deviation>& flights) {
+  Deviation all{.square = 0};
+  for (const Deviation& flight : flights) {
+    all.square += flight.square;
+    all.samples += flight.samples;
+    all.peak = std::max(all.peak, flight.peak);
+  }
+  return all;
+}
+
 std::vector<FlightFigure> figure_eight_figures(const FlightBatch& batch) {
-  struct Eight {
-    double square = NAN;
-    double samples = 0;
-    double fastest = 0;
-  };
-  const auto flights = fly_batch<Eight>(batch, [](std::uint64_t seed) {
+  const auto flights = fly_batch<Deviation>(batch, [](std::uint64_t seed) {
     DirectFlight flight({.sensors = "rtk", .seed = seed});
-    Eight out;
+    Deviation out;
     if (!begin_hover(flight, 10)) return out;
     flight.set_param("CAS_TRJ_SIZE", 4);
     flight.set_param("CAS_TRJ_SPEED", 2);
     flight.set_param("CAS_TRJ_SHAPE", 2);
     flight.run(10);
-    out.square = 0;
     flight.run(40, [&] {
       const auto truth = flight.truth();
-      out.square += (truth.p_N - flight.status().reference_N).squaredNorm();
-      out.samples += 1;
-      out.fastest = std::max(out.fastest, truth.v_N.norm());
+      out.add((truth.p_N - flight.status().reference_N).squaredNorm(), truth.v_N.norm());
     });
     return out;
   });
-  Eight all{0, 0, 0};
-  for (const Eight& eight : flights) {
-    all.square += eight.square;
-    all.samples += eight.samples;
-    all.fastest = std::max(all.fastest, eight.fastest);
-  }
+  const Deviation all = sum(flights);
   return {{"figure eight at 2 m/s, rtk: truth against reference",
            std::sqrt(all.square / all.samples), 0.15, "m",
-           fmt::format("fastest {:.2f} m/s", all.fastest)}};
+           fmt::format("fastest {:.2f} m/s", all.peak)}};
 }
 
 std::vector<FlightFigure> wind_figures(const FlightBatch& batch) {
-  struct Wind {
-    double square = NAN;
-    double samples = 0;
-    double worst = 0;
-  };
-  const auto flights = fly_batch<Wind>(batch, [](std::uint64_t seed) {
+  const auto flights = fly_batch<Deviation>(batch, [](std::uint64_t seed) {
     DirectFlight flight({.sensors = "rtk",
                          .seed = seed,
                          .wind_m_s = 8,
                          .turbulence_w20_m_s = kLightTurbulence_m_s});
-    Wind out;
+    Deviation out;
     if (!begin_hover(flight, 10)) return out;
-    out.square = 0;
     flight.run(50, [&] {
       const double off = (flight.truth().p_N - kHoverPlace_N).squaredNorm();
-      out.square += off;
-      out.samples += 1;
-      out.worst = std::max(out.worst, std::sqrt(off));
+      out.add(off, std::sqrt(off));
     });
     return out;
   });
-  Wind all{0, 0, 0};
-  for (const Wind& wind : flights) {
-    all.square += wind.square;
-    all.samples += wind.samples;
-    all.worst = std::max(all.worst, wind.worst);
-  }
+  const Deviation all = sum(flights);
   return {{"8 m/s wind, light turbulence, rtk: truth against reference",
-           std::sqrt(all.square / all.samples), 0.5, "m",
-           fmt::format("worst {:.2f} m", all.worst)}};
+           std::sqrt(all.square / all.samples), 0.5, "m", fmt::format("worst {:.2f} m", all.peak)}};
 }
 
 std::vector<FlightFigure> poor_line_figures(const FlightBatch& batch) {

@@ -2,18 +2,11 @@
 #include "casd/casctl/monitor/monitor_state.hpp"
 
 #include <algorithm>
-#include <cctype>
 
 namespace cas::casctl {
 namespace {
 
 using nlohmann::json;
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 }  // namespace
 

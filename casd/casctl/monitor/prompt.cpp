@@ -2,12 +2,12 @@
 #include "casd/casctl/monitor/prompt.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <optional>
 #include <sstream>
 
 #include "base/suggestion.hpp"
+#include "casd/casctl/monitor/screen_text.hpp"
 #include "casd/casctl/session/gains_text.hpp"
 
 namespace cas::casctl {
@@ -72,12 +72,6 @@ std::string usage(const PromptVerb& verb) {
     text += argument.is_needed ? std::string(" ") + argument.name
                                : std::string(" [") + argument.name + "]";
   }
-  return text;
-}
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
