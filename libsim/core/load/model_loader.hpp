@@ -14,7 +14,7 @@ namespace cas::sim {
 
 /// A rotor as the model places it: the child of a continuous joint.
 struct ModelRotor {
-  std::string joint;  ///< of an SDF the link
+  std::string joint;             ///< of an SDF the link
   Eigen::Vector3d position_B_m;  ///< joint origin from the centre of gravity
   Eigen::Vector3d axis_B;        ///< unit
 };
@@ -30,10 +30,11 @@ struct VehicleModel {
   std::vector<std::string> warnings;  ///< one sentence each: what was mended or left out
 };
 
-/// Reads an SDF file (base::SdfModel) or a URDF file, also one that SolidWorks exported (several links, package:// meshes). Links
-/// are combined by the parallel-axis theorem; rotors (continuous joints) count with their mass and
-/// inertia at rest. A link whose inertia no body can have is named and taken as a point mass.
-/// Other moving joints are taken as fixed. @throws base::ConfigError naming file and element
+/// Reads an SDF file (base::SdfModel) or a URDF file, also one that SolidWorks exported (several
+/// links, package:// meshes). Links are combined by the parallel-axis theorem; rotors (continuous
+/// joints) count with their mass and inertia at rest. A link whose inertia no body can have is
+/// named and taken as a point mass. Other moving joints are taken as fixed. @throws
+/// base::ConfigError naming file and element
 CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file);
 
 /// True when a body can have this inertia: symmetric, positive definite, and no principal moment
