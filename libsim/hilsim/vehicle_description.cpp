@@ -35,8 +35,8 @@ void print_body(std::string& text, const VehicleModel& model) {
   const double most = full.cwiseAbs().maxCoeff();
   const Eigen::Matrix3d inertia = full.unaryExpr([most](double v) { return tidy(v, most); });
   print(text, "mass               %.6g kg", model.mass.mass_kg());
-  print(text, "centre of gravity  [%.4f, %.4f, %.4f] m from the model's origin",
-        cog.x(), cog.y(), cog.z());
+  print(text, "centre of gravity  [%.4f, %.4f, %.4f] m from the model's origin", cog.x(), cog.y(),
+        cog.z());
   print(text, "inertia            Ixx %.6g  Iyy %.6g  Izz %.6g kg m^2", inertia(0, 0),
         inertia(1, 1), inertia(2, 2));
   print(text, "                   Ixy %.3g  Ixz %.3g  Iyz %.3g, about the centre of gravity",
