@@ -47,6 +47,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/mavlink_gen/runtime ${PROJECT_SOURCE_DIR
 install(DIRECTORY ${CAS_MAVLINK_INCLUDE_DIR}/mavlink DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas COMPONENT mavlink)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/mavlink_gen/dialects/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/mavlink
         COMPONENT mavlink FILES_MATCHING PATTERN "*.xml")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/mavlink_gen/examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/examples/mavlink
+        COMPONENT mavlink)
 install(EXPORT cas-mavlink-targets NAMESPACE cas:: DESTINATION ${mavlink_package_dir} COMPONENT mavlink)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cas_mavlinkConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)

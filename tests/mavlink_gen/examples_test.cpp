@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The example programs of docs/mavlink_gen.md, each run with a recorded stream.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdio>
@@ -24,6 +28,14 @@ class Recording {
   void add(const Message& message) {
     const auto packet = encode_packet_(message);
     text_.append(packet.begin(), packet.end());
+  }
+  /// Likewise, as a record of a telemetry log.
+  template <class Message>
+  void add_at(std::uint64_t time_us, const Message& message) {
+    for (int shift = 56; shift >= 0; shift -= 8) {
+      text_ += static_cast<char>(time_us >> static_cast<unsigned>(shift) & 0xFFU);
+    }
+    add(message);
   }
   /// What an example program prints of it.
   std::string printed_by(const std::string& program) const {
@@ -70,6 +82,38 @@ TEST(Examples, ChangesPrintsTheFieldsThatDiffer) {
   EXPECT_EQ(recording.printed_by("mavlink_changes"),
             "custom_mode: 3 -> 4\n"
             "system_status: MAV_STATE_STANDBY -> MAV_STATE_ACTIVE\n");
+}
+
+TEST(Examples, TlogToCsvPrintsEachMessageOfTheKind) {
+  Recording recording;
+  recording.add_at(1'764'000'000'250'000, common::Attitude{.time_boot_ms = 5, .yaw = 1.5F});
+  recording.add_at(0xFEFDFE, common::Heartbeat{});  // a time that looks like starts of packets
+  recording.add_at(1'764'000'001'500'000, common::Attitude{.time_boot_ms = 6, .roll = -0.25F});
+  EXPECT_EQ(recording.printed_by("mavlink_tlog_to_csv ATTITUDE"),
+            "time_s,system,component,time_boot_ms,roll,pitch,yaw,rollspeed,pitchspeed,yawspeed\n"
+            "1764000000.25,1,1,5,0,0,1.5,0,0,0\n"
+            "1764000001.5,1,1,6,-0.25,0,0,0,0,0\n");
+}
+
+TEST(Examples, HelloSendsAHeartbeat) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof address;
+  ASSERT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&address), length), 0);
+  ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &length), 0);
+  EXPECT_EQ(Recording().printed_by("mavlink_hello 127.0.0.1 " +
+                                   std::to_string(ntohs(address.sin_port)) + " 1"),
+            "");
+  std::array<std::uint8_t, 512> bytes{};
+  const auto size = ::recv(socket, bytes.data(), bytes.size(), MSG_DONTWAIT);  // it is over: sent
+  ::close(socket);
+  ASSERT_GT(size, 0);
+  const auto packet = view_packet(std::span(bytes).first(static_cast<std::size_t>(size)));
+  const auto heartbeat = decode<common::Heartbeat>(packet);
+  ASSERT_TRUE(heartbeat);
+  EXPECT_EQ(heartbeat->type, common::MavType::kQuadrotor);
 }
 
 }  // namespace

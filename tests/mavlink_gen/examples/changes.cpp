@@ -4,9 +4,10 @@
 //   nc -lu 14550 | mavlink_changes
 //   custom_mode: 3 -> 4
 //   system_status: MAV_STATE_STANDBY -> MAV_STATE_ACTIVE
+#include <unistd.h>
+
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <iostream>
 #include <optional>
 #include <span>
@@ -51,12 +52,14 @@ int main() {
   PacketParser parser(mavlink::common::table());
   std::optional<Heartbeat> last;
   std::array<std::uint8_t, 4096> bytes{};
-  while (const std::size_t size = std::fread(bytes.data(), 1, bytes.size(), stdin)) {
-    parser.feed(std::span(bytes).first(size), [&last](const PacketView& packet) {
-      const auto heartbeat = decode<Heartbeat>(packet);
-      if (!heartbeat) return;
-      if (last) print_changes(*last, *heartbeat);
-      last = heartbeat;
-    });
+  // read() gives what is there; fread() would wait until the buffer is full.
+  for (ssize_t size; (size = ::read(STDIN_FILENO, bytes.data(), bytes.size())) > 0;) {
+    parser.feed(std::span(bytes).first(static_cast<std::size_t>(size)),
+                [&last](const PacketView& packet) {
+                  const auto heartbeat = decode<Heartbeat>(packet);
+                  if (!heartbeat) return;
+                  if (last) print_changes(*last, *heartbeat);
+                  last = heartbeat;
+                });
   }
 }

@@ -4,6 +4,8 @@
 //   nc -lu 14550 | mavlink_inspector
 //   1/1 HEARTBEAT MAV_TYPE_QUADROTOR armed
 //   1/1 ATTITUDE roll 0.10 pitch -0.20 yaw 1.50 rad
+#include <unistd.h>
+
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -40,8 +42,9 @@ struct Printer {
 int main() {
   PacketParser parser(common::table());
   std::array<std::uint8_t, 4096> bytes{};
-  while (const std::size_t size = std::fread(bytes.data(), 1, bytes.size(), stdin)) {
-    parser.feed(std::span(bytes).first(size),
+  // read() gives what is there; fread() would wait until the buffer is full.
+  for (ssize_t size; (size = ::read(STDIN_FILENO, bytes.data(), bytes.size())) > 0;) {
+    parser.feed(std::span(bytes).first(static_cast<std::size_t>(size)),
                 [](const PacketView& packet) { common::dispatch(packet, Printer{packet.source}); });
   }
 }

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Prints the messages of one kind in a telemetry log on standard input as CSV:
+//
+//   mavlink_tlog_to_csv ATTITUDE < flight.tlog
+//   time_s,system,component,time_boot_ms,roll,pitch,yaw,rollspeed,pitchspeed,yawspeed
+//   1764000000.25,1,1,5000,0.1,-0.2,1.5,0,0,0
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <iostream>
+#include <iterator>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "mavlink/common/all.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+
+namespace {
+
+using namespace cas::mav;
+
+template <class T>
+void print(const T& value) {
+  if constexpr (std::is_enum_v<T>) {
+    std::cout << +static_cast<std::underlying_type_t<T>>(value);
+  } else {
+    std::cout << +value;
+  }
+}
+
+template <class T, std::size_t n>
+void print(const std::array<T, n>& values) {
+  if constexpr (std::is_same_v<T, char>) {
+    std::cout << '"' << text(values) << '"';
+  } else {
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i > 0) std::cout << ' ';
+      print(values[i]);
+    }
+  }
+}
+
+/// Takes every message of the dialect and prints those of the wanted name.
+struct Rows {
+  std::string_view name;
+  double time_s{};
+  Source from{};
+  bool begun{};
+
+  template <class Message>
+  void operator()(const Message& message) {
+    if (Message::kName != name) return;
+    if (!begun) {
+      std::cout << "time_s,system,component";
+      for (const auto& field : Message::template kFields<>) std::cout << ',' << field.name;
+      std::cout << '\n';
+    }
+    begun = true;
+    std::cout << time_s << ',' << +from.system << ',' << +from.component;
+    Message::for_each_field(
+        [](const FieldInfo&, const auto& value) {
+          std::cout << ',';
+          print(value);
+        },
+        message);
+    std::cout << '\n';
+  }
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2 || mavlink::common::table().find(argv[1]) == nullptr) {
+    std::cerr << "usage: mavlink_tlog_to_csv MESSAGE < LOG, a message of common.xml\n";
+    return 2;
+  }
+  std::cout.precision(16);
+  const std::vector<char> log(std::istreambuf_iterator<char>(std::cin), {});
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(log.data()), log.size());
+  PacketParser parser(mavlink::common::table());
+  Rows rows{.name = argv[1]};
+  constexpr std::size_t kStampBytes = 8;  // microseconds since 1970, high byte first
+  for (std::size_t at = 0; at + kStampBytes + kHeaderBytesV1 < bytes.size();) {
+    std::uint64_t stamp = 0;
+    for (const auto byte : bytes.subspan(at, kStampBytes)) stamp = stamp << 8U | byte;
+    const auto rest = bytes.subspan(at + kStampBytes);
+    const bool v1 = rest[0] == kStartV1;
+    const bool is_signed = !v1 && (rest[2] & kIncompatSigned) != 0;
+    const std::size_t size = (v1 ? kHeaderBytesV1 : kHeaderBytesV2) + rest[1] + kChecksumBytes +
+                             (is_signed ? kSignatureBytes : 0);
+    if (size > rest.size()) break;  // the log was cut off
+    rows.time_s = static_cast<double>(stamp) * 1e-6;
+    parser.feed(rest.first(size), [&rows](const PacketView& packet) {
+      rows.from = packet.source;
+      mavlink::common::dispatch(packet, rows);
+    });
+    parser.reset();  // a packet never goes on in the next record
+    at += kStampBytes + size;
+  }
+}
