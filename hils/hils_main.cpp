@@ -36,6 +36,7 @@
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/sweep/sweep_command.hpp"
+#include "hils/tune/tune_command.hpp"
 #include "hils/ulog/run_ulog.hpp"
 #include "hils/virtual/virtual_run.hpp"
 
@@ -285,12 +286,14 @@ int main(int argc, char** argv) {
   CompareFlags compare_flags;
   const CLI::App* compare_command = add_compare(app, compare_flags);
   const SweepCommand sweep(app);
+  const TuneCommand tune(app);
   const ReplayCommand replay(app);
   base::cli::add_manual(app, "hils", std::string(CAS_VERSION));
   if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
   return guarded([&] {
     base::log::init("hils", base::log::parse_level(log_level));
     if (sweep.parsed()) return sweep.run();
+    if (tune.parsed()) return tune.run();
     if (replay.parsed()) return replay.run();
     return compare_command->parsed() ? compare(compare_flags) : run(flags);
   });

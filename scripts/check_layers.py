@@ -27,6 +27,7 @@ EXTERNALS = {
     "libpng": ("png.h",),
     "sdformat": ("sdf/", "ignition/", "gz/"),
     "sqlite": ("sqlite3.h",),
+    "pagmo": ("pagmo/",),
     "zlib": ("zlib.h",),
     "pybind11": ("pybind11/",),
     "Boost": ("boost/math/", "boost/random/"),
@@ -149,8 +150,9 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/compare": rooms("hils", "run measure report programs virtual"),
     "hils/sweep": rooms("hils", "flight scenario run measure report programs virtual"),
     "hils/env": rooms("hils", "sweep"),
+    "hils/tune": rooms("hils", "flight scenario measure report programs sweep"),
     "hils/figures": rooms("hils", "measure report programs virtual"),
-    "hils": rooms("hils", "flight scenario run measure report ulog replay programs virtual firmware compare sweep"),
+    "hils": rooms("hils", "flight scenario run measure report ulog replay programs virtual firmware compare sweep tune"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

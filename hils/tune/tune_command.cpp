@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/tune/tune_command.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/cli/whole_number.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/measure/judgement.hpp"
+#include "hils/programs/child_process.hpp"
+#include "hils/tune/eval_session.hpp"
+#include "hils/tune/step_plots.hpp"
+#include "hils/tune/tune_report.hpp"
+#include "hils/tune/tune_search.hpp"
+
+namespace cas::hils {
+
+namespace fs = std::filesystem;
+
+struct TuneCommand::Flags {
+  CLI::App* tune = nullptr;
+  CLI::App* eval = nullptr;
+
+  std::string study;
+  std::string out;
+  std::string scratch;  ///< empty: the system's
+  std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
+  std::size_t eval_jobs = 1;
+  bool describe = false;
+};
+
+namespace {
+
+/// Flies each scenario of the search once more with a whole report.
+void fly_reports(const TuneStudy& study, const TuneFlights& flights, const fs::path& folder,
+                 const std::vector<std::string>& values) {
+  for (std::size_t i = 0; i < study.scenarios.size(); ++i) {
+    const fs::path own = folder / study.scenarios[i].name;
+    if (fs::exists(own / "report.html")) continue;
+    write_scenario(flights.scenario(i), study.values_of(values), {}, own);
+    std::vector<std::string> command{kSameProgram, "run", (own / "scenario.yaml").string(),
+                                     "--architecture", std::string(to_string(study.architecture))};
+    if (study.architecture != Architecture::kDirect) command.emplace_back("--virtual");
+    command.insert(command.end(),
+                   {"--seed", std::to_string(study.seeds.front()), "--out", own.string()});
+    ChildProcess process({.name = "the process of a run",
+                          .arguments = std::move(command),
+                          .log_file = own / "log.txt"});
+    process.wait_exit(base::from_seconds(study.deadline_s));
+  }
+}
+
+int run_tune(const std::string& study_file, const fs::path& out, std::size_t jobs) {
+  const fs::path file = base::find_config(study_file);
+  const TuneStudy study = TuneStudy::load(file);
+  if (!has_search()) search({}, {});  // says how to get it, before anything is flown
+  TuneFlights flights(study, file, out, jobs);
+  const TuneResult result = tune(study, flights);
+
+  std::vector<std::size_t> all(result.candidates.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  base::write_file(out / "candidates.csv", candidates_csv(study, result, all));
+  base::write_file(out / "front.csv", candidates_csv(study, result, result.front));
+  const Candidate& best = result.candidates[result.best];
+  base::write_file(out / "gains.yaml", gains_yaml(study, best));
+  base::write_file(out / "gains.params", gains_params(study, best));
+  fly_reports(study, flights, out / "before", study.before());
+  fly_reports(study, flights, out / "after", best.values);
+  std::vector<Plot> steps;
+  for (std::size_t i = 0; i < study.scenarios.size(); ++i) {
+    const std::string& name = study.scenarios[i].name;
+    for (Plot& plot :
+         step_plots(flights.scenario(i), out / "before" / name, out / "after" / name)) {
+      steps.push_back(std::move(plot));
+    }
+  }
+  base::write_file(out / "tune.html", tune_html(study, result, steps));
+  fmt::print("{}\nResults: {}\n", tune_text(study, result), out.string());
+  return result.best != 0 ? kExitPassed : kExitLimitsMissed;
+}
+
+}  // namespace
+
+TuneCommand::TuneCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
+  Flags& flags = *flags_;
+  flags.tune = app.add_subcommand("tune", "Search gains, or any numbers, for what a study weighs");
+  flags.tune->add_option("STUDY", flags.study, "Study file (docs/tune.md)")->required();
+  flags.tune->add_option("--out", flags.out, "Folder for the results (the last, if several)")
+      ->required()
+      ->take_last();
+  flags.tune->add_option("--jobs", flags.jobs, "Flights at once (as many as processors)")
+      ->check(base::cli::whole_number)
+      ->check(CLI::Range(1, 4096));
+
+  flags.eval = app.add_subcommand(
+      "eval", "Fly a study for each line of parameters on standard input, for an optimiser");
+  flags.eval->add_option("STUDY", flags.study, "Study file (docs/sweep.md)")->required();
+  flags.eval->add_option("--jobs", flags.eval_jobs, "Flights at once, answered as they end (1)")
+      ->check(base::cli::whole_number)
+      ->check(CLI::Range(1, 4096));
+  flags.eval->add_option("--scratch", flags.scratch,
+                         "Folder for the files of flights under way (that for temporary files)");
+  flags.eval->add_flag("--describe", flags.describe,
+                       "Say on one line which parameters and figures there are, and end");
+}
+
+TuneCommand::~TuneCommand() = default;
+
+bool TuneCommand::parsed() const { return flags_->tune->parsed() || flags_->eval->parsed(); }
+
+int TuneCommand::run() const {
+  const Flags& flags = *flags_;
+  if (flags.tune->parsed()) return run_tune(flags.study, fs::absolute(flags.out), flags.jobs);
+  return eval_lines(
+      {.study = base::find_config(flags.study),
+       .scratch = flags.scratch.empty() ? fs::temp_directory_path() : fs::absolute(flags.scratch),
+       .jobs = flags.eval_jobs,
+       .describe = flags.describe});
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/tune/tune_flights.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <fstream>
+#include <limits>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/programs/supervisor.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kJournal = "journal/flights.jsonl";
+
+bool is_known(const RowResult& result) { return !is_broken(result.outcome); }
+
+}  // namespace
+
+TuneFlights::TuneFlights(const TuneStudy& study, const fs::path& study_file, const fs::path& folder,
+                         std::size_t jobs)
+    : study_(study),
+      folder_(fs::absolute(folder)),
+      study_folder_(fs::absolute(study_file).parent_path()),
+      jobs_(jobs),
+      scenarios_(study.scenarios) {
+  scenarios_.insert(scenarios_.end(), study.verify_scenarios.begin(), study.verify_scenarios.end());
+  prepare(study_file);
+  journal_.emplace(folder_ / kJournal);
+  load_journal();
+}
+
+TuneFlights::~TuneFlights() { progress_.clear(); }
+
+void TuneFlights::prepare(const fs::path& study_file) {
+  const fs::path frozen = folder_ / "study.yaml";
+  const std::string text = text_of_file(study_file);
+  if (fs::exists(frozen) ? text_of_file(frozen) != text : fs::exists(folder_ / "plan.json")) {
+    throw base::ConfigError(folder_.string() +
+                            ": holds another study, or this one before it was changed; its flights "
+                            "stay as they are: choose another folder");
+  }
+  std::error_code none;
+  if (fs::equivalent(folder_, study_folder_, none)) {
+    throw base::ConfigError(folder_.string() + ": holds the study itself: choose another folder");
+  }
+  fs::create_directories(folder_ / "journal");
+  for (std::size_t i = 0; i < scenarios_.size(); ++i) {
+    const TuneScenario& own = scenarios_[i];
+    if (!fs::exists(frozen)) {
+      write_scenario(own.scenario, own.settings, study_folder_, scenario(i).parent_path(),
+                     {"vehicle"});
+    }
+    try {
+      figures_.push_back(figure_names(Scenario::load(scenario(i))));
+    } catch (const base::ConfigError& error) {
+      throw base::ConfigError("scenario '" + own.name + "': " + error.what());
+    }
+  }
+  base::write_file(frozen, text);
+}
+
+void TuneFlights::load_journal() {
+  std::ifstream lines(folder_ / kJournal, std::ios::binary);
+  for (std::string line; std::getline(lines, line);) {
+    std::optional<RowResult> result = parse_journal_line(line);
+    if (result && is_known(*result)) results_.insert_or_assign(result->row, std::move(*result));
+  }
+}
+
+fs::path TuneFlights::scenario(std::size_t index) const {
+  return folder_ / "scenarios" / scenarios_[index].name / "scenario.yaml";
+}
+
+bool TuneFlights::has_figure(std::size_t scenario, const std::string& name) const {
+  if (name == kDelayMargin) return scenarios_[scenario].delay_ramp.has_value();
+  return std::ranges::find(figures_[scenario], name) != figures_[scenario].end();
+}
+
+std::size_t TuneFlights::row_of(const TuneFlight& flight) {
+  std::string key = fmt::format("{} {}", flight.scenario, flight.seed);
+  for (const std::string& value : flight.values) key += " " + value;
+  return rows_.try_emplace(std::move(key), rows_.size() + 1).first->second;
+}
+
+RowTask TuneFlights::task_of(const TuneFlight& flight, std::size_t row) const {
+  return {.row = row,
+          .seed = flight.seed,
+          .architecture = study_.architecture,
+          .scenario = scenario(flight.scenario),
+          .study_folder = study_folder_,
+          .values = study_.values_of(flight.values),
+          .figures = figures_[flight.scenario]};
+}
+
+std::vector<RowResult> TuneFlights::fly(const std::vector<TuneFlight>& flights) {
+  std::vector<std::size_t> rows;
+  std::deque<RowTask> pending;
+  for (const TuneFlight& flight : flights) {
+    const std::size_t row = row_of(flight);
+    const bool asked = std::ranges::find(rows, row) != rows.end();
+    rows.push_back(row);
+    if (!asked && !results_.contains(row)) pending.push_back(task_of(flight, row));
+  }
+  FlightPool pool(folder_ / "work", study_.deadline_s);
+  const StopRequest stop;
+  while (!pending.empty() || pool.size() > 0) {
+    for (; !pending.empty() && pool.size() < jobs_; pending.pop_front()) {
+      pool.start(pending.front());
+    }
+    pool.wait();
+    if (StopRequest::raised()) {
+      progress_.clear();
+      throw RunStopped("interrupted; the same command goes on with what has not been flown", true);
+    }
+    pool.take_ended([this](RowResult&& result) {
+      journal_->append(result);
+      ++state_.flown;
+      results_.insert_or_assign(result.row, std::move(result));
+    });
+    state_.done = results_.size();
+    state_.all = std::max(state_.all, state_.done);
+    state_.elapsed = base::steady_now() - begin_;
+    progress_.show(state_);
+  }
+  std::vector<RowResult> results;
+  for (const std::size_t row : rows) results.push_back(results_.at(row));
+  return results;
+}
+
+double TuneFlights::figure(std::size_t scenario, const RowResult& result,
+                           const std::string& name) const {
+  const auto value = [&](const std::string& column) {
+    const auto found = std::ranges::find(figures_[scenario], column);
+    const auto index = static_cast<std::size_t>(found - figures_[scenario].begin());
+    return index < result.figures.size() ? result.figures[index]
+                                         : std::numeric_limits<double>::quiet_NaN();
+  };
+  if (name != kDelayMargin) return value(name);
+  const double crash_s = value("crash_s");
+  const double end_s = std::isfinite(crash_s) ? crash_s : value("simulated_s");
+  return std::isfinite(end_s) ? scenarios_[scenario].delay_ramp->margin_us(end_s) : end_s;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/tune/tune_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "hils/report/aligned_table.hpp"
+#include "hils/report/html_page.hpp"
+#include "hils/sweep/run_table.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+constexpr std::string_view kParams = "controller.params.";
+
+/// Four digits, without a power of ten where it is some thousands.
+std::string number(double value) {
+  if (!std::isfinite(value)) return "-";
+  const double size = std::abs(value);
+  return size >= 1e4 && size < 1e7 ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
+}
+/// For a table of numbers: empty where there is none.
+std::string field(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+std::string change(double before, double after) {
+  if (!std::isfinite(before) || !std::isfinite(after) || before == 0) return "-";
+  return fmt::format("{:+.1f} %", (after - before) / std::abs(before) * 100);
+}
+
+Rows value_rows(const TuneStudy& study, const TuneResult& result) {
+  Rows rows{{"Parameter", "before", "after", "least", "largest"}};
+  const Candidate& after = result.candidates[result.best];
+  for (std::size_t i = 0; i < study.vary.size(); ++i) {
+    const Distribution& spread = *study.vary[i].parameter.distribution;
+    rows.push_back({study.vary[i].parameter.name, result.candidates[0].values[i], after.values[i],
+                    number(*spread.least), number(*spread.most)});
+  }
+  return rows;
+}
+
+Rows objective_rows(const TuneStudy& study, const TuneResult& result) {
+  Rows rows{{"Objective or guard", "before", "after", "change", "bound"}};
+  const Candidate& before = result.candidates[0];
+  const Candidate& after = result.candidates[result.best];
+  for (std::size_t i = 0; i < study.objectives.size(); ++i) {
+    rows.push_back({study.objectives[i].figure.name, number(before.objectives[i]),
+                    number(after.objectives[i]), change(before.objectives[i], after.objectives[i]),
+                    ""});
+  }
+  for (std::size_t i = 0; i < study.guards.size(); ++i) {
+    rows.push_back(
+        {study.guards[i].figure.name, number(before.guards[i]), number(after.guards[i]),
+         change(before.guards[i], after.guards[i]),
+         fmt::format("{} {}", study.guards[i].at_least ? ">=" : "<=", number(result.bounds[i]))});
+  }
+  rows.push_back(
+      {"weighted sum", number(before.sum), number(after.sum), change(before.sum, after.sum), ""});
+  return rows;
+}
+
+Rows verification_rows(const TuneResult& result) {
+  Rows rows{{"Scenario", "figure", "before", "after", "change", "seeds better"}};
+  for (const Verification& each : result.verification) {
+    rows.push_back({each.scenario + (each.in_search ? "" : " (new)"), each.figure,
+                    number(each.before), number(each.after), change(each.before, each.after),
+                    fmt::format("{} of {}", each.better, each.seeds)});
+  }
+  return rows;
+}
+
+std::string verdict_line(const TuneResult& result) {
+  const Candidate& after = result.candidates[result.best];
+  if (result.best == 0) {
+    return fmt::format("none of {} candidates is better at these guards",
+                       result.candidates.size() - 1);
+  }
+  return fmt::format("candidate {} of {}: weighted sum {} instead of {}", after.number,
+                     result.candidates.size() - 1, number(after.sum),
+                     number(result.candidates[0].sum));
+}
+
+std::string verification_line(const TuneResult& result) {
+  return fmt::format(
+      "Seeds that the search never used; of {} flights with each, {} did not stay up before and {} "
+      "after",
+      result.verify_flights, result.fallen_before, result.fallen_after);
+}
+
+Plot front_plot(const TuneStudy& study, const TuneResult& result, std::size_t x, std::size_t y) {
+  Plot plot{.title = "Candidates whose guards hold",
+            .x_label = study.objectives[x].figure.name,
+            .y_label = study.objectives[y].figure.name};
+  Series front{.name = "front", .points = {}};
+  for (const std::size_t i : result.front) {
+    front.points.emplace_back(result.candidates[i].objectives[x],
+                              result.candidates[i].objectives[y]);
+  }
+  std::ranges::sort(front.points);
+  plot.series.push_back(std::move(front));
+  // A cross over each of the two that are compared.
+  for (const auto& [name, index] : {std::pair<const char*, std::size_t>{"before", 0},
+                                    std::pair<const char*, std::size_t>{"after", result.best}}) {
+    const std::vector<double>& at = result.candidates[index].objectives;
+    const double width = 0.01 * std::abs(at[x]);
+    plot.series.push_back(
+        {.name = name, .points = {{at[x] - width, at[y]}, {at[x] + width, at[y]}}, .dashed = true});
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::string candidates_csv(const TuneStudy& study, const TuneResult& result,
+                           const std::vector<std::size_t>& rows) {
+  std::string text = "candidate";
+  for (const TuneParameter& each : study.vary) text += "," + csv_field(each.parameter.name);
+  for (const Objective& each : study.objectives) text += "," + csv_field(each.figure.name);
+  for (const Guard& each : study.guards) text += "," + csv_field("guard " + each.figure.name);
+  text += ",fallen,penalty,weighted_sum\n";
+  for (const std::size_t row : rows) {
+    const Candidate& own = result.candidates[row];
+    text += std::to_string(own.number);
+    for (const std::string& value : own.values) text += "," + value;
+    for (const double value : own.objectives) text += "," + field(value);
+    for (const double value : own.guards) text += "," + field(value);
+    text += fmt::format(",{},{},{}\n", own.fallen, own.penalty, own.sum);
+  }
+  return text;
+}
+
+std::string gains_yaml(const TuneStudy& study, const Candidate& candidate) {
+  std::string params;
+  std::string others;
+  for (const auto& [key, value] : study.values_of(candidate.values)) {
+    if (key.starts_with(kParams)) {
+      params += fmt::format("  {}: {}\n", key.substr(kParams.size()), value);
+    } else {
+      others += fmt::format("  \"{}\": {}\n", key, value);
+    }
+  }
+  std::string text =
+      fmt::format("# hils tune, study {}, candidate {}\n", study.name, candidate.number);
+  if (!params.empty()) text += "params:\n" + params;
+  if (!others.empty()) text += "set:\n" + others;
+  return text;
+}
+
+std::string gains_params(const TuneStudy& study, const Candidate& candidate) {
+  std::string text;
+  for (const auto& [key, value] : study.values_of(candidate.values)) {
+    if (key.starts_with(kParams)) text += fmt::format("{} {}\n", key.substr(kParams.size()), value);
+  }
+  return text;
+}
+
+std::string tune_html(const TuneStudy& study, const TuneResult& result,
+                      const std::vector<Plot>& steps) {
+  HtmlPage page("Tuning " + study.name);
+  const bool better = result.best != 0;
+  page.verdict(better ? HtmlPage::Mood::kGood : HtmlPage::Mood::kNeutral,
+               better ? "BETTER" : "NONE BETTER", verdict_line(result), {});
+  if (!study.description.empty()) page.paragraph(study.description);
+  page.heading("Before and after");
+  page.table("Values", value_rows(study, result));
+  page.table("Over the search's scenarios and seeds: mean of the seeds, worst of the scenarios",
+             objective_rows(study, result));
+  if (!result.verification.empty()) {
+    page.heading("Verification");
+    page.table(verification_line(result), verification_rows(result));
+  }
+  if (!steps.empty()) page.heading("Step responses");
+  for (const Plot& plot : steps) page.figure(to_svg(plot));
+  if (!result.front.empty() && study.objectives.size() > 1) {
+    page.heading("Front");
+    page.paragraph(fmt::format(
+        "{} of {} candidates hold all guards and are beaten by no other in all objectives: "
+        "front.csv. candidates.csv has all of them.",
+        result.front.size(), result.candidates.size()));
+    for (std::size_t y = 1; y < study.objectives.size(); ++y) {
+      page.figure(to_svg(front_plot(study, result, 0, y)));
+    }
+  }
+  page.heading("Flights");
+  std::vector<std::pair<std::string, std::string>> links;
+  for (const TuneScenario& each : study.scenarios) {
+    for (const char* when : {"before", "after"}) {
+      links.emplace_back(fmt::format("{}/{}/report.html", when, each.name),
+                         fmt::format("{}, {}", each.name, when));
+    }
+  }
+  page.links(links);
+  page.folded("gains.yaml", gains_yaml(study, result.candidates[result.best]));
+  return page.finish();
+}
+
+std::string tune_text(const TuneStudy& study, const TuneResult& result) {
+  std::string text = fmt::format("{}: {}: {}\n\n", result.best != 0 ? "BETTER" : "NONE BETTER",
+                                 study.name, verdict_line(result));
+  text += aligned_table(value_rows(study, result), Cells::kRight) + "\n" +
+          aligned_table(objective_rows(study, result), Cells::kRight);
+  if (!result.verification.empty()) {
+    text += "\n" + verification_line(result) + "\n" +
+            aligned_table(verification_rows(result), Cells::kRight);
+  }
+  return text;
+}
+
+}  // namespace cas::hils

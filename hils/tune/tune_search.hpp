@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace cas::hils {
+
+/// How candidates are made.
+enum class SearchMethod {
+  kNsga2,  ///< many objectives, a front
+  kCmaes,  ///< the weighted sum alone
+};
+
+/// Points of the unit cube.
+using UnitPoints = std::vector<std::vector<double>>;
+
+/// What is searched, and how.
+struct SearchPlan {
+  SearchMethod method = SearchMethod::kNsga2;
+  std::size_t generations = 10;
+  std::uint64_t seed = 1;
+  UnitPoints first{};  ///< the first generation; its size is the population's
+};
+
+/// Flies points. @return the fitness of each: numbers that shall become small, one of them for
+/// CMA-ES
+using FlyPoints = std::function<std::vector<std::vector<double>>(const UnitPoints&)>;
+
+/// Whether this build has a library that searches.
+bool has_search();
+
+/// Makes points and has them flown: with NSGA-II a generation at once, with CMA-ES one after the
+/// other. The same plan and fitness give the same points. What `fly` throws comes out.
+/// @throws base::ConfigError where this build has no library for it, with how to get one
+void search(const SearchPlan& plan, const FlyPoints& fly);
+
+}  // namespace cas::hils

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/tune/eval_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace cas::hils {
+namespace {
+
+const std::vector<Parameter>& parameters() {
+  static const std::vector<Parameter> known{{.name = "position_p", .keys = {"a", "b"}},
+                                            {.name = "sensors", .keys = {"sensors"}}};
+  return known;
+}
+
+TEST(EvalRequest, HasParametersBySeedAndGivesItsIdBack) {
+  const EvalRequest request = EvalRequest::parse(
+      R"({"id": {"trial": 7}, "parameters": {"position_p": 1.25, "sensors": "rtk"}, "seed": 3})",
+      parameters(), 1);
+  EXPECT_EQ(request.error, "");
+  EXPECT_EQ(request.id, R"({"trial":7})");
+  EXPECT_EQ(request.seed, 3U);
+  ASSERT_EQ(request.parameters.size(), 2U);
+  EXPECT_EQ(request.parameters[0], (std::pair<std::string, std::string>{"position_p", "1.25"}));
+  EXPECT_EQ(request.parameters[1], (std::pair<std::string, std::string>{"sensors", "\"rtk\""}));
+  EXPECT_EQ(EvalRequest::parse("{}", parameters(), 9).seed, 9U);
+}
+
+struct WrongLine {
+  const char* name;
+  const char* line;
+  const char* sentence;
+};
+class WrongLines : public testing::TestWithParam<WrongLine> {};
+
+TEST_P(WrongLines, AreToldInASentence) {
+  const EvalRequest request = EvalRequest::parse(GetParam().line, parameters(), 1);
+  EXPECT_EQ(request.error, GetParam().sentence);
+  const auto answer = nlohmann::json::parse(eval_error(request, request.error));
+  EXPECT_EQ(answer.at("error"), GetParam().sentence);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Eval, WrongLines,
+    testing::Values(WrongLine{"NoJson", "position_p=1", "the line is no JSON map"},
+                    WrongLine{"List", "[1]", "the line is no JSON map"},
+                    WrongLine{"Torn", R"({"id": 1, "parameters": {)", "the line is no JSON map"},
+                    WrongLine{"NotUtf8", "{\"id\": \"\xff\"}", "the line is no JSON map"},
+                    WrongLine{"Key", R"({"params": {}})",
+                              "there is no key 'params'; there are id, parameters and seed"},
+                    WrongLine{"Parameter", R"({"parameters": {"positon_p": 1}})",
+                              "the study has no parameter 'positon_p'; did you mean 'position_p'?"},
+                    WrongLine{"Map", R"({"parameters": {"position_p": {"x": 1}}})",
+                              "'position_p' takes a number, a word, true or false"},
+                    WrongLine{"Null", R"({"parameters": {"position_p": null}})",
+                              "'position_p' takes a number, a word, true or false"},
+                    WrongLine{"NoMap", R"({"parameters": [1]})",
+                              "'parameters' is a map of names and values"},
+                    WrongLine{"Seed", R"({"seed": -1})", "'seed' is a whole number from 0"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(EvalAnswer, IsOneLineOfFiguresByName) {
+  const EvalRequest request = EvalRequest::parse(R"({"id": "a", "seed": 4})", parameters(), 1);
+  RowResult result{.row = 1, .outcome = RowOutcome::kFailed, .cause = "x: 1\xff"};
+  result.figures = {1, std::numeric_limits<double>::quiet_NaN()};
+  const std::string line = eval_answer(request, result, {"up", "crash_s", "rms_x_m"});
+  EXPECT_EQ(std::ranges::count(line, '\n'), 1);
+  const auto answer = nlohmann::json::parse(line);
+  EXPECT_EQ(answer.at("id"), "a");
+  EXPECT_EQ(answer.at("outcome"), "failed");
+  EXPECT_EQ(answer.at("up"), 1);
+  EXPECT_EQ(answer.at("seed"), 4);
+  EXPECT_EQ(answer.at("figures").at("up"), 1);
+  EXPECT_TRUE(answer.at("figures").at("crash_s").is_null());
+  EXPECT_TRUE(answer.at("figures").at("rms_x_m").is_null());
+}
+
+}  // namespace
+}  // namespace cas::hils
