@@ -4,7 +4,7 @@
     Casd, AsyncCasd     casd's command port
     Sim, AsyncSim       hilsim's control socket
     Bench               simulator, casd and controller for as long as a `with` block lasts
-    run, start, compare, sweep
+    run, start, compare, sweep, tune
                         `hils`, with its results
     read                a run's folder, .tlog, .ulg, .csv
     mavlink             a small codec
@@ -21,9 +21,9 @@ from .errors import (CallError, CallTimeout, CasError, ConnectionLost, FormatErr
                      LimitMissed, NoAcknowledgement, NoSuchVehicle, NotAuthorised, NotReached, NotRunning, NoVerdict,
                      ProgramEnded, ProgramMissing, Refused, RunError, WrongCall, WrongUse)
 from .places import running_casds
-from .results import Comparison, Run, Sweep, read
+from .results import Comparison, Run, Sweep, Tuning, read
 from .rpc import AsyncClient, AsyncSubscription, Client, Subscription
-from .hils import Running, compare, run, start, sweep
+from .hils import Running, compare, run, start, sweep, tune
 from .sim import AsyncSim, Pose, Sim
 from .table import Table, quantile, read_csv, rms, text_table
 from .tlog import Tlog, control_delays, echo_delays, read_tlog
@@ -34,7 +34,7 @@ __all__ = [
     "Casd", "Client", "Comparison", "ConnectionLost", "Estimate", "FormatError", "Interlock", "Interrupted", "LimitMissed",
     "NoAcknowledgement", "NoSuchVehicle", "NoVerdict", "NotAuthorised", "NotReached", "NotRunning", "Pose",
     "ProgramEnded", "ProgramMissing", "Refused", "Run", "RunError", "Running", "Sim", "Subscription", "Sweep", "Table", "Tlog",
-    "Ulog", "WrongCall", "WrongUse", "compare", "control_delays", "echo_delays", "mavlink", "quantile", "read", "read_csv", "read_tlog",
-    "read_ulog", "rms", "run", "running_casds", "start", "sweep", "table", "text_table",
+    "Tuning", "Ulog", "WrongCall", "WrongUse", "compare", "control_delays", "echo_delays", "mavlink", "quantile", "read", "read_csv", "read_tlog",
+    "read_ulog", "rms", "run", "running_casds", "start", "sweep", "table", "text_table", "tune",
 ]
 __version__ = "0.1.0"

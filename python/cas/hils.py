@@ -15,13 +15,13 @@ from typing import Any, Callable, Generic, Mapping, Optional, Sequence, TypeVar,
 
 from .errors import RUN_ERRORS, CallTimeout, CasError, FormatError, RunError
 from .places import program
-from .results import Comparison, Run, Sweep
+from .results import Comparison, Run, Sweep, Tuning
 
 Scenario = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 """A scenario's file, or its keys (docs/config.md, Scenario) in a dict."""
 
 Progress = Callable[[str], None]
-R = TypeVar("R", Run, Comparison, Sweep)
+R = TypeVar("R", Run, Comparison, Sweep, Tuning)
 
 _STOP_PATIENCE_S = 20.0
 
@@ -180,4 +180,17 @@ def sweep(study: Scenario, out: Union[str, "os.PathLike[str]"], *, jobs: Optiona
     options = [*(["--jobs", str(jobs)] if jobs is not None else []),
                *(["--again", str(again)] if again is not None else []), *flags]
     with Running("sweep", study, out, options, Sweep, progress) as running:
+        return running.wait(timeout_s, check)
+
+
+def tune(study: Scenario, out: Union[str, "os.PathLike[str]"], *, jobs: Optional[int] = None,
+         flags: Sequence[str] = (), progress: Optional[Progress] = None, timeout_s: Optional[float] = None,
+         check: bool = True) -> Tuning:
+    """Searches gains (`hils tune`, docs/tune.md) on `jobs` processors, all by default, and reads its tables.
+
+    `study` is a file or its keys in a dict, as in sweep(). A search that was interrupted goes on with the same `out`.
+    Raises as run(); LimitMissed where no candidate is better than the values before.
+    """
+    options = [*(["--jobs", str(jobs)] if jobs is not None else []), *flags]
+    with Running("tune", study, out, options, Tuning, progress) as running:
         return running.wait(timeout_s, check)

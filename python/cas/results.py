@@ -143,13 +143,43 @@ class Sweep:
         return read_csv(self.folder / "machine.csv")
 
 
+class Tuning:
+    """The folder of `hils tune` (docs/tune.md)."""
+
+    def __init__(self, folder: Union[str, Path], exit_code: int = 0, output: str = "") -> None:
+        self.folder = Path(folder)
+        self.exit_code = exit_code
+        self.output = output
+        if not (self.folder / "candidates.csv").is_file():
+            raise FormatError(f"there is no tuning in {self.folder}: no candidates.csv. `hils tune STUDY --out "
+                              f"{self.folder}` makes one")
+
+    @functools.cached_property
+    def candidates(self) -> Table:
+        """A row a candidate: its values, objectives, guards, `penalty`, `weighted_sum`; the first is the one before."""
+        return read_csv(self.folder / "candidates.csv")
+
+    @functools.cached_property
+    def front(self) -> Table:
+        """Those of them that hold all guards and are beaten by no other in all objectives."""
+        return read_csv(self.folder / "front.csv")
+
+    @functools.cached_property
+    def gains(self) -> dict[str, float]:
+        """The vehicle's parameters of the best candidate, by name."""
+        lines = (self.folder / "gains.params").read_text(encoding="utf-8").split("\n")
+        return {name: float(value) for name, value in (line.split() for line in lines if line)}
+
+
 def read(path: Union[str, Path]) -> Any:
-    """Reads what is there: a run's folder (Run), a comparison's (Comparison), a sweep's (Sweep), a .tlog (Tlog), a .ulg
-    (Ulog), a .csv (Table)."""
+    """Reads what is there: a run's folder (Run), a comparison's (Comparison), a sweep's (Sweep), a tuning's (Tuning), a
+    .tlog (Tlog), a .ulg (Ulog), a .csv (Table)."""
     path = Path(path)
     if path.is_dir():
         if (path / "comparison.json").is_file():
             return Comparison(path)
+        if (path / "candidates.csv").is_file():
+            return Tuning(path)
         return Sweep(path) if (path / "plan.json").is_file() else Run(path)
     readers: dict[str, Any] = {".tlog": Tlog, ".ulg": Ulog, ".csv": read_csv}
     if path.suffix in readers and path.is_file():

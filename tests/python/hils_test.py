@@ -34,6 +34,10 @@ if code in (0, 1, 3):
     json.dump({{"figures": ["up", "crash_s", "rms_x_m"]}}, open(os.path.join(out, "plan.json"), "w"))
     open(os.path.join(out, "results.csv"), "w").write(
         "row,up,crash_s,rms_x_m,incident,cause\\n1,1,,0.5,,\\n2,,,,,\\"died, twice\\"\\n")
+if arguments[0] == "tune":
+    open(os.path.join(out, "candidates.csv"), "w").write("candidate,p,penalty\\n0,1,0\\n1,2.5,0.25\\n")
+    open(os.path.join(out, "gains.params"), "w").write("MPC_XY_P 2.5\\n")
+else:
     json.dump({{"variants": []}}, open(os.path.join(out, "comparison.json"), "w"))
 print("hils: the end")
 sys.exit(code)
@@ -114,6 +118,13 @@ class HilsTest(FolderTest):
         self.assertEqual(runs["incident"], ["", ""])
         arguments = json.loads((self.folder / "out/sweep/arguments.json").read_text())
         self.assertEqual((arguments[0], arguments[4:]), ("sweep", ["--jobs", "2", "--again", "0"]))
+
+    def test_a_tuning_is_a_table_and_gains(self):
+        tuning = cas.tune({"name": "gains", "code": 0}, "out/tune", jobs=3, timeout_s=PATIENCE_S)
+        self.assertEqual((list(tuning.candidates["penalty"]), tuning.gains), ([0, 0.25], {"MPC_XY_P": 2.5}))
+        self.assertIsInstance(cas.read("out/tune"), cas.Tuning)
+        arguments = json.loads((self.folder / "out/tune/arguments.json").read_text())
+        self.assertEqual((arguments[0], arguments[4:]), ("tune", ["--jobs", "3"]))
 
     def test_a_program_that_is_not_there_is_named_with_its_package(self):
         os.remove("hils")
