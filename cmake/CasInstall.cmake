@@ -10,7 +10,7 @@ install(TARGETS cas_base cas_sim_api cas_sim EXPORT cas-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas)
 install(TARGETS cas_sim_sdf LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT common NAMELINK_SKIP)
-install(TARGETS casd casctl RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT casd)
+install(TARGETS casd casctl casweb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT casd)
 install(TARGETS hilsim fcu_emulator hils RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT sim)
 
 foreach(folder base libsim/api libsim/core)

@@ -28,6 +28,7 @@ endfunction()
 
 cas_add_manual(casd casd)
 cas_add_manual(casctl casd)
+cas_add_manual(casweb casd)
 cas_add_manual(hilsim sim)
 cas_add_manual(fcu_emulator sim)
 cas_add_manual(hils sim)

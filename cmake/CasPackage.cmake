@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Debian packages by CPack: cas-common (libraries, shipped configuration), casd (with casctl), cas-sim (hilsim with its
+# Debian packages by CPack: cas-common (libraries, shipped configuration), casd (with casctl and casweb), cas-sim (hilsim with its
 # plugins, hils, fcu_emulator), cas-dev,
 # cas-mavlink-dev and python3-cas. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
 set(debian ${PROJECT_SOURCE_DIR}/packaging/debian)
@@ -8,7 +8,8 @@ set(exactly "(= ${PROJECT_VERSION})")
 # The service, its configuration in /etc, rules for devices.
 install(FILES ${PROJECT_SOURCE_DIR}/config/topologies/pixhawk_usb.yaml DESTINATION /etc/cas RENAME casd.yaml
         COMPONENT casd)
-install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd.service DESTINATION /lib/systemd/system COMPONENT casd)
+install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd.service ${PROJECT_SOURCE_DIR}/config/systemd/casweb.service
+        DESTINATION /lib/systemd/system COMPONENT casd)
 install(FILES ${PROJECT_SOURCE_DIR}/config/udev/61-cas-pixhawk.rules DESTINATION /lib/udev/rules.d COMPONENT casd)
 install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/cas-modules.conf DESTINATION /usr/lib/modules-load.d
         RENAME cas.conf COMPONENT casd)
@@ -74,7 +75,7 @@ set(CPACK_DEBIAN_CASD_PACKAGE_CONTROL_EXTRA
 set(CPACK_COMPONENT_CASD_DESCRIPTION "MAVLink router and command port for HIL simulation
 casd routes MAVLink between simulator, flight controller and ground stations,
 counts what is lost and why, and takes commands. casctl commands and watches
-it from the terminal.")
+it from the terminal, casweb shows it in a browser.")
 
 set(CPACK_DEBIAN_SIM_PACKAGE_DEPENDS "cas-common ${exactly}")
 set(CPACK_DEBIAN_SIM_PACKAGE_RECOMMENDS "casd ${exactly}")

@@ -56,6 +56,7 @@ struct RunFlags {
   std::vector<std::string> plugin_dirs;
   bool on_virtual_clock = false;
   bool lockstep = false;
+  bool web = false;
 };
 
 /// Puts folders before those of CAS_PLUGIN_PATH, for this process and those that it starts.
@@ -111,6 +112,7 @@ void refuse_flags_of_our_controller(const RunFlags& flags) {
   refuse(!flags.fcu_device.empty(), "--fcu",
          "it is started as a program; for a board take the scenario pixhawk.yaml");
   refuse(!flags.ground_station.empty(), "--gcs", "its topology has a link for a ground station");
+  refuse(flags.web, "--web", "start casweb beside it");
 }
 
 int run(const RunFlags& flags) {
@@ -138,6 +140,11 @@ int run(const RunFlags& flags) {
     if (flags.on_virtual_clock || request.architecture == Architecture::kDirect) {
       throw base::ConfigError("--gcs: a ground station cannot join a run on the virtual clock");
     }
+  }
+  request.web = flags.web;
+  if (flags.web && (flags.on_virtual_clock || request.lockstep ||
+                    request.architecture == Architecture::kDirect)) {
+    throw base::ConfigError("--web: only a run in real time is shown in a browser");
   }
   request.announced = true;
   request.out = std::filesystem::absolute(flags.out);
@@ -279,6 +286,8 @@ int main(int argc, char** argv) {
                       "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
                       "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
                       "TYPE:HOST:PORT. In real time only");
+  command->add_flag("--web", flags.web,
+                    "Show the run in a browser: starts casweb and prints the address");
   command->add_option("--plugin-dir", flags.plugin_dirs,
                       "Folder searched for plugins first, before CAS_PLUGIN_PATH");
   command->add_option("--seed", flags.seed, "Seed instead of the scenario's")

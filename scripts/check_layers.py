@@ -131,6 +131,9 @@ LAYERS = {
     "fcu/emulator":
         BASE | MAVLINK | RPC | PROGRAM | rooms("fcu", "core line params") | {"fcu", "Eigen", "Asio"},
 
+    # of casd and hilsim it knows the sockets alone
+    "web/server": BASE | RPC | PROGRAM | {"Asio"},
+
     "tests": EVERYTHING,
 }
 

@@ -25,6 +25,7 @@
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/programs/web_view.hpp"
 #include "hils/run/run_places.hpp"
 #include "hils/scenario/fleet_plan.hpp"
 
@@ -341,6 +342,11 @@ std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   std::vector<RunRecord> records = records_of(request.scenario, places);
   BenchPrograms programs(supervisor, places, request);
   programs.start();
+  std::optional<WebView> web;
+  if (request.web) {
+    web.emplace(places);
+    fmt::print(stderr, "Page: {}\n", web->address());
+  }
   try {
     if (!request.fcu_device.empty()) check_device(supervisor, places, request);
     RealtimePilot(supervisor, programs, places, request,

@@ -20,6 +20,7 @@ struct RunRequest {
   unsigned fcu_baud = 921600;
   bool lockstep = false;                     ///< the processes run on the stream's time
   bool announced = false;                    ///< says how to watch it once casd is ready
+  bool web = false;                          ///< casweb shows it in a browser
   std::optional<StationEndpoint> station{};  ///< where a ground station may join; nothing: none
   std::filesystem::path
       out;  ///< folder of the results; the programs' configurations are in out/run

@@ -19,7 +19,7 @@ CTEST = re.compile(r"`([\w.]+)` \(CTest\)")
 CODE = re.compile(r"`([^`]+)`")
 # Stand for a name or a figure in what is printed.
 PLACES = re.compile(r"\b(?:NAME|DEVICE|N|X)\b|[0-9.]+|\.\.\.")
-PROGRAMS = ("casd", "hils", "libsim", "fcu", "base", "mavlink_gen", "scripts", "tests/base")
+PROGRAMS = ("casd", "hils", "web/server", "libsim", "fcu", "base", "mavlink_gen", "scripts", "tests/base")
 
 
 def rows(page):

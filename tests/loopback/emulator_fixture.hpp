@@ -85,7 +85,8 @@ class EmulatorFixture {
                        " local: '127.0.0.1:0', remote: '" +
                        port + "'}]\n")
             .string();
-    hilsim_ = run({"hilsim", world, "--plugin-dir", cas::test::binary_dir() + "/plugins"});
+    hilsim_ = run({"hilsim", world, "--control", control(), "--plugin-dir",
+                   cas::test::binary_dir() + "/plugins"});
   }
 
   /// Runs the real casctl.
@@ -109,6 +110,7 @@ class EmulatorFixture {
 
   std::string device() const { return (folder / "fcu0").string(); }
   std::string socket() const { return (folder / "casd.sock").string(); }
+  std::string control() const { return (folder / "hilsim.sock").string(); }
   std::string output() const { return casd_->output() + fcu_->output(); }
 
   TemporaryFolder folder;

@@ -18,6 +18,7 @@
 #include "base/os/descriptor.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "tests/loopback/web_page.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/packet_stream.hpp"
 #include "tests/support/paths.hpp"
@@ -223,6 +224,25 @@ TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
   station.send_to(port);
   EXPECT_TRUE(station.meets_the_vehicle()) << run->output();
   end(*run);
+}
+
+TEST_F(HilsWatch, APageShowsTheRunAtTheAddressThatItPrints) {
+  ChildProcess run(in_session("hils", {"run", folder_.write("long.yaml", scenario_text()).string(),
+                                       "--web", "--out", folder_ / "out"}));
+  std::smatch address;
+  std::string text;
+  ASSERT_TRUE(wait_until([&] {
+    text = run.output();
+    return std::regex_search(
+        text, address, std::regex("Page: http://127\\.0\\.0\\.1:([0-9]+)/#k=([0-9a-f]{64})\n"));
+  })) << run.output();
+  WebPage page(static_cast<std::uint16_t>(std::stoi(address[1])));
+  ASSERT_TRUE(page.hello(address[2]).contains("result"));
+  EXPECT_TRUE(wait_until([&] {
+    return page.call("sim.scene", nlohmann::json::object()).contains("result") &&
+           page.call("casd.status", nlohmann::json::object()).contains("result");
+  })) << page.call("bench.status", nlohmann::json::object());
+  end(run);
 }
 
 TEST_F(HilsWatch, RefusesAPortThatAnotherProgramHas) {

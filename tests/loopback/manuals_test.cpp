@@ -49,7 +49,7 @@ TEST_P(Manual, CompletionIsCorrectShell) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, Manual,
-                         testing::Values("casd", "casctl", "hilsim", "fcu_emulator", "hils",
+                         testing::Values("casd", "casctl", "casweb", "hilsim", "fcu_emulator", "hils",
                                          "mavlink_gen"),
                          [](const auto& test) { return std::string(test.param); });
 

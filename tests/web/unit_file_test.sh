@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The unit file is one that systemd takes without complaint, and keeps casweb away from what it does not need.
+# Usage: unit_file_test.sh UNIT CASWEB       exit 77: systemd-analyze is not there
+set -euo pipefail
+unit=$1
+casweb=$2
+command -v systemd-analyze >/dev/null || exit 77
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+sed "s#/usr/bin/casweb#$casweb#" "$unit" > "$folder/casweb.service"
+complaints=$(systemd-analyze verify --man=no "$folder/casweb.service" 2>&1)
+[ -z "$complaints" ] || { echo "$complaints"; exit 1; }
+# In tenths.
+systemd-analyze security --offline=true --threshold=12 --no-pager "$folder/casweb.service" | tail -1

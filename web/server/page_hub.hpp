@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/rpc/message.hpp"
+#include "base/time/clock.hpp"
+#include "web/server/upstream.hpp"
+
+namespace cas::web {
+
+class PageClient;
+
+/// What all pages share: the connections to casd and hilsim, samples of each topic, events.
+///
+///   page waits for a topic --> timer of its rate --> one question --> snapshot to all that wait
+///
+/// A topic for which no page waits is not asked for. Everything on the thread of `io`.
+class PageHub {
+ public:
+  struct Config {
+    Upstream::Find find_casd;
+    Upstream::Find find_hilsim;
+  };
+
+  PageHub(boost::asio::io_context& io, Config config);
+  ~PageHub();
+  PageHub(const PageHub&) = delete;
+  PageHub& operator=(const PageHub&) = delete;
+
+  void start();
+  void close();
+
+  Upstream& casd();
+  Upstream& hilsim();
+
+  /// A page that has said hello gets events and what it waits for, until it is gone.
+  void add(const std::shared_ptr<PageClient>& client);
+  /// Highest rate of a topic, Hz; nothing for one that there is not.
+  std::optional<double> rate_of(const std::string& topic) const;
+  /// Some page waits for this topic.
+  void on_wanted(const std::string& topic);
+
+  /// Answer to `hello`, but for what is the page's own.
+  base::rpc::Json greeting() const;
+  /// Answer to `bench.status`.
+  base::rpc::Json bench_status() const;
+  /// A mesh of hilsim's scene: its bytes, or nothing.
+  void fetch_mesh(const std::string& hash, std::function<void(const std::string* bytes)> take);
+  /// Whether the pages together may watch that many more fields.
+  bool has_room_for(std::size_t fields) const;
+  /// The page that may move the sticks of a vehicle. @return whether it is `client` now
+  bool take_pilot(std::uint64_t client, int system, base::RunTime now);
+  /// Whether it still is; a stick keeps it.
+  bool is_pilot(std::uint64_t client, int system, base::RunTime now);
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace cas::web
