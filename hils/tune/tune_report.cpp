@@ -103,11 +103,11 @@ Plot front_plot(const TuneStudy& study, const TuneResult& result, std::size_t x,
   }
   std::ranges::sort(front.points);
   plot.series.push_back(std::move(front));
-  // A cross over each of the two that are compared.
+  // A short dash at each of the two that are compared.
   for (const auto& [name, index] : {std::pair<const char*, std::size_t>{"before", 0},
                                     std::pair<const char*, std::size_t>{"after", result.best}}) {
     const std::vector<double>& at = result.candidates[index].objectives;
-    const double width = 0.01 * std::abs(at[x]);
+    const double width = 0.002 * std::abs(at[x]);
     plot.series.push_back(
         {.name = name, .points = {{at[x] - width, at[y]}, {at[x] + width, at[y]}}, .dashed = true});
   }
