@@ -123,7 +123,7 @@ export class Bench {
     this.scene = scene;
     scene.vehicles.forEach((vehicle, i) => {
       const known = this.vehicles[i];
-      if (known) known.scene = vehicle;
+      if (known) Object.assign(known, {scene: vehicle, name: vehicle.name, system: vehicle.system ?? known.system});
       else this.vehicles.push({name: vehicle.name, system: vehicle.system ?? i + 1, scene: vehicle});
     });
   }

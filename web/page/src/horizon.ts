@@ -153,8 +153,8 @@ class Horizon extends Part {
     g.font = '600 10.5px ' + font;
     const estimate = page.bench.estimate();
     const old = shown.label === 'truth' && estimate && estimate.age_s > kStale_s ? ` (estimate ${age(estimate.age_s)})` : '';
-    const stale = shown.motion.age_s > kStale_s ? ` ${age(shown.motion.age_s)}` : '';
-    g.fillText(shown.label + old + stale, 54, H - 32);
+    const stale = shown.motion.age_s > kStale_s;
+    g.fillText(shown.label + (stale ? ` ${age(shown.motion.age_s)}` : old), 54, H - 32);
   }
 }
 

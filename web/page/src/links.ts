@@ -219,7 +219,7 @@ class Links extends Part {
     if (!hop) return svg`<text x=${x0} y=${y} font-size="12" fill="var(--t3)">${lead}–</text>` as TemplateResult;
     const short: Record<string, string> = {HIL_GPS: 'GPS', HIL_ACTUATOR_CONTROLS: 'HIL_ACTUATOR'};
     const colours: Record<string, string> = {HIL_SENSOR: 'est', HIL_GPS: 't1', HIL_CONTROLS: 'act', HIL_ACTUATOR_CONTROLS: 'act'};
-    const main = Object.entries(hop.msgs).filter(([name]) => name.startsWith('HIL_') && name !== 'HIL_STATE_QUATERNION');
+    const main = Object.entries(hop.msgs).filter(([name]) => name.startsWith('HIL_') && name !== 'HIL_STATE_QUATERNION').sort(([, a], [, b]) => b - a);
     const other = Object.entries(hop.msgs).filter(([name]) => !name.startsWith('HIL_')).reduce((sum, [, hz]) => sum + hz, 0);
     const right = hop.state === 'down' ? 'link down'
       : hop.us ? delayPair(hop.us) : hop.measured === 'echo' ? 'measured as a loop' : 'delay not measured';
@@ -309,17 +309,19 @@ class Links extends Part {
     const tone = loop.ms.p99 > bench.bounds.loop_p99_ms ? 'red' : loop.ms.p99 > bench.bounds.loop_p99_ms / 2 ? 'amber' : 't1';
     const parts = this.loopParts(loop.ms.p50);
     let from = 0;
+    let labelled = x0;  // how far the names of the parts reach
     return svg`<text x=${xl} y=${y + h - 4} font-size="12" fill="var(--t2)">Loop closes in</text>
       <text x=${xv} y=${y + h - 3} font-size="15" font-weight="600" text-anchor="end" fill="var(--t1)">${fixed(loop.ms.p50)} ms</text>
       ${frameBar}
       ${parts.map(({name, ms, colour}) => {
         const [a, b] = [x(from), x(from + ms)];
         from += ms;
+        if (b - a > 120) labelled = a + (name.length + 6) * 6;
         return svg`<rect x=${a + 0.5} y=${y + 2} width=${Math.max(1.5, b - a - 1)} height=${h - 4} fill=${`var(--${colour})`} opacity=".85"></rect>
           ${b - a > 120 ? svg`<text x=${a + 1} y=${y - 6} font-size="11" fill="var(--t3)">${name} ${fixed(ms)}</text>` : nothing}`;
       })}
       <path d=${`M${x(period)} ${y - 4}v${h + 8}`} stroke="var(--t2)" stroke-dasharray="2 2"></path>
-      ${Math.abs(x(period) - x(loop.ms.p99)) > 190
+      ${Math.abs(x(period) - x(loop.ms.p99)) > 190 && x(period) > labelled
         ? svg`<text x=${x(period) + 5} y=${y - 6} font-size="11" fill="var(--t2)">${fixed(period)} next sample</text>` : nothing}
       <path d=${`M${x(loop.ms.p50)} ${y + h / 2}H${x(loop.ms.p99)}`} stroke="var(--t2)"></path>
       <path d=${`M${x(loop.ms.p99)} ${y + 2}v${h - 4}`} stroke=${`var(--${tone})`} stroke-width="2"></path>
@@ -336,7 +338,7 @@ class Links extends Part {
       ['UDP', us('sim', 'casd'), 't3'], ['casd', forward('sim'), 'acc'], ['line to the controller', us('casd', 'fcu'), 'est'],
       ['line back', us('fcu', 'casd'), 'act'], ['casd', forward('fcu'), 'acc'],
     ];
-    if (way.some(([, value]) => value === undefined)) return [{name: 'echo: line, controller and line back', ms: whole, colour: 't3'}];
+    if (way.some(([, value]) => value === undefined)) return [{name: 'echo: there and back', ms: whole, colour: 't3'}];
     return way.map(([name, value, colour]) => ({name, ms: Math.max(0, value!) / 1000, colour}));
   }
 

@@ -71,14 +71,15 @@ class Messages extends Part {
     const names = source as unknown as Partial<FieldNames>;
     const list = bench.messages
       .filter((message) => message.direction === 'rx' && (message.system === bench.vehicle?.system || message.link.startsWith('sim')))
-      .filter((message) => message.name.toLowerCase().includes(this.filter.toLowerCase()));
+      .filter((message) => message.name.toLowerCase().includes(this.filter.toLowerCase()))
+      .sort((a, b) => Number(b.name in kKinds) - Number(a.name in kKinds) || (a.name in kKinds ? b.hz - a.hz : a.name.localeCompare(b.name)));
     return html`<div>
       <div class="filter"><input type="search" aria-label="Filter messages" placeholder="Filter  /" .value=${this.filter}
         @input=${(event: Event) => {
           this.filter = (event.target as HTMLInputElement).value;
           this.requestUpdate();
         }}></div>
-      <table aria-label="Messages">
+      <table class="messages" aria-label="Messages">
         <thead class="hidden"><tr><th>Message</th><th>Link</th><th>Rate, per second</th><th>Last 6 s</th></tr></thead>
         ${list.map((message) => {
           const [kind, colour] = kKinds[message.name] ?? ['', 't3'];

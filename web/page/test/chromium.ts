@@ -48,11 +48,11 @@ export const scene = (page: Page): Promise<SceneHook> =>
 
 /** Waits until the scene is so. */
 export async function until(page: Page, what: string, holds: (scene: SceneHook) => boolean): Promise<SceneHook> {
-  const end = Date.now() + 30_000;
+  const end = Date.now() + 60_000;
   for (;;) {
     const now = await scene(page).catch(() => undefined);
     if (now && holds(now)) return now;
-    if (Date.now() > end) throw new Error(`not in 30 s: ${what}; the scene is ${JSON.stringify(now)}`);
+    if (Date.now() > end) throw new Error(`not in 60 s: ${what}; the scene is ${JSON.stringify(now)}`);
     await page.waitForTimeout(50);
   }
 }
