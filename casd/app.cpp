@@ -99,7 +99,9 @@ FiguresSource make_figures_source(const AppOptions& options, LinkSet& links,
           .now = base::steady_now,
           .started = base::steady_now(),
           .name = options.name,
-          .topology_file = std::filesystem::absolute(options.topology_file),
+          .topology_file = options.topology_file.empty()
+                               ? std::filesystem::path()
+                               : std::filesystem::absolute(options.topology_file),
           .vehicles = [&vehicles] { return vehicles.vehicles(); },
           .recording = [&recorder] { return recorder.status(base::steady_now()); },
           .taps = &links.taps(),
@@ -283,6 +285,11 @@ struct App::Impl {
 
   /// @throws base::ConfigError also for what only a restart can change
   Topology load_again() const {
+    if (options.topology_file.empty()) {
+      throw base::ConfigError(
+          "casd was started with endpoints, not with a file: there is nothing "
+          "to read again");
+    }
     const base::ConfigNode root = base::ConfigNode::load(options.topology_file);
     Topology topology = Topology::parse(root);
     if (options.lockstep) topology.set_lockstep();

@@ -10,11 +10,11 @@
 namespace cas::casd {
 
 struct AppOptions {
-  std::filesystem::path topology_file;
-  std::filesystem::path ledger_file;  ///< each HIL packet at each link, at the end; empty: none
-  std::filesystem::path stats_file;   ///< written at the end; empty: none
-  std::string name;                   ///< of this casd, for people; empty: its topology's file
-  bool lockstep = false;              ///< whatever `pace` the topology has, after a reload too
+  std::filesystem::path topology_file;  ///< empty: endpoints of the command line, no reload
+  std::filesystem::path ledger_file;    ///< each HIL packet at each link, at the end; empty: none
+  std::filesystem::path stats_file;     ///< written at the end; empty: none
+  std::string name;                     ///< of this casd, for people; empty: its topology's file
+  bool lockstep = false;                ///< whatever `pace` the topology has, after a reload too
 };
 
 /// The running program: links, commander and command port around one io thread. Ends on SIGTERM or

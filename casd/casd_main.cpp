@@ -3,6 +3,8 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -21,8 +23,10 @@
 #include "casd/port/message_decoder.hpp"
 #include "casd/signing/packet_signer.hpp"
 #include "casd/station/gain_map.hpp"
+#include "casd/topology/endpoint_notation.hpp"
 #include "casd/topology/injection.hpp"
 #include "casd/topology/line_budget.hpp"
+#include "casd/topology/router_import.hpp"
 #include "casd/topology/topology.hpp"
 #include "casd/topology/topology_reference.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -129,7 +133,14 @@ void check_named_files(const Topology& topology) {
 }
 
 struct Flags {
-  std::string topology;
+  std::vector<std::string> places;  ///< one topology, or endpoints
+  std::vector<std::string> masters;
+  std::vector<std::string> outs;
+  std::vector<std::string> tcp_peers;
+  std::vector<int> tcp_ports;
+  int command_port = -1;
+  bool as_topology = false;
+  std::string import_file;
   std::string ledger;
   std::string stats;
   std::string name;
@@ -138,14 +149,87 @@ struct Flags {
   bool lockstep = false;
 };
 
+bool is_topology(const std::string& place) {
+  std::error_code none;
+  return !is_endpoint(place) || std::filesystem::is_regular_file(place, none);
+}
+
+/// The links that the command line itself describes. @throws base::ConfigError
+std::vector<LinkConfig> endpoints_of(const Flags& flags) {
+  std::vector<LinkConfig> links;
+  for (const std::string& text : flags.places) {
+    if (is_topology(text)) {
+      throw base::ConfigError("'" + text + "' is not an endpoint; a topology file stands alone");
+    }
+    links.push_back(parse_endpoint(text));
+  }
+  for (const std::string& text : flags.masters) {
+    links.push_back(parse_endpoint(text, EndpointUse::kMaster));
+  }
+  for (const std::string& text : flags.outs) {
+    links.push_back(parse_endpoint(text, EndpointUse::kOut));
+  }
+  for (const std::string& text : flags.tcp_peers) links.push_back(parse_endpoint("tcpout:" + text));
+  for (const int port : flags.tcp_ports) {
+    links.push_back(parse_endpoint("tcpin:" + std::to_string(port)));
+  }
+  return links;
+}
+
+/// A file, or what the endpoints of the command line come to.
+struct TopologySource {
+  std::filesystem::path file;  ///< empty: endpoints
+  std::string name;            ///< for people
+  Topology topology;
+};
+
+/// @throws base::ConfigError
+TopologySource read_topology(const Flags& flags) {
+  const bool has_options = !flags.masters.empty() || !flags.outs.empty() ||
+                           !flags.tcp_peers.empty() || !flags.tcp_ports.empty();
+  if (flags.places.size() == 1 && is_topology(flags.places[0]) && !has_options) {
+    if (flags.as_topology || flags.command_port >= 0) {
+      throw base::ConfigError("--as-topology and --command-port go with endpoints; '" +
+                              flags.places[0] + "' is a topology already");
+    }
+    const std::filesystem::path file = base::find_config(flags.places[0]);
+    return {file, flags.places[0], Topology::load(file)};
+  }
+  const std::vector<LinkConfig> links = endpoints_of(flags);
+  if (links.empty()) {
+    throw base::ConfigError(
+        "no topology: give a file, or endpoints such as serial:/dev/ttyACM0:921600 udp:14550");
+  }
+  const std::string text = topology_of_endpoints(links, flags.command_port);
+  if (flags.as_topology) std::fputs(text.c_str(), stdout);
+  const std::string name = "the command line";
+  return {{}, name, Topology::parse(base::ConfigNode::parse(text, name))};
+}
+
+/// Prints casd's topology of mavlink-router's file; what becomes of its keys goes to stderr, too.
+/// @throws base::ConfigError
+int print_import(const std::string& file) {
+  std::ifstream stream(file);
+  if (!stream) throw base::ConfigError("cannot read " + file);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const ImportedTopology imported = import_mavlink_router(text, file);
+  Topology::parse(base::ConfigNode::parse(imported.yaml, "the imported topology"));
+  std::fputs(imported.yaml.c_str(), stdout);
+  for (const std::string& note : imported.notes) {
+    std::fprintf(stderr, "%s:%s\n", file.c_str(), note.c_str());
+  }
+  return base::kExitOk;
+}
+
 int run(const Flags& flags) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file as large as it may be ends a recording, not casd
-  const std::filesystem::path file = base::find_config(flags.topology);
-  Topology topology = Topology::load(file);
+  if (!flags.import_file.empty()) return print_import(flags.import_file);
+  auto [file, source_name, topology] = read_topology(flags);
+  if (flags.as_topology) return base::kExitOk;
   if (flags.lockstep) topology.set_lockstep();
   if (flags.check) {
     check_named_files(topology);
-    std::printf("%s: %zu links, %zu routes\n", flags.topology.c_str(), topology.links.size(),
+    std::printf("%s: %zu links, %zu routes\n", source_name.c_str(), topology.links.size(),
                 topology.routes.size());
     std::fputs(topology_text(topology).c_str(), stdout);
     for (const std::string& warning : injection_warnings(topology)) {
@@ -174,7 +258,24 @@ int main(int argc, char** argv) {
   casd::Flags flags;
   CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.", "casd");
   cli.set_version_flag("--version", std::string("casd ") + CAS_VERSION);
-  cli.add_option("topology", flags.topology, "Links and routes (YAML)")->required();
+  cli.add_option("topology", flags.places,
+                 "A file with links and routes (YAML), or endpoints: serial:DEVICE:BAUD, udp:PORT, "
+                 "udp:HOST:PORT, tcp:PORT, tcp:HOST:PORT")
+      ->type_name("TOPOLOGY|ENDPOINT...");
+  cli.add_option("--master", flags.masters, "A vehicle's endpoint, as MAVProxy writes it")
+      ->type_name("ENDPOINT");
+  cli.add_option("--out,-e", flags.outs,
+                 "Send by UDP to HOST:PORT, as MAVProxy and mavlink-router do")
+      ->type_name("HOST:PORT");
+  cli.add_option("-p,--tcp-endpoint", flags.tcp_peers, "Connect by TCP to HOST:PORT")
+      ->type_name("HOST:PORT");
+  cli.add_option("-t,--tcp-port", flags.tcp_ports, "Listen for TCP clients of this machine")
+      ->type_name("PORT");
+  cli.add_option("--command-port", flags.command_port,
+                 "TCP port for casctl, with endpoints; 0: a free one")
+      ->check(CLI::Range(0, 65535));
+  cli.add_flag("--as-topology", flags.as_topology,
+               "Print the endpoints as a topology file, and end");
   cli.add_flag("--check", flags.check, "Read the topology, say what is wrong, and end");
   cli.add_flag_callback(
       "--keys",
@@ -183,6 +284,9 @@ int main(int argc, char** argv) {
         throw CLI::Success();
       },
       "Print every key of a topology with its default and meaning, and end");
+  cli.add_option("--import", flags.import_file,
+                 "Print mavlink-router's configuration as a topology file, and end")
+      ->type_name("MAIN.CONF");
   cli.add_option("--ledger", flags.ledger,
                  "Write each HIL packet at each link to this file at the end");
   cli.add_flag("--lockstep", flags.lockstep,

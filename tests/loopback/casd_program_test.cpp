@@ -83,6 +83,48 @@ TEST_F(CasdProgram, ReloadsOnHangupAndKeepsTheOldTopologyWhenTheNewOneIsBad) {
   ASSERT_TRUE(wait_until([&] { return links() == 3; }));
 }
 
+TEST_F(CasdProgram, RoutesBetweenEndpointsOfTheCommandLineButNoSensorsOfASimulator) {
+  ChildProcess casd({kCasd, "--command-port", "0", "serial:" + fixture.expand("$FCU") + ":921600",
+                     "udp:" + fixture.expand("$SIM")});
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  fixture.sim.set_remote(port_of(endpoint_in(*status, "udp")));
+
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  fixture.sim.send(fixture.from_sim(mavlink::common::ParamRequestList{}));
+  ASSERT_TRUE(fixture.collect_until([&] {
+    return fixture.at_sim.count(kHilControls) == 1 &&
+           fixture.at_fcu.count(mavlink::common::ParamRequestList::kId) == 1;
+  })) << casd.output();
+  EXPECT_EQ(fixture.at_fcu.count(kHilSensor), 0U);
+
+  casd.signal(SIGHUP);
+  EXPECT_TRUE(wait_until([&] {
+    return casd.output().find("there is nothing to read again") != std::string::npos;
+  })) << casd.output();
+  casd.signal(SIGTERM);
+  EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
+}
+
+TEST_F(CasdProgram, PrintsEndpointsAndMavlinkRoutersFileAsATopologyThatItTakes) {
+  const auto conf = fixture.folder.write(
+      "main.conf",
+      "[UartEndpoint fc]\nDevice = /dev/ttyS1\nBaud = 57600\n\n[General]\nTcpServerPort = 0\n");
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--as-topology", "/dev/ttyS1:57600", "-e", "127.0.0.1:14550"},
+        std::vector<std::string>{"--import", conf.string()}}) {
+    std::vector<std::string> command{kCasd};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    ChildProcess print(command);
+    ASSERT_EQ(print.wait_exit(), 0) << print.output();
+    const auto file = fixture.folder.write("printed.yaml", print.output());
+    ChildProcess check({kCasd, "--check", file});
+    EXPECT_EQ(check.wait_exit(), 0) << check.output();
+    EXPECT_NE(check.output().find("/dev/ttyS1 at 57600 baud"), std::string::npos) << check.output();
+  }
+}
+
 TEST_F(CasdProgram, EndsWhenTheCommandPortIsTaken) {
   ChildProcess first({kCasd, topology(kWithPort)});
   const auto status = first.wait_ready();
@@ -139,6 +181,8 @@ INSTANTIATE_TEST_SUITE_P(
                              "signing: {key_file: none.key}}\n",
                              "--check", 78, "none.key"},
                     ExitCase{"MissingFile", nullptr, "--check", 78, "topology.yaml"},
+                    ExitCase{"FileAndEndpoint", "schema: 1\nlinks: []\n", "udp:14550", 78,
+                             "is not an endpoint"},
                     ExitCase{"UnknownFlag", nullptr, "--frobnicate", 78, "frobnicate"},
                     ExitCase{"MisspeltKey",
                              "schema: 1\nlinks:\n  - {name: a, type: udp, locall: 'x:1'}\n",

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/endpoint_notation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+#include <optional>
+
+#include "base/error.hpp"
+#include "base/os/host_port.hpp"
+
+namespace cas::casd {
+namespace {
+
+enum class Direction : std::uint8_t { kByHost, kListen, kSend };
+
+struct Scheme {
+  std::string_view word;
+  LinkType type;
+  Direction direction;
+};
+
+constexpr std::array kSchemes{
+    Scheme{"serial", LinkType::kSerial, Direction::kByHost},
+    Scheme{"udp", LinkType::kUdp, Direction::kByHost},
+    Scheme{"udpin", LinkType::kUdp, Direction::kListen},
+    Scheme{"udps", LinkType::kUdp, Direction::kListen},
+    Scheme{"udpout", LinkType::kUdp, Direction::kSend},
+    Scheme{"udpc", LinkType::kUdp, Direction::kSend},
+    Scheme{"udpb", LinkType::kUdp, Direction::kSend},
+    Scheme{"udpbcast", LinkType::kUdp, Direction::kSend},
+    Scheme{"tcp", LinkType::kTcp, Direction::kByHost},
+    Scheme{"tcpin", LinkType::kTcp, Direction::kListen},
+    Scheme{"tcps", LinkType::kTcp, Direction::kListen},
+    Scheme{"tcpout", LinkType::kTcp, Direction::kSend},
+    Scheme{"tcpc", LinkType::kTcp, Direction::kSend},
+};
+
+[[noreturn]] void fail(const std::string& text, const std::string& sentence) {
+  throw base::ConfigError("endpoint '" + text + "' " + sentence +
+                          "; serial:/dev/ttyACM0:921600, udp:14550, udp:HOST:PORT, tcp:5760 and "
+                          "tcp:HOST:PORT are endpoints");
+}
+
+const Scheme* scheme_of(std::string_view text) {
+  const std::string_view word = text.substr(0, text.find(':'));
+  if (word.size() == text.size()) return nullptr;
+  const auto* found = std::find_if(kSchemes.begin(), kSchemes.end(),
+                                   [&](const Scheme& scheme) { return scheme.word == word; });
+  return found == kSchemes.end() ? nullptr : found;
+}
+
+std::optional<unsigned> number(std::string_view digits) {
+  unsigned value = 0;
+  const char* end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, value);
+  if (error != std::errc{} || stop != end) return std::nullopt;
+  return value;
+}
+
+/// DEVICE, DEVICE:BAUD or DEVICE,BAUD. Names below /dev/serial/by-path have colons of their own.
+LinkConfig serial_link(const std::string& text, std::string_view rest) {
+  constexpr unsigned kLeastBaud = 300;
+  LinkConfig link;
+  link.type = LinkType::kSerial;
+  const std::size_t cut = rest.find_last_of(":,");
+  if (cut != rest.npos) {
+    const std::optional<unsigned> baud = number(rest.substr(cut + 1));
+    if (baud && *baud >= kLeastBaud) {
+      link.baud = *baud;
+      rest = rest.substr(0, cut);
+    } else if (rest[cut] == ',') {
+      fail(text, "has no rate after the comma");
+    }
+  }
+  if (rest.empty()) fail(text, "names no device");
+  link.device = rest;
+  return link;
+}
+
+bool is_wildcard(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
+
+bool listens(const Scheme& scheme, const std::string& host, EndpointUse use) {
+  if (scheme.direction != Direction::kByHost) return scheme.direction == Direction::kListen;
+  if (host.empty() || is_wildcard(host)) return true;
+  return scheme.type == LinkType::kUdp && use == EndpointUse::kMaster;
+}
+
+/// PORT, :PORT or HOST:PORT behind a scheme.
+LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::string_view rest,
+                       EndpointUse use) {
+  if (!rest.empty() && rest.front() == ':') rest.remove_prefix(1);
+  std::string host;
+  std::string port(rest);
+  if (const auto parts = base::parse_host_port(rest)) {
+    host = parts->host;
+    port = parts->port;
+  }
+  const std::optional<unsigned> value = number(port);
+  if (!value || *value > 65535) fail(text, "has no port");
+  const bool is_server = listens(scheme, host, use);
+  if (host.empty() && !is_server) fail(text, "names no host to send to");
+  const std::string v6_or_name = host.find(':') == host.npos ? host : "[" + host + "]";
+  const std::string place = (host.empty() ? "127.0.0.1" : v6_or_name) + ":" + port;
+
+  LinkConfig link;
+  if (is_server) {
+    link.type = scheme.type == LinkType::kUdp ? LinkType::kUdpServer : LinkType::kTcpServer;
+    link.local = place;
+  } else {
+    link.type = scheme.type;
+    link.remote = place;
+  }
+  return link;
+}
+
+/// udp, udp2, udp3: by type, servers and clients alike.
+void name_links(std::vector<LinkConfig>& links) {
+  std::map<std::string, int> count;
+  for (LinkConfig& link : links) {
+    if (!link.name.empty()) continue;
+    std::string word(to_string(link.type));
+    word = word.substr(0, word.find('_'));
+    const int nth = ++count[word];
+    link.name = nth == 1 ? word : word + std::to_string(nth);
+  }
+}
+
+}  // namespace
+
+LinkConfig parse_endpoint(const std::string& text, EndpointUse use) {
+  std::string_view rest = text;
+  const Scheme* scheme = scheme_of(text);
+  if (scheme != nullptr) {
+    rest.remove_prefix(scheme->word.size() + 1);
+    if (rest.starts_with("//")) rest.remove_prefix(2);  // MAVSDK's URLs
+    if (scheme->type == LinkType::kSerial) return serial_link(text, rest);
+    return socket_link(text, *scheme, rest, use);
+  }
+  if (text.starts_with('/')) return serial_link(text, rest);
+  const Direction direction = use == EndpointUse::kOut ? Direction::kSend : Direction::kListen;
+  return socket_link(text, {"udp", LinkType::kUdp, direction}, rest, use);
+}
+
+bool is_endpoint(std::string_view text) {
+  if (scheme_of(text) != nullptr || text.starts_with("/dev/")) return true;
+  const std::size_t colon = text.rfind(':');
+  return colon != text.npos && number(text.substr(colon + 1)) && text.find('/') == text.npos;
+}
+
+std::string yaml_string(const std::string& text) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < ' ') {
+      quoted += std::string("\\x") + kDigits[byte >> 4U] + kDigits[byte & 0xFU];
+    } else {
+      if (c == '"' || c == '\\') quoted += '\\';
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+std::string link_entry(const LinkConfig& link) {
+  std::string entry =
+      "- {name: " + yaml_string(link.name) + ", type: " + std::string(to_string(link.type));
+  if (!link.local.empty()) entry += ", local: " + yaml_string(link.local);
+  if (!link.remote.empty()) entry += ", remote: " + yaml_string(link.remote);
+  if (!link.device.empty()) entry += ", device: " + yaml_string(link.device);
+  if (link.baud > 0) entry += ", baud: " + std::to_string(link.baud);
+  return entry + "}";
+}
+
+std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port) {
+  name_links(links);
+  std::string text = "schema: 1\n";
+  if (command_port >= 0) {
+    text += "command_port: {port: " + std::to_string(command_port) + "}\n";
+  }
+  text += "links:\n";
+  for (const LinkConfig& link : links) text += "  " + link_entry(link) + "\n";
+  if (links.size() > 1) {
+    text +=
+        "routes:\n"
+        "  # everything to everybody, but no sensor data of a simulator: a bench has a topology of "
+        "its own\n"
+        "  - from: any\n"
+        "    to: any\n"
+        "    block: [";
+    for (const std::string_view name : kSimulatorMessages) {
+      text += (text.back() == '[' ? "" : ", ") + std::string(name);
+    }
+    text += "]\n";
+  }
+  return text;
+}
+
+}  // namespace cas::casd

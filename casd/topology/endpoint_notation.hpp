@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "casd/topology/link_config.hpp"
+
+namespace cas::casd {
+
+/// What an endpoint without a direction of its own means.
+enum class EndpointUse : std::uint8_t {
+  kPlain,   ///< mavlink-router: HOST:PORT is listened on
+  kMaster,  ///< MAVProxy's --master: HOST:PORT and udp:HOST:PORT are listened on
+  kOut,     ///< MAVProxy's --out, mavlink-router's -e: HOST:PORT and udp:HOST:PORT are sent to
+};
+
+/// A link of one word of a command line, without a name:
+///
+///     serial:/dev/ttyACM0:921600   /dev/ttyACM0,921600   serial:///dev/ttyACM0:921600
+///     udp:14550  udpin:HOST:PORT  udps:HOST:PORT         listens; without a host on 127.0.0.1
+///     udp:HOST:PORT  udpout:HOST:PORT  udpc:HOST:PORT    sends there
+///     tcp:5760  tcpin:HOST:PORT  tcps:HOST:PORT          listens
+///     tcp:HOST:PORT  tcpout:HOST:PORT  tcpc:HOST:PORT    connects
+///
+/// A wildcard host (0.0.0.0, [::]) is always listened on. @throws base::ConfigError
+LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse::kPlain);
+
+/// Whether a word of the command line is meant as an endpoint and not as a file.
+bool is_endpoint(std::string_view text);
+
+/// A topology of these links, as a file's text: all to all, but no simulator's sensor data, which
+/// would fly a vehicle in HIL; a bench has a topology of its own. Links without a name get one of
+/// their type. `command_port` < 0: the usual one.
+std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port = -1);
+
+/// What only a simulator says to a vehicle in HIL.
+inline constexpr std::array<std::string_view, 6> kSimulatorMessages{
+    "HIL_SENSOR",           "HIL_GPS",          "HIL_STATE",
+    "HIL_STATE_QUATERNION", "HIL_OPTICAL_FLOW", "HIL_RC_INPUTS_RAW"};
+
+/// In double quotes, whatever it holds.
+std::string yaml_string(const std::string& text);
+
+/// "- {name: ..., type: ..., ...}": what `parse_endpoint` sets, as an entry of `links`.
+std::string link_entry(const LinkConfig& link);
+
+}  // namespace cas::casd

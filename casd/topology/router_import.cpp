@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/router_import.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "base/error.hpp"
+#include "casd/topology/endpoint_notation.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr int kDefaultTcpServerPort = 5760;
+constexpr unsigned kDefaultUdpPort = 14550;
+constexpr unsigned kDefaultBaud = 115200;
+
+std::string lower(std::string_view text) {
+  std::string small(text);
+  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return small;
+}
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+/// An IPv6 address needs brackets before its port; mavlink-router's files have them or not.
+std::string bracketed(const std::string& host) {
+  return host.find(':') == host.npos || host.starts_with('[') ? host : "[" + host + "]";
+}
+
+struct Value {
+  std::string key;  ///< as the file spells it
+  std::string text;
+  int line = 0;
+  bool used = false;
+};
+
+struct Section {
+  std::string kind;  ///< lower case: "general", "uartendpoint", ...
+  std::string name;
+  int line = 0;
+  std::map<std::string, Value> values;  ///< by the key in lower case
+};
+
+using Ids = std::set<std::uint32_t>;
+
+/// What one endpoint lets in and out, as far as a route says it.
+struct Filters {
+  Ids allow_messages_out, block_messages_out, block_messages_in;
+  Ids allow_systems_out, block_systems_out;
+  Ids allow_components_out, block_components_out, allow_components_in, block_components_in;
+};
+
+struct Endpoint {
+  LinkConfig link;
+  std::string more;  ///< further keys of the entry, ", key: value"
+  Filters filters;
+};
+
+class Import {
+ public:
+  Import(std::string_view text, const std::string& file) : file_(file) { read(text); }
+
+  ImportedTopology topology() {
+    for (Section& section : sections_) take(section);
+    add_tcp_server();
+    if (endpoints_.empty()) fail(1, "has no endpoint");
+    note_unused();
+    return {text(), notes_};
+  }
+
+ private:
+  [[noreturn]] void fail(int line, const std::string& sentence) const {
+    throw base::ConfigError(file_ + ":" + std::to_string(line) + ": " + sentence);
+  }
+
+  void note(int line, const std::string& sentence) {
+    notes_.push_back(std::to_string(line) + ": " + sentence);
+  }
+
+  void read(std::string_view text) {
+    for (int line = 1; !text.empty(); ++line) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      read_line(trimmed(text.substr(0, end)), line);
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+  }
+
+  void read_line(std::string_view words, int line) {
+    if (words.empty() || words.front() == '#' || words.front() == ';') return;
+    if (words.front() == '[') {
+      if (words.back() != ']') fail(line, "a section ends with ]");
+      const std::string_view head = trimmed(words.substr(1, words.size() - 2));
+      const std::size_t blank = std::min(head.find_first_of(" \t"), head.size());
+      sections_.push_back(
+          {lower(head.substr(0, blank)), std::string(trimmed(head.substr(blank))), line, {}});
+      return;
+    }
+    const std::size_t equals = words.find('=');
+    if (equals == words.npos) fail(line, "is neither [section] nor key = value");
+    if (sections_.empty()) fail(line, "a key stands before the first section");
+    const std::string key(trimmed(words.substr(0, equals)));
+    sections_.back().values[lower(key)] = {key, std::string(trimmed(words.substr(equals + 1))),
+                                           line, false};
+  }
+
+  static Value* find(Section& section, std::string_view key) {
+    const auto found = section.values.find(lower(key));
+    if (found == section.values.end()) return nullptr;
+    found->second.used = true;
+    return &found->second;
+  }
+
+  std::string required(Section& section, std::string_view key) {
+    const Value* value = find(section, key);
+    if (value == nullptr || value->text.empty()) {
+      fail(section.line, "endpoint '" + section.name + "' has no " + std::string(key));
+    }
+    return value->text;
+  }
+
+  std::uint32_t number(std::string_view digits, const Value& value) const {
+    std::uint32_t result = 0;
+    const char* end = digits.data() + digits.size();
+    const auto [stop, error] = std::from_chars(digits.data(), end, result);
+    if (error != std::errc{} || stop != end) {
+      fail(value.line, value.key + ": '" + std::string(digits) + "' is not a number");
+    }
+    return result;
+  }
+
+  std::vector<std::uint32_t> numbers(const Value& value) const {
+    std::vector<std::uint32_t> list;
+    std::string_view rest = value.text;
+    while (!rest.empty()) {
+      const std::size_t comma = std::min(rest.find(','), rest.size());
+      list.push_back(number(trimmed(rest.substr(0, comma)), value));
+      rest.remove_prefix(std::min(comma + 1, rest.size()));
+    }
+    return list;
+  }
+
+  Ids ids(Section& section, std::string_view key) {
+    const Value* value = find(section, key);
+    if (value == nullptr) return {};
+    const auto list = numbers(*value);
+    return {list.begin(), list.end()};
+  }
+
+  std::uint32_t number_or(Section& section, std::string_view key, std::uint32_t standard) {
+    const Value* value = find(section, key);
+    return value == nullptr ? standard : number(value->text, *value);
+  }
+
+  bool flag(Section& section, std::string_view key) {
+    const Value* value = find(section, key);
+    if (value == nullptr) return false;
+    const std::string word = lower(value->text);
+    return word == "true" || word == "yes" || word == "1" || word == "on";
+  }
+
+  void take(Section& section) {
+    if (section.kind == "general") {
+      take_general(section);
+    } else if (section.kind == "uartendpoint") {
+      take_uart(section);
+    } else if (section.kind == "udpendpoint") {
+      take_udp(section);
+    } else if (section.kind == "tcpendpoint") {
+      take_tcp(section);
+    } else {
+      note(section.line, "[" + section.kind + "] is no section that mavlink-router has");
+      for (auto& [key, value] : section.values) value.used = true;
+    }
+  }
+
+  void take_general(Section& section) {
+    tcp_server_port_ = static_cast<int>(number_or(section, "TcpServerPort", kDefaultTcpServerPort));
+    const bool telemetry = flag(section, "LogTelemetry");
+    const Value* folder = find(section, "Log");
+    const Value* mode = find(section, "LogMode");
+    const Value* space = find(section, "MinFreeSpace");
+    const Value* files = find(section, "MaxLogFiles");
+    if (folder == nullptr) return;
+    note(folder->line,
+         "Log: logs of the autopilot (.ulg, .bin) are not taken from it; hils, QGroundControl or "
+         "MAVFTP fetch them");
+    if (!telemetry) return;
+    log_ = "log:\n  folder: " + yaml_string(folder->text) + "\n";
+    const std::string word = mode == nullptr ? "always" : lower(mode->text);
+    log_ += word == "while-armed" ? "  while_armed: true\n" : "  tlog: flight\n";
+    constexpr std::uint32_t kMib = 1024 * 1024;
+    if (space != nullptr) {
+      log_ += "  free_space_min_mib: " + std::to_string(number(space->text, *space) / kMib) + "\n";
+    }
+    if (files != nullptr && number(files->text, *files) > 0)
+      log_ += "  keep: " + files->text + "\n";
+  }
+
+  void take_uart(Section& section) {
+    Endpoint endpoint;
+    endpoint.link.type = LinkType::kSerial;
+    endpoint.link.device = required(section, "Device");
+    endpoint.link.baud = kDefaultBaud;
+    if (const Value* baud = find(section, "Baud")) {
+      const auto rates = numbers(*baud);
+      if (rates.empty()) fail(baud->line, "Baud: is empty");
+      endpoint.link.baud = rates.front();
+      if (rates.size() > 1)
+        note(baud->line, "Baud: casd does not search for the rate; the first is taken");
+    }
+    if (flag(section, "FlowControl")) endpoint.more += ", flow_control: true";
+    add(section, std::move(endpoint));
+  }
+
+  void take_udp(Section& section) {
+    const std::string address = required(section, "Address");
+    const std::string mode = lower(required(section, "Mode"));
+    const std::string place =
+        bracketed(address) + ":" + std::to_string(number_or(section, "Port", kDefaultUdpPort));
+    Endpoint endpoint;
+    if (mode == "server" || mode == "eavesdropping") {
+      endpoint.link.type = LinkType::kUdpServer;
+      endpoint.link.local = place;
+    } else if (mode == "normal" || mode == "client") {
+      endpoint.link.type = LinkType::kUdp;
+      endpoint.link.remote = place;
+    } else {
+      fail(find(section, "Mode")->line, "Mode: is normal, client, server or eavesdropping");
+    }
+    add(section, std::move(endpoint));
+  }
+
+  void take_tcp(Section& section) {
+    Endpoint endpoint;
+    endpoint.link.type = LinkType::kTcp;
+    endpoint.link.remote =
+        bracketed(required(section, "Address")) + ":" + required(section, "Port");
+    find(section, "RetryTimeout");  // casd tries again by itself
+    add(section, std::move(endpoint));
+  }
+
+  void add(Section& section, Endpoint endpoint) {
+    endpoint.link.name = free_name(section.name.empty() ? section.kind : section.name);
+    if (const Value* group = find(section, "Group")) {
+      endpoint.more += ", group: " + yaml_string(group->text);
+    }
+    std::string accept;
+    const auto accept_ids = [&](const char* key, const Ids& list, bool messages) {
+      if (!list.empty()) accept += (accept.empty() ? "" : ", ") + listed(key, list, messages);
+    };
+    accept_ids("messages", ids(section, "AllowMsgIdIn"), true);
+    accept_ids("systems", ids(section, "AllowSrcSysIn"), false);
+    accept_ids("block_systems", ids(section, "BlockSrcSysIn"), false);
+    if (!accept.empty()) endpoint.more += ", accept: {" + accept + "}";
+
+    Filters& filters = endpoint.filters;
+    filters.allow_messages_out = ids(section, "AllowMsgIdOut");
+    filters.allow_messages_out.merge(ids(section, "Filter"));
+    filters.block_messages_out = ids(section, "BlockMsgIdOut");
+    filters.block_messages_in = ids(section, "BlockMsgIdIn");
+    filters.allow_systems_out = ids(section, "AllowSrcSysOut");
+    filters.block_systems_out = ids(section, "BlockSrcSysOut");
+    filters.allow_components_out = ids(section, "AllowSrcCompOut");
+    filters.block_components_out = ids(section, "BlockSrcCompOut");
+    filters.allow_components_in = ids(section, "AllowSrcCompIn");
+    filters.block_components_in = ids(section, "BlockSrcCompIn");
+    endpoints_.push_back(std::move(endpoint));
+  }
+
+  std::string free_name(const std::string& wanted) const {
+    std::string name = wanted == "any" ? "any_" : wanted;
+    const auto taken = [&] {
+      return std::any_of(endpoints_.begin(), endpoints_.end(),
+                         [&](const Endpoint& each) { return each.link.name == name; });
+    };
+    while (taken()) name += "_";
+    return name;
+  }
+
+  void add_tcp_server() {
+    if (tcp_server_port_ == 0) return;
+    Endpoint endpoint;
+    endpoint.link.type = LinkType::kTcpServer;
+    endpoint.link.name = free_name("tcp");
+    endpoint.link.local = "0.0.0.0:" + std::to_string(tcp_server_port_);
+    endpoints_.push_back(std::move(endpoint));
+  }
+
+  void note_unused() {
+    static const std::map<std::string, std::string> kReasons{
+        {"reportstats", "casctl status and casctl monitor show them at any time"},
+        {"debugloglevel", "casd has --log-level"},
+        {"deduplicationperiod", "links of one group pass on once what comes twice"},
+        {"sniffersysid", "a link with accept: nothing hears everything and says nothing"},
+        {"mavlinkdialect", "casd knows all public dialects; another one: dialect"},
+        {"logsystemid", "casd records every system"},
+    };
+    for (const Section& section : sections_) {
+      for (const auto& [key, value] : section.values) {
+        if (value.used) continue;
+        const auto reason = kReasons.find(key);
+        note(value.line,
+             value.key + ": " + (reason == kReasons.end() ? "is unknown" : reason->second));
+      }
+    }
+  }
+
+  static std::string word(std::uint32_t id, bool messages) {
+    const mav::MessageInfo* known = messages ? mav::public_table().find(id) : nullptr;
+    return known == nullptr ? std::to_string(id) : std::string(known->name);
+  }
+
+  static std::string listed(const char* key, const Ids& list, bool messages) {
+    std::string text;
+    for (const std::uint32_t id : list) text += (text.empty() ? "" : ", ") + word(id, messages);
+    return std::string(key) + ": [" + text + "]";
+  }
+
+  /// Both ends have their say: what both allow, and nothing that one of them blocks.
+  static std::string rule(const Filters& from, const Filters& to) {
+    std::string text;
+    const auto add = [&](const char* key, const Ids& list, bool messages) {
+      if (!list.empty()) text += ", " + listed(key, list, messages);
+    };
+    const auto both = [](Ids one, Ids other) {
+      one.merge(other);
+      return one;
+    };
+    add("allow", to.allow_messages_out, true);
+    Ids block = both(from.block_messages_in, to.block_messages_out);
+    if (to.allow_messages_out.empty()) block.merge(simulator_messages());
+    add("block", block, true);
+    add("allow_systems", to.allow_systems_out, false);
+    add("block_systems", to.block_systems_out, false);
+    Ids components = both(from.allow_components_in, to.allow_components_out);
+    if (!from.allow_components_in.empty() && !to.allow_components_out.empty()) {
+      std::erase_if(components, [&](std::uint32_t id) {
+        return !from.allow_components_in.contains(id) || !to.allow_components_out.contains(id);
+      });
+      if (components.empty()) return ", allow: []";  // an empty list of components is all
+    }
+    add("allow_components", components, false);
+    add("block_components", both(from.block_components_in, to.block_components_out), false);
+    return text;
+  }
+
+  /// A simulator's sensor data would fly a vehicle in HIL.
+  static Ids simulator_messages() {
+    Ids ids;
+    for (const std::string_view name : kSimulatorMessages)
+      ids.insert(mav::public_table().find(name)->id);
+    return ids;
+  }
+
+  std::string routes() const {
+    std::string text;
+    for (const Endpoint& to : endpoints_) {
+      std::map<std::string, std::string> senders;  // rule -> names
+      for (const Endpoint& from : endpoints_) {
+        if (&from == &to) continue;
+        std::string& names = senders[rule(from.filters, to.filters)];
+        names += (names.empty() ? "" : ", ") + yaml_string(from.link.name);
+      }
+      for (const auto& [filters, names] : senders) {
+        text += "  - {from: [" + names + "], to: " + yaml_string(to.link.name) + filters + "}\n";
+      }
+    }
+    return text.empty() ? "" : "routes:\n" + text;
+  }
+
+  std::string text() const {
+    std::string text =
+        "# From " + std::filesystem::path(file_).filename().string() + " of mavlink-router.\n";
+    for (const std::string& each : notes_) text += "# line " + each + "\n";
+    text += "schema: 1\n" + log_ + "links:\n";
+    for (const Endpoint& endpoint : endpoints_) {
+      std::string entry = link_entry(endpoint.link);
+      entry.insert(entry.size() - 1, endpoint.more);
+      text += "  " + entry + "\n";
+    }
+    return text + routes();
+  }
+
+  std::string file_;
+  std::vector<Section> sections_;
+  std::vector<Endpoint> endpoints_;
+  std::vector<std::string> notes_;
+  std::string log_;
+  int tcp_server_port_ = kDefaultTcpServerPort;
+};
+
+}  // namespace
+
+ImportedTopology import_mavlink_router(std::string_view text, const std::string& file) {
+  return Import(text, file).topology();
+}
+
+}  // namespace cas::casd

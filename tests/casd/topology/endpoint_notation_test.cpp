@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/endpoint_notation.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/config/config.hpp"
+#include "base/error.hpp"
+#include "casd/topology/injection.hpp"
+#include "casd/topology/topology.hpp"
+
+namespace cas::casd {
+namespace {
+
+struct Notation {
+  std::string text;
+  EndpointUse use;
+  std::string entry;  ///< of a link named l
+};
+
+class Notations : public testing::TestWithParam<Notation> {};
+
+TEST_P(Notations, AreReadAsTheirProgramsMeanThem) {
+  LinkConfig link = parse_endpoint(GetParam().text, GetParam().use);
+  link.name = "l";
+  EXPECT_EQ(link_entry(link), "- {name: \"l\", type: " + GetParam().entry + "}");
+}
+
+constexpr auto kPlain = EndpointUse::kPlain;
+constexpr auto kMaster = EndpointUse::kMaster;
+constexpr auto kOut = EndpointUse::kOut;
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, Notations,
+    testing::Values(
+        // mavp2p
+        Notation{"serial:/dev/ttyAMA0:57600", kPlain,
+                 "serial, device: \"/dev/ttyAMA0\", baud: 57600"},
+        Notation{"udps:0.0.0.0:5600", kPlain, "udp_server, local: \"0.0.0.0:5600\""},
+        Notation{"udpc:127.0.0.1:5601", kPlain, "udp, remote: \"127.0.0.1:5601\""},
+        Notation{"tcps:0.0.0.0:5600", kPlain, "tcp_server, local: \"0.0.0.0:5600\""},
+        Notation{"tcpc:host:5601", kPlain, "tcp, remote: \"host:5601\""},
+        // MAVProxy
+        Notation{"/dev/ttyACM0,115200", kMaster, "serial, device: \"/dev/ttyACM0\", baud: 115200"},
+        Notation{"udpin:0.0.0.0:14550", kMaster, "udp_server, local: \"0.0.0.0:14550\""},
+        Notation{"udp:127.0.0.1:14550", kMaster, "udp_server, local: \"127.0.0.1:14550\""},
+        Notation{"127.0.0.1:14550", kMaster, "udp_server, local: \"127.0.0.1:14550\""},
+        Notation{"127.0.0.1:14551", kOut, "udp, remote: \"127.0.0.1:14551\""},
+        Notation{"udpbcast:192.168.1.255:14550", kOut, "udp, remote: \"192.168.1.255:14550\""},
+        Notation{"tcpin:0.0.0.0:5762", kOut, "tcp_server, local: \"0.0.0.0:5762\""},
+        Notation{"tcp:127.0.0.1:5760", kMaster, "tcp, remote: \"127.0.0.1:5760\""},
+        // mavlink-router
+        Notation{"/dev/ttyS1:1500000", kPlain, "serial, device: \"/dev/ttyS1\", baud: 1500000"},
+        Notation{"0.0.0.0:24550", kPlain, "udp_server, local: \"0.0.0.0:24550\""},
+        // MAVSDK
+        Notation{"udp://:14540", kPlain, "udp_server, local: \"127.0.0.1:14540\""},
+        Notation{"serial:///dev/ttyUSB0:57600", kPlain,
+                 "serial, device: \"/dev/ttyUSB0\", baud: 57600"},
+        // short
+        Notation{"udp:14550", kPlain, "udp_server, local: \"127.0.0.1:14550\""},
+        Notation{"tcp:5760", kPlain, "tcp_server, local: \"127.0.0.1:5760\""},
+        Notation{"udp:[::1]:14550", kPlain, "udp, remote: \"[::1]:14550\""},
+        Notation{"udp:[::]:14550", kPlain, "udp_server, local: \"[::]:14550\""},
+        Notation{"/dev/ttyACM0", kPlain, "serial, device: \"/dev/ttyACM0\""},
+        Notation{"serial:/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0", kPlain,
+                 "serial, device: \"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0\""}));
+
+TEST(EndpointNotation, RefusesWhatIsNoPlace) {
+  for (const char* text : {"udp:host", "udp:", "tcp:127.0.0.1:99999", "serial:", "udpout:14550",
+                           "/dev/ttyACM0,fast", "nonsense", "tcp:[::1:5760"}) {
+    EXPECT_THROW(parse_endpoint(text), base::ConfigError) << text;
+  }
+}
+
+TEST(EndpointNotation, TellsEndpointsFromFiles) {
+  for (const char* text : {"udp:14550", "serial:/dev/ttyACM0", "/dev/ttyACM0", "127.0.0.1:14550"}) {
+    EXPECT_TRUE(is_endpoint(text)) << text;
+  }
+  for (const char* text :
+       {"bench.yaml", "topologies/bench_pty.yaml", "/etc/cas/topology.yaml", "configs/lab:3"}) {
+    EXPECT_FALSE(is_endpoint(text)) << text;
+  }
+}
+
+TEST(EndpointNotation, TopologyCarriesEverythingButASimulatorsSensors) {
+  const std::string text = topology_of_endpoints(
+      {parse_endpoint("/dev/ttyACM0"), parse_endpoint("udp:14550"), parse_endpoint("udp:h:1")}, 0);
+  const Topology topology = Topology::parse(base::ConfigNode::parse(text));
+  ASSERT_EQ(topology.links.size(), 3U);
+  EXPECT_EQ(topology.links[0].name, "serial");
+  EXPECT_EQ(topology.links[1].name, "udp");
+  EXPECT_EQ(topology.links[2].name, "udp2");
+  EXPECT_EQ(topology.routes.size(), 6U);
+  EXPECT_EQ(topology.command_port.port, 0);
+  EXPECT_TRUE(injection_warnings(topology).empty());
+}
+
+}  // namespace
+}  // namespace cas::casd

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/router_import.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "base/config/config.hpp"
+#include "base/error.hpp"
+#include "casd/topology/topology.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr const char* kConf = R"([General]
+# a comment
+TcpServerPort = 5790
+ReportStats = false
+Log = /var/log/flight-stack
+LogTelemetry = true
+LogMode = while-armed
+MinFreeSpace = 1073741824
+MaxLogFiles = 20
+
+[UartEndpoint autopilot]
+Device = /dev/ttyS1
+Baud = 1500000, 115200
+FlowControl = true
+Group = wing
+
+[UdpEndpoint station]
+Mode = Normal
+Address = 127.0.0.1
+Port = 14560
+AllowMsgIdOut = 0,30
+BlockSrcSysIn = 1
+
+[udpendpoint Mission Planner]
+mode = server
+address = 0.0.0.0
+BlockMsgIdIn = 76
+AllowSrcCompOut = 1
+
+[TcpEndpoint peer]
+Address = 10.0.0.1
+Port = 5760
+RetryTimeout = 5
+)";
+
+Topology parsed(const ImportedTopology& imported) {
+  return Topology::parse(base::ConfigNode::parse(imported.yaml, "t.yaml"));
+}
+
+const RouteConfig& route(const Topology& topology, const std::string& from, const std::string& to) {
+  const auto found =
+      std::find_if(topology.routes.begin(), topology.routes.end(),
+                   [&](const RouteConfig& each) { return each.from == from && each.to == to; });
+  if (found == topology.routes.end()) throw std::runtime_error("no route " + from + " -> " + to);
+  return *found;
+}
+
+TEST(RouterImport, KeepsEndpointsAndFilters) {
+  const Topology topology = parsed(import_mavlink_router(kConf, "main.conf"));
+  ASSERT_EQ(topology.links.size(), 5U);
+  EXPECT_EQ(topology.links[0].device, "/dev/ttyS1");
+  EXPECT_EQ(topology.links[0].baud, 1'500'000U);
+  EXPECT_TRUE(topology.links[0].flow_control);
+  EXPECT_EQ(topology.links[0].group, "wing");
+  EXPECT_EQ(topology.links[1].remote, "127.0.0.1:14560");
+  EXPECT_EQ(topology.links[1].accept.block_systems, std::vector<std::uint8_t>{1});
+  EXPECT_EQ(topology.links[2].name, "Mission Planner");
+  EXPECT_EQ(topology.links[2].type, LinkType::kUdpServer);
+  EXPECT_EQ(topology.links[2].local, "0.0.0.0:14550");
+  EXPECT_EQ(topology.links[3].remote, "10.0.0.1:5760");
+  EXPECT_EQ(topology.links[4].local, "0.0.0.0:5790");
+
+  EXPECT_EQ(topology.routes.size(), 20U);
+  const ForwardRule& thinned = route(topology, "autopilot", "station").rule;
+  ASSERT_TRUE(thinned.allow);
+  EXPECT_EQ(*thinned.allow, (std::vector<std::uint32_t>{0, 30}));
+  const ForwardRule& planner = route(topology, "Mission Planner", "autopilot").rule;
+  EXPECT_NE(std::find(planner.block.begin(), planner.block.end(), 76U), planner.block.end());
+  EXPECT_NE(std::find(planner.block.begin(), planner.block.end(), 107U), planner.block.end());
+  EXPECT_EQ(route(topology, "peer", "Mission Planner").rule.allow_components,
+            std::vector<std::uint8_t>{1});
+  EXPECT_TRUE(topology.log.while_armed);
+  EXPECT_EQ(topology.log.folder, "/var/log/flight-stack");
+  EXPECT_EQ(topology.log.limits.free_space_min_bytes, 1U << 30U);
+}
+
+TEST(RouterImport, SaysWhatBecameOfEachKeyThatCasdHasNot) {
+  const ImportedTopology imported = import_mavlink_router(kConf, "main.conf");
+  const auto told = [&](const std::string& begin) {
+    return std::any_of(imported.notes.begin(), imported.notes.end(),
+                       [&](const std::string& note) { return note.starts_with(begin); });
+  };
+  EXPECT_TRUE(told("4: ReportStats:")) << imported.yaml;
+  EXPECT_TRUE(told("5: Log:"));
+  EXPECT_TRUE(told("13: Baud:"));
+  EXPECT_EQ(imported.notes.size(), 3U);
+  for (const std::string& note : imported.notes) {
+    EXPECT_NE(imported.yaml.find("# line " + note), std::string::npos);
+  }
+}
+
+TEST(RouterImport, TwoListsWithoutACommonComponentLetNothingThrough) {
+  const Topology topology =
+      parsed(import_mavlink_router("[General]\nTcpServerPort=0\n"
+                                   "[UartEndpoint a]\nDevice=/dev/a\nAllowSrcCompIn=1,2\n"
+                                   "[UdpEndpoint b]\nMode=server\nAddress=::1\nAllowSrcCompOut=3\n",
+                                   "f"));
+  EXPECT_EQ(topology.links[1].local, "[::1]:14550");
+  const ForwardRule& rule = route(topology, "a", "b").rule;
+  ASSERT_TRUE(rule.allow);
+  EXPECT_TRUE(rule.allow->empty());
+  EXPECT_FALSE(route(topology, "b", "a").rule.allow);
+}
+
+TEST(RouterImport, HasTheTcpServerUnlessItIsTurnedOff) {
+  const std::string one = "[UartEndpoint a]\nDevice=/dev/a\n";
+  EXPECT_EQ(parsed(import_mavlink_router(one, "f")).links.back().local, "0.0.0.0:5760");
+  EXPECT_EQ(parsed(import_mavlink_router("[General]\nTcpServerPort=0\n" + one, "f")).links.size(),
+            1U);
+}
+
+struct Broken {
+  std::string text;
+  std::string sentence;
+};
+
+class BrokenConf : public testing::TestWithParam<Broken> {};
+
+TEST_P(BrokenConf, IsRefusedAtItsLine) {
+  try {
+    import_mavlink_router(GetParam().text, "main.conf");
+    FAIL() << "was taken";
+  } catch (const base::ConfigError& error) {
+    EXPECT_EQ(std::string(error.what()), "main.conf:" + GetParam().sentence);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BrokenConf,
+    testing::Values(Broken{"Device=/dev/a\n", "1: a key stands before the first section"},
+                    Broken{"[General\n", "1: a section ends with ]"},
+                    Broken{"[General]\nnonsense\n", "2: is neither [section] nor key = value"},
+                    Broken{"\n[UartEndpoint a]\nBaud=9600\n", "2: endpoint 'a' has no Device"},
+                    Broken{"[UartEndpoint a]\nDevice=/dev/a\nBaud=fast\n",
+                           "3: Baud: 'fast' is not a number"},
+                    Broken{"[UdpEndpoint a]\nAddress=h\nMode=odd\n",
+                           "3: Mode: is normal, client, server or eavesdropping"},
+                    Broken{"[General]\nTcpServerPort=0\n", "1: has no endpoint"}));
+
+}  // namespace
+}  // namespace cas::casd
