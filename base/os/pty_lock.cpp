@@ -126,7 +126,7 @@ std::optional<PtyIdentity> identify_pty(int fd) {
                      .changed_ns = status.st_ctim.tv_sec * kSecond_ns + status.st_ctim.tv_nsec};
 }
 
-PtyLock::PtyLock(std::filesystem::path link) : file_(lock_file(link)) {
+PtyLock::PtyLock(const std::filesystem::path& link) : file_(lock_file(link)) {
   constexpr mode_t kReadable = 0644;  // casd may be another user
   do {
     lock_ = Descriptor(

@@ -28,7 +28,7 @@ CAS_BASE_EXPORT std::optional<PtyIdentity> identify_pty(int fd);
 class CAS_BASE_EXPORT PtyLock {
  public:
   /// @throws ConfigError when another program offers LINK, or LINK.lock is a file of another kind
-  explicit PtyLock(std::filesystem::path link);
+  explicit PtyLock(const std::filesystem::path& link);
   /// Removes the lock file.
   ~PtyLock();
   PtyLock(const PtyLock&) = delete;

@@ -214,9 +214,10 @@ void Dispatcher::handle_request(const Json& request, const std::shared_ptr<Peer>
   if (peer->calls > kMaxCalls) {
     return call->fail(kInternalError, "over 256 calls of this client are under way", nullptr);
   }
-  const Reply reply{[call](Json result) { call->succeed(std::move(result)); },
-                    [call](int code, std::string text, Json data) { call->fail(code, text, data); },
-                    peer->name};
+  const Reply reply{
+      [call](Json result) { call->succeed(std::move(result)); },
+      [call](int code, const std::string& text, const Json& data) { call->fail(code, text, data); },
+      peer->name};
   const auto params = request.find("params");
   invoke(request["method"].get<std::string>(), params == request.end() ? Json() : *params, peer,
          reply);

@@ -82,8 +82,10 @@ double degrees_a_line(std::size_t rows) {
 Block horizon(const Attitude& attitude, std::size_t width, std::size_t rows, bool unicode) {
   const double roll = attitude.roll_deg * std::numbers::pi / 180;
   const double line_deg = degrees_a_line(rows);
-  const double middle_x = static_cast<double>(width / 2);
-  const double middle_y = static_cast<double>(rows / 2);
+  const std::size_t middle_column = width / 2;
+  const std::size_t middle_row = rows / 2;
+  const auto middle_x = static_cast<double>(middle_column);
+  const auto middle_y = static_cast<double>(middle_row);
   const char* ground = unicode ? "░" : ":";
   const char* edge = unicode ? "─" : "-";
   const std::string mark = unicode ? "━━╋━━" : "--+--";
@@ -127,7 +129,7 @@ Block heading_tape(double yaw_deg, std::size_t width, bool unicode) {
     double off = full_circle(heading - yaw_deg);
     if (off > 180) off -= 360;
     const std::string label = heading_text(heading);
-    const auto at = std::lround(static_cast<double>(width / 2) + off / degrees_a_column) -
+    const auto at = static_cast<long>(width / 2) + std::lround(off / degrees_a_column) -
                     static_cast<long>(label.size() / 2);
     if (at < 0 || at + static_cast<long>(label.size()) > static_cast<long>(width)) continue;
     text.replace(static_cast<std::size_t>(at), label.size(), label);

@@ -136,7 +136,7 @@ void Session::wait_because(const std::string& reason, std::chrono::milliseconds 
   std::this_thread::sleep_for(period);
 }
 
-json Session::call(const std::string& method, json params) {
+json Session::call(const std::string& method, const json& params) {
   return client_.call(method, params, base::from_seconds(options_.timeout_s));
 }
 

@@ -62,7 +62,8 @@ class Session {
   /// As given, with the address that was found where none was given.
   const Options& options() const { return options_; }
   /// Calls a method with the parameters as they are.
-  nlohmann::json call(const std::string& method, nlohmann::json params = nlohmann::json::object());
+  nlohmann::json call(const std::string& method,
+                      const nlohmann::json& params = nlohmann::json::object());
   /// Calls a vehicle method: adds `vehicle` where --vehicle is given.
   nlohmann::json vehicle_call(const std::string& method,
                               nlohmann::json params = nlohmann::json::object());
