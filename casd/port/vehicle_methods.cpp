@@ -85,6 +85,7 @@ std::string loop_words(const std::vector<GainLoop>& loops) {
 
 std::vector<std::string_view> loop_names(const std::vector<GainLoop>& loops) {
   std::vector<std::string_view> names;
+  names.reserve(loops.size());
   for (const GainLoop& loop : loops) names.push_back(loop.name);
   return names;
 }
