@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Debian packages by CPack: cas-common (libraries, shipped configuration), casd (with casctl and casweb), cas-sim (hilsim with its
-# plugins, hils, fcu_emulator), cas-dev,
-# cas-mavlink-dev and python3-cas. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
+# plugins, hils, fcu_emulator), cas-dev, cas-mavlink-dev, python3-cas and, where pybind11-dev is installed,
+# python3-cas-env. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
 set(debian ${PROJECT_SOURCE_DIR}/packaging/debian)
 set(exactly "(= ${PROJECT_VERSION})")
 

@@ -113,6 +113,36 @@ class BenchCommandPort(unittest.TestCase):
         self.assertEqual(len(missed(float("nan"), float("nan"))), 2)
 
 
+class BenchEnv(Script):
+    """A cas.env that makes $PACE steps a second by the clock that the script reads."""
+
+    def code(self, pace):
+        self.write("bin/cmake", "#!/bin/sh\n")
+        self.write("build/bench/bench/bench_env", "#!/bin/sh\necho step_env/motors 1 ns\n")
+        self.write("python/cas/__init__.py", "")
+        self.write("python/cas/env.py", """
+import array, os, time
+now = 0.0
+time.process_time = lambda: now
+class Env:
+    def __init__(self, **options): pass
+    def new_action(self): return array.array("d", [0] * 4)
+    new_observation = new_action
+    def reset(self, observation, seed): pass
+    def close(self): pass
+    def step(self, action, observation):
+        global now
+        now += 1 / float(os.environ["PACE"])
+""")
+        return self.run_script("bench_env", PACE=str(pace)).returncode
+
+    def test_within_its_limit(self):
+        self.assertEqual(self.code(21_000), 0)
+
+    def test_a_limit_is_missed(self):
+        self.assertEqual(self.code(19_000), 1)
+
+
 class RealtimeAgreement(Script):
     """A hils whose virtual flights have errors of 1 and 2, and whose flights in real time have $REAL."""
 
@@ -148,10 +178,11 @@ sys.exit(0 if virtual else int(os.environ["HILS"]))
 class TestPackages(Script):
     """A root folder in which nothing runs: chroot notes what it is asked for and fails where $FAILS says."""
 
-    def run_packages(self, fails="", code=1, leaves=""):
+    def run_packages(self, fails="", code=1, leaves="", names=("casd", "python3-cas-env")):
         packages = self.tree / "build" / "packages"
         packages.mkdir(parents=True)
-        (packages / "casd_1_amd64.deb").write_text("")
+        for name in names:
+            (packages / f"{name}_1_amd64.deb").write_text("")
         base = self.tree / "base"
         for folder in ("proc", "dev/pts", "etc/cas", "usr/share/cas", "usr/lib", "lib/systemd"):
             (base / folder).mkdir(parents=True)
@@ -173,7 +204,8 @@ class TestPackages(Script):
 
     def test_a_step_fails(self):
         for step in ("apt-get install", "hilsim --version", "casd.1.gz", "--check /etc/cas/casd.yaml", "getent group",
-                     "--out /root/direct", "--out /root/hover", "--reinstall", "purge"):
+                     "--out /root/direct", "--out /root/hover", "import cas.env",
+                     "--reinstall", "purge"):
             with self.subTest(step):
                 done = self.run_packages(step)
                 self.assertNotEqual(done.returncode, 0)
@@ -185,6 +217,11 @@ class TestPackages(Script):
         done = self.run_packages("--out /root/hover", 3)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("was not judged", done.stdout)
+
+    def test_a_package_that_was_not_built_is_told(self):
+        done = self.run_packages("import cas.env", names=("casd",))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("python3-cas-env was not built: not tested", done.stdout)
 
     def test_something_is_left_behind(self):
         done = self.run_packages(leaves="usr/lib/libcas")
