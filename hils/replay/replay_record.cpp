@@ -123,7 +123,8 @@ Json part_json(const sim::Shape& shape) {
   } else if (const auto* ball = std::get_if<sim::Sphere>(&shape.geometry)) {
     part = {{"shape", "sphere"}, {"radius_m", ball->radius_m}};
   } else if (const auto* cylinder = std::get_if<sim::Cylinder>(&shape.geometry)) {
-    part = {{"shape", "cylinder"}, {"radius_m", cylinder->radius_m}, {"length_m", cylinder->length_m}};
+    part = {
+        {"shape", "cylinder"}, {"radius_m", cylinder->radius_m}, {"length_m", cylinder->length_m}};
   } else {
     return nullptr;
   }

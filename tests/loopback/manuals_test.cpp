@@ -49,8 +49,8 @@ TEST_P(Manual, CompletionIsCorrectShell) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, Manual,
-                         testing::Values("casd", "casctl", "casweb", "hilsim", "fcu_emulator", "hils",
-                                         "mavlink_gen"),
+                         testing::Values("casd", "casctl", "casweb", "hilsim", "fcu_emulator",
+                                         "hils", "mavlink_gen"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
