@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node build.mjs FOLDER: writes index.html with its assets (for casweb), replay.html (all in one file, with a place for
-// records) and licences.txt. Fails when the app is larger than its budget.
+// node build.mjs FOLDER: writes index.html with its assets (for casweb, each with its .gz beside it), replay.html (all in
+// one file, with a place for records) and licences.txt. Fails when the app is larger than its budget.
 import {createHash} from 'node:crypto';
 import {existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync} from 'node:fs';
 import {dirname, join, resolve} from 'node:path';
@@ -60,14 +60,18 @@ const replay = readFileSync(join(here, 'src/replay.html'), 'utf8')
 const split = await build({...common, format: 'esm', splitting: true, entryNames: 'page-[hash]', chunkNames: 'part-[hash]'});
 if (existsSync(join(out, 'assets'))) rmSync(join(out, 'assets'), {recursive: true});
 mkdirSync(join(out, 'assets'), {recursive: true});
+const writeAsset = (name, bytes) => {
+  writeFileSync(join(out, 'assets', name), bytes);
+  writeFileSync(join(out, 'assets', `${name}.gz`), gzipSync(bytes, {level: 9}));
+};
 let entry = '';
 for (const file of split.outputFiles) {
   const name = file.path.split('/').pop();
-  if (name.endsWith('.js')) writeFileSync(join(out, 'assets', name), file.contents);
+  if (name.endsWith('.js')) writeAsset(name, file.contents);
   if (/^page-.*\.js$/.test(name)) entry = name;
 }
 const cssName = `page-${shortHash(css)}.css`;
-writeFileSync(join(out, 'assets', cssName), css);
+writeAsset(cssName, css);
 const index = readFileSync(join(here, 'src/index.html'), 'utf8')
   .replace('PAGE_CSS', `/assets/${cssName}`)
   .replace('PAGE_JS', `/assets/${entry}`);
