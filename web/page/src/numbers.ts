@@ -43,6 +43,12 @@ export function minutes(seconds: number, digits: number): string {
   return `${String(Math.floor(whole / 60)).padStart(2, '0')}:${rest}`;
 }
 
+/** Seconds between the ticks of an axis: at most one in 46 px, however long the axis is. */
+export function tickStep(range_s: number, width_px: number): number {
+  const least_s = (range_s * 46) / Math.max(1, width_px);
+  return [1, 2, 5, 10, 20, 30, 60, 120, 300, 600].find((each) => each > least_s) ?? 600 * Math.ceil(least_s / 600);
+}
+
 /** "921 600". */
 export function grouped(value: number): string {
   return String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, ' ');

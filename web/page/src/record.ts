@@ -113,7 +113,18 @@ export function rowName(what: string): string {
     .replace(/ of step/, '');
 }
 
-function modeName(custom: number): string {
+/** MAV_AUTOPILOT in casd's words. */
+const kAutopilots: Record<number, string> = {3: 'ArduPilot', 12: 'PX4'};
+
+const kCopterModes = [
+  'STABILIZE', 'ACRO', 'ALT_HOLD', 'AUTO', 'GUIDED', 'LOITER', 'RTL', 'CIRCLE', '', 'LAND', '', 'DRIFT', '', 'SPORT', 'FLIP', 'AUTOTUNE',
+  'POSHOLD', 'BRAKE', 'THROW', '', 'GUIDED_NOGPS', 'SMART_RTL', 'FLOWHOLD', 'FOLLOW',
+];
+
+/** The mode's word; its number where the autopilot is not known. */
+export function modeName(autopilot: string | undefined, custom: number): string {
+  if (autopilot === 'ArduPilot') return kCopterModes[custom] || `mode ${custom}`;
+  if (autopilot !== 'PX4') return `mode ${custom}`;
   const main = (custom >> 16) & 0xff;
   const sub = (custom >> 24) & 0xff;
   const auto = ['AUTO', 'READY', 'TAKEOFF', 'HOLD', 'MISSION', 'RTL', 'LAND', 'RTGS', 'FOLLOW', 'PRECLAND'];
@@ -129,6 +140,8 @@ export class VehicleRecord {
   readonly truth: Columns | undefined;
   readonly reference: Columns | undefined;
   readonly messages: DecodedMessage[];
+  /** What its HEARTBEATs say; those of other components of the system say nothing. */
+  readonly autopilot: string | undefined;
   /** Where the vehicle stood at the start, in W: the controller counts from there. */
   readonly origin: Vec3 = [0, 0, 0];
   private readonly attitudes: Quat[] = [];
@@ -143,6 +156,8 @@ export class VehicleRecord {
       t: decode(message.t),
       fields: new Map(message.fields.map((field) => [field.name, {unit: field.unit, values: decode(field.values)}])),
     }));
+    const autopilots = this.message('HEARTBEAT')?.fields.get('autopilot')?.values ?? [];
+    this.autopilot = kAutopilots[autopilots.find((value) => value in kAutopilots) ?? -1];
     if (this.truth) {
       const {t, roll, pitch, yaw, x, y, z} = this.truth as Record<string, Float64Array>;
       for (let i = 0; i < t!.length; ++i) {
@@ -195,11 +210,11 @@ export class VehicleRecord {
   stateAt(t: number): VehicleState {
     const states = this.raw.log?.states ?? [];
     const state = states[indexAt(states.map((row) => row[0]), t)];
-    const result: VehicleState = {system: this.raw.system, autopilot: 'PX4'};
+    const result: VehicleState = {system: this.raw.system, autopilot: this.autopilot};
     if (state) {
       result.armed = (state[1] & 128) !== 0;
       result.hil = (state[1] & 32) !== 0;
-      result.mode = modeName(state[2]);
+      result.mode = modeName(this.autopilot, state[2]);
       result.landed = kLanded[state[3]];
     }
     const heartbeat = this.message('HEARTBEAT');
@@ -332,6 +347,12 @@ export class RunRecord {
     return stage ? [stage.begin_s, stage.end_s] : null;
   }
 
+  /** Limits of the links that the run was held to. */
+  get bounds(): {loop_p99_ms?: number} {
+    const loop = this.raw.vehicles[0]?.checks?.find((check) => check.what === 'delay of the loop, 99 %');
+    return loop?.bound == null ? {} : {loop_p99_ms: loop.bound / 1000};
+  }
+
   hasLinks(vehicle: number): boolean {
     return Boolean(this.raw.vehicles[vehicle]?.link?.hops.length);
   }
@@ -445,7 +466,7 @@ export class RunRecord {
     for (const [t_s, base, custom] of raw.log?.states ?? []) {
       const nowArmed = (base & 128) !== 0;
       if (nowArmed !== armed) list.push({t_s, kind: 'state', severity: 6, text: nowArmed ? 'Armed' : 'Disarmed'});
-      const nowMode = modeName(custom);
+      const nowMode = modeName(this.vehicles[vehicle]?.autopilot, custom);
       if (nowMode !== mode && mode !== '') list.push({t_s, kind: 'state', severity: 6, text: `Mode ${nowMode}`});
       armed = nowArmed;
       mode = nowMode;

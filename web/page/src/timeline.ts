@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import {html, svg, nothing, type TemplateResult} from 'lit';
 import {isMark} from './bench.ts';
-import {clean, minutes} from './numbers.ts';
+import {clean, minutes, tickStep} from './numbers.ts';
 import {page, Part} from './page.ts';
 import type {Happening} from './protocol.ts';
 
@@ -170,7 +170,7 @@ class Timeline extends Part {
 
   private axis(H: number): TemplateResult[] {
     const [a, b] = this.range;
-    const step = [1, 2, 5, 10, 20, 30, 60, 120, 300, 600].find((each) => ((b - a) / each) * 46 < this.width) ?? 1200;
+    const step = tickStep(b - a, this.width);
     const ticks: TemplateResult[] = [];
     for (let t = Math.ceil(a / step) * step; t <= b; t += step) {
       const anchor = this.x(t) > this.width - 24 ? 'end' : 'middle';

@@ -68,6 +68,7 @@ export function makeRecord(name = 'circle', radius = 2): RecordFile {
         {what: 'RMS error of the true position, yaw_rad', validity: false, value: 0.004, bound: 0.1, least: false, unit: 'rad', digits: 4, found: '', wanted: '', judged: true, kept: true},
         {what: 'HIL_SENSOR lost', validity: false, value: 7, bound: 0, least: false, unit: '', digits: 0, found: '', wanted: '', judged: true, kept: false},
         {what: 'HIL_GPS lost', validity: false, value: 0, bound: 0, least: false, unit: '', digits: 0, found: '', wanted: '', judged: true, kept: true},
+        {what: 'delay of the loop, 99 %', validity: false, value: 4600, bound: 6000, least: false, unit: 'us', digits: 0, found: '', wanted: '', judged: true, kept: true},
         {what: 'real-time factor', validity: true, value: 1, bound: 0.99, least: true, unit: '', digits: 4, found: '', wanted: '', judged: true, kept: true},
       ],
       stages: [
@@ -103,7 +104,7 @@ export function makeRecord(name = 'circle', radius = 2): RecordFile {
       },
       log: {
         messages: [
-          {name: 'HEARTBEAT', rates: Array.from({length: kDuration_s}, (_, s): [number, number] => [s, 1]), t: column(Array.from({length: kDuration_s}, (_, s) => s), 0.001), fields: []},
+          {name: 'HEARTBEAT', rates: Array.from({length: kDuration_s}, (_, s): [number, number] => [s, 1]), t: column(Array.from({length: kDuration_s}, (_, s) => s), 0.001), fields: [field('autopilot', Array.from({length: kDuration_s}, (_, s) => (s % 2 ? 12 : 8)))]},
           {
             name: 'LOCAL_POSITION_NED', rates: Array.from({length: kDuration_s}, (_, s): [number, number] => [s, 10]), t: column(local, 0.001),
             fields: [
