@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import {html, nothing, type TemplateResult} from 'lit';
 import {kStale_s} from './bench.ts';
-import {actions, interlock} from './commands.ts';
+import {actions} from './commands.ts';
 import {age, clean, clock, fixed, minutes} from './numbers.ts';
 import {page, Part, setTheme, theme} from './page.ts';
 import type {Verdict, VerdictRow} from './protocol.ts';
@@ -116,7 +116,7 @@ class App extends Part {
     const {verdict} = bench;
     const since = bench.measured ? `RMS from ${fixed(bench.measured[0], 1)} s` : '';
     if (!verdict || verdict.rows.length === 0) {
-      return html`<div class="sect"><h2>Limits</h2><p>${page.source.player ? 'This log has no limits.' : 'No scenario is flown: nothing is judged.'}</p></div>`;
+      return html`<div class="sect"><h2>Limits</h2><p>${page.source.player ? 'This log has no limits.' : 'The page is not told the limits of a run: hils judges when it ends.'}</p></div>`;
     }
     const words = {running: 'Limits so far', passed: 'Verdict: passed', failed: 'Verdict: failed', invalid: 'No verdict'};
     const other = bench.besideVerdict;
@@ -137,8 +137,9 @@ class App extends Part {
   /** In a record: what the paper measured in the same place. */
   private recordRows() {
     const {bench} = page;
-    const hop = bench.links?.hops.find((each) => each.from === 'casd' && each.to === 'fcu') ?? bench.links?.hops.find((each) => each.from === 'sim');
-    const back = bench.links?.hops.find((each) => each.from === 'fcu');
+    const {hops} = bench;
+    const hop = hops.find((each) => each.from === 'casd' && each.to === 'fcu') ?? hops.find((each) => each.from === 'sim');
+    const back = hops.find((each) => each.from === 'fcu');
     const controls = back && Object.entries(back.msgs).find(([name]) => name.includes('CONTROLS'))?.[1];
     if (!hop?.msgs.HIL_SENSOR) return html`<div id="commands" tabindex="-1"></div>`;
     return html`<div class="sect" id="commands" tabindex="-1"><h2>Beside the paper <small>TCAS, hover</small></h2>
@@ -217,7 +218,7 @@ class App extends Part {
     }
     if (page.question && event.key === 'Enter' && target.tagName !== 'BUTTON') {
       event.preventDefault();
-      return page.answer(true);
+      return event.repeat ? undefined : page.answer(true);
     }
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (['INPUT', 'SELECT', 'TEXTAREA'].includes(target.tagName)) return;
@@ -225,6 +226,8 @@ class App extends Part {
     const act = this.keyOf(event);
     if (!act) return;
     event.preventDefault();
+    // A key that is held goes on through a record, and commands once.
+    if (event.repeat && (event.key === ' ' || !page.source.player)) return;
     act();
     page.redraw();
   };
@@ -261,7 +264,7 @@ class App extends Part {
       return keys[key];
     }
     if (key === ' ') return () => void page.source.call(bench.paused ? 'sim.resume' : 'sim.pause').catch(() => undefined);
-    if (!page.source.commands || interlock()) return undefined;
+    if (!page.source.commands || page.bench.interlock) return undefined;
     const keys: Record<string, () => void> = {
       h: actions.hold, l: actions.land, t: actions.takeoff, g: actions.goto, a: actions.arm,
       m: () => document.querySelector<HTMLElement>('select[aria-label=Mode]')?.focus(),

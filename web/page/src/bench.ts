@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the page knows of the bench: folds the messages of a Source, and computes no verdict.
-import {quaternionOf, rpyOf, type Quat, type Rpy, type Vec3} from './frames.ts';
+import {fromHome, quaternionOf, rpyOf, type Place, type Quat, type Rpy, type Vec3} from './frames.ts';
 import {kWarning} from './protocol.ts';
 import type {
-  Happening, ListedMessage, LoopFigures, Scene, SceneVehicle, SimVehicle, SnapLinks, SnapLoop, SnapSim, SnapTape, Span,
+  Delay, Happening, Hop, ListedMessage, LoopFigures, Scene, SceneVehicle, SimVehicle, SnapLinks, SnapLoop, SnapSim, SnapTape, Span,
   Stage, VehicleState, Verdict,
 } from './protocol.ts';
 
@@ -22,6 +22,8 @@ export interface BenchVehicle {
   scene?: SceneVehicle;
   sim?: SimVehicle;
   state?: VehicleState;
+  /** Origin of the vehicle's N in W, once it is known. */
+  origin_W?: Vec3;
   reference?: {p_W: Vec3; yaw_rad: number};
 }
 
@@ -29,6 +31,34 @@ export type Connection = 'record' | 'connecting' | 'live' | 'lost';
 
 /** After so long without news a value is stale. */
 export const kStale_s = 0.3;
+
+/** After so long without a HEARTBEAT a vehicle is not commanded. */
+const kHeartbeat_s = 3;
+
+/** Topics that missed three periods (2 s at least), with the age of their last snapshot. */
+export function oldTopics(heard: Map<string, number>, rates: Record<string, number>, now_s: number): Map<string, number> {
+  const old = new Map<string, number>();
+  for (const [topic, at_s] of heard) {
+    if (now_s - at_s > Math.max(2, 3 / (rates[topic] ?? 1))) old.set(topic, now_s - at_s);
+  }
+  return old;
+}
+
+/**
+ * Origin of the vehicle's N in W, from one place that it gives both on Earth and in N: PX4's home,
+ * else where it is now. ArduPilot fills HOME_POSITION's place in N with zeros.
+ */
+export function originOfN(state: VehicleState, home: Place): Vec3 | undefined {
+  const {home: own, global, position_N: now} = state;
+  if (state.autopilot === 'PX4' && own && [own.x_m, own.y_m, own.z_m].every(Number.isFinite)) {
+    const [e, n, u] = fromHome(home, own);
+    return [e - own.y_m, n - own.x_m, u + own.z_m];
+  }
+  if (!global || !now || Math.max(global.age_s, now.age_s) > 1) return undefined;
+  const [e, n, u] = fromHome(home, global);
+  const dt_s = now.age_s - global.age_s;  // the position in N, moved to the moment of the place on Earth
+  return [e - now.y_m - now.vy_m_s * dt_s, n - now.x_m - now.vx_m_s * dt_s, u + now.z_m + now.vz_m_s * dt_s];
+}
 
 export class Bench {
   connection: Connection = 'connecting';
@@ -55,14 +85,13 @@ export class Bench {
   scene?: Scene;
   wind_W?: Vec3;
   links?: SnapLinks;
-  loop?: LoopFigures;
   loopMeasured = 'stamps';
   loopOpen_s?: number;
-  actuatorTimeout_s = 0.5;
   tape?: SnapTape;
   messages: ListedMessage[] = [];
   nominal_hz: Record<string, number> = {};
-  bounds = {loop_p99_ms: 10, lost: 0, line_full_pct: 90};
+  /** Limits that the run sets; none where it sets none. */
+  bounds: {loop_p99_ms?: number} = {};
   verdict?: Verdict;
   stages: Stage[] = [];
   faults: Span[] = [];
@@ -72,6 +101,9 @@ export class Bench {
   controller = '';
   /** Why there are no links, in words. */
   noLinks = '';
+  /** Topics whose last snapshot is old, with its age. */
+  old = new Map<string, number>();
+  private loops: LoopFigures[] = [];
   /** Errors of the page itself. */
   faultsOfPage: string[] = [];
 
@@ -106,6 +138,7 @@ export class Bench {
         const known = this.programs.find((each) => each.name === event.name);
         if (known) Object.assign(known, event);
         else this.programs.push(event);
+        if (event.name === 'hilsim' && event.state !== 'up') this.dropSim();
         const reason = event.reason ? `: ${event.reason}` : '';
         this.happened({kind: 'program', severity: event.state === 'up' ? 6 : 3, text: `${event.name} ${event.state}${reason}`});
         return;
@@ -119,13 +152,78 @@ export class Bench {
     }
   }
 
+  /** The vehicles of a scene in its order, then those that casd alone hears. */
   setScene(scene: Scene): void {
+    const same = scene.hash === this.scene?.hash;
     this.scene = scene;
-    scene.vehicles.forEach((vehicle, i) => {
-      const known = this.vehicles[i];
-      if (known) Object.assign(known, {scene: vehicle, name: vehicle.name, system: vehicle.system ?? known.system});
-      else this.vehicles.push({name: vehicle.name, system: vehicle.system ?? i + 1, scene: vehicle});
+    const before = this.vehicles;
+    const now = scene.vehicles.map((vehicle, i): BenchVehicle => {
+      const system = vehicle.system ?? i + 1;
+      const known = before.find((each) => each.system === system);
+      return {
+        name: vehicle.name, system, scene: vehicle, state: known?.state,
+        sim: same ? known?.sim : undefined, origin_W: same ? known?.origin_W : undefined,
+      };
     });
+    const others = before.filter(({state, system}) => state && !now.some((each) => each.system === system));
+    this.setVehicles([...now, ...others.map(({name, system, state}) => ({name, system, state}))]);
+  }
+
+  /** Seconds go by without a word of casd. */
+  growOld(dt_s: number): void {
+    for (const {state} of this.vehicles) {
+      if (!state) continue;
+      if (state.heartbeat_age_s !== undefined) state.heartbeat_age_s += dt_s;
+      for (const part of [state.position_N, state.attitude, state.global]) {
+        if (part) part.age_s += dt_s;
+      }
+    }
+  }
+
+  /** Why the vehicle may not be commanded; empty where it may. */
+  get interlock(): string {
+    const state = this.vehicle?.state;
+    if (this.connection !== 'live') return 'The page has no connection: nothing can be commanded.';
+    if (this.programs.some((each) => each.name === 'casd' && each.state !== 'up')) return 'casd is down: nothing can be commanded.';
+    if (!state) return 'No vehicle is heard: `casctl doctor` says why.';
+    if (state.hil === false) return `Vehicle ${state.system} does not say that it is in HIL: casd refuses to command it from here.`;
+    const silent_s = state.heartbeat_age_s ?? Infinity;
+    if (silent_s > kHeartbeat_s) return `Vehicle ${state.system} is silent: its last HEARTBEAT is more than ${kHeartbeat_s} s old.`;
+    return '';
+  }
+
+  /** Hops of the vehicle that is looked at. */
+  get hops(): Hop[] {
+    return (this.links?.hops ?? []).filter(({system}) => this.isOwn(system));
+  }
+
+  /** The way through casd for its packets that come from a side, sim or fcu. */
+  forward(from: string): Delay | undefined {
+    return this.links?.forward_us?.find((each) => each.from === from && this.isOwn(each.system));
+  }
+
+  /** Whether a figure is of the vehicle that is looked at; 0 is one that no vehicle told. */
+  private isOwn(system: number | undefined): boolean {
+    return !system || system === this.vehicle?.system;
+  }
+
+  /** Figures of the loop; those of another vehicle are never its own. */
+  loopOf(vehicle = this.vehicle): LoopFigures | undefined {
+    return this.loops.find(({system}) => system === vehicle?.system) ?? this.loops.find(({system}) => system === undefined);
+  }
+  get loop(): LoopFigures | undefined {
+    return this.loopOf();
+  }
+
+  /** Origin of the vehicle's N in W. A record counts in W itself; without a scene N is all there is. */
+  originOf(vehicle = this.vehicle): Vec3 | undefined {
+    return this.scene?.home ? vehicle?.origin_W : [0, 0, 0];
+  }
+
+  /** A place of W as a command wants it; nothing where the origin of N is not known. */
+  inN(p_W: Vec3): {north_m: number; east_m: number; down_m: number} | undefined {
+    const origin = this.originOf();
+    return origin && {north_m: p_W[1] - origin[1], east_m: p_W[0] - origin[0], down_m: origin[2] - p_W[2]};
   }
 
   /** Where the simulator has the vehicle. */
@@ -135,14 +233,15 @@ export class Bench {
     return {p: sim.p, q: sim.q, rpy: rpyOf(sim.q), vel: sim.vel, age_s: this.simAge_s};
   }
 
-  /** Where the vehicle believes to be. */
+  /** Where the vehicle believes to be; nothing where the origin of its N is not known. */
   estimate(vehicle = this.vehicle): Motion | undefined {
     const position = vehicle?.state?.position_N;
     const attitude = vehicle?.state?.attitude;
-    if (!position || !attitude) return undefined;
+    const origin = this.originOf(vehicle);
+    if (!position || !attitude || !origin) return undefined;
     const rpy = {roll: attitude.roll_rad, pitch: attitude.pitch_rad, yaw: attitude.yaw_rad};
     return {
-      p: [position.y_m, position.x_m, -position.z_m],
+      p: [position.y_m + origin[0], position.x_m + origin[1], origin[2] - position.z_m],
       q: quaternionOf(rpy),
       rpy,
       vel: [position.vy_m_s, position.vx_m_s, -position.vz_m_s],
@@ -186,14 +285,31 @@ export class Bench {
       if (known) known.sim = sim;
       else this.vehicles.push({name: `vehicle ${i + 1}`, system: i + 1, sim});
     });
+    for (const vehicle of this.vehicles.slice(snap.v.length)) vehicle.sim = undefined;
+  }
+
+  /** Nothing of a simulator that has ended is shown. */
+  private dropSim(): void {
+    for (const vehicle of this.vehicles) vehicle.sim = vehicle.reference = undefined;
+    this.wind_W = this.rate = this.lateSteps = undefined;
+    this.paused = false;
+  }
+
+  private setVehicles(vehicles: BenchVehicle[]): void {
+    this.vehicles = vehicles;
+    this.selected = Math.max(0, Math.min(this.selected, vehicles.length - 1));
   }
 
   private onVehicle(snap: {vehicles: {state: VehicleState}[]}): void {
-    snap.vehicles.forEach(({state}, i) => {
-      const known = this.vehicles.find((each) => each.system === state.system) ?? this.vehicles[i];
-      if (known) known.state = state;
-      else this.vehicles.push({name: `vehicle ${state.system}`, system: state.system, state});
-    });
+    for (const vehicle of this.vehicles) vehicle.state = undefined;
+    for (const {state} of snap.vehicles) {
+      const known = this.vehicles.find((each) => each.system === state.system);
+      const vehicle = known ?? {name: `vehicle ${state.system}`, system: state.system};
+      if (!known) this.vehicles.push(vehicle);
+      vehicle.state = state;
+      if (this.scene?.home) vehicle.origin_W = originOfN(state, this.scene.home) ?? vehicle.origin_W;
+    }
+    this.setVehicles(this.vehicles.filter(({scene, sim, state}) => scene ?? sim ?? state));
   }
 
   private onReference(snap: {v: (BenchVehicle['reference'] | null)[]}): void {
@@ -205,8 +321,7 @@ export class Bench {
 
   private onLoop(snap: SnapLoop): void {
     this.loopMeasured = snap.measured ?? 'stamps';
-    const own = snap.vehicles.find((each) => each.system === this.vehicle?.system);
-    this.loop = own ?? snap.vehicles[0];
+    this.loops = snap.vehicles;
   }
 }
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import {html, nothing} from 'lit';
+import {Hold} from './hold.ts';
 import {clean, fixed} from './numbers.ts';
 import {page, Part} from './page.ts';
 
 const kModes = ['HOLD', 'POSCTL', 'ALTCTL', 'STABILIZED', 'MISSION', 'RTL', 'LAND', 'OFFBOARD'];
 const kTakeoff_m = 2.5;
 const kHoldDown_s = 1;
+const kAskAgain_s = 5;
 
-/** Why the vehicle may not be commanded; empty where it may. */
-export function interlock(): string {
-  const state = page.bench.vehicle?.state;
-  if (page.bench.connection !== 'live') return 'The page has no connection: nothing can be commanded.';
-  if (!state) return 'No vehicle is heard: `casctl doctor` says why.';
-  if (state.hil === false) return `Vehicle ${state.system} does not say that it is in HIL: casd refuses to command it from here.`;
-  return '';
+/** Says why no place can be gone to. */
+export function refuseGoto(): void {
+  page.goto = null;
+  page.refusal = `Vehicle ${page.bench.vehicle?.system ?? ''} has not told where its home is: a place cannot be put into its frame.`;
+  page.redraw();
 }
 
 export const actions = {
@@ -22,6 +22,7 @@ export const actions = {
   arm: () => page.ask(`Arm vehicle ${page.bench.vehicle?.system}?`, 'Arm', () => void page.command('vehicle.arm')),
   takeoff: () => page.ask(`Take off to ${fixed(kTakeoff_m, 1)} m?`, 'Take off', () => void page.command('vehicle.takeoff', {altitude_m: kTakeoff_m})),
   goto: () => {
+    if (!page.bench.originOf()) return refuseGoto();
     const up = page.bench.motion()?.motion.p[2] ?? kTakeoff_m;
     page.goto = page.goto ? null : {north_m: 0, east_m: 0, up_m: Math.max(1, Math.round(up * 4) / 4)};
     page.redraw();
@@ -31,18 +32,28 @@ export const actions = {
 
 /** Arm, take off, land, hold, go to, mode; what makes things less safe asks first. */
 class Commands extends Part {
-  private pressed_s: number | null = null;
+  private readonly hold = new Hold(kHoldDown_s);
+  private held?: Element;
+  /** No frame is drawn in a hidden tab, and no end of the press seen. */
+  private readonly onHidden = () => this.hold.up();
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    document.addEventListener('visibilitychange', this.onHidden);
+  }
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    document.removeEventListener('visibilitychange', this.onHidden);
+  }
 
   protected override frame(now_s: number): void {
     if (page.question && now_s > page.question.until_s) page.answer(false);
-    if (this.pressed_s !== null && now_s - this.pressed_s >= kHoldDown_s) {
-      this.pressed_s = null;
-      void page.command('vehicle.disarm', {force: true});
-    }
+    if (!this.held?.isConnected) this.hold.up();
+    if (this.hold.tick(now_s)) void page.command('vehicle.disarm', {force: true});
   }
 
   protected override render() {
-    const why = interlock();
+    const why = page.bench.interlock;
     return html`<div class="sect sticky" id="commands" tabindex="-1"><h2>Commands</h2>
       ${page.question ? this.question() : why ? html`<p>${why}</p>` : this.buttons()}
       ${page.refusal ? html`<p class="refused" role="alert">${clean(page.refusal)}</p>` : nothing}
@@ -78,11 +89,17 @@ class Commands extends Part {
       }}><option value="">Mode</option>${kModes.map((mode) => html`<option>${mode}</option>`)}</select>
       ${!state?.armed ? this.button('Arm', 'A', 'vehicle.arm', actions.arm)
         : flying ? html`<button class="dng" aria-label="Disarm in the air: hold for one second"
-            @pointerdown=${() => { this.pressed_s = page.now_s; }} @pointerup=${() => { this.pressed_s = null; }}
-            @pointerleave=${() => { this.pressed_s = null; }}>Disarm<kbd>1 s</kbd></button>`
+            @pointerdown=${this.down} @pointerup=${this.up} @pointercancel=${this.up} @lostpointercapture=${this.up}>Disarm<kbd>1 s</kbd></button>`
         : html`<button class="dng" @click=${actions.disarm}>Disarm</button>`}
     </div>`;
   }
+
+  private readonly down = (event: PointerEvent) => {
+    this.held = event.currentTarget as Element;
+    this.held.setPointerCapture(event.pointerId);
+    this.hold.down(page.now_s);
+  };
+  private readonly up = () => this.hold.up();
 }
 customElements.define('cas-commands', Commands);
 
@@ -134,7 +151,9 @@ class Gains extends Part {
   private loop = '';
   private values?: GainAnswer;
   private readonly typed: Record<string, string> = {};
-  private asked = false;
+  /** The vehicle whose loops are shown or asked for. */
+  private asked?: number;
+  private askAgain_s = 0;
   private undo: Record<string, number> | null = null;
   private testing = '';
   private readonly curves: {t: number[]; v: number[]; figures: StepResult}[] = [];
@@ -143,7 +162,8 @@ class Gains extends Part {
     const {source} = page;
     if (source.player) return this.recorded();
     if (!source.commands) return html`<p class="empty">View only: gains cannot be changed here.</p>`;
-    if (!this.asked && page.bench.vehicle?.state) void this.list();
+    const vehicle = page.bench.vehicle;
+    if (vehicle?.state && (vehicle.system !== this.asked || (this.loops.length === 0 && page.now_s >= this.askAgain_s))) void this.list(vehicle.system);
     if (this.loops.length === 0) return html`<p class="empty">The vehicle's loops are not known yet.</p>`;
     return html`<div class="sect"><h2>Gains <small>${Object.values(this.loops.find((each) => each.loop === this.loop)?.parameters ?? {}).join(' ')}</small></h2>
       <div class="btns"><select aria-label="Loop" @change=${(event: Event) => void this.choose((event.target as HTMLSelectElement).value)}>
@@ -183,12 +203,16 @@ class Gains extends Part {
         d=${curve.t.map((t, k) => `${k ? 'L' : 'M'}${x(t).toFixed(1)} ${y(curve.v[k]!).toFixed(1)}`).join('')}></path></svg>`)}</svg>`;
   }
 
-  private async list(): Promise<void> {
-    this.asked = true;
+  /** Asked for each vehicle, and again while there is no answer. */
+  private async list(vehicle: number): Promise<void> {
+    this.asked = vehicle;
+    this.askAgain_s = page.now_s + kAskAgain_s;
+    this.loops = [];
     try {
-      const answer = (await page.source.call('gain.list', {vehicle: page.bench.vehicle?.system})) as {loops: Loop[]};
-      this.loops = answer.loops;
-      if (this.loops[0]) await this.choose(this.loops.find((each) => each.loop === 'position')?.loop ?? this.loops[0].loop);
+      const {loops} = (await page.source.call('gain.list', {vehicle})) as {loops: Loop[]};
+      if (vehicle !== this.asked) return;
+      this.loops = loops;
+      if (loops[0]) await this.choose(loops.find((each) => each.loop === 'position')?.loop ?? loops[0].loop);
     } catch (error) {
       page.refusal = error instanceof Error ? error.message : String(error);
     }
@@ -198,7 +222,13 @@ class Gains extends Part {
   private async choose(loop: string): Promise<void> {
     this.loop = loop;
     this.undo = null;
-    this.values = (await page.source.call('gain.get', {vehicle: page.bench.vehicle?.system, loop})) as GainAnswer;
+    this.values = undefined;
+    try {
+      const values = (await page.source.call('gain.get', {vehicle: this.asked, loop})) as GainAnswer;
+      if (loop === this.loop) this.values = values;
+    } catch (error) {
+      page.refusal = error instanceof Error ? error.message : String(error);
+    }
     this.requestUpdate();
   }
 
@@ -231,14 +261,16 @@ class Gains extends Part {
   /** A step north and back by goto, looked at in the truth or the estimate. */
   private async test(): Promise<void> {
     const {bench, source} = page;
-    const p = bench.estimate()?.p;
-    if (!p || p[2] < 2) {
+    const from = bench.vehicle?.state?.position_N;
+    if (!from || from.z_m > -2) {
       page.refusal = 'A step is flown from above 2 m only.';
       page.redraw();
       return;
     }
     const begin_s = bench.time_s ?? 0;
-    const to = (north_m: number) => source.call('vehicle.goto', {vehicle: bench.vehicle?.system, north_m, east_m: p[0], down_m: -p[2]});
+    const {x_m, y_m, z_m} = from;
+    const vehicle = bench.vehicle?.system;
+    const to = (north_m: number) => source.call('vehicle.goto', {vehicle, north_m: x_m + north_m, east_m: y_m, down_m: z_m});
     const wait = (until_s: number) => new Promise<void>((done) => {
       const check = (): void => {
         this.testing = `flying the step: ${fixed(Math.max(0, until_s - (bench.time_s ?? 0)), 0)} s`;
@@ -248,7 +280,7 @@ class Gains extends Part {
       check();
     });
     try {
-      await to(p[1] + 3);
+      await to(3);
       await wait(begin_s + 8);
       const series = source.series(bench.selected, 'truth.n') ?? source.series(bench.selected, 'est.n');
       if (series) {
@@ -256,12 +288,14 @@ class Gains extends Part {
         for (let i = 0; i < series.t.length; ++i) {
           if (series.t[i]! < begin_s) continue;
           t.push(series.t[i]! - begin_s);
-          v.push(series.v[i]! - p[1]);
+          v.push(series.v[i]!);
         }
+        const begin = v[0] ?? 0;  // the series counts in W, the command in N
+        v.forEach((value, i) => { v[i] = value - begin; });
         this.curves.push({t, v, figures: stepFigures(t, v, 0, 0, 3)});
         if (this.curves.length > 2) this.curves.shift();
       }
-      await to(p[1]);
+      await to(0);
       await wait(begin_s + 16);
     } catch (error) {
       page.refusal = error instanceof Error ? error.message : String(error);

@@ -70,4 +70,24 @@ export function rotate(q: Quat, v: Vec3): Vec3 {
   return [v[0] + w * tx + y * tz - z * ty, v[1] + w * ty + z * tx - x * tz, v[2] + w * tz + x * ty - y * tx];
 }
 
+/** A place on Earth: degrees, metres above mean sea level. */
+export interface Place {
+  lat_deg: number;
+  lon_deg: number;
+  alt_m: number;
+}
+
+const kEarth_m = 6_371_000;  // radius of the sphere in base/earth/geodesy.cpp
+
+/** East, north and up of a place from a home, m; good for some kilometres. */
+export function fromHome(home: Place, place: Place): Vec3 {
+  const degree_m = (Math.PI / 180) * kEarth_m;
+  const turn = place.lon_deg - home.lon_deg;
+  const east_deg = turn - 360 * Math.round(turn / 360);
+  return [
+    degree_m * east_deg * Math.cos((home.lat_deg * Math.PI) / 180), degree_m * (place.lat_deg - home.lat_deg),
+    place.alt_m - home.alt_m,
+  ];
+}
+
 export const distance = (a: Vec3, b: Vec3): number => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);

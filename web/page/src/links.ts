@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import {html, svg, nothing, type TemplateResult} from 'lit';
-import {delay, delayPair, fixed, grouped, rate} from './numbers.ts';
+import {age, delay, delayPair, fixed, grouped, rate} from './numbers.ts';
 import {page, Part} from './page.ts';
-import type {Hop, TapePacket} from './protocol.ts';
+import type {Hop, LoopFigures, TapePacket} from './protocol.ts';
 
 type Tone = '' | 'amber' | 'red';
 
@@ -98,18 +98,25 @@ class Links extends Part {
   }
 
   private hop(from: string, to: string): Hop | undefined {
-    return page.bench.links?.hops.find((hop) => hop.from === from && hop.to === to);
+    return page.bench.hops.find((hop) => hop.from === from && hop.to === to);
+  }
+
+  /** Figures of the loop, unless they are old. */
+  private get loop(): LoopFigures | undefined {
+    return page.bench.old.has('loop') ? undefined : page.bench.loop;
   }
 
   protected override render() {
-    const {links} = page.bench;
+    const {links, old} = page.bench;
+    const old_s = old.get('links');
     if (this.width === 0) return nothing;
     const hasCasd = !links || links.hops.some((hop) => hop.to === 'casd') || links.hops.length === 0;
     const narrow = this.width < 640;
     const drawing = narrow ? this.drawNarrow(hasCasd) : this.drawWide(hasCasd);
     const height = narrow ? this.narrowHeight(hasCasd) : this.height;
     return html`
-      <svg width=${this.width} height=${height} aria-hidden="true">
+      ${old_s === undefined ? nothing : html`<span class="stale news">links: ${age(old_s)}</span>`}
+      <svg class=${old_s === undefined ? '' : 'old'} width=${this.width} height=${height} aria-hidden="true">
         <defs><pattern id="hatch" width="7" height="7" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">
           <rect width="1" height="7" fill="var(--hatch)"></rect></pattern></defs>
         ${drawing}
@@ -119,10 +126,10 @@ class Links extends Part {
 
   /** The same as a table, for who does not see the drawing. */
   private twin(): TemplateResult {
-    const {links, loop} = page.bench;
+    const {loop} = this;
     return html`<div class="twin"><table><caption>Links</caption>
       <tr><th>Hop</th><th>Rates</th><th>Delay</th><th>Lost</th></tr>
-      ${(links?.hops ?? []).map((hop) => html`<tr><td>${hop.from} to ${hop.to}</td>
+      ${page.bench.hops.map((hop) => html`<tr><td>${hop.from} to ${hop.to}</td>
         <td>${Object.entries(hop.msgs).map(([name, hz]) => `${name} ${fixed(hz, 1)} per second`).join(', ')}</td>
         <td>${hop.us ? delayPair(hop.us) : 'not measured'}</td><td>${hop.lost ?? 'not counted'}</td></tr>`)}
       <tr><td>Loop</td><td></td><td>${loop ? `${fixed(loop.ms.p50)} ms, 99 % ${fixed(loop.ms.p99)} ms` : 'not measured'}</td><td></td></tr>
@@ -131,9 +138,8 @@ class Links extends Part {
 
   private nodes(): {simulator: Row[]; casd: Row[]; controller: Row[]; subs: [string, string, string]; missing: boolean[]} {
     const {bench} = page;
-    const forward = (from: string) => bench.links?.forward_us?.find((each) => each.from === from);
     const pair = (from: string) => {
-      const us = forward(from);
+      const us = bench.forward(from);
       if (!us) return '–';
       return us.p99 < 10 ? 'under 10 µs' : `${Math.round(us.p50)} · ${Math.round(us.p99)} µs`;
     };
@@ -288,25 +294,22 @@ class Links extends Part {
     const open_s = bench.loopOpen_s;
     const frameBar = svg`<rect x=${x0} y=${y} width=${x1 - x0} height=${h} rx="3" fill="var(--tube)" stroke="var(--line)"></rect>`;
     if (open_s !== undefined && open_s > 0.02) {
-      const share = Math.min(1, open_s / bench.actuatorTimeout_s) * 0.84;
-      const xe = x0 + (x1 - x0) * 0.84;
-      const tone = open_s > bench.actuatorTimeout_s / 2 ? 'red' : 'amber';
       return svg`<text x=${xl} y=${y + h - 4} font-size="12" font-weight="600" fill="var(--red)">Loop open</text>
         <text x=${xv} y=${y + h - 3} font-size="15" font-weight="600" text-anchor="end" fill="var(--red)">${fixed(open_s)} s</text>
-        ${frameBar}<rect x=${x0} y=${y} width=${(x1 - x0) * share} height=${h} rx="3" fill=${`var(--${tone})`}></rect>
-        <path d=${`M${xe} ${y - 5}v${h + 10}`} stroke="var(--red)" stroke-width="2"></path>
-        <text x=${xe - 2} y=${y - 9} font-size="11" text-anchor="end" fill="var(--red)">${fixed(bench.actuatorTimeout_s)} s: simulator stops the rotors</text>` as TemplateResult;
+        ${frameBar}<text x=${x0 + 8} y=${y + h - 3} font-size="11" fill="var(--red)">no control answers a sample</text>` as TemplateResult;
     }
-    const loop = bench.loop;
+    const {loop} = this;
     if (!loop) {
-      const why = bench.noLinks ? `Loop: ${bench.noLinks}` : 'Loop: not measured yet';
+      const old_s = bench.old.get('loop');
+      const why = bench.noLinks ? `Loop: ${bench.noLinks}` : old_s === undefined ? 'Loop: not measured yet' : `Loop: no figures for ${fixed(old_s, 0)} s`;
       return svg`<text x=${xl} y=${y + h - 4} font-size="12" fill="var(--t3)">${why}</text>` as TemplateResult;
     }
     const sensor = bench.nominal_hz.HIL_SENSOR ?? 0;
     const period = sensor > 0 ? 1000 / sensor : 2;
     const scale = Math.max(2.5 * period, Math.min(loop.ms.p99 * 1.02, 20 * period));
     const x = (ms: number) => x0 + Math.min(1, ms / scale) * (x1 - x0);
-    const tone = loop.ms.p99 > bench.bounds.loop_p99_ms ? 'red' : loop.ms.p99 > bench.bounds.loop_p99_ms / 2 ? 'amber' : 't1';
+    const bound = bench.bounds.loop_p99_ms ?? Infinity;
+    const tone = loop.ms.p99 > bound ? 'red' : loop.ms.p99 > bound / 2 ? 'amber' : 't1';
     const parts = this.loopParts(loop.ms.p50);
     let from = 0;
     let labelled = x0;  // how far the names of the parts reach
@@ -331,9 +334,8 @@ class Links extends Part {
 
   /** Hops of the median loop where each was measured on one clock; else one bracket. */
   private loopParts(whole: number): {name: string; ms: number; colour: string}[] {
-    const {links} = page.bench;
     const us = (from: string, to: string) => this.hop(from, to)?.us?.p50;
-    const forward = (from: string) => links?.forward_us?.find((each) => each.from === from)?.p50;
+    const forward = (from: string) => page.bench.forward(from)?.p50;
     const way: [string, number | undefined, string][] = [
       ['UDP', us('sim', 'casd'), 't3'], ['casd', forward('sim'), 'acc'], ['line to the controller', us('casd', 'fcu'), 'est'],
       ['line back', us('fcu', 'casd'), 'act'], ['casd', forward('fcu'), 'acc'],
@@ -343,8 +345,9 @@ class Links extends Part {
   }
 
   private lostText(): string {
-    const lost = (page.bench.links?.hops ?? []).reduce((sum, hop) => sum + (hop.lost ?? 0), 0);
-    return `lost ${grouped(lost)} · bound ${page.bench.bounds.loop_p99_ms} ms`;
+    const {hops, bounds} = page.bench;
+    const lost = `lost ${grouped(hops.reduce((sum, hop) => sum + (hop.lost ?? 0), 0))}`;
+    return bounds.loop_p99_ms === undefined ? lost : `${lost} · bound ${bounds.loop_p99_ms} ms`;
   }
 
   private narrowHeight(hasCasd: boolean): number {
@@ -375,7 +378,7 @@ class Links extends Part {
       pair('casd', 'fcu');
     }
     node('controller', subs[2], 34, missing[2]!);
-    const loop = page.bench.loop;
+    const {loop} = this;
     parts.push(svg`<text x=${X} y=${y + 23} font-size="12" fill="var(--t2)">Loop closes in</text>
       <text x=${X + 92} y=${y + 23} font-size="13" font-weight="600" fill="var(--t1)">${loop ? delay(loop.ms.p50 * 1000) : '–'}</text>
       <text x=${W - X} y=${y + 23} font-size="11" text-anchor="end" fill="var(--t2)">99 %: ${loop ? delay(loop.ms.p99 * 1000) : '–'}</text>` as TemplateResult);

@@ -87,13 +87,14 @@ class Messages extends Part {
           const isOpen = this.opened === message.name && fields.length > 0;
           const nominal = bench.nominal_hz[message.name];
           const slow = nominal !== undefined && nominal > 20 && message.hz < 0.99 * nominal;
-          const stale = message.hz > 0 ? message.age_s > Math.max(kStale_s, 3 / message.hz) : message.age_s > kStale_s;
+          const age_s = message.age_s + (bench.old.get('messages') ?? 0);
+          const stale = message.hz > 0 ? age_s > Math.max(kStale_s, 3 / message.hz) : age_s > kStale_s;
           const first = fields[0] ? source.series(bench.selected, `${message.name}.${fields[0]}`) : undefined;
           return html`<tr class=${isOpen ? 'on' : ''}>
             <td><button class=${`name ${kind}`} aria-expanded=${isOpen} @click=${() => this.open(isOpen ? null : message)}>${clean(message.name)}</button></td>
             <td class="mut">${clean(message.link)}</td>
             <td class=${`n ${slow ? 'bad' : ''}`}>${fixed(message.hz, 1)}</td>
-            <td>${stale && message.hz > 0.5 ? html`<span class="stale">${age(message.age_s)}</span>` : spark(first, t, colour)}</td></tr>
+            <td>${stale && message.hz > 0.5 ? html`<span class="stale">${age(age_s)}</span>` : spark(first, t, colour)}</td></tr>
             ${isOpen ? fields.map((field) => this.field(message.name, field, t, stale)) : nothing}`;
         })}
       </table>

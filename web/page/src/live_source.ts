@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-import type {Bench} from './bench.ts';
+import {kStale_s, oldTopics, type Bench} from './bench.ts';
 import {rpyOf} from './frames.ts';
-import type {Scene, SnapSim, VehicleState} from './protocol.ts';
+import type {Scene, SnapSim} from './protocol.ts';
 import {Ring, type Series} from './series.ts';
 import type {Source} from './source.ts';
+
+/** Arrivals are stamped on the clock of the frames, which does not stand still in a hidden tab. */
+const clock_s = (): number => performance.now() / 1000;
 
 const kFirstRetry_s = 0.25;
 const kLastRetry_s = 4;
@@ -30,7 +33,6 @@ interface Hello {
   protocol: number;
   topics: Record<string, number>;
   clock?: {sim_s: number; rate: number; paused: boolean} | null;
-  scenario?: {name: string; seed: number; measure?: [number, number]; bounds?: Bench['bounds']} | null;
   methods?: string[];
 }
 
@@ -39,15 +41,14 @@ export function retryAfter(tries: number): number {
   return Math.min(kLastRetry_s, kFirstRetry_s * 2 ** tries);
 }
 
-/** Keeps the token of the address for this tab, and takes it out of the address bar. */
-function takeToken(): string {
+/** Keeps the token of the address for this tab, and takes it out of the address bar; false without one. */
+function takeToken(): boolean {
   const parts = new URLSearchParams(location.hash.slice(1));
   const token = parts.get('k') ?? parts.get('v');
-  if (token) {
-    sessionStorage.setItem('token', token);
-    history.replaceState(null, '', location.pathname);
-  }
-  return sessionStorage.getItem('token') ?? '';
+  if (!token) return false;
+  sessionStorage.setItem('token', token);
+  history.replaceState(null, '', location.pathname);
+  return true;
 }
 
 /** A bench that flies, over the WebSocket of casweb. */
@@ -66,10 +67,14 @@ export class LiveSource implements Source {
   private readonly acks = new Map<string, number>();
   private ackTimer?: ReturnType<typeof setTimeout>;
   private heardSim_s = 0;
-  private heardVehicle_s = 0;
+  /** Moment up to which the vehicles' ages count. */
+  private agedTo_s = 0;
+  private readonly heard = new Map<string, number>();
+  private rates: Record<string, number> = {};
   private methods = new Set<string>();
-  private token = '';
   private watched = new Map<string, {message: string; fields: string[]}>();
+  /** What the user has open, and how it was asked for. */
+  private opened: Parameters<LiveSource['open']> = ['LOCAL_POSITION_NED'];
   private readonly known = new Map<string, string[]>();
   private units = new Map<string, string>();
 
@@ -79,10 +84,19 @@ export class LiveSource implements Source {
 
   start(bench: Bench): void {
     this.bench = bench;
-    this.token = takeToken();
+    takeToken();
     bench.name = 'bench';
+    window.addEventListener('hashchange', this.onAddress);
     this.connect();
   }
+
+  /** Another address in the same tab: its token is tried at once. */
+  private readonly onAddress = () => {
+    if (!takeToken()) return;
+    this.tries = 0;
+    this.retryAt_s = 0;
+    this.socket?.close();
+  };
 
   private connect(): void {
     const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
@@ -95,20 +109,17 @@ export class LiveSource implements Source {
 
   private async hello(): Promise<void> {
     try {
-      const hello = (await this.call('hello', {protocol: 1, token: this.token, client: 'page 0.1.0'})) as Hello;
+      const hello = (await this.call('hello', {protocol: 1, token: sessionStorage.getItem('token') ?? '', client: 'page 0.1.0'})) as Hello;
       this.tries = 0;
       this.lostAt_s = null;
       const {bench} = this;
+      bench.faultsOfPage = [];
       bench.connection = 'live';
       bench.readOnly = hello.read_only ?? false;
       this.methods = new Set(hello.methods ?? []);
+      this.heardSim_s = clock_s();
       if (hello.clock) bench.apply('snap.sim', {t_s: hello.clock.sim_s, rate: hello.clock.rate, paused: hello.clock.paused, v: []});
-      if (hello.scenario) {
-        bench.name = hello.scenario.name;
-        bench.subtitle = `seed ${hello.scenario.seed}`;
-        bench.measured = hello.scenario.measure ?? null;
-        Object.assign(bench.bounds, hello.scenario.bounds);
-      }
+      this.rates = hello.topics;
       const topics = Object.fromEntries(Object.entries(hello.topics).filter(([topic]) => kTopics.includes(topic)));
       await this.call('watch', {topics});
       await this.refresh();
@@ -123,14 +134,14 @@ export class LiveSource implements Source {
     if (scene) this.bench.setScene(scene as Scene);
     const status = (await this.call('bench.status').catch(() => null)) as {programs: Bench['programs']} | null;
     if (status) this.bench.programs = status.programs;
-    this.watched.clear();
-    this.open('LOCAL_POSITION_NED');
+    this.open(...this.opened);
   }
 
   private onClose(event: CloseEvent): void {
     for (const {reject} of this.answers.values()) reject(new Error('the page lost casweb'));
     this.answers.clear();
     this.acks.clear();
+    this.watched.clear();
     if (this.bench.connection === 'live') {
       this.bench.connection = 'lost';
       this.lostAt_s = this.now_s;
@@ -145,7 +156,8 @@ export class LiveSource implements Source {
     this.now_s = now_s;
     this.began_s ??= now_s;
     bench.waiting_s = now_s - (this.lostAt_s ?? this.began_s);
-    bench.simAge_s = bench.vehicles.some((vehicle) => vehicle.sim) && !bench.paused ? now_s - this.heardSim_s : 0;
+    bench.simAge_s = bench.time_s !== null && !bench.paused ? Math.max(0, now_s - this.heardSim_s) : 0;
+    bench.old = oldTopics(this.heard, this.rates, now_s);
     if (bench.connection !== 'live') bench.simAge_s = Math.max(bench.simAge_s, bench.waiting_s);
     this.growOld(now_s);
     if (!this.socket && now_s >= this.retryAt_s) this.connect();
@@ -154,17 +166,9 @@ export class LiveSource implements Source {
 
   /** Ages go on while nothing comes. */
   private growOld(now_s: number): void {
-    const since = now_s - this.heardVehicle_s;
-    if (since < 0.3) return;
-    for (const vehicle of this.bench.vehicles) {
-      const state = vehicle.state as (VehicleState & {told_s?: number}) | undefined;
-      if (!state) continue;
-      for (const part of [state.position_N, state.attitude] as ({age_s: number; told?: number} | undefined)[]) {
-        if (!part) continue;
-        part.told ??= part.age_s;
-        part.age_s = part.told + since;
-      }
-    }
+    if (now_s - (this.heard.get('vehicle') ?? now_s) < kStale_s) return;
+    this.bench.growOld(now_s - this.agedTo_s);
+    this.agedTo_s = now_s;
   }
 
   /** After a frame was drawn; a page in the background asks for one a second. */
@@ -205,6 +209,7 @@ export class LiveSource implements Source {
     }
     if (!frame.method) return;
     if (frame.method.startsWith('snap.')) {
+      this.heard.set(frame.method.slice(5), clock_s());
       if (frame.params?.seq !== undefined) this.acks.set(frame.method.slice(5), frame.params.seq);
       // No frame is drawn in a hidden tab: acknowledge from here.
       if (document.hidden) this.acknowledge();
@@ -224,15 +229,19 @@ export class LiveSource implements Source {
   /** Puts what plots show into rings. */
   private keep(method: string, params: unknown): void {
     if (method === 'snap.sim') {
-      this.heardSim_s = this.now_s;
+      this.heardSim_s = clock_s();
       this.keepSim(params as SnapSim);
     } else if (method === 'snap.vehicle') {
-      this.heardVehicle_s = this.now_s;
+      this.agedTo_s = clock_s();
       this.keepEstimates();
-    } else if (method === 'snap.loop' && this.bench.loop) {
+    } else if (method === 'snap.loop') {
       const t = this.bench.time_s ?? this.now_s;
-      this.push(this.bench.selected, 'loop.p50', t, this.bench.loop.ms.p50);
-      this.push(this.bench.selected, 'loop.p99', t, this.bench.loop.ms.p99);
+      this.bench.vehicles.forEach((vehicle, i) => {
+        const loop = this.bench.loopOf(vehicle);
+        if (!loop) return;
+        this.push(i, 'loop.p50', t, loop.ms.p50);
+        this.push(i, 'loop.p99', t, loop.ms.p99);
+      });
     } else if (method === 'snap.value') {
       this.keepValues(params as {series: {key: string; samples: (number | string | null)[][]}[]});
     }
@@ -293,6 +302,7 @@ export class LiveSource implements Source {
 
   /** Watches the fields of one message, and of none before it. */
   open(message: string | null, link?: string, system?: number, component?: number): void {
+    this.opened = [message, link, system, component];
     void this.openFields(message, link, system, component).catch(() => undefined);
   }
 

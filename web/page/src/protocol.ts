@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What docs/web_protocol.md says, as types. Unknown keys are ignored.
-import type {Quat, Vec3} from './frames.ts';
+import type {Place, Quat, Vec3} from './frames.ts';
 
 export interface Part {
   shape: 'box' | 'sphere' | 'cylinder' | 'plane' | 'mesh';
@@ -33,6 +33,8 @@ export interface SceneVehicle {
 
 export interface Scene {
   hash: string;
+  /** Origin of W. */
+  home?: Place;
   vehicles: SceneVehicle[];
   world?: Part[];
   obstacles?: {name: string; parts: Part[]}[];
@@ -64,9 +66,12 @@ export interface Delay {
   max?: number;
 }
 
+/** One way of a link; `from` and `to` are sim, casd and fcu. */
 export interface Hop {
   from: string;
   to: string;
+  /** The vehicle; 0 while nothing told it. */
+  system?: number;
   link?: string;
   type?: string;
   state?: string;
@@ -84,7 +89,7 @@ export interface Hop {
 
 export interface SnapLinks {
   hops: Hop[];
-  forward_us?: ({from: string; to: string; count?: number} & Delay)[];
+  forward_us?: ({from: string; to: string; system?: number; count?: number} & Delay)[];
 }
 
 export interface LoopFigures {
@@ -121,6 +126,9 @@ export interface VehicleState {
   heartbeat_age_s?: number;
   attitude?: {roll_rad: number; pitch_rad: number; yaw_rad: number; age_s: number};
   position_N?: {x_m: number; y_m: number; z_m: number; vx_m_s: number; vy_m_s: number; vz_m_s: number; age_s: number};
+  global?: Place & {age_s: number};
+  /** On Earth and in N. */
+  home?: Place & {x_m: number; y_m: number; z_m: number};
   complaints?: string[];
 }
 

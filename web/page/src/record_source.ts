@@ -43,6 +43,7 @@ export class RecordSource implements Source, Player {
     bench.nominal_hz = raw.nominal_hz ?? {};
     bench.controller = raw.controller ?? '';
     bench.measured = this.record.measured;
+    bench.bounds = this.record.bounds;
     bench.vehicles = raw.vehicles.map(({name, system, scene}) => ({name, system, scene}));
     bench.scene = {hash: 'record', vehicles: raw.vehicles.flatMap(({scene}) => scene ?? [])};
     if (!this.record.hasLinks(0)) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import {html, nothing, svg} from 'lit';
+import {refuseGoto} from './commands.ts';
 import {fixed} from './numbers.ts';
 import {colour, page, Part, sized, themeListeners, type Camera} from './page.ts';
 import type {Tag, View3D} from './scene3d.ts';
@@ -85,7 +86,7 @@ export class World extends Part {
         bench.vehicle?.reference ? html`<i class="ref-i"></i><span>reference</span>` : nothing}${
         bench.beside.length > 0 ? html`<span class="c-t2">┄ B</span>` : nothing}</span></div>
       <div class="hud br optional"><span class="chip">trail: error 0<span class="scale"></span>${bench.errorLimit_m} m</span>
-        <span class="chip">frame N · grid 1 m</span></div>
+        <span class="chip">frame W · grid 1 m</span></div>
       ${this.flat ? html`<div class="banner quiet">${this.flat}</div>` : nothing}`;
   }
 
@@ -105,10 +106,12 @@ export class World extends Part {
     const hit = this.view.groundAt(event.offsetX, event.offsetY);
     if (!hit) return;
     const up_m = page.goto.up_m;
+    const to = page.bench.inN([hit[0], hit[1], up_m]);
+    if (!to) return refuseGoto();
     page.goto = {north_m: hit[1], east_m: hit[0], up_m};
     const place = `${fixed(hit[1], 1)} north, ${fixed(hit[0], 1)} east, ${fixed(up_m, 1)} up`;
     page.ask(`Go to ${place}?`, 'Go', () => {
-      void page.command('vehicle.goto', {north_m: hit[1], east_m: hit[0], down_m: -up_m});
+      void page.command('vehicle.goto', to);
     });
     page.goto = {north_m: hit[1], east_m: hit[0], up_m};
   };

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page against a casweb that is a few lines: docs/web_protocol.md, spoken by the test.
 import assert from 'node:assert/strict';
-import {readFileSync} from 'node:fs';
+import {readdirSync, readFileSync} from 'node:fs';
 import {extname, join} from 'node:path';
 import {after, before, test} from 'node:test';
+import {gunzipSync} from 'node:zlib';
 import type {Browser, Page, WebSocketRoute} from 'playwright-core';
 import {complaints, launch, scene, until} from './chromium.ts';
 import {makeRecord, placeAt} from './fixture.ts';
@@ -15,6 +16,11 @@ const kPolicy = "default-src 'none'; script-src 'self'; style-src 'self'; img-sr
 let browser: Browser;
 before(async () => { browser = await launch(); });
 after(() => browser.close());
+
+const kHome = {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488};
+/** How far north in W the vehicle's N begins. */
+const kNorth_m = 3;
+const kHomeOfVehicle = {...kHome, lat_deg: kHome.lat_deg + kNorth_m / ((Math.PI / 180) * 6_371_000), x_m: 0, y_m: 0, z_m: 0};
 
 interface Call {
   method: string;
@@ -30,6 +36,8 @@ class FakeServer {
   landed = 'on_ground';
   armed = false;
   hil = true;
+  /** Programs that are not there. */
+  readonly down = new Set<string>();
   private socket?: WebSocketRoute;
   private seq = 0;
   private time_s = 10;
@@ -54,7 +62,12 @@ class FakeServer {
       return;
     }
     this.calls.push({method, params});
-    const refusal = this.refuses.get(method);
+    if (method === 'hello' && params.token !== 'secret-token') {
+      this.socket!.send(JSON.stringify({jsonrpc: '2.0', id, error: {code: -32003, message: 'wrong token'}}));
+      void this.socket!.close({code: 4403});
+      return;
+    }
+    const refusal = method.startsWith('sim.') && this.down.has('hilsim') ? 'there is no hilsim' : this.refuses.get(method);
     const answer = refusal ? {error: {code: -32000, message: refusal}} : {result: this.answer(method)};
     this.socket!.send(JSON.stringify({jsonrpc: '2.0', id, ...answer}));
     if (method === 'watch') for (const topic of ['sim', 'vehicle', 'links', 'messages']) this.feed(topic);
@@ -65,11 +78,12 @@ class FakeServer {
     switch (method) {
       case 'hello': return {
         protocol: 1, casweb: '0.1.0', read_only: this.readOnly, source: 'live', casd: '0.1.0', hilsim: '0.1.0', clock: {sim_s: 10, rate: 1, paused: false},
-        topics: {sim: 60, links: 2, loop: 1, messages: 1, value: 10, vehicle: 10}, scenario: {name: 'hover', seed: 1, limits: {}},
+        topics: {sim: 60, links: 2, loop: 1, messages: 1, value: 10, vehicle: 10}, scenario: null,
         methods: this.readOnly ? ['ack', 'watch'] : ['ack', 'watch', 'vehicle.hold', 'vehicle.arm'],
       };
-      case 'sim.scene': return {hash: 'a', vehicles: [record.vehicles[0]!.scene], world: [{shape: 'plane', p: [0, 0, 0], q: [1, 0, 0, 0]}, {shape: 'box', size_m: [1, 2, 3], p: [5, 5, 1.5], q: [1, 0, 0, 0]}]};
-      case 'bench.status': return {programs: [{name: 'hilsim', state: 'up', version: '0.1.0'}, {name: 'casd', state: 'up', version: '0.1.0'}]};
+      case 'sim.scene': return {hash: 'a', frame: 'W', home: kHome, vehicles: [{type: 'iris_paper', ...record.vehicles[0]!.scene, name: 'iris0', system: 1}], obstacles: [], world: [{shape: 'plane', p: [0, 0, 0], q: [1, 0, 0, 0]}, {shape: 'box', size_m: [1, 2, 3], p: [5, 5, 1.5], q: [1, 0, 0, 0]}]};
+      case 'bench.status': return {programs: ['hilsim', 'casd'].map((name) => this.down.has(name)
+        ? {name, state: 'down', reason: `there is no ${name} on this machine`} : {name, state: 'up', version: '0.1.0', age_s: 0.1})};
       case 'gain.list': return {loops: [{loop: 'position', parameters: {p: 'MPC_XY_P'}}]};
       case 'gain.get': return {loop: 'position', p: 0.6};
       case 'gain.set': return {loop: 'position', p: 0.9, before: {p: 0.6}};
@@ -79,20 +93,21 @@ class FakeServer {
 
   /** The next snapshot of a topic. */
   feed(topic: string): void {
+    if (this.down.has(topic === 'sim' ? 'hilsim' : 'casd')) return;
     this.time_s += topic === 'sim' ? 0.05 : 0;
     const [n, e, u] = placeAt(this.time_s);
     const snaps: Record<string, object> = {
       sim: {t_s: this.time_s, rate: 1, paused: false, v: [{p: [e, n, u], q: [0.7071, 0, 0, 0.7071], vel: [0, 0, 0], w: [0, 0, 0], rotors: [800, 800, 800, 800]}], wind_W: [3, 1, 0]},
       vehicle: {vehicles: [{state: {
         system: 1, autopilot: 'PX4', armed: this.armed, hil: this.hil, mode: 'HOLD', landed: this.landed, heartbeat_age_s: 0.2, link: 'fcu',
-        attitude: {roll_rad: 0, pitch_rad: 0, yaw_rad: 0, age_s: 0.02}, position_N: {x_m: n, y_m: e, z_m: -u, vx_m_s: 0, vy_m_s: 0, vz_m_s: 0, age_s: 0.02},
+        attitude: {roll_rad: 0, pitch_rad: 0, yaw_rad: 0, age_s: 0.02}, position_N: {x_m: n - kNorth_m, y_m: e, z_m: -u, vx_m_s: 0, vy_m_s: 0, vz_m_s: 0, age_s: 0.02}, home: kHomeOfVehicle,
       }, telemetry: {}}]},
       links: {hops: [
-        {from: 'sim', to: 'casd', link: 'sim', type: 'udp', state: 'up', msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, lost: 0, measured: 'none'},
-        {from: 'casd', to: 'fcu', link: 'fcu', type: 'serial', state: 'up', baud: 921600, full: 0.4, queued: 0, high_water: 12, msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, measured: 'none'},
-        {from: 'fcu', to: 'casd', link: 'fcu', type: 'serial', state: 'up', full: 0.28, msgs: {HIL_CONTROLS: 400, HEARTBEAT: 1}, lost: 0, measured: 'none'},
-        {from: 'casd', to: 'sim', link: 'sim', type: 'udp', state: 'up', msgs: {HIL_CONTROLS: 400}, measured: 'none'},
-      ], forward_us: [{from: 'sim', to: 'fcu', count: 1, p50: 28, p99: 132}]},
+        {from: 'sim', to: 'casd', link: 'sim1', system: 1, type: 'udp', state: 'up', msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, lost: 0, measured: 'none'},
+        {from: 'casd', to: 'fcu', link: 'fcu1', system: 1, type: 'serial', state: 'up', baud: 921600, full: 0.4, queued: 0, high_water: 12, msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, measured: 'none'},
+        {from: 'fcu', to: 'casd', link: 'fcu1', system: 1, type: 'serial', state: 'up', full: 0.28, msgs: {HIL_CONTROLS: 400, HEARTBEAT: 1}, lost: 0, measured: 'none'},
+        {from: 'casd', to: 'sim', link: 'sim1', system: 1, type: 'udp', state: 'up', msgs: {HIL_CONTROLS: 400}, measured: 'none'},
+      ], forward_us: [{from: 'sim', to: 'fcu', from_link: 'sim1', to_link: 'fcu1', system: 1, count: 1, p50: 28, p99: 132}]},
       messages: {messages: [{link: 'fcu', direction: 'rx', id: 0, name: 'HEARTBEAT', system: 1, component: 1, count: 9, hz: 1, age_s: 0.3}]},
     };
     this.say(`snap.${topic}`, {seq: ++this.seq, ...snaps[topic]});
@@ -100,6 +115,11 @@ class FakeServer {
 
   say(method: string, params: object): void {
     this.socket?.send(JSON.stringify({jsonrpc: '2.0', method, params}));
+  }
+  /** A program ends. */
+  end(name: string): void {
+    this.down.add(name);
+    this.say('event.program', {seq: ++this.seq, name, state: 'down', reason: 'it ended'});
   }
   cut(): void {
     void this.socket?.close({code: 1001});
@@ -151,6 +171,11 @@ test('arming asks, holding does not, and a refusal stands in the vehicle\'s own 
   await page.getByText('Preflight Fail: heading estimate invalid').waitFor();
   await page.keyboard.press('h');
   await until(page, 'hold is done at once', () => asked('vehicle.hold') === 1);
+  await page.keyboard.down('l');
+  await until(page, 'land, too', () => asked('vehicle.land') === 1);
+  for (let i = 0; i < 5; ++i) await page.keyboard.down('l');  // repeats
+  await page.keyboard.up('l');
+  assert.equal(asked('vehicle.land'), 1, 'a held key commands once');
   await page.close();
 });
 
@@ -163,11 +188,12 @@ test('a click on the ground is a place to go to, once it was answered', async ()
   await page.keyboard.press('g');
   const box = (await page.locator('canvas.gl').boundingBox())!;
   await page.mouse.click(box.x + box.width / 2, box.y + box.height * 0.8);
-  await until(page, 'it asks', (now) => /^Go to .* north, .* east, .* up\?$/.test(now.question ?? ''));
+  const now = await until(page, 'it asks', (now) => /^Go to .* north, .* east, .* up\?$/.test(now.question ?? ''));
   await page.keyboard.press('Enter');
   await until(page, 'it goes', () => server.calls.some((call) => call.method === 'vehicle.goto'));
   const {params} = server.calls.find((call) => call.method === 'vehicle.goto')!;
-  assert.equal(typeof params.north_m, 'number');
+  const north_m = Number(/^Go to (\S+) north/.exec(now.question!)![1]!.replace('−', '-'));
+  assert.ok(Math.abs((params.north_m as number) - (north_m - kNorth_m)) < 0.06, `${JSON.stringify(params)} for ${now.question}`);
   assert.ok((params.down_m as number) < 0);
   await page.close();
 });
@@ -211,4 +237,38 @@ test('view only has no commands, and a vehicle out of HIL is not commanded', asy
   await second.page.getByText('does not say that it is in HIL').waitFor();
   assert.equal(await second.page.getByRole('button', {name: /^Arm/}).count(), 0);
   await second.page.close();
+});
+
+test('a program that ends takes what it told with it', async () => {
+  const server = new FakeServer();
+  const {page} = await open(server);
+  await page.getByRole('button', {name: /^Hold/}).waitFor();
+  server.end('hilsim');
+  await until(page, 'the estimate is left', (now) => now.drawn === 'estimate');
+  server.end('casd');
+  await page.getByText('casd is down: nothing can be commanded.').waitFor();
+  assert.equal(await page.getByRole('button', {name: /^Hold/}).count(), 0);
+  await page.getByText(/^links: .* old$/).waitFor();
+  await page.close();
+});
+
+test('a new address in the same tab is taken', async () => {
+  const server = new FakeServer();
+  const page = await browser.newPage();
+  await server.serve(page);
+  await page.goto(`${kAddress}/#k=of-yesterday`);
+  const fault = page.getByText('casweb does not know this token');
+  await fault.waitFor();
+  await page.goto(`${kAddress}/#k=secret-token`);
+  await until(page, 'the bench is live', (now) => now.connection === 'live');
+  await fault.waitFor({state: 'detached'});
+  assert.ok(!page.url().includes('secret'), page.url());
+  await page.close();
+});
+
+test('each asset lies compressed beside itself', () => {
+  const folder = join(process.env.CAS_PAGE!, 'assets');
+  const names = readdirSync(folder).filter((name) => !name.endsWith('.gz'));
+  assert.ok(names.length >= 3);
+  for (const name of names) assert.deepEqual(gunzipSync(readFileSync(join(folder, `${name}.gz`))), readFileSync(join(folder, name)), name);
 });

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {Bench} from '../src/bench.ts';
-import {quaternionOf, rotate, rpyOf, slerp} from '../src/frames.ts';
-import {age, clean, clock, delay, delayPair, fixed, grouped, minutes} from '../src/numbers.ts';
-import {rowName, RunRecord, unpack} from '../src/record.ts';
+import {Bench, oldTopics, originOfN} from '../src/bench.ts';
+import {fromHome, quaternionOf, rotate, rpyOf, slerp} from '../src/frames.ts';
+import {Hold} from '../src/hold.ts';
+import {age, clean, clock, delay, delayPair, fixed, grouped, minutes, tickStep} from '../src/numbers.ts';
+import type {VehicleState} from '../src/protocol.ts';
+import {modeName, rowName, RunRecord, unpack} from '../src/record.ts';
 import {RecordSource} from '../src/record_source.ts';
 import {between, decode, indexAt, Ring} from '../src/series.ts';
 import {kDuration_s, kLossSecond, makeRecord, pack, placeAt} from './fixture.ts';
@@ -167,4 +169,146 @@ test('two records lie on the clock of the first by their measured stages', () =>
 
 test('a record of another format is refused in a sentence', () => {
   assert.throws(() => new RunRecord({...makeRecord(), format: 2}), /format 2; the page reads 1/);
+});
+
+const kHome = {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488};
+
+/** A vehicle whose N begins 3 m north, 2 m east and 0.5 m up in W, at 5 m north of there. */
+function stateOf(system = 1): VehicleState {
+  const degree_m = (Math.PI / 180) * 6_371_000;
+  const place = (n: number, e: number, u: number) => ({
+    lat_deg: kHome.lat_deg + n / degree_m, lon_deg: kHome.lon_deg + e / degree_m / Math.cos((kHome.lat_deg * Math.PI) / 180), alt_m: kHome.alt_m + u,
+  });
+  return {
+    system, autopilot: 'PX4', hil: true, armed: true, heartbeat_age_s: 0.2,
+    attitude: {roll_rad: 0, pitch_rad: 0, yaw_rad: 0, age_s: 0},
+    position_N: {x_m: 5, y_m: 0, z_m: -2.5, vx_m_s: 1, vy_m_s: 0, vz_m_s: 0, age_s: 0.1},
+    global: {...place(7.9, 2, 3), age_s: 0.2},
+    home: {...place(4, 2, 0.5), x_m: 1, y_m: 0, z_m: 0},
+  };
+}
+
+function liveBench(...states: VehicleState[]): Bench {
+  const bench = new Bench();
+  bench.connection = 'live';
+  bench.programs = [{name: 'hilsim', state: 'up'}, {name: 'casd', state: 'up'}];
+  bench.setScene({hash: 'a', home: kHome, vehicles: [{name: 'iris0', system: 1, rotors: []}, {name: 'iris1', system: 2, rotors: []}]});
+  bench.apply('snap.vehicle', {vehicles: states.map((state) => ({state}))});
+  return bench;
+}
+
+const kSim = {p: [0, 0, 0], q: [1, 0, 0, 0], vel: [0, 0, 0], w: [0, 0, 0], rotors: []};
+
+test('places on Earth are east, north and up of home, over the date line, too', () => {
+  const [e, n, u] = fromHome({lat_deg: 0, lon_deg: 179.9999, alt_m: 1}, {lat_deg: 0.0001, lon_deg: -179.9999, alt_m: 3});
+  near(e, 22.239, 0.001);
+  near(n, 11.1195, 0.001);
+  near(u, 2);
+});
+
+test('the origin of N comes from home, or from where the vehicle is', () => {
+  for (const state of [stateOf(), {...stateOf(), home: undefined}, {...stateOf(), autopilot: 'ArduPilot'}]) {
+    originOfN(state, kHome)!.forEach((value, i) => near(value, [2, 3, 0.5][i]!, 0.001));
+  }
+  const old = {...stateOf(), home: undefined};
+  old.global!.age_s = 5;
+  assert.equal(originOfN(old, kHome), undefined);
+});
+
+test('a place of W is commanded in N, the estimate drawn in W, and neither guessed', () => {
+  const bench = liveBench(stateOf());
+  const to = bench.inN([2, 4, 3])!;
+  near(to.north_m, 1, 0.001);
+  near(to.east_m, 0, 0.001);
+  near(to.down_m, -2.5, 0.001);
+  bench.estimate()!.p.forEach((value, i) => near(value, [2, 8, 3][i]!, 0.001));
+  const unknown = liveBench({...stateOf(), home: undefined, global: undefined});
+  assert.equal(unknown.inN([0, 0, 2]), undefined);
+  assert.equal(unknown.estimate(), undefined);
+});
+
+test('a silent casd or vehicle is not commanded', () => {
+  const bench = liveBench(stateOf());
+  assert.equal(bench.interlock, '');
+  bench.growOld(2.9);
+  assert.match(bench.interlock, /^Vehicle 1 is silent/);
+  near(bench.vehicle!.state!.position_N!.age_s, 3, 1e-9);
+  const down = liveBench(stateOf());
+  down.apply('event.program', {name: 'casd', state: 'down', reason: 'gone'});
+  assert.match(down.interlock, /^casd is down/);
+});
+
+test('a topic is old after three periods, 2 s at least', () => {
+  const heard = new Map([['sim', 10], ['loop', 10], ['links', 10]]);
+  assert.deepEqual([...oldTopics(heard, {sim: 60, loop: 1, links: 2}, 11.9).keys()], []);
+  assert.deepEqual([...oldTopics(heard, {sim: 60, loop: 1, links: 2}, 12.5).keys()], ['sim', 'links']);
+  near(oldTopics(heard, {loop: 1}, 14).get('loop')!, 4);
+});
+
+test('nothing of an earlier run stays', () => {
+  const bench = liveBench(stateOf(1), stateOf(2), stateOf(7));
+  bench.apply('snap.sim', {t_s: 1, v: [kSim, kSim]});
+  bench.selected = 2;
+  assert.deepEqual(bench.vehicles.map((each) => each.system), [1, 2, 7]);
+  bench.apply('snap.vehicle', {vehicles: [{state: stateOf(1)}]});
+  assert.deepEqual(bench.vehicles.map((each) => [each.system, Boolean(each.state)]), [[1, true], [2, false]]);
+  assert.equal(bench.selected, 1);
+  bench.setScene({hash: 'b', home: kHome, vehicles: [{name: 'other', system: 1, rotors: []}]});
+  assert.deepEqual(bench.vehicles.map((each) => each.name), ['other']);
+  assert.equal(bench.truth(), undefined);
+  bench.apply('snap.sim', {t_s: 1, v: [kSim]});
+  assert.ok(bench.truth());
+  bench.apply('event.program', {name: 'hilsim', state: 'down'});
+  assert.equal(bench.truth(), undefined);
+});
+
+test('each vehicle has its own loop and hops', () => {
+  const bench = liveBench(stateOf(1), stateOf(2));
+  const hop = (from: string, to: string, link: string, system: number) => ({from, to, link, system, msgs: {}});
+  bench.apply('snap.links', {
+    hops: [hop('sim', 'casd', 'sim1', 1), hop('casd', 'fcu', 'fcu1', 1), hop('sim', 'casd', 'sim2', 2), hop('casd', 'fcu', 'fcu2', 2), hop('casd', 'fcu', 'spare', 0)],
+    forward_us: [{from: 'sim', to: 'fcu', system: 1, p50: 20, p99: 30}, {from: 'sim', to: 'fcu', system: 2, p50: 40, p99: 60}],
+  });
+  bench.apply('snap.loop', {vehicles: [{system: 1, ms: {p50: 1, p99: 2}, count: 1}]});
+  assert.equal(bench.loop!.ms.p50, 1);
+  bench.selected = 1;
+  assert.equal(bench.loop, undefined, 'not that of another vehicle');
+  assert.deepEqual(bench.hops.map(({link}) => link), ['sim2', 'fcu2', 'spare']);
+  assert.equal(bench.forward('sim')!.p50, 40);
+});
+
+test('a limit is told where the run has one', () => {
+  assert.equal(new Bench().bounds.loop_p99_ms, undefined);
+  const bench = new Bench();
+  new RecordSource(new RunRecord(makeRecord())).start(bench);
+  assert.equal(bench.bounds.loop_p99_ms, 6);
+});
+
+test('modes have the words of their autopilot, and none of another', () => {
+  assert.equal(modeName('PX4', 50593792), 'HOLD');
+  assert.equal(modeName('ArduPilot', 5), 'LOITER');
+  assert.equal(modeName('ArduPilot', 8), 'mode 8');
+  assert.equal(modeName(undefined, 5), 'mode 5');
+  const record = makeRecord();
+  assert.equal(new RunRecord(record).vehicles[0]!.autopilot, 'PX4');
+  record.vehicles[0]!.log!.messages[0]!.fields = [];
+  assert.equal(new RunRecord(record).vehicles[0]!.stateAt(14).autopilot, undefined);
+});
+
+test('a press counts while frames are drawn, and ends with the button', () => {
+  const hold = new Hold(1);
+  hold.down(5);
+  assert.equal(hold.tick(65), false, 'a page that stood still held nothing');
+  let fired = 0;
+  for (let i = 1; i <= 20; ++i) fired += Number(hold.tick(65 + i * 0.1));
+  assert.equal(fired, 1);
+  hold.down(70);
+  hold.tick(70.1);
+  hold.up();
+  for (let i = 1; i <= 20; ++i) assert.equal(hold.tick(70 + i * 0.1), false);
+});
+
+test('an axis of years has no more ticks than pixels', () => {
+  assert.equal(tickStep(60, 800), 5);
+  assert.ok(4e9 / tickStep(4e9, 800) < 20);
 });
