@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -145,13 +146,16 @@ struct ControlServer::Impl {
 
   void add_picture_methods() {
     server.add_method("sim.watch", [this](const Json&, Reply reply) { watch(std::move(reply)); });
-    server.add_method("sim.scene", [this](const Json&, Reply reply) {
-      with_scene([reply = std::move(reply)](const Scene& now) { reply.result(now.json()); });
+    server.add_method("sim.scene", [this](const Json&, const Reply& reply) {
+      with_scene(reply, [reply](const Scene& now) { reply.result(now.json()); });
     });
     server.add_method("sim.mesh", [this](const Json& params, const Reply& reply) {
-      const std::string hash = params.at("hash").get<std::string>();
+      if (!params.is_object() || !params.contains("hash")) {
+        return reply.error(base::rpc::kInvalidParams, "hash is missing", nullptr);
+      }
+      const std::string hash = params["hash"].get<std::string>();
       const std::size_t offset = params.value("offset", std::size_t{0});
-      with_scene([reply, hash, offset](const Scene& now) {
+      with_scene(reply, [reply, hash, offset](const Scene& now) {
         const std::string* bytes = now.mesh(hash);
         if (bytes == nullptr || offset > bytes->size()) {
           return reply.error(base::rpc::kInvalidParams, "there is no such mesh", nullptr);
@@ -163,14 +167,28 @@ struct ControlServer::Impl {
   }
 
   /// Made once the runner has started, which the loop's first order tells.
-  void with_scene(std::function<void(const Scene&)> use) {
+  void with_scene(const Reply& reply, std::function<void(const Scene&)> use) {
     if (scene) return use(*scene);
-    loop.post([this, use = std::move(use)] {
-      asio::post(io, [this, use] {
-        if (!scene) scene = std::make_unique<Scene>(std::as_const(loop).runner());
-        use(*scene);
+    loop.post([this, reply, use = std::move(use)] {
+      asio::post(io, [this, reply, use] {
+        guarded({reply}, [&] {
+          if (!scene) scene = std::make_unique<Scene>(std::as_const(loop).runner());
+          use(*scene);
+        });
       });
     });
+  }
+
+  /// Outside of the server's own call: what fails is answered, and never ends the program.
+  template <class Body>
+  static void guarded(const std::vector<Reply>& waiting, Body&& body) {
+    try {
+      body();
+    } catch (const std::exception& error) {
+      for (const Reply& reply : waiting) {
+        reply.error(base::rpc::kInternalError, error.what(), nullptr);
+      }
+    }
   }
 
   /// Answers with the sample there is, or with the one that is being taken for all who wait.
@@ -180,9 +198,12 @@ struct ControlServer::Impl {
     if (watchers.size() > 1) return;
     loop.post([this] {
       asio::post(io, [this, taken = motion.take()] {
-        sample = motion.json(*taken);
-        sample_ends = base::steady_now() + kWatchPeriod;
-        for (const Reply& waiting : std::exchange(watchers, {})) waiting.result(sample);
+        const std::vector<Reply> waiting = std::exchange(watchers, {});
+        guarded(waiting, [&] {
+          sample = motion.json(*taken);
+          sample_ends = base::steady_now() + kWatchPeriod;
+          for (const Reply& each : waiting) each.result(sample);
+        });
       });
     });
   }

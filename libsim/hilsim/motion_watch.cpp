@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/hilsim/motion_watch.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libsim/api/messages.hpp"
@@ -26,7 +28,15 @@ constexpr double kRotor = 1e-1;  // rad/s
 struct Newest {
   base::RotorVector omega_rad_s;
   std::optional<RangeSample> range;
+  std::size_t rays = 0;  // rangefinders, as in the scene
 };
+
+Newest before_the_first_step(const VehicleConfig& vehicle) {
+  const auto rays = std::ranges::count(vehicle.plugins, kRangefinder, &PluginConfig::plugin);
+  return {.omega_rad_s = base::RotorVector::Zero(vehicle.vehicle.rotor_count()),
+          .range = std::nullopt,
+          .rays = static_cast<std::size_t>(rays)};
+}
 
 Json rotors_json(const base::RotorVector& omega_rad_s) {
   Json speeds = Json::array();
@@ -34,9 +44,13 @@ Json rotors_json(const base::RotorVector& omega_rad_s) {
   return speeds;
 }
 
-Json rays_json(const std::optional<RangeSample>& range) {
-  if (!range) return Json::array();
-  return Json::array({range->valid ? Json(rounded(range->distance_m, kLength)) : Json()});
+Json rays_json(const Newest& newest) {
+  Json rays = Json::array();
+  const auto& range = newest.range;
+  for (std::size_t i = 0; i < newest.rays; ++i) {
+    rays.push_back(range && range->valid ? Json(rounded(range->distance_m, kLength)) : Json());
+  }
+  return rays;
 }
 
 }  // namespace
@@ -60,8 +74,10 @@ struct MotionWatch::Impl {
 
 MotionWatch::MotionWatch(SimLoop& loop) : impl_(new Impl{loop, {}, {}}) {
   TopicBus& bus = loop.runner().bus();
-  for (const std::string& name : loop.runner().vehicle_names()) {
-    Newest& newest = *impl_->newest.emplace_back(std::make_unique<Newest>());
+  for (const VehicleConfig& vehicle : std::as_const(loop).runner().config().vehicles) {
+    Newest& newest =
+        *impl_->newest.emplace_back(std::make_unique<Newest>(before_the_first_step(vehicle)));
+    const std::string& name = vehicle.name;
     impl_->subscriptions.push_back(bus.subscribe<RotorSpeeds>(
         name + "/rotor_speeds",
         [&newest](const RotorSpeeds& speeds) { newest.omega_rad_s = speeds.omega_rad_s; },
@@ -75,12 +91,17 @@ MotionWatch::MotionWatch(SimLoop& loop) : impl_(new Impl{loop, {}, {}}) {
 MotionWatch::~MotionWatch() = default;
 
 std::shared_ptr<const MotionWatch::Sample> MotionWatch::take() const {
-  const World& world = impl_->loop.runner().world();
+  const SimRunner& runner = impl_->loop.runner();
+  const World& world = runner.world();
   auto sample = std::make_shared<Sample>();
   sample->figures = impl_->loop.figures();
   for (std::size_t i = 0; i < impl_->newest.size(); ++i) {
     const auto id = static_cast<VehicleId>(i);
-    sample->vehicles.push_back({world.state(id), world.in_contact(id), *impl_->newest[i]});
+    Newest newest = *impl_->newest[i];
+    // After a reset the newest is the last run's until somebody publishes again.
+    if (sample->figures.steps == 0) newest = before_the_first_step(runner.config().vehicles[i]);
+    if (newest.range && newest.range->time > sample->figures.time) newest.range.reset();
+    sample->vehicles.push_back({world.state(id), world.in_contact(id), std::move(newest)});
   }
   if (!impl_->newest.empty()) sample->wind_W = world.environment(VehicleId{}).wind_W;
   return sample;
@@ -96,7 +117,7 @@ Json MotionWatch::json(const Sample& sample) const {
                         {"w", rounded(vehicle.state.w_WB_B, kSpeed)},
                         {"rotors", rotors_json(vehicle.newest.omega_rad_s)},
                         {"contact", vehicle.in_contact ? 1 : 0},
-                        {"rays", rays_json(vehicle.newest.range)}});
+                        {"rays", rays_json(vehicle.newest)}});
   }
   Json obstacles = Json::array();
   const double time_s = base::to_seconds(f.time);

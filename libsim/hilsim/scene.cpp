@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/config/axes.hpp"
 #include "libsim/core/body/world_model.hpp"
 #include "libsim/core/load/model_loader.hpp"
 #include "libsim/hilsim/round_json.hpp"
@@ -129,13 +130,11 @@ Json rays_json(const VehicleConfig& vehicle) {
   Json rays = Json::array();
   for (const PluginConfig& plugin : vehicle.plugins) {
     if (plugin.plugin != kRangefinder) continue;
-    const auto axes = [&](const char* key, const Eigen::Vector3d& otherwise) {
-      const auto node = plugin.params.find(key);
-      return node ? node->as<Eigen::Vector3d>() : otherwise;
-    };
-    const Eigen::Vector3d direction = axes("direction_B", -Eigen::Vector3d::UnitZ());
+    const auto given = plugin.params.find("direction_B");
+    const Eigen::Vector3d direction =
+        given ? given->as<Eigen::Vector3d>() : Eigen::Vector3d(-Eigen::Vector3d::UnitZ());
     rays.push_back({{"name", plugin.plugin},
-                    {"p_B", rounded(axes("position_B_m", Eigen::Vector3d::Zero()), kLength)},
+                    {"p_B", rounded(base::get_axes(plugin.params, "position_B_m"), kLength)},
                     {"dir_B", rounded(direction.normalized(), kTurn)},
                     {"max_m", plugin.params.require<double>("max_m")}});
   }

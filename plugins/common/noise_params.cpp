@@ -21,16 +21,6 @@ double time_constant(const base::ConfigNode& node, const std::string& key, bool 
 
 }  // namespace
 
-Eigen::Vector3d parse_axes(const base::ConfigNode& node) {
-  if (node.is_scalar()) return Eigen::Vector3d::Constant(node.as<double>());
-  return node.as<Eigen::Vector3d>();
-}
-
-Eigen::Vector3d get_axes(const base::ConfigNode& node, const std::string& key) {
-  const auto child = node.find(key);
-  return child ? parse_axes(*child) : Eigen::Vector3d::Zero();
-}
-
 Eigen::Vector3d parse_white_noise(const base::ConfigNode& node, const Quantity& quantity,
                                   double rate_hz) {
   const std::string stddev_key = quantity.name + "stddev_" + quantity.unit;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "base/config/axes.hpp"
 #include "base/config/config.hpp"
 #include "plugins/common/gauss_markov.hpp"
 
@@ -17,11 +18,6 @@ struct Quantity {
   std::string unit;  ///< "deg_s"
   double to_si = 1.0;
 };
-
-/// Three numbers, or one that stands for all three axes.
-Eigen::Vector3d parse_axes(const base::ConfigNode& node);
-/// parse_axes of an optional key; zero when it is missing.
-Eigen::Vector3d get_axes(const base::ConfigNode& node, const std::string& key);
 
 /// White noise as the deviation of one sample, in SI, from `<name>stddev_<unit>` or
 /// `<name>density_<unit>_per_sqrt_hz` (deviation = density * sqrt(rate)). One of them must be

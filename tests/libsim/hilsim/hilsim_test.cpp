@@ -45,6 +45,10 @@ class Hilsim : public testing::Test {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
+  static std::string rangefinder(const std::string& more) {
+    return "{plugin: rangefinder, rate_hz: 50, stddev_m: 0.001, min_m: 0.01, max_m: 40" + more +
+           "}";
+  }
   std::string socket() const { return (folder_.path() / "control").string(); }
   std::string stats() const { return (folder_.path() / "stats.json").string(); }
   Json read_stats() const { return Json::parse(std::ifstream(stats())); }
@@ -75,6 +79,32 @@ TEST_F(Hilsim, TellsWhatThereIsAndHowItMoves) {
   }));
   EXPECT_TRUE(motion.at("paused"));
   EXPECT_LT(motion.at("v")[0].at("vel")[2].get<double>(), -2.0) << "it falls";
+}
+
+TEST_F(Hilsim, TellsOfABeamWhoseAxesAreOneNumber) {
+  ChildProcess hilsim(
+      command(write("realtime", "[{plugin: motor}, " + rangefinder(", position_B_m: 0.1") + "]"),
+              {"--paused"}));
+  ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
+  Client client("unix:" + socket());
+  const Json rays = client.call("sim.scene", nullptr).at("vehicles")[0].at("rays");
+  ASSERT_EQ(rays.size(), 1U);
+  EXPECT_EQ(rays[0].at("p_B"), Json({0.1, 0.1, 0.1}));
+}
+
+TEST_F(Hilsim, MotionBeginsAnewWithAReset) {
+  ChildProcess hilsim(
+      command(write("realtime", "[{plugin: motor}, " + rangefinder("") + "]"), {"--paused"}));
+  ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
+  Client client("unix:" + socket());
+  const Json blank = client.call("sim.watch", nullptr).at("v")[0];
+  EXPECT_EQ(blank.at("rotors"), Json({0, 0, 0, 0}));
+  EXPECT_EQ(blank.at("rays"), Json::array({nullptr}));
+  client.call("sim.step", {{"n", 250}});
+  EXPECT_TRUE(wait_until(
+      [&] { return client.call("sim.watch", nullptr).at("v")[0].at("rays")[0].is_number(); }));
+  client.call("sim.reset", nullptr);
+  EXPECT_TRUE(wait_until([&] { return client.call("sim.watch", nullptr).at("v")[0] == blank; }));
 }
 
 TEST_F(Hilsim, AnswersOnItsControlSocket) {
