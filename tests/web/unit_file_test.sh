@@ -10,7 +10,8 @@ command -v systemd-analyze >/dev/null || exit 77
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 sed "s#/usr/bin/casweb#$casweb#" "$unit" > "$folder/casweb.service"
-complaints=$(systemd-analyze verify --man=no "$folder/casweb.service" 2>&1)
-[ -z "$complaints" ] || { echo "$complaints"; exit 1; }
+code=0
+complaints=$(systemd-analyze verify --man=no "$folder/casweb.service" 2>&1) || code=$?
+[ "$code" -eq 0 ] && [ -z "$complaints" ] || { echo "$complaints"; exit 1; }
 # In tenths.
 systemd-analyze security --offline=true --threshold=12 --no-pager "$folder/casweb.service" | tail -1
