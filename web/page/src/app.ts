@@ -216,9 +216,10 @@ class App extends Part {
       target.blur?.();
       return;
     }
+    if (event.repeat && event.key === 'Enter') return event.preventDefault();
     if (page.question && event.key === 'Enter' && target.tagName !== 'BUTTON') {
       event.preventDefault();
-      return event.repeat ? undefined : page.answer(true);
+      return page.answer(true);
     }
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (['INPUT', 'SELECT', 'TEXTAREA'].includes(target.tagName)) return;

@@ -468,7 +468,8 @@ export class View3D {
     this.moveTrail(bench, replay);
     this.moveWind(bench);
     this.moveCamera(bench, passed);
-    const shown = `${this.built}|${bench.time_s}|${bench.paused}|${w}x${h}|${this.camera.matrixWorld.elements.join()}|${this.meshes}`;
+    const places = bench.vehicles.map((vehicle) => [bench.motion(vehicle)?.motion.p, bench.estimate(vehicle)?.p]);
+    const shown = `${this.built}|${bench.time_s}|${bench.paused}|${places.join()}|${w}x${h}|${this.camera.matrixWorld.elements.join()}|${this.meshes}`;
     if (shown === this.shown && this.changing === 0) return;  // nothing moved
     this.shown = shown;
     this.renderer.render(this.scene, this.camera);
