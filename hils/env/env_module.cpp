@@ -111,6 +111,7 @@ PYBIND11_MODULE(_cas_env, module) {
       }))
       .def("reset", &reset)
       .def("step", &step)
+      .def("close", &StepEnv::close)
       .def("action_names", &StepEnv::action_names)
       .def("action_limits", &StepEnv::action_limits)
       .def("observation_names", &StepEnv::observation_names)

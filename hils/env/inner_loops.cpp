@@ -24,13 +24,15 @@ InnerLoops::InnerLoops(Stand stand, const base::Vehicle& vehicle,
       throw base::ConfigError("parameter " + name + " is out of range");
     }
   }
+  // As the emulated controller answers: per motor where Eq. (3) is not the vehicle's.
+  store.set("CAS_HIL_ACT", fcu::Mixer::is_eq3(vehicle) ? 0 : 1);
   cascade_.set_params(fcu::control_params(store));
   rates_.set_params(fcu::control_params(store));
 }
 
 sim::MotorCommand InnerLoops::update(std::span<const double> action,
                                      const fcu::EstimatorState& state, const Vector3d& gyro_D,
-                                     double dt) {
+                                     bool in_contact, double dt) {
   sim::MotorCommand command{.sensor_time = state.time,
                             .kind = sim::MotorCommand::Kind::kMotorOutputs,
                             .armed = true,
@@ -39,9 +41,9 @@ sim::MotorCommand InnerLoops::update(std::span<const double> action,
     command.values = motors(action);
     return command;
   }
-  const fcu::MixerResult& result = stand_ == Stand::kRates
-                                       ? follow_rates(action, gyro_D, dt)
-                                       : follow(setpoint(action, state), state, gyro_D, dt);
+  const fcu::MixerResult& result =
+      stand_ == Stand::kRates ? follow_rates(action, gyro_D, dt)
+                              : follow(setpoint(action, state, in_contact), state, gyro_D, dt);
   const auto outputs = cascade_.mixer().outputs(result);
   command.values = sim::ActuatorValues::Map(outputs.data(), std::ssize(outputs));
   return command;
@@ -78,8 +80,9 @@ const fcu::MixerResult& InnerLoops::follow(const fcu::ControlSetpoint& setpoint,
 }
 
 fcu::ControlSetpoint InnerLoops::setpoint(std::span<const double> action,
-                                          const fcu::EstimatorState& state) {
+                                          const fcu::EstimatorState& state, bool in_contact) {
   fcu::ControlSetpoint setpoint;
+  setpoint.may_touch = in_contact;
   if (stand_ == Stand::kAttitude) {
     setpoint.attitude = fcu::AttitudeSetpoint{
         .q_ND = base::quaternion_rpy(action[0], action[1], action[2]),

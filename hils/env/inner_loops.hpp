@@ -23,9 +23,11 @@ class InnerLoops {
   InnerLoops(Stand stand, const base::Vehicle& vehicle,
              const std::vector<std::pair<std::string, double>>& params);
 
-  /// One control period. @param gyro_D  rates that the loops read, rad/s
+  /// One control period.
+  /// @param gyro_D      rates that the loops read, rad/s
+  /// @param in_contact  whether the vehicle touches anything: what turns it is then no lost rotor
   sim::MotorCommand update(std::span<const double> action, const fcu::EstimatorState& state,
-                           const Eigen::Vector3d& gyro_D, double dt);
+                           const Eigen::Vector3d& gyro_D, bool in_contact, double dt);
 
  private:
   sim::ActuatorValues motors(std::span<const double> action) const;
@@ -34,7 +36,8 @@ class InnerLoops {
   const fcu::MixerResult& follow(const fcu::ControlSetpoint& setpoint,
                                  const fcu::EstimatorState& state, const Eigen::Vector3d& gyro_D,
                                  double dt);
-  fcu::ControlSetpoint setpoint(std::span<const double> action, const fcu::EstimatorState& state);
+  fcu::ControlSetpoint setpoint(std::span<const double> action, const fcu::EstimatorState& state,
+                                bool in_contact);
 
   Stand stand_;
   base::Vehicle vehicle_;

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <system_error>
 
 #include "base/config/config.hpp"
@@ -31,6 +33,8 @@ using Eigen::Vector3d;
 constexpr const char* kVehicle = "vehicle";
 constexpr sim::VehicleId kFirst{0};
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* kNoEpisode =
+    "there is no episode: the last reset() failed, or there was none";
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 constexpr std::array<std::pair<std::string_view, Stand>, 4> kStands{
@@ -62,6 +66,23 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
+/// The place of the one episode that a process has: the simulator's collision engine is global.
+class EpisodePlace {
+ public:
+  EpisodePlace() {
+    if (taken_.exchange(true)) {
+      throw base::ConfigError(
+          "another environment of this process is in an episode: close or free it first");
+    }
+  }
+  ~EpisodePlace() { taken_ = false; }
+  EpisodePlace(const EpisodePlace&) = delete;
+  EpisodePlace& operator=(const EpisodePlace&) = delete;
+
+ private:
+  static inline std::atomic<bool> taken_ = false;
+};
+
 /// The study of one random point that varies what `vary` says.
 Study study_of(const std::string& vary) {
   if (vary.empty()) return {};
@@ -77,6 +98,18 @@ Study study_of(const std::string& vary) {
                                drawn ? "sampling: random\npoints: 1\n" : "", vary),
                    base::Durability::kCache);
   return Study::load(file);
+}
+
+/// The study with one combination of its lists, the row that `number` modulo their combinations has
+/// in the whole table.
+Study one_of(Study study, std::uint64_t number) {
+  for (Parameter& each : study.parameters | std::views::reverse) {  // the last changes first
+    if (each.values.empty()) continue;
+    const std::size_t count = each.values.size();
+    each.values = {each.values[number % count]};
+    number /= count;
+  }
+  return study;
 }
 
 /// The simulation that a setup describes.
@@ -178,9 +211,9 @@ View parse_view(std::string_view word) {
 class StepEnv::Episode {
  public:
   Episode(const StepEnvOptions& options, const base::ConfigNode& setup, std::uint64_t seed)
-      : runner_(sim::SimConfig::parse(base::ConfigNode::parse(simulation_text(setup, seed), "env")),
-                {.output_dir = std::filesystem::temp_directory_path(),
-                 .plugin_dirs = base::plugin_dirs()}),
+      : runner_(
+            sim::SimConfig::parse(base::ConfigNode::parse(simulation_text(setup, seed), "env")),
+            {.output_dir = std::filesystem::current_path(), .plugin_dirs = base::plugin_dirs()}),
         view_(options.view),
         loops_(options.stand, runner_.config().vehicles.front().vehicle, controller_params(setup)),
         steps_(steps_of(options.period_us)),
@@ -203,7 +236,7 @@ class StepEnv::Episode {
     const fcu::EstimatorState state = true_state();
     const Vector3d rates =
         view_ == View::kSensors && imu_ ? base::swap_BD(imu_->angular_rate_B) : state.w_D;
-    command_.publish(loops_.update(action, state, rates, period_s_));
+    command_.publish(loops_.update(action, state, rates, in_contact(), period_s_));
     for (int i = 0; i < steps_; ++i) runner_.step();
   }
 
@@ -261,6 +294,7 @@ class StepEnv::Episode {
     writer.add(gps_ ? base::to_seconds(runner_.time() - gps_->time) : kNone);
   }
 
+  EpisodePlace place_;  // first: nothing is made without it
   sim::SimRunner runner_;
   View view_;
   InnerLoops loops_;
@@ -294,8 +328,7 @@ std::unique_ptr<StepEnv::Episode> StepEnv::begin(std::uint64_t seed) {
     return std::make_unique<Episode>(options_, setup, seed);
   }
   study_.seed = seed;
-  const std::vector<TableRow> rows = RunTable::of(study_, seed).rows;
-  const TableRow& row = rows[seed % rows.size()];
+  const TableRow row = RunTable::of(one_of(study_, seed), seed).rows.at(0);
   std::vector<KeyValue> values;
   for (std::size_t i = 0; i < study_.parameters.size(); ++i) {
     const Parameter& parameter = study_.parameters[i];
@@ -312,9 +345,10 @@ std::unique_ptr<StepEnv::Episode> StepEnv::begin(std::uint64_t seed) {
 }
 
 void StepEnv::reset(std::uint64_t seed) { episode_ = begin(seed); }
+void StepEnv::close() { episode_.reset(); }
 
 void StepEnv::step(std::span<const double> action) {
-  if (!episode_) throw base::ConfigError("step() before the first reset()");
+  if (!episode_) throw base::ConfigError(kNoEpisode);
   if (action.size() != action_names_.size()) {
     throw base::ConfigError(
         fmt::format("an action has {} numbers, not {}", action_names_.size(), action.size()));
@@ -323,7 +357,7 @@ void StepEnv::step(std::span<const double> action) {
 }
 
 void StepEnv::observe(std::span<double> observation) const {
-  if (!episode_) throw base::ConfigError("an observation before the first reset()");
+  if (!episode_) throw base::ConfigError(kNoEpisode);
   if (observation.size() != observation_names_.size()) {
     throw base::ConfigError(fmt::format("an observation has {} numbers, not {}",
                                         observation_names_.size(), observation.size()));

@@ -49,10 +49,11 @@ struct StepEnvOptions {
 /// The loops below the user are fcu's own, once a period. They read attitude and velocity as they
 /// are: no estimator is in between. The rates they read are the gyro's with View::kSensors, else
 /// the true ones. Nothing is armed or taken off; the vehicle starts at rest at its pose, its rotors
-/// stopped. One at a time in a process, like SimRunner.
+/// stopped. One episode at a time in a process, like SimRunner. Plugins write their files into the
+/// working directory.
 class StepEnv {
  public:
-  /// @throws base::ConfigError
+  /// @throws base::ConfigError; also while another one of this process is in an episode
   explicit StepEnv(StepEnvOptions options);
   ~StepEnv();
   StepEnv(const StepEnv&) = delete;
@@ -60,10 +61,12 @@ class StepEnv {
 
   /// Begins an episode. The seed draws the varied values and all noise: the same seed and actions
   /// give the same bytes.
-  /// @throws base::ConfigError
+  /// @throws base::ConfigError; also while another one of this process is in an episode
   void reset(std::uint64_t seed);
+  /// Ends the episode, so that another one of this process may begin one.
+  void close();
   /// Flies on for one period. @param action  action_names().size() numbers
-  /// @throws base::ConfigError for another size, or before the first reset
+  /// @throws base::ConfigError for another size, or when there is no episode
   /// @throws sim::LeftWorldError when the vehicle has fallen out of the world
   void step(std::span<const double> action);
   /// Writes the observation, observation_names().size() numbers. NaN: no sample has come yet.

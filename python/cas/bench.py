@@ -112,7 +112,7 @@ class Bench:
     faults       entries of plugin fault, e.g. [{"at_s": 20, "for_s": 2, "drop": "gps"}]
     plugins      further plugins of the vehicle, each {"plugin": NAME, ...}
     pose         where it stands: {"x_m", "y_m", "z_m", "yaw_deg"}: east and north of home, m; yaw of the nose from
-                 east, counter-clockwise, degrees
+                 east, counter-clockwise, degrees; 90 (north) where it is left out
     world        an SDF file; left out: flat ground
     line         keys of the emulated serial line (docs/config.md); in real time only
     controller   False: no emulator; one's own sends MAVLink over UDP to `controller_address`
@@ -138,7 +138,7 @@ class Bench:
         self._params = dict(params or {})
         self._plugins = [*plugins, *([{"plugin": "wind", **wind}] if wind else []),
                          *([{"plugin": "fault", "faults": [dict(each) for each in faults]}] if faults else [])]
-        self._pose = dict(pose or {"x_m": 0, "y_m": 0, "z_m": 0, "yaw_deg": 90})
+        self._pose = {"x_m": 0, "y_m": 0, "z_m": 0, "yaw_deg": 90, **(pose or {})}
         self._world = world
         self._home = dict(home or {"lat_deg": 47.397742, "lon_deg": 8.545594, "alt_m": 488.0})
         self._seed = seed

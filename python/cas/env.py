@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import array
 import importlib
+import importlib.machinery
 import importlib.util
 import json
 import math
@@ -29,6 +30,7 @@ class _Core(Protocol):
 
     def reset(self, seed: int, observation: Any) -> None: ...
     def step(self, action: Any, observation: Any) -> None: ...
+    def close(self) -> None: ...
     def action_names(self) -> list[str]: ...
     def action_limits(self) -> list[tuple[float, float]]: ...
     def observation_names(self) -> list[str]: ...
@@ -42,22 +44,26 @@ def _extension() -> Any:
     if "_cas_env" in sys.modules:
         return sys.modules["_cas_env"]
     folder = os.environ.get("CAS_BIN")
-    for path in sorted((Path(folder).parent / "lib").glob("_cas_env*.so")) if folder else []:
-        spec = importlib.util.spec_from_file_location("_cas_env", path)
-        if spec is not None and spec.loader is not None:
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
-            sys.modules["_cas_env"] = module
-            return module
+    tree = Path(folder).resolve().parent if folder else None
     try:
-        return importlib.import_module("_cas_env")
+        if tree is None or not (tree / "CMakeCache.txt").exists():
+            return importlib.import_module("_cas_env")
+        # An installed one beside the programs of a build tree would be of other sources.
+        path = tree / "lib" / ("_cas_env" + importlib.machinery.EXTENSION_SUFFIXES[0])
+        spec = importlib.util.spec_from_file_location("_cas_env", path)
+        if not path.exists() or spec is None or spec.loader is None:
+            raise ImportError(f"there is no {path}")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        sys.modules["_cas_env"] = module
+        return module
     except ImportError as error:
         raise ProgramMissing("cas.env needs the extension _cas_env: install python3-cas-env, or pybind11-dev before "
                              f"scripts/build and set CAS_BIN ({error})") from error
 
 
 class Env:
-    """One vehicle in the simulator, moved by one control period a call. One at a time in a process.
+    """One vehicle in the simulator, moved by one control period a call. One at a time in a process: close() ends one.
 
     stand        where you stand, and so what an action is: "motors" (each 0..1, then servos), "rates" (body rates in D,
                  rad/s, and thrust, a share of full), "attitude" (roll, pitch, yaw, rad, and thrust) or "velocity"
@@ -66,7 +72,8 @@ class Env:
     observe      "truth", or "sensors": the newest sample of each, with the noise and the delay of `sensors`; the rates
                  that the loops below you read are then the gyro's
     vehicle, sensors, world, home, pose, wind, faults, plugins, params
-                 as in cas.Bench; the vehicle starts at rest at `pose`, its rotors stopped, and needs no arming
+                 as in cas.Bench; the vehicle starts at rest at `pose`, its rotors stopped, and needs no arming.
+                 Plugins write their files into the working directory
     vary         what each episode's seed draws: entries as `vary` of a study (docs/sweep.md), e.g. {"key":
                  "faults[payload].mass_factor", "uniform": [0.8, 1.2]}; keys lead into the arguments above
     period_us    simulated time of a step, microseconds; a multiple of `step_us`, the simulator's own
@@ -90,7 +97,7 @@ class Env:
                            ("faults", [dict(each) for each in faults])):
             if value:
                 setup[key] = value if isinstance(value, (str, list)) else dict(cast(Mapping[str, Any], value))
-        setup["pose"] = {"x_m": 0, "y_m": 0, "z_m": 0, "yaw_deg": 0, **(pose or {})}
+        setup["pose"] = {"x_m": 0, "y_m": 0, "z_m": 0, "yaw_deg": 90, **(pose or {})}
         varied = json.dumps([dict(each) for each in vary]) if vary else ""
         core: _Core = _told(lambda: _extension().StepEnv(json.dumps(setup), varied, stand, observe, period_us))
         self._core = core
@@ -123,6 +130,10 @@ class Env:
         except RuntimeError as error:
             raise CasError(str(error)) from error
 
+    def close(self) -> None:
+        """Ends the episode: another Env of this process may then be made. reset() begins the next one."""
+        self._core.close()
+
     @property
     def time_s(self) -> float:
         """Simulated time since the reset, s."""
@@ -151,7 +162,7 @@ def gymnasium_env(env: Env, reward: Callable[[Any, Any], float],
                   terminated: Callable[[Any], bool] = lambda observation: False, longest_s: float = math.inf) -> Any:
     """`env` with gymnasium's interface (gymnasium and NumPy are to be installed). `reward(observation, action)` and
     `terminated(observation)` are yours; an episode is truncated after `longest_s`, s. A reset with a seed makes all
-    later episodes repeat, too."""
+    later episodes repeat, too. Where no sample of a sensor has come yet there is 0, not NaN, which no space holds."""
     import gymnasium
     import numpy
 
@@ -173,14 +184,19 @@ def gymnasium_env(env: Env, reward: Callable[[Any, Any], float],
             super().reset(seed=seed)
             observation = numpy.empty(len(env.observation_names))
             env.reset(observation, int(self.np_random.integers(1 << 62)) if seed is None else seed)
+            observation[numpy.isnan(observation)] = 0
             return observation, {"drawn": env.drawn}
 
         def step(self, action: Any) -> Any:
             taken = numpy.ascontiguousarray(action, dtype=numpy.float64)
             observation = numpy.empty(len(env.observation_names))
             env.step(taken, observation)
+            observation[numpy.isnan(observation)] = 0
             info = {"time_s": env.time_s, "in_contact": env.in_contact}
             return (observation, float(reward(observation, taken)), bool(terminated(observation)),
                     env.time_s >= longest_s, info)
+
+        def close(self) -> None:
+            env.close()
 
     return GymnasiumEnv()

@@ -2,6 +2,7 @@
 """cas.env: the simulator by reset and step, on the built extension."""
 
 import array
+import importlib.machinery
 import math
 import sys
 import types
@@ -140,6 +141,7 @@ class EnvTest(FolderTest):
         env = cas.env.Env()
         fly(env, [0, 0, 0, 0], 500)
         self.assertTrue(env.in_contact)
+        env.close()
         high = cas.env.Env(pose=HIGH)
         fly(high, [0, 0, 0, 0], 5)
         self.assertFalse(high.in_contact)
@@ -148,7 +150,7 @@ class EnvTest(FolderTest):
         env = cas.env.Env()
         action, observation = env.new_action(), env.new_observation()
         for call, words in (
-                (lambda: env.step(action, observation), "before the first reset"),
+                (lambda: env.step(action, observation), "there is no episode"),
                 (lambda: env.reset(array.array("d", [0])), "the observation has"),
                 (lambda: env.reset(array.array("i", [0])), "float64 or float32"),
                 (lambda: cas.env.Env(stand="wheels"), "stand is motors, rates"),
@@ -172,6 +174,20 @@ class EnvTest(FolderTest):
             with mock.patch("importlib.import_module", side_effect=ImportError("none")):
                 with self.assertRaisesRegex(cas.ProgramMissing, "python3-cas-env"):
                     cas.env.Env()
+
+
+    def test_a_build_tree_without_the_extension_is_told_of(self):
+        (self.folder / "bin").mkdir()
+        (self.folder / "CMakeCache.txt").write_text("")
+        with mock.patch.dict(sys.modules), mock.patch.dict("os.environ", {"CAS_BIN": str(self.folder / "bin")}):
+            sys.modules.pop("_cas_env", None)
+            with self.assertRaisesRegex(cas.ProgramMissing, "there is no .*/lib/_cas_env.cpython"):
+                cas.env.Env()
+            suffix = importlib.machinery.EXTENSION_SUFFIXES[0]
+            (self.folder / "lib").mkdir()
+            (self.folder / "lib" / f"_cas_env{suffix}").write_text("no library")
+            with self.assertRaisesRegex(cas.ProgramMissing, "python3-cas-env"):
+                cas.env.Env()
 
 
 class StandInEnv:
@@ -213,7 +229,9 @@ class GymnasiumTest(FolderTest):
     def make(self, **more):
         env = cas.env.Env(stand="velocity", pose={"z_m": 10}, observe="truth",
                           vary=[{"key": "pose.x_m", "uniform": [-5, 5]}])
-        return cas.env.gymnasium_env(env, reward=lambda seen, action: -abs(seen[2] + 10), **more)
+        made = cas.env.gymnasium_env(env, reward=lambda seen, action: -abs(seen[2] + 10), **more)
+        self.addCleanup(made.close)
+        return made
 
     def test_spaces_hold_what_reset_and_step_give(self):
         env = self.make()
@@ -228,6 +246,17 @@ class GymnasiumTest(FolderTest):
         self.assertIsNot(later, observation)
         self.assertEqual([type(each) for each in (reward, terminated, truncated)], [float, bool, bool])
         self.assertIsInstance(info, dict)
+
+    def test_what_no_sensor_has_measured_yet_is_0(self):
+        inner = cas.env.Env(observe="sensors", sensors="table1")
+        env = cas.env.gymnasium_env(inner, reward=lambda seen, action: float(seen.sum()))
+        self.addCleanup(env.close)
+        observation, _ = env.reset(seed=1)
+        self.assertTrue(env.observation_space.contains(observation))
+        self.assertFalse(observation.any())
+        later, reward = env.step(numpy.zeros(4))[:2]
+        self.assertTrue(env.observation_space.contains(later))
+        self.assertTrue(math.isfinite(reward))
 
     def test_a_seed_repeats_its_episode_and_all_that_follow(self):
         env = self.make()

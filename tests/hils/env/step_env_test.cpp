@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <vector>
 
 #include "base/error.hpp"
@@ -30,6 +32,17 @@ std::vector<double> fly(StepEnv& env, const std::vector<double>& action, int ste
   std::vector<double> observation(env.observation_names().size());
   env.observe(observation);
   return observation;
+}
+
+/// The message of the ConfigError that `action` throws; empty when it throws none.
+template <class Action>
+std::string refusal(Action&& action) {
+  try {
+    action();
+  } catch (const base::ConfigError& error) {
+    return error.what();
+  }
+  return {};
 }
 
 TEST(StepEnv, FliesAtTheVelocityThatIsAskedFor) {
@@ -63,6 +76,70 @@ TEST(StepEnv, DrawsWhatAStudyWouldDraw) {
   EXPECT_LE(std::ranges::max(east), 3);
   std::ranges::sort(east);
   EXPECT_EQ(std::ranges::adjacent_find(east), east.end());
+}
+
+TEST(StepEnv, PushesATiltedHexacopterSidewaysAsTheEmulatedControllerDoes) {
+  auto options = high_up(Stand::kVelocity, View::kTruth);
+  options.setup = "{vehicle: " + test::source_dir() +
+                  "/config/vehicles/hexa_tilt.yaml, sensors: table1, pose: {z_m: 50}}";
+  const auto most_tilt = [](const StepEnvOptions& with) {
+    constexpr std::size_t kQuaternionX = 7;
+    StepEnv env(with);
+    env.reset(1);
+    std::vector<double> seen(env.observation_names().size());
+    double most = 0;
+    for (int i = 0; i < 2500; ++i) {
+      env.step(std::vector<double>{i < 1000 ? 0.0 : 0.3, 0, 0, 0});
+      env.observe(seen);
+      most = std::max(most, std::hypot(seen[kQuaternionX], seen[kQuaternionX + 1]));
+    }
+    EXPECT_NEAR(seen[kVelocityNorth], 0.3, 0.05);
+    for (std::size_t rotor = seen.size() - 6; rotor < seen.size(); ++rotor) {
+      EXPECT_GT(seen[rotor], 300) << "no rotor was taken for lost while they began to turn";
+    }
+    return most;
+  };
+  const double level = most_tilt(options);
+  options.setup.insert(options.setup.size() - 1, ", params: {CAS_SIDE_SHARE: 0}");
+  EXPECT_LT(level, 0.3 * most_tilt(options));
+}
+
+TEST(StepEnv, TakesItsRowOfAGridOfAnySize) {
+  auto options = high_up(Stand::kMotors, View::kTruth);
+  std::string values;
+  for (int i = 0; i < 100; ++i) values += (i > 0 ? ", " : "") + std::to_string(i);
+  for (const char* key : {"x_m", "y_m", "z_m", "yaw_deg"}) {
+    options.vary += (options.vary.empty() ? "[" : ", ") +
+                    ("{key: pose." + std::string(key) + ", values: [" + values + "]}");
+  }
+  options.vary += "]";
+  StepEnv env(options);
+  env.reset(12'34'56'78);
+  std::vector<std::string> drawn;
+  for (const auto& [name, value] : env.drawn()) drawn.push_back(value);
+  EXPECT_EQ(drawn, (std::vector<std::string>{"12", "34", "56", "78"}));
+}
+
+TEST(StepEnv, RefusesASecondEpisodeUntilTheFirstEnds) {
+  StepEnv first(high_up(Stand::kMotors, View::kTruth));
+  StepEnv second(high_up(Stand::kMotors, View::kTruth));
+  first.reset(1);
+  EXPECT_EQ(refusal([&] { second.reset(1); }),
+            "another environment of this process is in an episode: close or free it first");
+  EXPECT_THROW(StepEnv(high_up(Stand::kMotors, View::kTruth)), base::ConfigError);
+  first.close();
+  EXPECT_NO_THROW(second.reset(1));
+}
+
+TEST(StepEnv, HasNoEpisodeAfterAResetThatFailed) {
+  auto options = high_up(Stand::kMotors, View::kTruth);
+  options.vary = "[{key: vehicle.rotor.thrust_coefficient, values: [-1, 5.84e-6]}]";
+  StepEnv env(options);
+  env.reset(1);
+  EXPECT_THROW(env.reset(2), base::ConfigError);
+  EXPECT_EQ(refusal([&] { env.step(std::vector<double>(4)); }),
+            "there is no episode: the last reset() failed, or there was none");
+  EXPECT_NO_THROW(env.reset(3));
 }
 
 TEST(StepEnv, RefusesAnActionOfAnotherSizeAndAStepBeforeTheFirstReset) {
