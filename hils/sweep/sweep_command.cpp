@@ -213,17 +213,15 @@ double measured_run_seconds(const SweepFolder& sweep) {
   return runs > 0 ? wall_s / static_cast<double>(runs) : kUsualRunSeconds;
 }
 
+/// Says how many chunks the first job array has.
+fs::path chunks_file(const SweepFolder& sweep) { return sweep.path / "slurm" / "chunks.txt"; }
+
 /// How many chunks a job array has: those of the first one, whose jobs may still run. @param asked
 /// by the user; 0: `usual`
 std::size_t chunks_of_array(const SweepFolder& sweep, std::size_t asked, std::size_t usual) {
-  const fs::path file = sweep.path / "slurm" / "chunks.txt";
+  const fs::path file = chunks_file(sweep);
   const std::size_t rows = sweep.table.rows.size();
-  if (!fs::exists(file)) {
-    const std::size_t chunks = std::min(asked > 0 ? asked : usual, rows);
-    fs::create_directories(file.parent_path());
-    base::write_file(file, fmt::format("{}\n", chunks));
-    return chunks;
-  }
+  if (!fs::exists(file)) return std::min(asked > 0 ? asked : usual, rows);
   std::size_t chunks = 0;
   std::istringstream(text_of_file(file)) >> chunks;
   if (chunks < 1 || chunks > rows) {
@@ -232,9 +230,8 @@ std::size_t chunks_of_array(const SweepFolder& sweep, std::size_t asked, std::si
   }
   if (asked > 0 && std::min(asked, rows) != chunks) {
     throw base::ConfigError(
-        fmt::format("{}: the sweep was submitted in {} chunks, whose jobs may still run; leave out "
-                    "--chunks, or "
-                    "remove this file when they have ended",
+        fmt::format("{}: sweep.sbatch was written for {} chunks, whose jobs may still run; leave "
+                    "out --chunks, or remove this file when none does",
                     file.string(), chunks));
   }
   return chunks;
@@ -383,13 +380,17 @@ int submit(const SweepFolder& sweep, SlurmArray array) {
     }
   }
   fs::create_directories(array.logs);
+  const bool is_first = !fs::exists(chunks_file(sweep));
+  if (is_first) base::write_file(chunks_file(sweep), fmt::format("{}\n", array.chunks));
   const fs::path script = sweep.path / "slurm" / "sweep.sbatch";
   base::write_file(script, slurm_script(array));
   fmt::print("{}: {} of {} chunks\n", script.string(), array.missing.size(), array.chunks);
   const fs::path sbatch = on_path("sbatch");
   if (sbatch.empty()) {
-    throw std::runtime_error("there is no sbatch on this machine; where there is one: sbatch " +
-                             shell_word(script.string()));
+    throw std::runtime_error(
+        fmt::format("there is no sbatch on this machine; sweep.sbatch was written for {} chunks, "
+                    "where there is one: sbatch {}",
+                    array.chunks, shell_word(script.string())));
   }
   const fs::path log_file = sweep.path / "slurm" / "sbatch.txt";
   ChildProcess process(
@@ -398,6 +399,7 @@ int submit(const SweepFolder& sweep, SlurmArray array) {
   const std::optional<ExitStatus>& end = process.wait_exit(kPatience);
   const std::string said = text_of_file(log_file);
   if (!end || end->code != 0) {
+    if (end && is_first) fs::remove(chunks_file(sweep));  // no job has these chunks
     throw std::runtime_error(
         fmt::format("sbatch {}: {}", end ? end->words : "does not answer", said));
   }

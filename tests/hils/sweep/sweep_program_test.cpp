@@ -312,13 +312,23 @@ TEST_F(Sweep, AJobArrayGivesTheSameTable) {
     command.insert(command.end(), own.begin(), own.end());
     return command;
   };
+  // What Slurm refuses has no chunks that a later one must keep to.
+  const fs::path refusing =
+      folder_.write("refusing/sbatch", "#!/bin/sh\necho No account; exit 1\n");
+  fs::permissions(refusing, fs::perms::owner_all);
+  ChildProcess refused(submit((folder_ / "refusing").string() + ":/usr/bin:/bin", "--chunks", "5"));
+  EXPECT_EQ(refused.wait_exit(kSweepPatience), 3);
+  EXPECT_NE(refused.output().find("No account"), std::string::npos) << refused.output();
   ChildProcess nowhere(submit(folder_ / "nothing", "--chunks", "3"));
   EXPECT_EQ(nowhere.wait_exit(kSweepPatience), 3);
-  EXPECT_NE(nowhere.output().find("there is no sbatch on this machine"), std::string::npos);
+  EXPECT_NE(nowhere.output().find("there is no sbatch on this machine; sweep.sbatch was written "
+                                  "for 3 chunks"),
+            std::string::npos)
+      << nowhere.output();
   const std::string path = (folder_ / "bin").string() + ":/usr/bin:/bin";
   ChildProcess other(submit(path, "--chunks", "4"));
   EXPECT_EQ(other.wait_exit(kSweepPatience), 2);
-  EXPECT_NE(other.output().find("was submitted in 3 chunks"), std::string::npos) << other.output();
+  EXPECT_NE(other.output().find("was written for 3 chunks"), std::string::npos) << other.output();
   ChildProcess program(submit(path, "--chunk-minutes", "1000"));
   EXPECT_EQ(program.wait_exit(kSweepPatience), 0) << program.output();
   EXPECT_NE(program.output().find("Submitted batch job 42"), std::string::npos);
