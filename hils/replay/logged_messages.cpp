@@ -15,7 +15,7 @@
 
 #include "base/error.hpp"
 #include "casd/port/message_decoder.hpp"
-#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_packets.hpp"
 #include "hils/replay/column.hpp"
 #include "mavlink/common/extended_sys_state.hpp"
 #include "mavlink/common/heartbeat.hpp"
@@ -72,15 +72,45 @@ double step_of(const std::vector<double>& values) {
 
 void for_each_packet(const std::filesystem::path& tlog,
                      const std::function<void(std::int64_t, const mav::PacketView&)>& use) {
-  casd::TlogReader log;
-  if (!log.open(tlog)) throw base::ConfigError("cannot read " + tlog.string());
-  mav::PacketParser parser(mavlink::common::table());
-  while (const auto record = log.next()) {
-    parser.reset();  // a damaged record must not swallow the next one
-    const auto stamp = static_cast<std::int64_t>(record->unix_us);
-    parser.feed(record->packet, [&](const mav::PacketView& packet) { use(stamp, packet); });
+  const auto on_packet = [&use](std::uint64_t unix_us, const mav::PacketView& packet) {
+    use(static_cast<std::int64_t>(unix_us), packet);
+  };
+  if (!casd::for_each_tlog_packet(tlog, mavlink::common::table(), on_packet)) {
+    throw base::ConfigError("cannot read " + tlog.string());
   }
 }
+
+/// Time of a log since its begin, or of the simulation where its clock is known. It never goes
+/// back, and stands still where a stamp is wrong: over a day from the one before it.
+class LogTime {
+ public:
+  explicit LogTime(const ClockMap& clock) : clock_(clock) {}
+
+  double of(std::int64_t stamp_us) {
+    const std::int64_t step_us = difference(stamp_us, previous_us_.value_or(stamp_us));
+    if (!previous_us_ || step_us > kDayUs || step_us < -kDayUs) {
+      begin_us_ = difference(stamp_us, now_us_);
+    }
+    previous_us_ = stamp_us;
+    const std::int64_t us =
+        clock_.empty() ? difference(stamp_us, begin_us_) : clock_.to_sim_us(stamp_us);
+    if (us > now_us_ && us - now_us_ <= kDayUs) now_us_ = us;
+    return 1e-6 * static_cast<double>(now_us_);
+  }
+
+ private:
+  static constexpr std::int64_t kDayUs = 86'400'000'000;
+
+  /// Of any two stamps, without overflow.
+  static std::int64_t difference(std::int64_t a, std::int64_t b) {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+  }
+
+  const ClockMap& clock_;
+  std::optional<std::int64_t> previous_us_;
+  std::int64_t begin_us_ = 0;  // stamp at which the log's time is 0
+  std::int64_t now_us_ = 0;
+};
 
 /// Puts together what a vehicle says.
 class Listener {
@@ -186,15 +216,10 @@ class Listener {
 Json logged_messages(const std::filesystem::path& tlog, std::uint8_t system,
                      const ClockMap& clock) {
   Listener listener;
-  std::optional<std::int64_t> first_us;
-  double before_s = 0;
+  LogTime time(clock);
   for_each_packet(tlog, [&](std::int64_t stamp_us, const mav::PacketView& packet) {
-    if (!first_us) first_us = stamp_us;
-    if (packet.source.system != system) return;
-    const std::int64_t us = clock.empty() ? stamp_us - *first_us : clock.to_sim_us(stamp_us);
-    // A wall clock that is set back, or a log that begins before the simulation: time goes on.
-    before_s = std::max(before_s, 1e-6 * static_cast<double>(us));
-    listener.on_packet(before_s, packet);
+    const double t_s = time.of(stamp_us);
+    if (packet.source.system == system) listener.on_packet(t_s, packet);
   });
   return listener.json();
 }
