@@ -22,8 +22,9 @@ class CaswebFixture {
   static constexpr const char* kToken = "a token of the tests";
 
   /// @param folder  where casd.sock and hilsim.sock are
+  /// @param more  further flags @param page  folder of the page; empty: one of a single line
   explicit CaswebFixture(const std::filesystem::path& folder,
-                         const std::vector<std::string>& more = {}) {
+                         const std::vector<std::string>& more = {}, const std::string& page = {}) {
     folder_.write("page/index.html", "<!doctype html><title>the page</title>");
     const std::filesystem::path token = folder_.write("token", kToken);
     std::filesystem::permissions(token, std::filesystem::perms::owner_read);
@@ -35,7 +36,7 @@ class CaswebFixture {
                                      "--hilsim",
                                      (folder / "hilsim.sock").string(),
                                      "--page",
-                                     (folder_ / "page").string(),
+                                     page.empty() ? (folder_ / "page").string() : page,
                                      "--token-file",
                                      token.string(),
                                      "--address-file",

@@ -4,8 +4,10 @@
 #include <sys/stat.h>
 
 #include <csignal>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -111,6 +113,33 @@ TEST_F(CaswebGuard, HasPlacesForSixteenPages) {
   EXPECT_TRUE(wait_until([&] { return WebPage(casweb_.port()).refusal() == 0; }));
 }
 
+TEST_F(CaswebGuard, StrangersLockNobodyOut) {
+  std::vector<std::unique_ptr<WebPage>> strangers;
+  for (int i = 0; i < 70; ++i) {  // more than there are places for them
+    strangers.push_back(std::make_unique<WebPage>(casweb_.port()));
+    EXPECT_EQ(strangers.back()->refusal(), 0);
+  }
+  auto page = casweb_.open_page();
+  for (int i = 0; i < 70; ++i) {
+    strangers.push_back(std::make_unique<WebPage>(casweb_.port()));
+  }
+  EXPECT_TRUE(page->call("bench.status", json::object()).contains("result"));
+}
+
+TEST_F(CaswebGuard, ChangesThatAreRefusedDelayNoLaterOne) {
+  auto page = casweb_.open_page();
+  const auto is_limited = [&](const char* method) {
+    const json error = page->call(method, json::object()).at("error");
+    return error.at("message") == "over 16 changes in a second: wait";
+  };
+  int more = 1000;
+  while (!is_limited("vehicle.rtl") && more > 0) --more;
+  EXPECT_FALSE(is_limited("vehicle.land"));
+  EXPECT_FALSE(is_limited("vehicle.hold"));
+  EXPECT_FALSE(is_limited("vehicle.disarm"));
+  EXPECT_TRUE(wait_until([&] { return !is_limited("vehicle.rtl"); })) << "though it is repeated";
+}
+
 TEST_F(CaswebGuard, SaysWhichProgramIsMissing) {
   auto page = casweb_.open_page();
   const json status = page->call("bench.status", json::object()).at("result");
@@ -136,6 +165,26 @@ TEST_F(CaswebGuard, EndsInGoodOrderWithPagesOpen) {
   auto page = casweb_.open_page();
   casweb_.program().signal(SIGTERM);
   EXPECT_EQ(casweb_.program().wait_exit(), 0) << casweb_.program().output();
+}
+
+/// All that the page's document names is there.
+TEST(CaswebPage, ThatWasBuiltIsServedWhole) {
+  const std::string folder = cas::test::binary_dir() + "/share/cas/web";
+  if (!std::filesystem::exists(folder + "/index.html")) GTEST_SKIP() << "the page was not built";
+  const TemporaryFolder nowhere;
+  CaswebFixture casweb(nowhere.path(), {}, folder);
+  const HttpAnswer page = http_request(casweb.port(), "GET", "/", casweb.host());
+  ASSERT_EQ(page.status, 200);
+  const std::regex named("(?:src|href)=\"?(/[^\" >]+)");
+  int files = 0;
+  for (std::sregex_iterator each(page.body.begin(), page.body.end(), named), end; each != end;
+       ++each, ++files) {
+    const std::string file = (*each)[1];
+    const HttpAnswer answer = http_request(casweb.port(), "GET", file, casweb.host());
+    EXPECT_EQ(answer.status, 200) << file;
+    EXPECT_FALSE(answer.body.empty()) << file;
+  }
+  EXPECT_GE(files, 2) << page.body;
 }
 
 TEST(CaswebReadOnly, ShowsAndChangesNothing) {

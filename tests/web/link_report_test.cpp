@@ -26,8 +26,8 @@ json link(const char* name, int baud, int rx_bytes, int tx_bytes) {
   return entry;
 }
 
-json message(const char* link, const char* direction, const char* name, double hz) {
-  return {{"link", link}, {"direction", direction}, {"name", name}, {"hz", hz}};
+json message(const char* link, const char* direction, const char* name, double hz, int system = 1) {
+  return {{"link", link}, {"direction", direction}, {"name", name}, {"hz", hz}, {"system", system}};
 }
 
 const json kMessages{
@@ -55,8 +55,43 @@ TEST(LinkReport, HasAHopForEachWayOfTheLoop) {
   EXPECT_EQ(hops[0]["msgs"], (json{{"HIL_SENSOR", 500.0}}));
   EXPECT_EQ(hops[0]["lost"], 3);
   EXPECT_EQ(hops[2]["dropped"], (json{{"age", 2}}));
-  EXPECT_EQ(report.at("forward_us"),
-            json::array({{{"from", "sim"}, {"to", "fcu"}, {"count", 5}, {"p50", 28}}}));
+  EXPECT_EQ(report.at("forward_us"), json::array({{{"from", "sim"},
+                                                   {"to", "fcu"},
+                                                   {"from_link", "sim"},
+                                                   {"to_link", "fcu"},
+                                                   {"system", 1},
+                                                   {"count", 5},
+                                                   {"p50", 28}}}));
+}
+
+TEST(LinkReport, TellsWhatLiesAtALinkAndWhoseItIsWhateverItIsCalled) {
+  const json messages{
+      message("sim2", "rx", "HIL_SENSOR", 500, 2), message("sim2", "tx", "HIL_CONTROLS", 400, 2),
+      message("px4", "tx", "HIL_SENSOR", 500, 2), message("px4", "rx", "HIL_CONTROLS", 400, 2)};
+  const json latency{
+      {{"link", "px4"},
+       {"routes", {{{"from", "sim2"}, {"count", 5}}, {{"from", "gcs"}, {"count", 1}}}}}};
+  const json report =
+      LinkReport().make(json{link("sim2", 0, 0, 0), link("px4", 0, 0, 0)}, messages, latency, {});
+  const json& hops = report.at("hops");
+  ASSERT_EQ(hops.size(), 4U);
+  const char* const ways[][3] = {{"sim", "casd", "sim2"},
+                                 {"casd", "sim", "sim2"},
+                                 {"casd", "fcu", "px4"},
+                                 {"fcu", "casd", "px4"}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(hops[i]["from"], ways[i][0]);
+    EXPECT_EQ(hops[i]["to"], ways[i][1]);
+    EXPECT_EQ(hops[i]["link"], ways[i][2]);
+    EXPECT_EQ(hops[i]["system"], 2);
+  }
+  const json& forward = report.at("forward_us");
+  ASSERT_EQ(forward.size(), 2U);
+  EXPECT_EQ(forward[0]["from"], "sim");
+  EXPECT_EQ(forward[0]["from_link"], "sim2");
+  EXPECT_EQ(forward[0]["to_link"], "px4");
+  EXPECT_EQ(forward[0]["system"], 2);
+  EXPECT_EQ(forward[1]["from"], "gcs");
 }
 
 TEST(LinkReport, CountsASerialLineAsFullByItsBytes) {

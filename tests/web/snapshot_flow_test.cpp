@@ -25,6 +25,15 @@ TEST(SnapshotFlow, SendsNothingUntilTheLastOneIsAcknowledged) {
   EXPECT_TRUE(flow.wants(now));
 }
 
+TEST(SnapshotFlow, AnotherRateKeepsWhatIsInFlight) {
+  SnapshotFlow flow(10);
+  flow.on_sent(7, RunTime{});
+  flow.set_rate(20);
+  EXPECT_FALSE(flow.wants(RunTime{} + std::chrono::hours(1)));
+  EXPECT_TRUE(flow.on_ack(7));
+  EXPECT_TRUE(flow.wants(RunTime{} + std::chrono::hours(1)));
+}
+
 TEST(SnapshotFlow, KeepsItsRateThoughTimersJitter) {
   SnapshotFlow flow(50);
   int sent = 0;

@@ -30,6 +30,7 @@ struct Way {
   std::vector<std::pair<std::string, double>> rates;
   bool sensors = false;
   bool controls = false;
+  int system = 0;  ///< that sends the HIL messages
 };
 
 Way way_of(const Json& messages, const std::string& link, const std::string& direction) {
@@ -39,6 +40,7 @@ Way way_of(const Json& messages, const std::string& link, const std::string& dir
     const std::string name = message.value("name", "");
     way.sensors |= is_sensor(name);
     way.controls |= is_control(name);
+    if (is_sensor(name) || is_control(name)) way.system = message.value("system", way.system);
     const auto same = std::find_if(way.rates.begin(), way.rates.end(),
                                    [&](const auto& rate) { return rate.first == name; });
     const double hz = message.value("hz", 0.0);
@@ -61,10 +63,12 @@ Json rates_json(const Way& way) {
   return rates;
 }
 
-Json hop(const Json& link, const std::string& from, const std::string& to, const Way& way) {
+Json hop(const Json& link, const std::string& from, const std::string& to, int system,
+         const Way& way) {
   Json entry{{"from", from},
              {"to", to},
              {"link", link.value("name", "")},
+             {"system", system},
              {"type", link.value("type", "")},
              {"state", link.value("state", "")},
              {"endpoint", link.value("endpoint", "")},
@@ -90,11 +94,18 @@ void LinkReport::add_link(Json& hops, const Json& link, const Json& messages, ba
   const Way tx = way_of(messages, name, "tx");
   // Sensors come from the simulator, controls from a controller; a ground station is no hop.
   if (!(rx.sensors || tx.controls || tx.sensors || rx.controls)) return;
+  const bool simulator = rx.sensors || tx.controls;
+  const std::string role = simulator ? "sim" : "fcu";
+  // Controls come from the vehicle itself; a simulator may send under another number.
+  const int system = rx.controls   ? rx.system
+                     : tx.controls ? tx.system
+                                   : std::max(rx.system, tx.system);
+  ends_[name] = {role, system};
   const Json received = link.value("rx", Json::object());
   const Json sent = link.value("tx", Json::object());
-  Json in = hop(link, name, "casd", rx);
+  Json in = hop(link, role, "casd", system, rx);
   in["lost"] = received.value("lost", 0);
-  Json out = hop(link, "casd", name, tx);
+  Json out = hop(link, "casd", role, system, tx);
   out["queued"] = sent.value("queued", 0);
   out["high_water"] = sent.value("queue_high_water", 0);
   Json dropped = Json::object();
@@ -109,20 +120,32 @@ void LinkReport::add_link(Json& hops, const Json& link, const Json& messages, ba
     if (in_share >= 0) in["full"] = thousandth(in_share);
     if (out_share >= 0) out["full"] = thousandth(out_share);
   }
-  const bool simulator = rx.sensors || tx.controls;
   hops.push_back(simulator ? in : out);
   hops.push_back(simulator ? std::move(out) : std::move(in));
 }
 
+/// A link on which no HIL packets go has none but its name.
+std::string LinkReport::role_of(const std::string& link) const {
+  const auto end = ends_.find(link);
+  return end == ends_.end() ? link : end->second.role;
+}
+
 Json LinkReport::make(const Json& links, const Json& messages, const Json& latency,
                       base::RunTime now) {
+  ends_.clear();
   Json hops = Json::array();
   for (const Json& link : links) add_link(hops, link, messages, now);
   Json forward = Json::array();
   for (const Json& link : latency) {
     for (Json route : link.value("routes", Json::array())) {
       if (route.value("count", 0) == 0) continue;
-      route["to"] = link.value("link", "");
+      const std::string from = route.value("from", "");
+      const std::string to = link.value("link", "");
+      route["from_link"] = from;
+      route["to_link"] = to;
+      route["from"] = role_of(from);
+      route["to"] = role_of(to);
+      if (const auto end = ends_.find(to); end != ends_.end()) route["system"] = end->second.system;
       forward.push_back(std::move(route));
     }
   }

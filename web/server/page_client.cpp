@@ -2,6 +2,7 @@
 #include "web/server/page_client.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -23,51 +24,58 @@ constexpr std::size_t kMaxFields = 24;
 constexpr double kMaxValue_hz = 10;
 constexpr double kLowest_hz = 0.01;
 constexpr int kPolicyViolation = 1008;  // [RFC 6455] 7.4.1
+constexpr int kTryAgainLater = 1013;
+
+enum class Effect : std::uint8_t {
+  kNone,
+  kChange,
+  kRescue,  ///< changes something, and must not wait behind other changes
+};
 
 struct Passed {
   const char* name;
   bool to_casd;
-  bool changes;
+  Effect effect;
 };
 
 // What a page may ask of casd and hilsim. `vehicle.command` and `sim.quit` are left out: no button
 // needs them.
 constexpr Passed kPassed[] = {
-    {"casd.status", true, false},
-    {"link.list", true, false},
-    {"link.routes", true, false},
-    {"link.drops", true, false},
-    {"link.latency", true, false},
-    {"link.echo", true, false},
-    {"message.list", true, false},
-    {"message.value", true, false},
-    {"vehicle.state", true, false},
-    {"vehicle.telemetry", true, false},
-    {"gain.get", true, false},
-    {"gain.list", true, false},
-    {"param.get", true, false},
-    {"param.list", true, false},
-    {"log.status", true, false},
-    {"vehicle.arm", true, true},
-    {"vehicle.disarm", true, true},
-    {"vehicle.takeoff", true, true},
-    {"vehicle.land", true, true},
-    {"vehicle.hold", true, true},
-    {"vehicle.rtl", true, true},
-    {"vehicle.reboot", true, true},
-    {"vehicle.goto", true, true},
-    {"vehicle.mode", true, true},
-    {"vehicle.message_interval", true, true},
-    {"gain.set", true, true},
-    {"param.set", true, true},
-    {"log.start", true, true},
-    {"log.stop", true, true},
-    {"sim.status", false, false},
-    {"sim.scene", false, false},
-    {"sim.pause", false, true},
-    {"sim.resume", false, true},
-    {"sim.step", false, true},
-    {"sim.reset", false, true},
+    {"casd.status", true, Effect::kNone},
+    {"link.list", true, Effect::kNone},
+    {"link.routes", true, Effect::kNone},
+    {"link.drops", true, Effect::kNone},
+    {"link.latency", true, Effect::kNone},
+    {"link.echo", true, Effect::kNone},
+    {"message.list", true, Effect::kNone},
+    {"message.value", true, Effect::kNone},
+    {"vehicle.state", true, Effect::kNone},
+    {"vehicle.telemetry", true, Effect::kNone},
+    {"gain.get", true, Effect::kNone},
+    {"gain.list", true, Effect::kNone},
+    {"param.get", true, Effect::kNone},
+    {"param.list", true, Effect::kNone},
+    {"log.status", true, Effect::kNone},
+    {"vehicle.arm", true, Effect::kChange},
+    {"vehicle.disarm", true, Effect::kRescue},
+    {"vehicle.takeoff", true, Effect::kChange},
+    {"vehicle.land", true, Effect::kRescue},
+    {"vehicle.hold", true, Effect::kRescue},
+    {"vehicle.rtl", true, Effect::kChange},
+    {"vehicle.reboot", true, Effect::kChange},
+    {"vehicle.goto", true, Effect::kChange},
+    {"vehicle.mode", true, Effect::kChange},
+    {"vehicle.message_interval", true, Effect::kChange},
+    {"gain.set", true, Effect::kChange},
+    {"param.set", true, Effect::kChange},
+    {"log.start", true, Effect::kChange},
+    {"log.stop", true, Effect::kChange},
+    {"sim.status", false, Effect::kNone},
+    {"sim.scene", false, Effect::kNone},
+    {"sim.pause", false, Effect::kChange},
+    {"sim.resume", false, Effect::kChange},
+    {"sim.step", false, Effect::kChange},
+    {"sim.reset", false, Effect::kChange},
 };
 
 std::uint64_t next_number() {
@@ -136,6 +144,11 @@ void PageClient::hello(const Json& request) {
   if (protocol == params.end() || *protocol != kProtocol) {
     return refuse(base::rpc::kInvalidParams, "this casweb speaks protocol 1: reload the page");
   }
+  if (!hub_.has_place()) {
+    refused_ = true;
+    refuse(base::rpc::kRefused, "16 pages are open: close one");
+    return socket_.close(kTryAgainLater, "16 pages are open");
+  }
   authorised = true;
   Json greeting = hub_.greeting();
   greeting["protocol"] = kProtocol;
@@ -147,11 +160,11 @@ void PageClient::hello(const Json& request) {
 
 void PageClient::add_methods() {
   add_own_methods();
-  for (const auto& [method_name, to_casd, changes] : kPassed) {
-    if (changes && access_.read_only) {
+  for (const auto& [method_name, to_casd, effect] : kPassed) {
+    if (effect != Effect::kNone && access_.read_only) {
       add_refused(method_name);
     } else {
-      add_passed(method_name, to_casd, changes);
+      add_passed(method_name, to_casd, effect == Effect::kChange);
     }
   }
   for (const char* method_name :
@@ -201,15 +214,23 @@ void PageClient::add_refused(const char* method_name) {
   });
 }
 
-void PageClient::add_passed(const char* method_name, bool to_casd, bool changes) {
+void PageClient::add_passed(const char* method_name, bool to_casd, bool is_limited) {
   methods_.emplace_back(method_name);
-  dispatcher_.add_method(method_name, [this, method = std::string(method_name), to_casd, changes](
-                                          const Json& params, const Reply& reply) {
-    if (changes && changes_.take(base::steady_now()) > base::Duration::zero()) {
+  dispatcher_.add_method(method_name, [this, method = std::string(method_name), to_casd,
+                                       is_limited](const Json& params, const Reply& reply) {
+    if (is_limited && !may_change()) {
       return reply.error(base::rpc::kRefused, "over 16 changes in a second: wait", nullptr);
     }
     pass(method, to_casd, params, reply);
   });
+}
+
+/// A refused change costs nothing: a page that repeats it gets its next turn all the same.
+bool PageClient::may_change() {
+  base::rpc::LineRate after = changes_;
+  if (after.take(base::steady_now()) > base::Duration::zero()) return false;
+  changes_ = after;
+  return true;
 }
 
 /// casd and hilsim judge what is asked; only their interlock is not to be overruled from here.
@@ -235,8 +256,11 @@ void PageClient::watch(const Json& params, const Reply& reply) {
     if (!most) {
       return reply.error(base::rpc::kInvalidParams, "there is no topic '" + topic + "'", nullptr);
     }
-    // A topic that goes on keeps what is in flight.
-    flows.emplace(topic, SnapshotFlow(std::clamp(hz.get<double>(), kLowest_hz, *most)));
+    const double wanted_hz = std::clamp(hz.get<double>(), kLowest_hz, *most);
+    const auto before = flows_.find(topic);
+    SnapshotFlow flow = before == flows_.end() ? SnapshotFlow(wanted_hz) : before->second;
+    flow.set_rate(wanted_hz);  // a topic that goes on keeps what is in flight
+    flows.emplace(topic, flow);
   }
   flows_ = std::move(flows);
   reply.result(true);

@@ -80,7 +80,8 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
   void add_methods();
   void add_own_methods();
   void add_refused(const char* name);
-  void add_passed(const char* name, bool to_casd, bool changes);
+  void add_passed(const char* name, bool to_casd, bool is_limited);
+  bool may_change();
   void pass(const std::string& method, bool to_casd, const Json& params, const Reply& reply);
   void watch(const Json& params, const Reply& reply);
   void on_ack(const Json& params, const Reply& reply);

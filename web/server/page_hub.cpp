@@ -25,7 +25,9 @@ using base::rpc::Reply;
 
 constexpr std::size_t kMaxFields = 96;         // watched by all pages
 constexpr std::size_t kMaxSamples = 50;        // of one value between two frames
-constexpr std::size_t kMaxMeshes = 64U << 20;  // bytes kept
+constexpr std::size_t kMaxMeshes = 64U << 20;  // bytes kept, and as many under way
+constexpr std::size_t kMaxPages = 16;
+constexpr auto kMaxClockAge = std::chrono::seconds(1);
 constexpr auto kPilotSilence = std::chrono::milliseconds(500);
 constexpr const char* kCasdTopics[] = {"links", "drops", "statustext"};
 
@@ -245,11 +247,15 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     const bool due = std::any_of(pages_now.begin(), pages_now.end(),
                                  [&](const auto& page) { return page->wants(name, now); });
     if (!due) return arm(name, topic);
-    topic.ask([weak = weak_from_this(), name, &topic](const Json* params) {
+    // The topic goes on when nobody holds the question any more, also where an answer is not what
+    // it should be and ends it with an exception.
+    const std::shared_ptr<void> goes_on(nullptr, [weak = weak_from_this(), name, &topic](void*) {
       const auto self = weak.lock();
-      if (!self || self->closed) return;
-      if (params != nullptr) self->spread(name, topic, *params);
-      self->arm(name, topic);
+      if (self && !self->closed) self->arm(name, topic);
+    });
+    topic.ask([weak = weak_from_this(), name, &topic, goes_on](const Json* params) {
+      const auto self = weak.lock();
+      if (self && !self->closed && params != nullptr) self->spread(name, topic, *params);
     });
   }
 
@@ -390,8 +396,16 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     return {watch.link, watch.message, watch.system, watch.component};
   }
 
-  /// Each message that is due for some page is asked for once.
+  /// Samples have the simulated time, which is read off hilsim's clock at least once a second.
   void ask_values(const Take& take) {
+    if (!hilsim.upstream->up() || has_fresh_clock()) return ask_due_values(take);
+    ask_sim([weak = weak_from_this(), take](const Json*) {
+      if (const auto self = weak.lock()) self->ask_due_values(take);
+    });
+  }
+
+  /// Each message that is due for some page is asked for once.
+  void ask_due_values(const Take& take) {
     const base::RunTime now = base::steady_now();
     std::set<MessageKey> due;
     for (const auto& client : clients()) {
@@ -426,7 +440,8 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     const std::uint64_t count = answer.value("count", std::uint64_t{0});
     const Json fields = answer.value("fields", Json());
     if (!fields.is_array()) return;
-    const double t_s = time_s() - answer.value("age_s", 0.0);
+    const double age_s = answer.value("age_s", 0.0);
+    const double t_s = time_s() - (has_sim ? sim_rate * age_s : age_s);
     for (const auto& client : clients()) {
       for (auto& [key, watch] : client->values()) {
         if (key_of(watch) != message || std::exchange(watch.seen, count + 1) == count + 1) continue;
@@ -456,6 +471,8 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     }
   }
 
+  bool has_fresh_clock() const { return has_sim && base::steady_now() - sim_at <= kMaxClockAge; }
+
   /// Simulated time while hilsim is there and looked at, else that of this program.
   double time_s() const {
     const base::RunTime now = base::steady_now();
@@ -465,34 +482,60 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
 
   // ---- meshes
 
-  void fetch_mesh(const std::string& hash, std::function<void(const std::string*)> take) {
-    if (const auto known = meshes.find(hash); known != meshes.end()) return take(&known->second);
-    fetch_piece(hash, std::make_shared<std::string>(), std::move(take));
+  struct Fetch {
+    std::shared_ptr<std::string> bytes = std::make_shared<std::string>();
+    std::size_t whole = 0;  // as hilsim says
+    std::vector<TakeMesh> takers{};
+  };
+
+  void fetch_mesh(const std::string& hash, TakeMesh take) {
+    if (const auto known = meshes.find(hash); known != meshes.end()) return take(known->second);
+    const auto [fetch, is_new] = fetches.try_emplace(hash);
+    fetch->second.takers.push_back(std::move(take));
+    if (is_new) fetch_piece(hash, 0);
   }
 
-  void fetch_piece(const std::string& hash, const std::shared_ptr<std::string>& bytes,
-                   std::function<void(const std::string*)> take) {
-    hilsim.upstream->call(
-        "sim.mesh", {{"hash", hash}, {"offset", bytes->size()}},
-        taker([weak = weak_from_this(), hash, bytes, take = std::move(take)](const Json* piece) {
-          const auto self = weak.lock();
-          if (!self || piece == nullptr) return take(nullptr);
-          const std::string more = from_base64(piece->value("base64", ""));
-          *bytes += more;
-          const std::size_t whole = piece->value("bytes", std::size_t{0});
-          if (bytes->size() < whole && !more.empty()) return self->fetch_piece(hash, bytes, take);
-          take(bytes->size() == whole ? bytes.get() : nullptr);
-          if (bytes->size() == whole) self->keep_mesh(hash, std::move(*bytes));
-        }));
+  void fetch_piece(const std::string& hash, std::size_t offset) {
+    hilsim.upstream->call("sim.mesh", {{"hash", hash}, {"offset", offset}},
+                          taker([weak = weak_from_this(), hash](const Json* piece) {
+                            if (const auto self = weak.lock()) self->on_piece(hash, piece);
+                          }));
   }
 
-  void keep_mesh(const std::string& hash, std::string bytes) {
-    if (mesh_bytes + bytes.size() > kMaxMeshes) {
+  void on_piece(const std::string& hash, const Json* piece) {
+    const auto found = fetches.find(hash);
+    if (found == fetches.end()) return;
+    Fetch& fetch = found->second;
+    if (piece == nullptr || !piece->is_object()) return end_fetch(hash, nullptr);
+    const Json whole = piece->value("bytes", Json());
+    const Json text = piece->value("base64", Json());
+    if (!whole.is_number_unsigned() || !text.is_string()) return end_fetch(hash, nullptr);
+    fetch.whole = whole.get<std::size_t>();
+    std::size_t under_way = 0;
+    for (const auto& [other, each] : fetches) under_way += each.whole;
+    if (fetch.whole > kMaxMeshes || under_way > kMaxMeshes) return end_fetch(hash, nullptr);
+    const std::string more = from_base64(text.get_ref<const std::string&>());
+    *fetch.bytes += more;
+    if (fetch.bytes->size() < fetch.whole && !more.empty()) {
+      return fetch_piece(hash, fetch.bytes->size());
+    }
+    if (fetch.bytes->size() != fetch.whole) return end_fetch(hash, nullptr);
+    keep_mesh(hash, fetch.bytes);
+    end_fetch(hash, fetch.bytes);
+  }
+
+  void end_fetch(const std::string& hash, const Bytes& bytes) {
+    const auto fetch = fetches.extract(hash);
+    for (const TakeMesh& take : fetch.mapped().takers) take(bytes);
+  }
+
+  void keep_mesh(const std::string& hash, const Bytes& bytes) {
+    if (mesh_bytes + bytes->size() > kMaxMeshes) {
       meshes.clear();
       mesh_bytes = 0;
     }
-    mesh_bytes += bytes.size();
-    meshes.insert_or_assign(hash, std::move(bytes));
+    mesh_bytes += bytes->size();
+    meshes.emplace(hash, bytes);
   }
 
   struct Pilot {
@@ -518,7 +561,8 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
   base::RunTime sim_at{};
   std::set<int> systems;
   base::RunTime systems_end{};
-  std::map<std::string, std::string> meshes;
+  std::map<std::string, Bytes> meshes;   // by hash
+  std::map<std::string, Fetch> fetches;  // by hash
   std::size_t mesh_bytes = 0;
   std::map<int, Pilot> pilots;  // by vehicle
 };
@@ -542,6 +586,8 @@ Upstream& PageHub::hilsim() { return *impl_->hilsim.upstream; }
 
 void PageHub::add(const std::shared_ptr<PageClient>& client) { impl_->pages.push_back(client); }
 
+bool PageHub::has_place() const { return impl_->clients().size() < kMaxPages; }
+
 std::optional<double> PageHub::rate_of(const std::string& topic) const {
   const auto found = impl_->topics.find(topic);
   if (found == impl_->topics.end()) return std::nullopt;
@@ -554,7 +600,7 @@ Json PageHub::greeting() const {
   Json rates = Json::object();
   for (const auto& [name, topic] : impl_->topics) rates[name] = topic.hz;
   Json clock;
-  if (impl_->has_sim) {
+  if (impl_->has_fresh_clock()) {
     clock = {{"sim_s", impl_->time_s()}, {"rate", impl_->sim_rate}, {"paused", impl_->sim_paused}};
   }
   return {{"casweb", CAS_VERSION},       {"source", "live"},
@@ -568,7 +614,7 @@ Json PageHub::bench_status() const {
            Json::array({impl_->program_json(impl_->hilsim), impl_->program_json(impl_->casd)})}};
 }
 
-void PageHub::fetch_mesh(const std::string& hash, std::function<void(const std::string*)> take) {
+void PageHub::fetch_mesh(const std::string& hash, TakeMesh take) {
   impl_->fetch_mesh(hash, std::move(take));
 }
 

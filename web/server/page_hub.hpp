@@ -28,6 +28,10 @@ class PageHub {
     Upstream::Find find_hilsim;
   };
 
+  /// Shared by all to whom they are sent.
+  using Bytes = std::shared_ptr<const std::string>;
+  using TakeMesh = std::function<void(const Bytes& bytes)>;
+
   PageHub(boost::asio::io_context& io, Config config);
   ~PageHub();
   PageHub(const PageHub&) = delete;
@@ -50,8 +54,11 @@ class PageHub {
   base::rpc::Json greeting() const;
   /// Answer to `bench.status`.
   base::rpc::Json bench_status() const;
-  /// A mesh of hilsim's scene: its bytes, or nothing.
-  void fetch_mesh(const std::string& hash, std::function<void(const std::string* bytes)> take);
+  /// A mesh of hilsim's scene: its bytes, or nothing where there is none or it has over 64 MiB.
+  /// Who asks for one that is under way waits for it as well.
+  void fetch_mesh(const std::string& hash, TakeMesh take);
+  /// Whether a further page may be greeted.
+  bool has_place() const;
   /// Whether the pages together may watch that many more fields.
   bool has_room_for(std::size_t fields) const;
   /// The page that may move the sticks of a vehicle. @return whether it is `client` now

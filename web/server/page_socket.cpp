@@ -39,7 +39,7 @@ constexpr int kWrongToken = 4403;
 ///      ^----------+                      +-------+
 class Session final : public std::enable_shared_from_this<Session> {
  public:
-  Session(Stream stream, std::shared_ptr<void> place)
+  Session(Stream stream, std::shared_ptr<StrangerPlaces::Place> place)
       : socket_(std::move(stream)),
         place_(std::move(place)),
         deadline_(socket_.get_executor()),
@@ -48,6 +48,9 @@ class Session final : public std::enable_shared_from_this<Session> {
 
   void start(const Request& upgrade, PageHub& hub, const PageAccess& access) {
     const std::weak_ptr<Session> weak = weak_from_this();
+    place_->leave = [weak] {
+      if (const auto self = weak.lock()) self->end();
+    };
     client_ = std::make_shared<PageClient>(
         hub, access,
         PageClient::Socket{[weak](PageClient::Text text) {
@@ -92,6 +95,7 @@ class Session final : public std::enable_shared_from_this<Session> {
       return do_read();  // for the other end's close
     }
     if (!closing_) client_->on_text(beast::buffers_to_string(rx_.data()));
+    if (client_->greeted()) place_.reset();
     rx_.consume(rx_.size());
     const base::Duration wait = rate_.take(base::steady_now());
     if (wait <= base::Duration::zero() || closing_) return do_read();
@@ -103,7 +107,8 @@ class Session final : public std::enable_shared_from_this<Session> {
 
   void send(PageClient::Text text) {
     if (!open_ || closing_) return;
-    if (tx_.size() >= kMaxWaiting || tx_bytes_ + text->size() > kMaxWaitingBytes) {
+    const bool waits = !tx_.empty();  // one long answer alone is no backlog
+    if (tx_.size() >= kMaxWaiting || (waits && tx_bytes_ + text->size() > kMaxWaitingBytes)) {
       return close(websocket::try_again_later, "the page does not read");
     }
     tx_bytes_ += text->size();
@@ -118,7 +123,7 @@ class Session final : public std::enable_shared_from_this<Session> {
                           if (error) return self->end();
                           self->tx_bytes_ -= self->tx_.front()->size();
                           self->tx_.pop_front();
-                          if (!self->tx_.empty()) self->do_write();
+                          if (!self->tx_.empty() && !self->closing_) self->do_write();
                         });
   }
 
@@ -148,7 +153,7 @@ class Session final : public std::enable_shared_from_this<Session> {
   }
 
   websocket::stream<Stream> socket_;
-  std::shared_ptr<void> place_;
+  std::shared_ptr<StrangerPlaces::Place> place_;
   std::shared_ptr<PageClient> client_;
   asio::steady_timer deadline_;  // of hello, then of the end
   asio::steady_timer pause_;     // until the next frame may be read
@@ -163,7 +168,7 @@ class Session final : public std::enable_shared_from_this<Session> {
 }  // namespace
 
 void serve_page(Stream stream, const Request& upgrade, PageHub& hub, const PageAccess& access,
-                std::shared_ptr<void> place) {
+                std::shared_ptr<StrangerPlaces::Place> place) {
   std::make_shared<Session>(std::move(stream), std::move(place))->start(upgrade, hub, access);
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "web/server/page_client.hpp"
+#include "web/server/stranger_places.hpp"
 
 namespace cas::web {
 
@@ -21,8 +22,8 @@ using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 /// Answers an upgrade and serves the page over its WebSocket [RFC 6455] until either end closes:
 /// frames in, frames out, bounds and deadlines. A page that does not read is closed, and keeps
 /// nobody waiting.
-/// @param place  held while the page has its place
+/// @param place  held until the page has told the token
 void serve_page(Stream stream, const Request& upgrade, PageHub& hub, const PageAccess& access,
-                std::shared_ptr<void> place);
+                std::shared_ptr<StrangerPlaces::Place> place);
 
 }  // namespace cas::web

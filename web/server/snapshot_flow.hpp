@@ -15,7 +15,10 @@ namespace cas::web {
 /// fall behind in. Pure.
 class SnapshotFlow {
  public:
-  explicit SnapshotFlow(double hz) : period_(base::from_seconds(1 / hz)) {}
+  explicit SnapshotFlow(double hz) { set_rate(hz); }
+
+  /// What is in flight stays so.
+  void set_rate(double hz) { period_ = base::from_seconds(1 / hz); }
 
   /// Whether a snapshot that is there now is to be sent. A little early counts as on time, so that
   /// the jitter of timers halves no rate.
@@ -37,7 +40,7 @@ class SnapshotFlow {
   }
 
  private:
-  base::Duration period_;
+  base::Duration period_{};
   base::RunTime next_{};  // earliest moment of the next
   std::optional<std::uint64_t> in_flight_;
 };

@@ -45,6 +45,7 @@ void Upstream::close() {
 void Upstream::connect() {
   candidates_ = find_();
   found_.clear();
+  trouble_.clear();
   try_next();
 }
 
@@ -53,13 +54,20 @@ void Upstream::try_next() {
   while (!candidates_.empty()) {
     const std::filesystem::path path = candidates_.front();
     candidates_.erase(candidates_.begin());
-    if (path.string().size() >= sizeof(sockaddr_un::sun_path)) continue;
+    if (path.string().size() >= sizeof(sockaddr_un::sun_path)) {
+      trouble_ = path.string() + ": the path is too long for a Unix socket";
+      continue;
+    }
     const auto socket = std::make_shared<Socket>(io_);
-    socket->async_connect(path.string(), [self = shared_from_this(), socket](const Error& error) {
-      if (self->closed_) return;
-      if (!error) self->found_.push_back(socket);
-      self->try_next();
-    });
+    socket->async_connect(
+        path.string(), [self = shared_from_this(), socket, path](const Error& error) {
+          if (self->closed_) return;
+          if (!error) self->found_.push_back(socket);
+          const bool nobody_there = error == boost::system::errc::no_such_file_or_directory ||
+                                    error == boost::system::errc::connection_refused;
+          if (error && !nobody_there) self->trouble_ = path.string() + ": " + error.message();
+          self->try_next();
+        });
     return;
   }
   on_tried();
@@ -67,6 +75,7 @@ void Upstream::try_next() {
 
 void Upstream::on_tried() {
   if (found_.size() != 1) {
+    if (found_.empty() && !trouble_.empty()) return lose(std::string(trouble_));
     return lose(found_.empty() ? "no " + name_ + " listens on this machine"
                                : "several " + name_ + "s listen: choose one by --" + name_);
   }

@@ -71,6 +71,7 @@ class Upstream final : public std::enable_shared_from_this<Upstream> {
   Handlers handlers_;
   std::vector<std::filesystem::path> candidates_;  // still to be tried
   std::vector<std::shared_ptr<Socket>> found_;     // that took the connection
+  std::string trouble_;                            // why one could not be tried
   std::shared_ptr<Socket> socket_;
   boost::asio::steady_timer retry_;
   boost::asio::steady_timer deadlines_;

@@ -6,7 +6,8 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
-#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/serializer.hpp>
+#include <boost/beast/http/span_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
@@ -17,6 +18,7 @@
 #include "web/server/access_rules.hpp"
 #include "web/server/page_hub.hpp"
 #include "web/server/page_socket.hpp"
+#include "web/server/stranger_places.hpp"
 
 namespace cas::web {
 namespace {
@@ -28,11 +30,10 @@ using base::rpc::Listener;
 using http::field;
 using http::status;
 
-constexpr std::size_t kMaxPages = 16;
-constexpr std::size_t kMaxConnections = 64;
+constexpr std::size_t kMaxStrangers = 64;
 constexpr double kMaxConnections_s = 100;  // and as many at once
 constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
-constexpr auto kPatience = std::chrono::seconds(10);  // for a request, and for its answer
+constexpr auto kPatience = std::chrono::seconds(10);  // for a request, and each part of its answer
 constexpr std::string_view kMesh = "/mesh/";
 constexpr std::size_t kHashDigits = 64;
 
@@ -44,11 +45,18 @@ constexpr const char* kContentPolicy =
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-/// Counts while it lives.
-std::shared_ptr<void> take_place(const std::shared_ptr<std::size_t>& taken) {
-  ++*taken;
-  return {nullptr, [taken](void*) { --*taken; }};
-}
+using Bytes = PageHub::Bytes;
+using Body = http::span_body<const char>;
+
+/// An answer on its way.
+struct Answer {
+  Answer(http::response<Body> head, Bytes bytes)
+      : response(std::move(head)), body(std::move(bytes)) {}
+
+  http::response<Body> response;
+  Bytes body;
+  http::response_serializer<Body> serializer{response};
+};
 
 }  // namespace
 
@@ -59,8 +67,7 @@ struct WebServer::Impl {
   asio::io_context& io;
   std::optional<AccessRules> rules{};
   std::shared_ptr<Listener> listener{};
-  std::shared_ptr<std::size_t> connections = std::make_shared<std::size_t>(0);
-  std::shared_ptr<std::size_t> pages = std::make_shared<std::size_t>(0);
+  StrangerPlaces places{kMaxStrangers};
 };
 
 namespace {
@@ -70,9 +77,17 @@ template <class Shared>
 class HttpSession final : public std::enable_shared_from_this<HttpSession<Shared>> {
  public:
   HttpSession(Listener::StreamSocket socket, Shared& server)
-      : stream_(std::move(socket)), server_(server), place_(take_place(server.connections)) {}
+      : stream_(std::move(socket)), server_(server) {}
 
   void start() {
+    place_ = server_.places.take([weak = this->weak_from_this()] {
+      if (const auto self = weak.lock()) self->stream_.close();
+    });
+    read_request();
+  }
+
+ private:
+  void read_request() {
     parser_.emplace();
     parser_->header_limit(kMaxHeaderBytes);
     parser_->body_limit(0);
@@ -94,7 +109,6 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Shared
         });
   }
 
- private:
   const Request& request() const { return parser_->get(); }
 
   void answer() {
@@ -122,23 +136,22 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Shared
                                       view(request()[field::host]))) {
       return refuse(status::forbidden, "this Origin is not the page of casweb");
     }
-    if (*server_.pages >= kMaxPages) {
+    if (!server_.hub.has_place()) {
       return refuse(status::service_unavailable, "16 pages are open: close one");
     }
-    serve_page(std::move(stream_), request(), server_.hub, server_.access,
-               take_place(server_.pages));
+    serve_page(std::move(stream_), request(), server_.hub, server_.access, std::move(place_));
   }
 
   void send_file(const PageFile& file) {
     const bool zipped =
         !file.gzip.empty() &&
         view(request()[field::accept_encoding]).find("gzip") != std::string_view::npos;
-    http::response<http::string_body> response{status::ok, request().version()};
+    http::response<Body> response{status::ok, request().version()};
     response.set(field::content_type, file.type);
     if (!file.gzip.empty()) response.set(field::vary, "Accept-Encoding");
     if (zipped) response.set(field::content_encoding, "gzip");
-    response.body() = zipped ? file.gzip : file.body;
-    send(std::move(response), file.immutable);
+    const std::string& body = zipped ? file.gzip : file.body;
+    send(std::move(response), Bytes(Bytes(), &body), file.immutable);  // the file outlives us
   }
 
   void send_mesh(const std::string& hash) {
@@ -146,25 +159,25 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Shared
                          hash.find_first_not_of("0123456789abcdef") == std::string::npos;
     if (!is_hash) return refuse(status::bad_request, "/mesh/ and 64 hexadecimal digits");
     stream_.expires_never();  // hilsim answers or is gone
-    server_.hub.fetch_mesh(hash, [self = this->shared_from_this()](const std::string* bytes) {
-      if (bytes == nullptr) return self->refuse(status::not_found, "hilsim has no such mesh");
-      http::response<http::string_body> response{status::ok, self->request().version()};
+    server_.hub.fetch_mesh(hash, [self = this->shared_from_this()](const Bytes& bytes) {
+      if (!bytes) {
+        return self->refuse(status::not_found, "hilsim has no such mesh of 64 MiB at most");
+      }
+      http::response<Body> response{status::ok, self->request().version()};
       response.set(field::content_type, "application/octet-stream");
-      response.body() = *bytes;
-      self->send(std::move(response), true);
+      self->send(std::move(response), bytes, true);
     });
   }
 
   void refuse(status why, const std::string& sentence) {
-    http::response<http::string_body> response{why, request().version()};
+    http::response<Body> response{why, request().version()};
     response.set(field::content_type, "text/plain; charset=utf-8");
     if (why == status::method_not_allowed) response.set(field::allow, "GET, HEAD");
-    response.body() = sentence + "\n";
     is_last_ = is_last_ || why != status::not_found;
-    send(std::move(response), false);
+    send(std::move(response), std::make_shared<const std::string>(sentence + "\n"), false);
   }
 
-  void send(http::response<http::string_body> response, bool immutable) {
+  void send(http::response<Body> response, Bytes body, bool immutable) {
     is_last_ = is_last_ || !request().keep_alive();
     response.keep_alive(!is_last_);
     response.set(field::cache_control,
@@ -174,15 +187,22 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Shared
     response.set("Referrer-Policy", "no-referrer");
     response.set("Cross-Origin-Opener-Policy", "same-origin");
     response.set("Cross-Origin-Resource-Policy", "same-origin");
+    response.body() = {body->data(), body->size()};
     response.prepare_payload();
-    if (request().method() == http::verb::head) response.body().clear();
-    const auto kept = std::make_shared<http::response<http::string_body>>(std::move(response));
+    if (request().method() == http::verb::head) response.body() = {};
+    write_part(std::make_shared<Answer>(std::move(response), std::move(body)));
+  }
+
+  /// A slow line may take long, as long as it takes something.
+  void write_part(const std::shared_ptr<Answer>& answer) {
     stream_.expires_after(kPatience);
-    http::async_write(
-        stream_, *kept,
-        [self = this->shared_from_this(), kept](beast::error_code error, std::size_t) {
-          if (error || self->is_last_) return self->end();
-          self->start();
+    http::async_write_some(
+        stream_, answer->serializer,
+        [self = this->shared_from_this(), answer](beast::error_code error, std::size_t) {
+          if (error) return self->end();
+          if (!answer->serializer.is_done()) return self->write_part(answer);
+          if (self->is_last_) return self->end();
+          self->read_request();
         });
   }
 
@@ -193,7 +213,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Shared
 
   Stream stream_;
   Shared& server_;
-  std::shared_ptr<void> place_;
+  std::shared_ptr<StrangerPlaces::Place> place_;
   beast::flat_buffer buffer_{2 * kMaxHeaderBytes};
   std::optional<http::request_parser<http::empty_body>> parser_;
   bool is_last_ = false;
@@ -214,7 +234,6 @@ std::uint16_t WebServer::listen(const std::string& address, std::uint16_t port,
   impl_->listener = std::make_shared<Listener>(
       impl_->io, std::move(socket),
       [impl = impl_.get()](Listener::StreamSocket client) {
-        if (*impl->connections >= kMaxConnections) return;  // closes it
         std::make_shared<HttpSession<Impl>>(std::move(client), *impl)->start();
       },
       kMaxConnections_s);

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <atomic>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "base/os/descriptor.hpp"
+
+namespace cas::test {
+
+/// Stands for casd or hilsim on a Unix socket: a thread answers one client after the other, and
+/// each of its calls with what `answer` gives.
+class FakeProgram {
+ public:
+  /// What stands in "result".
+  using Answer =
+      std::function<nlohmann::json(const std::string& method, const nlohmann::json& params)>;
+
+  FakeProgram(const std::filesystem::path& path, Answer answer)
+      : listener_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)), answer_(std::move(answer)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::listen(listener_.get(), 4), 0);
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~FakeProgram() {
+    ends_ = true;
+    ::shutdown(listener_.get(), SHUT_RDWR);  // ends accept()
+    if (const int client = client_; client >= 0) ::shutdown(client, SHUT_RDWR);
+    thread_.join();
+  }
+  FakeProgram(const FakeProgram&) = delete;
+  FakeProgram& operator=(const FakeProgram&) = delete;
+
+ private:
+  void serve() {
+    while (!ends_) {
+      const base::Descriptor client(::accept(listener_.get(), nullptr, nullptr));
+      if (!client) return;
+      client_ = client.get();
+      std::string line;
+      char c = 0;
+      while (!ends_ && ::recv(client.get(), &c, 1, 0) == 1) {
+        if (c != '\n') {
+          line += c;
+        } else {
+          answer_line(client.get(), std::exchange(line, {}));
+        }
+      }
+      client_ = -1;
+    }
+  }
+
+  void answer_line(int client, const std::string& line) {
+    const auto call = nlohmann::json::parse(line);
+    const std::string text =
+        nlohmann::json{
+            {"jsonrpc", "2.0"},
+            {"id", call.at("id")},
+            {"result", answer_(call.at("method"), call.value("params", nlohmann::json()))}}
+            .dump() +
+        "\n";
+    for (std::size_t sent = 0; sent < text.size();) {
+      const ssize_t size = ::send(client, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+      if (size <= 0) return;
+      sent += static_cast<std::size_t>(size);
+    }
+  }
+
+  base::Descriptor listener_;
+  Answer answer_;
+  std::atomic<int> client_{-1};
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace cas::test
