@@ -163,7 +163,7 @@ json state_json(const VehicleState& vehicle, const LinkName& link_name, base::Ru
     state["altitude_m"] = altitude->message;
     state["altitude_age_s"] = age_s(*altitude, now);
   }
-  if (std::string lack = position_lack(vehicle); !lack.empty()) {
+  if (std::string lack = position_lack(vehicle, now); !lack.empty()) {
     state["position_lacks"] = std::move(lack);
   }
   if (std::string version = vehicle.firmware_version(); !version.empty()) {

@@ -135,7 +135,8 @@ void CommandExchange::on_status_text(std::string_view text) {
 }
 
 void CommandExchange::on_heartbeat(base::RunTime now) {
-  const auto decided = [](const Request& r) { return r.accepted && (r.refused || !r.doubt()); };
+  for (Request& request : active_) request.heard = request.accepted;
+  const auto decided = [](const Request& r) { return r.heard && (r.refused || !r.doubt()); };
   // end_doubt() calls back, which may start more: look again from the front.
   for (;;) {
     const auto found = std::find_if(active_.begin(), active_.end(), decided);
@@ -147,7 +148,8 @@ void CommandExchange::on_heartbeat(base::RunTime now) {
 /// The vehicle has said what there is to be heard of an accepted command: in a HEARTBEAT, or in
 /// none until the deadline.
 void CommandExchange::end_doubt(std::list<Request>::iterator request, base::RunTime now) {
-  const std::optional<std::string> instead = request->doubt();
+  // What it showed before the acknowledgement is no answer.
+  const std::optional<std::string> instead = request->heard ? request->doubt() : std::nullopt;
   const std::string what = describe(request->command.id) + " was accepted";
   const std::string within = " within " + seconds_text(timing_.effect_timeout) + " s";
   Outcome outcome;
@@ -159,7 +161,7 @@ void CommandExchange::end_doubt(std::list<Request>::iterator request, base::RunT
   } else if (instead) {
     outcome =
         failure(OutcomeKind::kRefused, what + " and not carried out" + within + ": " + *instead);
-  } else if (now >= request->deadline) {
+  } else if (!request->heard) {
     outcome = failure(OutcomeKind::kTimeout, what + ", and no HEARTBEAT came" + within);
   }
   if (!outcome.ok() && !request->texts.empty()) {

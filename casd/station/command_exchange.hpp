@@ -76,6 +76,7 @@ class CommandExchange {
     int sent = 0;
     bool in_progress = false;
     bool accepted = false;  ///< and in doubt
+    bool heard = false;     ///< a HEARTBEAT came after the acknowledgement
     base::RunTime deadline{};
     std::optional<mavlink::common::MavResult> refused;
     std::vector<std::string> texts;

@@ -62,18 +62,22 @@ void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& pack
   const KnownVehicle* const before = table_.find(packet.source.system);
   KnownVehicle* const vehicle = table_.track(from, packet, now);
   if (vehicle == nullptr) return;
-  if (vehicle != before && options_.ask_on_sight) ask_on_sight(packet.source.system, now);
+  const bool restarted = vehicle->state.restarted_at() > vehicle->asked_at &&
+                         now - vehicle->asked_at > kVehicleTimeout;  // its clock may leap about
+  if (options_.ask_on_sight && (vehicle != before || restarted)) ask_on_sight(*vehicle, now);
   dispatch(*vehicle, packet, now);
   beat_for_the_fast(*vehicle, now);
 }
 
 /// What commanding needs to know and a vehicle may not stream by itself.
-void VehicleCommander::ask_on_sight(std::uint8_t system, base::RunTime now) {
+void VehicleCommander::ask_on_sight(KnownVehicle& vehicle, base::RunTime now) {
+  const std::uint8_t system = vehicle.state.source().system;
+  vehicle.asked_at = now;
   for (const std::uint32_t id : {AutopilotVersion::kId, HomePosition::kId}) {
     start(system, request_command(id), now, [](const Outcome&) {});
   }
   // PX4 streams by itself; ArduPilot sends little more than HEARTBEAT until it is asked.
-  if (find(system)->autopilot() != Autopilot::kArduPilot) return;
+  if (vehicle.state.autopilot() != Autopilot::kArduPilot) return;
   for (const auto& [id, hz] : kArduPilotStreams) {
     message_interval(system, id, 1e6 / hz, now, [](const Outcome&) {});
   }
@@ -92,6 +96,9 @@ void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& pa
       break;
     case Heartbeat::kId:
       vehicle.commands.on_heartbeat(now);
+      if (!vehicle.state.armed() && vehicle.state.armed_at() > vehicle.takeoff_height_written) {
+        put_takeoff_height_back(vehicle, now);
+      }
       break;
     case ExtendedSysState::kId:
       if (vehicle.state.landed() == MavLandedState::kTakeoff ||
@@ -140,35 +147,37 @@ void VehicleCommander::beat(base::RunTime now) {
   const base::Duration period = base::from_seconds(1.0 / options_.heartbeat_hz);
   *next_beat_ += period;
   if (now >= *next_beat_) next_beat_ = now + period;
-  send_beat(now);
+  for (const auto& [system, vehicle] : table_.all()) note_beat(*vehicle, now);
+  send_beat({});
 }
 
 /// Of a vehicle at 20 times real time, a second of ours is 20 s: PX4 v1.16 took its ground station
-/// for lost and returned. At real time the ticks keep up with its clock.
+/// for lost and returned. At real time the ticks keep up with its clock. Nobody else gets more.
 void VehicleCommander::beat_for_the_fast(KnownVehicle& vehicle, base::RunTime now) {
   constexpr double kPeriods = 2;
   constexpr base::Duration kLeast = std::chrono::milliseconds(10);  // whatever its clock says
   const std::optional<base::Duration> clock = vehicle.state.boot_time();
-  if (!clock || !next_beat_ || options_.heartbeat_hz <= 0) return;
+  if (!clock || options_.heartbeat_hz <= 0) return;
   if (*clock < vehicle.beat_at) vehicle.beat_at = *clock;
-  const base::Duration period = base::from_seconds(1.0 / options_.heartbeat_hz);
   if (*clock - vehicle.beat_at < base::from_seconds(kPeriods / options_.heartbeat_hz)) return;
-  if (now - last_beat_ < kLeast) return;
-  next_beat_ = now + period;
-  send_beat(now);
+  const std::vector<Path> paths = vehicle.state.paths();
+  if (paths.empty() || now - vehicle.beat_sent < kLeast) return;
+  note_beat(vehicle, now);
+  send_beat(paths);
 }
 
-void VehicleCommander::send_beat(base::RunTime now) {
-  last_beat_ = now;
-  for (const auto& [system, vehicle] : table_.all()) {
-    vehicle->beat_at = vehicle->state.boot_time().value_or(base::Duration{});
-  }
+void VehicleCommander::note_beat(KnownVehicle& vehicle, base::RunTime now) {
+  vehicle.beat_at = vehicle.state.boot_time().value_or(base::Duration{});
+  vehicle.beat_sent = now;
+}
+
+void VehicleCommander::send_beat(std::span<const Path> to) {
   Heartbeat message;
   message.type = MavType::kGcs;
   message.autopilot = MavAutopilot::kInvalid;
   message.system_status = MavState::kActive;
   message.mavlink_version = 3;
-  send_(encoder_(message), {});
+  send_(encoder_(message), to);
 }
 
 template <class M>
@@ -293,20 +302,28 @@ bool VehicleCommander::interlocked(const KnownVehicle& vehicle, bool not_hil, ba
 void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done) {
   now_ = now;
   const VehicleCommand command = arm_command(true, options.force);
-  const KnownVehicle* vehicle = known(system, done);
+  KnownVehicle* const vehicle = known(system, done);
   if (vehicle == nullptr) return;
   const bool not_hil = options.not_hil;
+  const auto is_newest = [this, system, request = ++vehicle->arm_requests] {
+    const KnownVehicle* const now_known = table_.find(system);
+    return now_known != nullptr && now_known->arm_requests == request;
+  };
   start_spinning(system, command, not_hil, now,
-                 [this, system, command, not_hil,
+                 [this, system, command, not_hil, is_newest,
                   done = explained(*vehicle, std::move(done))](const Outcome& armed) {
-                   const VehicleState* state = find(system);
-                   const bool stuck = state != nullptr && state->waits_for_sticks();
-                   if (armed.kind != OutcomeKind::kRefused || !stuck) return done(armed);
+                   if (armed.kind != OutcomeKind::kRefused || !is_newest()) return done(armed);
+                   if (!find(system)->waits_for_sticks()) return done(armed);
                    // PX4 will not arm in a stick mode without a transmitter: switch to HOLD and
                    // retry.
                    set_mode(system, "HOLD", now_,
-                            [this, system, command, not_hil, done](const Outcome& held) {
+                            [this, system, command, not_hil, is_newest, done](const Outcome& held) {
                               if (!held.ok()) return done(held);
+                              if (!is_newest()) {
+                                return done(failure(
+                                    OutcomeKind::kRefused,
+                                    describe(command.id) + " was replaced by a newer request"));
+                              }
                               start_spinning(system, command, not_hil, now_, done);
                             });
                  });
@@ -329,6 +346,7 @@ Done VehicleCommander::explained(const KnownVehicle& vehicle, Done done) {
 }
 
 void VehicleCommander::disarm(std::uint8_t system, bool force, base::RunTime now, Done done) {
+  if (KnownVehicle* vehicle = table_.find(system)) ++vehicle->arm_requests;
   start(system, arm_command(false, force), now, std::move(done));
 }
 
@@ -337,6 +355,7 @@ void VehicleCommander::command(std::uint8_t system, const VehicleCommand& comman
   now_ = now;
   KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
+  if (command.id == MavCmd::kComponentArmDisarm) ++vehicle->arm_requests;
   if (spins(command)) {
     start_spinning(system, command, not_hil, now, std::move(done));
   } else {
@@ -371,26 +390,41 @@ void VehicleCommander::takeoff_amsl(KnownVehicle& vehicle, double altitude_m, ba
     start(system, command, now, std::move(done));
     return;
   }
-  set_param(system, std::string(kTakeoffHeight), altitude_m, now,
-            [this, &vehicle, command, done = std::move(done)](const Outcome& set) {
-              if (!set.ok()) return done(set);
-              const auto before = set.before.find(std::string(kTakeoffHeight));
-              if (before != set.before.end() && !vehicle.takeoff_height_before) {
-                vehicle.takeoff_height_before = before->second;
-              }
-              vehicle.commands.start(command, now_, [this, &vehicle, done](const Outcome& taken) {
-                if (taken.kind == OutcomeKind::kRefused) put_takeoff_height_back(vehicle, now_);
-                done(taken);
-              });
-            });
+  if (vehicle.putting_back) {  // else its answer is taken for this one's, and this for the owner's
+    vehicle.then.push_back(
+        [this, &vehicle, altitude_m, done = std::move(done)](const Outcome& put) {
+          if (put.kind == OutcomeKind::kTimeout) return done(put);
+          takeoff_amsl(vehicle, altitude_m, now_, done);
+        });
+    return;
+  }
+  vehicle.params.set(std::string(kTakeoffHeight), altitude_m, now,
+                     [this, &vehicle, command, done = std::move(done)](const Outcome& set) {
+                       if (!set.ok()) return done(set);
+                       const auto before = set.before.find(std::string(kTakeoffHeight));
+                       if (before != set.before.end() && !vehicle.takeoff_height_before) {
+                         vehicle.takeoff_height_before = before->second;
+                       }
+                       vehicle.takeoff_height_written = now_;
+                       vehicle.commands.start(command, now_,
+                                              [this, &vehicle, done](const Outcome& taken) {
+                                                if (!taken.ok())
+                                                  put_takeoff_height_back(vehicle, now_);
+                                                done(taken);
+                                              });
+                     });
 }
 
-/// The navigator reads the parameter when it begins to climb: not before it is in the air.
+/// The navigator reads the parameter when it begins to climb: not before it is in the air, unless
+/// nothing comes of the takeoff.
 void VehicleCommander::put_takeoff_height_back(KnownVehicle& vehicle, base::RunTime now) {
   const std::optional<double> before = std::exchange(vehicle.takeoff_height_before, std::nullopt);
-  if (before) {
-    vehicle.params.set(std::string(kTakeoffHeight), *before, now, [](const Outcome&) {});
-  }
+  if (!before) return;
+  vehicle.putting_back = true;
+  vehicle.params.set(std::string(kTakeoffHeight), *before, now, [&vehicle](const Outcome& put) {
+    vehicle.putting_back = false;
+    for (const auto& takeoff : std::exchange(vehicle.then, {})) takeoff(put);
+  });
 }
 
 /// ArduPilot: takes off in GUIDED mode only, to a height above home.
@@ -513,6 +547,7 @@ void VehicleCommander::set_param(std::uint8_t system, const std::string& name, d
                                  base::RunTime now, Done done) {
   now_ = now;
   if (KnownVehicle* vehicle = known(system, done)) {
+    if (name == kTakeoffHeight) vehicle->takeoff_height_before.reset();  // the newer value stays
     vehicle->params.set(name, value, now, std::move(done));
   }
 }

@@ -48,7 +48,8 @@ struct CommanderOptions {
   double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent. A vehicle that
                                ///< runs faster than real time gets it by its own clock
   bool allow_not_hil = false;  ///< consent to arm vehicles that are not in HIL
-  bool ask_on_sight = true;    ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle
+  bool ask_on_sight = true;    ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle,
+                               ///< and of one that has begun anew
   CommandTiming command_timing{};
   ParamTiming param_timing{};
   std::function<std::string(LinkId)> link_name{};  ///< for sentences; empty: their numbers
@@ -99,13 +100,15 @@ class VehicleCommander final : public Station {
     bool not_hil = false;  ///< arm although the vehicle does not say that it is in HIL
   };
   /// A refusal names the missing sensors and the status texts that followed the request. A PX4 that
-  /// refuses in a stick mode is put into HOLD and asked again.
+  /// refuses in a stick mode is put into HOLD and asked again, unless a newer request to arm or
+  /// disarm has come.
   /// Refused with kInterlock for a vehicle without the HIL flag, unless request and configuration
   /// both consent, and while a second autopilot uses its system id. Each repetition asks again.
   void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);
   void disarm(std::uint8_t system, bool force, base::RunTime now, Done done);
   /// Climbs to `altitude_m` above home. Of a PX4 whose home is unknown it writes MIS_TAKEOFF_ALT,
-  /// and puts it back once the vehicle is in the air or has refused.
+  /// and puts it back once the vehicle is in the air or disarmed, or has not accepted; a value that
+  /// is set meanwhile stays.
   void takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done);
   void land(std::uint8_t system, base::RunTime now, Done done);
   void hold(std::uint8_t system, base::RunTime now, Done done);
@@ -160,7 +163,7 @@ class VehicleCommander final : public Station {
   template <class M>
   void send(const VehicleState& vehicle, M message);
   KnownVehicle* known(std::uint8_t system, const Done& done);
-  void ask_on_sight(std::uint8_t system, base::RunTime now);
+  void ask_on_sight(KnownVehicle& vehicle, base::RunTime now);
   void on_status_text(KnownVehicle& vehicle);
   void dispatch(KnownVehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
@@ -178,7 +181,8 @@ class VehicleCommander final : public Station {
   void run_steps(std::shared_ptr<Steps> steps);
   void beat(base::RunTime now);
   void beat_for_the_fast(KnownVehicle& vehicle, base::RunTime now);
-  void send_beat(base::RunTime now);
+  static void note_beat(KnownVehicle& vehicle, base::RunTime now);
+  void send_beat(std::span<const Path> to);
 
   CommanderOptions options_;
   SendPacket send_;
@@ -186,7 +190,6 @@ class VehicleCommander final : public Station {
   OnText on_text_;
   VehicleTable table_;
   std::optional<base::RunTime> next_beat_;
-  base::RunTime last_beat_{};
   base::RunTime now_{};
 };
 

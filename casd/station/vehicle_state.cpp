@@ -17,6 +17,7 @@ namespace {
 using namespace mavlink::common;
 
 constexpr std::size_t kStatusTexts = 10;
+constexpr std::size_t kBeats = 10;
 constexpr std::size_t kTextBytes = 1024;
 /// Decodes into `slot` when the packet is of its kind.
 template <class M>
@@ -132,6 +133,9 @@ std::optional<Rival> VehicleState::rival(base::RunTime now) const {
 }
 
 void VehicleState::on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) {
+  const auto newest = std::max_element(ways_.begin(), ways_.end(),
+                                       [](const Way& a, const Way& b) { return a.at < b.at; });
+  if (now - newest->at > kVehicleTimeout) begin_anew(now);
   heard_over(from, now);
   messages_.on_packet(packet, now);
   switch (packet.message_id) {
@@ -191,6 +195,8 @@ void VehicleState::on_packet(const Origin& from, const mav::PacketView& packet, 
 
 void VehicleState::on_heartbeat(const Heartbeat& message, base::RunTime now) {
   heartbeat_ = {message, now};
+  beats_.push_back(now);
+  if (beats_.size() > kBeats) beats_.pop_front();
   if (!hil()) without_hil_ = now;
   if (armed()) armed_at_ = now;
 }
@@ -198,8 +204,18 @@ void VehicleState::on_heartbeat(const Heartbeat& message, base::RunTime now) {
 void VehicleState::on_boot_time(std::uint32_t time_boot_ms, base::RunTime now) {
   constexpr base::Duration kOutOfOrder = std::chrono::seconds(1);
   const base::Duration time = std::chrono::milliseconds(time_boot_ms);
-  if (boot_time_ && time < *boot_time_ - kOutOfOrder) restarted_at_ = now;
+  if (boot_time_ && time < *boot_time_ - kOutOfOrder) begin_anew(now);
   boot_time_ = time;
+}
+
+void VehicleState::begin_anew(base::RunTime now) {
+  restarted_at_ = now;
+  flight_version_ = 0;
+}
+
+bool VehicleState::is_recent(base::RunTime said, base::RunTime now) const {
+  if (said < restarted_at_) return false;
+  return now - said <= kFreshStatus || beats_.size() < kBeats || said >= beats_.front();
 }
 
 void VehicleState::on_status_text(const Statustext& chunk, base::RunTime now) {
@@ -326,12 +342,13 @@ EstimatorStatusFlags ekf_flags(const MessageMemory::Kept& report) {
 }
 
 /// The estimator's flags in the newest report of either autopilot.
-std::optional<EstimatorStatusFlags> estimator_flags(const VehicleState& vehicle) {
+std::optional<EstimatorStatusFlags> estimator_flags(const VehicleState& vehicle,
+                                                    base::RunTime now) {
   const auto& status = vehicle.estimator_status();
-  if (status && status->at >= vehicle.restarted_at()) return status->message.flags;
+  if (status && vehicle.is_recent(status->at, now)) return status->message.flags;
   const MessageMemory::Kept* report = vehicle.messages().find(kEkfStatusReport);
   if (vehicle.autopilot() != Autopilot::kArduPilot || report == nullptr ||
-      report->at < vehicle.restarted_at()) {
+      !vehicle.is_recent(report->at, now)) {
     return std::nullopt;
   }
   return ekf_flags(*report);
@@ -349,14 +366,14 @@ std::string estimator_lack(EstimatorStatusFlags flags) {
 
 }  // namespace
 
-std::string position_lack(const VehicleState& vehicle) {
+std::string position_lack(const VehicleState& vehicle, base::RunTime now) {
   if (vehicle.autopilot() == Autopilot::kOther) return {};
   const auto& gps = vehicle.gps_raw();
   std::string lack;
-  if (const auto flags = estimator_flags(vehicle)) {
+  if (const auto flags = estimator_flags(vehicle, now)) {
     lack = estimator_lack(*flags);
-  } else if (!gps || gps->at < vehicle.restarted_at()) {
-    lack = "it has told nothing of its estimator and GPS yet";
+  } else if (!gps || !vehicle.is_recent(gps->at, now)) {
+    lack = "it tells nothing of its estimator and GPS";
   } else if (gps->message.fix_type < GpsFixType::k3dFix) {
     lack = "the GPS has no fix yet";
   }

@@ -120,8 +120,12 @@ class VehicleState {
   base::Duration heartbeat_age(base::RunTime now) const { return now - heartbeat_.at; }
   /// The vehicle's own clock, by the newest packet that carries it: time since it was started.
   std::optional<base::Duration> boot_time() const { return boot_time_; }
-  /// When its clock was last seen to have begun anew: what it told before is of another start.
+  /// When it was last seen to begin anew, by its clock or after silence: what it told before may be
+  /// of another start.
   base::RunTime restarted_at() const { return restarted_at_; }
+  /// Whether what it said then still tells of it: since this start, and within the last 5 s or the
+  /// last 10 of its HEARTBEATs, which go by its own clock.
+  bool is_recent(base::RunTime said, base::RunTime now) const;
   /// When a HEARTBEAT last said that it is armed.
   std::optional<base::RunTime> armed_at() const { return armed_at_; }
 
@@ -175,6 +179,7 @@ class VehicleState {
   void heard_over(const Origin& from, base::RunTime now);
   void on_heartbeat(const mavlink::common::Heartbeat& message, base::RunTime now);
   void on_boot_time(std::uint32_t time_boot_ms, base::RunTime now);
+  void begin_anew(base::RunTime now);
   void on_status_text(const mavlink::common::Statustext& chunk, base::RunTime now);
 
   mav::Source source_;
@@ -183,6 +188,7 @@ class VehicleState {
   std::optional<Rival> rival_;
   std::optional<base::RunTime> without_hil_;  ///< newest HEARTBEAT without the HIL flag
   Heard<mavlink::common::Heartbeat> heartbeat_{};
+  std::deque<base::RunTime> beats_;  ///< when the newest HEARTBEATs came
   std::optional<base::RunTime> armed_at_;
   std::optional<base::Duration> boot_time_;
   base::RunTime restarted_at_{};
@@ -214,8 +220,9 @@ ArmingChecks arming_checks(const VehicleState& vehicle, base::RunTime now);
 /// refuses to take off and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
 ///
 /// The estimator's own word counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot; where
-/// neither comes, a fix of the GPS. Beside it HOME_POSITION must have come.
-std::string position_lack(const VehicleState& vehicle);
+/// neither comes, a fix of the GPS. Beside it HOME_POSITION must have come. What is not recent does
+/// not count.
+std::string position_lack(const VehicleState& vehicle, base::RunTime now);
 
 /// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or
 /// unhealthy (SYS_STATUS), and recent reasons of its own checks ("Preflight Fail: ...",

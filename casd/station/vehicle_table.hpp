@@ -37,10 +37,16 @@ struct KnownVehicle {
   CommandExchange commands;
   ParamExchange params;
   std::uint64_t texts_seen = 0;
-  /// What MIS_TAKEOFF_ALT was before a takeoff wrote it; put back in the air.
+  /// What MIS_TAKEOFF_ALT was before a takeoff wrote it.
   std::optional<double> takeoff_height_before;
-  base::Duration beat_at{};  ///< its own clock at the newest HEARTBEAT that was sent
-  bool contested = false;    ///< a rival was told of
+  base::RunTime takeoff_height_written{};
+  bool putting_back = false;                              ///< the same, on its way
+  std::vector<std::function<void(const Outcome&)>> then;  ///< takeoffs that wait for it
+  std::uint64_t arm_requests = 0;  ///< to arm and to disarm: the newest counts
+  base::RunTime asked_at{};        ///< when it was last asked for what it may not stream
+  base::Duration beat_at{};        ///< its own clock at the newest HEARTBEAT that was sent
+  base::RunTime beat_sent{};       ///< the same by this machine's
+  bool contested = false;          ///< a rival was told of
 };
 
 /// "vehicle 1".

@@ -24,9 +24,11 @@ TEST(Ardupilot, IsArmedBeforeItsPositionAndRefusesGuided) {
   EXPECT_EQ(peer.pilot().stage(), Pilot::Stage::kFailed);
   EXPECT_NE(peer.pilot().failure().find("MAV_CMD 176 (set mode) failed"), std::string::npos)
       << peer.pilot().story();
-  ASSERT_TRUE(peer.run_until([&] {
-    return casd::position_lack(*peer.pilot().vehicle()) == "the estimator has no velocity yet";
-  })) << casd::position_lack(*peer.pilot().vehicle());
+  const auto lack = [&] {
+    return casd::position_lack(*peer.pilot().vehicle(), peer.ardupilot().clock());
+  };
+  ASSERT_TRUE(peer.run_until([&] { return lack() == "the estimator has no velocity yet"; }))
+      << lack();
 }
 
 TEST(Ardupilot, TakesOffHoversAndLandsInLockstep) {

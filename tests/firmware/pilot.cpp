@@ -31,7 +31,7 @@ void Pilot::step(base::RunTime now) {
     case Stage::kWait:
       // A vehicle says by its refusal that it is not ready yet: ask again.
       if (now - since_ < kAskAgain) break;
-      if (plan_.waits_for_position && !casd::position_lack(*state).empty()) break;
+      if (plan_.waits_for_position && !casd::position_lack(*state, now).empty()) break;
       enter(Stage::kArm, now);
       commander_.arm(kSystem, {.not_hil = plan_.not_hil}, now, [this](const casd::Outcome& armed) {
         if (!armed.ok()) refusals_.push_back(armed);

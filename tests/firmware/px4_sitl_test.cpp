@@ -51,7 +51,8 @@ TEST(Px4SitlCommands, V112IsArmedBeforeItsPositionAndRefusesToTakeOff) {
   EXPECT_EQ(peer.pilot().stage(), Pilot::Stage::kFailed);
   EXPECT_NE(peer.pilot().failure().find("take off) was temporarily rejected"), std::string::npos)
       << peer.pilot().story();
-  EXPECT_EQ(casd::position_lack(*peer.pilot().vehicle()), "the estimator has no velocity yet");
+  EXPECT_EQ(casd::position_lack(*peer.pilot().vehicle(), peer.px4().clock()),
+            "the estimator has no velocity yet");
   ASSERT_TRUE(peer.run_until([&] { return !peer.pilot().vehicle()->armed(); }));
   EXPECT_TRUE(casd::complaints(*peer.pilot().vehicle(), peer.px4().clock()).empty())
       << "sensors that are healthy and not \"present\"";

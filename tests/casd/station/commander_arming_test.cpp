@@ -119,6 +119,50 @@ TEST_F(VehicleCommanderTest, DisarmReplacesAnArmThatIsUnderWay) {
   EXPECT_EQ(vehicle_.commands.back().param1, 0.0F);
 }
 
+// The HEARTBEAT that shows HOLD comes up to 3 s after its acknowledgement.
+TEST_F(VehicleCommanderTest, ADisarmIsNotOvertakenByAnArmThatWaitsForHold) {
+  vehicle_.custom_mode = 1U << 16U;  // MANUAL
+  meet();
+  vehicle_.script.result = MavResult::kDenied;
+  std::optional<Outcome> armed;
+  commander_.arm(1, {}, now_, [&](const Outcome& outcome) { armed = outcome; });
+  run_for(100ms);
+  vehicle_.script.result = MavResult::kAccepted;
+  vehicle_.script.keeps_mode = true;
+  for (int i = 0; i < 100 && vehicle_.commands.back().command == MavCmd::kComponentArmDisarm; ++i) {
+    run_for(10ms);
+  }
+  run_for(50ms);
+  ASSERT_FALSE(armed.has_value());
+  commander_.disarm(1, false, now_, done());
+  EXPECT_TRUE(finish().ok());
+  vehicle_.custom_mode = 4U << 16U | 3U << 24U;  // HOLD
+  run_for(3s);
+  ASSERT_TRUE(armed.has_value());
+  EXPECT_EQ(armed->kind, OutcomeKind::kRefused);
+  EXPECT_NE(armed->message.find("was replaced by a newer request"), std::string::npos)
+      << armed->message;
+  for (std::size_t i = 1; i < vehicle_.commands.size(); ++i) {
+    const bool arms = vehicle_.commands[i].command == MavCmd::kComponentArmDisarm &&
+                      vehicle_.commands[i].param1 == 1.0F;
+    EXPECT_FALSE(arms) << "command " << i;
+  }
+}
+
+TEST_F(VehicleCommanderTest, AnArmInAStickModeThatADisarmReplacesIsNotTriedAgain) {
+  vehicle_.custom_mode = 1U << 16U;  // MANUAL
+  meet();
+  vehicle_.script.answers = 0;
+  commander_.arm(1, {}, now_, [](const Outcome&) {});
+  run_for(100ms);
+  vehicle_.script.answers = 1;
+  commander_.disarm(1, false, now_, done());
+  EXPECT_TRUE(finish().ok());
+  run_for(3s);
+  EXPECT_EQ(vehicle_.commands.size(), 2U);
+  EXPECT_EQ(vehicle_.commands.back().param1, 0.0F);
+}
+
 TEST_F(VehicleCommanderTest, RefusesToArmWithoutTheHilFlag) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
   meet();

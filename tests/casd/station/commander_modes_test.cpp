@@ -85,6 +85,25 @@ TEST_F(VehicleCommanderTest, TakesNoHeartbeatOfBeforeForTheModeThatWasAskedFor) 
       << outcome.message;
 }
 
+TEST_F(VehicleCommanderTest, HearsTheHeartbeatThatComesBetweenTheDeadlineAndTheTick) {
+  meet();
+  beating_ = false;
+  commander_.set_mode(1, "HOLD", now_, done());  // acknowledged 5 ms later, ticks come each 50 ms
+  run_for(20ms);
+  vehicle_.say_heartbeat(now_ + 3s);
+  const Outcome outcome = finish();
+  EXPECT_TRUE(outcome.ok()) << outcome.message;
+}
+
+TEST_F(VehicleCommanderTest, RefusesNoModeOnAHeartbeatOfBefore) {
+  vehicle_.script.keeps_mode = true;
+  meet();
+  beating_ = false;
+  commander_.set_mode(1, "HOLD", now_, done());
+  const Outcome outcome = finish();
+  EXPECT_EQ(outcome.kind, OutcomeKind::kTimeout) << outcome.message;
+}
+
 TEST_F(VehicleCommanderTest, AnswersAnUnknownModeWithTheModesThereAre) {
   meet();
   commander_.set_mode(1, "WARP", now_, done());

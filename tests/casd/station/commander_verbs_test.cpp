@@ -55,6 +55,61 @@ TEST_F(VehicleCommanderTest, ATakeoffThatIsRefusedLeavesTheParameterAsItWas) {
   EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
 }
 
+TEST_F(VehicleCommanderTest, ATakeoffThatIsNotAcknowledgedLeavesTheParameterAsItWas) {
+  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+  meet();
+  vehicle_.script.answers = 0;
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_EQ(finish().kind, OutcomeKind::kTimeout);
+  run_for(1s);
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
+}
+
+TEST_F(VehicleCommanderTest, ATakeoffThatEndsDisarmedLeavesTheParameterAsItWas) {
+  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+  meet();
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_TRUE(finish().ok());
+  run_for(2s);
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 2.5) << "it may yet be armed";
+  vehicle_.base_mode = vehicle_.base_mode | MavModeFlag::kSafetyArmed;
+  run_for(2s);
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
+  run_for(3s);
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
+}
+
+TEST_F(VehicleCommanderTest, ANewerTakeoffHeightStays) {
+  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+  meet();
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_TRUE(finish().ok());
+  commander_.set_param(1, "MIS_TAKEOFF_ALT", 7, now_, done());
+  EXPECT_TRUE(finish().ok());
+  ExtendedSysState state;
+  state.landed_state = MavLandedState::kInAir;
+  vehicle_.say(state, now_);
+  run_for(1s);
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 7);
+}
+
+TEST_F(VehicleCommanderTest, ATakeoffAtOnceAfterARefusedOneKnowsTheOwnersHeight) {
+  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+  meet();
+  vehicle_.script.result = MavResult::kDenied;
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_EQ(finish().kind, OutcomeKind::kRefused);
+  vehicle_.script.result = MavResult::kAccepted;
+  commander_.takeoff(1, 3, now_, done());  // the put-back is on its way
+  EXPECT_TRUE(finish().ok());
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 3);
+  ExtendedSysState state;
+  state.landed_state = MavLandedState::kInAir;
+  vehicle_.say(state, now_);
+  run_for(1s);
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
+}
+
 TEST_F(VehicleCommanderTest, ArduPilotTakesOffInGuidedToAHeightAboveHome) {
   vehicle_.autopilot = MavAutopilot::kArdupilotmega;
   meet();

@@ -135,7 +135,7 @@ TEST_F(Stock, TextsComeWithoutTabs) {
 
 class StockPosition : public Stock {
  protected:
-  std::string lack() { return position_lack(*commander_.find(1)); }
+  std::string lack() { return position_lack(*commander_.find(1), now_); }
   void say_estimator(EstimatorStatusFlags flags) {
     EstimatorStatus status;
     status.flags = flags;
@@ -159,7 +159,7 @@ class StockPosition : public Stock {
 
 TEST_F(StockPosition, OfPx4IsItsEstimatorsWordAndHome) {
   beat();
-  EXPECT_EQ(lack(), "it has told nothing of its estimator and GPS yet");
+  EXPECT_EQ(lack(), "it tells nothing of its estimator and GPS");
   say_fix(GpsFixType::k3dFix);
   say_estimator(E::kAttitude | E::kVelocityHoriz | E::kVelocityVert | E::kConstPosMode);
   EXPECT_EQ(lack(), "the estimator has no horizontal position yet");
@@ -212,6 +212,54 @@ TEST_F(StockPosition, OfBeforeARestartDoesNotCount) {
   EXPECT_NE(lack(), "");
 }
 
+TEST_F(StockPosition, OfBeforeASilenceDoesNotCount) {
+  beat();
+  say_estimator(kFlies);
+  say_home();
+  EXPECT_EQ(lack(), "");
+  pass(seconds(5));
+  beat();
+  EXPECT_NE(lack(), "") << "it may have been started anew";
+  say_estimator(kFlies);
+  say_home();
+  EXPECT_EQ(lack(), "");
+}
+
+TEST_F(StockPosition, DoesNotOutliveTheStreamThatToldIt) {
+  beat();
+  say_estimator(kFlies);
+  say_home();
+  for (int i = 0; i < 12; ++i) {
+    pass(seconds(1));
+    beat();
+  }
+  EXPECT_EQ(lack(), "it tells nothing of its estimator and GPS");
+}
+
+TEST_F(StockPosition, IsAFixAgainWhereTheEstimatorSpokeOnceOnly) {
+  beat();
+  say_estimator(E::kAttitude);
+  say_home();
+  for (int i = 0; i < 12; ++i) {
+    pass(seconds(1));
+    beat();
+    say_fix(GpsFixType::k3dFix);
+  }
+  EXPECT_EQ(lack(), "");
+}
+
+TEST_F(StockPosition, GoesByTheClockOfASlowVehicle) {
+  beat();
+  say_estimator(kFlies);
+  say_home();
+  for (int i = 0; i < 20; ++i) {  // at a fifth of real time
+    pass(seconds(1));
+    vehicle_.say(Attitude{}, now_);
+    if (i % 5 == 4) beat();
+  }
+  EXPECT_EQ(lack(), "");
+}
+
 TEST_F(StockPosition, OfAnotherKindOfAutopilotIsNotAskedFor) {
   vehicle_.autopilot = MavAutopilot::kGeneric;
   beat();
@@ -241,6 +289,32 @@ TEST_F(Stock, AVehicleInRealTimeHearsItsGroundStationOnceASecond) {
     pass(milliseconds(10));
   }
   EXPECT_EQ(vehicle_.heartbeats - before, 10);
+}
+
+TEST(StockBeat, AVehicleThatRacesDrawsNoHeartbeatToTheOthers) {
+  FakeVehicle vehicle;
+  base::RunTime now{seconds(10)};
+  int to_all = 0;
+  int to_it = 0;
+  VehicleCommander commander({.ask_on_sight = false}, [&](std::span<const std::uint8_t> packet,
+                                                          std::span<const Path> paths) {
+    if (mav::view_packet(packet).message_id != Heartbeat::kId) return;
+    ++(paths.empty() ? to_all : to_it);
+    for (const Path& path : paths) EXPECT_EQ(path.link, LinkId{3});
+  });
+  vehicle.say_heartbeat(now);
+  for (int i = 0; i < 100; ++i, now += milliseconds(10)) {
+    Attitude attitude;
+    attitude.time_boot_ms = static_cast<std::uint32_t>(2000 * i / 10);  // 20 s of its own
+    vehicle.say(attitude, now);
+    while (const auto packet = vehicle.take(now)) {
+      commander.on_packet(LinkId{3}, mav::view_packet(packet->view()), now);
+    }
+    commander.tick(now);
+  }
+  EXPECT_EQ(to_all, 1);
+  EXPECT_GE(to_it, 8);
+  EXPECT_LE(to_it, 11);
 }
 
 TEST_F(Stock, ARefusalToArmTellsWhatIsSickAndWhatWasSaidSinceItWasAsked) {
@@ -284,13 +358,9 @@ TEST_F(Stock, RefusedInAModeThatWantsSticksItIsPutIntoHoldAndAskedAgain) {
   EXPECT_FLOAT_EQ(vehicle_.commands[1].param3, 3);
 }
 
-TEST(StockArduPilot, IsAskedForTheStreamsThatItDoesNotSendByItself) {
-  FakeVehicle vehicle;
-  vehicle.autopilot = MavAutopilot::kArdupilotmega;
-  const base::RunTime now{seconds(10)};
-  VehicleCommander commander({}, [&](std::span<const std::uint8_t> packet, std::span<const Path>) {
-    vehicle.handle(mav::view_packet(packet), now);
-  });
+/// The messages that an ArduPilot is asked for which speaks for 5 s, from this moment on.
+std::vector<float> asked_for(VehicleCommander& commander, FakeVehicle& vehicle, base::RunTime now) {
+  vehicle.commands.clear();
   for (base::RunTime t = now; t < now + seconds(5); t += milliseconds(10)) {
     if ((t - now) % seconds(1) == base::Duration{}) vehicle.say_heartbeat(t);
     while (const auto packet = vehicle.take(t)) {
@@ -302,9 +372,21 @@ TEST(StockArduPilot, IsAskedForTheStreamsThatItDoesNotSendByItself) {
   for (const CommandLong& command : vehicle.commands) {
     if (command.command == MavCmd::kSetMessageInterval) asked.push_back(command.param1);
   }
+  return asked;
+}
+
+TEST(StockArduPilot, IsAskedForTheStreamsThatItDoesNotSendByItself) {
+  FakeVehicle vehicle;
+  vehicle.autopilot = MavAutopilot::kArdupilotmega;
+  const base::RunTime now{seconds(10)};
+  VehicleCommander commander({}, [&](std::span<const std::uint8_t> packet, std::span<const Path>) {
+    vehicle.handle(mav::view_packet(packet), now);
+  });
+  const std::vector<float> asked = asked_for(commander, vehicle, now);
   for (const std::uint32_t id : {LocalPositionNed::kId, ExtendedSysState::kId, SysStatus::kId}) {
     EXPECT_NE(std::find(asked.begin(), asked.end(), static_cast<float>(id)), asked.end()) << id;
   }
+  EXPECT_EQ(asked_for(commander, vehicle, now + seconds(20)), asked) << "it was started anew";
 }
 
 TEST_F(Stock, FirmwareInSoftwareIsArmedByConsentOnly) {
