@@ -2,6 +2,7 @@
 #include "base/config/sdf_model.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -45,7 +46,9 @@ SdfModel::SdfModel(std::string_view text, const std::filesystem::path& file)
   model_ = root_.child("model");
   if (model_ == nullptr) fail(root_, "has no <model>; a world is no vehicle");
   const std::string_view version = root_.attribute("version");
-  std::from_chars(version.data(), version.data() + version.size(), version_);
+  const char* const version_end = version.data() + version.size();
+  const auto major = std::from_chars(version.data(), version_end, version_[0]);
+  if (major.ptr != version_end) std::from_chars(major.ptr + 1, version_end, version_[1]);
   for (const XmlElement& child : model_->children) {
     if (child.name == "include" || child.name == "model") {
       fail(child, "<" + child.name +
@@ -158,7 +161,7 @@ Eigen::Vector3d SdfModel::axis_R(const XmlElement& joint) const {
   if (xyz != nullptr && !xyz->attribute("expressed_in").empty())
     in = xyz->attribute("expressed_in");
   // Up to SDF 1.4 axes are in the model's frame, up to 1.6 where the file says so.
-  const bool in_model = version_ > 0 && version_ < 1.45;
+  const bool in_model = version_[0] == 1 && version_[1] <= 4;
   const std::string flag = axis != nullptr ? child_text(*axis, "use_parent_model_frame") : "";
   if (in_model || flag == "1" || flag == "true") in = kModelFrame;
   return (frame(in, joint, 0).linear() * v).normalized();
@@ -187,6 +190,12 @@ Inertial SdfModel::inertial(const SdfLink& link) const {
   const double iyz = moment("iyz", 0);
   result.inertia_kg_m2 << moment("ixx", 1), ixy, ixz, ixy, moment("iyy", 1), iyz, ixz, iyz,
       moment("izz", 1);
+  if (result.mass_kg > 0 && !result.inertia_kg_m2.isZero(0) &&
+      !is_physical_inertia(result.inertia_kg_m2)) {
+    fail(*inertia, "<inertia> of link '" + link.name +
+                       "' is one that no body has: its principal moments are above 0, and none is "
+                       "larger than the sum of the others");
+  }
   return result;
 }
 

@@ -57,7 +57,7 @@ class CAS_BASE_EXPORT SdfModel {
   std::string file_;
   XmlElement root_;
   const XmlElement* model_ = nullptr;
-  double version_ = 0;
+  int version_[2] = {0, 0};  ///< major and minor; 0: none is said
   std::vector<SdfLink> links_;
 };
 

@@ -442,6 +442,25 @@ TEST(OneDescription, AnSdfModelSaysTheSameAsAUrdf) {
   }
 }
 
+/// The version is two whole numbers: 1.10 comes after 1.9. Up to 1.4 axes are in the model's frame.
+TEST(OneDescription, AnSdfModelsAxesAreInTheFrameOfItsVersion) {
+  const test::TemporaryFolder folder;
+  const auto lean = [&](const std::string& version) {
+    std::string model = quad_sdf(0.2, 0.3, 1.2, 0.02, 0);
+    folder.write("q.sdf", model.replace(model.find("1.9"), 3, version));
+    const Vehicle vehicle = Vehicle::load(
+        folder.write("q.yaml", with_sdf(kQuadRest) +
+                                   "rotors: [{link: prop_1, spin: 1}, {link: prop_2, spin: 1}, "
+                                   "{link: prop_3, spin: -1}, {link: prop_4, spin: -1}]\n"));
+    return std::abs(vehicle.rotors[0].axis_B.y());
+  };
+  constexpr double kDigitsInTheFile = 1e-6;
+  for (const char* version : {"1.5", "1.9", "1.10", "1.11", "1.12"}) {
+    EXPECT_NEAR(lean(version), std::sin(0.3), kDigitsInTheFile) << version;
+  }
+  EXPECT_EQ(lean("1.4"), 0);
+}
+
 TEST(OneDescription, RotorsOfAModelThatCountsFromZeroAreFoundByTheirNumber) {
   const test::TemporaryFolder folder;
   std::string model = quad_sdf(0.2, 0, 1.2, 0.02, 0);
@@ -498,6 +517,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "q.sdf:5: <include> is not followed"},
         SdfCase{"NoMass", "<mass>1.200000</mass>", "",
                 "q.sdf:4: link 'base_link' has no <inertial>"},
+        SdfCase{"NoBody", "<iyy>0.02", "<iyy>0.9",
+                "q.sdf:4: <inertia> of link 'base_link' is one that no body has"},
         SdfCase{"NoFrame", "<pose>0.200000 -0.2", "<pose relative_to='arm'>0.200000 -0.2",
                 "q.sdf:5: the model has no link, joint or frame 'arm'"},
         SdfCase{"Circle", "<pose>0.200000 -0.2", "<pose relative_to='prop_1'>0.200000 -0.2",
