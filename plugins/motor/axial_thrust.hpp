@@ -26,7 +26,7 @@ class AxialThrust {
   /// @param slope  g
   explicit AxialThrust(double slope);
 
-  /// t, 0 or more, from a table: to 1e-3.
+  /// t, 0 or more, from a table: to 1e-3, near no thrust to 5e-3.
   /// @param climb  V; beyond +-6 as there
   double share(double climb) const;
 

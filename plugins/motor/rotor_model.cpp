@@ -186,11 +186,14 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   wrench.torque_B -= hub.spin * params.rolling_moment_coefficient * omega * v_plane_B;
   if constexpr (!kPlain) {
     if (params.flapping_stiffness_nm_rad > 0) {
-      const double tip_speed = std::max(omega * params.radius_m, v_plane_B.norm());
-      const double moment_per_speed = tip_speed > 0 ? effectiveness_[rotor] *
-                                                          params.flapping_stiffness_nm_rad *
-                                                          params.flapping_gain / tip_speed
-                                                    : 0.0;
+      // Beyond an advance ratio of 1 it fades with the rotor's speed: blades that stand do not
+      // flap.
+      const double tip_speed = omega * params.radius_m;
+      const double speed = std::max(tip_speed, v_plane_B.norm());
+      const double moment_per_speed =
+          speed > 0 ? effectiveness_[rotor] * params.flapping_stiffness_nm_rad *
+                          params.flapping_gain * tip_speed / (speed * speed)
+                    : 0.0;
       wrench.torque_B -= moment_per_speed * motion.axis_B.cross(v_plane_B);
     }
   }
