@@ -128,6 +128,10 @@ class Comparison final {
     differs("multiplier", was.multiplier, is.multiplier);
     differs("unknown value", was.invalid, is.invalid);
     differs("enum", was.enum_name, is.enum_name);
+    if (was.is_enum() != is.is_enum()) {
+      add(Impact::kSource, {"message ", message.name, ": member ", was.name,
+                            is.is_enum() ? " became an enum" : " became a number"});
+    }
     if (was.is_version && is.is_version) {
       differs("constant", std::to_string(was.version), std::to_string(is.version));
     }
@@ -171,6 +175,10 @@ class Comparison final {
         return was.name == is.name || was.value == is.value;
       });
       if (!known) add(Impact::kCompatible, {"enum ", old.name, ": ", is.name, " added"});
+    }
+    if (old.bytes != now.bytes || old.is_signed != now.is_signed) {
+      add(Impact::kSource,
+          {"enum ", old.name, ": was ", underlying_type(old), ", is ", underlying_type(now)});
     }
     if (old.bitmask != now.bitmask) {
       add(Impact::kSource,

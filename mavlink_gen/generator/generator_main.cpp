@@ -77,7 +77,13 @@ int generate(const Options& options) {
       headers.insert(gen::runtime_files().begin(), gen::runtime_files().end());
       headers = {{"mavlink/" + name + ".hpp", gen::amalgamate(headers, name)}};
     }
-    files.merge(headers);
+    files.merge(headers);  // leaves those whose place is taken
+    for (const auto& [place, text] : headers) {
+      if (files.at(place) == text) continue;
+      return complain(file + ": another dialect is '" + name +
+                          "' already; generate one of them alone, with --name",
+                      kUsage);
+    }
   }
   if (options.with_runtime) {
     files.insert(gen::runtime_files().begin(), gen::runtime_files().end());

@@ -203,6 +203,10 @@ INSTANTIATE_TEST_SUITE_P(
                    "E_TWO removed"},
         ChangeCase{"EntryAdded", "</enum>", "<entry value=\"9\" name=\"E_NINE\"/></enum>",
                    Impact::kCompatible, "E_NINE added"},
+        ChangeCase{"EnumWidened", "</enum>", "<entry value=\"300\" name=\"E_BIG\"/></enum>",
+                   Impact::kSource, "E: was std::uint8_t, is std::uint16_t"},
+        ChangeCase{"MemberTakesAnEnum", "name=\"a\"", "name=\"a\" enum=\"E\"", Impact::kMeaning,
+                   "member a became an enum"},
         ChangeCase{"MessageAdded", "</messages>",
                    "<message id=\"8\" name=\"N\"><field type=\"char\" "
                    "name=\"a\"/></message></messages>",
@@ -285,6 +289,21 @@ TEST(Program, OneHeaderHoldsADialectAndMeetsThatOfAnother) {
 static_assert(mavlink::other::Heartbeat::kId == 0);
 )" + kSendAndReceive);
   EXPECT_EQ(built.code, 0) << built.output;
+}
+
+TEST(Program, TwoDialectsOfOneNameAreRefused) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "other");
+  std::string changed = kBefore;
+  changed.replace(changed.find("uint16_t"), 8, "uint32_t");
+  const auto one = folder.write("twin.xml", kBefore).string();
+  const auto two = folder.write("other/twin.xml", changed).string();
+  for (const std::string single : {"", "--single "}) {
+    const auto outcome = run("generate " + single + "--out " + (folder.path() / "out").string() +
+                             ' ' + one + ' ' + two);
+    EXPECT_EQ(outcome.code, 2) << outcome.output;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+  }
 }
 
 TEST(Program, ForgottenEnumTextIsOneReadableError) {
