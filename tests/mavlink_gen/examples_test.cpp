@@ -86,12 +86,13 @@ TEST(Examples, ChangesPrintsTheFieldsThatDiffer) {
 
 TEST(Examples, TlogToCsvPrintsEachMessageOfTheKind) {
   Recording recording;
-  recording.add_at(1'764'000'000'250'000, common::Attitude{.time_boot_ms = 5, .yaw = 1.5F});
+  recording.add_at(1'764'000'000'250'000,
+                   common::Attitude{.time_boot_ms = 5, .roll = 0.1F, .yaw = 1.5F});
   recording.add_at(0xFEFDFE, common::Heartbeat{});  // a time that looks like starts of packets
   recording.add_at(1'764'000'001'500'000, common::Attitude{.time_boot_ms = 6, .roll = -0.25F});
   EXPECT_EQ(recording.printed_by("mavlink_tlog_to_csv ATTITUDE"),
             "time_s,system,component,time_boot_ms,roll,pitch,yaw,rollspeed,pitchspeed,yawspeed\n"
-            "1764000000.25,1,1,5,0,0,1.5,0,0,0\n"
+            "1764000000.25,1,1,5,0.100000001,0,1.5,0,0,0\n"
             "1764000001.5,1,1,6,-0.25,0,0,0,0,0\n");
 }
 

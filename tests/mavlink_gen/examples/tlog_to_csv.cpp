@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <iostream>
 #include <iterator>
+#include <limits>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -25,6 +27,9 @@ void print(const T& value) {
   if constexpr (std::is_enum_v<T>) {
     std::cout << +static_cast<std::underlying_type_t<T>>(value);
   } else {
+    if constexpr (std::is_floating_point_v<T>) {
+      std::cout.precision(std::numeric_limits<T>::max_digits10);
+    }
     std::cout << +value;
   }
 }
@@ -32,7 +37,9 @@ void print(const T& value) {
 template <class T, std::size_t n>
 void print(const std::array<T, n>& values) {
   if constexpr (std::is_same_v<T, char>) {
-    std::cout << '"' << text(values) << '"';
+    std::cout << '"';
+    for (const char c : text(values)) std::cout << (c == '"' ? "\"\"" : std::string(1, c));
+    std::cout << '"';
   } else {
     for (std::size_t i = 0; i < n; ++i) {
       if (i > 0) std::cout << ' ';
@@ -57,6 +64,7 @@ struct Rows {
       std::cout << '\n';
     }
     begun = true;
+    std::cout.precision(16);  // microseconds
     std::cout << time_s << ',' << +from.system << ',' << +from.component;
     Message::for_each_field(
         [](const FieldInfo&, const auto& value) {
@@ -75,7 +83,6 @@ int main(int argc, char** argv) {
     std::cerr << "usage: mavlink_tlog_to_csv MESSAGE < LOG, a message of common.xml\n";
     return 2;
   }
-  std::cout.precision(16);
   const std::vector<char> log(std::istreambuf_iterator<char>(std::cin), {});
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(log.data()), log.size());
   PacketParser parser(mavlink::common::table());
