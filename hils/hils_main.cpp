@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -115,6 +116,19 @@ void refuse_flags_of_our_controller(const RunFlags& flags) {
   refuse(flags.web, "--web", "start casweb beside it");
 }
 
+/// A run without a replay keeps its verdict.
+void leave_replay(const RunRequest& request, const RunResult& result, const std::string& out) {
+  try {
+    if (write_replay(request, result).empty()) {
+      fmt::print("Replay:  {}\n", why_no_page());
+    } else {
+      fmt::print("Replay:  {}\n", (std::filesystem::path(out) / "replay.html").string());
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "hils: the replay was not written: {}\n", error.what());
+  }
+}
+
 int run(const RunFlags& flags) {
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
@@ -155,13 +169,9 @@ int run(const RunFlags& flags) {
   for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
     write_ulog(request, result.vehicles[i].record, i);
   }
-  const bool has_replay = !write_replay(request, result).empty();
   fmt::print("{}\nResults: {}\n", text_report(result), flags.out);
-  if (has_replay) {
-    fmt::print("Replay:  {}\n", (std::filesystem::path(flags.out) / "replay.html").string());
-  } else {
-    fmt::print("{}\n", how_to_get_page());
-  }
+  std::fflush(stdout);
+  leave_replay(request, result, flags.out);
   return result.verdict.exit_code();
 }
 

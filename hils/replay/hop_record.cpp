@@ -2,11 +2,12 @@
 #include "hils/replay/hop_record.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -55,8 +56,8 @@ Passings passings(const casd::LinkLedger::Entries& entries, std::uint32_t messag
 struct Stretch {
   std::uint32_t message_id = 0;
   std::string message;
-  Passings from;
-  Passings to;
+  const Passings& from;
+  const Passings& to;
 };
 
 /// A hop, or casd between its two links; the first stretch is the one whose delays are shown.
@@ -69,6 +70,7 @@ struct Hop {
 struct Hops {
   std::vector<Hop> wires;
   std::vector<Hop> relay;
+  std::deque<Passings> points;  ///< that the hops lie between
 };
 
 Hops hops_of(const RunRecord& record) {
@@ -76,6 +78,9 @@ Hops hops_of(const RunRecord& record) {
   const std::string controls_name = controls == 91 ? "HIL_CONTROLS" : "HIL_ACTUATOR_CONTROLS";
   const bool relayed = record.relay.has_value();
   Hops hops;
+  const auto keep = [&hops](Passings found) -> const Passings& {
+    return hops.points.emplace_back(std::move(found));
+  };
   const auto add = [](std::vector<Hop>& list, std::string from, std::string to,
                       std::vector<Stretch> stretches) {
     list.push_back({std::move(from), std::move(to), std::move(stretches)});
@@ -86,27 +91,27 @@ Hops hops_of(const RunRecord& record) {
   for (const auto& [id, name] :
        {std::pair<std::uint32_t, std::string>{HilSensor::kId, "HIL_SENSOR"},
         std::pair<std::uint32_t, std::string>{HilGps::kId, "HIL_GPS"}}) {
-    const Passings sent = passings(record.simulator, Direction::kSent, id);
-    const Passings received = passings(record.controller, Direction::kReceived, id);
+    const Passings& sent = keep(passings(record.simulator, Direction::kSent, id));
+    const Passings& received = keep(passings(record.controller, Direction::kReceived, id));
     if (!relayed) {
       up_first.push_back({id, name, sent, received});
       continue;
     }
-    const Passings in = passings(record.relay->simulator.received(), id);
-    const Passings out = passings(record.relay->controller.sent(), id);
+    const Passings& in = keep(passings(record.relay->simulator.received(), id));
+    const Passings& out = keep(passings(record.relay->controller.sent(), id));
     up_first.push_back({id, name, sent, in});
     up_casd.push_back({id, name, in, out});
     up_last.push_back({id, name, out, received});
   }
-  const Passings answered = passings(record.controller, Direction::kSent, controls);
-  const Passings used = passings(record.simulator, Direction::kReceived, controls);
+  const Passings& answered = keep(passings(record.controller, Direction::kSent, controls));
+  const Passings& used = keep(passings(record.simulator, Direction::kReceived, controls));
   if (!relayed) {
     add(hops.wires, "sim", "fcu", std::move(up_first));
     add(hops.wires, "fcu", "sim", {{controls, controls_name, answered, used}});
     return hops;
   }
-  const Passings in = passings(record.relay->controller.received(), controls);
-  const Passings out = passings(record.relay->simulator.sent(), controls);
+  const Passings& in = keep(passings(record.relay->controller.received(), controls));
+  const Passings& out = keep(passings(record.relay->simulator.sent(), controls));
   add(hops.wires, "sim", "casd", std::move(up_first));
   add(hops.wires, "casd", "fcu", std::move(up_last));
   add(hops.wires, "fcu", "casd", {{controls, controls_name, answered, in}});
@@ -175,11 +180,10 @@ Json hops_json(const std::vector<Hop>& hops, bool with_delays) {
 /// From a sensor message to the control that echoes its stamp: [second, answers, median, 99 %,
 /// longest].
 Json loop_json(const RunRecord& record) {
-  const Stretch loop{
-      .message_id = HilSensor::kId,
-      .message = "loop",
-      .from = passings(record.simulator, Direction::kSent, HilSensor::kId),
-      .to = passings(record.simulator, Direction::kReceived, controls_message_id(record))};
+  const Passings sent = passings(record.simulator, Direction::kSent, HilSensor::kId);
+  const Passings answered =
+      passings(record.simulator, Direction::kReceived, controls_message_id(record));
+  const Stretch loop{.message_id = HilSensor::kId, .message = "loop", .from = sent, .to = answered};
   Json rows = Json::array();
   for (auto& [second, bin] : bins_of(loop)) {
     const DelayFigures delay = summarise(bin.delays_ns);
@@ -217,32 +221,60 @@ std::set<std::pair<std::uint64_t, bool>> tape_begins(const std::vector<Hop>& hop
   return begins;
 }
 
+/// One packet on a hop: the moments at which it leaves and arrives, nothing where it is lost.
+struct Travel {
+  std::int64_t left_ns = 0;
+  std::int64_t message_id = 0;
+  std::optional<std::int64_t> arrived_ns;
+};
+
+/// All packets of a hop in the order in which they leave.
+std::vector<Travel> travels_of(const Hop& hop) {
+  std::vector<Travel> travels;
+  for (const Stretch& stretch : hop.stretches) {
+    for (const auto& [stamp, left_ns] : stretch.from) {
+      Travel travel{.left_ns = left_ns, .message_id = stretch.message_id, .arrived_ns = {}};
+      const auto arrived = stretch.to.find(stamp);
+      if (arrived != stretch.to.end()) travel.arrived_ns = arrived->second;
+      travels.push_back(travel);
+    }
+  }
+  std::ranges::sort(travels, {}, [](const Travel& travel) {
+    return std::pair(travel.left_ns, travel.message_id);
+  });
+  return travels;
+}
+
+/// Those that leave within a tape: [message id, us after its begin, us on the way].
+Json tape_json(const std::vector<Travel>& travels, std::int64_t begin_ns) {
+  Json packets = Json::array();
+  auto travel = std::ranges::lower_bound(travels, begin_ns, {}, &Travel::left_ns);
+  for (; travel != travels.end() && travel->left_ns - begin_ns < kTapeNs; ++travel) {
+    const std::int64_t after_us = (travel->left_ns - begin_ns) / 1000;
+    if (travel->arrived_ns) {
+      const std::int64_t on_way_us = (*travel->arrived_ns - travel->left_ns) / 1000;
+      packets.push_back({travel->message_id, after_us, on_way_us});
+    } else {
+      packets.push_back({-travel->message_id, after_us, 0});
+    }
+  }
+  return packets;
+}
+
 Json tapes_json(const std::vector<Hop>& hops) {
-  Json tapes = Json::array();
-  std::vector<std::pair<std::uint64_t, std::int64_t>> sensors(
-      hops.front().stretches.front().from.begin(), hops.front().stretches.front().from.end());
+  std::vector<std::vector<Travel>> travels;
+  for (const Hop& hop : hops) travels.push_back(travels_of(hop));
+  const Passings& stamps = hops.front().stretches.front().from;
+  std::vector<std::pair<std::uint64_t, std::int64_t>> sensors(stamps.begin(), stamps.end());
   std::ranges::sort(sensors);
+  Json tapes = Json::array();
   for (const auto& [begin, around_loss] : tape_begins(hops)) {
     const auto first = std::ranges::lower_bound(sensors, begin, {},
                                                 &std::pair<std::uint64_t, std::int64_t>::first);
     if (first == sensors.end()) continue;
-    const std::int64_t origin_ns = first->second;
     Json by_hop = Json::object();
-    for (const Hop& hop : hops) {
-      std::vector<std::array<std::int64_t, 3>> packets;  // id, moment, time on the way
-      for (const Stretch& stretch : hop.stretches) {
-        for (const auto& [stamp, left_ns] : stretch.from) {
-          const std::int64_t after_ns = left_ns - origin_ns;
-          if (after_ns < 0 || after_ns >= kTapeNs) continue;
-          const auto arrived = stretch.to.find(stamp);
-          const bool lost = arrived == stretch.to.end();
-          const auto id = static_cast<std::int64_t>(stretch.message_id);
-          packets.push_back(
-              {lost ? -id : id, after_ns / 1000, lost ? 0 : (arrived->second - left_ns) / 1000});
-        }
-      }
-      std::ranges::sort(packets, {}, [](const auto& packet) { return packet[1]; });
-      by_hop[hop.from + ">" + hop.to] = packets;
+    for (std::size_t i = 0; i < hops.size(); ++i) {
+      by_hop[hops[i].from + ">" + hops[i].to] = tape_json(travels[i], first->second);
     }
     tapes.push_back({{"t_s", static_cast<double>(first->first) * 1e-6},
                      {"ms", kTapeNs / 1'000'000},

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
@@ -33,7 +34,7 @@ std::string record_of(const fs::path& source) {
                             "); `hils run` leaves one in its --out folder");
   }
   std::string record{std::istreambuf_iterator<char>(in), {}};
-  gunzip(record);  // says so when it is cut
+  check_gzip(record);  // says so when it is cut
   return record;
 }
 
@@ -42,8 +43,11 @@ std::string record_of(const fs::path& source) {
 fs::path write_replay(const RunRequest& request, const RunResult& run) {
   const std::string record = gzip(replay_record(request, run));
   base::write_file(record_file(request.out), record, base::Durability::kCache);
-  if (!has_page()) return {};
   fs::path file = request.out / "replay.html";
+  std::error_code error;
+  fs::remove(file, error);  // of an earlier run
+  if (error) throw base::ConfigError(file.string() + ": cannot be removed: " + error.message());
+  if (!has_page()) return {};
   base::write_file(file, replay_page({&record, 1}), base::Durability::kCache);
   return file;
 }

@@ -14,7 +14,8 @@ class App;
 
 namespace cas::hils {
 
-/// Leaves the record of a run in its folder, and replay.html where the page was built.
+/// Leaves the record of a run in its folder, and replay.html where the page was built; one of an
+/// earlier run goes in any case.
 /// @return replay.html, or an empty path
 /// @throws base::ConfigError
 std::filesystem::path write_replay(const RunRequest& request, const RunResult& run);

@@ -21,7 +21,7 @@ constexpr std::string_view kPlace = "<!--RECORDS-->";
 std::filesystem::path template_file() {
   const auto folder = base::web_dir();
   if (!folder || !std::filesystem::exists(*folder / "replay.html")) {
-    throw base::ConfigError(std::string(how_to_get_page()));
+    throw base::ConfigError(std::string(why_no_page()));
   }
   return *folder / "replay.html";
 }
@@ -46,23 +46,20 @@ std::string gzip(std::string_view text) {
   return bytes;
 }
 
-std::string gunzip(std::string_view bytes) {
+void check_gzip(std::string_view bytes) {
   z_stream stream{};
   if (inflateInit2(&stream, kGzip) != Z_OK) throw base::ConfigError("zlib cannot begin to read");
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib only reads it
   stream.avail_in = static_cast<uInt>(bytes.size());
-  std::string text;
-  std::array<char, 65536> part{};
+  std::array<char, 65536> part{};  // nobody reads it
   int state = Z_OK;
   while (state == Z_OK) {
     stream.next_out = reinterpret_cast<Bytef*>(part.data());
     stream.avail_out = static_cast<uInt>(part.size());
     state = inflate(&stream, Z_NO_FLUSH);
-    text.append(part.data(), part.size() - stream.avail_out);
   }
   inflateEnd(&stream);
   if (state != Z_STREAM_END) throw base::ConfigError("this is no record: it is not gzip, or cut");
-  return text;
 }
 
 std::string base64(std::string_view bytes) {
@@ -104,9 +101,8 @@ bool has_page() {
   return folder && std::filesystem::exists(*folder / "replay.html");
 }
 
-std::string_view how_to_get_page() {
-  return "the page was not built, so there is no replay.html: install nodejs and npm "
-         "(scripts/setup run) and build again";
+std::string_view why_no_page() {
+  return "no replay.html: CAS was built without the page (docs/web.md)";
 }
 
 std::filesystem::path record_file(const std::filesystem::path& out) {

@@ -11,8 +11,8 @@ namespace cas::hils {
 
 /// gzip of a text, the same bytes for the same text.
 std::string gzip(std::string_view text);
-/// What gzip() took. @throws base::ConfigError for other or damaged bytes
-std::string gunzip(std::string_view bytes);
+/// @throws base::ConfigError unless the bytes are gzip, and whole
+void check_gzip(std::string_view bytes);
 /// Base 64 of bytes (RFC 4648, Sect. 4).
 std::string base64(std::string_view bytes);
 
@@ -26,8 +26,8 @@ std::string replay_page(std::span<const std::string> records);
 
 /// Whether replay_page() has a page to put records into.
 bool has_page();
-/// How to get one: a sentence.
-std::string_view how_to_get_page();
+/// Why there is none: a sentence.
+std::string_view why_no_page();
 
 /// Where a run's folder has its record.
 std::filesystem::path record_file(const std::filesystem::path& out);

@@ -2,6 +2,7 @@
 // The command line of hils, up to where a flight would begin.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -72,24 +73,19 @@ TEST(HilsProgram, RefusesWhatMeansNothingToStockFirmware) {
   }
 }
 
-/// A plugin from a folder of its own flies, and its figures are in the run's folder.
-TEST(HilsProgram, FindsPluginsInAFolderOfTheirOwn) {
-  const TemporaryFolder folder;
-  const std::string scenario =
-      folder
-          .write("own.yaml",
-                 "schema: 1\n"
-                 "name: own\ndescription: With a plugin of its own\n"
-                 "vehicle: " +
-                     source_dir() + "/config/vehicles/iris_paper.yaml\n" + R"(
+/// A file with a short flight. @param more  further keys
+std::string short_flight(const TemporaryFolder& folder, const std::string& more) {
+  return folder
+      .write("own.yaml",
+             "schema: 1\n"
+             "name: own\ndescription: A short flight\n"
+             "vehicle: " +
+                 source_dir() + "/config/vehicles/iris_paper.yaml\n" + more + R"(
 home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
 decimal_year: 2026.5
 seed: 1
-architecture: tcas
 rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
 line: {preset: baud_921600}
-plugins:
-  - {plugin: fake_listener}
 steps:
   - arm
   - takeoff: {altitude_m: 2}
@@ -98,7 +94,49 @@ steps:
   - land
   - disarm
 )")
-          .string();
+      .string();
+}
+
+/// Flies it on the virtual clock, where the page is what stands in `web`.
+class Flight {
+ public:
+  Flight(const std::string& scenario, const std::string& out, const std::string& web)
+      : hils_({"/usr/bin/env", "CAS_WEB_PATH=" + web, binary_dir() + "/bin/hils", "run", scenario,
+               "--virtual", "--out", out}) {
+    EXPECT_EQ(hils_.wait_exit(), 0) << hils_.output();
+  }
+  bool says(const std::string& words) const {
+    return hils_.output().find(words) != std::string::npos;
+  }
+  std::string output() const { return hils_.output(); }
+
+ private:
+  ChildProcess hils_;
+};
+
+TEST(HilsProgram, KeepsItsVerdictWhereNoReplayCanBeWritten) {
+  const TemporaryFolder folder;
+  folder.write("web/index.html", "-");
+  folder.write("out/replay.html/in_the_way", "-");
+  const Flight flight(short_flight(folder, "architecture: direct"), folder / "out", folder / "web");
+  EXPECT_TRUE(flight.says("Results: ")) << flight.output();
+  EXPECT_TRUE(flight.says("hils: the replay was not written: ")) << flight.output();
+}
+
+TEST(HilsProgram, LeavesNoReplayOfAnEarlierRun) {
+  const TemporaryFolder folder;
+  folder.write("web/index.html", "-");  // and no replay.html
+  const std::filesystem::path old = folder.write("out/replay.html", "of an earlier run");
+  const Flight flight(short_flight(folder, "architecture: direct"), folder / "out", folder / "web");
+  EXPECT_FALSE(std::filesystem::exists(old));
+  EXPECT_TRUE(flight.says("Replay:  no replay.html")) << flight.output();
+}
+
+/// A plugin from a folder of its own flies, and its figures are in the run's folder.
+TEST(HilsProgram, FindsPluginsInAFolderOfTheirOwn) {
+  const TemporaryFolder folder;
+  const std::string scenario =
+      short_flight(folder, "architecture: tcas\nplugins:\n  - {plugin: fake_listener}");
   const std::vector<std::string> run{scenario, "--virtual", "--out", folder / "out"};
   EXPECT_NE(refusal(run).find("fake_listener"), std::string::npos);
   std::vector<std::string> with_folder = run;

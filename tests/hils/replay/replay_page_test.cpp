@@ -33,14 +33,14 @@ TEST(ReplayPage, Base64IsThatOfTheStandard) {  // RFC 4648, Sect. 10
   EXPECT_EQ(base64("foob\xff"), "Zm9vYv8=");
 }
 
-TEST(ReplayPage, GzipIsRepeatableAndComesBack) {
+TEST(ReplayPage, GzipIsRepeatableAndCheckedToItsEnd) {
   const std::string text(100'000, 'a');
   EXPECT_EQ(gzip(text), gzip(text));
   EXPECT_LT(gzip(text).size(), 1000U);
-  EXPECT_EQ(gunzip(gzip(text)), text);
-  EXPECT_THROW(gunzip("no record"), base::ConfigError);
   const std::string whole = gzip(text);
-  EXPECT_THROW(gunzip(whole.substr(0, whole.size() / 2)), base::ConfigError);
+  EXPECT_NO_THROW(check_gzip(whole));
+  EXPECT_THROW(check_gzip("no record"), base::ConfigError);
+  EXPECT_THROW(check_gzip(whole.substr(0, whole.size() / 2)), base::ConfigError);
 }
 
 /// CAS_WEB_PATH as long as it lives.
