@@ -343,10 +343,7 @@ std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   BenchPrograms programs(supervisor, places, request);
   programs.start();
   std::optional<WebView> web;
-  if (request.web) {
-    web.emplace(places);
-    fmt::print(stderr, "Page: {}\n", web->address());
-  }
+  if (request.web) web.emplace(places, supervisor);
   try {
     if (!request.fcu_device.empty()) check_device(supervisor, places, request);
     RealtimePilot(supervisor, programs, places, request,

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/web_view.hpp"
 
+#include <fmt/format.h>
 #include <poll.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <string>
 
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "base/time/clock.hpp"
-#include "hils/programs/supervisor.hpp"
 
 namespace cas::hils {
 
@@ -17,20 +21,49 @@ namespace {
 constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
 constexpr int kPoll_ms = 50;
 
-}  // namespace
-
-WebView::WebView(const RunPlaces& places) {
-  // A page that is open from an earlier run finds the next one at the same address.
-  if (start(places, "127.0.0.1:5791") || start(places, "127.0.0.1:0")) return;
-  throw RunStopped("casweb did not start; its last lines:" + casweb_->log_tail(), false);
+std::filesystem::path address_file(const RunPlaces& places) {
+  return places.sockets / "casweb.address";
 }
 
-bool WebView::start(const RunPlaces& places, const std::string& listen) {
+/// The token is shown on a terminal alone: logs are kept, and others read them.
+std::string address_words(const std::filesystem::path& file) {
+  std::string address;
+  std::getline(std::ifstream(file), address);
+  if (::isatty(STDERR_FILENO) != 0) return address;
+  return address.substr(0, address.find('#')) + " (the address with its token is in " +
+         file.string() + ")";
+}
+
+}  // namespace
+
+WebView::WebView(const RunPlaces& places, const Supervisor& supervisor) {
+  std::string fault;
+  try {
+    const bool listens =
+        start(places, supervisor, "127.0.0.1:5791") ||
+        (casweb_->poll_exit() && casweb_->poll_exit()->code == base::kExitCommandPort &&
+         start(places, supervisor, "127.0.0.1:0"));
+    if (!listens) fault = "casweb did not start; its last lines:" + casweb_->log_tail();
+  } catch (const base::ConfigError& error) {
+    fault = error.what();
+  }
+  if (!fault.empty()) {
+    casweb_.reset();
+    fmt::print(stderr, "hils: the run goes on without a page: {}\n", fault);
+    return;
+  }
+  fmt::print(stderr, "Page: {}\n", address_words(address_file(places)));
+  if (!base::web_dir()) fmt::print(stderr, "hils: CAS was built without the page (docs/web.md)\n");
+}
+
+bool WebView::start(const RunPlaces& places, const Supervisor& supervisor,
+                    const std::string& listen) {
   const std::filesystem::path programs =
       std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  const std::filesystem::path file = places.sockets / "casweb.address";
   ChildProcess::Options options;
   options.name = "casweb";
+  // A token of this run: a page that stays open must tell the next program at this port none that
+  // it takes.
   options.arguments = {(programs / "casweb").string(),
                        "--listen",
                        listen,
@@ -38,18 +71,20 @@ bool WebView::start(const RunPlaces& places, const std::string& listen) {
                        places.command_port,
                        "--hilsim",
                        places.simulator_control(),
+                       "--token-file",
+                       places.sockets / "casweb.token",
                        "--address-file",
-                       file};
+                       address_file(places)};
   options.log_file = places.run / "casweb.log";
   options.notify_socket = places.sockets / "casweb.notify";
   casweb_ = std::make_unique<ChildProcess>(std::move(options));
   const base::RunTime deadline = base::steady_now() + kReadyTimeout;
   while (!casweb_->take_notifications()) {
+    supervisor.check();
     if (casweb_->poll_exit() || base::steady_now() > deadline) return false;
     pollfd entries[] = {{casweb_->notify_fd(), POLLIN, 0}, {casweb_->pidfd(), POLLIN, 0}};
     ::poll(entries, 2, kPoll_ms);
   }
-  std::getline(std::ifstream(file), address_);
   return true;
 }
 

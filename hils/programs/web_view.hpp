@@ -5,6 +5,7 @@
 #include <string>
 
 #include "hils/programs/child_process.hpp"
+#include "hils/programs/supervisor.hpp"
 #include "hils/run/run_places.hpp"
 
 namespace cas::hils {
@@ -13,18 +14,17 @@ namespace cas::hils {
 /// it.
 class WebView {
  public:
-  /// Starts casweb at its usual port, or at a free one where that is taken, and waits until it
-  /// listens. @throws RunStopped, base::ConfigError
-  explicit WebView(const RunPlaces& places);
-
-  /// With the token: "http://127.0.0.1:5791/#k=...".
-  const std::string& address() const { return address_; }
+  /// Starts casweb at its usual port, or at a free one where that is taken, waits until it listens
+  /// and says on standard error where the page is. The token is one of this run alone; only a
+  /// terminal is shown it. Where casweb does not start it says why, and the run goes on.
+  /// @throws RunStopped when the run is stopped meanwhile
+  WebView(const RunPlaces& places, const Supervisor& supervisor);
 
  private:
-  bool start(const RunPlaces& places, const std::string& listen);
+  /// @return whether it listens
+  bool start(const RunPlaces& places, const Supervisor& supervisor, const std::string& listen);
 
   std::unique_ptr<ChildProcess> casweb_;
-  std::string address_;
 };
 
 }  // namespace cas::hils

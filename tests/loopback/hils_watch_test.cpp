@@ -226,23 +226,34 @@ TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
   end(*run);
 }
 
-TEST_F(HilsWatch, APageShowsTheRunAtTheAddressThatItPrints) {
+TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
   ChildProcess run(in_session("hils", {"run", folder_.write("long.yaml", scenario_text()).string(),
                                        "--web", "--out", folder_ / "out"}));
-  std::smatch address;
+  std::smatch told;
   std::string text;
   ASSERT_TRUE(wait_until([&] {
     text = run.output();
     return std::regex_search(
-        text, address, std::regex("Page: http://127\\.0\\.0\\.1:([0-9]+)/#k=([0-9a-f]{64})\n"));
+        text, told,
+        std::regex("Page: (http://127\\.0\\.0\\.1:([0-9]+)/) \\(the address with its token is in "
+                   "(.*)\\)\n"));
   })) << run.output();
-  WebPage page(static_cast<std::uint16_t>(std::stoi(address[1])));
-  ASSERT_TRUE(page.hello(address[2]).contains("result"));
+  EXPECT_EQ(text.find("#k="), std::string::npos) << "what is no terminal is told no token";
+  const fs::path file = told[3].str();
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  const std::string address = TemporaryFolder::read(file);
+  const std::string begin = told[1].str() + "#k=";
+  ASSERT_TRUE(address.starts_with(begin)) << address;
+  WebPage page(static_cast<std::uint16_t>(std::stoi(told[2])));
+  const std::string token = address.substr(begin.size(), address.size() - begin.size() - 1);
+  ASSERT_TRUE(page.hello(token).contains("result"));
+  EXPECT_FALSE(fs::exists(session_.path() / "cas" / "casweb.token")) << "it ends with the run";
   EXPECT_TRUE(wait_until([&] {
     return page.call("sim.scene", nlohmann::json::object()).contains("result") &&
            page.call("casd.status", nlohmann::json::object()).contains("result");
   })) << page.call("bench.status", nlohmann::json::object());
   end(run);
+  EXPECT_FALSE(fs::exists(file));
 }
 
 TEST_F(HilsWatch, RefusesAPortThatAnotherProgramHas) {
