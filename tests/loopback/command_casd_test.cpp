@@ -118,7 +118,8 @@ TEST_F(CommandCasdTest, GivesTheVehiclesReasonForARefusal) {
 TEST_F(CommandCasdTest, HoldsTheInterlock) {
   start([](FakeVehicle& vehicle) { vehicle.base_mode = MavModeFlag::kCustomModeEnabled; });
   std::string output;
-  EXPECT_EQ(casctl({"arm", "--not-hil", "--no-wait"}, &output), 1);
+  EXPECT_EQ(casctl({"arm", "--not-hil"}, &output), 1);
+  EXPECT_EQ(output.find("waiting"), std::string::npos) << output;
   EXPECT_NE(output.find("allow_not_hil"), std::string::npos) << output;
   for (const auto& command : vehicle_->stop().commands) {
     EXPECT_NE(command.command, mavlink::common::MavCmd::kComponentArmDisarm);

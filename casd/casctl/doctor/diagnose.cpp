@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -58,13 +59,15 @@ double drop_growth(const DoctorFacts& facts, const json& link, const std::string
   return drops(link) - drops(link_named(facts.before, link.value("name", "")));
 }
 
-/// Rate of messages of these names on a link in one direction.
+/// Rate of messages of these names on a link in one direction. @param system  nothing: of all
 double rate_of(const DoctorFacts& facts, const std::string& link, const std::string& direction,
-               const std::set<std::string>& names) {
+               const std::set<std::string>& names, std::optional<int> system = std::nullopt) {
   double hz = 0;
   for (const json& message : facts.messages) {
     if (message.value("link", "") == link && message.value("direction", "") == direction &&
-        names.contains(message.value("name", "")) && message.value("age_s", 1e9) < kFresh_s) {
+        names.contains(message.value("name", "")) &&
+        (!system || message.value("system", 0) == *system) &&
+        message.value("age_s", 1e9) < kFresh_s) {
       hz += message.value("hz", 0.0);
     }
   }
@@ -224,7 +227,19 @@ void check_devices(const DoctorFacts& facts, Findings& all) {
   }
 }
 
-/// Whether a HIL stream passes casd to or from the vehicle's link.
+/// The links that a vehicle's system is heard on: the ways of a group are one vehicle's.
+std::set<std::string> links_of(const DoctorFacts& facts, const json& vehicle) {
+  std::set<std::string> links{vehicle.value("link", "")};
+  for (const json& message : facts.messages) {
+    if (message.value("direction", "") == "rx" && message.value("name", "") == "HEARTBEAT" &&
+        message.value("system", 0) == vehicle.value("system", 0)) {
+      links.insert(message.value("link", ""));
+    }
+  }
+  return links;
+}
+
+/// Whether a HIL stream passes casd to or from a link.
 bool has_stream(const DoctorFacts& facts, const std::string& link) {
   return rate_of(facts, link, "tx", {"HIL_SENSOR"}) > 0 ||
          rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"}) > 0;
@@ -232,13 +247,36 @@ bool has_stream(const DoctorFacts& facts, const std::string& link) {
 
 /// Whether a vehicle that does not say HIL is stock firmware in software (SITL), which never does
 /// and exchanges sensors and controls with its simulator directly: the topology must consent to
-/// such vehicles, and nothing may speak for a board.
+/// such vehicles, and nothing may speak for a board: what PX4 did not answer may.
 bool is_in_software(const DoctorFacts& facts, const json& vehicle) {
-  const std::string link = vehicle.value("link", "");
   const std::string autopilot = vehicle.value("autopilot", "");
+  if (autopilot == "PX4") {
+    const auto sys_hitl = facts.sys_hitl.find(vehicle.value("system", 0));
+    if (sys_hitl == facts.sys_hitl.end() || sys_hitl->second != 0) return false;
+  } else if (autopilot != "ArduPilot") {
+    return false;
+  }
+  const std::set<std::string> links = links_of(facts, vehicle);
   return facts.after.value("allow_not_hil", false) && !vehicle.value("hil", false) &&
-         (autopilot == "PX4" || autopilot == "ArduPilot") && facts.sys_hitl.value_or(0) != 1.0 &&
-         link_named(facts.after, link).value("type", "") != "serial" && !has_stream(facts, link);
+         std::none_of(links.begin(), links.end(), [&facts](const std::string& link) {
+           return link_named(facts.after, link).value("type", "") == "serial" ||
+                  has_stream(facts, link);
+         });
+}
+
+/// What helps a vehicle that does not say HIL.
+std::string remedy_for_no_hil(const DoctorFacts& facts, const json& vehicle) {
+  const int system = vehicle.value("system", 0);
+  if (const auto why = facts.unasked.find(system); why != facts.unasked.end()) {
+    return "SYS_HITL could not be read: " + why->second + "; ask again, it says what is there";
+  }
+  const auto found = facts.sys_hitl.find(system);
+  if (found != facts.sys_hitl.end() && found->second == 1.0) {
+    return "SYS_HITL is 1 already: restart the board";
+  }
+  return "PX4: casctl param set SYS_HITL 1, then casctl reboot; a firmware in software (SITL) "
+         "never "
+         "says so: see docs/firmware";
 }
 
 void check_vehicles(const DoctorFacts& facts, Findings& all) {
@@ -261,15 +299,13 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
     } else if (age_s > kFresh_s) {
       bad(all, who + " has been silent for " + fixed(age_s, 0) + " s", "see its link above");
     } else if (is_in_software(facts, vehicle)) {
-      good(all, who + " is taken for " + vehicle.value("autopilot", "") +
-                    " in software (SITL): it does not say HIL, and the topology allows that "
-                    "(allow_not_hil); casctl arm --not-hil arms it");
+      good(all,
+           who + " is taken for " + vehicle.value("autopilot", "") +
+               " in software (SITL): it does not say HIL, and the topology allows that "
+               "(allow_not_hil); casctl arm --not-hil arms it. Its sensors do not pass casd: not "
+               "checked");
     } else if (!vehicle.value("hil", false)) {
-      bad(all, who + " does not say that it is in HIL mode",
-          facts.sys_hitl == 1.0 ? "SYS_HITL is 1 already: restart the board"
-                                : "PX4: casctl param set SYS_HITL 1, then casctl reboot; a "
-                                  "firmware in software (SITL) never says so: see "
-                                  "docs/firmware");
+      bad(all, who + " does not say that it is in HIL mode", remedy_for_no_hil(facts, vehicle));
     } else {
       good(all, who + " is in HIL mode");
     }
@@ -310,9 +346,11 @@ void check_readiness(const DoctorFacts& facts, Findings& all) {
     } else if (checks == "unknown") {
       const std::string autopilot = vehicle.value("autopilot", "");
       const bool tells = autopilot == "PX4" || autopilot == "ArduPilot";
-      if (rate_of(facts, vehicle.value("link", ""), "rx", {"SYS_STATUS"}) > 0) {
+      if (rate_of(facts, vehicle.value("link", ""), "rx", {"SYS_STATUS"},
+                  vehicle.value("system", 0)) > 0) {
         warn(all, who + " does not tell whether its arming checks pass",
-             "PX4 tells it from v1.13 on; casctl arm tells what it lacks");
+             std::string(autopilot == "PX4" ? "PX4 tells it from v1.13 on; " : "") +
+                 "casctl arm tells what it lacks");
       } else {
         all.push_back({tells ? Health::kBad : Health::kWarning,
                        who + " has not told whether its arming checks pass",
@@ -329,12 +367,9 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
     const std::string link = vehicle.value("link", "");
     const std::string who = "vehicle " + vehicle.at("system").dump();
-    if (is_in_software(facts, vehicle)) {
-      good(all, who +
-                    " exchanges sensors and controls with its simulator, not through casd; "
-                    "hilsim's figures have their rates");
+    // Of these the vehicle's own line says all.
+    if (vehicle.value("heartbeat_age_s", 0.0) > kFresh_s || is_in_software(facts, vehicle))
       continue;
-    }
     const double sensor_hz = rate_of(facts, link, "tx", {"HIL_SENSOR"});
     const double control_hz = rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
     if (sensor_hz <= 0) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -23,8 +24,8 @@ struct DoctorFacts {
   nlohmann::json after;     ///< casd.status, `seconds` later
   nlohmann::json messages;  ///< message.list after
   double seconds = 0;
-  std::optional<double> sys_hitl;  ///< parameter of a PX4 vehicle
-  std::string param_fault;         ///< why it could not be read
+  std::map<int, double> sys_hitl;      ///< by system: the parameter of PX4s that do not say HIL
+  std::map<int, std::string> unasked;  ///< why it could not be read
 
   std::vector<DeviceFacts> devices;
   std::vector<std::string> governors;  ///< CPU frequency governors in force

@@ -102,12 +102,12 @@ std::vector<DeviceFacts> look_at_devices(const json& status) {
 void read_sys_hitl(Session& session, DoctorFacts& facts) {
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
     if (vehicle.value("autopilot", "") != "PX4" || vehicle.value("hil", false)) continue;
+    const int system = vehicle.at("system");
     try {
-      facts.sys_hitl =
-          session.call("param.get", {{"vehicle", vehicle.at("system")}, {"name", "SYS_HITL"}})
-              .value("value", 0.0);
+      facts.sys_hitl[system] =
+          session.call("param.get", {{"vehicle", system}, {"name", "SYS_HITL"}}).at("value");
     } catch (const base::rpc::CallError& error) {
-      facts.param_fault = error.what();
+      facts.unasked[system] = error.what();
     }
   }
 }

@@ -127,10 +127,13 @@ json arm(Session& session, const json& params) {
 void wait_for_position(Session& session, bool not_hil) {
   using Clock = std::chrono::steady_clock;
   const auto give_up = Clock::now() + std::chrono::duration<double>(session.options().timeout_s);
+  const bool consented = not_hil && session.call("casd.status").value("allow_not_hil", false);
   for (;;) {
     const json state = session.vehicle_call("vehicle.state");
-    const bool armable = not_hil || state.value("hil", false);
-    if (!armable || state.value("armed", false) || !state.contains("position_lacks")) return;
+    const bool armable = state.value("hil", false) || consented;
+    if (!armable || state.contains("rival") || state.value("armed", false) ||
+        !state.contains("position_lacks"))
+      return;
     const std::string lack = state["position_lacks"];
     if (Clock::now() >= give_up) {
       throw WaitTimeout("not armed, because it could not take off: " + lack +

@@ -106,8 +106,9 @@ TEST_F(CasctlTest, SaysNothingOfARestartThatWasRefused) {
 
 TEST_F(CasctlTest, EndsWithOneAtTheInterlock) {
   fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
-  const Ended refused = run("arm --not-hil --no-wait");
+  const Ended refused = run("arm --not-hil");
   EXPECT_EQ(refused.code, 1);
+  EXPECT_EQ(refused.out.find("waiting"), std::string::npos) << refused.out;
   EXPECT_NE(refused.out.find("allow_not_hil"), std::string::npos) << refused.out;
 }
 

@@ -100,7 +100,7 @@ DoctorFacts software_setup() {
   }
   facts.devices.clear();
   facts.messages = json::array({message("px4", "rx", "HEARTBEAT", 1)});
-  facts.sys_hitl = 0;
+  facts.sys_hitl[1] = 0;
   return facts;
 }
 
@@ -115,11 +115,46 @@ TEST(Doctor, TakesNoVehicleForSoftwareThatMayBeABoard) {
   no_consent.after["allow_not_hil"] = false;
   EXPECT_NE(complaints(no_consent).find(bad), std::string::npos) << complaints(no_consent);
   DoctorFacts restart = software_setup();
-  restart.sys_hitl = 1;
+  restart.sys_hitl[1] = 1;
   EXPECT_NE(complaints(restart).find(bad), std::string::npos) << complaints(restart);
   DoctorFacts board = software_setup();
   board.after["links"][0]["type"] = "serial";
   EXPECT_NE(complaints(board).find(bad), std::string::npos) << complaints(board);
+  DoctorFacts unanswered = software_setup();
+  unanswered.sys_hitl.clear();
+  unanswered.unasked[1] = "no answer";
+  EXPECT_NE(complaints(unanswered).find(bad), std::string::npos) << complaints(unanswered);
+  DoctorFacts another = software_setup();
+  another.sys_hitl = {{2, 0}};
+  EXPECT_NE(complaints(another).find(bad), std::string::npos) << "the answer of another vehicle";
+  DoctorFacts grouped = software_setup();
+  grouped.after["links"].push_back(link("line", "serial"));
+  grouped.messages.push_back(message("line", "rx", "HEARTBEAT", 1));
+  EXPECT_NE(complaints(grouped).find(bad), std::string::npos) << "it has a serial way, too";
+}
+
+TEST(Doctor, SaysNothingGoodOfWhatItDidNotLookAt) {
+  EXPECT_NE(findings(software_setup()).find("do not pass casd: not checked"), std::string::npos);
+  DoctorFacts silent = software_setup();
+  silent.after["vehicles"][0]["heartbeat_age_s"] = 20;
+  EXPECT_EQ(findings(silent).find("sensors"), std::string::npos) << findings(silent);
+}
+
+TEST(Doctor, TakesNoSysStatusOfAnotherVehicleForThisOnes) {
+  DoctorFacts facts = software_setup();
+  facts.after["vehicles"][0]["arming_checks"] = "unknown";
+  facts.messages.push_back(message("px4", "rx", "SYS_STATUS", 1, 2));
+  EXPECT_EQ(complaints(facts), "vehicle 1 has not told whether its arming checks pass\n");
+}
+
+TEST(Doctor, GivesArduPilotNoAdviceForPx4) {
+  DoctorFacts facts = software_setup();
+  facts.after["vehicles"][0]["autopilot"] = "ArduPilot";
+  facts.after["vehicles"][0]["arming_checks"] = "unknown";
+  facts.messages.push_back(message("px4", "rx", "SYS_STATUS", 1));
+  for (const Finding& finding : diagnose(facts)) {
+    EXPECT_EQ(finding.remedy.find("PX4"), std::string::npos) << finding.remedy;
+  }
 }
 
 // PX4 v1.12.0 has no MAV_SYS_STATUS_PREARM_CHECK.

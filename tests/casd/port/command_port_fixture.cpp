@@ -30,6 +30,9 @@ struct CommandPortFixture::Impl {
         VehicleHooks{.now = base::steady_now,
                      .link_name = [](LinkId) { return "fcu"; },
                      .audit = [this](const std::string& line) { audit.push_back(line); }});
+    server.add_method("casd.status", [this](const auto&, const auto& reply) {
+      reply.result({{"allow_not_hil", options.allow_not_hil}});
+    });
   }
 
   /// Carries packets both ways every millisecond, heartbeats every second.
