@@ -51,7 +51,7 @@ struct RunFlags {
   std::string architecture;
   std::optional<std::uint64_t> seed;
   std::string fcu_device;
-  unsigned fcu_baud = 921600;
+  std::optional<unsigned> fcu_baud;
   std::string out;
   std::string ground_station;
   std::vector<std::string> plugin_dirs;
@@ -112,6 +112,7 @@ void refuse_flags_of_our_controller(const RunFlags& flags) {
   refuse(!flags.architecture.empty(), "--architecture", "its topology says how it is connected");
   refuse(!flags.fcu_device.empty(), "--fcu",
          "it is started as a program; for a board take the scenario pixhawk.yaml");
+  refuse(flags.fcu_baud.has_value(), "--fcu-baud", "its topology has the baud rate");
   refuse(!flags.ground_station.empty(), "--gcs", "its topology has a link for a ground station");
   refuse(flags.web, "--web", "start casweb beside it");
 }
@@ -144,7 +145,7 @@ int run(const RunFlags& flags) {
       flags.lockstep && !flags.on_virtual_clock && request.architecture != Architecture::kDirect;
   request.seed = flags.seed.value_or(request.scenario.seed);
   request.fcu_device = flags.fcu_device;
-  request.fcu_baud = flags.fcu_baud;
+  request.fcu_baud = flags.fcu_baud.value_or(request.fcu_baud);
   if (!flags.fcu_device.empty() &&
       (flags.on_virtual_clock || request.architecture == Architecture::kDirect)) {
     throw base::ConfigError("a real controller cannot be flown on the virtual clock");
@@ -163,6 +164,7 @@ int run(const RunFlags& flags) {
   request.announced = true;
   request.out = std::filesystem::absolute(flags.out);
   std::filesystem::create_directories(request.out);
+  remove_verdict(request.out);
 
   const RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
   write_results(request, result);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -20,7 +21,10 @@
 #include "hils/programs/supervisor.hpp"
 #include "hils/programs/watch_line.hpp"
 #include "hils/report/report.hpp"
+#include "hils/report/results_folder.hpp"
 #include "hils/run/run_places.hpp"
+#include "mavlink/common/autopilot_version.hpp"
+#include "mavlink/common/enums.hpp"
 
 namespace cas::hils {
 namespace {
@@ -30,6 +34,10 @@ using base::rpc::Json;
 constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
 constexpr base::Duration kStopPatience = std::chrono::seconds(5);
 constexpr base::Duration kPollPeriod = std::chrono::milliseconds(50);
+/// All in real time.
+constexpr base::Duration kVersionPatience = std::chrono::seconds(20);
+constexpr base::Duration kAskAgain = std::chrono::seconds(3);
+constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
 /// PX4 disarms 2 s after it has noticed a landing (v1.12.0, v1.16.1), ArduCopter 4.5.6 sooner.
 constexpr FirmwareHabits kHabits{.arms_early = true, .disarms_itself = std::chrono::seconds(5)};
 
@@ -123,16 +131,25 @@ class FirmwarePilot {
         plan_(scenario.steps, 0, kHabits) {}
 
   FirmwareFigures fly() {
-    if (!is_heard()) return figures_;
+    if (!is_heard() || !is_of_age()) return figures_;
     while (!plan_.done() && plan_.failure().empty()) {
-      if (is_too_old()) return figures_;
       const base::SimTime now = look();
       const VehicleReport vehicle = relative_report();
+      was_armed_ = was_armed_ || vehicle.armed;
+      if (figures_.version.empty()) figures_.version = vehicle.firmware;
+      plan_.fail(silence_fault(vehicle));
+      if (!plan_.failure().empty()) break;
       const std::optional<FlightStep> command = plan_.update(now, vehicle);
       measure();
       progress_.show(now, plan_, vehicle, pace_words(figures_.real_time_factor));
+      if (command && command->kind == StepKind::kArm && was_armed_) {
+        plan_.fail(disarm_fault(read_outside_calls(casd_, own_calls_)));
+        if (!plan_.failure().empty()) break;
+      }
       if (command) {
-        const std::string refusal = give(casd_, *command, scenario_.not_hil);
+        const std::string refusal =
+            give(casd_, *command, scenario_.not_hil, std::nullopt, &own_calls_);
+        was_armed_ = was_armed_ || (command->kind == StepKind::kArm && refusal.empty());
         plan_.on_outcome(look(), refusal);
       } else {
         supervisor_.wait(kPollPeriod);
@@ -165,19 +182,33 @@ class FirmwarePilot {
     return true;
   }
 
-  /// Asks until the firmware has told its version, which a flight does not wait for.
-  bool is_too_old() {
-    if (!figures_.version.empty()) return false;
-    const Firmware& wanted = scenario_.firmware;
-    figures_.version = casd_.call("vehicle.state", Json::object()).value("firmware", "");
-    if (figures_.version.empty() || is_at_least(figures_.version, wanted.least_version)) {
-      return false;
+  /// Waits until the firmware has told the version that the scenario wants, and asks for it now and
+  /// then: what casd asked upon the first HEARTBEAT may have come too early.
+  bool is_of_age() {
+    const base::RunTime deadline = base::steady_now() + kVersionPatience;
+    for (base::RunTime ask_at = base::steady_now() + kAskAgain;;) {
+      figures_.version = vehicle_report(casd_).firmware;
+      const bool wanted = !scenario_.firmware.least_version.empty();
+      if (!wanted || !figures_.version.empty() || base::steady_now() > deadline) break;
+      if (base::steady_now() > ask_at) {
+        ask_for_version();
+        ask_at = base::steady_now() + kAskAgain;
+      }
+      supervisor_.wait(kPollPeriod);
     }
-    figures_.flight_failure =
-        fmt::format("the firmware is v{}, and the scenario is for v{} and later", figures_.version,
-                    wanted.least_version);
-    if (!wanted.hint.empty()) figures_.flight_failure += "; " + wanted.hint;
-    return true;
+    figures_.flight_failure = version_fault(scenario_.firmware, figures_.version);
+    return figures_.flight_failure.empty();
+  }
+
+  /// A refusal means that it has none to tell, or not yet.
+  void ask_for_version() {
+    const Json params{{"command", static_cast<int>(mavlink::common::MavCmd::kRequestMessage)},
+                      {"params", {mavlink::common::AutopilotVersion::kId}}};
+    own_calls_.emplace_back("vehicle.command", params.dump());
+    try {
+      casd_.call("vehicle.command", params);
+    } catch (const base::rpc::CallError&) {
+    }
   }
 
   base::SimTime look() {
@@ -217,6 +248,8 @@ class FirmwarePilot {
   base::rpc::Client simulator_;
   base::rpc::Client casd_;
   FlightPlan plan_;
+  CallList own_calls_;
+  bool was_armed_ = false;
   Progress progress_;
   FirmwareFigures figures_;
   Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();
@@ -275,13 +308,17 @@ std::optional<RmsFigures> rms_of_hold(const std::vector<Stage>& stages,
     const auto held = between(truth, microseconds(stage.begin), microseconds(stage.end));
     if (held.empty()) return std::nullopt;
     Pose mean;
+    double sines = 0;
+    double cosines = 0;
     const auto count = static_cast<double>(held.size());
     for (const PoseSample& sample : held) {
       mean.x_m += sample.pose.x_m / count;
       mean.y_m += sample.pose.y_m / count;
       mean.z_m += sample.pose.z_m / count;
+      sines += std::sin(sample.pose.yaw_rad);
+      cosines += std::cos(sample.pose.yaw_rad);
     }
-    mean.yaw_rad = held.front().pose.yaw_rad;  // a mean of angles is none
+    mean.yaw_rad = std::atan2(sines, cosines);
     return rms_about(held, [&mean](std::int64_t) { return mean; });
   }
   return std::nullopt;
@@ -324,6 +361,37 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures) {
   }
 }
 
+std::string version_fault(const Firmware& wanted, const std::string& version) {
+  if (wanted.least_version.empty()) return {};
+  if (version.empty()) {
+    return fmt::format(
+        "the firmware did not tell its version within {:.0f} s, and the scenario is for v{} and "
+        "later",
+        base::to_seconds(kVersionPatience), wanted.least_version);
+  }
+  if (is_at_least(version, wanted.least_version)) return {};
+  return fmt::format("the firmware is v{}, and the scenario is for v{} and later{}{}", version,
+                     wanted.least_version, wanted.hint.empty() ? "" : "; ", wanted.hint);
+}
+
+std::string silence_fault(const VehicleReport& vehicle) {
+  if (vehicle.heard && vehicle.heartbeat_age_s <= base::to_seconds(kSilencePatience)) return {};
+  return fmt::format(
+      "the firmware has sent no HEARTBEAT for {:.0f} s; run/firmware.log in the results has what "
+      "it says",
+      base::to_seconds(kSilencePatience));
+}
+
+std::string disarm_fault(const std::vector<OutsideCall>& calls) {
+  for (const OutsideCall& call : calls) {
+    const bool asks = call.method == "vehicle.message_interval";
+    if (asks || !call.method.starts_with("vehicle.")) continue;
+    return fmt::format("the vehicle was disarmed from outside: {} called {}", call.client,
+                       call.method);
+  }
+  return {};
+}
+
 void add_losses(const Json& links, FirmwareFigures& figures) {
   for (const Json& link : links) {
     for (const Json& count : link.at("tx").at("dropped")) {
@@ -362,6 +430,7 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
 }
 
 int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out) {
+  remove_verdict(out);
   const RunDirectory sockets;
   const FirmwarePlaces places{.out = out,
                               .run = out / "run",
@@ -379,7 +448,8 @@ int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& 
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
   } catch (const RunStopped& stopped) {
     const std::string& hint = scenario.firmware.hint;
-    if (stopped.interrupted() || hint.empty()) throw;
+    const bool of_firmware = std::string_view(stopped.what()).starts_with("firmware ");
+    if (!of_firmware || hint.empty()) throw;
     throw RunStopped(std::string(stopped.what()) + "\n" + hint, false);
   }
   bench.stop();

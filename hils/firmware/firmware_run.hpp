@@ -10,6 +10,7 @@
 
 #include "hils/firmware/firmware_scenario.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/measure/flight_changes.hpp"
 #include "hils/measure/incident.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/tracking.hpp"
@@ -41,13 +42,21 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures);
 /// Takes over what casd's counters say (link.list).
 void add_losses(const nlohmann::json& links, FirmwareFigures& figures);
 
+/// Why a firmware of this version is not flown; empty: it may be. @param version  empty: not told
+std::string version_fault(const Firmware& wanted, const std::string& version);
+/// Why a flight does not wait for its vehicle any longer; empty: it speaks.
+std::string silence_fault(const VehicleReport& vehicle);
+/// Why a vehicle that was disarmed is not armed again: somebody else had casd command it; empty:
+/// nobody did.
+std::string disarm_fault(const std::vector<OutsideCall>& calls);
+
 /// What the flight was held to: that it was completed and recorded, without incidents, and within
 /// each limit of the scenario.
 Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures);
 
 /// Starts casd, hilsim and the firmware, flies the steps through casd, prints and writes the
-/// figures (summary.json, junit.xml, truth.csv). @return exit code of hils. @throws RunStopped,
-/// base::ConfigError
+/// figures (summary.json, junit.xml, truth.csv); those of an earlier run go first. @return exit
+/// code of hils. @throws RunStopped, base::ConfigError
 int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out);
 
 }  // namespace cas::hils

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/time/clock.hpp"
@@ -16,7 +17,9 @@ namespace cas::hils {
 
 /// What casd knows of the vehicle.
 struct VehicleReport {
-  bool heard = false;  ///< its HEARTBEAT has come
+  bool heard = false;          ///< its HEARTBEAT has come
+  double heartbeat_age_s = 0;  ///< of the newest, by casd's clock
+  std::string firmware{};      ///< its version; empty: it has not told it
   bool armed = false;
   bool in_air = false;
   bool on_ground = false;
@@ -85,6 +88,8 @@ class FlightPlan {
   bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
   /// Why the flight cannot go on; empty as long as it can.
   const std::string& failure() const { return failure_; }
+  /// The flight cannot go on for a reason that the plan does not see.
+  void fail(std::string why) { failure_ = std::move(why); }
   const std::vector<Stage>& stages() const { return stages_; }
   /// The step under way, for progress lines.
   const FlightStep* current() const { return done() ? nullptr : &steps_[current_]; }

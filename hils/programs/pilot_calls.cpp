@@ -19,6 +19,8 @@ Eigen::Vector3d vector_of(const Json& list) {
 VehicleReport to_report(const Json& state) {
   VehicleReport report;
   report.heard = true;
+  report.heartbeat_age_s = state.value("heartbeat_age_s", 0.0);
+  report.firmware = state.value("firmware", "");
   report.armed = state.value("armed", false);
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
@@ -36,6 +38,9 @@ VehicleReport to_report(const Json& state) {
   }
   return report;
 }
+
+/// Arming, another mode and arming again: longer than casd takes to give all three up.
+constexpr base::Duration kCommandPatience = std::chrono::seconds(20);
 
 /// The parameters of a call that means this vehicle.
 Json to(AskedVehicle vehicle, Json params) {
@@ -113,7 +118,7 @@ std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
       if (step.kind == StepKind::kArm && not_hil) params["not_hil"] = true;
       const Json whole = to(vehicle, params);
       if (asked != nullptr) asked->emplace_back(method, whole.dump());
-      casd.call(method, whole);
+      casd.call(method, whole, kCommandPatience);
     }
     return {};
   } catch (const base::rpc::CallError& error) {

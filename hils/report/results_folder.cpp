@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/report/html_report.hpp"
 #include "hils/report/plot.hpp"
@@ -36,6 +38,17 @@ std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
 }
 
 }  // namespace
+
+void remove_verdict(const std::filesystem::path& folder) {
+  for (const char* name : {"summary.json", "junit.xml"}) {
+    std::error_code error;
+    std::filesystem::remove(folder / name, error);
+    if (error) {
+      throw base::ConfigError((folder / name).string() +
+                              " of an earlier run cannot be removed: " + error.message());
+    }
+  }
+}
 
 void write_results(const RunRequest& request, const RunResult& run) {
   const std::filesystem::path& out = request.out;

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
+
 #include "hils/measure/run_result.hpp"
 #include "hils/run/run_request.hpp"
 
 namespace cas::hils {
+
+/// Removes the verdict of an earlier run (summary.json, junit.xml) from a folder: a run that dies
+/// leaves none. @throws base::ConfigError
+void remove_verdict(const std::filesystem::path& folder);
 
 /// Writes summary.json, junit.xml, report.html and plots/*.svg of a run into its folder; with
 /// several vehicles each has a folder of its own below plots. @throws base::ConfigError

@@ -60,9 +60,13 @@ TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
 TEST(HilsProgram, RefusesWhatMeansNothingToStockFirmware) {
   const TemporaryFolder folder;
   const std::string px4 = source_dir() + "/config/scenarios/px4_sitl.yaml";
-  const std::vector<std::vector<std::string>> all{
-      {"--seed", "2"},           {"--lockstep"},        {"--virtual"}, {"--architecture", "loop"},
-      {"--fcu", "/dev/ttyACM0"}, {"--gcs", "udp:14550"}};
+  const std::vector<std::vector<std::string>> all{{"--seed", "2"},
+                                                  {"--lockstep"},
+                                                  {"--virtual"},
+                                                  {"--architecture", "loop"},
+                                                  {"--fcu", "/dev/ttyACM0"},
+                                                  {"--fcu-baud", "57600"},
+                                                  {"--gcs", "udp:14550"}};
   for (const std::vector<std::string>& flag : all) {
     std::vector<std::string> arguments{px4, "--out", folder / "out"};
     arguments.insert(arguments.end(), flag.begin(), flag.end());
@@ -130,6 +134,30 @@ TEST(HilsProgram, LeavesNoReplayOfAnEarlierRun) {
   const Flight flight(short_flight(folder, "architecture: direct"), folder / "out", folder / "web");
   EXPECT_FALSE(std::filesystem::exists(old));
   EXPECT_TRUE(flight.says("Replay:  no replay.html")) << flight.output();
+}
+
+TEST(HilsProgram, ARunThatDiesLeavesNoVerdictOfTheOneBefore) {
+  const TemporaryFolder folder;
+  const std::string topology = folder.write("no_topology.yaml", "schema: 1\nno: key\n").string();
+  const std::string scenario =
+      folder
+          .write("mine.yaml",
+                 "schema: 1\nname: mine\ndescription: With a casd that dies\n"
+                 "world: " +
+                     source_dir() +
+                     "/config/worlds/px4_sitl.yaml\n"
+                     "topology: " +
+                     topology +
+                     "\n"
+                     "firmware: {command: [/bin/false]}\nsteps: [arm]\n")
+          .string();
+  std::filesystem::create_directories(folder / "out");
+  for (const char* name : {"out/summary.json", "out/junit.xml"}) folder.write(name, "passed");
+  ChildProcess hils({binary_dir() + "/bin/hils", "run", scenario, "--out", folder / "out"});
+  EXPECT_NE(hils.wait_exit(), 0) << hils.output();
+  EXPECT_NE(hils.output().find("no_topology.yaml"), std::string::npos) << hils.output();
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/summary.json")) << hils.output();
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/junit.xml")) << hils.output();
 }
 
 /// A plugin from a folder of its own flies, and its figures are in the run's folder.

@@ -202,6 +202,50 @@ TEST(FirmwareFlight, HasTheRmsOfItsMeasuredHold) {
   EXPECT_NEAR(static_cast<double>(figures.rms->samples), 500, 1);
 }
 
+TEST(FirmwareFlight, HasTheRmsOfItsHeadingAboutTheMeanHeading) {
+  const test::TemporaryFolder folder;
+  std::string rows = "t,x,y,z,vx,vy,vz,roll,pitch,yaw,p,q,r,w1,w2,w3,w4\n";
+  for (int i = 0; i < 1000; ++i) {  // to and fro about the angle where its numbers leap
+    rows += std::to_string(0.01 * i) + ",0,0,10,0,0,0,0,0," + (i % 2 == 0 ? "3.0416" : "-3.0416") +
+            ",0,0,0,0,0,0,0\n";
+  }
+  FirmwareFigures figures = flown();
+  figures.stages.back().step.measure = true;
+  add_truth(folder.write("truth.csv", rows), figures);
+  ASSERT_TRUE(figures.rms);
+  EXPECT_NEAR(figures.rms->yaw_rad, 0.1, 1e-3);
+}
+
+TEST(FirmwareFlight, IsNotFlownOnAVersionThatIsTooOldOrNotTold) {
+  Firmware wanted;
+  EXPECT_EQ(version_fault(wanted, ""), "");
+  wanted.least_version = "1.12";
+  EXPECT_EQ(version_fault(wanted, "1.12.0"), "");
+  EXPECT_EQ(version_fault(wanted, "1.11.3"),
+            "the firmware is v1.11.3, and the scenario is for v1.12 and later");
+  EXPECT_EQ(version_fault(wanted, ""),
+            "the firmware did not tell its version within 20 s, and the scenario is for v1.12 and "
+            "later");
+}
+
+TEST(FirmwareFlight, DoesNotWaitForAVehicleThatHasFallenSilent) {
+  EXPECT_EQ(silence_fault({.heard = true, .heartbeat_age_s = 29}), "");
+  EXPECT_NE(silence_fault({.heard = true, .heartbeat_age_s = 31}), "");
+  EXPECT_NE(silence_fault({}), "");
+}
+
+TEST(FirmwareFlight, IsNotArmedAgainWhereSomebodyElseCommands) {
+  const auto call = [](const char* method) {
+    OutsideCall made;
+    made.client = "unix:uid 1000";
+    made.method = method;
+    return made;
+  };
+  EXPECT_EQ(disarm_fault({call("vehicle.message_interval"), call("param.set")}), "");
+  EXPECT_EQ(disarm_fault({call("param.set"), call("vehicle.disarm")}),
+            "the vehicle was disarmed from outside: unix:uid 1000 called vehicle.disarm");
+}
+
 TEST(FirmwareFlight, IsJudgedUnderTheSameNamesWhateverComesOut) {
   FirmwareScenario scenario;
   scenario.drift_m = 1;
