@@ -171,6 +171,7 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   }
   for (const std::string& text : flags.tcp_peers) links.push_back(parse_endpoint("tcpout:" + text));
   for (const int port : flags.tcp_ports) {
+    if (port == 0) continue;
     links.push_back(parse_endpoint("tcpin:" + std::to_string(port)));
   }
   return links;
@@ -218,6 +219,12 @@ int print_import(const std::string& file) {
   for (const std::string& note : imported.notes) {
     std::fprintf(stderr, "%s:%s\n", file.c_str(), note.c_str());
   }
+  std::error_code none;
+  const auto overlays = std::filesystem::path(file).parent_path() / "config.d";
+  if (std::filesystem::is_directory(overlays, none)) {
+    std::fprintf(stderr, "%s is not read: join its files with %s first\n", overlays.c_str(),
+                 file.c_str());
+  }
   return base::kExitOk;
 }
 
@@ -262,14 +269,17 @@ int main(int argc, char** argv) {
                  "A file with links and routes (YAML), or endpoints: serial:DEVICE:BAUD, udp:PORT, "
                  "udp:HOST:PORT, tcp:PORT, tcp:HOST:PORT")
       ->type_name("TOPOLOGY|ENDPOINT...");
-  cli.add_option("--master", flags.masters, "A vehicle's endpoint, as MAVProxy writes it")
+  // One value each: mavlink-router's and MAVProxy's users write options before their endpoints.
+  const auto one_each = [](CLI::Option* option) { return option->allow_extra_args(false); };
+  one_each(cli.add_option("--master", flags.masters, "A vehicle's endpoint, as MAVProxy writes it"))
       ->type_name("ENDPOINT");
-  cli.add_option("--out,-e", flags.outs,
-                 "Send by UDP to HOST:PORT, as MAVProxy and mavlink-router do")
+  one_each(cli.add_option("--out,-e", flags.outs,
+                          "Send by UDP to HOST:PORT, as MAVProxy and mavlink-router do"))
       ->type_name("HOST:PORT");
-  cli.add_option("-p,--tcp-endpoint", flags.tcp_peers, "Connect by TCP to HOST:PORT")
+  one_each(cli.add_option("-p,--tcp-endpoint", flags.tcp_peers, "Connect by TCP to HOST:PORT"))
       ->type_name("HOST:PORT");
-  cli.add_option("-t,--tcp-port", flags.tcp_ports, "Listen for TCP clients of this machine")
+  one_each(cli.add_option("-t,--tcp-port", flags.tcp_ports,
+                          "Listen for TCP clients of this machine; 0: no"))
       ->type_name("PORT");
   cli.add_option("--command-port", flags.command_port,
                  "TCP port for casctl, with endpoints; 0: a free one")

@@ -64,6 +64,7 @@ LinkConfig serial_link(const std::string& text, std::string_view rest) {
   constexpr unsigned kLeastBaud = 300;
   LinkConfig link;
   link.type = LinkType::kSerial;
+  link.pass_unknown = true;  // as other routers do: a dialect of one's own
   const std::size_t cut = rest.find_last_of(":,");
   if (cut != rest.npos) {
     const std::optional<unsigned> baud = number(rest.substr(cut + 1));
@@ -144,6 +145,7 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use) {
 }
 
 bool is_endpoint(std::string_view text) {
+  if (text == "/dev/stdin" || text.starts_with("/dev/fd/")) return false;
   if (scheme_of(text) != nullptr || text.starts_with("/dev/")) return true;
   const std::size_t colon = text.rfind(':');
   return colon != text.npos && number(text.substr(colon + 1)) && text.find('/') == text.npos;
@@ -170,6 +172,7 @@ std::string link_entry(const LinkConfig& link) {
   if (!link.local.empty()) entry += ", local: " + yaml_string(link.local);
   if (!link.remote.empty()) entry += ", remote: " + yaml_string(link.remote);
   if (!link.device.empty()) entry += ", device: " + yaml_string(link.device);
+  if (link.type == LinkType::kSerial && link.pass_unknown) entry += ", unknown_messages: pass";
   if (link.baud > 0) entry += ", baud: " + std::to_string(link.baud);
   return entry + "}";
 }

@@ -26,7 +26,8 @@ enum class EndpointUse : std::uint8_t {
 ///     tcp:5760  tcpin:HOST:PORT  tcps:HOST:PORT          listens
 ///     tcp:HOST:PORT  tcpout:HOST:PORT  tcpc:HOST:PORT    connects
 ///
-/// A wildcard host (0.0.0.0, [::]) is always listened on. @throws base::ConfigError
+/// `udp` and `tcp` listen on a wildcard host (0.0.0.0, [::]). Serial lines pass unknown messages.
+/// @throws base::ConfigError
 LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse::kPlain);
 
 /// Whether a word of the command line is meant as an endpoint and not as a file.

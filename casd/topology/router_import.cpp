@@ -5,7 +5,9 @@
 #include <cctype>
 #include <charconv>
 #include <filesystem>
+#include <list>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "base/error.hpp"
@@ -15,7 +17,7 @@
 namespace cas::casd {
 namespace {
 
-constexpr int kDefaultTcpServerPort = 5760;
+constexpr unsigned kDefaultTcpServerPort = 5760;
 constexpr unsigned kDefaultUdpPort = 14550;
 constexpr unsigned kDefaultBaud = 115200;
 
@@ -83,7 +85,11 @@ class Import {
     throw base::ConfigError(file_ + ":" + std::to_string(line) + ": " + sentence);
   }
 
-  void note(int line, const std::string& sentence) {
+  /// What stands in the file must not give a terminal orders, nor end a comment.
+  void note(int line, std::string sentence) {
+    for (char& c : sentence) {
+      if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) c = '?';
+    }
     notes_.push_back(std::to_string(line) + ": " + sentence);
   }
 
@@ -101,16 +107,27 @@ class Import {
       if (words.back() != ']') fail(line, "a section ends with ]");
       const std::string_view head = trimmed(words.substr(1, words.size() - 2));
       const std::size_t blank = std::min(head.find_first_of(" \t"), head.size());
-      sections_.push_back(
-          {lower(head.substr(0, blank)), std::string(trimmed(head.substr(blank))), line, {}});
+      open_section(lower(head.substr(0, blank)), std::string(trimmed(head.substr(blank))), line);
       return;
     }
     const std::size_t equals = words.find('=');
     if (equals == words.npos) fail(line, "is neither [section] nor key = value");
-    if (sections_.empty()) fail(line, "a key stands before the first section");
+    if (section_ == nullptr) fail(line, "a key stands before the first section");
     const std::string key(trimmed(words.substr(0, equals)));
-    sections_.back().values[lower(key)] = {key, std::string(trimmed(words.substr(equals + 1))),
-                                           line, false};
+    section_->values[lower(key)] = {key, std::string(trimmed(words.substr(equals + 1))), line,
+                                    false};
+  }
+
+  /// A section that comes again goes on; names have any case.
+  void open_section(const std::string& kind, const std::string& name, int line) {
+    const auto same = [&](const Section& each) {
+      return each.kind == kind && lower(each.name) == lower(name);
+    };
+    auto found = std::find_if(sections_.begin(), sections_.end(), same);
+    if (found == sections_.end()) {
+      found = sections_.insert(sections_.end(), {kind, name, line, {}});
+    }
+    section_ = &*found;
   }
 
   static Value* find(Section& section, std::string_view key) {
@@ -128,44 +145,51 @@ class Import {
     return value->text;
   }
 
-  std::uint32_t number(std::string_view digits, const Value& value) const {
-    std::uint32_t result = 0;
+  std::uint64_t number(std::string_view digits, const Value& value, std::uint64_t most) const {
+    std::uint64_t result = 0;
     const char* end = digits.data() + digits.size();
     const auto [stop, error] = std::from_chars(digits.data(), end, result);
     if (error != std::errc{} || stop != end) {
       fail(value.line, value.key + ": '" + std::string(digits) + "' is not a number");
     }
+    if (result > most) fail(value.line, value.key + ": is more than " + std::to_string(most));
     return result;
   }
 
-  std::vector<std::uint32_t> numbers(const Value& value) const {
+  std::vector<std::uint32_t> numbers(const Value& value, std::uint32_t most) const {
     std::vector<std::uint32_t> list;
     std::string_view rest = value.text;
     while (!rest.empty()) {
       const std::size_t comma = std::min(rest.find(','), rest.size());
-      list.push_back(number(trimmed(rest.substr(0, comma)), value));
+      list.push_back(
+          static_cast<std::uint32_t>(number(trimmed(rest.substr(0, comma)), value, most)));
       rest.remove_prefix(std::min(comma + 1, rest.size()));
     }
     return list;
   }
 
-  Ids ids(Section& section, std::string_view key) {
+  Ids ids(Section& section, std::string_view key, std::uint32_t most) {
     const Value* value = find(section, key);
     if (value == nullptr) return {};
-    const auto list = numbers(*value);
+    const auto list = numbers(*value, most);
     return {list.begin(), list.end()};
   }
+  Ids messages(Section& section, std::string_view key) { return ids(section, key, 0xFFFFFF); }
+  Ids sources(Section& section, std::string_view key) { return ids(section, key, 255); }
 
-  std::uint32_t number_or(Section& section, std::string_view key, std::uint32_t standard) {
+  std::optional<unsigned> port(Section& section, std::string_view key) {
     const Value* value = find(section, key);
-    return value == nullptr ? standard : number(value->text, *value);
+    if (value == nullptr) return std::nullopt;
+    return static_cast<unsigned>(number(value->text, *value, 65535));
   }
 
   bool flag(Section& section, std::string_view key) {
     const Value* value = find(section, key);
     if (value == nullptr) return false;
     const std::string word = lower(value->text);
-    return word == "true" || word == "yes" || word == "1" || word == "on";
+    if (word == "true" || word == "yes" || word == "1" || word == "on") return true;
+    if (word == "false" || word == "no" || word == "0" || word == "off") return false;
+    fail(value->line, value->key + ": is true or false");
   }
 
   void take(Section& section) {
@@ -184,7 +208,7 @@ class Import {
   }
 
   void take_general(Section& section) {
-    tcp_server_port_ = static_cast<int>(number_or(section, "TcpServerPort", kDefaultTcpServerPort));
+    tcp_server_port_ = port(section, "TcpServerPort").value_or(kDefaultTcpServerPort);
     const bool telemetry = flag(section, "LogTelemetry");
     const Value* folder = find(section, "Log");
     const Value* mode = find(section, "LogMode");
@@ -198,12 +222,13 @@ class Import {
     log_ = "log:\n  folder: " + yaml_string(folder->text) + "\n";
     const std::string word = mode == nullptr ? "always" : lower(mode->text);
     log_ += word == "while-armed" ? "  while_armed: true\n" : "  tlog: flight\n";
-    constexpr std::uint32_t kMib = 1024 * 1024;
+    constexpr std::uint64_t kMib = 1024 * 1024;
     if (space != nullptr) {
-      log_ += "  free_space_min_mib: " + std::to_string(number(space->text, *space) / kMib) + "\n";
+      const std::uint64_t bytes = number(space->text, *space, UINT64_MAX - kMib);
+      log_ += "  free_space_min_mib: " + std::to_string((bytes + kMib - 1) / kMib) + "\n";
+      note(space->line, "MinFreeSpace: casd pauses a recording there; it deletes no older ones");
     }
-    if (files != nullptr && number(files->text, *files) > 0)
-      log_ += "  keep: " + files->text + "\n";
+    if (files != nullptr) note(files->line, "MaxLogFiles: casd deletes no recordings of before");
   }
 
   void take_uart(Section& section) {
@@ -212,12 +237,13 @@ class Import {
     endpoint.link.device = required(section, "Device");
     endpoint.link.baud = kDefaultBaud;
     if (const Value* baud = find(section, "Baud")) {
-      const auto rates = numbers(*baud);
+      const auto rates = numbers(*baud, 100'000'000);
       if (rates.empty()) fail(baud->line, "Baud: is empty");
       endpoint.link.baud = rates.front();
       if (rates.size() > 1)
         note(baud->line, "Baud: casd does not search for the rate; the first is taken");
     }
+    endpoint.link.pass_unknown = true;
     if (flag(section, "FlowControl")) endpoint.more += ", flow_control: true";
     add(section, std::move(endpoint));
   }
@@ -225,15 +251,17 @@ class Import {
   void take_udp(Section& section) {
     const std::string address = required(section, "Address");
     const std::string mode = lower(required(section, "Mode"));
-    const std::string place =
-        bracketed(address) + ":" + std::to_string(number_or(section, "Port", kDefaultUdpPort));
+    std::optional<unsigned> given = port(section, "Port");
     Endpoint endpoint;
     if (mode == "server" || mode == "eavesdropping") {
+      if (!given) fail(section.line, "endpoint '" + section.name + "' has no Port");
       endpoint.link.type = LinkType::kUdpServer;
-      endpoint.link.local = place;
+      endpoint.link.local = bracketed(address) + ":" + std::to_string(*given);
     } else if (mode == "normal" || mode == "client") {
+      // Without ports the first at an address gets the usual one, the next the one behind it.
+      if (!given) given = kDefaultUdpPort + ports_taken_[address]++;
       endpoint.link.type = LinkType::kUdp;
-      endpoint.link.remote = place;
+      endpoint.link.remote = bracketed(address) + ":" + std::to_string(*given);
     } else {
       fail(find(section, "Mode")->line, "Mode: is normal, client, server or eavesdropping");
     }
@@ -243,8 +271,9 @@ class Import {
   void take_tcp(Section& section) {
     Endpoint endpoint;
     endpoint.link.type = LinkType::kTcp;
+    required(section, "Port");
     endpoint.link.remote =
-        bracketed(required(section, "Address")) + ":" + required(section, "Port");
+        bracketed(required(section, "Address")) + ":" + std::to_string(*port(section, "Port"));
     find(section, "RetryTimeout");  // casd tries again by itself
     add(section, std::move(endpoint));
   }
@@ -258,22 +287,22 @@ class Import {
     const auto accept_ids = [&](const char* key, const Ids& list, bool messages) {
       if (!list.empty()) accept += (accept.empty() ? "" : ", ") + listed(key, list, messages);
     };
-    accept_ids("messages", ids(section, "AllowMsgIdIn"), true);
-    accept_ids("systems", ids(section, "AllowSrcSysIn"), false);
-    accept_ids("block_systems", ids(section, "BlockSrcSysIn"), false);
+    accept_ids("messages", messages(section, "AllowMsgIdIn"), true);
+    accept_ids("systems", sources(section, "AllowSrcSysIn"), false);
+    accept_ids("block_systems", sources(section, "BlockSrcSysIn"), false);
     if (!accept.empty()) endpoint.more += ", accept: {" + accept + "}";
 
     Filters& filters = endpoint.filters;
-    filters.allow_messages_out = ids(section, "AllowMsgIdOut");
-    filters.allow_messages_out.merge(ids(section, "Filter"));
-    filters.block_messages_out = ids(section, "BlockMsgIdOut");
-    filters.block_messages_in = ids(section, "BlockMsgIdIn");
-    filters.allow_systems_out = ids(section, "AllowSrcSysOut");
-    filters.block_systems_out = ids(section, "BlockSrcSysOut");
-    filters.allow_components_out = ids(section, "AllowSrcCompOut");
-    filters.block_components_out = ids(section, "BlockSrcCompOut");
-    filters.allow_components_in = ids(section, "AllowSrcCompIn");
-    filters.block_components_in = ids(section, "BlockSrcCompIn");
+    filters.allow_messages_out = messages(section, "AllowMsgIdOut");
+    filters.allow_messages_out.merge(messages(section, "Filter"));
+    filters.block_messages_out = messages(section, "BlockMsgIdOut");
+    filters.block_messages_in = messages(section, "BlockMsgIdIn");
+    filters.allow_systems_out = sources(section, "AllowSrcSysOut");
+    filters.block_systems_out = sources(section, "BlockSrcSysOut");
+    filters.allow_components_out = sources(section, "AllowSrcCompOut");
+    filters.block_components_out = sources(section, "BlockSrcCompOut");
+    filters.allow_components_in = sources(section, "AllowSrcCompIn");
+    filters.block_components_in = sources(section, "BlockSrcCompIn");
     endpoints_.push_back(std::move(endpoint));
   }
 
@@ -301,7 +330,7 @@ class Import {
         {"reportstats", "casctl status and casctl monitor show them at any time"},
         {"debugloglevel", "casd has --log-level"},
         {"deduplicationperiod", "links of one group pass on once what comes twice"},
-        {"sniffersysid", "a link with accept: nothing hears everything and says nothing"},
+        {"sniffersysid", "is not done; a link with accept: nothing hears what is for everybody"},
         {"mavlinkdialect", "casd knows all public dialects; another one: dialect"},
         {"logsystemid", "casd records every system"},
     };
@@ -367,7 +396,8 @@ class Import {
     for (const Endpoint& to : endpoints_) {
       std::map<std::string, std::string> senders;  // rule -> names
       for (const Endpoint& from : endpoints_) {
-        if (&from == &to) continue;
+        // Each client of a TCP server is an endpoint of its own.
+        if (&from == &to && to.link.type != LinkType::kTcpServer) continue;
         std::string& names = senders[rule(from.filters, to.filters)];
         names += (names.empty() ? "" : ", ") + yaml_string(from.link.name);
       }
@@ -375,14 +405,23 @@ class Import {
         text += "  - {from: [" + names + "], to: " + yaml_string(to.link.name) + filters + "}\n";
       }
     }
-    return text.empty() ? "" : "routes:\n" + text;
+    if (text.empty()) return "";
+    return "# No sensor data of a simulator goes through; a bench has a topology of its own. casd "
+           "leaves\n# out the link that a packet came from: links that lead to the same systems "
+           "need one group.\nroutes:\n" +
+           text;
   }
 
   std::string text() const {
     std::string text =
         "# From " + std::filesystem::path(file_).filename().string() + " of mavlink-router.\n";
     for (const std::string& each : notes_) text += "# line " + each + "\n";
-    text += "schema: 1\n" + log_ + "links:\n";
+    text +=
+        "schema: 1\n"
+        "# mavlink-router says nothing of its own. With a rate here, vehicles see a ground "
+        "station.\n"
+        "commanding: {heartbeat_hz: 0}\n" +
+        log_ + "links:\n";
     for (const Endpoint& endpoint : endpoints_) {
       std::string entry = link_entry(endpoint.link);
       entry.insert(entry.size() - 1, endpoint.more);
@@ -392,11 +431,13 @@ class Import {
   }
 
   std::string file_;
-  std::vector<Section> sections_;
+  std::list<Section> sections_;
+  Section* section_ = nullptr;  ///< the one being read
   std::vector<Endpoint> endpoints_;
   std::vector<std::string> notes_;
+  std::map<std::string, unsigned> ports_taken_;  ///< by address
   std::string log_;
-  int tcp_server_port_ = kDefaultTcpServerPort;
+  unsigned tcp_server_port_ = kDefaultTcpServerPort;
 };
 
 }  // namespace

@@ -112,7 +112,7 @@ TEST_F(CasdProgram, PrintsEndpointsAndMavlinkRoutersFileAsATopologyThatItTakes) 
       "main.conf",
       "[UartEndpoint fc]\nDevice = /dev/ttyS1\nBaud = 57600\n\n[General]\nTcpServerPort = 0\n");
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--as-topology", "/dev/ttyS1:57600", "-e", "127.0.0.1:14550"},
+       {std::vector<std::string>{"--as-topology", "-e", "127.0.0.1:14550", "/dev/ttyS1:57600"},
         std::vector<std::string>{"--import", conf.string()}}) {
     std::vector<std::string> command{kCasd};
     command.insert(command.end(), arguments.begin(), arguments.end());

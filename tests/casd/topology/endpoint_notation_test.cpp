@@ -34,13 +34,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         // mavp2p
         Notation{"serial:/dev/ttyAMA0:57600", kPlain,
-                 "serial, device: \"/dev/ttyAMA0\", baud: 57600"},
+                 "serial, device: \"/dev/ttyAMA0\", unknown_messages: pass, baud: 57600"},
         Notation{"udps:0.0.0.0:5600", kPlain, "udp_server, local: \"0.0.0.0:5600\""},
         Notation{"udpc:127.0.0.1:5601", kPlain, "udp, remote: \"127.0.0.1:5601\""},
         Notation{"tcps:0.0.0.0:5600", kPlain, "tcp_server, local: \"0.0.0.0:5600\""},
         Notation{"tcpc:host:5601", kPlain, "tcp, remote: \"host:5601\""},
         // MAVProxy
-        Notation{"/dev/ttyACM0,115200", kMaster, "serial, device: \"/dev/ttyACM0\", baud: 115200"},
+        Notation{"/dev/ttyACM0,115200", kMaster,
+                 "serial, device: \"/dev/ttyACM0\", unknown_messages: pass, baud: 115200"},
         Notation{"udpin:0.0.0.0:14550", kMaster, "udp_server, local: \"0.0.0.0:14550\""},
         Notation{"udp:127.0.0.1:14550", kMaster, "udp_server, local: \"127.0.0.1:14550\""},
         Notation{"127.0.0.1:14550", kMaster, "udp_server, local: \"127.0.0.1:14550\""},
@@ -49,20 +50,23 @@ INSTANTIATE_TEST_SUITE_P(
         Notation{"tcpin:0.0.0.0:5762", kOut, "tcp_server, local: \"0.0.0.0:5762\""},
         Notation{"tcp:127.0.0.1:5760", kMaster, "tcp, remote: \"127.0.0.1:5760\""},
         // mavlink-router
-        Notation{"/dev/ttyS1:1500000", kPlain, "serial, device: \"/dev/ttyS1\", baud: 1500000"},
+        Notation{"/dev/ttyS1:1500000", kPlain,
+                 "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: 1500000"},
         Notation{"0.0.0.0:24550", kPlain, "udp_server, local: \"0.0.0.0:24550\""},
         // MAVSDK
         Notation{"udp://:14540", kPlain, "udp_server, local: \"127.0.0.1:14540\""},
         Notation{"serial:///dev/ttyUSB0:57600", kPlain,
-                 "serial, device: \"/dev/ttyUSB0\", baud: 57600"},
+                 "serial, device: \"/dev/ttyUSB0\", unknown_messages: pass, baud: 57600"},
         // short
         Notation{"udp:14550", kPlain, "udp_server, local: \"127.0.0.1:14550\""},
         Notation{"tcp:5760", kPlain, "tcp_server, local: \"127.0.0.1:5760\""},
         Notation{"udp:[::1]:14550", kPlain, "udp, remote: \"[::1]:14550\""},
         Notation{"udp:[::]:14550", kPlain, "udp_server, local: \"[::]:14550\""},
-        Notation{"/dev/ttyACM0", kPlain, "serial, device: \"/dev/ttyACM0\""},
+        Notation{"/dev/ttyACM0", kPlain,
+                 "serial, device: \"/dev/ttyACM0\", unknown_messages: pass"},
         Notation{"serial:/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0", kPlain,
-                 "serial, device: \"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0\""}));
+                 "serial, device: \"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0\", "
+                 "unknown_messages: pass"}));
 
 TEST(EndpointNotation, RefusesWhatIsNoPlace) {
   for (const char* text : {"udp:host", "udp:", "tcp:127.0.0.1:99999", "serial:", "udpout:14550",
@@ -75,8 +79,8 @@ TEST(EndpointNotation, TellsEndpointsFromFiles) {
   for (const char* text : {"udp:14550", "serial:/dev/ttyACM0", "/dev/ttyACM0", "127.0.0.1:14550"}) {
     EXPECT_TRUE(is_endpoint(text)) << text;
   }
-  for (const char* text :
-       {"bench.yaml", "topologies/bench_pty.yaml", "/etc/cas/topology.yaml", "configs/lab:3"}) {
+  for (const char* text : {"bench.yaml", "topologies/bench_pty.yaml", "/etc/cas/topology.yaml",
+                           "configs/lab:3", "/dev/stdin", "/dev/fd/63"}) {
     EXPECT_FALSE(is_endpoint(text)) << text;
   }
 }

@@ -38,6 +38,7 @@ BlockSrcSysIn = 1
 [udpendpoint Mission Planner]
 mode = server
 address = 0.0.0.0
+port = 14550
 BlockMsgIdIn = 76
 AllowSrcCompOut = 1
 
@@ -74,7 +75,11 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_EQ(topology.links[3].remote, "10.0.0.1:5760");
   EXPECT_EQ(topology.links[4].local, "0.0.0.0:5790");
 
-  EXPECT_EQ(topology.routes.size(), 20U);
+  EXPECT_TRUE(topology.links[0].pass_unknown);
+
+  // Clients of the TCP server hear each other.
+  EXPECT_EQ(topology.routes.size(), 21U);
+  EXPECT_EQ(route(topology, "tcp", "tcp").from, "tcp");
   const ForwardRule& thinned = route(topology, "autopilot", "station").rule;
   ASSERT_TRUE(thinned.allow);
   EXPECT_EQ(*thinned.allow, (std::vector<std::uint32_t>{0, 30}));
@@ -96,24 +101,51 @@ TEST(RouterImport, SaysWhatBecameOfEachKeyThatCasdHasNot) {
   };
   EXPECT_TRUE(told("4: ReportStats:")) << imported.yaml;
   EXPECT_TRUE(told("5: Log:"));
+  EXPECT_TRUE(told("8: MinFreeSpace:"));
+  EXPECT_TRUE(told("9: MaxLogFiles:"));
   EXPECT_TRUE(told("13: Baud:"));
-  EXPECT_EQ(imported.notes.size(), 3U);
+  EXPECT_EQ(imported.notes.size(), 5U);
   for (const std::string& note : imported.notes) {
     EXPECT_NE(imported.yaml.find("# line " + note), std::string::npos);
   }
 }
 
 TEST(RouterImport, TwoListsWithoutACommonComponentLetNothingThrough) {
-  const Topology topology =
-      parsed(import_mavlink_router("[General]\nTcpServerPort=0\n"
-                                   "[UartEndpoint a]\nDevice=/dev/a\nAllowSrcCompIn=1,2\n"
-                                   "[UdpEndpoint b]\nMode=server\nAddress=::1\nAllowSrcCompOut=3\n",
-                                   "f"));
+  const Topology topology = parsed(import_mavlink_router(
+      "[General]\nTcpServerPort=0\n"
+      "[UartEndpoint a]\nDevice=/dev/a\nAllowSrcCompIn=1,2\n"
+      "[UdpEndpoint b]\nMode=server\nAddress=::1\nPort=14550\nAllowSrcCompOut=3\n",
+      "f"));
   EXPECT_EQ(topology.links[1].local, "[::1]:14550");
   const ForwardRule& rule = route(topology, "a", "b").rule;
   ASSERT_TRUE(rule.allow);
   EXPECT_TRUE(rule.allow->empty());
   EXPECT_FALSE(route(topology, "b", "a").rule.allow);
+}
+
+TEST(RouterImport, ASectionThatComesAgainGoesOn) {
+  const Topology topology =
+      parsed(import_mavlink_router("[General]\nTcpServerPort=0\n[UartEndpoint a]\nDevice=/dev/a\n"
+                                   "[general]\nReportStats=true\n[uartendpoint A]\nBaud=9600\n",
+                                   "f"));
+  ASSERT_EQ(topology.links.size(), 1U);
+  EXPECT_EQ(topology.links[0].baud, 9600U);
+}
+
+TEST(RouterImport, ClientsWithoutAPortCountUp) {
+  const Topology topology = parsed(
+      import_mavlink_router("[General]\nTcpServerPort=0\n[UdpEndpoint a]\nMode=Normal\nAddress=h\n"
+                            "[UdpEndpoint b]\nMode=Normal\nAddress=h\n",
+                            "f"));
+  EXPECT_EQ(topology.links[0].remote, "h:14550");
+  EXPECT_EQ(topology.links[1].remote, "h:14551");
+}
+
+TEST(RouterImport, WhatTheFileHoldsGivesNoTerminalOrders) {
+  const ImportedTopology imported =
+      import_mavlink_router("[UartEndpoint a]\nDevice=/dev/a\nOdd\x1b[2J\rkey=1\n", "f");
+  ASSERT_EQ(imported.notes.size(), 1U);
+  EXPECT_EQ(imported.notes[0], "3: Odd?[2J?key: is unknown");
 }
 
 TEST(RouterImport, HasTheTcpServerUnlessItIsTurnedOff) {
@@ -141,15 +173,21 @@ TEST_P(BrokenConf, IsRefusedAtItsLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     Cases, BrokenConf,
-    testing::Values(Broken{"Device=/dev/a\n", "1: a key stands before the first section"},
-                    Broken{"[General\n", "1: a section ends with ]"},
-                    Broken{"[General]\nnonsense\n", "2: is neither [section] nor key = value"},
-                    Broken{"\n[UartEndpoint a]\nBaud=9600\n", "2: endpoint 'a' has no Device"},
-                    Broken{"[UartEndpoint a]\nDevice=/dev/a\nBaud=fast\n",
-                           "3: Baud: 'fast' is not a number"},
-                    Broken{"[UdpEndpoint a]\nAddress=h\nMode=odd\n",
-                           "3: Mode: is normal, client, server or eavesdropping"},
-                    Broken{"[General]\nTcpServerPort=0\n", "1: has no endpoint"}));
+    testing::Values(
+        Broken{"Device=/dev/a\n", "1: a key stands before the first section"},
+        Broken{"[General\n", "1: a section ends with ]"},
+        Broken{"[General]\nnonsense\n", "2: is neither [section] nor key = value"},
+        Broken{"\n[UartEndpoint a]\nBaud=9600\n", "2: endpoint 'a' has no Device"},
+        Broken{"[UartEndpoint a]\nDevice=/dev/a\nBaud=fast\n", "3: Baud: 'fast' is not a number"},
+        Broken{"[UdpEndpoint a]\nAddress=h\nMode=server\n", "1: endpoint 'a' has no Port"},
+        Broken{"[UartEndpoint a]\nDevice=/dev/a\nFlowControl=ture\n",
+               "3: FlowControl: is true or false"},
+        Broken{"[TcpEndpoint a]\nAddress=h\nPort=99999\n", "3: Port: is more than 65535"},
+        Broken{"[UartEndpoint a]\nDevice=/dev/a\nAllowSrcSysIn=300\n",
+               "3: AllowSrcSysIn: is more than 255"},
+        Broken{"[UdpEndpoint a]\nAddress=h\nMode=odd\n",
+               "3: Mode: is normal, client, server or eavesdropping"},
+        Broken{"[General]\nTcpServerPort=0\n", "1: has no endpoint"}));
 
 }  // namespace
 }  // namespace cas::casd
