@@ -13,6 +13,7 @@ namespace {
 constexpr double kLongest_s = 1e4;
 constexpr double kLongest_us = 1e6;
 constexpr int kMostSteps = 200;
+constexpr double kPeriod_s = 0.05;
 
 }  // namespace
 
@@ -21,6 +22,10 @@ DelayRamp DelayRamp::parse(const base::ConfigNode& node) {
                        .every_s = node.get_in("every_s", 2, 0.1, kLongest_s),
                        .step_us = node.require_in("step_us", 1, kLongest_us),
                        .most_us = node.require_in("most_us", 1, kLongest_us)};
+  const double periods = ramp.every_s / kPeriod_s;
+  if (std::abs(periods - std::round(periods)) > 1e-6) {
+    node.at("every_s").fail("is a multiple of 0.05 s: so often the simulator looks at its faults");
+  }
   if (ramp.steps() < 1 || ramp.steps() > kMostSteps) {
     node.fail(fmt::format("has 1 to {} steps of step_us up to most_us", kMostSteps));
   }

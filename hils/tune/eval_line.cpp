@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/suggestion.hpp"
@@ -16,6 +17,9 @@ namespace cas::hils {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLongestId = 256;
+constexpr const char* kWrongId = "'id' is a number, a word, true or false, of at most 256 bytes";
 
 std::string line_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -62,7 +66,10 @@ EvalRequest EvalRequest::parse(std::string_view line, const std::vector<Paramete
   const Json json = Json::parse(line, nullptr, false);
   try {
     if (json.is_object() && json.contains("id")) {
-      request.id = json["id"].dump(-1, ' ', false, Json::error_handler_t::replace);
+      if (json["id"].is_structured()) throw base::ConfigError(kWrongId);
+      std::string id = json["id"].dump(-1, ' ', false, Json::error_handler_t::replace);
+      if (id.size() > kLongestId) throw base::ConfigError(kWrongId);
+      request.id = std::move(id);
     }
     read(json, parameters, request);
   } catch (const base::ConfigError& error) {

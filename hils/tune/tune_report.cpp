@@ -74,15 +74,19 @@ Rows verification_rows(const TuneResult& result) {
   return rows;
 }
 
+bool falls_more(const TuneResult& result) { return result.fallen_after > result.fallen_before; }
+
 std::string verdict_line(const TuneResult& result) {
   const Candidate& after = result.candidates[result.best];
   if (result.best == 0) {
     return fmt::format("none of {} candidates is better at these guards",
                        result.candidates.size() - 1);
   }
-  return fmt::format("candidate {} of {}: weighted sum {} instead of {}", after.number,
-                     result.candidates.size() - 1, number(after.sum),
-                     number(result.candidates[0].sum));
+  std::string line = fmt::format("candidate {} of {}: weighted sum {} instead of {}", after.number,
+                                 result.candidates.size() - 1, number(after.sum),
+                                 number(result.candidates[0].sum));
+  if (falls_more(result)) line += "; but more flights of the verification fell than before";
+  return line;
 }
 
 std::string verification_line(const TuneResult& result) {
@@ -163,7 +167,7 @@ std::string tune_html(const TuneStudy& study, const TuneResult& result,
                       const std::vector<Plot>& steps) {
   HtmlPage page("Tuning " + study.name);
   const bool better = result.best != 0;
-  page.verdict(better ? HtmlPage::Mood::kGood : HtmlPage::Mood::kNeutral,
+  page.verdict(better && !falls_more(result) ? HtmlPage::Mood::kGood : HtmlPage::Mood::kNeutral,
                better ? "BETTER" : "NONE BETTER", verdict_line(result), {});
   if (!study.description.empty()) page.paragraph(study.description);
   page.heading("Before and after");

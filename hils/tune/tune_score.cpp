@@ -116,7 +116,8 @@ std::size_t best_of(const std::vector<Candidate>& candidates) {
   const auto best = std::ranges::min_element(candidates, {}, [](const Candidate& candidate) {
     return std::tuple(candidate.penalty > 0, candidate.sum, candidate.number);
   });
-  return static_cast<std::size_t>(best - candidates.begin());
+  const bool better = best->penalty == 0 && best->sum < candidates.front().sum;
+  return better ? static_cast<std::size_t>(best - candidates.begin()) : 0;
 }
 
 }  // namespace cas::hils

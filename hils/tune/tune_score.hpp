@@ -58,7 +58,8 @@ class TuneScore {
 /// good in the rest, by the first objective.
 std::vector<std::size_t> pareto_front(const std::vector<Candidate>& candidates);
 
-/// Index of the least sum among those without penalty; among all where each has one.
+/// Index of the least sum among those without penalty; 0, the one before, where none of them has a
+/// smaller sum than that one has with its penalty.
 std::size_t best_of(const std::vector<Candidate>& candidates);
 
 }  // namespace cas::hils

@@ -19,7 +19,11 @@ constexpr double kMostNumber = 1e300;
 constexpr int kMostPopulation = 10'000;
 constexpr int kMostGenerations = 1'000'000;
 
-std::string number_text(double value) { return fmt::format("{:.4g}", value == 0 ? 0.0 : value); }
+/// All digits that tell it apart. @param whole  rounded
+std::string number_text(double value, bool whole) {
+  if (value == 0) value = 0;  // not -0
+  return whole ? fmt::format("{:.0f}", value) : fmt::format("{}", value);
+}
 
 std::vector<TuneScenario> parse_scenarios(const base::ConfigNode& list,
                                           std::set<std::string>& names) {
@@ -29,6 +33,8 @@ std::vector<TuneScenario> parse_scenarios(const base::ConfigNode& list,
     scenario.name = node.require<std::string>("name");
     if (!is_plain_name(scenario.name))
       node.at("name").fail("is made of letters, digits and _ . - [ ]");
+    if (scenario.name.find_first_not_of('.') == std::string::npos)
+      node.at("name").fail("has more than dots: it is a folder's");
     if (!names.insert(scenario.name).second) node.at("name").fail("is a scenario's already");
     scenario.scenario = base::find_config(node.at("scenario"));
     scenario.settings = parse_settings(node);
@@ -118,8 +124,13 @@ void parse_search(const base::ConfigNode& root, TuneStudy& study) {
 
 std::string TuneParameter::value_at(double u) const {
   const Distribution& spread = *parameter.distribution;
-  const double value = std::clamp(spread.quantile(u), *spread.least, *spread.most);
-  return number_text(parameter.whole ? std::round(value) : value);
+  if (parameter.whole) {
+    const double least = std::ceil(*spread.least);
+    const double most = std::max(least, std::floor(*spread.most));
+    return number_text(std::clamp(std::round(spread.quantile(u)), least, most), true);
+  }
+  const double four_digits = std::stod(fmt::format("{:.4g}", spread.quantile(u)));
+  return number_text(std::clamp(four_digits, *spread.least, *spread.most), false);
 }
 
 double TuneParameter::place() const {
@@ -183,7 +194,9 @@ std::vector<KeyValue> TuneStudy::values_of(const std::vector<std::string>& candi
 
 std::vector<std::string> TuneStudy::before() const {
   std::vector<std::string> values;
-  for (const TuneParameter& each : vary) values.push_back(number_text(each.from));
+  for (const TuneParameter& each : vary) {
+    values.push_back(number_text(each.from, each.parameter.whole));
+  }
   return values;
 }
 

@@ -34,5 +34,10 @@ TEST(DelayRamp, HasAtLeastOneStepAndAtMost200) {
   EXPECT_THROW(ramp_of("{from_s: 1, step_us: 1}"), base::ConfigError);
 }
 
+TEST(DelayRamp, ChangesWhenTheSimulatorLooks) {
+  EXPECT_THROW(ramp_of("{from_s: 1, every_s: 0.12, step_us: 1, most_us: 5}"), base::ConfigError);
+  EXPECT_NO_THROW(ramp_of("{from_s: 1, every_s: 0.15, step_us: 1, most_us: 5}"));
+}
+
 }  // namespace
 }  // namespace cas::hils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/tune/eval_line.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -19,15 +20,26 @@ const std::vector<Parameter>& parameters() {
 
 TEST(EvalRequest, HasParametersBySeedAndGivesItsIdBack) {
   const EvalRequest request = EvalRequest::parse(
-      R"({"id": {"trial": 7}, "parameters": {"position_p": 1.25, "sensors": "rtk"}, "seed": 3})",
+      R"({"id": "trial 7", "parameters": {"position_p": 1.25, "sensors": "rtk"}, "seed": 3})",
       parameters(), 1);
   EXPECT_EQ(request.error, "");
-  EXPECT_EQ(request.id, R"({"trial":7})");
+  EXPECT_EQ(request.id, R"("trial 7")");
   EXPECT_EQ(request.seed, 3U);
   ASSERT_EQ(request.parameters.size(), 2U);
   EXPECT_EQ(request.parameters[0], (std::pair<std::string, std::string>{"position_p", "1.25"}));
   EXPECT_EQ(request.parameters[1], (std::pair<std::string, std::string>{"sensors", "\"rtk\""}));
   EXPECT_EQ(EvalRequest::parse("{}", parameters(), 9).seed, 9U);
+}
+
+TEST(EvalRequest, AnIdHasNoPartsAndEnds) {
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  const std::string long_word(300, 'x');
+  for (const std::string& id : {std::string("{}"), deep, fmt::format("\"{}\"", long_word)}) {
+    const EvalRequest request =
+        EvalRequest::parse(fmt::format(R"({{"id": {}}})", id), parameters(), 1);
+    EXPECT_NE(request.error.find("'id' is a number, a word"), std::string::npos) << id.size();
+    EXPECT_EQ(request.id, "null");
+  }
 }
 
 struct WrongLine {

@@ -87,5 +87,14 @@ TEST(ParetoFront, LeavesOutWhatIsBeatenAndWhatMissesAGuard) {
   EXPECT_EQ(best_of({score.before(), score.judged(candidate(1, 0.5, 4))}), 0U);
 }
 
+/// The one before may miss a guard that has a bound of its own.
+TEST(BestOf, HoldingTheGuardsAloneIsNoGain) {
+  const TuneStudy own = study();
+  const TuneScore score(own, candidate(0, 0.5, 4, 20, 10.1));  // a penalty of 0.01
+  EXPECT_EQ(best_of({score.before(), score.judged(candidate(1, 0.6, 4))}), 0U);
+  EXPECT_EQ(best_of({score.before(), score.judged(candidate(1, 0.4, 4))}), 1U);
+  EXPECT_EQ(best_of({score.before(), score.judged(candidate(1, 0.1, 4, 20, 10.05))}), 0U);
+}
+
 }  // namespace
 }  // namespace cas::hils

@@ -70,6 +70,18 @@ TEST_F(TuneStudyTest, PlacesAreBetweenTheEnds) {
   EXPECT_EQ(study.vary[1].value_at(1.0 / 3), "5.333");  // four digits
 }
 
+/// As written, and never outside of what the study allows.
+TEST_F(TuneStudyTest, ValuesAreRoundedBetweenTheEnds) {
+  const TuneStudy fine = load(with("[2, 12], from: 7", "[2.00001, 11.99999], from: 7.123456"));
+  EXPECT_EQ(fine.before()[1], "7.123456");
+  EXPECT_EQ(fine.vary[1].value_at(0), "2.00001");
+  EXPECT_EQ(fine.vary[1].value_at(1), "11.99999");
+  const TuneStudy whole = load(with("[2, 12], from: 7", "[2, 123456.7], from: 12345, whole: true"));
+  EXPECT_EQ(whole.before()[1], "12345");
+  EXPECT_EQ(whole.vary[1].value_at(1), "123456");
+  EXPECT_EQ(whole.vary[1].value_at(0.1), "12347");
+}
+
 struct WrongStudy {
   const char* name;
   const char* from;
@@ -96,6 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongStudy{"Population", "population: 8", "population: 10", "is a multiple of 4"},
         WrongStudy{"Seeds", "search:", "verify: {seeds: [1, 2]}\nsearch:",
                    "has seed 1, which the search uses"},
+        WrongStudy{"Dots", "name: late", "name: '..'", "has more than dots"},
         WrongStudy{"SameName", "name: late", "name: calm", "is a scenario's already"},
         WrongStudy{"Misspelt", "guards:", "guard:", "guard"}),
     [](const auto& test) { return test.param.name; });
