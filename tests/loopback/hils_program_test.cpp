@@ -149,7 +149,9 @@ TEST(HilsProgram, ARunThatDiesLeavesNoVerdictOfTheOneBefore) {
                      "topology: " +
                      topology +
                      "\n"
-                     "firmware: {command: [/bin/false]}\nsteps: [arm]\n")
+                     "firmware: {command: [/bin/false]}\n"
+                     "steps:\n  - arm: {timeout_s: 5}\n  - takeoff: {altitude_m: 2}\n"
+                     "  - hold: {duration_s: 1, measure: true}\n  - land: {timeout_s: 5}\n")
           .string();
   std::filesystem::create_directories(folder / "out");
   for (const char* name : {"out/summary.json", "out/junit.xml"}) folder.write(name, "passed");
