@@ -22,8 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kJournal = "journal/flights.jsonl";
 
-bool is_known(const RowResult& result) { return !is_broken(result.outcome); }
-
 }  // namespace
 
 TuneFlights::TuneFlights(const TuneStudy& study, const fs::path& study_file, const fs::path& folder,
@@ -49,6 +47,10 @@ void TuneFlights::prepare(const fs::path& study_file) {
                             ": holds another study, or this one before it was changed; its flights "
                             "stay as they are: choose another folder");
   }
+  if (!fs::exists(frozen) && fs::exists(folder_) && !fs::is_empty(folder_)) {
+    throw base::ConfigError(folder_.string() +
+                            ": is not empty and holds no tuning: choose another folder");
+  }
   std::error_code none;
   if (fs::equivalent(folder_, study_folder_, none)) {
     throw base::ConfigError(folder_.string() + ": holds the study itself: choose another folder");
@@ -73,7 +75,8 @@ void TuneFlights::load_journal() {
   std::ifstream lines(folder_ / kJournal, std::ios::binary);
   for (std::string line; std::getline(lines, line);) {
     std::optional<RowResult> result = parse_journal_line(line);
-    if (result && is_known(*result)) results_.insert_or_assign(result->row, std::move(*result));
+    // Broken runs, too: rows count by the order of asking, which follows from every result.
+    if (result) results_.insert_or_assign(result->row, std::move(*result));
   }
 }
 

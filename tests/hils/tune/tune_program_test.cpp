@@ -116,8 +116,15 @@ TEST_F(Tune, BeatsASluggishLoopAndGivesTheSameAfterAnEndInTheMiddle) {
   EXPECT_NE(tune(whole, 2).find("holds another study"), std::string::npos);
 }
 
+TEST_F(Tune, AFolderOfSomethingElseIsLeftAlone) {
+  if (!hils::has_search()) GTEST_SKIP() << "without pagmo";
+  const fs::path own = folder_.write("mine/work/thesis.txt", "mine");
+  EXPECT_NE(tune(folder_ / "mine", 2).find("holds no tuning"), std::string::npos);
+  EXPECT_TRUE(fs::exists(own));
+}
+
 TEST_F(Tune, AFigureThatAScenarioHasNotIsNamed) {
-  if (!hils::has_search()) return;
+  if (!hils::has_search()) GTEST_SKIP() << "without pagmo";
   std::string text = kStudy;
   const std::string known = "jump_overshoot_pct";
   text.replace(text.find(known), known.size(), "leap_overshoot_pct");
