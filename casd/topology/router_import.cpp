@@ -396,10 +396,14 @@ class Import {
     for (const Endpoint& to : endpoints_) {
       std::map<std::string, std::string> senders;  // rule -> names
       for (const Endpoint& from : endpoints_) {
-        // Each client of a TCP server is an endpoint of its own.
-        if (&from == &to && to.link.type != LinkType::kTcpServer) continue;
+        if (&from == &to) continue;
         std::string& names = senders[rule(from.filters, to.filters)];
         names += (names.empty() ? "" : ", ") + yaml_string(from.link.name);
+      }
+      // Each client of a TCP server is an endpoint of its own; a list of names leaves that out.
+      if (to.link.type == LinkType::kTcpServer) {
+        const std::string name = yaml_string(to.link.name);
+        text += "  - {from: " + name + ", to: " + name + rule(to.filters, to.filters) + "}\n";
       }
       for (const auto& [filters, names] : senders) {
         text += "  - {from: [" + names + "], to: " + yaml_string(to.link.name) + filters + "}\n";
