@@ -20,7 +20,16 @@ constexpr base::Duration kLongestLook = std::chrono::milliseconds(50);
 
 Standstill::Standstill(base::Duration patience) : patience_(patience), next_nudge_(2 * patience) {}
 
-bool Standstill::ended() {
+bool Standstill::look_begins(base::RunTime now) {
+  if (looked_at_) return false;
+  looked_at_ = true;
+  since_ = now;
+  return true;
+}
+
+bool Standstill::ended(base::RunTime now) {
+  looked_at_ = false;
+  rest_until_ = now + patience_ / 2;
   since_ = {};
   next_nudge_ = 2 * patience_;
   return std::exchange(flushed_, false);

@@ -6,6 +6,9 @@
 namespace cas::casd {
 
 /// How long a line has taken nothing of what it was given, and what is to be done about it. Pure.
+///
+/// A look at the line costs system calls: one that has just taken something is left in peace for
+/// half of the patience, and is seen to stand still after one and a half times the patience.
 class Standstill {
  public:
   /// @param patience  longest that a line that lives leaves something unread
@@ -16,8 +19,12 @@ class Standstill {
   void given(base::RunTime now) {
     if (since_ == base::RunTime{}) since_ = now;
   }
+  /// Whether the look at the line begins now: what it was given counts from here on.
+  bool look_begins(base::RunTime now);
+  /// Whether it took something so little time ago that nobody looks.
+  bool rests(base::RunTime now) const { return now < rest_until_; }
   /// It has taken what it was given. @return whether its driver had been emptied meanwhile
-  bool ended();
+  bool ended(base::RunTime now);
   /// Whether it was given something that it has not been seen to take.
   bool pending() const { return since_ != base::RunTime{}; }
   base::Duration lasts(base::RunTime now) const { return now - since_; }
@@ -31,6 +38,8 @@ class Standstill {
 
  private:
   base::Duration patience_;
+  bool looked_at_ = true;
+  base::RunTime rest_until_{};
   base::RunTime since_{};        ///< when it was given what it has not taken; zero: nothing
   base::Duration next_nudge_{};  ///< after so long a standstill
   bool flushed_ = false;         ///< in this standstill

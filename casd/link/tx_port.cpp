@@ -44,7 +44,7 @@ void TxPort::attach(std::unique_ptr<PacketWriter> writer, base::RunTime now, boo
   writer_ = options_.signing ? options_.signing->wrap(std::move(writer)) : std::move(writer);
   pace(has_rate);
   line_check_.reset();
-  standstill_.ended();
+  standstill_ = Standstill(standstill_.patience());
   broken_.store(false, std::memory_order_relaxed);
   open_.store(true, std::memory_order_release);
 }
@@ -253,9 +253,14 @@ void TxPort::spoil_late_tail(base::RunTime now) {
 }
 
 bool TxPort::stands_still(base::RunTime now) {
-  if (!standstill_.pending()) return false;
+  if (!standstill_.pending() || standstill_.rests(now)) return false;
+  if (standstill_.look_begins(now)) {
+    writer_->watch(true);
+    return false;
+  }
   if (!writer_->moved()) return standstill_.lasts(now) > patience(now);
-  if (standstill_.ended()) base::log::info("link " + counters_->name + ": moves again");
+  writer_->watch(false);
+  if (standstill_.ended(now)) base::log::info("link " + counters_->name + ": moves again");
   if (has_tail()) standstill_.given(now);  // its rest waits for the next move
   return false;
 }

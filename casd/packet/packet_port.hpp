@@ -52,6 +52,9 @@ class PacketWriter {
   /// Whether moved() counts bytes and so misses nothing; else a read of the other side may go
   /// unseen.
   virtual bool counts_moves() const { return false; }
+  /// Whether moved() is asked next; while it is not, what it would look at may be left alone. At
+  /// first it is; what was read before a look begins does not count.
+  virtual void watch(bool /*on*/) {}
   /// Makes a line move again that only seems to stand still: at the end of a packet.
   virtual void nudge() {}
   /// Throws away what the driver still holds. @return false: it holds it still

@@ -32,6 +32,7 @@ class SigningWriter final : public PacketWriter {
   std::size_t unsent() const override { return writer_->unsent(); }
   bool moved() override { return writer_->moved(); }
   bool counts_moves() const override { return writer_->counts_moves(); }
+  void watch(bool on) override { writer_->watch(on); }
   void nudge() override { writer_->nudge(); }
   bool flush() override {
     if (!writer_->flush()) return false;

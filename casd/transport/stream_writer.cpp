@@ -60,7 +60,15 @@ ReaderWatch::ReaderWatch(int fd) : epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
   take_edge();
 }
 
+void ReaderWatch::watch(bool on) {
+  on_ = on;
+  if (!on) return;
+  take_edge();
+  in_doubt_ = false;
+}
+
 void ReaderWatch::wrote(base::Duration took) {
+  if (!on_) return;
   take_edge();
   // Terminal and reader take longer to get the bytes, unless we had to wait.
   constexpr base::Duration kAtOnce = std::chrono::microseconds(30);
@@ -133,6 +141,13 @@ bool StreamWriter::moved() {
     return read || (!reader_->tells() && !full_);
   }
   return kind_ != Kind::kSerial || driver_moved();
+}
+
+void StreamWriter::watch(bool on) {
+  if (reader_) return reader_->watch(on);
+  if (!on || kind_ != Kind::kSerial) return;
+  held_ = unsent_bytes(descriptor_.get());
+  written_ = 0;
 }
 
 // Whether the driver has got rid of anything since the last look; one that always says the same

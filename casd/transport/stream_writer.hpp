@@ -23,6 +23,8 @@ namespace cas::casd {
 class ReaderWatch {
  public:
   explicit ReaderWatch(int fd);
+  /// Looks, or not: each look costs system calls. Beginning it forgets what was before.
+  void watch(bool on);
   /// Something was written, in so long a time.
   void wrote(base::Duration took);
   /// Whether something was read since the last call, or is in doubt.
@@ -37,6 +39,7 @@ class ReaderWatch {
   bool take_edge();
 
   base::Descriptor epoll_;
+  bool on_ = true;
   bool tells_ = false;
   bool in_doubt_ = false;
 };
@@ -58,6 +61,7 @@ class StreamWriter final : public PacketWriter {
   /// does not tell must not stop the line.
   bool moved() override;
   bool counts_moves() const override { return kind_ == Kind::kSerial; }
+  void watch(bool on) override;
   void nudge() override;
   /// Leaves a terminal as it is of which no read was seen: room made so would look like a reader.
   bool flush() override;

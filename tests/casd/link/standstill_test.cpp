@@ -21,7 +21,7 @@ TEST(Standstill, LastsFromTheFirstThatWasGivenUntilItIsTaken) {
   line.given(at(milliseconds(10)));
   EXPECT_TRUE(line.pending());
   EXPECT_EQ(line.lasts(at(milliseconds(30))), milliseconds(30));
-  EXPECT_FALSE(line.ended()) << "its driver was not emptied";
+  EXPECT_FALSE(line.ended(at(milliseconds(30)))) << "its driver was not emptied";
   EXPECT_FALSE(line.pending());
 }
 
@@ -32,7 +32,7 @@ TEST(Standstill, EmptiesTheDriverOnceInEachStandstill) {
     EXPECT_FALSE(line.flush_is_due(at(milliseconds(1000))));
     EXPECT_TRUE(line.flush_is_due(at(milliseconds(1001))));
     EXPECT_FALSE(line.flush_is_due(at(milliseconds(5000))));
-    EXPECT_TRUE(line.ended());
+    EXPECT_TRUE(line.ended(at(milliseconds(5000))));
   }
   Standstill patient(milliseconds(3000));
   patient.given(at({}));
@@ -46,9 +46,22 @@ TEST(Standstill, NudgesAfterEverLongerTimes) {
   EXPECT_TRUE(line.nudge_is_due(at(milliseconds(60))));
   EXPECT_FALSE(line.nudge_is_due(at(milliseconds(120))));
   EXPECT_TRUE(line.nudge_is_due(at(milliseconds(121))));
-  line.ended();
+  line.ended(at(milliseconds(130)));
   line.given(at(milliseconds(200)));
   EXPECT_TRUE(line.nudge_is_due(at(milliseconds(251)))) << "as at first";
+}
+
+TEST(Standstill, IsLeftInPeaceForHalfOfThePatienceAndCountsFromTheNextLook) {
+  Standstill line(kPatience);
+  line.given(at({}));
+  EXPECT_FALSE(line.look_begins(at({}))) << "a fresh line is looked at";
+  line.ended(at(milliseconds(2)));
+  line.given(at(milliseconds(2)));
+  EXPECT_TRUE(line.rests(at(milliseconds(14))));
+  EXPECT_FALSE(line.rests(at(milliseconds(15))));
+  EXPECT_TRUE(line.look_begins(at(milliseconds(15))));
+  EXPECT_FALSE(line.look_begins(at(milliseconds(16)))) << "it has begun";
+  EXPECT_EQ(line.lasts(at(milliseconds(17))), milliseconds(2));
 }
 
 TEST(Standstill, IsLookedAtLessOftenTheLongerItLasts) {
