@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/control/rotor_loss.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
-#include <ranges>
 #include <system_error>
 
 #include "base/config/config.hpp"
@@ -103,10 +102,11 @@ Study study_of(const std::string& vary) {
 /// The study with one combination of its lists, the row that `number` modulo their combinations has
 /// in the whole table.
 Study one_of(Study study, std::uint64_t number) {
-  for (Parameter& each : study.parameters | std::views::reverse) {  // the last changes first
-    if (each.values.empty()) continue;
-    const std::size_t count = each.values.size();
-    each.values = {each.values[number % count]};
+  // The last changes first.
+  for (auto each = study.parameters.rbegin(); each != study.parameters.rend(); ++each) {
+    if (each->values.empty()) continue;
+    const std::size_t count = each->values.size();
+    each->values = {each->values[number % count]};
     number /= count;
   }
   return study;

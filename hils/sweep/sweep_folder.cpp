@@ -64,7 +64,7 @@ std::vector<std::size_t> rows_to_check(const RunTable& table) {
     rows.push_back(most->row);
   }
   std::ranges::sort(rows);
-  rows.erase(std::ranges::unique(rows).begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   if (rows.size() > kMostChecked) rows.resize(kMostChecked);
   return rows;
 }
