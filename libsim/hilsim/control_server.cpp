@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <deque>
 #include <exception>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,7 @@
 #include "base/os/thread.hpp"
 #include "base/rpc/server.hpp"
 #include "libsim/hilsim/control_description.hpp"
+#include "libsim/hilsim/fault_desk.hpp"
 #include "libsim/hilsim/motion_watch.hpp"
 #include "libsim/hilsim/pace_watch.hpp"
 #include "libsim/hilsim/scene.hpp"
@@ -40,6 +42,7 @@ constexpr auto kPacePeriod = std::chrono::seconds(5);
 /// gets 60.
 constexpr auto kWatchPeriod = std::chrono::milliseconds(16);
 constexpr std::size_t kMeshPiece = 256 * 1024;  // bytes of one answer
+constexpr std::size_t kMostNoted = 1000;        // calls of the journal
 
 /// Asks for a line with the state of the run. Not a constant: the C library keeps some for itself.
 int status_signal() { return SIGRTMIN; }
@@ -70,6 +73,12 @@ std::string to_base64(std::string_view bytes) {
   return text;
 }
 
+std::int64_t unix_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 /// A named parameter, or nothing when it is missing or of another kind.
 std::optional<double> number_of(const Json& params, const char* key) {
   if (!params.is_object() || !params.contains(key) || !params[key].is_number()) return std::nullopt;
@@ -92,6 +101,22 @@ struct ControlServer::Impl {
     asio::post(io, [reply, result = std::move(result)] { reply.result(result); });
   }
 
+  /// On the loop's thread: keeps for sim.journal what somebody does to the run.
+  void note(const std::string& client, const std::string& method,
+            const Json& params = Json::object()) {
+    Json call{{"unix_us", unix_us()},
+              {"time_s", base::to_seconds(loop.figures().time)},
+              {"client", client},
+              {"method", method},
+              {"params", params.is_null() ? Json::object() : params}};
+    asio::post(io, [this, call = std::move(call)] {
+      journal.push_back(call);
+      if (journal.size() <= kMostNoted) return;
+      journal.pop_front();
+      ++forgotten;
+    });
+  }
+
   /// A method that is done at once.
   void add_plain(const std::string& name, std::function<void()> order) {
     server.add_method(name, [this, order = std::move(order)](const Json&, Reply reply) {
@@ -102,13 +127,28 @@ struct ControlServer::Impl {
     });
   }
 
+  /// The same for one that changes the run.
+  void add_act(const std::string& name, std::function<void()> order) {
+    server.add_method(name, [this, name, order = std::move(order)](const Json&, Reply reply) {
+      carry(reply, [this, name, order, client = reply.client](const std::function<void()>& done) {
+        note(client, name);
+        order();
+        done();
+      });
+    });
+  }
+
   void add_methods() {
     server.describe(control_description(CAS_VERSION));
     add_plain("sim.status", [] {});
-    add_plain("sim.pause", [this] { loop.pause(); });
-    add_plain("sim.resume", [this] { loop.resume(); });
-    add_plain("sim.reset", [this] { loop.reset(); });
-    add_plain("sim.quit", [this] { loop.stop(); });
+    add_act("sim.pause", [this] { loop.pause(); });
+    add_act("sim.resume", [this] { loop.resume(); });
+    add_act("sim.reset", [this] { loop.reset(); });
+    add_act("sim.quit", [this] { loop.stop(); });
+    add_fault_method();
+    server.add_method("sim.journal", [this](const Json&, const Reply& reply) {
+      reply.result({{"calls", journal}, {"forgotten", forgotten}});
+    });
     server.add_method("sim.stats", [this](const Json&, Reply reply) {
       loop.post([this, reply = std::move(reply)] { answer(reply, stats_report(loop)); });
     });
@@ -119,7 +159,8 @@ struct ControlServer::Impl {
       if (!(n >= 1 && n <= kLongestTime)) {
         return reply.error(base::rpc::kInvalidParams, "n is a number of steps from 1", nullptr);
       }
-      carry(std::move(reply), [this, n](std::function<void()> done) {
+      carry(reply, [this, n, params, client = reply.client](std::function<void()> done) {
+        note(client, "sim.step", params);
         loop.step(static_cast<std::uint64_t>(n), std::move(done));
       });
     });
@@ -138,8 +179,31 @@ struct ControlServer::Impl {
       if (!time_s || !(*time_s >= 0 && *time_s <= kLongestTime)) {
         return reply.error(base::rpc::kInvalidParams, "time_s is a time in seconds", nullptr);
       }
-      carry(std::move(reply), [this, t = *time_s](std::function<void()> done) {
+      carry(reply, [this, t = *time_s, params, client = reply.client](std::function<void()> done) {
+        note(client, "sim.run_until", params);
         loop.run_until(base::SimTime(base::from_seconds(t)), std::move(done));
+      });
+    });
+  }
+
+  void add_fault_method() {
+    server.add_method("sim.fault", [this](const Json& params, const Reply& reply) {
+      const std::string vehicle = params.at("vehicle").get<std::string>();
+      if (!params.at("fault").is_object()) {
+        return reply.error(base::rpc::kInvalidParams, "fault is a map", nullptr);
+      }
+      loop.post([this, params, vehicle, reply] {
+        std::string refusal;
+        try {
+          faults.order(vehicle, params.at("fault"));
+          note(reply.client, "sim.fault", params);
+        } catch (const base::ConfigError& error) {
+          refusal = error.what();
+        }
+        asio::post(io, [reply, refusal] {
+          if (refusal.empty()) return reply.result(true);
+          reply.error(base::rpc::kRefused, refusal, nullptr);
+        });
       });
     });
   }
@@ -219,13 +283,20 @@ struct ControlServer::Impl {
   void on_signal(int signal) {
     switch (signal) {
       case SIGUSR1:
-        return loop.post([this] { loop.figures().paused ? loop.resume() : loop.pause(); });
+        return loop.post([this] {
+          note("signal", "SIGUSR1");
+          loop.figures().paused ? loop.resume() : loop.pause();
+        });
       case SIGUSR2:
         return loop.post([this] {
+          note("signal", "SIGUSR2");
           if (loop.figures().paused) loop.step(1, nullptr);
         });
       case SIGHUP:
-        return loop.post([this] { loop.reset(); });
+        return loop.post([this] {
+          note("signal", "SIGHUP");
+          loop.reset();
+        });
       case SIGINT:
       case SIGTERM:
         return loop.stop();
@@ -250,6 +321,9 @@ struct ControlServer::Impl {
 
   SimLoop& loop;
   MotionWatch motion{loop};
+  FaultDesk faults{loop.runner()};
+  std::deque<Json> journal;  // what somebody did to the run, the oldest first
+  std::uint64_t forgotten = 0;
   std::unique_ptr<const Scene> scene;  // once somebody has asked
   Json sample;                         // newest of `motion`
   base::RunTime sample_ends{};         // until then nobody needs another

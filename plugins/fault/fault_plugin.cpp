@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "base/earth/frames.hpp"
 #include "base/os/log.hpp"
+#include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/fault/fault_spec.hpp"
@@ -17,6 +19,7 @@ namespace cas::sim {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / M_PI;
+constexpr std::size_t kMostByHand = 200;  // faults that are ordered in one run
 
 /// Breaks sensors, rotors, battery and balance by script, and starts gusts.
 class FaultPlugin final : public Plugin {
@@ -25,8 +28,10 @@ class FaultPlugin final : public Plugin {
     vehicle_ = context.vehicle_id();
     seed_ = context.seed();
     random_ = base::NormalRandom(seed_);
-    schedule_ = FaultSchedule(parse_faults(params));
-    events_.reserve(2 * schedule_.faults().size());
+    by_hand_ = params.get("by_hand", false);
+    if (!by_hand_ || params.has("faults")) schedule_ = FaultSchedule(parse_faults(params));
+    schedule_.reserve(by_hand_ ? kMostByHand : 0);
+    events_.reserve(2 * (schedule_.faults().size() + kMostByHand));
     open_taps(context);
     open_topics(context);
   }
@@ -85,8 +90,8 @@ class FaultPlugin final : public Plugin {
   /// Intercepts the topics that a fault is about, and no other.
   template <class Sample>
   void open_tap(PluginContext& context, SensorTopic topic, const char* name) {
-    bool wanted = false;
-    bool may_delay = false;
+    bool wanted = by_hand_;
+    bool may_delay = by_hand_;
     for (const FaultSpec& fault : schedule_.faults()) {
       const auto* sensor = std::get_if<SensorFault>(&fault.kind);
       if (sensor == nullptr || sensor->topic != topic) continue;
@@ -107,14 +112,11 @@ class FaultPlugin final : public Plugin {
   }
 
   void open_topics(PluginContext& context) {
-    const int rotors = context.vehicle().rotor_count();
+    type_ = context.vehicle().name;
+    rotors_ = context.vehicle().rotor_count();
+    breaks_propulsion_ = changes_mass_ = blows_ = by_hand_;
     for (const FaultSpec& fault : schedule_.faults()) {
-      if (const auto* broken = std::get_if<RotorFault>(&fault.kind);
-          broken != nullptr && broken->rotor >= rotors) {
-        throw base::ConfigError("fault '" + fault.name + "': there is no rotor " +
-                                std::to_string(broken->rotor + 1) + "; vehicle '" +
-                                context.vehicle().name + "' has " + std::to_string(rotors));
-      }
+      check_rotor(fault);
       breaks_propulsion_ |= std::holds_alternative<RotorFault>(fault.kind) ||
                             std::holds_alternative<VoltageFault>(fault.kind);
       changes_mass_ |= std::holds_alternative<MassFault>(fault.kind);
@@ -125,6 +127,11 @@ class FaultPlugin final : public Plugin {
       health_ = bus.advertise<PropulsionHealth>(context.topic("propulsion_health"));
     }
     if (blows_) gust_ = bus.advertise<GustCommand>(context.topic("gust"));
+    if (by_hand_) {
+      orders_ = bus.subscribe<FaultOrder>(
+          context.topic(std::string(kFaultOrders)),
+          [this](const FaultOrder& order) { take_order(order); }, Need::kOptional);
+    }
     command_ = bus.subscribe<MotorCommand>(
         context.topic("motor_command"),
         [this](const MotorCommand& command) { armed_ = command.armed; }, Need::kOptional);
@@ -133,9 +140,30 @@ class FaultPlugin final : public Plugin {
         Need::kOptional);
   }
 
+  /// Between two steps, not in one. @throws base::ConfigError to whoever orders
+  void take_order(const FaultOrder& order) {
+    const std::size_t number = schedule_.faults().size() + 1;
+    FaultSpec fault =
+        parse_fault(base::ConfigNode::parse(order.script.data(), "fault by hand"), number);
+    check_rotor(fault);
+    if (std::holds_alternative<GustCommand>(fault.kind) && !gust_.has_subscribers()) {
+      throw base::ConfigError("no gust can blow: the vehicle has no plugin wind");
+    }
+    schedule_.add(std::move(fault));
+  }
+
+  /// @throws base::ConfigError
+  void check_rotor(const FaultSpec& fault) const {
+    const auto* broken = std::get_if<RotorFault>(&fault.kind);
+    if (broken == nullptr || broken->rotor < rotors_) return;
+    throw base::ConfigError("fault '" + fault.name + "': there is no rotor " +
+                            std::to_string(broken->rotor + 1) + "; vehicle '" + type_ + "' has " +
+                            std::to_string(rotors_));
+  }
+
   void begin_run(World& world) {
     if (changes_mass_) world.scale_mass(vehicle_, 1.0);
-    if (blows_ && !gust_.has_subscribers()) {
+    if (blows_ && !by_hand_ && !gust_.has_subscribers()) {
       base::log::warn("a fault starts a gust, but the vehicle has no plugin wind");
     }
   }
@@ -235,6 +263,9 @@ class FaultPlugin final : public Plugin {
   base::NormalRandom random_;
   FaultSchedule schedule_;
   std::vector<FaultEvent> events_;
+  std::string type_;  // of vehicle
+  int rotors_ = 0;
+  bool by_hand_ = false;  // takes orders while it flies
   bool breaks_propulsion_ = false;
   bool changes_mass_ = false;
   bool blows_ = false;
@@ -247,6 +278,7 @@ class FaultPlugin final : public Plugin {
   Publisher<GustCommand> gust_;
   Subscription command_;
   Subscription phase_topic_;
+  Subscription orders_;
 };
 
 }  // namespace

@@ -198,9 +198,28 @@ std::vector<FaultSpec> parse_faults(const ConfigNode& node) {
 // Schedule.
 
 FaultSchedule::FaultSchedule(std::vector<FaultSpec> faults)
-    : faults_(std::move(faults)), states_(faults_.size()), since_(faults_.size()) {}
+    : faults_(std::move(faults)),
+      scripted_(faults_.size()),
+      states_(faults_.size()),
+      since_(faults_.size()) {}
 
-void FaultSchedule::reset() { states_.assign(faults_.size(), State::kWaiting); }
+void FaultSchedule::reset() {
+  faults_.erase(faults_.begin() + static_cast<std::ptrdiff_t>(scripted_), faults_.end());
+  states_.assign(scripted_, State::kWaiting);
+  since_.resize(scripted_);
+}
+
+void FaultSchedule::reserve(std::size_t further) { faults_.reserve(faults_.size() + further); }
+
+void FaultSchedule::add(FaultSpec fault) {
+  if (faults_.size() == faults_.capacity()) {
+    throw base::ConfigError("a run takes no more faults by hand: " +
+                            std::to_string(faults_.size() - scripted_) + " were ordered");
+  }
+  faults_.push_back(std::move(fault));
+  states_.push_back(State::kWaiting);
+  since_.emplace_back();
+}
 
 bool FaultSchedule::begins(const FaultSpec& fault, base::SimTime now, const Facts& facts) {
   return fault.at ? now >= *fault.at : fault.when->evaluate(facts);

@@ -119,3 +119,8 @@ class FaultSchedule {
 };
 
 }  // namespace cas::sim
+  /// Room for so many faults that add() takes: no fault's place in memory changes.
+  void reserve(std::size_t further);
+  /// One more. @throws base::ConfigError when the room is used up
+  void add(FaultSpec fault);
+  std::size_t scripted_ = 0;  ///< those in front, of the configuration

@@ -19,6 +19,17 @@ def _given(**params: Any) -> Dict[str, Any]:
     return {key: value for key, value in params.items() if value is not None}
 
 
+NotedCall = TypedDict("NotedCall", {
+    "client": str,
+    "method": str,  # or a signal's name
+    "params": Any,
+    "time_s": float,  # simulated
+    "unix_us": int,
+})
+SimJournal = TypedDict("SimJournal", {
+    "calls": List[NotedCall],
+    "forgotten": int,  # older ones
+})
 MeshPiece = TypedDict("MeshPiece", {
     "base64": str,  # the bytes from `offset` on, 256 KiB at most
     "bytes": int,  # of the whole mesh
@@ -144,6 +155,18 @@ class SimCalls:
     def __init__(self, call: _Call) -> None:
         self._call = call
 
+    def fault(self, vehicle: str, fault: Any) -> bool:
+        """A fault that begins with the next step, for a vehicle whose plugin fault has by_hand.
+
+        vehicle: its name
+        fault: as an entry of the plugin's faults, without at_s and when
+        """
+        return cast(bool, self._call("sim.fault", _given(vehicle=vehicle, fault=fault)))
+
+    def journal(self) -> SimJournal:
+        """The newest calls and signals that changed the run, the oldest first."""
+        return cast(SimJournal, self._call("sim.journal", _given()))
+
     def mesh(self, hash: str, *, offset: Optional[int] = None) -> MeshPiece:
         """A mesh of the scene, in pieces: counts of vertices and triangles (uint32), vertices (float32), indices (uint32).
 
@@ -208,6 +231,18 @@ class AsyncSimCalls:
 
     def __init__(self, call: _AsyncCall) -> None:
         self._call = call
+
+    async def fault(self, vehicle: str, fault: Any) -> bool:
+        """A fault that begins with the next step, for a vehicle whose plugin fault has by_hand.
+
+        vehicle: its name
+        fault: as an entry of the plugin's faults, without at_s and when
+        """
+        return cast(bool, await self._call("sim.fault", _given(vehicle=vehicle, fault=fault)))
+
+    async def journal(self) -> SimJournal:
+        """The newest calls and signals that changed the run, the oldest first."""
+        return cast(SimJournal, await self._call("sim.journal", _given()))
 
     async def mesh(self, hash: str, *, offset: Optional[int] = None) -> MeshPiece:
         """A mesh of the scene, in pieces: counts of vertices and triangles (uint32), vertices (float32), indices (uint32).

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "libsim/api/fault_order.hpp"
 #include "plugins/fault/expression.hpp"
 #include "plugins/fault/fault_spec.hpp"
 #include "tests/plugins/plugin_harness.hpp"
@@ -264,3 +267,31 @@ TEST_F(FaultyVehicle, BreaksTheSameWayAfterReset) {
 
 }  // namespace
 }  // namespace cas::sim
+TEST_F(FaultyVehicle, TakesFaultsByHandAndForgetsThemAtAReset) {
+  const auto orders = harness_.bus.advertise<FaultOrder>("iris0/fault_order");
+  const auto order = [&orders](const std::string& script) {
+    FaultOrder order;
+    std::ranges::copy(script, order.script.begin());
+    orders.publish(order);
+  };
+  start("{by_hand: true}");
+  PropulsionHealth health;
+  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
+      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  run(milliseconds(50));
+  EXPECT_TRUE(health.thrust_share.isOnes());
+  order("{name: weak, at_s: 0, for_s: 0.05, rotor: {number: 3, thrust_share: 0.6}}");
+  run(milliseconds(20));
+  EXPECT_DOUBLE_EQ(health.thrust_share[2], 0.6);
+  run(milliseconds(50));
+  EXPECT_TRUE(health.thrust_share.isOnes());
+  EXPECT_THROW(order("{at_s: 0, rotor: {number: 5, stop: true}}"), base::ConfigError);
+  EXPECT_THROW(order("{at_s: 0, nothing: 1}"), base::ConfigError);
+  EXPECT_THROW(order("{at_s: 0, gust: {amplitude_m_s: [3, 0, 0], length_m: 2}}"), base::ConfigError)
+      << "without wind none blows";
+  harness_.reset();
+  now_ = {};
+  run(milliseconds(100));
+  EXPECT_TRUE(health.thrust_share.isOnes()) << "the same run as without a hand";
+}
+

@@ -157,6 +157,37 @@ TEST_F(Hilsim, TellsThePluginsThePhaseOfTheFlight) {
   EXPECT_EQ(hilsim.wait_exit(), 0);
 }
 
+TEST_F(Hilsim, TakesFaultsByHandAndNotesWhoDidWhat) {
+  ChildProcess hilsim(command(write("free_run", "[{plugin: fault, by_hand: true}]"), {"--paused"}));
+  ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
+  Client client("unix:" + socket());
+  const std::string vehicle = client.call("sim.status", nullptr)["vehicles"][0]["name"];
+  const Json heavy{{"name", "heavy"}, {"for_s", 1}, {"mass_factor", 1.5}};
+  EXPECT_EQ(client.call("sim.fault", {{"vehicle", vehicle}, {"fault", heavy}}), true);
+  for (const Json& wrong : {Json{{"vehicle", "nobody"}, {"fault", heavy}},
+                            Json{{"vehicle", vehicle}, {"fault", {{"mass_factor", 99}}}},
+                            Json{{"vehicle", vehicle}, {"fault", {{"at_s", 9}}}},
+                            Json{{"vehicle", vehicle}, {"fault", 7}}, Json{{"vehicle", vehicle}}}) {
+    EXPECT_THROW(client.call("sim.fault", wrong), base::rpc::CallError) << wrong;
+  }
+  client.call("sim.step", {{"n", 10}});
+  const Json events = client.call("sim.stats", nullptr)["plugins"]["fault@iris0"]["events"];
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0]["fault"], "heavy");
+  hilsim.signal(SIGHUP);
+  ASSERT_TRUE(wait_until([&] { return client.call("sim.status", nullptr)["steps"] == 0; }));
+  const Json calls = client.call("sim.journal", nullptr)["calls"];
+  ASSERT_EQ(calls.size(), 3U) << calls;
+  EXPECT_EQ(calls[0]["method"], "sim.fault");
+  EXPECT_EQ(calls[0]["params"]["fault"], heavy);
+  EXPECT_EQ(calls[1]["method"], "sim.step");
+  EXPECT_NE(calls[1]["client"].get<std::string>().find("unix:uid "), std::string::npos);
+  EXPECT_EQ(calls[2]["client"], "signal");
+  EXPECT_EQ(calls[2]["time_s"], 0.01);
+  client.call("sim.quit", nullptr);
+  EXPECT_EQ(hilsim.wait_exit(), 0);
+}
+
 TEST_F(Hilsim, RealTimeRunEndsAtTheTerminationSignal) {
   ChildProcess hilsim(command(write("realtime", "[{plugin: fake_counter}]")));
   ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
