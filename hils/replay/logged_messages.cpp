@@ -160,7 +160,9 @@ class Listener {
 
   void on_state(double t_s, const mav::PacketView& packet) {
     std::array<std::uint32_t, 3> state = state_;
-    if (const auto heartbeat = mav::decode<mavlink::common::Heartbeat>(packet)) {
+    // The autopilot's mode: a gimbal or a station of the same system has one of its own.
+    if (const auto heartbeat = mav::decode<mavlink::common::Heartbeat>(packet);
+        heartbeat && heartbeat->autopilot != mavlink::common::MavAutopilot::kInvalid) {
       state[0] = static_cast<std::uint32_t>(heartbeat->base_mode);
       state[1] = heartbeat->custom_mode;
       heard_ = true;

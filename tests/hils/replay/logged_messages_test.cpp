@@ -42,5 +42,31 @@ TEST(ReplayLog, OneWrongStampAddsNoTime) {
   }
 }
 
+TEST(ReplayLog, TheModeIsTheAutopilotsAlone) {
+  using mavlink::common::Heartbeat;
+  using mavlink::common::MavAutopilot;
+  const cas::test::TemporaryFolder folder;
+  std::string bytes;
+  std::uint64_t stamp = 1'790'000'000'000'000;
+  const auto add = [&](std::uint8_t component, MavAutopilot autopilot, std::uint32_t mode) {
+    Heartbeat heartbeat;
+    heartbeat.autopilot = autopilot;
+    heartbeat.custom_mode = mode;
+    for (int shift = 56; shift >= 0; shift -= 8) bytes += static_cast<char>(stamp >> shift & 0xFFU);
+    stamp += 500'000;
+    mav::Encoder encode({1, component});
+    const auto packet = encode(heartbeat);
+    bytes.append(packet.begin(), packet.end());
+  };
+  for (int i = 0; i < 3; ++i) {
+    add(154, MavAutopilot::kInvalid, 0);  // a gimbal
+    add(1, MavAutopilot::kPx4, i < 2 ? 7 : 8);
+  }
+  const auto states = logged_messages(folder.write("flight.tlog", bytes), 1, {}).at("states");
+  ASSERT_EQ(states.size(), 2U) << states;
+  EXPECT_EQ(states[0][2], 7);
+  EXPECT_EQ(states[1][2], 8);
+}
+
 }  // namespace
 }  // namespace cas::hils
