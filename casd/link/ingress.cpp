@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "casd/packet/intervention.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
@@ -35,6 +36,8 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   route.info.waited = waited;
   account(route, packet, now);
+  // What others have a vehicle do, and its answers, casd's station hears too: it shall not undo it.
+  if (route.to != 0 && may_be_act(packet.message_id)) route.to |= bit(kLocalLink);
   if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
 }
 

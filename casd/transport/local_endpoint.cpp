@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "casd/packet/intervention.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -59,7 +60,7 @@ bool LocalEndpoint::send(std::span<const std::uint8_t> packet, std::span<const P
 }
 
 bool LocalEndpoint::concerns_us(const PacketInfo& info) const {
-  if (info.target.system == 0) return true;
+  if (info.target.system == 0 || may_be_act(info.message_id)) return true;
   if (info.target.system != self_.system) return false;
   return info.target.component == 0 || info.target.component == self_.component;
 }

@@ -21,7 +21,8 @@ class LocalEndpoint final : public PacketPort {
  public:
   LocalEndpoint(Switchboard& switchboard, mav::Source self);
 
-  /// From any link's thread: queues what is for casd or for everybody.
+  /// From any link's thread: queues what is for casd or for everybody, and what others have a
+  /// vehicle do.
   void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
 
   // casd's main thread:

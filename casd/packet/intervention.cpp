@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/packet/intervention.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "mavlink/common/all.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::casd {
+
+using namespace mavlink::common;  // NOLINT: the file is about its messages
+
+namespace {
+
+/// Messages by which somebody flies a vehicle. Commands are looked at one by one.
+constexpr std::array kSteering{SetMode::kId,
+                               ManualControl::kId,
+                               RcChannelsOverride::kId,
+                               SetAttitudeTarget::kId,
+                               SetPositionTargetLocalNed::kId,
+                               SetPositionTargetGlobalInt::kId,
+                               MissionCount::kId,
+                               MissionClearAll::kId,
+                               MissionSetCurrent::kId};
+
+bool is_steering(std::uint32_t message_id) {
+  return std::ranges::find(kSteering, message_id) != kSteering.end();
+}
+
+std::string number_of(MavCmd command) {
+  return "command " + std::to_string(static_cast<unsigned>(command));
+}
+
+std::string with_word(MavCmd command, std::string_view word) {
+  return number_of(command) + " (" + std::string(word) + ")";
+}
+
+std::string command_words(MavCmd command) {
+  constexpr std::array<std::pair<MavCmd, std::string_view>, 7> kWords{
+      {{MavCmd::kComponentArmDisarm, "arm or disarm"},
+       {MavCmd::kDoFlighttermination, "end the flight"},
+       {MavCmd::kNavTakeoff, "takeoff"},
+       {MavCmd::kNavLand, "land"},
+       {MavCmd::kNavReturnToLaunch, "return to launch"},
+       {MavCmd::kDoSetMode, "another mode"},
+       {MavCmd::kDoReposition, "go to a place"}}};
+  const auto found = std::ranges::find(kWords, command, &decltype(kWords)::value_type::first);
+  return found == kWords.end() ? number_of(command) : with_word(command, found->second);
+}
+
+/// @param command  COMMAND_LONG or COMMAND_INT
+template <class Command>
+std::optional<Act> act_of_command(const Command& command) {
+  if (only_asks(command.command)) return std::nullopt;
+  Act act{.what = command_words(command.command),
+          .target = {command.target_system, command.target_component}};
+  if (command.command == MavCmd::kComponentArmDisarm) {
+    act.disarms = command.param1 == 0;
+    act.what = with_word(command.command, act.disarms ? "disarm" : "arm");
+  }
+  if (command.command == MavCmd::kDoFlighttermination) act.disarms = command.param1 != 0;
+  return act;
+}
+
+}  // namespace
+
+bool only_asks(MavCmd command) {
+  using enum MavCmd;
+  constexpr std::array kQuestions{
+      kGetHomePosition, kGetMessageInterval,     kSetMessageInterval,          kRequestMessage,
+      kRunPrearmChecks, kRequestProtocolVersion, kRequestAutopilotCapabilities};
+  return std::ranges::find(kQuestions, command) != kQuestions.end();
+}
+
+std::optional<Act> act_of(const mav::PacketView& packet) {
+  if (const auto command = mav::decode<CommandLong>(packet)) return act_of_command(*command);
+  if (const auto placed = mav::decode<CommandInt>(packet)) return act_of_command(*placed);
+  if (!is_steering(packet.message_id)) return std::nullopt;
+  const mav::MessageInfo& known = *table().find(packet.message_id);
+  Act act{.what = std::string(known.name), .target = mav::target_of(packet, known)};
+  if (const auto sticks = mav::decode<ManualControl>(packet)) act.target.system = sticks->target;
+  return act;
+}
+
+std::optional<Act> act_of(const CommandAck& answer) {
+  const bool of_arming = answer.command == MavCmd::kComponentArmDisarm;
+  if (!of_arming && answer.command != MavCmd::kDoFlighttermination) return std::nullopt;
+  return Act{.what = command_words(answer.command) + ", by the vehicle's answer to it",
+             .target = {},
+             .disarms = !of_arming && answer.result == MavResult::kAccepted};
+}
+
+bool may_be_act(std::uint32_t message_id) {
+  return message_id == CommandLong::kId || message_id == CommandInt::kId ||
+         message_id == CommandAck::kId || is_steering(message_id);
+}
+
+void Interventions::add(Intervention intervention) {
+  for (auto known = all_.begin(); known != all_.end(); ++known) {
+    if (known->by != intervention.by || known->link != intervention.link ||
+        known->act.what != intervention.act.what) {
+      continue;
+    }
+    intervention.times += known->times;
+    all_.erase(known);
+    break;
+  }
+  all_.push_back(std::move(intervention));
+  if (all_.size() <= kMost) return;
+  const auto idle =
+      std::ranges::find_if(all_, [](const Intervention& i) { return !i.act.disarms; });
+  all_.erase(idle == all_.end() ? all_.begin() : idle);
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "mavlink/common/command_ack.hpp"
+#include "mavlink/common/enums.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// What a packet has a vehicle do.
+struct Act {
+  std::string what{};    ///< "command 400 (arm)", "MANUAL_CONTROL"
+  mav::Source target{};  ///< 0: every system, every component
+  bool disarms = false;  ///< disarms or ends the flight
+};
+
+/// Reads a command, a stick, a target or a change of the mission; nothing for packets that only ask
+/// for something to be said, and for all others.
+std::optional<Act> act_of(const mav::PacketView& packet);
+/// Reads the vehicle's answer to a command that arms, disarms or ends the flight: who has got an
+/// answer has commanded, perhaps at a link of its own.
+std::optional<Act> act_of(const mavlink::common::CommandAck& answer);
+/// Whether a command only asks for something to be said.
+bool only_asks(mavlink::common::MavCmd command);
+/// Whether a message may be an act or the answer to one, by its id alone.
+bool may_be_act(std::uint32_t message_id);
+
+/// What somebody other than casd's own station had a vehicle do; the same again counts up.
+struct Intervention {
+  mav::Source by{};
+  LinkId link = kNoLink;
+  Act act{};
+  std::uint64_t times = 1;
+  base::RunTime at{};  ///< of the newest
+};
+
+/// The newest interventions of a vehicle, oldest first. Of those that disarm at least one stays.
+class Interventions {
+ public:
+  static constexpr std::size_t kMost = 20;
+
+  void add(Intervention intervention);
+  const std::deque<Intervention>& all() const { return all_; }
+
+ private:
+  std::deque<Intervention> all_;
+};
+
+}  // namespace cas::casd
