@@ -49,6 +49,7 @@ SYSTEM = {"std", "system"}
 BASE = SYSTEM | {"base"} | rooms("base", "config earth measure os time")
 RPC = {"base/rpc", "nlohmann"}  # who calls or offers methods handles their JSON
 MAVLINK = {"mavlink_gen/runtime", "dialect"}
+SERVICES = {"mavlink_gen/services"}
 PROGRAM = {"base/cli", "CLI11"}  # what reads a command line
 API = BASE | {"libsim/api", "Eigen"}
 PLUGIN = API | {"plugins/common"}
@@ -61,6 +62,8 @@ LAYERS = {
     "mavlink_gen/runtime": {"std", "intrinsics"},
     # of base: suggestion.hpp, which is whole in itself
     "mavlink_gen/parser": SYSTEM | {"mavlink_gen/runtime", "base", "expat"},
+    # of base: suggestion.hpp, likewise
+    "mavlink_gen/services": {"std", "base"} | MAVLINK,
     "mavlink_gen/generator": SYSTEM | PROGRAM | {"mavlink_gen/parser", "mavlink_gen/runtime"},
 
     "base": SYSTEM,
@@ -90,9 +93,9 @@ LAYERS = {
     "plugins/mavlink_interface": PLUGIN | MAVLINK | {"Asio"},
 
     "casd/packet": BASE | MAVLINK,
-    "casd/routing": BASE | MAVLINK | rooms("casd", "packet"),
+    "casd/routing": BASE | MAVLINK | SERVICES | rooms("casd", "packet"),
     "casd/queue": BASE | rooms("casd", "packet"),
-    "casd/tlog": BASE | MAVLINK,
+    "casd/tlog": BASE | MAVLINK | SERVICES,
     "casd/topology":
         BASE | MAVLINK | rooms("casd", "packet routing queue tlog") | {"mavlink_gen/parser"},
     "casd/words": {"std"},
@@ -102,7 +105,7 @@ LAYERS = {
     "casd/link":
         BASE | MAVLINK | rooms("casd", "packet routing queue tlog topology counters signing")
         | {"Asio"},
-    "casd/station": BASE | MAVLINK | rooms("casd", "packet"),
+    "casd/station": BASE | MAVLINK | SERVICES | rooms("casd", "packet"),
     "casd/transport":
         BASE | MAVLINK | rooms("casd", "packet routing tlog counters link station") | {"Asio"},
     "casd/port":
@@ -126,7 +129,7 @@ LAYERS = {
     "fcu/flight": BASE | MAVLINK | rooms("fcu", "estimation control params") | {"Eigen"},
     "fcu/core":
         BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen"},
-    "fcu/protocols": BASE | MAVLINK | rooms("fcu", "core flight params") | {"Eigen"},
+    "fcu/protocols": BASE | MAVLINK | SERVICES | rooms("fcu", "core flight params") | {"Eigen"},
     "fcu": BASE | MAVLINK | rooms("fcu", "core flight protocols") | {"Eigen"},
     "fcu/emulator":
         BASE | MAVLINK | RPC | PROGRAM | rooms("fcu", "core line params") | {"fcu", "Eigen", "Asio"},

@@ -8,7 +8,7 @@
 
 #include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "casd/station/param_exchange.hpp"
+#include "casd/station/services.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {

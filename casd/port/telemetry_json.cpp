@@ -28,7 +28,7 @@ struct Source {
   explicit Source(const std::optional<Heard<M>>& heard)
       : came(heard.has_value()),
         message(heard ? heard->message : M{}),
-        at(heard ? heard->at : base::RunTime{}) {}
+        at(heard ? heard->at : mav::services::Time{}) {}
 
   /// The value, or null where the message has not come or says that it does not know.
   json value(double number, bool known = true) const {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "casd/packet/vehicle_heartbeat.hpp"
+#include "mavlink_gen/services/vehicle_heartbeat.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -73,7 +73,7 @@ bool is_ground_station_traffic(const mav::PacketView& packet) {
   const auto ids = ground_station_messages();
   if (!std::binary_search(ids.begin(), ids.end(), packet.message_id)) return false;
   const auto heartbeat = mav::decode<mavlink::common::Heartbeat>(packet);
-  return !heartbeat || !is_vehicle(packet.source, *heartbeat);
+  return !heartbeat || !mav::services::is_vehicle(packet.source, *heartbeat);
 }
 
 }  // namespace cas::casd

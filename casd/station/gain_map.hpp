@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "casd/station/vehicle_modes.hpp"
+#include "casd/station/services.hpp"
 
 namespace cas::base {
 class ConfigNode;

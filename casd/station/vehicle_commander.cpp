@@ -5,8 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "casd/station/vehicle_command.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/manual_control.hpp"
+#include "mavlink_gen/services/address.hpp"
 
 namespace cas::casd {
 namespace {
@@ -18,13 +20,6 @@ constexpr std::pair<std::uint32_t, double> kArduPilotStreams[] = {
     {LocalPositionNed::kId, 10}, {GlobalPositionInt::kId, 5}, {HomePosition::kId, 0.5},
     {GpsRawInt::kId, 1},         {kEkfStatusReport, 1},
 };
-
-bool addressed(const CommandAck& ack, mav::Source self) {
-  // Older autopilots leave the addressee out.
-  if (ack.target_system == 0) return true;
-  return ack.target_system == self.system &&
-         (ack.target_component == 0 || ack.target_component == self.component);
-}
 
 /// Farther from home than any vehicle here flies: a number beyond it is a slip.
 constexpr double kFarthest_m = 100'000;
@@ -87,7 +82,8 @@ void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& pa
                                 base::RunTime now) {
   switch (packet.message_id) {
     case CommandAck::kId:
-      if (const auto ack = mav::decode<CommandAck>(packet); ack && addressed(*ack, options_.self)) {
+      if (const auto ack = mav::decode<CommandAck>(packet);
+          ack && mav::services::is_for(*ack, options_.self)) {
         // In lockstep time may stand still: no HEARTBEAT comes by itself then.
         if (vehicle.commands.on_ack(*ack, now)) {
           vehicle.commands.start(request_command(Heartbeat::kId), now, [](const Outcome&) {});
@@ -182,12 +178,10 @@ void VehicleCommander::send_beat(std::span<const Path> to) {
 
 template <class M>
 void VehicleCommander::send(const VehicleState& vehicle, M message) {
-  const mav::Source target = vehicle.source();
   if constexpr (requires { message.target_system; }) {
-    message.target_system = target.system;
-    message.target_component = target.component;
+    message = mav::services::addressed(message, vehicle.source());
   } else {
-    message.target = target.system;
+    message.target = vehicle.source().system;
   }
   // Without paths the router would ask every link for this system id.
   const std::vector<Path> paths = vehicle.paths();

@@ -14,10 +14,8 @@
 
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
-#include "casd/station/command_exchange.hpp"
 #include "casd/station/gain_map.hpp"
-#include "casd/station/outcome.hpp"
-#include "casd/station/param_exchange.hpp"
+#include "casd/station/services.hpp"
 #include "casd/station/vehicle_state.hpp"
 #include "casd/station/vehicle_table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "casd/packet/vehicle_heartbeat.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/vehicle_heartbeat.hpp"
 
 namespace cas::casd {
 namespace {
@@ -21,7 +21,7 @@ constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
 /// else the same component once the vehicle has fallen silent.
 bool takes_over(const VehicleState& vehicle, mav::Source source, base::RunTime now) {
   const std::uint8_t held = vehicle.source().component;
-  if (source.component != held) return source.component == kAutopilot;
+  if (source.component != held) return source.component == mav::services::kAutopilot;
   return vehicle.heartbeat_age(now) > kVehicleTimeout;
 }
 
@@ -41,7 +41,7 @@ KnownVehicle* VehicleTable::track(const Origin& from, const mav::PacketView& pac
   KnownVehicle* vehicle = find(packet.source.system);
   if (packet.message_id == Heartbeat::kId) {
     const std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
-    if (!heartbeat || !is_vehicle(packet.source, *heartbeat)) return nullptr;
+    if (!heartbeat || !mav::services::is_vehicle(packet.source, *heartbeat)) return nullptr;
     vehicle = meet(from, packet.source, now);
   }
   if (vehicle == nullptr || vehicle->state.source() != packet.source ||

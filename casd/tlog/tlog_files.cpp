@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "casd/tlog/tlog_name.hpp"
 
@@ -29,7 +30,7 @@ std::size_t write_some(int fd, std::span<const std::uint8_t> bytes) {
 /// The length of the first record; of all bytes where they are no record, which is not ours to
 /// judge.
 std::size_t first_record_bytes(std::span<const std::uint8_t> records) {
-  const std::size_t size = tlog_record_bytes(records);
+  const std::size_t size = mav::services::tlog_record_bytes(records);
   return size == 0 || size > records.size() ? records.size() : size;
 }
 
@@ -147,9 +148,8 @@ bool TlogFiles::is_full(std::size_t next_bytes, base::RunTime now) const {
 }
 
 bool TlogReader::open(const std::filesystem::path& file) {
-  buffer_.clear();
-  at_ = 0;
-  skipped_ = 0;
+  records_ = {};
+  ended_ = false;
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return false;  // a FIFO would block the link
   file_ = std::ifstream(file, std::ios::binary);
@@ -157,25 +157,14 @@ bool TlogReader::open(const std::filesystem::path& file) {
 }
 
 std::optional<TlogReader::Record> TlogReader::next() {
-  for (;; ++at_, ++skipped_) {
-    if (buffer_.size() - at_ < kMaxTlogRecordBytes) refill();
-    const auto rest = std::span<const std::uint8_t>(buffer_).subspan(at_);
-    if (rest.size() <= kTlogStampBytes) return std::nullopt;
-    const std::size_t size = tlog_record_bytes(rest);
-    if (size == 0 || size > rest.size()) continue;
-    at_ += size;
-    return Record{tlog_stamp_us(rest), rest.subspan(kTlogStampBytes, size - kTlogStampBytes)};
+  for (;;) {
+    const std::optional<Record> record = records_.next(ended_);
+    if (record || ended_) return record;
+    std::vector<std::uint8_t> chunk(kChunkBytes);
+    file_.read(reinterpret_cast<char*>(chunk.data()), kChunkBytes);
+    ended_ = file_.gcount() == 0;
+    records_.feed(std::span(chunk).first(static_cast<std::size_t>(file_.gcount())));
   }
-}
-
-bool TlogReader::refill() {
-  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(at_));
-  at_ = 0;
-  const std::size_t kept = buffer_.size();
-  buffer_.resize(kept + kChunkBytes);
-  file_.read(reinterpret_cast<char*>(buffer_.data() + kept), kChunkBytes);
-  buffer_.resize(kept + static_cast<std::size_t>(file_.gcount()));
-  return buffer_.size() > kept;
 }
 
 }  // namespace cas::casd

@@ -9,46 +9,15 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "base/os/descriptor.hpp"
 #include "base/time/clock.hpp"
 #include "casd/tlog/tlog_folder.hpp"
-#include "mavlink_gen/runtime/packet.hpp"
+#include "mavlink_gen/services/tlog.hpp"
 
 namespace cas::casd {
 
-// One record of a telemetry log, as ground stations read it: the time as an 8-byte big-endian
-// number of microseconds since 1970, then the packet.
-inline constexpr std::size_t kTlogStampBytes = 8;
-inline constexpr std::size_t kMaxTlogRecordBytes = kTlogStampBytes + mav::kMaxPacketBytes;
-
-/// Length of the record at the start of `bytes` by its packet's header; 0 where no packet follows
-/// the stamp, or too little of it is there to tell.
-inline std::size_t tlog_record_bytes(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < kTlogStampBytes + 3) return 0;
-  const std::uint8_t* packet = bytes.data() + kTlogStampBytes;
-  const std::size_t framing = kTlogStampBytes + mav::kChecksumBytes + packet[1];
-  if (packet[0] == mav::kStartV1) return framing + mav::kHeaderBytesV1;
-  if (packet[0] != mav::kStartV2) return 0;
-  const bool is_signed = (packet[2] & mav::kIncompatSigned) != 0;
-  return framing + mav::kHeaderBytesV2 + (is_signed ? mav::kSignatureBytes : 0);
-}
-
-inline std::uint64_t tlog_stamp_us(std::span<const std::uint8_t> record) {
-  std::uint64_t stamp = 0;
-  for (std::size_t i = 0; i < kTlogStampBytes; ++i) stamp = stamp << 8U | record[i];
-  return stamp;
-}
-
-/// Appends a record to `records`. @param unix_us  microseconds since 1970
-inline void append_tlog_record(std::uint64_t unix_us, std::span<const std::uint8_t> packet,
-                               std::vector<std::uint8_t>& records) {
-  for (int shift = 56; shift >= 0; shift -= 8) {
-    records.push_back(static_cast<std::uint8_t>(unix_us >> static_cast<unsigned>(shift)));
-  }
-  records.insert(records.end(), packet.begin(), packet.end());
-}
+using mav::services::append_tlog_record;
 
 /// When a telemetry log continues in a new file.
 struct TlogRotation {
@@ -101,28 +70,22 @@ class TlogFiles {
   std::deque<std::string> made_;  ///< the files that are kept, oldest first
 };
 
-/// Reads a telemetry log record by record, however long it is. Bytes that are no record are
+/// Reads a telemetry log file record by record, however long it is. Bytes that are no record are
 /// skipped and counted.
 class TlogReader {
  public:
-  struct Record {
-    std::uint64_t unix_us = 0;
-    std::span<const std::uint8_t> packet;  ///< valid until the next call
-  };
+  using Record = mav::services::TlogRecord;  ///< its packet is valid until the next call
 
   /// @return false when it cannot be read
   bool open(const std::filesystem::path& file);
   /// Nothing at the end.
   std::optional<Record> next();
-  std::uint64_t skipped_bytes() const { return skipped_; }
+  std::uint64_t skipped_bytes() const { return records_.skipped_bytes(); }
 
  private:
-  bool refill();
-
   std::ifstream file_;
-  std::vector<std::uint8_t> buffer_;
-  std::size_t at_ = 0;
-  std::uint64_t skipped_ = 0;
+  mav::services::TlogSplitter records_;
+  bool ended_ = false;  ///< all of the file is fed
 };
 
 }  // namespace cas::casd

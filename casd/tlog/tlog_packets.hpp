@@ -3,9 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <utility>
 
 #include "casd/tlog/tlog_files.hpp"
-#include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/runtime/message_table.hpp"
 
 namespace cas::casd {
 
@@ -16,12 +17,7 @@ bool for_each_tlog_packet(const std::filesystem::path& file, const mav::MessageT
                           Use&& use) {
   TlogReader log;
   if (!log.open(file)) return false;
-  mav::PacketParser parser(table);
-  while (const auto record = log.next()) {
-    parser.reset();
-    parser.feed(record->packet,
-                [&](const mav::PacketView& packet) { use(record->unix_us, packet); });
-  }
+  mav::services::for_each_tlog_packet([&log] { return log.next(); }, table, std::forward<Use>(use));
   return true;
 }
 

@@ -8,6 +8,7 @@
 #include "fcu/core/fcu_core.hpp"
 #include "fcu/protocols/wire_units.hpp"
 #include "mavlink/common/all.hpp"
+#include "mavlink_gen/services/timesync.hpp"
 
 namespace cas::fcu {
 
@@ -24,23 +25,6 @@ bool take(const PacketView& packet, Handler&& handler) {
   if (packet.message_id != Message::kId) return false;
   if (const auto message = mav::decode<Message>(packet)) handler(*message);
   return true;
-}
-
-void on_timesync(const Timesync& m, const PacketView& packet, base::Duration uptime,
-                 Outbox& outbox) {
-  if (m.tc1 != 0) return;  // an answer, and we never ask
-  Timesync answer;
-  answer.tc1 = uptime.count();
-  answer.ts1 = m.ts1;
-  answer.target_system = packet.source.system;
-  answer.target_component = packet.source.component;
-  outbox.reply(answer, packet.version);
-}
-
-void on_ping(const Ping& m, const PacketView& packet, Outbox& outbox) {
-  if (m.target_system != 0 || m.target_component != 0) return;  // an answer
-  outbox.reply(Ping{m.time_usec, m.seq, packet.source.system, packet.source.component},
-               packet.version);
 }
 
 // Setpoints that companions stream, and sticks.
@@ -169,14 +153,18 @@ void GroundProtocols::on_packet(const PacketView& packet, RunTime now) {
 }
 
 bool GroundProtocols::on_link_packet(const PacketView& packet, RunTime now) {
+  const auto reply = [&](const auto& answer) {
+    if (answer) core_.outbox.reply(*answer, packet.version);
+  };
   return take<Heartbeat>(packet,
                          [&](const auto& m) {
                            if (m.type == MavType::kGcs) core_.ground_station_heard = now;
                          }) ||
-         take<Timesync>(
-             packet,
-             [&](const auto& m) { on_timesync(m, packet, now - core_.start, core_.outbox); }) ||
-         take<Ping>(packet, [&](const auto& m) { on_ping(m, packet, core_.outbox); });
+         take<Timesync>(packet,
+                        [&](const auto& m) {
+                          reply(mav::services::answer(m, packet.source, now - core_.start));
+                        }) ||
+         take<Ping>(packet, [&](const auto& m) { reply(mav::services::answer(m, packet.source)); });
 }
 
 bool GroundProtocols::on_command_packet(const PacketView& packet, RunTime now) {

@@ -13,8 +13,7 @@
 #include <utility>
 
 #include "casd/station/gain_map.hpp"
-#include "casd/station/param_exchange.hpp"
-#include "casd/station/vehicle_modes.hpp"
+#include "casd/station/services.hpp"
 #include "casd/tlog/tlog_packets.hpp"
 #include "hils/flight/flight_step.hpp"
 #include "hils/measure/run_record.hpp"

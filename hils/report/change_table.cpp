@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "casd/station/param_exchange.hpp"
+#include "casd/station/services.hpp"
 #include "hils/report/aligned_table.hpp"
 #include "hils/report/number_text.hpp"
 

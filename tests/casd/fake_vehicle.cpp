@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "casd/station/param_exchange.hpp"
+#include "casd/station/services.hpp"
 
 namespace cas::casd::test {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/station/vehicle_modes.hpp"
+#include "mavlink_gen/services/vehicle_modes.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <span>
 
-namespace cas::casd {
+namespace cas::mav::services {
 namespace {
 
 using mavlink::common::MavAutopilot;
@@ -126,4 +126,4 @@ ModeParams mode_params(Autopilot autopilot, std::uint32_t custom_mode) {
           .sub = static_cast<float>(custom_mode >> 24)};
 }
 
-}  // namespace cas::casd
+}  // namespace cas::mav::services

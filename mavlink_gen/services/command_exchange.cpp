@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/station/command_exchange.hpp"
+#include "mavlink_gen/services/command_exchange.hpp"
 
 #include <algorithm>
 #include <utility>
 
-namespace cas::casd {
+namespace cas::mav::services {
 namespace {
 
 using mavlink::common::CommandAck;
@@ -50,15 +50,15 @@ CommandInt int_form(const VehicleCommand& command) {
   return message;
 }
 
-std::string seconds_text(base::Duration d) {
-  std::string text = std::to_string(base::to_seconds(d));
+std::string seconds_text(Duration d) {
+  std::string text = std::to_string(std::chrono::duration<double>(d).count());
   return text.substr(0, text.find('.') + 2);
 }
 
 }  // namespace
 
-void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Done done,
-                            Objection objection, Doubt doubt) {
+void CommandExchange::start(const VehicleCommand& command, Time now, Done done, Objection objection,
+                            Doubt doubt) {
   if (newest_counts(command.id)) replace(command.id, now);
   Request request;
   request.command = command;
@@ -78,14 +78,14 @@ void CommandExchange::start(const VehicleCommand& command, base::RunTime now, Do
 }
 
 /// Ends what is under way or waits under this id.
-void CommandExchange::replace(MavCmd id, base::RunTime now) {
+void CommandExchange::replace(MavCmd id, Time now) {
   const auto found = find(id);
   if (found == active_.end()) return;
   finish(found, failure(OutcomeKind::kRefused, describe(id) + " was replaced by a newer request"),
          now);
 }
 
-void CommandExchange::transmit(Request& request, base::RunTime now) {
+void CommandExchange::transmit(Request& request, Time now) {
   if (request.objection) request.objected = request.objection(now);
   if (request.objected) {
     request.deadline = now;
@@ -100,7 +100,7 @@ void CommandExchange::transmit(Request& request, base::RunTime now) {
   }
 }
 
-bool CommandExchange::on_ack(const CommandAck& ack, base::RunTime now) {
+bool CommandExchange::on_ack(const CommandAck& ack, Time now) {
   const auto request = find(ack.command);
   if (request == active_.end() || request->refused) return false;
   if (ack.result == MavResult::kInProgress) {
@@ -124,7 +124,7 @@ bool CommandExchange::on_ack(const CommandAck& ack, base::RunTime now) {
   request->refused = ack.result;
   if (request->accepted) return true;  // a HEARTBEAT tells which of the two is true
   request->deadline = now + timing_.text_grace;
-  if (timing_.text_grace == base::Duration::zero()) on_deadline(request, now);
+  if (timing_.text_grace == Duration::zero()) on_deadline(request, now);
   return false;
 }
 
@@ -134,7 +134,7 @@ void CommandExchange::on_status_text(std::string_view text) {
   }
 }
 
-void CommandExchange::on_heartbeat(base::RunTime now) {
+void CommandExchange::on_heartbeat(Time now) {
   for (Request& request : active_) request.heard = request.accepted;
   const auto decided = [](const Request& r) { return r.heard && (r.refused || !r.doubt()); };
   // end_doubt() calls back, which may start more: look again from the front.
@@ -147,7 +147,7 @@ void CommandExchange::on_heartbeat(base::RunTime now) {
 
 /// The vehicle has said what there is to be heard of an accepted command: in a HEARTBEAT, or in
 /// none until the deadline.
-void CommandExchange::end_doubt(std::list<Request>::iterator request, base::RunTime now) {
+void CommandExchange::end_doubt(std::list<Request>::iterator request, Time now) {
   // What it showed before the acknowledgement is no answer.
   const std::optional<std::string> instead = request->heard ? request->doubt() : std::nullopt;
   const std::string what = describe(request->command.id) + " was accepted";
@@ -170,7 +170,7 @@ void CommandExchange::end_doubt(std::list<Request>::iterator request, base::RunT
   finish(request, std::move(outcome), now);
 }
 
-void CommandExchange::tick(base::RunTime now) {
+void CommandExchange::tick(Time now) {
   // finish() may start what waited and callbacks may start more: look again from the front.
   for (;;) {
     const auto due = std::find_if(active_.begin(), active_.end(),
@@ -189,7 +189,7 @@ void CommandExchange::give_up(const Outcome& outcome) {
   for (const Done& done : ended) done(outcome);
 }
 
-void CommandExchange::on_deadline(std::list<Request>::iterator request, base::RunTime now) {
+void CommandExchange::on_deadline(std::list<Request>::iterator request, Time now) {
   const std::string what = describe(request->command.id);
   if (request->objected) {
     finish(request, *request->objected, now);
@@ -216,8 +216,7 @@ void CommandExchange::on_deadline(std::list<Request>::iterator request, base::Ru
   }
 }
 
-void CommandExchange::finish(std::list<Request>::iterator request, Outcome outcome,
-                             base::RunTime now) {
+void CommandExchange::finish(std::list<Request>::iterator request, Outcome outcome, Time now) {
   outcome.status_texts = std::move(request->texts);
   const MavCmd id = request->command.id;
   const Done done = std::move(request->done);
@@ -237,4 +236,4 @@ std::list<CommandExchange::Request>::iterator CommandExchange::find(MavCmd id) {
                       [id](const Request& r) { return r.command.id == id; });
 }
 
-}  // namespace cas::casd
+}  // namespace cas::mav::services

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "base/time/clock.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
+#include "mavlink_gen/services/time.hpp"
 
-namespace cas::casd {
+namespace cas::mav::services {
 
 /// The newest packet of each message that one vehicle has sent. Bounded: further messages are not
 /// kept, so that a sender of invented ids costs little.
@@ -17,12 +17,12 @@ class MessageMemory {
  public:
   struct Kept {
     std::vector<std::uint8_t> payload;  ///< as on the wire: possibly truncated
-    base::RunTime at{};
+    Time at{};
   };
 
   static constexpr std::size_t kMaxMessages = 256;
 
-  void on_packet(const mav::PacketView& packet, base::RunTime now) {
+  void on_packet(const PacketView& packet, Time now) {
     auto found = kept_.find(packet.message_id);
     if (found == kept_.end()) {
       if (kept_.size() == kMaxMessages) return;
@@ -42,4 +42,4 @@ class MessageMemory {
   std::map<std::uint32_t, Kept> kept_;
 };
 
-}  // namespace cas::casd
+}  // namespace cas::mav::services

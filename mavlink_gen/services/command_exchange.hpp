@@ -9,25 +9,25 @@
 #include <string_view>
 #include <variant>
 
-#include "base/time/clock.hpp"
-#include "casd/station/outcome.hpp"
-#include "casd/station/vehicle_command.hpp"
 #include "mavlink/common/command_ack.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
+#include "mavlink_gen/services/command.hpp"
+#include "mavlink_gen/services/outcome.hpp"
+#include "mavlink_gen/services/time.hpp"
 
-namespace cas::casd {
+namespace cas::mav::services {
 
 /// When a command is sent again and given up.
 struct CommandTiming {
-  base::Duration ack_timeout = std::chrono::milliseconds(700);
+  Duration ack_timeout = std::chrono::milliseconds(700);
   int tries = 5;
-  base::Duration in_progress_timeout = std::chrono::seconds(10);
+  Duration in_progress_timeout = std::chrono::seconds(10);
   /// A refusal waits this long for the status text that says why; 0: it does not wait for a tick
   /// either.
-  base::Duration text_grace = std::chrono::milliseconds(250);
+  Duration text_grace = std::chrono::milliseconds(250);
   /// An accepted command must show in the HEARTBEAT within this long, where it has a `Doubt`.
-  base::Duration effect_timeout = std::chrono::seconds(3);
+  Duration effect_timeout = std::chrono::seconds(3);
 };
 
 /// The command protocol (https://mavlink.io/en/services/command.html) with one vehicle: sends,
@@ -45,7 +45,7 @@ class CommandExchange {
   using Message = std::variant<mavlink::common::CommandLong, mavlink::common::CommandInt>;
   using Send = std::function<void(const Message&)>;
   /// Asked before each transmission. @return why the command may not be sent, if so
-  using Objection = std::function<std::optional<Outcome>(base::RunTime)>;
+  using Objection = std::function<std::optional<Outcome>(Time)>;
   /// Asked at each HEARTBEAT after the acknowledgement. @return what the vehicle shows instead
   /// ("it is in HOLD"); nothing once the command has taken effect
   using Doubt = std::function<std::optional<std::string>()>;
@@ -55,14 +55,14 @@ class CommandExchange {
 
   /// @param objection  ends the command at the next tick; empty: none
   /// @param doubt  empty: the acknowledgement is believed
-  void start(const VehicleCommand& command, base::RunTime now, Done done, Objection objection = {},
+  void start(const VehicleCommand& command, Time now, Done done, Objection objection = {},
              Doubt doubt = {});
   /// @return whether an accepted command waits for a HEARTBEAT from now on
-  bool on_ack(const mavlink::common::CommandAck& ack, base::RunTime now);
+  bool on_ack(const mavlink::common::CommandAck& ack, Time now);
   void on_status_text(std::string_view text);
   /// The vehicle has told its state anew.
-  void on_heartbeat(base::RunTime now);
-  void tick(base::RunTime now);
+  void on_heartbeat(Time now);
+  void tick(Time now);
   /// Ends all commands with this outcome.
   void give_up(const Outcome& outcome);
 
@@ -77,16 +77,16 @@ class CommandExchange {
     bool in_progress = false;
     bool accepted = false;  ///< and in doubt
     bool heard = false;     ///< a HEARTBEAT came after the acknowledgement
-    base::RunTime deadline{};
+    Time deadline{};
     std::optional<mavlink::common::MavResult> refused;
     std::vector<std::string> texts;
   };
 
-  void transmit(Request& request, base::RunTime now);
-  void replace(mavlink::common::MavCmd id, base::RunTime now);
-  void end_doubt(std::list<Request>::iterator request, base::RunTime now);
-  void on_deadline(std::list<Request>::iterator request, base::RunTime now);
-  void finish(std::list<Request>::iterator request, Outcome outcome, base::RunTime now);
+  void transmit(Request& request, Time now);
+  void replace(mavlink::common::MavCmd id, Time now);
+  void end_doubt(std::list<Request>::iterator request, Time now);
+  void on_deadline(std::list<Request>::iterator request, Time now);
+  void finish(std::list<Request>::iterator request, Outcome outcome, Time now);
   std::list<Request>::iterator find(mavlink::common::MavCmd id);
 
   Send send_;
@@ -95,4 +95,4 @@ class CommandExchange {
   std::deque<Request> waiting_;
 };
 
-}  // namespace cas::casd
+}  // namespace cas::mav::services

@@ -11,15 +11,15 @@
 #include <variant>
 #include <vector>
 
-#include "base/time/clock.hpp"
-#include "casd/station/outcome.hpp"
 #include "mavlink/common/enums.hpp"
 #include "mavlink/common/param_request_list.hpp"
 #include "mavlink/common/param_request_read.hpp"
 #include "mavlink/common/param_set.hpp"
 #include "mavlink/common/param_value.hpp"
+#include "mavlink_gen/services/outcome.hpp"
+#include "mavlink_gen/services/time.hpp"
 
-namespace cas::casd {
+namespace cas::mav::services {
 
 /// How a vehicle puts an integer parameter into the float field of PARAM_SET and PARAM_VALUE.
 enum class ParamEncoding {
@@ -52,12 +52,12 @@ struct Parameter {
 
 /// When parameter requests are sent again and given up.
 struct ParamTiming {
-  base::Duration answer_timeout = std::chrono::milliseconds(700);
+  Duration answer_timeout = std::chrono::milliseconds(700);
   int tries = 5;
   /// A list with gaps asks for at most this many missing ones at a time.
   std::size_t missing_at_once = 10;
   /// A list that is not whole by then is given up, however much still comes.
-  base::Duration list_timeout = std::chrono::seconds(120);
+  Duration list_timeout = std::chrono::seconds(120);
 };
 
 /// The parameter protocol (https://mavlink.io/en/services/parameter.html) with one vehicle.
@@ -76,16 +76,15 @@ class ParamExchange {
       : send_(std::move(send)), timing_(timing) {}
 
   /// Reads one parameter. Outcome.parameters has it.
-  void read(const std::string& name, base::RunTime now, Done done);
+  void read(const std::string& name, Time now, Done done);
   /// Sets one parameter, after asking for its type where that is not known yet.
-  void set(const std::string& name, double value, base::RunTime now, Done done);
+  void set(const std::string& name, double value, Time now, Done done);
   /// Fetches all parameters; Outcome.parameters has them.
-  void list(base::RunTime now, Done done);
+  void list(Time now, Done done);
 
-  void on_value(const mavlink::common::ParamValue& message, ParamEncoding encoding,
-                base::RunTime now);
+  void on_value(const mavlink::common::ParamValue& message, ParamEncoding encoding, Time now);
   void on_status_text(std::string_view text);
-  void tick(base::RunTime now);
+  void tick(Time now);
   /// Ends all requests with this outcome.
   void give_up(const Outcome& outcome);
 
@@ -100,7 +99,7 @@ class ParamExchange {
     bool type_known = false;
     int sent = 0;
     int mismatches = 0;
-    base::RunTime deadline{};
+    Time deadline{};
     std::vector<std::string> texts;
   };
   struct Listing {
@@ -108,24 +107,22 @@ class ParamExchange {
     std::vector<bool> have;  ///< by index; empty until a count is known
     std::size_t received = 0;
     int idle_rounds = 0;
-    base::RunTime deadline{};
-    base::RunTime give_up{};  ///< of the list as a whole
+    Time deadline{};
+    Time give_up{};  ///< of the list as a whole
     std::map<std::string, double> values;
   };
 
-  void start(Request request, base::RunTime now);
-  void transmit(Request& request, base::RunTime now);
+  void start(Request request, Time now);
+  void transmit(Request& request, Time now);
   void send_set(Request& request);
   bool fits(const Request& request) const;
   Outcome unfit(const Request& request) const;
-  void on_answer(std::list<Request>::iterator request, const Parameter& in_force,
-                 base::RunTime now);
-  void on_set_answer(std::list<Request>::iterator request, const Parameter& in_force,
-                     base::RunTime now);
+  void on_answer(std::list<Request>::iterator request, const Parameter& in_force, Time now);
+  void on_set_answer(std::list<Request>::iterator request, const Parameter& in_force, Time now);
   void finish(std::list<Request>::iterator request, Outcome outcome);
   void on_listed(const mavlink::common::ParamValue& message, const std::string& name, double value,
-                 base::RunTime now);
-  void tick_listing(base::RunTime now);
+                 Time now);
+  void tick_listing(Time now);
   void give_up_listing(OutcomeKind kind, const std::string& why);
   void finish_listing(Outcome outcome);
   std::vector<std::string_view> known_names() const;
@@ -138,4 +135,4 @@ class ParamExchange {
   std::optional<Listing> listing_;
 };
 
-}  // namespace cas::casd
+}  // namespace cas::mav::services

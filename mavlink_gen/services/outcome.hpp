@@ -10,7 +10,7 @@
 
 #include "mavlink/common/enums.hpp"
 
-namespace cas::casd {
+namespace cas::mav::services {
 
 /// How a request to a vehicle ended.
 enum class OutcomeKind {
@@ -44,4 +44,4 @@ inline Outcome failure(OutcomeKind kind, std::string message) {
 /// Called once, when the request has ended.
 using Done = std::function<void(const Outcome&)>;
 
-}  // namespace cas::casd
+}  // namespace cas::mav::services

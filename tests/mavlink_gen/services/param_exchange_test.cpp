@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/station/param_exchange.hpp"
+#include "mavlink_gen/services/param_exchange.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +10,10 @@
 
 #include "mavlink_gen/runtime/codec.hpp"
 
-namespace cas::casd {
+namespace cas::mav::services {
 namespace {
 
 using namespace std::chrono_literals;
-using base::RunTime;
 using mavlink::common::MavParamType;
 using mavlink::common::ParamRequestRead;
 using mavlink::common::ParamValue;
@@ -27,18 +26,18 @@ class ParamList : public testing::Test {
   }
   void answer(const std::string& name, std::uint16_t index, std::uint16_t count) {
     ParamValue value;
-    mav::set_text(value.param_id, name);
+    set_text(value.param_id, name);
     value.param_type = MavParamType::kReal32;
     value.param_index = index;
     value.param_count = count;
     exchange_.on_value(value, ParamEncoding::kBytewise, now_);
   }
-  void pass(base::Duration time) {
+  void pass(Duration time) {
     now_ += time;
     exchange_.tick(now_);
   }
 
-  RunTime now_{1s};
+  Time now_{1s};
   int reads_ = 0;
   ParamExchange exchange_{[this](const ParamExchange::Message& message) {
     if (std::holds_alternative<ParamRequestRead>(message)) ++reads_;
@@ -48,7 +47,7 @@ class ParamList : public testing::Test {
 
 TEST_F(ParamList, OfAVehicleThatAnswersOneAtATimeEndsAtItsDeadline) {
   list();
-  const RunTime start = now_;
+  const Time start = now_;
   for (std::uint16_t index = 0; index < 8000 && !outcome_; ++index) {
     answer("P" + std::to_string(index), index, 8000);
     pass(500ms);
@@ -79,7 +78,7 @@ TEST_F(ParamList, OfNamesWithoutEndIsRefused) {
 
 TEST_F(ParamList, OfACountThatChangesWithEachAnswerEnds) {
   list();
-  const RunTime start = now_;
+  const Time start = now_;
   for (std::uint16_t i = 0; i < 1000 && !outcome_; ++i) {
     answer("P" + std::to_string(i % 7), 0, static_cast<std::uint16_t>(100 + i % 3));
     pass(100ms);
@@ -162,4 +161,4 @@ TEST(ParamValue, ComparesRealsAsFloats) {
 }
 
 }  // namespace
-}  // namespace cas::casd
+}  // namespace cas::mav::services

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/station/param_exchange.hpp"
+#include "mavlink_gen/services/param_exchange.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -13,7 +13,7 @@
 #include "base/suggestion.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 
-namespace cas::casd {
+namespace cas::mav::services {
 namespace {
 
 using mavlink::common::MavParamType;
@@ -33,7 +33,7 @@ constexpr std::uint16_t kNoIndex = 65535;
 
 ParamRequestRead read_by_name(const std::string& name) {
   ParamRequestRead message;
-  mav::set_text(message.param_id, name);
+  set_text(message.param_id, name);
   message.param_index = -1;
   return message;
 }
@@ -44,7 +44,7 @@ ParamRequestRead read_by_index(std::size_t index) {
   return message;
 }
 
-std::string seconds_text(base::Duration d) {
+std::string seconds_text(Duration d) {
   return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count());
 }
 
@@ -92,14 +92,14 @@ double integer_from_bytes(MavParamType type, float wire) {
 
 }  // namespace
 
-void ParamExchange::read(const std::string& name, base::RunTime now, Done done) {
+void ParamExchange::read(const std::string& name, Time now, Done done) {
   Request request;
   request.name = name;
   request.done = std::move(done);
   start(std::move(request), now);
 }
 
-void ParamExchange::set(const std::string& name, double value, base::RunTime now, Done done) {
+void ParamExchange::set(const std::string& name, double value, Time now, Done done) {
   Request request;
   request.name = name;
   request.value = value;
@@ -107,7 +107,7 @@ void ParamExchange::set(const std::string& name, double value, base::RunTime now
   start(std::move(request), now);
 }
 
-void ParamExchange::start(Request request, base::RunTime now) {
+void ParamExchange::start(Request request, Time now) {
   if (request.name.empty() || request.name.size() > kNameBytes) {
     request.done(failure(OutcomeKind::kInvalid,
                          "'" + request.name + "' is no parameter name: it has 1 to 16 characters"));
@@ -137,7 +137,7 @@ Outcome ParamExchange::unfit(const Request& request) const {
                                             " and cannot hold " + number_text(*request.value));
 }
 
-void ParamExchange::transmit(Request& request, base::RunTime now) {
+void ParamExchange::transmit(Request& request, Time now) {
   request.deadline = now + timing_.answer_timeout;
   ++request.sent;
   if (request.value && request.type_known) {
@@ -151,14 +151,14 @@ void ParamExchange::send_set(Request& request) {
   const auto& [value, type] = known_.at(request.name);
   if (!request.before) request.before = value;
   ParamSet message;
-  mav::set_text(message.param_id, request.name);
+  set_text(message.param_id, request.name);
   message.param_type = type;
   message.param_value = to_wire(encoding_, type, *request.value).value_or(0.0F);
   send_(message);
 }
 
-void ParamExchange::on_value(const ParamValue& message, ParamEncoding encoding, base::RunTime now) {
-  const std::string name(mav::text(message.param_id));
+void ParamExchange::on_value(const ParamValue& message, ParamEncoding encoding, Time now) {
+  const std::string name(text(message.param_id));
   const Parameter in_force{from_wire(encoding, message.param_type, message.param_value),
                            message.param_type};
   encoding_ = encoding;
@@ -173,7 +173,7 @@ void ParamExchange::on_value(const ParamValue& message, ParamEncoding encoding, 
 }
 
 void ParamExchange::on_answer(std::list<Request>::iterator request, const Parameter& in_force,
-                              base::RunTime now) {
+                              Time now) {
   if (!request->value) {
     Outcome outcome;
     outcome.parameters[request->name] = in_force.value;
@@ -186,7 +186,7 @@ void ParamExchange::on_answer(std::list<Request>::iterator request, const Parame
   }
   if (!known_.contains(request->name)) {
     finish(request,
-           failure(OutcomeKind::kRefused, "the vehicle has more parameters than casd holds"));
+           failure(OutcomeKind::kRefused, "the vehicle has more parameters than are held here"));
     return;
   }
   if (!fits(*request)) {
@@ -199,7 +199,7 @@ void ParamExchange::on_answer(std::list<Request>::iterator request, const Parame
 }
 
 void ParamExchange::on_set_answer(std::list<Request>::iterator request, const Parameter& in_force,
-                                  base::RunTime now) {
+                                  Time now) {
   Outcome outcome;
   outcome.parameters[request->name] = in_force.value;
   if (request->before) outcome.before[request->name] = *request->before;
@@ -237,7 +237,7 @@ void ParamExchange::finish(std::list<Request>::iterator request, Outcome outcome
   done(outcome);
 }
 
-void ParamExchange::tick(base::RunTime now) {
+void ParamExchange::tick(Time now) {
   for (;;) {
     const auto due = std::find_if(active_.begin(), active_.end(),
                                   [now](const Request& r) { return now >= r.deadline; });
@@ -264,7 +264,7 @@ std::vector<std::string_view> ParamExchange::known_names() const {
   return names;
 }
 
-void ParamExchange::list(base::RunTime now, Done done) {
+void ParamExchange::list(Time now, Done done) {
   if (listing_) {
     if (listing_->done.size() >= kMaxActive) {
       done(failure(OutcomeKind::kRefused, "too many parameter requests wait for this vehicle"));
@@ -281,7 +281,7 @@ void ParamExchange::list(base::RunTime now, Done done) {
 }
 
 void ParamExchange::on_listed(const ParamValue& message, const std::string& name, double value,
-                              base::RunTime now) {
+                              Time now) {
   Listing& listing = *listing_;
   if (message.param_index == kNoIndex || message.param_index >= message.param_count) return;
   // Names may come without end too, under the same few indices.
@@ -289,7 +289,7 @@ void ParamExchange::on_listed(const ParamValue& message, const std::string& name
   if (message.param_count > kMaxKnown || too_many) {
     const std::size_t claimed = std::max<std::size_t>(message.param_count, kMaxKnown + 1);
     give_up_listing(OutcomeKind::kRefused, "the vehicle claims to have " + std::to_string(claimed) +
-                                               " parameters or more; casd holds " +
+                                               " parameters or more; the most that is held is " +
                                                std::to_string(kMaxKnown));
     return;
   }
@@ -308,7 +308,7 @@ void ParamExchange::on_listed(const ParamValue& message, const std::string& name
 }
 
 /// Nothing new for a while: asks again for the list or for the missing ones.
-void ParamExchange::tick_listing(base::RunTime now) {
+void ParamExchange::tick_listing(Time now) {
   Listing& listing = *listing_;
   const std::string sent = "the vehicle sent " + std::to_string(listing.received) + " of " +
                            std::to_string(listing.have.size()) + " parameters";
@@ -401,4 +401,4 @@ std::string number_text(double value) {
   return std::string(text, end.ptr);
 }
 
-}  // namespace cas::casd
+}  // namespace cas::mav::services

@@ -8,7 +8,7 @@
 
 #include "mavlink/common/enums.hpp"
 
-namespace cas::casd {
+namespace cas::mav::services {
 
 /// Whose conventions a vehicle follows: mode numbers, takeoff altitude, parameter bytes, names of
 /// gains.
@@ -36,4 +36,4 @@ struct ModeParams {
 };
 ModeParams mode_params(Autopilot autopilot, std::uint32_t custom_mode);
 
-}  // namespace cas::casd
+}  // namespace cas::mav::services

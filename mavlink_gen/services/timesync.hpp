@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "mavlink/common/ping.hpp"
+#include "mavlink/common/timesync.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+#include "mavlink_gen/services/time.hpp"
+
+// The time protocols (https://mavlink.io/en/services/timesync.html and ping.html).
+namespace cas::mav::services {
+
+/// The answer to a TIMESYNC; nothing where the message is an answer itself.
+/// @param clock  of the one who answers, since whatever zero it has
+inline std::optional<mavlink::common::Timesync> answer(const mavlink::common::Timesync& request,
+                                                       Source from, Duration clock) {
+  if (request.tc1 != 0) return std::nullopt;
+  mavlink::common::Timesync reply;
+  reply.tc1 = clock.count();
+  reply.ts1 = request.ts1;
+  reply.target_system = from.system;
+  reply.target_component = from.component;
+  return reply;
+}
+
+/// The answer to a PING; nothing where the message is an answer itself.
+inline std::optional<mavlink::common::Ping> answer(const mavlink::common::Ping& request,
+                                                   Source from) {
+  if (request.target_system != 0 || request.target_component != 0) return std::nullopt;
+  return mavlink::common::Ping{request.time_usec, request.seq, from.system, from.component};
+}
+
+/// How another node's clock stands to ours, by TIMESYNC. The quickest of the last few answers
+/// counts: its way there and its way back took much the same time.
+class ClockEstimate {
+ public:
+  /// The question to send, every second or so.
+  mavlink::common::Timesync ask(Time now) const {
+    mavlink::common::Timesync question;
+    question.ts1 = now.time_since_epoch().count();
+    return question;
+  }
+
+  /// @return whether it is an answer to a question of ours
+  bool on_timesync(const mavlink::common::Timesync& message, Time now) {
+    const Duration there_and_back = now - Time(Duration(message.ts1));
+    if (message.tc1 == 0 || there_and_back < Duration{} || there_and_back > kLongest) return false;
+    const Time between(Duration(message.ts1) + there_and_back / 2);
+    answers_[count_++ % answers_.size()] = {there_and_back, Time(Duration(message.tc1)) - between};
+    return true;
+  }
+
+  /// Their clock less ours; nothing while no answer has come.
+  std::optional<Duration> offset() const {
+    const Answer* best = quickest();
+    return best == nullptr ? std::nullopt : std::optional(best->offset);
+  }
+  /// Of the answer that offset() goes by.
+  std::optional<Duration> round_trip() const {
+    const Answer* best = quickest();
+    return best == nullptr ? std::nullopt : std::optional(best->round_trip);
+  }
+
+ private:
+  /// Later ones are no answers, but other nodes' numbers.
+  static constexpr Duration kLongest = std::chrono::seconds(10);
+  struct Answer {
+    Duration round_trip{};
+    Duration offset{};
+  };
+
+  const Answer* quickest() const {
+    const Answer* best = nullptr;
+    for (std::size_t i = 0; i < answers_.size() && i < count_; ++i) {
+      if (best == nullptr || answers_[i].round_trip < best->round_trip) best = &answers_[i];
+    }
+    return best;
+  }
+
+  std::array<Answer, 8> answers_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace cas::mav::services

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mavlink_gen/services/vehicle_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "mavlink/common/autopilot_version.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::mav::services {
+namespace {
+
+using namespace mavlink::common;
+
+constexpr std::size_t kStatusTexts = 10;
+constexpr std::size_t kBeats = 10;
+constexpr std::size_t kTextBytes = 1024;
+/// Decodes into `slot` when the packet is of its kind.
+template <class M>
+void hear(std::optional<Heard<M>>& slot, const PacketView& packet, Time now) {
+  if (const std::optional<M> message = decode<M>(packet)) slot = Heard<M>{*message, now};
+}
+
+constexpr Duration kFreshStatus = std::chrono::seconds(5);
+/// PX4 repeats what fails each time it is asked, ArduPilot every 30 s.
+constexpr Duration kFreshText = std::chrono::seconds(45);
+
+struct Sensor {
+  MavSysStatusSensor bit;
+  std::string_view name;
+};
+
+constexpr Sensor kNeeded[] = {
+    {MavSysStatusSensor::k3dGyro, "gyroscope"},
+    {MavSysStatusSensor::k3dAccel, "accelerometer"},
+    {MavSysStatusSensor::k3dMag, "magnetometer"},
+    {MavSysStatusSensor::kAbsolutePressure, "barometer"},
+    {MavSysStatusSensor::kGps, "GPS"},
+};
+
+/// How PX4 (1.12, 1.16) and ArduPilot begin the reasons why they will not arm.
+constexpr std::string_view kReasons[] = {"Preflight Fail", "PreArm", "Arm:", "Arming denied"};
+
+bool is_reason(std::string_view text) {
+  return std::any_of(std::begin(kReasons), std::end(kReasons),
+                     [text](std::string_view word) { return text.starts_with(word); });
+}
+
+void add(std::vector<std::string>& all, std::string text) {
+  if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(std::move(text));
+}
+
+void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
+  for (const Sensor& sensor : kNeeded) {
+    const std::string name(sensor.name);
+    // PX4 v1.12 leaves "present" unset for sensors that it calls healthy.
+    if (!has(status.onboard_control_sensors_present | status.onboard_control_sensors_health,
+             sensor.bit)) {
+      add(all, "no " + name);
+    } else if (has(status.onboard_control_sensors_enabled, sensor.bit) &&
+               !has(status.onboard_control_sensors_health, sensor.bit)) {
+      add(all, name + " not healthy");
+    }
+  }
+}
+
+/// PX4 v1.16 ends texts with a tab, v1.12 puts one between words.
+std::string without_tabs(std::string text) {
+  std::replace(text.begin(), text.end(), '\t', ' ');
+  text.erase(text.find_last_not_of(' ') + 1);
+  return text;
+}
+
+}  // namespace
+
+std::optional<StatusText> StatusTextJoiner::add(const Statustext& chunk, Time now) {
+  const std::string_view part = text(chunk.text);
+  if (chunk.id == 0) return StatusText{chunk.severity, without_tabs(std::string(part)), now};
+  if (chunk.chunk_seq == 0 || chunk.id != id_) text_.clear();
+  if (chunk.chunk_seq != 0 && (chunk.id != id_ || chunk.chunk_seq != next_)) text_ += "...";
+  id_ = chunk.id;
+  next_ = static_cast<std::uint8_t>(chunk.chunk_seq + 1);
+  text_ += part;
+  const bool whole = part.size() < chunk.text.size() || text_.size() > kTextBytes;
+  if (!whole) return std::nullopt;
+  id_ = 0;
+  return StatusText{chunk.severity, without_tabs(std::exchange(text_, {})), now};
+}
+
+void VehicleState::on_packet(const PacketView& packet, Time now) {
+  if (now - heard_at_ > kVehicleTimeout) begin_anew(now);
+  heard_at_ = now;
+  messages_.on_packet(packet, now);
+  switch (packet.message_id) {
+    case Heartbeat::kId:
+      if (const auto message = decode<Heartbeat>(packet)) on_heartbeat(*message, now);
+      break;
+    case Attitude::kId:
+      hear(attitude_, packet, now);
+      if (attitude_) on_boot_time(attitude_->message.time_boot_ms, now);
+      break;
+    case LocalPositionNed::kId:
+      hear(local_position_, packet, now);
+      if (local_position_) on_boot_time(local_position_->message.time_boot_ms, now);
+      break;
+    case GlobalPositionInt::kId:
+      hear(global_position_, packet, now);
+      if (global_position_) on_boot_time(global_position_->message.time_boot_ms, now);
+      break;
+    case HomePosition::kId:
+      hear(home_, packet, now);
+      break;
+    case ExtendedSysState::kId:
+      hear(extended_, packet, now);
+      break;
+    case SysStatus::kId:
+      hear(sys_status_, packet, now);
+      break;
+    case BatteryStatus::kId:
+      if (const auto message = decode<BatteryStatus>(packet); message && message->id == 0) {
+        battery_ = {*message, now};
+      }
+      break;
+    case GpsRawInt::kId:
+      hear(gps_raw_, packet, now);
+      break;
+    case EstimatorStatus::kId:
+      hear(estimator_, packet, now);
+      break;
+    case ServoOutputRaw::kId:
+      if (const auto message = decode<ServoOutputRaw>(packet); message && message->port == 0) {
+        servo_output_ = {*message, now};
+      }
+      break;
+    case AutopilotVersion::kId:
+      if (const auto message = decode<AutopilotVersion>(packet)) {
+        capabilities_ = static_cast<std::uint64_t>(message->capabilities);
+        flight_version_ = message->flight_sw_version;
+      }
+      break;
+    case Statustext::kId:
+      if (const auto message = decode<Statustext>(packet)) on_status_text(*message, now);
+      break;
+    default:
+      break;
+  }
+}
+
+void VehicleState::on_heartbeat(const Heartbeat& message, Time now) {
+  heartbeat_ = {message, now};
+  beats_.push_back(now);
+  if (beats_.size() > kBeats) beats_.pop_front();
+  if (!hil()) without_hil_ = now;
+  if (armed()) armed_at_ = now;
+}
+
+void VehicleState::on_boot_time(std::uint32_t time_boot_ms, Time now) {
+  constexpr Duration kOutOfOrder = std::chrono::seconds(1);
+  const Duration time = std::chrono::milliseconds(time_boot_ms);
+  if (boot_time_ && time < *boot_time_ - kOutOfOrder) begin_anew(now);
+  boot_time_ = time;
+}
+
+void VehicleState::begin_anew(Time now) {
+  restarted_at_ = now;
+  flight_version_ = 0;
+}
+
+bool VehicleState::is_recent(Time said, Time now) const {
+  if (said < restarted_at_) return false;
+  return now - said <= kFreshStatus || beats_.size() < kBeats || said >= beats_.front();
+}
+
+void VehicleState::on_status_text(const Statustext& chunk, Time now) {
+  std::optional<StatusText> whole = joiner_.add(chunk, now);
+  if (!whole) return;
+  status_texts_.push_back(std::move(*whole));
+  if (status_texts_.size() > kStatusTexts) status_texts_.pop_front();
+  ++status_text_count_;
+}
+
+Autopilot VehicleState::autopilot() const { return autopilot_family(heartbeat_.message.autopilot); }
+
+bool VehicleState::armed() const {
+  return has(heartbeat_.message.base_mode, MavModeFlag::kSafetyArmed);
+}
+
+bool VehicleState::hil() const {
+  return has(heartbeat_.message.base_mode, MavModeFlag::kHilEnabled);
+}
+
+bool VehicleState::denied_hil(Time now) const {
+  return without_hil_ && now - *without_hil_ <= kVehicleTimeout;
+}
+
+std::string VehicleState::mode() const {
+  return mode_name(autopilot(), heartbeat_.message.base_mode, heartbeat_.message.custom_mode);
+}
+
+bool VehicleState::waits_for_sticks() const {
+  if (autopilot() != Autopilot::kPx4) return false;
+  const std::string now = mode();
+  return now == "MANUAL" || now == "ALTCTL" || now == "POSCTL" || now == "STABILIZED" ||
+         now == "ACRO";
+}
+
+MavLandedState VehicleState::landed() const {
+  return extended_ ? extended_->message.landed_state : MavLandedState::kUndefined;
+}
+
+std::optional<Time> VehicleState::landed_at() const {
+  return extended_ ? std::optional(extended_->at) : std::nullopt;
+}
+
+std::string_view VehicleState::landed_word() const {
+  switch (landed()) {
+    case MavLandedState::kOnGround:
+      return "on_ground";
+    case MavLandedState::kInAir:
+      return "in_air";
+    case MavLandedState::kTakeoff:
+      return "taking_off";
+    case MavLandedState::kLanding:
+      return "landing";
+    default:
+      return "undefined";
+  }
+}
+
+std::optional<Heard<double>> VehicleState::altitude() const {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const double z_m = local_position_ ? double{local_position_->message.z} : kUnknown;
+  const double home_z_m = home_ ? double{home_->message.z} : kUnknown;
+  if (std::isfinite(home_z_m - z_m)) return Heard<double>{home_z_m - z_m, local_position_->at};
+  if (global_position_) {
+    return Heard<double>{global_position_->message.relative_alt * 1e-3, global_position_->at};
+  }
+  if (std::isfinite(z_m)) return Heard<double>{-z_m, local_position_->at};
+  return std::nullopt;
+}
+
+ParamEncoding VehicleState::param_encoding() const {
+  constexpr auto kBytewise =
+      static_cast<std::uint64_t>(MavProtocolCapability::kParamEncodeBytewise);
+  if (capabilities_ && (*capabilities_ & kBytewise) != 0) return ParamEncoding::kBytewise;
+  return autopilot() == Autopilot::kArduPilot ? ParamEncoding::kCast : ParamEncoding::kBytewise;
+}
+
+std::string VehicleState::firmware_version() const {
+  if (flight_version_ == 0) return {};
+  const auto byte = [this](unsigned shift) {
+    return std::to_string(flight_version_ >> shift & 0xFFU);
+  };
+  return byte(24) + "." + byte(16) + "." + byte(8);
+}
+
+ArmingChecks arming_checks(const VehicleState& vehicle, Time now) {
+  const auto& status = vehicle.sys_status();
+  constexpr auto kBit = MavSysStatusSensor::kPrearmCheck;
+  if (!status || now - status->at > kFreshStatus ||
+      !has(status->message.onboard_control_sensors_enabled, kBit)) {
+    return ArmingChecks::kUnknown;
+  }
+  return has(status->message.onboard_control_sensors_health, kBit) ? ArmingChecks::kPass
+                                                                   : ArmingChecks::kFail;
+}
+
+namespace {
+
+/// Five floats, then the flags; zeros at the end are cut off.
+EstimatorStatusFlags ekf_flags(const MessageMemory::Kept& report) {
+  constexpr std::size_t kFlags = 20;
+  const auto byte = [&](std::size_t at) {
+    return at < report.payload.size() ? static_cast<unsigned>(report.payload[at]) : 0U;
+  };
+  // The bits are those of ESTIMATOR_STATUS.
+  return static_cast<EstimatorStatusFlags>(byte(kFlags) | byte(kFlags + 1) << 8U);
+}
+
+/// The estimator's flags in the newest report of either autopilot.
+std::optional<EstimatorStatusFlags> estimator_flags(const VehicleState& vehicle, Time now) {
+  const auto& status = vehicle.estimator_status();
+  if (status && vehicle.is_recent(status->at, now)) return status->message.flags;
+  const MessageMemory::Kept* report = vehicle.messages().find(kEkfStatusReport);
+  if (vehicle.autopilot() != Autopilot::kArduPilot || report == nullptr ||
+      !vehicle.is_recent(report->at, now)) {
+    return std::nullopt;
+  }
+  return ekf_flags(*report);
+}
+
+std::string estimator_lack(EstimatorStatusFlags flags) {
+  using E = EstimatorStatusFlags;
+  if (!has(flags, E::kAttitude)) return "the estimator has no attitude yet";
+  if (!has(flags, E::kVelocityHoriz | E::kVelocityVert)) return "the estimator has no velocity yet";
+  if (!has(flags, E::kPosHorizAbs) || has(flags, E::kConstPosMode)) {
+    return "the estimator has no horizontal position yet";
+  }
+  return has(flags, E::kPosVertAbs) ? "" : "the estimator has no height yet";
+}
+
+}  // namespace
+
+std::string position_lack(const VehicleState& vehicle, Time now) {
+  if (vehicle.autopilot() == Autopilot::kOther) return {};
+  const auto& gps = vehicle.gps_raw();
+  std::string lack;
+  if (const auto flags = estimator_flags(vehicle, now)) {
+    lack = estimator_lack(*flags);
+  } else if (!gps || !vehicle.is_recent(gps->at, now)) {
+    lack = "it tells nothing of its estimator and GPS";
+  } else if (gps->message.fix_type < GpsFixType::k3dFix) {
+    lack = "the GPS has no fix yet";
+  }
+  const auto& home = vehicle.told_home();
+  const bool has_home = home && home->at >= vehicle.restarted_at();
+  return lack.empty() && !has_home ? "it has not told its home position yet" : lack;
+}
+
+std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
+                                    std::uint64_t texts_before) {
+  std::vector<std::string> all;
+  const auto& status = vehicle.sys_status();
+  if (status && now - status->at < kFreshStatus) add_sensors(all, status->message);
+  if (vehicle.armed()) return all;
+  std::uint64_t number = vehicle.status_text_count() - vehicle.status_texts().size();
+  for (const StatusText& text : vehicle.status_texts()) {
+    if (number++ < texts_before) continue;
+    const bool over = vehicle.armed_at() && text.at <= *vehicle.armed_at();
+    if (!over && now - text.at < kFreshText && is_reason(text.text)) add(all, text.text);
+  }
+  return all;
+}
+
+}  // namespace cas::mav::services

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mavlink/common/attitude.hpp"
+#include "mavlink/common/battery_status.hpp"
+#include "mavlink/common/estimator_status.hpp"
+#include "mavlink/common/extended_sys_state.hpp"
+#include "mavlink/common/global_position_int.hpp"
+#include "mavlink/common/gps_raw_int.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/home_position.hpp"
+#include "mavlink/common/local_position_ned.hpp"
+#include "mavlink/common/servo_output_raw.hpp"
+#include "mavlink/common/statustext.hpp"
+#include "mavlink/common/sys_status.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+#include "mavlink_gen/services/message_memory.hpp"
+#include "mavlink_gen/services/param_exchange.hpp"
+#include "mavlink_gen/services/time.hpp"
+#include "mavlink_gen/services/vehicle_modes.hpp"
+
+namespace cas::mav::services {
+
+/// The newest message of a kind and when it came.
+template <class M>
+struct Heard {
+  M message{};
+  Time at{};
+};
+
+/// One whole status text, chunks joined.
+struct StatusText {
+  mavlink::common::MavSeverity severity{};
+  std::string text;
+  Time at{};
+};
+
+/// Joins the chunks of long status texts (STATUSTEXT.id, chunk_seq). Holds one text at a time.
+class StatusTextJoiner {
+ public:
+  /// @return the whole text when this chunk ends it
+  std::optional<StatusText> add(const mavlink::common::Statustext& chunk, Time now);
+
+ private:
+  std::uint16_t id_ = 0;
+  std::uint8_t next_ = 0;
+  std::string text_;
+};
+
+/// A vehicle is silent when no HEARTBEAT has come for this long.
+inline constexpr Duration kVehicleTimeout = std::chrono::seconds(3);
+
+/// EKF_STATUS_REPORT, a message of ArduPilot's dialect.
+inline constexpr std::uint32_t kEkfStatusReport = 193;
+
+/// What one vehicle has said about itself. Pure: packets and times come in as arguments.
+/// Packets of other senders must be left out, and which HEARTBEATs are a vehicle's says
+/// is_vehicle().
+class VehicleState {
+ public:
+  VehicleState(Source source, Time now) : source_(source), heard_at_(now) {}
+
+  /// Takes in one packet of this vehicle's autopilot.
+  void on_packet(const PacketView& packet, Time now);
+
+  Source source() const { return source_; }
+  Autopilot autopilot() const;
+  mavlink::common::MavType type() const { return heartbeat_.message.type; }
+  bool armed() const;
+  /// Whether its newest HEARTBEAT says that it flies a simulation.
+  bool hil() const;
+  /// Whether a HEARTBEAT without the HIL flag came lately: of two autopilots behind one router or
+  /// on one group of links, each is heard here.
+  bool denied_hil(Time now) const;
+  std::string mode() const;
+  /// Whether it is a PX4 in a mode that flies by somebody's sticks.
+  bool waits_for_sticks() const;
+  const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
+  Duration heartbeat_age(Time now) const { return now - heartbeat_.at; }
+  /// The vehicle's own clock, by the newest packet that carries it: time since it was started.
+  std::optional<Duration> boot_time() const { return boot_time_; }
+  /// When it was last seen to begin anew, by its clock or after silence: what it told before may be
+  /// of another start.
+  Time restarted_at() const { return restarted_at_; }
+  /// Whether what it said then still tells of it: since this start, and within the last 5 s or the
+  /// last 10 of its HEARTBEATs, which go by its own clock.
+  bool is_recent(Time said, Time now) const;
+  /// When a HEARTBEAT last said that it is armed.
+  std::optional<Time> armed_at() const { return armed_at_; }
+
+  mavlink::common::MavLandedState landed() const;
+  std::string_view landed_word() const;
+  /// When it last said whether it has landed.
+  std::optional<Time> landed_at() const;
+  const std::optional<Heard<mavlink::common::Attitude>>& attitude() const { return attitude_; }
+  const std::optional<Heard<mavlink::common::LocalPositionNed>>& local_position() const {
+    return local_position_;
+  }
+  const std::optional<Heard<mavlink::common::GlobalPositionInt>>& global_position() const {
+    return global_position_;
+  }
+  const std::optional<Heard<mavlink::common::SysStatus>>& sys_status() const { return sys_status_; }
+  /// Of the first battery.
+  const std::optional<Heard<mavlink::common::BatteryStatus>>& battery_status() const {
+    return battery_;
+  }
+  const std::optional<Heard<mavlink::common::GpsRawInt>>& gps_raw() const { return gps_raw_; }
+  const std::optional<Heard<mavlink::common::EstimatorStatus>>& estimator_status() const {
+    return estimator_;
+  }
+  /// Of the main outputs.
+  const std::optional<Heard<mavlink::common::ServoOutputRaw>>& servo_output() const {
+    return servo_output_;
+  }
+  /// The newest packet of each message that was taken in.
+  const MessageMemory& messages() const { return messages_; }
+  const std::optional<Heard<mavlink::common::HomePosition>>& told_home() const { return home_; }
+  /// Height above home in m, from the newest of what the vehicle tells, and when it told it.
+  std::optional<Heard<double>> altitude() const;
+  ParamEncoding param_encoding() const;
+  /// "1.12.0", by AUTOPILOT_VERSION; empty while the vehicle has not told it.
+  std::string firmware_version() const;
+
+  /// The newest whole status texts, oldest first, at most ten.
+  const std::deque<StatusText>& status_texts() const { return status_texts_; }
+  /// Counts every whole status text: who compares two values knows whether one came.
+  std::uint64_t status_text_count() const { return status_text_count_; }
+
+ private:
+  void on_heartbeat(const mavlink::common::Heartbeat& message, Time now);
+  void on_boot_time(std::uint32_t time_boot_ms, Time now);
+  void begin_anew(Time now);
+  void on_status_text(const mavlink::common::Statustext& chunk, Time now);
+
+  Source source_;
+  Time heard_at_;
+  std::optional<Time> without_hil_;  ///< newest HEARTBEAT without the HIL flag
+  Heard<mavlink::common::Heartbeat> heartbeat_{};
+  std::deque<Time> beats_;  ///< when the newest HEARTBEATs came
+  std::optional<Time> armed_at_;
+  std::optional<Duration> boot_time_;
+  Time restarted_at_{};
+  std::optional<Heard<mavlink::common::ExtendedSysState>> extended_;
+  std::optional<Heard<mavlink::common::Attitude>> attitude_;
+  std::optional<Heard<mavlink::common::LocalPositionNed>> local_position_;
+  std::optional<Heard<mavlink::common::GlobalPositionInt>> global_position_;
+  std::optional<Heard<mavlink::common::HomePosition>> home_;
+  std::optional<Heard<mavlink::common::SysStatus>> sys_status_;
+  std::optional<Heard<mavlink::common::BatteryStatus>> battery_;
+  std::optional<Heard<mavlink::common::GpsRawInt>> gps_raw_;
+  std::optional<Heard<mavlink::common::EstimatorStatus>> estimator_;
+  std::optional<Heard<mavlink::common::ServoOutputRaw>> servo_output_;
+  MessageMemory messages_;
+  std::optional<std::uint64_t> capabilities_;
+  std::uint32_t flight_version_ = 0;  ///< major, minor, patch, kind: a byte each
+  StatusTextJoiner joiner_;
+  std::deque<StatusText> status_texts_;
+  std::uint64_t status_text_count_ = 0;
+};
+
+/// What a vehicle's own arming checks say (SYS_STATUS, MAV_SYS_STATUS_PREARM_CHECK).
+enum class ArmingChecks { kUnknown, kPass, kFail };
+/// kUnknown while no fresh SYS_STATUS tells of them.
+ArmingChecks arming_checks(const VehicleState& vehicle, Time now);
+
+/// What a vehicle would need before it can take off by its position, in words; empty: nothing, or
+/// its autopilot is of a kind that does not tell. Stock firmware accepts arming before that,
+/// refuses to take off and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
+///
+/// The estimator's own word counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot; where
+/// neither comes, a fix of the GPS. Beside it HOME_POSITION must have come. What is not recent does
+/// not count.
+std::string position_lack(const VehicleState& vehicle, Time now);
+
+/// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or
+/// unhealthy (SYS_STATUS), and recent reasons of its own checks ("Preflight Fail: ...",
+/// "PreArm: ..."). What it said before it was last armed is over. Empty: none.
+/// @param texts_before  how many status texts had come before a request: those do not count
+std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
+                                    std::uint64_t texts_before = 0);
+
+}  // namespace cas::mav::services
