@@ -75,7 +75,7 @@ CommanderOptions commander_options(const Topology& topology,
 /// Names and values of the generated dialect and of the topology's own. @throws base::ConfigError
 std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
   auto decoder = std::make_shared<MessageDecoder>();
-  if (!topology.dialect.empty()) decoder->add_dialect(topology.dialect);
+  if (!topology.dialect.empty()) add_dialect(topology.dialect, *decoder);
   return decoder;
 }
 

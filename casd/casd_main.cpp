@@ -128,7 +128,10 @@ void check_named_files(const Topology& topology) {
   for (const LinkConfig& link : topology.links) {
     if (link.signing) read_signing_key(link.signing->key_file);
   }
-  if (!topology.dialect.empty()) MessageDecoder().add_dialect(topology.dialect);
+  if (!topology.dialect.empty()) {
+    MessageDecoder decoder;
+    add_dialect(topology.dialect, decoder);
+  }
   if (!topology.gains.empty()) GainMap::load(topology.gains);
 }
 

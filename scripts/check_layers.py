@@ -64,6 +64,8 @@ LAYERS = {
     "mavlink_gen/parser": SYSTEM | {"mavlink_gen/runtime", "base", "expat"},
     # of base: suggestion.hpp, likewise
     "mavlink_gen/services": {"std", "base"} | MAVLINK,
+    "mavlink_gen/json":
+        {"std", "base", "nlohmann"} | MAVLINK | SERVICES | {"mavlink_gen/parser"},
     "mavlink_gen/generator": SYSTEM | PROGRAM | {"mavlink_gen/parser", "mavlink_gen/runtime"},
 
     "base": SYSTEM,
@@ -111,7 +113,7 @@ LAYERS = {
     "casd/port":
         BASE | MAVLINK | RPC
         | rooms("casd", "packet routing queue tlog topology counters station")
-        | {"mavlink_gen/parser", "Asio"},
+        | {"mavlink_gen/parser", "mavlink_gen/json", "Asio"},
     "casd":
         BASE | MAVLINK | RPC | PROGRAM | {"Asio"}
         | rooms("casd", "packet routing queue tlog topology counters signing link station transport port"),

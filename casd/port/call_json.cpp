@@ -8,7 +8,6 @@
 
 #include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "casd/station/services.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
@@ -156,15 +155,6 @@ std::string type_word(MavType type) {
     default:
       return "type " + std::to_string(static_cast<unsigned>(type));
   }
-}
-
-json number_json(double value) {
-  constexpr double kExact = 9007199254740992;  // 2^53
-  if (!std::isfinite(value)) return nullptr;
-  if (value == std::floor(value) && std::abs(value) < kExact) {
-    return static_cast<std::int64_t>(value);
-  }
-  return std::strtod(number_text(value).c_str(), nullptr);
 }
 
 json parameters_json(const std::map<std::string, double>& parameters) {

@@ -13,6 +13,7 @@
 
 #include "base/rpc/dispatcher.hpp"
 #include "mavlink/common/enums.hpp"
+#include "mavlink_gen/json/message_codec.hpp"
 
 namespace cas::casd {
 
@@ -71,9 +72,7 @@ std::string_view severity_word(mavlink::common::MavSeverity severity);
 /// "quadrotor", "hexarotor", ..., "type 27".
 std::string type_word(mavlink::common::MavType type);
 
-/// The number whose decimal text is the shortest that a float reads back from: 0.15, not
-/// 0.15000000596046448; an integer stays one. Infinity and NaN are null.
-nlohmann::json number_json(double value);
+using mav::services::number_json;
 nlohmann::json parameters_json(const std::map<std::string, double>& parameters);
 
 }  // namespace cas::casd

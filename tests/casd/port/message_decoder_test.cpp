@@ -67,7 +67,7 @@ TEST(MessageDecoder, ShowsALaboratorysOwnDialectWithoutARebuild) {
   </message>
 </messages></mavlink>)");
   MessageDecoder decoder;
-  decoder.add_dialect(xml);
+  add_dialect(xml, decoder);
   EXPECT_EQ(decoder.name(54321), "LAB_THING");
   const std::uint8_t payload[] = {0, 0, 0x28, 0x42, 7};  // 42.0f, then the byte
   EXPECT_EQ(decoder.fields(54321, payload),
@@ -78,7 +78,7 @@ TEST(MessageDecoder, ShowsALaboratorysOwnDialectWithoutARebuild) {
 TEST(MessageDecoder, SaysWhatIsWrongWithADialect) {
   const test::TemporaryFolder folder;
   MessageDecoder decoder;
-  EXPECT_THROW(decoder.add_dialect(folder.write("bad.xml", "<mavlink><messages>")),
+  EXPECT_THROW(add_dialect(folder.write("bad.xml", "<mavlink><messages>"), decoder),
                base::ConfigError);
 }
 

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mavlink_gen/json/message_codec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "mavlink/common/all.hpp"
+#include "mavlink/common/enum_text.hpp"
+#include "mavlink_gen/parser/dialect_loader.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/runtime/print.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::mav::services {
+namespace {
+
+using namespace mavlink::common;
+using Json = nlohmann::ordered_json;
+
+constexpr Source kSender{1, 1};
+
+std::string packed_text(const PacketBuffer& packet) {
+  return {packet.bytes.begin(), packet.bytes.begin() + static_cast<std::ptrdiff_t>(packet.size)};
+}
+
+/// A message with a bit of everything.
+template <class M>
+void round_trip(const M& message) {
+  const MessageCodec codec;
+  PacketBuffer packet;
+  packet.size = encode(message, kSender, 9, packet.bytes);
+  const Json object = codec.to_json(view_packet(packet.view()));
+  std::string printed;
+  write_json(message, [&](std::string_view piece) { printed += piece; });
+  EXPECT_EQ(object, Json::parse(printed)) << "the generated code says the same";
+  EXPECT_EQ(packed_text(codec.from_json(object, kSender, 9)), packed_text(packet)) << object;
+}
+
+TEST(MessageCodec, GivesAndTakesWhatTheGeneratedCodeSays) {
+  round_trip(Attitude{.time_boot_ms = 5, .roll = 0.1F, .yaw = -1.5F});
+  round_trip(Heartbeat{.type = MavType::kQuadrotor,
+                       .base_mode = MavModeFlag::kSafetyArmed | MavModeFlag::kHilEnabled,
+                       .custom_mode = 4'000'000'000});
+  ParamValue value{.param_count = 7};
+  set_text(value.param_id, "MC_ROLL_P");
+  round_trip(value);
+  HilActuatorControls controls;
+  controls.controls[3] = 0.25F;
+  round_trip(controls);
+  round_trip(CommandLong{.command = MavCmd::kNavTakeoff,
+                         .param5 = std::numeric_limits<float>::quiet_NaN()});
+}
+
+TEST(MessageCodec, TakesEnumsByNameAndByNumber) {
+  const MessageCodec codec;
+  const Json by_name = {{"message", "HEARTBEAT"},
+                        {"type", "MAV_TYPE_QUADROTOR"},
+                        {"base_mode", "MAV_MODE_FLAG_SAFETY_ARMED|1"}};
+  const auto heartbeat =
+      decode<Heartbeat>(view_packet(codec.from_json(by_name, kSender, 0).view()));
+  ASSERT_TRUE(heartbeat);
+  EXPECT_EQ(heartbeat->type, MavType::kQuadrotor);
+  EXPECT_EQ(static_cast<int>(heartbeat->base_mode), 129);
+  EXPECT_EQ(heartbeat->mavlink_version, 3) << "the dialect's, not the sender's";
+  EXPECT_EQ(packed_text(codec.from_json({{"message", "HEARTBEAT"}, {"type", 2}, {"base_mode", 129}},
+                                        kSender, 0)),
+            packed_text(codec.from_json(by_name, kSender, 0)));
+}
+
+struct Refusal {
+  const char* name;
+  const char* object;
+  const char* sentence;
+};
+
+class Refused : public testing::TestWithParam<Refusal> {};
+
+TEST_P(Refused, WithASentence) {
+  try {
+    MessageCodec().from_json(Json::parse(GetParam().object), kSender, 0);
+    FAIL() << "it was taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), GetParam().sentence);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Json, Refused,
+    testing::Values(
+        Refusal{"NoName", R"({"roll": 1})",
+                R"(a message is an object with its name under "message")"},
+        Refusal{"UnknownMessage", R"({"message": "ATITUDE"})", "there is no message ATITUDE"},
+        Refusal{"UnknownField", R"({"message": "ATTITUDE", "rol": 1})",
+                "ATTITUDE has no field 'rol'; did you mean 'roll'?"},
+        Refusal{"TooLarge", R"({"message": "HEARTBEAT", "autopilot": 256})",
+                "autopilot: 256 does not fit into the field"},
+        Refusal{"Fraction", R"({"message": "HEARTBEAT", "custom_mode": 1.5})",
+                "custom_mode: 1.5 is no whole number"},
+        Refusal{"UnknownEntry", R"({"message": "HEARTBEAT", "type": "MAV_TYPE_QUADROTR"})",
+                "type: \"MAV_TYPE_QUADROTR\" is no entry of MAV_TYPE; did you mean "
+                "'MAV_TYPE_QUADROTOR'?"},
+        Refusal{"LongText", R"({"message": "PARAM_SET", "param_id": "SEVENTEEN_LETTERS"})",
+                "param_id: \"SEVENTEEN_LETTERS\" is longer than 16 characters"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(MessageCodec, ReadsAndWritesADialectThatIsReadAtRunTime) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("lab.xml", R"(<?xml version="1.0"?>
+<mavlink>
+  <enums><enum name="LAB_STATE"><entry value="-1" name="LAB_OFF"/><entry value="3" name="LAB_ON"/></enum></enums>
+  <messages>
+    <message id="54321" name="LAB_THING">
+      <field type="int8_t" name="state" enum="LAB_STATE">State.</field>
+      <field type="uint16_t[2]" name="counts">Counts.</field>
+      <field type="float" name="heat" units="degC">Heat.</field>
+    </message>
+  </messages>
+</mavlink>)");
+  xml::Diagnostics diagnostics;
+  const auto dialect = xml::load_dialect(file, diagnostics);
+  ASSERT_TRUE(dialect) << diagnostics.render();
+  MessageCodec codec;
+  codec.add(*dialect);
+  const Json object = {
+      {"message", "LAB_THING"}, {"state", "LAB_OFF"}, {"counts", {1, 65535}}, {"heat", 21.5}};
+  const PacketBuffer packet = codec.from_json(object, kSender, 0);
+  EXPECT_EQ(codec.to_json(view_packet(packet.view())), object);
+  EXPECT_EQ(codec.find("LAB_THING"), 54321U);
+  EXPECT_EQ(codec.name(0), "HEARTBEAT") << "the project's dialect stays";
+}
+
+}  // namespace
+}  // namespace cas::mav::services
