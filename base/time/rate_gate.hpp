@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "base/time/clock.hpp"
@@ -15,8 +16,7 @@ class RateGate {
  public:
   RateGate() = default;
   /// @param rate_hz  0 means never; resolved to 1 mHz
-  explicit RateGate(double rate_hz)
-      : rate_mhz_(static_cast<std::int64_t>(rate_hz * 1000.0 + 0.5)) {}
+  explicit RateGate(double rate_hz) : rate_mhz_(std::llround(rate_hz * 1000.0)) {}
 
   /// True once per period; a gap of several periods counts as one.
   bool due(SimTime t) { return due(t.time_since_epoch()); }

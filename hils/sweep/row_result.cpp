@@ -231,6 +231,7 @@ std::string journal_line(const RowResult& result) {
                      {"cpu_s", result.machine.cpu_s},
                      {"max_rss_mib", result.machine.max_rss_mib},
                      {"host", result.machine.host}};
+  if (!result.key.empty()) json["key"] = result.key;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -255,6 +256,7 @@ std::optional<RowResult> parse_journal_line(std::string_view line) {
                       .cpu_s = machine.at("cpu_s").get<double>(),
                       .max_rss_mib = machine.at("max_rss_mib").get<double>(),
                       .host = machine.at("host").get<std::string>()};
+    result.key = json.value("key", "");
     return result;
   } catch (const Json::exception&) {
     return std::nullopt;

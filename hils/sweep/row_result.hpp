@@ -49,6 +49,7 @@ struct RowResult {
   std::string truth_sha256{};     ///< of truth.csv; of several vehicles, one file after the other
   std::vector<double> figures{};  ///< in the order of figure_names()
   MachineFigures machine{};
+  std::string key{};  ///< what was flown, where no table says it by the row's number
 };
 
 /// Names of the figures, the same for every run of a study: first those of the run (`up` and

@@ -45,7 +45,15 @@ void fly_reports(const TuneStudy& study, const TuneFlights& flights, const fs::p
                  const std::vector<std::string>& values) {
   for (std::size_t i = 0; i < study.scenarios.size(); ++i) {
     const fs::path own = folder / study.scenarios[i].name;
-    if (fs::exists(own / "report.html")) continue;
+    std::string text;
+    for (const auto& [key, value] : study.values_of(values)) {
+      text += fmt::format("\"{}\": {}\n", key, value);
+    }
+    const fs::path flown = own / "values.yaml";
+    if (fs::exists(own / "report.html") && fs::exists(flown) && text_of_file(flown) == text) {
+      continue;
+    }
+    fs::remove_all(own);  // of other values
     write_scenario(flights.scenario(i), study.values_of(values), {}, own);
     std::vector<std::string> command{kSameProgram, "run", (own / "scenario.yaml").string(),
                                      "--architecture", std::string(to_string(study.architecture))};
@@ -56,6 +64,7 @@ void fly_reports(const TuneStudy& study, const TuneFlights& flights, const fs::p
                           .arguments = std::move(command),
                           .log_file = own / "log.txt"});
     process.wait_exit(base::from_seconds(study.deadline_s));
+    base::write_file(flown, text);
   }
 }
 

@@ -22,6 +22,27 @@ namespace fs = std::filesystem;
 
 constexpr const char* kJournal = "journal/flights.jsonl";
 
+/// The figures' names as eight digits (FNV-1a).
+std::string hash_of(const std::vector<std::string>& names) {
+  std::uint32_t hash = 2'166'136'261U;
+  for (const std::string& name : names) {
+    for (const char c : name + ',') {
+      hash = (hash ^ static_cast<unsigned char>(c)) * 16'777'619U;
+    }
+  }
+  return fmt::format("{:08x}", hash);
+}
+
+/// Whether somebody has files in a folder that no tuning began. One that was ended before it had
+/// its study.yaml has these.
+bool is_foreign(const fs::path& folder) {
+  if (!fs::exists(folder)) return false;
+  return std::ranges::any_of(fs::directory_iterator(folder), [](const auto& entry) {
+    const fs::path name = entry.path().filename();
+    return name != "journal" && name != "scenarios";
+  });
+}
+
 }  // namespace
 
 TuneFlights::TuneFlights(const TuneStudy& study, const fs::path& study_file, const fs::path& folder,
@@ -47,13 +68,13 @@ void TuneFlights::prepare(const fs::path& study_file) {
                             ": holds another study, or this one before it was changed; its flights "
                             "stay as they are: choose another folder");
   }
-  if (!fs::exists(frozen) && fs::exists(folder_) && !fs::is_empty(folder_)) {
-    throw base::ConfigError(folder_.string() +
-                            ": is not empty and holds no tuning: choose another folder");
-  }
   std::error_code none;
   if (fs::equivalent(folder_, study_folder_, none)) {
     throw base::ConfigError(folder_.string() + ": holds the study itself: choose another folder");
+  }
+  if (!fs::exists(frozen) && is_foreign(folder_)) {
+    throw base::ConfigError(folder_.string() +
+                            ": is not empty and holds no tuning: choose another folder");
   }
   fs::create_directories(folder_ / "journal");
   for (std::size_t i = 0; i < scenarios_.size(); ++i) {
@@ -62,11 +83,16 @@ void TuneFlights::prepare(const fs::path& study_file) {
       write_scenario(own.scenario, own.settings, study_folder_, scenario(i).parent_path(),
                      {"vehicle"});
     }
+    const fs::path trial = fresh_folder(fs::temp_directory_path(), "hils-tune");
     try {
-      figures_.push_back(figure_names(Scenario::load(scenario(i))));
+      write_scenario(scenario(i), study_.values_of(study_.before()), study_folder_, trial);
+      figures_.push_back(figure_names(Scenario::load(trial / "scenario.yaml")));
     } catch (const base::ConfigError& error) {
-      throw base::ConfigError("scenario '" + own.name + "': " + error.what());
+      fs::remove_all(trial);
+      throw base::ConfigError("scenario '" + own.name +
+                              "': " + without_folder(error.what(), trial));
     }
+    fs::remove_all(trial);
   }
   base::write_file(frozen, text);
 }
@@ -75,8 +101,9 @@ void TuneFlights::load_journal() {
   std::ifstream lines(folder_ / kJournal, std::ios::binary);
   for (std::string line; std::getline(lines, line);) {
     std::optional<RowResult> result = parse_journal_line(line);
-    // Broken runs, too: rows count by the order of asking, which follows from every result.
-    if (result) results_.insert_or_assign(result->row, std::move(*result));
+    // Broken runs, too: an interrupted search asks for the same flights in the same order.
+    if (!result || result->key.empty()) continue;
+    results_.insert_or_assign(result->key, std::move(*result));
   }
 }
 
@@ -89,10 +116,10 @@ bool TuneFlights::has_figure(std::size_t scenario, const std::string& name) cons
   return std::ranges::find(figures_[scenario], name) != figures_[scenario].end();
 }
 
-std::size_t TuneFlights::row_of(const TuneFlight& flight) {
-  std::string key = fmt::format("{} {}", flight.scenario, flight.seed);
+std::string TuneFlights::key_of(const TuneFlight& flight) const {
+  std::string key = fmt::format("{} seed {}:", scenarios_[flight.scenario].name, flight.seed);
   for (const std::string& value : flight.values) key += " " + value;
-  return rows_.try_emplace(std::move(key), rows_.size() + 1).first->second;
+  return key + " " + hash_of(figures_[flight.scenario]);
 }
 
 RowTask TuneFlights::task_of(const TuneFlight& flight, std::size_t row) const {
@@ -106,13 +133,16 @@ RowTask TuneFlights::task_of(const TuneFlight& flight, std::size_t row) const {
 }
 
 std::vector<RowResult> TuneFlights::fly(const std::vector<TuneFlight>& flights) {
-  std::vector<std::size_t> rows;
+  std::vector<std::string> keys;
+  std::map<std::size_t, std::string> keys_of_rows;
   std::deque<RowTask> pending;
   for (const TuneFlight& flight : flights) {
-    const std::size_t row = row_of(flight);
-    const bool asked = std::ranges::find(rows, row) != rows.end();
-    rows.push_back(row);
-    if (!asked && !results_.contains(row)) pending.push_back(task_of(flight, row));
+    const std::string& key = keys.emplace_back(key_of(flight));
+    const bool asked = std::find(keys.begin(), keys.end() - 1, key) != keys.end() - 1;
+    if (asked || results_.contains(key)) continue;
+    const std::size_t row = results_.size() + pending.size() + 1;
+    keys_of_rows[row] = key;
+    pending.push_back(task_of(flight, row));
   }
   FlightPool pool(folder_ / "work", study_.deadline_s);
   const StopRequest stop;
@@ -125,10 +155,11 @@ std::vector<RowResult> TuneFlights::fly(const std::vector<TuneFlight>& flights) 
       progress_.clear();
       throw RunStopped("interrupted; the same command goes on with what has not been flown", true);
     }
-    pool.take_ended([this](RowResult&& result) {
+    pool.take_ended([&](RowResult&& result) {
+      result.key = keys_of_rows.at(result.row);
       journal_->append(result);
       ++state_.flown;
-      results_.insert_or_assign(result.row, std::move(result));
+      results_.insert_or_assign(result.key, std::move(result));
     });
     state_.done = results_.size();
     state_.all = std::max(state_.all, state_.done);
@@ -136,7 +167,7 @@ std::vector<RowResult> TuneFlights::fly(const std::vector<TuneFlight>& flights) 
     progress_.show(state_);
   }
   std::vector<RowResult> results;
-  for (const std::size_t row : rows) results.push_back(results_.at(row));
+  for (const std::string& key : keys) results.push_back(results_.at(key));
   return results;
 }
 

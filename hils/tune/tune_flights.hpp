@@ -24,15 +24,16 @@ struct TuneFlight {
   std::vector<std::string> values{};
 };
 
-/// The folder of a tuning and its flights. Each is flown once: the search asks for the same flights
-/// in the same order each time, so that after any end the journal stands for those that it has.
+/// The folder of a tuning and its flights. Each is flown once: a line of the journal says which
+/// flight it is of, and after any end stands for that one alone.
 ///
 ///   study.yaml               frozen when it began
 ///   scenarios/NAME/          scenario.yaml with the study's `set`, and its vehicle
 ///   journal/flights.jsonl    a line for each flight, on the disk before the next
 class TuneFlights {
  public:
-  /// @throws base::ConfigError also when the folder holds another study
+  /// @throws base::ConfigError also when the folder holds another study or anything else, and when
+  /// a scenario does not take the values before
   TuneFlights(const TuneStudy& study, const std::filesystem::path& study_file,
               const std::filesystem::path& folder, std::size_t jobs);
   ~TuneFlights();
@@ -56,7 +57,8 @@ class TuneFlights {
  private:
   void prepare(const std::filesystem::path& study_file);
   void load_journal();
-  std::size_t row_of(const TuneFlight& flight);
+  /// Scenario, seed, values and the names of the figures: flights with one key are the same.
+  std::string key_of(const TuneFlight& flight) const;
   RowTask task_of(const TuneFlight& flight, std::size_t row) const;
 
   const TuneStudy& study_;
@@ -65,9 +67,8 @@ class TuneFlights {
   std::size_t jobs_;
   std::vector<TuneScenario> scenarios_;
   std::vector<std::vector<std::string>> figures_{};  ///< columns of each scenario
-  std::map<std::string, std::size_t> rows_{};        ///< number of each flight that was asked for
-  std::map<std::size_t, RowResult> results_{};
-  std::optional<Journal> journal_{};  ///< opened when the folder is there
+  std::map<std::string, RowResult> results_{};       ///< by their keys
+  std::optional<Journal> journal_{};                 ///< opened when the folder is there
   SweepState state_{.verb = "tune"};
   SweepProgress progress_{};
   base::RunTime begin_ = base::steady_now();

@@ -33,9 +33,8 @@ class Evaluator {
     const std::size_t seeds = study_.seeds.size();
     std::vector<TuneFlight> wanted;
     for (const Values& values : candidates) {
-      for (std::size_t i = 0; i < scenarios; ++i) {
-        for (const std::uint64_t seed : study_.seeds) wanted.push_back({i, seed, values});
-      }
+      const std::vector<TuneFlight> own = flights_of(values);
+      wanted.insert(wanted.end(), own.begin(), own.end());
     }
     const std::vector<RowResult> results = flights_.fly(wanted);
     std::vector<Candidate> measured_ones;
@@ -48,7 +47,55 @@ class Evaluator {
     return measured_ones;
   }
 
+  /// The flights before must have everything that others are compared with. They have been flown.
+  void check_before(const Candidate& before) {
+    const std::vector<TuneFlight> wanted = flights_of(before.values);
+    const std::vector<RowResult> results = flights_.fly(wanted);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      // A delay may make a flight invalid, and its end is known all the same.
+      const bool ramp = study_.scenarios[wanted[i].scenario].delay_ramp.has_value();
+      if (ramp ? results[i].figures.empty() : !is_judged(results[i].outcome)) {
+        throw base::ConfigError("with the values before, " + told(wanted[i], results[i]));
+      }
+    }
+    if (before.fallen > 0) {
+      throw base::ConfigError(
+          fmt::format("{} flights with the values before did not stay up: the search has nothing "
+                      "to compare with; choose other 'from' values or an easier scenario",
+                      before.fallen));
+    }
+    const auto check = [&](const TuneFigure& figure) {
+      for (std::size_t i = 0; i < results.size(); ++i) {
+        if (std::ranges::find(figure.in, wanted[i].scenario) == figure.in.end()) continue;
+        for (const std::string& name : figure.figures) {
+          if (!std::isnan(flights_.figure(wanted[i].scenario, results[i], name))) continue;
+          throw base::ConfigError("'" + figure.name +
+                                  "': a flight with the values before has no '" + name +
+                                  "': " + told(wanted[i], results[i]));
+        }
+      }
+    };
+    for (const Objective& each : study_.objectives) check(each.figure);
+    for (const Guard& each : study_.guards) {
+      if (!each.bound || each.figure.figures.front() == kDelayMargin) check(each.figure);
+    }
+  }
+
  private:
+  std::vector<TuneFlight> flights_of(const Values& values) const {
+    std::vector<TuneFlight> flights;
+    for (std::size_t i = 0; i < study_.scenarios.size(); ++i) {
+      for (const std::uint64_t seed : study_.seeds) flights.push_back({i, seed, values});
+    }
+    return flights;
+  }
+
+  std::string told(const TuneFlight& flight, const RowResult& result) const {
+    return fmt::format("scenario '{}', seed {}, {}{}{}", study_.scenarios[flight.scenario].name,
+                       flight.seed, to_string(result.outcome), result.cause.empty() ? "" : ": ",
+                       result.cause);
+  }
+
   template <class ResultOf>
   Candidate measure_one(const Values& values, const ResultOf& result) const {
     Candidate candidate{.values = values};
@@ -89,21 +136,6 @@ void check_figures(const TuneStudy& study, const TuneFlights& flights) {
   };
   for (const Objective& each : study.objectives) check(each.figure);
   for (const Guard& each : study.guards) check(each.figure);
-}
-
-/// The flights before must have everything that others are compared with.
-void check_before(const TuneStudy& study, const Candidate& before) {
-  if (before.fallen > 0) {
-    throw base::ConfigError(
-        fmt::format("{} flights with the values before did not stay up: the search has nothing to "
-                    "compare with; choose other 'from' values or an easier scenario",
-                    before.fallen));
-  }
-  for (std::size_t i = 0; i < study.objectives.size(); ++i) {
-    if (!std::isnan(before.objectives[i])) continue;
-    throw base::ConfigError("'" + study.objectives[i].figure.name +
-                            "': the flights with the values before have no such figure");
-  }
 }
 
 UnitPoints first_generation(const TuneStudy& study) {
@@ -220,7 +252,7 @@ TuneResult tune(const TuneStudy& study, TuneFlights& flights) {
                  2 * flights.scenarios().size() * study.verify_seeds.size());
   Evaluator evaluator(study, flights);
   const TuneScore score(study, evaluator.measure({study.before()}).front());
-  check_before(study, score.before());
+  evaluator.check_before(score.before());
 
   TuneResult result;
   result.candidates.push_back(score.before());
@@ -253,7 +285,6 @@ TuneResult tune(const TuneStudy& study, TuneFlights& flights) {
          fly);
   result.front = pareto_front(result.candidates);
   result.best = best_of(result.candidates);
-  if (result.candidates[result.best].penalty > 0) result.best = 0;
   if (!study.verify_seeds.empty()) {
     Verifier(study, flights).verify(study.before(), result.candidates[result.best].values, result);
   }
