@@ -107,7 +107,7 @@ void world_contact_triangles(benchmark::State& state) {
 }
 BENCHMARK(world_contact_triangles);
 
-/// Sliding over them: the collision is looked for anew in every step.
+/// Sliding over them: a collision is looked for each 10 cm.
 void world_slide_triangles(benchmark::State& state) {
   const auto world = sim::test::make_world(sim::test::ground_of_triangles(0.1, 0.1));
   world->add_vehicle(sim::test::crate(), {});
@@ -148,26 +148,27 @@ void air_density(benchmark::State& state) {
 }
 BENCHMARK(air_density);
 
-// Whole simulations of the shipped vehicle through its plugin libraries.
+// Whole simulations of shipped vehicles through their plugin libraries.
 
-std::string vehicles(int count, const std::string& plugins) {
+std::string vehicles(int count, const std::string& plugins, const std::string& name) {
   std::string list;
   for (int i = 0; i < count; ++i) {
     const std::string n = std::to_string(i);
-    list += "  - {name: v" + n + ", vehicle: " + cas::test::source_dir() +
-            "/config/vehicles/iris_paper.yaml, pose: {x_m: " + std::to_string(5 * i) +
-            ", z_m: 100000}, plugins: [" + plugins + "]}\n";
+    list += "  - {name: v" + n + ", vehicle: " + cas::test::source_dir() + "/config/vehicles/" +
+            name + ".yaml, pose: {x_m: " + std::to_string(5 * i) + ", z_m: 100000}, plugins: [" +
+            plugins + "]}\n";
   }
   return list;
 }
 
-std::unique_ptr<SimRunner> simulation(int count, const std::string& plugins) {
+std::unique_ptr<SimRunner> simulation(int count, const std::string& plugins,
+                                      const std::string& name) {
   auto runner = std::make_unique<SimRunner>(
       SimConfig::parse(base::ConfigNode::parse(
           "schema: 1\nworld: {gravity_m_s2: 9.80665, ground: true}\n"
           "home: {lat_deg: 47.4, lon_deg: 8.5, alt_m: 488}\ndecimal_year: 2026.5\n"
           "pace: free_run\nvehicles:\n" +
-              vehicles(count, plugins),
+              vehicles(count, plugins, name),
           "bench")),
       SimOptions{.output_dir = std::filesystem::temp_directory_path(),
                  .plugin_dirs = {std::filesystem::path(cas::test::binary_dir()) / "plugins"}});
@@ -181,8 +182,9 @@ const std::string kSensors =
 const std::string kBus =
     "{plugin: mavlink_interface, transport: bus, system_id: 1, component_id: 200}";
 
-void run_simulation(benchmark::State& state, const std::string& plugins, int count) {
-  const auto runner = simulation(count, plugins);
+void run_simulation(benchmark::State& state, const std::string& plugins, int count,
+                    const std::string& vehicle = "iris_paper") {
+  const auto runner = simulation(count, plugins, vehicle);
   for (auto _ : state) runner->step();
   count_steps(state, count);
 }
@@ -204,6 +206,9 @@ void simulate_motor_barometer(benchmark::State& state) {
 void simulate_all_sensors(benchmark::State& state) {
   run_simulation(state, kMotor + ", " + kSensors, static_cast<int>(state.range(0)));
 }
+void simulate_hexarotor(benchmark::State& state) {
+  run_simulation(state, kMotor + ", " + kSensors, 1, "hexa_x");
+}
 void simulate_all_and_packets(benchmark::State& state) {
   run_simulation(state, kMotor + ", " + kSensors + ", " + kBus, static_cast<int>(state.range(0)));
 }
@@ -214,6 +219,7 @@ BENCHMARK(simulate_motor_gps);
 BENCHMARK(simulate_motor_magnetometer);
 BENCHMARK(simulate_motor_barometer);
 BENCHMARK(simulate_all_sensors)->Arg(1)->Arg(2)->Arg(5)->Arg(10)->Arg(20);
+BENCHMARK(simulate_hexarotor);
 BENCHMARK(simulate_all_and_packets)->Arg(1)->Arg(20);
 
 }  // namespace

@@ -22,7 +22,9 @@ struct ContactSpring {
 /// Spring that a whole patch of contacts has where no file says otherwise: a mass on a spring of
 /// 90 rad/s damped by 0.7 of the critical. It sinks by g / w^2 = 1.2 mm under its weight, meets the
 /// ground at 1 m/s with at most 2 z w v = 126 m/s^2 (12.8 g) and leaves it at a sixth of that.
-/// Scaled by the mass, so that small and large vehicles land alike.
+/// Scaled by the mass that the patch feels, so that small and large vehicles land alike, and so do
+/// a level and a tilted one: an edge that comes first has only a share of the mass to stop, and
+/// turns the rest.
 inline constexpr double kPatchFrequency = 90.0;  // rad/s
 inline constexpr double kPatchDampingRatio = 0.7;
 /// Deeper than a landing goes, the patch grows stiffer with the square of the depth: a crash stays
@@ -33,6 +35,7 @@ inline constexpr double kLandingDepth = 6e-3;  // m
 ///
 /// Stiffness is shared by depth, so that a contact begins and ends without a jump, and damping
 /// evenly; neither legs nor triangles make the ground harder by their number.
+/// @param mass_kg  that a push on the patch has to move
 /// @param depth_sum_m, count  of all contacts of the patch
 inline ContactSpring default_spring(double mass_kg, double depth_m, double depth_sum_m,
                                     std::size_t count) {

@@ -17,6 +17,7 @@
 #include "base/os/log.hpp"
 #include "libsim/core/ode/contact_law.hpp"
 #include "libsim/core/ode/contact_patch.hpp"
+#include "libsim/core/ode/flat_ground.hpp"
 #include "libsim/core/ode/geometry.hpp"
 #include "libsim/core/ode/static_bounds.hpp"
 
@@ -31,6 +32,8 @@ constexpr std::size_t kMostFound = 512;  // contacts of one pair of shapes that 
 constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodies are parted
 constexpr double kNoSlip = 1e-9;         // m/s: below, slip has no direction
 constexpr double kStill = 2e-5;          // m: a body that moved less touches what it touched
+constexpr double kSlide = 0.1;           // m: the same on a flat mesh, along it
+constexpr double kOnFace = 1 - 1e-6;     // cosine of 0.08 degree: normal of a contact and face
 constexpr unsigned long kOdeSeed = 1;
 
 dMass ode_mass(const MassProperties& mass) {
@@ -126,6 +129,7 @@ struct Body {
   // Contacts with the static world, and where the body was when they were looked for.
   std::vector<Contact> world_contacts;
   bool looked = false;
+  bool on_flat_mesh = false;  // and nothing else is near
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
 
@@ -147,6 +151,7 @@ struct ContactSolver::Impl {
   dSpaceID statics = dHashSpaceCreate(nullptr);
   dJointGroupID joints = dJointGroupCreate(0);
   dGeomID ray = dCreateRay(nullptr, 1.0);
+  FlatGround flat_ground;
   MeshStore meshes;
   std::deque<Owner> owners;
   std::vector<Surface> surfaces;
@@ -254,11 +259,34 @@ struct ContactSolver::Impl {
     }
   }
 
-  /// How far any point of the body has moved since its contacts were looked for, at most.
-  static double moved(const Body& body) {
-    const Eigen::Vector3d p_WB = from_ode(dBodyGetPosition(body.id));
-    const Eigen::Quaterniond turn = attitude(body.id) * body.q_WB.conjugate();
-    return (p_WB - body.p_WB).norm() + 2.0 * turn.vec().norm() * body.radius;
+  /// Whether the body touches what it touched when its contacts were looked for: no point of it
+  /// has moved, or on a flat mesh none but along that.
+  static bool touches_the_same(const Body& body) {
+    const Eigen::Vector3d moved = from_ode(dBodyGetPosition(body.id)) - body.p_WB;
+    const Eigen::Vector3d turned = 2.0 * (attitude(body.id) * body.q_WB.conjugate()).vec();
+    if (moved.norm() + turned.norm() * body.radius <= kStill) return true;
+    if (!body.on_flat_mesh || moved.norm() > kSlide) return false;
+    const Eigen::Vector3d& n_W = body.world_contacts.front().point.n_W;
+    const double off_plane = std::abs(n_W.dot(moved));
+    const double tilted = (turned - n_W.dot(turned) * n_W).norm();
+    return off_plane + tilted * body.radius <= kStill;
+  }
+
+  /// Whether the body stands on a flat mesh and will meet nothing else when it slides on. Its
+  /// contacts then push along the face: of a body that leans a little, ODE has some along the
+  /// body's own axis.
+  bool settle_on_flat_mesh(Body& body) {
+    if (body.world_contacts.empty()) return false;
+    const Eigen::Vector3d face_W = body.world_contacts.front().point.face_W;
+    for (const Contact& contact : body.world_contacts) {
+      const ContactPoint& point = contact.point;
+      if (contact.patch != 0 || std::abs(point.n_W.dot(point.face_W)) < kOnFace) return false;
+    }
+    if (!flat_ground.is_all_within(statics, face_W, body.p_WB, body.radius + kSlide)) return false;
+    for (Contact& contact : body.world_contacts) {
+      contact.point.n_W = contact.point.n_W.dot(face_W) > 0 ? face_W : Eigen::Vector3d(-face_W);
+    }
+    return true;
   }
 
   void look_for_world_contacts(Body& body) {
@@ -270,6 +298,7 @@ struct ContactSolver::Impl {
     keep_points(body.world_contacts);
     body.p_WB = from_ode(dBodyGetPosition(body.id));
     body.q_WB = attitude(body.id);
+    body.on_flat_mesh = settle_on_flat_mesh(body);
     body.looked = true;
   }
 
@@ -322,10 +351,17 @@ struct ContactSolver::Impl {
     const double mass = std::max(mass_of(any.body), mass_of(any.other));
     const bool own = has_own_spring(any.on_body, any.on_other);
     double depth_sum = 0;
-    for (const Contact& contact : patch) depth_sum += contact.point.depth_m;
+    Eigen::Vector3d moment_W = Eigen::Vector3d::Zero();  // of the depths
+    for (const Contact& contact : patch) {
+      depth_sum += contact.point.depth_m;
+      moment_W += contact.point.depth_m * contact.point.p_W;
+    }
+    const Eigen::Vector3d middle_W = depth_sum > 0 ? moment_W / depth_sum : any.point.p_W;
+    const double felt = std::max(felt_mass_of(any.body, middle_W, any.point.n_W),
+                                 felt_mass_of(any.other, middle_W, any.point.n_W));
     const auto spring_of = [&](const Contact& contact) {
       return own ? own_spring(contact.on_body, contact.on_other)
-                 : default_spring(mass, contact.point.depth_m, depth_sum, patch.size());
+                 : default_spring(felt, contact.point.depth_m, depth_sum, patch.size());
     };
     double load = 0;  // N, about
     for (const Contact& contact : patch) {
@@ -369,6 +405,17 @@ struct ContactSolver::Impl {
   /// What gives way at a contact, kg; 0 for the world and for obstacles.
   double mass_of(std::ptrdiff_t body) {
     return body < 0 || at(body).driven ? 0.0 : at(body).mass.mass_kg();
+  }
+
+  /// The mass that a push along n_W at a point has to move: 1 / (1/m + (r x n) I^-1 (r x n)), all
+  /// of it only where the push goes through the centre of gravity ([Mirtich-Canny]).
+  double felt_mass_of(std::ptrdiff_t body, const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W) {
+    const double mass = mass_of(body);
+    if (mass == 0) return 0;
+    const Body& own = at(body);
+    const Eigen::Vector3d arm_W = (p_W - from_ode(dBodyGetPosition(own.id))).cross(n_W);
+    const Eigen::Vector3d arm_B = attitude(own.id).conjugate() * arm_W;
+    return mass / (1 + mass * arm_B.dot(own.mass.inertia_inverse_B() * arm_B));
   }
 
   /// Velocity of the body at the contact against the other side, after the step without contact.
@@ -527,7 +574,7 @@ void ContactSolver::place(std::size_t body, const BodyState& state) {
 
 void ContactSolver::collide_world(std::size_t index) {
   Body& body = impl_->bodies[index];
-  if (!body.looked || Impl::moved(body) > kStill) impl_->look_for_world_contacts(body);
+  if (!body.looked || !Impl::touches_the_same(body)) impl_->look_for_world_contacts(body);
   impl_->add_world_contacts(body);
 }
 

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "libsim/core/export.hpp"
+#include "libsim/core/ode/geometry.hpp"
+
+namespace cas::sim {
+
+/// Corners of a triangle in W, m.
+using Triangle = std::array<Eigen::Vector3d, 3>;
+
+/// A side of a triangle, its corners in one order whatever triangle it is of.
+struct TriangleSide {
+  std::array<double, 6> corners{};
+  bool left = false;  ///< the triangle lies to the left of it
+};
+
+/// Whether triangles are one flat surface wherever a sphere reaches: all of them lie in one plane
+/// across n_W, and no side of one passes through the sphere without another triangle beyond it. A
+/// hole, an edge of the ground and a step are not flat; where sides do not end in the same corners
+/// the answer is no, too.
+/// @param sides  room to work in, so that nothing is taken from the heap in a step
+CAS_SIM_EXPORT bool is_flat_within(std::span<const Triangle> triangles, const Eigen::Vector3d& n_W,
+                                   const Eigen::Vector3d& centre_W, double radius_m,
+                                   std::vector<TriangleSide>& sides);
+
+/// Finds out how far a body may slide without meeting anything new.
+class FlatGround {
+ public:
+  FlatGround();
+  ~FlatGround();
+  FlatGround(const FlatGround&) = delete;
+  FlatGround& operator=(const FlatGround&) = delete;
+
+  /// Whether nothing but one flat surface of one mesh, across n_W, reaches into a sphere: what
+  /// touches it and stays within goes on touching it in the same points. No for ground without
+  /// triangles.
+  bool is_all_within(dSpaceID statics, const Eigen::Vector3d& n_W, const Eigen::Vector3d& centre_W,
+                     double radius_m);
+
+ private:
+  static void on_near(void* self, dGeomID a, dGeomID b);
+  static void on_triangles(dGeomID mesh, dGeomID probe, const int* indices, int count);
+
+  dGeomID probe_;
+  std::vector<Triangle> triangles_;  // of one question
+  std::vector<TriangleSide> sides_;  // the same
+  dGeomID mesh_ = nullptr;           // whose they are
+  bool alone_ = true;                // nothing else was met
+};
+
+}  // namespace cas::sim
