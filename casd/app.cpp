@@ -45,6 +45,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr auto kTick = milliseconds(50);
+constexpr auto kWallTick = milliseconds(500);
 constexpr auto kSettlePoll = milliseconds(5);
 /// READY does not wait longer for links that cannot open (a name server that does not answer).
 constexpr auto kSettlePatience = seconds(2);
@@ -247,7 +248,11 @@ struct App::Impl {
     station_events.assign(links.local().descriptor());
     do_wait_signal();
     do_wait_station();
-    if (!lockstep()) do_tick();  // else the stream gives the turns
+    if (lockstep()) {
+      do_wall_tick();  // the stream gives the turns
+    } else {
+      do_tick();
+    }
     do_second();
     settle_deadline = base::steady_now() + kSettlePatience;
     do_settle();
@@ -346,6 +351,16 @@ struct App::Impl {
       commander.tick(now);
       recorder.on_vehicles(commander.any_armed(now), now);
       do_tick();
+    });
+  }
+
+  /// What waits for a vehicle whose simulator is paused shall not do so for ever.
+  void do_wall_tick() {
+    tick_timer.expires_after(kWallTick);
+    tick_timer.async_wait([this](boost::system::error_code error) {
+      if (error) return;
+      commander.wall_tick(base::steady_now());
+      do_wall_tick();
     });
   }
 

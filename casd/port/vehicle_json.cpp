@@ -175,4 +175,18 @@ json state_json(const VehicleState& vehicle, const LinkName& link_name, base::Ru
   return state;
 }
 
+json interventions_json(const Interventions& interventions, const LinkName& link_name,
+                        base::RunTime now) {
+  json all = json::array();
+  for (const Intervention& each : interventions.all()) {
+    all.push_back({{"by", std::to_string(each.by.system) + "/" + std::to_string(each.by.component)},
+                   {"link", link_name(each.link)},
+                   {"what", each.act.what},
+                   {"disarms", each.act.disarms},
+                   {"times", each.times},
+                   {"age_s", base::to_seconds(now - each.at)}});
+  }
+  return all;
+}
+
 }  // namespace cas::casd

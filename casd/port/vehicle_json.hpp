@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/time/clock.hpp"
+#include "casd/packet/intervention.hpp"
 #include "casd/station/vehicle_state.hpp"
 
 namespace cas::casd {
@@ -29,5 +30,9 @@ std::string_view state_word(mavlink::common::MavState state);
 /// The answer of vehicle.state: the summary, and what of attitude, place and home is known.
 nlohmann::json state_json(const VehicleState& vehicle, const LinkName& link_name,
                           base::RunTime now);
+
+/// What others had a vehicle do, as vehicle.state lists it.
+nlohmann::json interventions_json(const Interventions& interventions, const LinkName& link_name,
+                                  base::RunTime now);
 
 }  // namespace cas::casd

@@ -366,7 +366,11 @@ void VehicleMethods::add_state_methods() {
       [this](std::uint8_t system, const Outcome&) {
         const VehicleState* vehicle = commander_.find(system);
         if (vehicle == nullptr) return json();
-        return state_json(*vehicle, hooks_.link_name, hooks_.now());
+        const base::RunTime now = hooks_.now();
+        json state = state_json(*vehicle, hooks_.link_name, now);
+        json others = interventions_json(commander_.interventions(system), hooks_.link_name, now);
+        if (!others.empty()) state["interventions"] = std::move(others);
+        return state;
       });
   add(
       "vehicle.telemetry", false,

@@ -53,15 +53,63 @@ void VehicleCommander::set_commanding(double heartbeat_hz, bool allow_not_hil) {
 void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& packet,
                                  base::RunTime now) {
   now_ = now;
+  overhear(from, packet, now);
   if (packet.source.system == options_.self.system) return;
   const KnownVehicle* const before = table_.find(packet.source.system);
   KnownVehicle* const vehicle = table_.track(from, packet, now);
   if (vehicle == nullptr) return;
   const bool restarted = vehicle->state.restarted_at() > vehicle->asked_at &&
                          now - vehicle->asked_at > kVehicleTimeout;  // its clock may leap about
-  if (options_.ask_on_sight && (vehicle != before || restarted)) ask_on_sight(*vehicle, now);
+  if (packet.message_id != Heartbeat::kId) vehicle->told_at = now;
+  if (options_.ask_on_sight &&
+      (vehicle != before || restarted || has_stopped_telling(*vehicle, now))) {
+    ask_on_sight(*vehicle, now);
+  }
   dispatch(*vehicle, packet, now);
   beat_for_the_fast(*vehicle, now);
+}
+
+/// Somebody else commands a vehicle: through casd, or, by the vehicle's answer, at another link.
+void VehicleCommander::overhear(const Origin& from, const mav::PacketView& packet,
+                                base::RunTime now) {
+  if (!may_be_act(packet.message_id)) return;
+  const auto intervention = [&](const Act& act, mav::Source by) {
+    return Intervention{.by = by, .link = from.path.link, .act = act, .at = now};
+  };
+  if (const auto ack = mav::decode<CommandAck>(packet)) {
+    KnownVehicle* const vehicle = table_.find(packet.source.system);
+    if (vehicle == nullptr || vehicle->state.source() != packet.source) return;
+    if (mav::services::is_for(*ack, options_.self)) return;
+    const std::optional<Act> act = act_of(*ack);
+    if (act) note(*vehicle, intervention(*act, {ack->target_system, ack->target_component}));
+    return;
+  }
+  const std::optional<Act> act = act_of(packet);
+  if (!act || packet.source == options_.self) return;
+  for (const auto& [system, vehicle] : table_.all()) {
+    const mav::Source self = vehicle->state.source();
+    const bool meant = (act->target.system == 0 || act->target.system == self.system) &&
+                       (act->target.component == 0 || act->target.component == self.component);
+    if (meant && packet.source != self) note(*vehicle, intervention(*act, packet.source));
+  }
+}
+
+void VehicleCommander::note(KnownVehicle& vehicle, Intervention intervention) {
+  if (intervention.act.disarms) {
+    ++vehicle.arm_requests;
+    vehicle.commands.on_disarm(
+        std::to_string(intervention.by.system) + "/" + std::to_string(intervention.by.component),
+        intervention.at);
+  }
+  vehicle.interventions.add(std::move(intervention));
+}
+
+/// An ArduPilot that is back from a reboot before anybody missed its HEARTBEAT sends little else:
+/// it has forgotten what it was asked for, and nothing tells its clock.
+bool VehicleCommander::has_stopped_telling(const KnownVehicle& vehicle, base::RunTime now) {
+  const auto& attitude = vehicle.state.attitude();
+  return vehicle.state.autopilot() == Autopilot::kArduPilot && attitude &&
+         attitude->at > vehicle.asked_at && now - vehicle.told_at > kVehicleTimeout;
 }
 
 /// What commanding needs to know and a vehicle may not stream by itself.
@@ -133,6 +181,10 @@ void VehicleCommander::tick(base::RunTime now) {
     vehicle->params.tick(now);
   }
   table_.tick(now);
+}
+
+void VehicleCommander::wall_tick(base::RunTime wall) {
+  for (const auto& [system, vehicle] : table_.all()) vehicle->commands.wall_tick(wall);
 }
 
 /// Own HEARTBEAT: without one PX4 counts its ground station as lost.
@@ -209,6 +261,12 @@ void VehicleCommander::manual_control(std::uint8_t system, const Sticks& sticks,
 const VehicleState* VehicleCommander::find(std::uint8_t system) const {
   const KnownVehicle* vehicle = table_.find(system);
   return vehicle == nullptr ? nullptr : &vehicle->state;
+}
+
+const Interventions& VehicleCommander::interventions(std::uint8_t system) const {
+  static const Interventions kNone;
+  const KnownVehicle* vehicle = table_.find(system);
+  return vehicle == nullptr ? kNone : vehicle->interventions;
 }
 
 std::vector<const VehicleState*> VehicleCommander::vehicles() const {

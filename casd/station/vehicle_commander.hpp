@@ -71,6 +71,9 @@ class VehicleCommander final : public Station {
     on_packet(Origin{{link}}, packet, now);
   }
   void tick(base::RunTime now) override;
+  /// Where `now` is simulated and may stand still: now and then by this machine's clock, so that
+  /// what was accepted and does not show ends all the same.
+  void wall_tick(base::RunTime wall);
   void on_text(OnText callback) { on_text_ = std::move(callback); }
   /// Called with a sentence when a second autopilot with a vehicle's id appears or falls silent.
   void on_notice(std::function<void(const std::string&)> callback) {
@@ -84,6 +87,9 @@ class VehicleCommander final : public Station {
   void set_commanding(double heartbeat_hz, bool allow_not_hil);
 
   const VehicleState* find(std::uint8_t system) const;
+  /// What others had a vehicle do, as far as casd has heard of it; nothing of one that is not
+  /// known.
+  const Interventions& interventions(std::uint8_t system) const;
   std::vector<const VehicleState*> vehicles() const;
   /// Whether a vehicle was armed when it was last heard, within the last minute.
   bool any_armed(base::RunTime now) const;
@@ -100,6 +106,7 @@ class VehicleCommander final : public Station {
   /// A refusal names the missing sensors and the status texts that followed the request. A PX4 that
   /// refuses in a stick mode is put into HOLD and asked again, unless a newer request to arm or
   /// disarm has come.
+  /// A disarm of somebody else ends it: it is not sent again behind that one.
   /// Refused with kInterlock for a vehicle without the HIL flag, unless request and configuration
   /// both consent, and while a second autopilot uses its system id. Each repetition asks again.
   void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);
@@ -161,6 +168,9 @@ class VehicleCommander final : public Station {
   template <class M>
   void send(const VehicleState& vehicle, M message);
   KnownVehicle* known(std::uint8_t system, const Done& done);
+  void overhear(const Origin& from, const mav::PacketView& packet, base::RunTime now);
+  static void note(KnownVehicle& vehicle, Intervention intervention);
+  static bool has_stopped_telling(const KnownVehicle& vehicle, base::RunTime now);
   void ask_on_sight(KnownVehicle& vehicle, base::RunTime now);
   void on_status_text(KnownVehicle& vehicle);
   void dispatch(KnownVehicle& vehicle, const mav::PacketView& packet, base::RunTime now);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
+#include "casd/packet/intervention.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/station/services.hpp"
 #include "casd/station/vehicle_state.hpp"
@@ -34,6 +35,7 @@ struct KnownVehicle {
   VehicleState state;
   CommandExchange commands;
   ParamExchange params;
+  Interventions interventions;  ///< of others than casd's own station
   std::uint64_t texts_seen = 0;
   /// What MIS_TAKEOFF_ALT was before a takeoff wrote it.
   std::optional<double> takeoff_height_before;
@@ -42,6 +44,7 @@ struct KnownVehicle {
   std::vector<std::function<void(const Outcome&)>> then;  ///< takeoffs that wait for it
   std::uint64_t arm_requests = 0;  ///< to arm and to disarm: the newest counts
   base::RunTime asked_at{};        ///< when it was last asked for what it may not stream
+  base::RunTime told_at{};         ///< when it last said something else than HEARTBEAT
   base::Duration beat_at{};        ///< its own clock at the newest HEARTBEAT that was sent
   base::RunTime beat_sent{};       ///< the same by this machine's
   bool contested = false;          ///< a rival was told of

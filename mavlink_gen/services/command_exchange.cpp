@@ -55,6 +55,8 @@ std::string seconds_text(Duration d) {
   return text.substr(0, text.find('.') + 2);
 }
 
+std::string effect_words(Duration within) { return " within " + seconds_text(within) + " s"; }
+
 }  // namespace
 
 void CommandExchange::start(const VehicleCommand& command, Time now, Done done, Objection objection,
@@ -141,17 +143,17 @@ void CommandExchange::on_heartbeat(Time now) {
   for (;;) {
     const auto found = std::find_if(active_.begin(), active_.end(), decided);
     if (found == active_.end()) return;
-    end_doubt(found, now);
+    end_doubt(found, now, effect_words(timing_.effect_timeout));
   }
 }
 
 /// The vehicle has said what there is to be heard of an accepted command: in a HEARTBEAT, or in
 /// none until the deadline.
-void CommandExchange::end_doubt(std::list<Request>::iterator request, Time now) {
+void CommandExchange::end_doubt(std::list<Request>::iterator request, Time now,
+                                const std::string& within) {
   // What it showed before the acknowledgement is no answer.
   const std::optional<std::string> instead = request->heard ? request->doubt() : std::nullopt;
   const std::string what = describe(request->command.id) + " was accepted";
-  const std::string within = " within " + seconds_text(timing_.effect_timeout) + " s";
   Outcome outcome;
   outcome.result = MavResult::kAccepted;
   if (instead && request->refused) {
@@ -180,6 +182,38 @@ void CommandExchange::tick(Time now) {
   }
 }
 
+void CommandExchange::wall_tick(Time wall) {
+  for (Request& request : active_) {
+    if (request.accepted && !request.wall_deadline) {
+      request.wall_deadline = wall + timing_.effect_patience;
+    }
+  }
+  const auto is_over = [wall](const Request& r) {
+    return r.wall_deadline && wall >= *r.wall_deadline;
+  };
+  // As in tick().
+  for (;;) {
+    const auto over = std::find_if(active_.begin(), active_.end(), is_over);
+    if (over == active_.end()) return;
+    // What starts next is sent at the vehicle's time, which the request was last given.
+    end_doubt(
+        over, over->deadline - timing_.effect_timeout,
+        effect_words(timing_.effect_patience) + " of real time; the vehicle's time stood still");
+  }
+}
+
+void CommandExchange::on_disarm(const std::string& by, Time now) {
+  const auto arms = [](const Request& r) {
+    return r.command.id == MavCmd::kComponentArmDisarm && r.command.params[0] != 0;
+  };
+  const auto under_way = std::find_if(active_.begin(), active_.end(), arms);
+  if (under_way == active_.end()) return;
+  finish(under_way,
+         failure(OutcomeKind::kRefused,
+                 describe(under_way->command.id) + " was overtaken by a disarm of " + by),
+         now);
+}
+
 void CommandExchange::give_up(const Outcome& outcome) {
   std::vector<Done> ended;
   for (Request& request : active_) ended.push_back(std::move(request.done));
@@ -194,7 +228,7 @@ void CommandExchange::on_deadline(std::list<Request>::iterator request, Time now
   if (request->objected) {
     finish(request, *request->objected, now);
   } else if (request->accepted) {
-    end_doubt(request, now);
+    end_doubt(request, now, effect_words(timing_.effect_timeout));
   } else if (request->refused) {
     Outcome outcome = failure(OutcomeKind::kRefused, what + " was " + describe(*request->refused));
     if (*request->refused == MavResult::kFailed) outcome.message = what + " failed";

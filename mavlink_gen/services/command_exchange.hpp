@@ -28,6 +28,8 @@ struct CommandTiming {
   Duration text_grace = std::chrono::milliseconds(250);
   /// An accepted command must show in the HEARTBEAT within this long, where it has a `Doubt`.
   Duration effect_timeout = std::chrono::seconds(3);
+  /// The same by the wall clock, while the vehicle's time stands still.
+  Duration effect_patience = std::chrono::seconds(10);
 };
 
 /// The command protocol (https://mavlink.io/en/services/command.html) with one vehicle: sends,
@@ -63,6 +65,10 @@ class CommandExchange {
   /// The vehicle has told its state anew.
   void on_heartbeat(Time now);
   void tick(Time now);
+  /// Now and then by the wall clock, where that of `tick` may stand still.
+  void wall_tick(Time wall);
+  /// Somebody else has disarmed the vehicle: a request to arm that is under way is not repeated.
+  void on_disarm(const std::string& by, Time now);
   /// Ends all commands with this outcome.
   void give_up(const Outcome& outcome);
 
@@ -78,13 +84,14 @@ class CommandExchange {
     bool accepted = false;  ///< and in doubt
     bool heard = false;     ///< a HEARTBEAT came after the acknowledgement
     Time deadline{};
+    std::optional<Time> wall_deadline{};  ///< of an accepted one
     std::optional<mavlink::common::MavResult> refused;
     std::vector<std::string> texts;
   };
 
   void transmit(Request& request, Time now);
   void replace(mavlink::common::MavCmd id, Time now);
-  void end_doubt(std::list<Request>::iterator request, Time now);
+  void end_doubt(std::list<Request>::iterator request, Time now, const std::string& within);
   void on_deadline(std::list<Request>::iterator request, Time now);
   void finish(std::list<Request>::iterator request, Outcome outcome, Time now);
   std::list<Request>::iterator find(mavlink::common::MavCmd id);

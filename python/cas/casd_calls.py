@@ -319,6 +319,15 @@ Home = TypedDict("Home", {
     "y_m": float,  # east in N
     "z_m": float,  # down in N
 })
+Intervention = TypedDict("Intervention", {
+    "age_s": float,  # of the newest
+    "by": str,  # system/component
+    "disarms": bool,
+    "link": str,
+    "times": int,
+    "what": str,  # command 400 (disarm)
+})
+Interventions = List[Intervention]
 PositionN = TypedDict("PositionN", {
     "age_s": float,
     "vx_m_s": float,
@@ -348,6 +357,7 @@ VehicleState = TypedDict("VehicleState", {
     "heartbeat_age_s": float,
     "hil": bool,
     "home": NotRequired[Home],
+    "interventions": NotRequired[Interventions],  # what others than casd had it do, oldest first; left out: nothing
     "landed": str,
     "landed_age_s": NotRequired[float],
     "link": str,

@@ -53,6 +53,34 @@ TEST_F(VehicleCommanderTest, BelievesTheHeartbeatAgainstASecondAcknowledgement) 
   EXPECT_TRUE(finish().ok());
 }
 
+// The simulator is paused in lockstep: casd's time stands still.
+TEST_F(VehicleCommanderTest, WaitsForAModeNoLongerThanItsPatienceByTheWallClock) {
+  meet();
+  vehicle_.script.keeps_mode = true;
+  commander_.set_mode(1, "HOLD", now_, done());
+  run_for(50ms);
+  const base::RunTime wall{1h};
+  commander_.wall_tick(wall);
+  commander_.wall_tick(wall + 9s);
+  EXPECT_FALSE(outcome_.has_value());
+  commander_.wall_tick(wall + 10s);
+  ASSERT_TRUE(outcome_.has_value());
+  EXPECT_EQ(outcome_->kind, OutcomeKind::kTimeout);
+  EXPECT_EQ(
+      outcome_->message,
+      "MAV_CMD 176 (set mode) was accepted, and no HEARTBEAT came within 10.0 s of real time; "
+      "the vehicle's time stood still");
+}
+
+TEST_F(VehicleCommanderTest, DoesNotGiveUpByTheWallClockWhatIsNotAccepted) {
+  meet();
+  vehicle_.script.answers = 0;
+  commander_.set_mode(1, "HOLD", now_, done());
+  commander_.wall_tick(base::RunTime{1h});
+  commander_.wall_tick(base::RunTime{2h});
+  EXPECT_FALSE(outcome_.has_value());
+}
+
 TEST_F(VehicleCommanderTest, RefusesAModeThatIsAcceptedAndDoesNotCome) {
   vehicle_.custom_mode = kHold;
   meet();

@@ -389,6 +389,21 @@ TEST(StockArduPilot, IsAskedForTheStreamsThatItDoesNotSendByItself) {
   EXPECT_EQ(asked_for(commander, vehicle, now + seconds(20)), asked) << "it was started anew";
 }
 
+TEST(StockArduPilot, IsAskedAgainThatIsBackBeforeItsHeartbeatWasMissed) {
+  FakeVehicle vehicle;
+  vehicle.autopilot = MavAutopilot::kArdupilotmega;
+  base::RunTime now{seconds(10)};
+  VehicleCommander commander({}, [&](std::span<const std::uint8_t> packet, std::span<const Path>) {
+    vehicle.handle(mav::view_packet(packet), now);
+  });
+  const std::vector<float> asked = asked_for(commander, vehicle, now);
+  now += seconds(5);
+  vehicle.say(Attitude{}, now);
+  EXPECT_EQ(asked_for(commander, vehicle, now), asked) << "it tells nothing any more";
+  now += seconds(5);
+  EXPECT_TRUE(asked_for(commander, vehicle, now).empty()) << "asked once";
+}
+
 TEST_F(Stock, FirmwareInSoftwareIsArmedByConsentOnly) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;  // never says HIL
   beat();

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What others than casd's own station have a vehicle do.
+#include "casd/packet/intervention.hpp"
+
+#include "tests/casd/packets.hpp"
+#include "tests/casd/station/commander_fixture.hpp"
+
+namespace cas::casd {
+namespace {
+
+using namespace mavlink::common;
+using namespace std::chrono_literals;
+
+constexpr mav::Source kStation{255, 190};
+constexpr mav::Source kVehicle{1, 1};
+
+CommandLong command_to_vehicle(MavCmd id, float param1 = 0) {
+  CommandLong command = test::command_to(1, 1);
+  command.command = id;
+  command.param1 = param1;
+  return command;
+}
+
+CommandAck ack_to(mav::Source station, MavCmd command) {
+  CommandAck ack;
+  ack.command = command;
+  ack.target_system = station.system;
+  ack.target_component = station.component;
+  return ack;
+}
+
+class Overheard : public test::VehicleCommanderTest {
+ protected:
+  template <class Message>
+  void hear(const Message& message, mav::Source from = kStation) {
+    const mav::PacketBuffer buffer = test::packet(message, from);
+    commander_.on_packet(test::kLink, test::view(buffer), now_);
+  }
+  /// "command 400 (disarm) !, MANUAL_CONTROL"
+  std::string heard() const {
+    std::string all;
+    for (const Intervention& each : commander_.interventions(1).all()) {
+      all += (all.empty() ? "" : ", ") + each.act.what + (each.act.disarms ? " !" : "");
+    }
+    return all;
+  }
+};
+
+TEST_F(Overheard, CommandsThatDisarmAreToldFromOthers) {
+  meet();
+  hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
+  hear(command_to_vehicle(MavCmd::kComponentArmDisarm, 1));
+  hear(command_to_vehicle(MavCmd::kDoFlighttermination, 1));
+  hear(command_to_vehicle(MavCmd::kNavReturnToLaunch));
+  CommandInt placed;
+  placed.target_system = placed.target_component = 1;
+  placed.command = MavCmd::kNavLand;
+  hear(placed);
+  EXPECT_EQ(heard(),
+            "command 400 (disarm) !, command 400 (arm), command 185 (end the flight) !, "
+            "command 20 (return to launch), command 21 (land)");
+  const Intervention& first = commander_.interventions(1).all().front();
+  EXPECT_EQ(first.by, kStation);
+  EXPECT_EQ(first.link, test::kLink);
+}
+
+TEST_F(Overheard, SticksAndModesCountWithTheirAddressee) {
+  meet();
+  SetMode mode;
+  mode.target_system = 1;
+  hear(mode);
+  ManualControl sticks;
+  sticks.target = 1;
+  hear(sticks);
+  hear(sticks);
+  sticks.target = 2;
+  hear(sticks);
+  EXPECT_EQ(heard(), "SET_MODE, MANUAL_CONTROL");
+  EXPECT_EQ(commander_.interventions(1).all().back().times, 2U);
+}
+
+TEST_F(Overheard, QuestionsAndThoseToOthersDoNotCount) {
+  meet();
+  hear(command_to_vehicle(MavCmd::kRequestMessage));
+  hear(command_to_vehicle(MavCmd::kSetMessageInterval));
+  hear(Heartbeat{});
+  CommandLong of_gimbal = command_to_vehicle(MavCmd::kComponentArmDisarm);
+  of_gimbal.target_component = 154;
+  hear(of_gimbal);
+  hear(command_to_vehicle(MavCmd::kNavLand), kVehicle);
+  EXPECT_EQ(heard(), "");
+  of_gimbal.target_component = 0;
+  hear(of_gimbal);
+  EXPECT_EQ(heard(), "command 400 (disarm) !") << "to all components";
+}
+
+TEST_F(Overheard, AnswersToOthersTellOfCommandsThatWentAnotherWay) {
+  meet();
+  hear(ack_to({254, 190}, MavCmd::kComponentArmDisarm), kVehicle);
+  hear(ack_to(kStation, MavCmd::kRequestMessage), kVehicle);
+  EXPECT_EQ(heard(), "");
+  hear(ack_to(kStation, MavCmd::kComponentArmDisarm), kVehicle);
+  EXPECT_EQ(heard(), "command 400 (arm or disarm), by the vehicle's answer to it");
+  EXPECT_EQ(commander_.interventions(1).all().front().by, kStation);
+}
+
+TEST_F(Overheard, ADisarmIsNotFollowedByCasdsOwnArmingThatIsUnderWay) {
+  meet();
+  vehicle_.script.answers = 0;
+  commander_.arm(1, {}, now_, done());
+  run_for(100ms);
+  const std::size_t sent = vehicle_.commands.size();
+  ASSERT_GT(sent, 0U);
+  hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
+  ASSERT_TRUE(outcome_);
+  EXPECT_EQ(outcome_->kind, OutcomeKind::kRefused);
+  EXPECT_EQ(outcome_->message, "MAV_CMD 400 (arm or disarm) was overtaken by a disarm of 255/190");
+  run_for(5s);
+  EXPECT_EQ(vehicle_.commands.size(), sent) << "it was armed again";
+}
+
+TEST(Interventions, KeepTheDisarmAmongManyOthers) {
+  Interventions all;
+  all.add({.by = kStation, .act = {.what = "disarm", .disarms = true}});
+  for (std::uint8_t i = 0; i < 50; ++i) {
+    all.add({.by = {255, i}, .act = {.what = "MANUAL_CONTROL"}});
+  }
+  EXPECT_EQ(all.all().size(), Interventions::kMost);
+  EXPECT_TRUE(all.all().front().act.disarms);
+}
+
+}  // namespace
+}  // namespace cas::casd
