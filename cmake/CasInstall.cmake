@@ -36,13 +36,14 @@ install(FILES ${PROJECT_BINARY_DIR}/casConfig.cmake ${PROJECT_BINARY_DIR}/casCon
         DESTINATION ${package_dir} COMPONENT dev)
 
 # The MAVLink library is a package of its own, which needs nothing else of the project: find_package(cas_mavlink) gives
-# cas::mavlink_runtime, cas::mavlink, cas::mavlink_parser and cas_mavlink_generate().
+# cas::mavlink_runtime, cas::mavlink, cas::mavlink_services, cas::mavlink_json, cas::mavlink_parser and cas_mavlink_generate().
 set(mavlink_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cas_mavlink)
-install(TARGETS cas_mavlink_runtime cas_mavlink cas_mavlink_parser mavlink_gen EXPORT cas-mavlink-targets
+install(TARGETS cas_mavlink_runtime cas_mavlink cas_mavlink_parser cas_mavlink_services cas_mavlink_json mavlink_gen EXPORT cas-mavlink-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT mavlink
         RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT mavlink
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/mavlink_gen/runtime ${PROJECT_SOURCE_DIR}/mavlink_gen/parser
+                  ${PROJECT_SOURCE_DIR}/mavlink_gen/services ${PROJECT_SOURCE_DIR}/mavlink_gen/json
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas/mavlink_gen COMPONENT mavlink FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY ${CAS_MAVLINK_INCLUDE_DIR}/mavlink DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas COMPONENT mavlink)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/mavlink_gen/dialects/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/mavlink

@@ -90,11 +90,12 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION "headers and CMake package of CAS
 What it takes to build a plugin for the simulator outside of its tree.")
 
 set(CPACK_DEBIAN_MAVLINK_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_MAVLINK_PACKAGE_SUGGESTS "g++, cmake, libexpat1-dev")
+set(CPACK_DEBIAN_MAVLINK_PACKAGE_SUGGESTS "g++, cmake, libexpat1-dev, nlohmann-json3-dev")
 set(CPACK_COMPONENT_MAVLINK_DESCRIPTION "MAVLink for C++20: generator of codecs, runtime, parser
 mavlink_gen turns dialects into headers that need the standard library alone;
-with them come a receiver, signing, a dialect that is generated already, and
-a library that reads dialects while a program runs (with libexpat1-dev).")
+with them come a receiver, signing, a dialect that is generated already,
+services (commands, parameters, missions, vehicle state, logs) and libraries
+that read dialects while a program runs (with libexpat1-dev).")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)

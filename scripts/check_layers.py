@@ -170,8 +170,8 @@ LIGHT = ("nlohmann/json_fwd.hpp",)
 JSON_HEADERS = ("casd/casctl/", "casd/port/call_json.hpp")
 
 SUFFIXES = {".hpp", ".cpp", ".h", ".cc"}
-# example_plugin stands for a stranger's source tree.
-SKIPPED = {"build", "out", "node_modules", "__pycache__", "example_plugin"}
+# example_plugin and examples stand for a stranger's source tree.
+SKIPPED = {"build", "out", "node_modules", "__pycache__", "example_plugin", "examples"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 

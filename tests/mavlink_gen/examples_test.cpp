@@ -4,15 +4,20 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/tlog.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -32,15 +37,18 @@ class Recording {
   /// Likewise, as a record of a telemetry log.
   template <class Message>
   void add_at(std::uint64_t time_us, const Message& message) {
-    for (int shift = 56; shift >= 0; shift -= 8) {
-      text_ += static_cast<char>(time_us >> static_cast<unsigned>(shift) & 0xFFU);
-    }
-    add(message);
+    std::vector<std::uint8_t> record;
+    services::append_tlog_record(time_us, encode_packet_(message), record);
+    text_.append(record.begin(), record.end());
   }
   /// What an example program prints of it.
-  std::string printed_by(const std::string& program) const {
+  std::string printed_by(const std::string& program, int exit_code = 0) const {
+    return printed_by(program, text_, exit_code);
+  }
+  static std::string printed_by(const std::string& program, const std::string& input,
+                                int exit_code = 0) {
     const cas::test::TemporaryFolder folder;
-    const std::filesystem::path file = folder.write("stream", text_);
+    const std::filesystem::path file = folder.write("input", input);
     FILE* out = ::popen(
         (cas::test::binary_dir() + "/tests/" + program + " < " + file.string()).c_str(), "r");
     if (out == nullptr) return "the program did not start";
@@ -49,7 +57,7 @@ class Recording {
     while (const std::size_t size = std::fread(part.data(), 1, part.size(), out)) {
       lines.append(part.data(), size);
     }
-    EXPECT_EQ(::pclose(out), 0);
+    EXPECT_EQ(WEXITSTATUS(::pclose(out)), exit_code);
     return lines;
   }
 
@@ -115,6 +123,69 @@ TEST(Examples, HelloSendsAHeartbeat) {
   const auto heartbeat = decode<common::Heartbeat>(packet);
   ASSERT_TRUE(heartbeat);
   EXPECT_EQ(heartbeat->type, common::MavType::kQuadrotor);
+}
+
+TEST(Examples, SigningSignsAndTellsWhichPacketsAre) {
+  Recording recording;
+  recording.add(common::Heartbeat{});
+  recording.add(common::Attitude{.roll = 0.5F});
+  std::string signed_stream = recording.printed_by("mavlink_signing sign 'a phrase'");
+  EXPECT_EQ(Recording::printed_by("mavlink_signing check 'a phrase'", signed_stream),
+            "1/1 HEARTBEAT accepted\n1/1 ATTITUDE accepted\n");
+  EXPECT_EQ(Recording::printed_by("mavlink_signing check 'another'", signed_stream, 1),
+            "1/1 HEARTBEAT not signed with this key\n1/1 ATTITUDE not signed with this key\n");
+  EXPECT_EQ(recording.printed_by("mavlink_signing check 'a phrase'", 1),
+            "1/1 HEARTBEAT not signed\n1/1 ATTITUDE not signed\n");
+  signed_stream += signed_stream;
+  EXPECT_EQ(Recording::printed_by("mavlink_signing check 'a phrase'", signed_stream, 1),
+            "1/1 HEARTBEAT accepted\n1/1 ATTITUDE accepted\n"
+            "1/1 HEARTBEAT replayed\n1/1 ATTITUDE replayed\n");
+}
+
+TEST(Examples, OwnDialectSendsAndPrintsItsMessage) {
+  const std::string stream = Recording().printed_by("mavlink_own_dialect 21.5");
+  EXPECT_EQ(Recording::printed_by("mavlink_own_dialect", stream),
+            "1/158 LAB_TEMPERATURE 21.50 degC\n");
+}
+
+/// The program fcu_emulator on a pseudo-terminal.
+class OnALine : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(emulator_.wait_ready()) << emulator_.output(); }
+
+  cas::test::TemporaryFolder folder_;
+  std::string line_ = (folder_ / "fcu0").string();
+  cas::test::ChildProcess emulator_{
+      {cas::test::binary_dir() + "/bin/fcu_emulator",
+       folder_
+           .write("fcu.yaml", "schema: 1\nvehicle: " + cas::test::source_dir() +
+                                  "/config/vehicles/iris_paper.yaml\n")
+           .string(),
+       "--link", line_}};
+};
+
+TEST_F(OnALine, ParamBackupPrintsAllThereAre) {
+  const std::string printed = Recording().printed_by("mavlink_param_backup " + line_);
+  EXPECT_NE(printed.find("\nMC_ROLL_P  "), std::string::npos) << printed;
+  EXPECT_NE(printed.find("\nSYS_AUTOSTART  "), std::string::npos) << printed;
+  EXPECT_GT(std::ranges::count(printed, '\n'), 50);
+}
+
+TEST_F(OnALine, MissionUploadPrintsWhatTheVehicleHas) {
+  const std::string wanted =
+      "0: 47.3977420 8.5455940 10.0\n1: 47.3978420 8.5455940 12.5\n"
+      "2: 47.3977420 8.5456940 10.0\n";
+  EXPECT_EQ(Recording::printed_by("mavlink_mission_upload " + line_,
+                                  "47.3977420 8.5455940 10\n47.3978420 8.5455940 12.5\n"
+                                  "47.3977420 8.5456940 10\n"),
+            wanted);
+}
+
+TEST_F(OnALine, MissionUploadSaysWhatTheVehicleDoesNotTake) {
+  std::string too_many;
+  for (int i = 0; i < 501; ++i) too_many += "47.3977420 8.5455940 10\n";
+  EXPECT_EQ(Recording::printed_by("mavlink_mission_upload " + line_ + " 2>&1", too_many, 1),
+            "the vehicle asked for 0 of 501 items: no space\n");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "mavlink/common/all.hpp"
-#include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/services/tlog.hpp"
 
 namespace {
 
@@ -85,24 +85,13 @@ int main(int argc, char** argv) {
   }
   const std::vector<char> log(std::istreambuf_iterator<char>(std::cin), {});
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(log.data()), log.size());
-  PacketParser parser(mavlink::common::table());
+  services::TlogSplitter splitter;
+  splitter.feed(bytes);
   Rows rows{.name = argv[1]};
-  constexpr std::size_t kStampBytes = 8;  // microseconds since 1970, high byte first
-  for (std::size_t at = 0; at + kStampBytes + kHeaderBytesV1 < bytes.size();) {
-    std::uint64_t stamp = 0;
-    for (const auto byte : bytes.subspan(at, kStampBytes)) stamp = stamp << 8U | byte;
-    const auto rest = bytes.subspan(at + kStampBytes);
-    const bool v1 = rest[0] == kStartV1;
-    const bool is_signed = !v1 && (rest[2] & kIncompatSigned) != 0;
-    const std::size_t size = (v1 ? kHeaderBytesV1 : kHeaderBytesV2) + rest[1] + kChecksumBytes +
-                             (is_signed ? kSignatureBytes : 0);
-    if (size > rest.size()) break;  // the log was cut off
-    rows.time_s = static_cast<double>(stamp) * 1e-6;
-    parser.feed(rest.first(size), [&rows](const PacketView& packet) {
-      rows.from = packet.source;
-      mavlink::common::dispatch(packet, rows);
-    });
-    parser.reset();  // a packet never goes on in the next record
-    at += kStampBytes + size;
-  }
+  services::for_each_tlog_packet([&] { return splitter.next(true); }, mavlink::common::table(),
+                                 [&rows](std::uint64_t unix_us, const PacketView& packet) {
+                                   rows.time_s = static_cast<double>(unix_us) * 1e-6;
+                                   rows.from = packet.source;
+                                   mavlink::common::dispatch(packet, rows);
+                                 });
 }

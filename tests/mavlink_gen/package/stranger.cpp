@@ -3,9 +3,11 @@
 // does.
 #include "mavlink/common/all.hpp"
 #include "mavlink/lab/all.hpp"
+#include "mavlink_gen/json/message_codec.hpp"
 #include "mavlink_gen/parser/dialect_loader.hpp"
 #include "mavlink_gen/parser/dialect_table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/services/command_exchange.hpp"
 
 int main(int, char** argv) {
   using namespace cas::mav;
@@ -21,5 +23,10 @@ int main(int, char** argv) {
                 const auto message = decode<mavlink::lab::LabTemperature>(packet);
                 same = message && message->temperature_degc() == 21.5;
               });
-  return same && mavlink::common::Heartbeat::kId == 0 ? 0 : 1;
+  services::MessageCodec codec;
+  codec.add(*dialect);
+  int sent = 0;
+  services::CommandExchange commands([&](const auto&) { ++sent; });
+  commands.start(services::arm_command(true, false), {}, [](const auto&) {});
+  return same && codec.name(50000) == "LAB_TEMPERATURE" && sent == 1 ? 0 : 1;
 }
