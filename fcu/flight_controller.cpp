@@ -15,6 +15,7 @@
 namespace cas::fcu {
 
 using base::RunTime;
+using mavlink::common::BatteryStatus;
 using mavlink::common::HilGps;
 using mavlink::common::HilSensor;
 using mavlink::common::table;
@@ -25,6 +26,7 @@ struct FlightController::Impl {
   // The loop of [HILS] Fig. 8.
   void on_sensor(const HilSensor& m, RunTime now);
   void on_gps(const HilGps& m, RunTime now);
+  void on_battery(const BatteryStatus& m, mav::Source from);
   void begin_new_run();
   void control(std::uint64_t time_usec, RunTime now);
   double time_step(std::uint64_t time_usec);
@@ -77,10 +79,18 @@ void FlightController::Impl::on_gps(const HilGps& m, RunTime now) {
   sensors.on_gps(m, now);
 }
 
+/// The vehicle's own battery is told by another component of its system, as with PX4.
+void FlightController::Impl::on_battery(const BatteryStatus& m, mav::Source from) {
+  const FcuConfig& own = core.config;
+  if (from.system != own.system_id || from.component == own.component_id) return;
+  if (const auto reading = battery_reading(m)) core.battery.measure(*reading);
+}
+
 /// A new simulation: the estimate begins anew and the rotors stop.
 void FlightController::Impl::begin_new_run() {
   core.texts.warn("Sensor time went back: estimator restarted");
   core.commander.disarm(true);
+  core.battery.forget_measured();
   core.restart_estimate();
 }
 
@@ -210,6 +220,8 @@ void FlightController::Impl::on_packet(const mav::PacketView& packet, RunTime no
     if (const auto m = mav::decode<HilSensor>(packet)) on_sensor(*m, now);
   } else if (packet.message_id == HilGps::kId) {
     if (const auto m = mav::decode<HilGps>(packet)) on_gps(*m, now);
+  } else if (packet.message_id == BatteryStatus::kId) {
+    if (const auto m = mav::decode<BatteryStatus>(packet)) on_battery(*m, packet.source);
   } else {
     ground.on_packet(packet, now);
   }

@@ -48,10 +48,19 @@ struct VibrationMeter {
   }
 };
 
-/// The battery that a HIL controller makes up, as PX4's does: full at start, falling linearly while
-/// armed, never below a floor.
+/// The battery that the controller flies by: what a BATTERY_STATUS of its simulator says. Until one
+/// comes it makes one up, as PX4 does in HIL: full at start, falling linearly while armed, never
+/// below a floor.
 class Battery {
  public:
+  /// What a power module measures.
+  struct Reading {
+    double voltage_v = 0;
+    int cells = 1;            ///< that the voltage is told of; 1: the pack as a whole
+    double current_a = 0;     ///< negative: unknown
+    double remaining = 0;     ///< 0..1 of full
+    double consumed_mah = 0;  ///< negative: unknown
+  };
   struct Params {
     double drain_s = 900;  ///< from full to empty while armed
     double floor = 0.5;    ///< 0..1, where it stops
@@ -61,21 +70,29 @@ class Battery {
   void set_params(const Params& params) { params_ = params; }
   /// @param dt  s since the last call
   void update(bool armed, double dt) {
-    if (!armed) return;
+    if (!armed || measured_) return;
     if (remaining_ > params_.floor) {
       remaining_ = std::max(params_.floor, remaining_ - dt / params_.drain_s);
     }
     consumed_mah_ += kCurrent_a * dt / 3.6;
   }
 
-  int cells() const { return params_.cells; }
-  /// 0..1 of full
-  double remaining() const { return remaining_; }
-  double voltage_v() const {
-    return params_.cells * (kEmptyCell_v + (kFullCell_v - kEmptyCell_v) * remaining_);
+  /// From now on this one counts.
+  void measure(const Reading& reading) { measured_ = reading; }
+  /// Back to the one that is made up: another simulation may measure none.
+  void forget_measured() { measured_.reset(); }
+
+  Reading reading(bool armed) const {
+    if (measured_) return *measured_;
+    const double cell_v = kEmptyCell_v + (kFullCell_v - kEmptyCell_v) * remaining_;
+    return {.voltage_v = params_.cells * cell_v,
+            .cells = params_.cells,
+            .current_a = armed ? kCurrent_a : 0.2,
+            .remaining = remaining_,
+            .consumed_mah = consumed_mah_};
   }
-  double current_a(bool armed) const { return armed ? kCurrent_a : 0.2; }
-  double consumed_mah() const { return consumed_mah_; }
+  /// 0..1 of full
+  double remaining() const { return measured_ ? measured_->remaining : remaining_; }
 
  private:
   static constexpr double kFullCell_v = 4.05;  // PX4's BAT1_V_CHARGED
@@ -84,6 +101,7 @@ class Battery {
   Params params_;
   double remaining_ = 1;
   double consumed_mah_ = 0;
+  std::optional<Reading> measured_;
 };
 
 /// The newest of each sensor, and how it does.

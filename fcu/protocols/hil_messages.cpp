@@ -117,6 +117,24 @@ void SensorInput::on_gps(const HilGps& m, RunTime now) {
   to_.estimator.on_gps(fix);
 }
 
+// BATTERY_STATUS in.
+
+std::optional<Battery::Reading> battery_reading(const BatteryStatus& m) {
+  if (m.id != 0 || !m.voltages_known() || m.battery_remaining < 0) return std::nullopt;
+  constexpr std::uint16_t kNoCell = 0xFFFF;
+  Battery::Reading reading{.voltage_v = 0,
+                           .cells = 0,
+                           .current_a = m.current_battery * 0.01,
+                           .remaining = m.battery_remaining * 0.01,
+                           .consumed_mah = static_cast<double>(m.current_consumed)};
+  for (const std::uint16_t cell_mv : m.voltages) {
+    if (cell_mv == kNoCell) break;
+    reading.voltage_v += cell_mv * 0.001;
+    ++reading.cells;
+  }
+  return reading;
+}
+
 // HIL_CONTROLS or HIL_ACTUATOR_CONTROLS out.
 
 namespace {

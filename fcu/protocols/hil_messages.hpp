@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "base/measure/histogram.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
 #include "fcu/core/fcu_core.hpp"
+#include "mavlink/common/battery_status.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::fcu {
@@ -60,6 +62,10 @@ class SensorInput {
   std::uint64_t missed_controls_ = 0;
   base::Histogram age_;
 };
+
+/// What BATTERY_STATUS says of battery 0; nothing for another battery, and without a voltage or the
+/// charge that is left.
+std::optional<Battery::Reading> battery_reading(const mavlink::common::BatteryStatus& m);
 
 /// An answer to the simulator.
 struct Answer {

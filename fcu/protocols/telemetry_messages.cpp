@@ -176,6 +176,11 @@ void send_heartbeat(const Report& r) {
   r.send(m);
 }
 
+/// The highest value of the field stands for unknown.
+std::uint16_t millivolts(double voltage_v) {
+  return static_cast<std::uint16_t>(std::clamp(1000 * voltage_v, 0.0, 65534.0));
+}
+
 void send_sys_status(const Report& r) {
   using S = MavSysStatusSensor;
   SysStatus m;
@@ -200,9 +205,10 @@ void send_sys_status(const Report& r) {
   if (ready_to_arm(r.core, r.now)) health |= S::kPrearmCheck;
   m.onboard_control_sensors_health = health;
   m.load = 0;  // not measured
-  m.voltage_battery = static_cast<std::uint16_t>(1000 * r.core.battery.voltage_v());
-  m.current_battery = centi(r.core.battery.current_a(r.core.commander.armed()));
-  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * r.core.battery.remaining()));
+  const Battery::Reading battery = r.core.battery.reading(r.core.commander.armed());
+  m.voltage_battery = millivolts(battery.voltage_v);
+  m.current_battery = centi(battery.current_a);
+  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * battery.remaining));
   r.send(m);
 }
 
@@ -228,21 +234,20 @@ void send_extended_sys_state(const Report& r) {
 
 void send_battery_status(const Report& r) {
   constexpr std::uint16_t kNoCell = 0xFFFF;
-  const int cells = r.core.battery.cells();
+  const Battery::Reading battery = r.core.battery.reading(r.core.commander.armed());
   BatteryStatus m;
   m.battery_function = MavBatteryFunction::kAll;
   m.type = MavBatteryType::kLipo;
   m.temperature = 0x7FFF;
   m.voltages.fill(kNoCell);
-  for (int i = 0; i < std::min(cells, 10); ++i) {
-    m.voltages[static_cast<std::size_t>(i)] =
-        static_cast<std::uint16_t>(1000 * r.core.battery.voltage_v() / cells);
+  for (int i = 0; i < std::min(battery.cells, 10); ++i) {
+    m.voltages[static_cast<std::size_t>(i)] = millivolts(battery.voltage_v / battery.cells);
   }
-  m.current_battery = centi(r.core.battery.current_a(r.core.commander.armed()));
-  m.current_consumed = static_cast<std::int32_t>(r.core.battery.consumed_mah());
+  m.current_battery = centi(battery.current_a);
+  m.current_consumed = static_cast<std::int32_t>(battery.consumed_mah);
   m.energy_consumed = -1;
-  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * r.core.battery.remaining()));
-  const double left = r.core.battery.remaining();
+  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * battery.remaining));
+  const double left = battery.remaining;
   m.charge_state = left < r.core.flight.battery_emergency  ? MavBatteryChargeState::kEmergency
                    : left < r.core.flight.battery_critical ? MavBatteryChargeState::kCritical
                    : left < r.core.flight.battery_low      ? MavBatteryChargeState::kLow

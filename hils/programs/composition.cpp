@@ -166,11 +166,12 @@ void add_routes(const VehiclePlaces& places, bool ground, const std::vector<std:
 /// architecture.
 YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
   const bool ground = places.ground_station_port != 0;
-  const std::vector<std::string> declared = declared_messages(request.scenario);
   YAML::Node routes;
-  for (const VehiclePlaces& vehicle : places.vehicles) {
-    request.architecture == Architecture::kTs ? add_routes_without_filter(vehicle, ground, routes)
-                                              : add_routes(vehicle, ground, declared, routes);
+  for (std::size_t i = 0; i < places.vehicles.size(); ++i) {
+    const VehiclePlaces& vehicle = places.vehicles[i];
+    request.architecture == Architecture::kTs
+        ? add_routes_without_filter(vehicle, ground, routes)
+        : add_routes(vehicle, ground, declared_messages(request.scenario, i), routes);
     if (request.station) add_ground_routes(vehicle, station_link(places), routes);
   }
   return routes;

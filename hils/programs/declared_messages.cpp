@@ -9,8 +9,10 @@
 
 namespace cas::hils {
 
-std::vector<std::string> declared_messages(const Scenario& scenario) {
+std::vector<std::string> declared_messages(const Scenario& scenario, std::size_t vehicle) {
   std::vector<std::string> names;
+  const auto file = base::ConfigNode::load(scenario.vehicles.at(vehicle).vehicle);
+  if (file.has("battery")) names.emplace_back("BATTERY_STATUS");
   sim::PluginLoader loader({});
   for (const base::ConfigNode& further : scenario.plugins) {
     const base::ConfigNode key = further.at("plugin");

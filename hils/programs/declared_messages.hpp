@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -8,10 +9,12 @@
 
 namespace cas::hils {
 
-/// Names of the MAVLink messages that a scenario's further plugins declare (CAS_PLUGIN_SENDS), each
-/// once, in the order of the plugins. Opens their libraries, where the simulator will find them.
+/// Names of the MAVLink messages that a vehicle's simulator sends beside those of every run, each
+/// once: BATTERY_STATUS where its file has a battery, then what the scenario's further plugins
+/// declare (CAS_PLUGIN_SENDS), in their order. Opens their libraries, where the simulator will find
+/// them.
 /// @throws base::ConfigError with file and line, for a plugin that is not there or that declares
 /// what it may not send
-std::vector<std::string> declared_messages(const Scenario& scenario);
+std::vector<std::string> declared_messages(const Scenario& scenario, std::size_t vehicle);
 
 }  // namespace cas::hils

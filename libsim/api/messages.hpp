@@ -103,6 +103,17 @@ struct RangeSample {
   Eigen::Vector3d direction_B{0, 0, -1};  ///< of the beam, unit
 };
 
+/// A battery as a power module measures it.
+struct BatterySample {
+  static constexpr std::string_view kTypeName = "cas.BatterySample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  double voltage_v = 0;  ///< at its terminals
+  double current_a = 0;
+  double used_ah = 0;  ///< since it was full
+  double charge = 1;   ///< 1 full, 0 empty
+};
+
 /// Asks the wind for a 1-cosine gust from now on.
 struct GustCommand {
   static constexpr std::string_view kTypeName = "cas.GustCommand";

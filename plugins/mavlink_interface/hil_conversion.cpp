@@ -173,6 +173,26 @@ mv::DistanceSensor to_distance_sensor(const RangeSample& sample) {
   return packet;
 }
 
+mv::BatteryStatus to_battery_status(const BatterySample& sample) {
+  constexpr std::uint16_t kNoCell = 0xFFFF;
+  constexpr double kMostOfField = kNoCell - 1;  // mV; what is above goes on in the next field
+  mv::BatteryStatus packet;
+  packet.battery_function = mv::MavBatteryFunction::kAll;
+  packet.temperature = std::numeric_limits<std::int16_t>::max();  // unknown
+  packet.voltages.fill(kNoCell);
+  double left_mv = sample.voltage_v * 1000.0;
+  for (std::uint16_t& field : packet.voltages) {
+    field = to_wire<std::uint16_t>(std::min(left_mv, kMostOfField));
+    left_mv -= kMostOfField;
+    if (!(left_mv > 0)) break;
+  }
+  packet.set_current_battery_a(sample.current_a);
+  packet.set_current_consumed_ah(sample.used_ah);
+  packet.energy_consumed = -1;  // unknown
+  packet.battery_remaining = to_wire<std::int8_t>(sample.charge * 100.0);
+  return packet;
+}
+
 mv::Heartbeat simulator_heartbeat() {
   mv::Heartbeat packet;
   packet.type = mv::MavType::kGeneric;

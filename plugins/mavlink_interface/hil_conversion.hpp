@@ -5,6 +5,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "libsim/api/messages.hpp"
+#include "mavlink/common/battery_status.hpp"
 #include "mavlink/common/distance_sensor.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
@@ -42,6 +43,9 @@ mavlink::common::HilGps to_hil_gps(const GpsSample& sample);
 
 /// Centimetres; a reading without a surface, or one that is not a number, says so by its quality.
 mavlink::common::DistanceSensor to_distance_sensor(const RangeSample& sample);
+
+/// Battery 0, with its whole voltage instead of those of its cells: mV, cA, mAh, per cent.
+mavlink::common::BatteryStatus to_battery_status(const BatterySample& sample);
 
 /// The simulator's own HEARTBEAT: a generic system without autopilot.
 mavlink::common::Heartbeat simulator_heartbeat();

@@ -82,6 +82,8 @@ void HilInterface::flush(base::SimTime now) {
   send_heartbeat(now);
   // Slow sensors first, so that the answer to HIL_SENSOR knows them.
   send_messages();
+  if (battery_) send(to_battery_status(*battery_));
+  battery_.reset();
   if (range_) send(to_distance_sensor(*range_));
   range_.reset();
   if (gps_) send_gps();

@@ -80,11 +80,12 @@ class HilInterface {
   void on_barometer(const BarometerSample& sample) { barometer_ = sample; }
   void on_airspeed(const AirspeedSample& sample) { airspeed_ = sample; }
   void on_range(const RangeSample& sample) { range_ = sample; }
+  void on_battery(const BatterySample& sample) { battery_ = sample; }
   /// A message of a plugin, for the next flush(). @return false when too many wait already
   bool on_message(const mav::MessageInfo& info, const MavlinkMessage& message);
 
-  /// Sends what is new: HEARTBEAT when due, messages of plugins, DISTANCE_SENSOR, HIL_GPS,
-  /// HIL_SENSOR (with each IMU sample).
+  /// Sends what is new: HEARTBEAT when due, messages of plugins, BATTERY_STATUS, DISTANCE_SENSOR,
+  /// HIL_GPS, HIL_SENSOR (with each IMU sample).
   void flush(base::SimTime now);
 
   /// Reads what the port has.
@@ -146,6 +147,7 @@ class HilInterface {
   std::optional<BarometerSample> barometer_;
   std::optional<AirspeedSample> airspeed_;
   std::optional<RangeSample> range_;
+  std::optional<BatterySample> battery_;
   std::vector<Waiting> waiting_;
   mavlink::common::HilSensor sensor_;  // keeps the last value of what is not new
 

@@ -163,6 +163,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     listen<BarometerSample>(context, "barometer", &HilInterface::on_barometer, barometer_);
     listen<AirspeedSample>(context, "airspeed", &HilInterface::on_airspeed, airspeed_);
     listen<RangeSample>(context, "rangefinder", &HilInterface::on_range, range_);
+    listen<BatterySample>(context, "battery", &HilInterface::on_battery, battery_);
   }
 
   void listen_to_plugins(PluginContext& context) {
@@ -193,6 +194,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   Subscription barometer_;
   Subscription airspeed_;
   Subscription range_;
+  Subscription battery_;
   Publisher<MotorCommand> command_;
   base::SimTime now_{};
   PluginMessages messages_;

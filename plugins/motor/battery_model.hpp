@@ -22,6 +22,7 @@ class BatteryModel {
   double voltage_v() const { return voltage_v_; }
   double current_a() const { return current_a_; }
   double charge() const { return charge_; }  ///< 1 full, 0 empty
+  double used_ah() const { return (1 - charge_) * params_.capacity_ah; }
   /// Speed that a rotor reaches over the speed it would reach on a full battery at rest.
   double speed_share() const { return voltage_v_ / params_.full_v; }
 

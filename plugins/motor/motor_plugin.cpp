@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/os/log.hpp"
+#include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/motor/battery_model.hpp"
@@ -20,9 +21,12 @@ namespace {
 
 /// Slower, a rotor that was switched off stands: its speed fades and is never quite 0.
 constexpr double kTurning_rad_s = 1.0;
+/// Samples of the battery: often enough for a failsafe, and little on a serial line.
+constexpr double kBattery_hz = 2.0;
 
 /// The vehicle's forces of propulsion and air: drives the rotors from topic `motor_command`;
-/// publishes their speeds on `rotor_speeds`. Topic `propulsion_health` takes away what is broken.
+/// publishes their speeds on `rotor_speeds`, and its battery on `battery` where it has one. Topic
+/// `propulsion_health` takes away what is broken.
 class MotorPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode&) override {
@@ -35,7 +39,10 @@ class MotorPlugin final : public Plugin {
     mixer_ = MotorMixer(vehicle);
     esc_ = EscDelay(vehicle, context.step());
     rotors_ = std::make_unique<RotorModel>(vehicle);
-    if (vehicle.battery) full_battery_.emplace(*vehicle.battery, torque_coefficients(vehicle));
+    if (vehicle.battery) {
+      full_battery_.emplace(*vehicle.battery, torque_coefficients(vehicle));
+      measured_ = context.bus().advertise<BatterySample>(context.topic("battery"));
+    }
     battery_ = full_battery_;
     context.add_force_model(*rotors_);
     if (vehicle.body_drag_linear_n_s_m > 0) {
@@ -66,13 +73,14 @@ class MotorPlugin final : public Plugin {
     look_for_strikes(step, world, states);
     now_ = step.time;
     if (esc_.is_used()) asked_ = esc_.held(now_);
-    if (battery_) battery_->advance(omega, base::to_seconds(step.dt));
+    if (battery_) advance_battery(step, omega);
     if (battery_ || esc_.is_used()) drive();
   }
 
   void reset() override {
     battery_ = full_battery_;
     health_ = {};
+    battery_due_.reset();
     asked_.setZero();
     esc_.clear();
     now_ = {};
@@ -102,6 +110,17 @@ class MotorPlugin final : public Plugin {
 
   /// A turning rotor whose disc touches the world or another vehicle stops, and stays so.
   void look_for_strikes(const StepInfo& step, const World& world, std::span<const double> states) {
+  /// What a fault takes from the voltage is missing in what is measured, too.
+  void advance_battery(const StepInfo& step, const base::RotorVector& omega) {
+    battery_->advance(omega, base::to_seconds(step.dt));
+    if (!battery_due_.due(step.time)) return;
+    measured_.publish({.time = step.time,
+                       .voltage_v = health_.voltage_share * battery_->voltage_v(),
+                       .current_a = battery_->current_a(),
+                       .used_ah = battery_->used_ah(),
+                       .charge = battery_->charge()});
+  }
+
     std::size_t servo = discs_.size();  // its state
     for (std::size_t i = 0; i < discs_.size(); ++i) {
       const base::Rotor& disc = discs_[i];
@@ -172,8 +191,10 @@ class MotorPlugin final : public Plugin {
   Subscription command_;
   Subscription health_topic_;
 };
+  base::RateGate battery_due_{kBattery_hz};
 
 }  // namespace
 }  // namespace cas::sim
 
+  Publisher<BatterySample> measured_;
 CAS_PLUGIN(cas::sim::MotorPlugin, "motor")

@@ -40,7 +40,9 @@ void start(std::optional<ChildProcess>& program, const std::vector<std::string>&
 }  // namespace
 
 LockstepFixture::LockstepFixture(std::uint64_t seed, const std::string& vehicle) {
-  const std::string vehicle_file = kConfig + "vehicles/" + vehicle + ".yaml\n";
+  const bool is_file = std::filesystem::path(vehicle).has_parent_path();
+  const std::string vehicle_file =
+      (is_file ? vehicle : kConfig + "vehicles/" + vehicle + ".yaml") + "\n";
   const auto ports = hils::free_udp_ports(2);
   const auto path = [this](const char* name) { return (folder_ / name).string(); };
   const std::string fcu =

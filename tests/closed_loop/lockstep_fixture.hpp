@@ -17,7 +17,7 @@ namespace cas::test {
 /// them. Simulated time stands still between two calls of run_until().
 class LockstepFixture {
  public:
-  /// @param vehicle  a shipped one
+  /// @param vehicle  a shipped one, or the path of a vehicle file
   explicit LockstepFixture(std::uint64_t seed, const std::string& vehicle = "iris_paper");
 
   /// Runs to a simulated time. @return sim.status there

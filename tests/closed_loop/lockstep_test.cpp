@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/closed_loop/lockstep_fixture.hpp"
+#include "tests/support/battery_vehicle.hpp"
 
 namespace cas::test {
 namespace {
@@ -71,6 +72,45 @@ TEST(Lockstep, AHexarotorsSixthOutputReachesItsRotor) {
   const double omega_6 = std::stod(rest.substr(rest.rfind(',') + 1));
   constexpr double kIdle_rad_s = 100;
   EXPECT_GT(omega_6, 3 * kIdle_rad_s) << "of 551 in hover";
+}
+
+/// Hover takes some 47 A of it: empty after half a minute.
+TEST(Lockstep, ABatteryThatEmptiesInTheSimulatorBringsTheControllersFailsafe) {
+  const TemporaryFolder folder;
+  LockstepFixture bench(1, write_with_battery(folder,
+                                              "{full_v: 16, empty_v: 15, capacity_ah: 0.4, "
+                                              "resistance_ohm: 0.005, efficiency: 1}"));
+  bench.run_until(0.01);
+  ASSERT_TRUE(bench.wait_heard()) << bench.outputs();
+  const auto battery = [&] {
+    return bench.command("vehicle.telemetry", base::rpc::Json::object()).at("battery");
+  };
+  const auto state = [&] { return bench.command("vehicle.state", base::rpc::Json::object()); };
+
+  const double armed_s = arm(bench);
+  const auto full = battery();
+  EXPECT_NEAR(full.at("voltage_v").get<double>(), 16, 0.05) << full;
+  EXPECT_EQ(full.at("remaining_percent"), 100) << full;
+  bench.run_until(armed_s + 0.5);
+  bench.command("vehicle.takeoff", {{"altitude_m", 2}});
+  bench.run_until(armed_s + 6);
+  const auto used = battery();
+  EXPECT_LT(used.at("voltage_v").get<double>(), 15.8) << used;
+  EXPECT_GT(used.at("current_a").get<double>(), 30) << used;
+  EXPECT_LT(used.at("remaining_percent").get<double>(), 90) << used;
+  EXPECT_NE(state().at("mode"), "LAND") << state();
+
+  double left = 100;
+  for (double time_s = armed_s + 6.5; left >= 4 && time_s < armed_s + 40; time_s += 0.5) {
+    bench.run_until(time_s);
+    left = battery().at("remaining_percent").get<double>();
+  }
+  EXPECT_LT(left, 4);
+  const auto end = state();
+  EXPECT_EQ(end.at("mode"), "LAND") << end;
+  EXPECT_NE(end.dump().find("Low battery"), std::string::npos) << end;
+  EXPECT_NE(end.dump().find("Battery failsafe: landing"), std::string::npos) << end;
+  EXPECT_TRUE(bench.stop()) << bench.outputs();
 }
 
 std::string sensors_at_rest(std::uint64_t seed) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/config/config.hpp"
+#include "tests/support/battery_vehicle.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -31,7 +32,7 @@ class PluginOutput : public testing::Test {
         folder_
             .write("own.yaml",
                    "schema: 1\nname: own\ndescription: With plugins of its own\nvehicle: " +
-                       source_dir() + "/config/vehicles/iris_paper.yaml\n" + R"(
+                       vehicle_ + R"(
 home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
 decimal_year: 2026.5
 seed: 1
@@ -74,6 +75,7 @@ plugins:
   }
 
   TemporaryFolder folder_;
+  std::string vehicle_ = source_dir() + "/config/vehicles/iris_paper.yaml";
   std::string output_;
 };
 
@@ -110,6 +112,17 @@ TEST_F(PluginOutput, LeavesTheRoutesAloneWhereNothingIsDeclared) {
   EXPECT_EQ(allowed(), (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"}));
   EXPECT_EQ(figures("summary.json").at("plugins"), json::object());
   EXPECT_EQ(text("report.html").find(">Plugins<"), std::string::npos);
+}
+
+TEST_F(PluginOutput, ABatteryOfTheVehicleFilePassesTheRoutesOfARun) {
+  vehicle_ = write_with_battery(folder_,
+                                "{full_v: 16, empty_v: 14, capacity_ah: 5, "
+                                "resistance_ohm: 0.005, efficiency: 0.9}");
+  run("  - {plugin: fake_listener}\n", {"--virtual"}, 0);
+  EXPECT_EQ(allowed(),
+            (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS", "BATTERY_STATUS"}));
+  const json sent = figures("run/hilsim_stats.json").at("plugins").at("mavlink_interface@iris0");
+  EXPECT_GT(sent.at("sent").at("BATTERY_STATUS"), 10);
 }
 
 TEST_F(PluginOutput, IsInSummaryAndReportUnderNamesThatAreText) {

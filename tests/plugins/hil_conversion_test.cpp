@@ -222,6 +222,34 @@ TEST(DistanceSensor, SaysWhereTheBeamPoints) {
   EXPECT_TRUE((q * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d(half, 0, half), kFloat));
 }
 
+TEST(BatteryStatus, CarriesTheWholePackInItsFirstCell) {
+  const mv::BatteryStatus packet = to_battery_status(
+      {.time = {}, .voltage_v = 15.4321, .current_a = 47.5, .used_ah = 0.123, .charge = 0.876});
+  EXPECT_EQ(packet.id, 0);
+  EXPECT_EQ(packet.voltages[0], 15432);  // mV
+  EXPECT_EQ(packet.voltages[1], 65535) << "there is no second cell";
+  EXPECT_EQ(packet.current_battery, 4750);  // cA
+  EXPECT_EQ(packet.current_consumed, 123);  // mAh
+  EXPECT_EQ(packet.battery_remaining, 88);  // %
+  EXPECT_EQ(packet.temperature, 32767) << "unknown";
+}
+
+TEST(BatteryStatus, AVoltageThatOneFieldCannotHoldGoesOnInTheNext) {
+  const mv::BatteryStatus packet = to_battery_status(
+      {.time = {}, .voltage_v = 100, .current_a = 1000, .used_ah = 0, .charge = 1});
+  EXPECT_EQ(packet.voltages[0], 65534);
+  EXPECT_EQ(packet.voltages[1], 100'000 - 65534);
+  EXPECT_EQ(packet.voltages[2], 65535);
+  EXPECT_EQ(packet.current_battery, 32767) << "the most that it can say";
+}
+
+TEST(BatteryStatus, AnEmptyBatteryHasNoVoltage) {
+  const mv::BatteryStatus packet =
+      to_battery_status({.time = {}, .voltage_v = 0, .current_a = 0, .used_ah = 1, .charge = 0});
+  EXPECT_EQ(packet.voltages[0], 0);
+  EXPECT_EQ(packet.battery_remaining, 0);
+}
+
 TEST(SimulatorHeartbeat, IsAGenericSystemWithoutAutopilot) {
   const mv::Heartbeat packet = simulator_heartbeat();
   EXPECT_EQ(static_cast<int>(packet.type), 0);

@@ -67,6 +67,18 @@ TEST(HilInterface, APitotTubeFillsDiffPressureWhenItHasASample) {
   EXPECT_EQ(updated(port.sensors[1]), 0x003FU);
 }
 
+TEST(HilInterface, SendsEachSampleOfTheBatteryOnceAheadOfTheSensors) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  interface.on_imu(imu_at(2));
+  interface.on_battery({.time = at_ms(2), .voltage_v = 12});
+  interface.flush(at_ms(2));
+  interface.on_imu(imu_at(4));
+  interface.flush(at_ms(4));
+  EXPECT_EQ(port.ids, (std::vector<std::uint32_t>{mv::Heartbeat::kId, mv::BatteryStatus::kId,
+                                                  mv::HilSensor::kId, mv::HilSensor::kId}));
+}
+
 TEST(HilInterface, SendsNothingWithoutANewSample) {
   RecordingPort port;
   HilInterface interface(interface_params(), port, nullptr);

@@ -364,6 +364,43 @@ TEST(MotorPlugin, ASpeedControllersDeadTimeHoldsACommandBack) {
   EXPECT_EQ(last, (std::vector<double>{100, 200, 300, 400, 500, 600, 700, 800}));
 }
 
+TEST(MotorPlugin, TellsItsBatteryTwiceASecond) {
+  test::PluginHarness harness(std::chrono::milliseconds(1), ".", "iris_px4",
+                              [](base::Vehicle& v) { v.battery = kBattery; });
+  const auto health = harness.bus.advertise<PropulsionHealth>("iris0/propulsion_health");
+  harness.add("motor", "{}");
+  std::vector<BatterySample> samples;
+  const auto listening = harness.bus.subscribe<BatterySample>(
+      "iris0/battery", [&](const BatterySample& sample) { samples.push_back(sample); });
+  auto& omega = harness.world.model_states.at(harness.context.force_models[0]);
+  std::fill(omega.begin(), omega.end(), 500.0);
+  harness.run(std::chrono::seconds(2));
+  ASSERT_EQ(samples.size(), 4U);
+  const BatterySample& last = samples.back();
+  EXPECT_EQ(last.time.time_since_epoch(), std::chrono::seconds(2));
+  EXPECT_LT(last.voltage_v, kBattery.full_v);
+  EXPECT_GT(last.current_a, 0);
+  EXPECT_NEAR(last.used_ah, (1 - last.charge) * kBattery.capacity_ah, kExact);
+  EXPECT_NEAR(last.used_ah, last.current_a * 2 / 3600, 0.01 * last.used_ah) << "an even load";
+
+  PropulsionHealth weak;
+  weak.voltage_share = 0.9;
+  health.publish(weak);
+  harness.run(std::chrono::milliseconds(500));
+  ASSERT_EQ(samples.size(), 5U);
+  EXPECT_NEAR(samples[4].voltage_v, 0.9 * samples[3].voltage_v, 0.05) << "a fault is measured, too";
+}
+
+TEST(MotorPlugin, WithoutABatteryTellsOfNone) {
+  test::PluginHarness harness;
+  harness.add("motor", "{}");
+  int samples = 0;
+  const auto listening = harness.bus.subscribe<BatterySample>(
+      "iris0/battery", [&](const BatterySample&) { ++samples; }, Need::kOptional);
+  harness.run(std::chrono::seconds(1));
+  EXPECT_EQ(samples, 0);
+}
+
 TEST(Battery, GivesHalfItsVoltageBeyondWhatItCanGive) {
   BatteryModel battery(kBattery, base::RotorVector::Constant(4, 1.0));
   battery.advance(Vector4d::Constant(500), 0.0);

@@ -4,9 +4,11 @@
 
 #include <cmath>
 
+#include "mavlink/common/battery_status.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/manual_control.hpp"
 #include "mavlink/common/set_position_target_local_ned.hpp"
+#include "mavlink/common/sys_status.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
 
 namespace cas::fcu {
@@ -105,6 +107,58 @@ TEST_F(FailsafeFlight, ACriticalBatteryReturnsAndAnEmptyOneLands) {
   EXPECT_TRUE(loop_.said("Low battery"));
   EXPECT_TRUE(reaches(FlightMode::kLand, 10));
   EXPECT_TRUE(lands());
+}
+
+/// A pack of 12 V.
+BatteryStatus measured(int remaining_percent) {
+  BatteryStatus m;
+  m.voltages.fill(0xFFFF);
+  m.voltages[0] = 12'000;
+  m.current_battery = 4'250;
+  m.current_consumed = 77;
+  m.battery_remaining = static_cast<std::int8_t>(remaining_percent);
+  return m;
+}
+
+TEST_F(FailsafeFlight, ABatteryThatTheSimulatorMeasuresTakesThePlaceOfTheOneMadeUp) {
+  constexpr mav::Source kSimulator{1, 200};
+  hover();
+  loop_.send(measured(50), kSimulator);
+  loop_.run(2.5);
+  EXPECT_EQ(loop_.received<SysStatus>().back().voltage_battery, 12'000);
+  EXPECT_EQ(loop_.received<SysStatus>().back().current_battery, 4'250);
+  EXPECT_EQ(loop_.received<SysStatus>().back().battery_remaining, 50);
+  const auto told = loop_.received<BatteryStatus>();
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.back().voltages[0], 12'000);
+  EXPECT_EQ(told.back().voltages[1], 0xFFFF);
+  EXPECT_EQ(told.back().current_consumed, 77);
+  EXPECT_EQ(told.back().charge_state, MavBatteryChargeState::kOk);
+
+  loop_.send(measured(14), kSimulator);
+  loop_.run(1);
+  EXPECT_TRUE(loop_.said("Low battery"));
+  EXPECT_EQ(loop_.fcu().status().mode, FlightMode::kHold);
+  loop_.send(measured(6), kSimulator);
+  EXPECT_TRUE(reaches(FlightMode::kReturn, 1));
+  loop_.send(measured(4), kSimulator);
+  EXPECT_TRUE(reaches(FlightMode::kLand, 1));
+}
+
+TEST_F(FailsafeFlight, NobodyElsesBatteryCounts) {
+  hover();
+  BatteryStatus second = measured(1);
+  second.id = 1;
+  BatteryStatus unknown = measured(-1);
+  BatteryStatus without_voltage = measured(1);
+  without_voltage.voltages.fill(0xFFFF);
+  loop_.send(measured(1));            // a ground station's
+  loop_.send(measured(1), {2, 200});  // another vehicle's
+  loop_.send(measured(1), {1, 1});    // its own, come back
+  for (const BatteryStatus& m : {second, unknown, without_voltage}) loop_.send(m, {1, 200});
+  loop_.run(2);
+  EXPECT_EQ(loop_.fcu().status().mode, FlightMode::kHold);
+  EXPECT_GT(loop_.received<SysStatus>().back().battery_remaining, 80);
 }
 
 TEST_F(FailsafeFlight, TiltedTooFarTheRotorsStop) {

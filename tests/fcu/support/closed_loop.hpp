@@ -66,11 +66,11 @@ class ClosedLoop {
   /// Runs until `condition`, at most so long. @return whether it came true
   bool run_until(const std::function<bool()>& condition, double at_most_s);
 
-  /// Sends a message to the controller as a ground station, past the line.
+  /// Sends a message to the controller, past the line; as a ground station unless told otherwise.
   template <class Message>
-  void send(const Message& message) {
+  void send(const Message& message, mav::Source from = {255, 190}) {
     mav::PacketBuffer buffer;
-    buffer.size = mav::encode(message, {255, 190}, gcs_sequence_++, buffer.bytes);
+    buffer.size = mav::encode(message, from, gcs_sequence_++, buffer.bytes);
     if (options_.tap) options_.tap(buffer.view(), now());
     fcu_->on_packet(mav::view_packet(buffer.view()), now());
   }
