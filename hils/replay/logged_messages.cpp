@@ -16,7 +16,7 @@
 #include "base/error.hpp"
 #include "casd/port/message_decoder.hpp"
 #include "casd/tlog/tlog_packets.hpp"
-#include "hils/replay/column.hpp"
+#include "hils/measure/column.hpp"
 #include "mavlink/common/extended_sys_state.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/statustext.hpp"

@@ -12,7 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
-#include "hils/replay/column.hpp"
+#include "hils/measure/column.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {

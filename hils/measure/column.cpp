@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/replay/column.hpp"
+#include "hils/measure/column.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/report/plot_data.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::hils {
+namespace {
+
+/// With a page that has this script.
+class PlotData : public testing::Test {
+ protected:
+  PlotData() {
+    folder_.write("index.html", "");
+    folder_.write("report.js", "draw();");
+    folder_.write("report.css", "p{}");
+    ::setenv("CAS_WEB_PATH", folder_.path().c_str(), 1);
+  }
+  ~PlotData() override { ::unsetenv("CAS_WEB_PATH"); }
+
+  static nlohmann::json data_of(const Plot& plot) {
+    const std::string block = plot_block(plot);
+    const std::size_t begin = block.find('>') + 1;
+    return nlohmann::json::parse(block.substr(begin, block.rfind('<') - begin));
+  }
+  static std::vector<double> values(const nlohmann::json& column) {
+    std::vector<double> values;
+    double sum = 0;
+    for (const double difference : column.at("d")) {
+      values.push_back((sum += difference) * column.at("k").get<double>());
+    }
+    return values;
+  }
+
+  cas::test::TemporaryFolder folder_;
+};
+
+TEST_F(PlotData, HasTheCurveAsFinelyAsAZoomShowsIt) {
+  Plot plot{.x_label = "simulated time, s", .y_label = "north, m"};
+  plot.series.push_back({.name = "truth"});
+  for (int i = 0; i < 60'000; ++i) {
+    plot.series[0].points.emplace_back(1e-3 * i, i == 31'415 ? 9.0 : std::sin(1e-3 * i));
+  }
+  const auto data = data_of(plot);
+  const auto x = values(data["series"][0]["x"]);
+  const auto y = values(data["series"][0]["y"]);
+  ASSERT_EQ(x.size(), y.size());
+  EXPECT_LE(x.size(), 3000U);
+  EXPECT_EQ(*std::ranges::max_element(y), 9.0) << "no peak is thinned away";
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (y[i] < 2) {
+      EXPECT_NEAR(y[i], std::sin(x[i]), 2e-3);
+    }
+  }
+}
+
+TEST_F(PlotData, NoTextOfARunEndsTheElement) {
+  Plot plot{.x_label = "</script><script>alert(1)</script>"};
+  plot.marks.push_back({.x = 1, .text = "</script>"});
+  const std::string block = plot_block(plot);
+  EXPECT_EQ(block.find("</script>"), block.size() - 9);
+  EXPECT_EQ(data_of(plot)["x_label"], plot.x_label);
+}
+
+TEST_F(PlotData, AReportWithPlotsHasTheScriptOnce) {
+  Plot plot{.y_label = "y"};
+  plot.series.push_back({.name = "a", .points = {{0, 1}, {1, 2}}});
+  const std::string html = with_plot_script("<body>" + plot_block(plot) + "</body>");
+  EXPECT_NE(html.find("<script>draw();</script>\n</body>"), std::string::npos) << html;
+  EXPECT_EQ(with_plot_script("<body></body>"), "<body></body>") << "nothing to draw";
+}
+
+TEST_F(PlotData, MapsAndPagesThatWereNotBuiltLeaveTheDrawing) {
+  EXPECT_EQ(plot_block({.equal_scales = true}), "");
+  ::setenv("CAS_WEB_PATH", "/nowhere", 1);
+  EXPECT_EQ(plot_block({}), "");
+}
+
+}  // namespace
+}  // namespace cas::hils
