@@ -17,6 +17,7 @@
 
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
+#include "base/os/file_lock.hpp"
 
 namespace cas::base {
 namespace {
@@ -28,25 +29,6 @@ std::filesystem::path lock_file(std::filesystem::path link) { return link += ".l
 
 [[noreturn]] void fail(const std::filesystem::path& file) {
   throw ConfigError(file.string() + ": " + std::generic_category().message(errno));
-}
-
-/// For an open-file-description lock: it is released with its last descriptor, and conflicts within
-/// one process too.
-struct flock whole_file(short type) {
-  struct flock lock {};
-  lock.l_type = type;
-  lock.l_whence = SEEK_SET;
-  return lock;
-}
-
-bool take(int fd) {
-  struct flock lock = whole_file(F_WRLCK);
-  return ::fcntl(fd, F_OFD_SETLK, &lock) == 0;
-}
-
-bool is_taken(int fd) {
-  struct flock lock = whole_file(F_RDLCK);
-  return ::fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type == F_WRLCK;
 }
 
 bool is_at(int fd, const std::filesystem::path& file) {
@@ -108,7 +90,7 @@ PtyOffer offer_beside(const std::filesystem::path& link, int slave) {
   if (!S_ISREG(file.st_mode) || !may_vouch(file.st_uid, terminal)) return PtyOffer::kNone;
   // Read before testing the lock: the owner clears the record while it still holds the lock.
   const PtyIdentity named = read_record(lock.get());
-  if (!is_taken(lock.get())) return PtyOffer::kNone;
+  if (!is_file_locked(lock.get())) return PtyOffer::kNone;
   return identify_pty(slave) == named ? PtyOffer::kThis : PtyOffer::kOther;
 }
 
@@ -132,7 +114,7 @@ PtyLock::PtyLock(const std::filesystem::path& link) : file_(lock_file(link)) {
     lock_ = Descriptor(
         ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, kReadable));
     if (!lock_) fail(file_);
-    if (!take(lock_.get())) {
+    if (!take_file_lock(lock_.get())) {
       throw CommandPortError(link.string() + " is offered by another program");
     }
     // Its last owner may have unlinked the file between open and lock: then once more.
