@@ -22,6 +22,9 @@
 #include "base/os/log.hpp"
 #include "base/os/write_file.hpp"
 #include "base/time/clock.hpp"
+#include "hils/boards/board_command.hpp"
+#include "hils/boards/board_error.hpp"
+#include "hils/boards/flight_boards.hpp"
 #include "hils/compare/comparison.hpp"
 #include "hils/compare/comparison_report.hpp"
 #include "hils/firmware/firmware_run.hpp"
@@ -50,9 +53,11 @@ struct RunFlags {
   std::string scenario;
   std::string architecture;
   std::optional<std::uint64_t> seed;
-  std::string fcu_device;
+  std::vector<std::string> fcus;  ///< as parse_fcu_words() takes them
   std::optional<unsigned> fcu_baud;
   std::string out;
+  std::string boards;
+  std::string wait;
   std::string ground_station;
   std::vector<std::string> plugin_dirs;
   bool on_virtual_clock = false;
@@ -110,7 +115,7 @@ void refuse_flags_of_our_controller(const RunFlags& flags) {
   refuse(flags.lockstep, "--lockstep", "its world says whether it is flown in lockstep");
   refuse(flags.on_virtual_clock, "--virtual", "it has a clock of its own; its world has `speed`");
   refuse(!flags.architecture.empty(), "--architecture", "its topology says how it is connected");
-  refuse(!flags.fcu_device.empty(), "--fcu",
+  refuse(!flags.fcus.empty(), "--fcu",
          "it is started as a program; for a board take the scenario pixhawk.yaml");
   refuse(flags.fcu_baud.has_value(), "--fcu-baud", "its topology has the baud rate");
   refuse(!flags.ground_station.empty(), "--gcs", "its topology has a link for a ground station");
@@ -131,6 +136,20 @@ void leave_replay(const RunRequest& request, const RunResult& result, const std:
 }
 
 int run(const RunFlags& flags) {
+/// Waits until the boards of a run have booted; what is wrong with one is the case of a junit.xml.
+/// @throws BoardError, RunStopped, base::ConfigError
+void prepare_boards(const FlightBoards& boards, const RunFlags& flags, RunRequest& request) {
+  try {
+    request.fcu_devices = boards.prepare(request.out, request.scenario.names(), flags.fcu_baud);
+  } catch (const BoardError& error) {
+    const Verdict verdict{.failures = {error.what()}};
+    base::write_file(request.out / "junit.xml",
+                     junit_report("hils." + request.scenario.name, 0, verdict),
+                     base::Durability::kCache);
+    throw;
+  }
+}
+
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
   if (FirmwareScenario::is(file)) {
@@ -144,10 +163,11 @@ int run(const RunFlags& flags) {
   request.lockstep =
       flags.lockstep && !flags.on_virtual_clock && request.architecture != Architecture::kDirect;
   request.seed = flags.seed.value_or(request.scenario.seed);
-  request.fcu_device = flags.fcu_device;
-  request.fcu_baud = flags.fcu_baud.value_or(request.fcu_baud);
-  if (!flags.fcu_device.empty() &&
-      (flags.on_virtual_clock || request.architecture == Architecture::kDirect)) {
+  const std::vector<FcuChoice> fcus = parse_fcu_words(flags.fcus, request.scenario.names());
+  if (!fcus.empty() && request.lockstep) {
+    throw base::ConfigError("a real controller has a clock of its own and no place in lockstep");
+  }
+  if (!fcus.empty() && (flags.on_virtual_clock || request.architecture == Architecture::kDirect)) {
     throw base::ConfigError("a real controller cannot be flown on the virtual clock");
   }
   if (!flags.ground_station.empty()) {
@@ -166,7 +186,11 @@ int run(const RunFlags& flags) {
   std::filesystem::create_directories(request.out);
   remove_verdict(request.out);
 
-  const RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
+  RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
+  fail_absent(boards.absences(), result);
+  const FlightBoards boards(fcus, find_board_list(flags.boards), "hils run " + flags.scenario,
+                            parse_wait(flags.wait));
+  prepare_boards(boards, flags, request);
   write_results(request, result);
   for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
     write_ulog(request, result.vehicles[i].record, i);
@@ -291,9 +315,17 @@ int main(int argc, char** argv) {
   command->add_option("--out", flags.out, "Folder for the results (the last, if several)")
       ->required()
       ->take_last();
-  command->add_option("--fcu", flags.fcu_device,
-                      "Serial port of a real controller, instead of the emulator");
-  command->add_option("--fcu-baud", flags.fcu_baud, "Baud rate of that port (921600)");
+  command
+      ->add_option("--fcu", flags.fcus,
+                   "A real controller instead of the emulator: a board of boards.yaml, or the path "
+                   "of a serial port; of several vehicles VEHICLE=BOARD, once for each")
+      ->allow_extra_args(false);
+  command->add_option("--fcu-baud", flags.fcu_baud,
+                      "Baud rate of that port (the board's, or 921600)");
+  command->add_option("--boards", flags.boards,
+                      "The list of boards (CAS_BOARDS, ./boards.yaml, ~/.config/cas/boards.yaml, "
+                      "/etc/cas/boards.yaml)");
+  add_wait(*command, flags.wait);
   command->add_option("--gcs", flags.ground_station,
                       "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
                       "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
@@ -309,7 +341,8 @@ int main(int argc, char** argv) {
   const SweepCommand sweep(app);
   const TuneCommand tune(app);
   const ReplayCommand replay(app);
-  base::cli::add_manual(app, "hils", std::string(CAS_VERSION));
+  const BoardCommand board(app);
+  base::cli::add_manual(app, "hils", std::string(CAS_VERSION), board_words());
   if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
   return guarded([&] {
     base::log::init("hils", base::log::parse_level(log_level));
@@ -319,3 +352,4 @@ int main(int argc, char** argv) {
     return compare_command->parsed() ? compare(compare_flags) : run(flags);
   });
 }
+    if (board.parsed()) return board.run();

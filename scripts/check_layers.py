@@ -153,6 +153,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/ulog": rooms("hils", "measure run"),
     "hils/replay": rooms("hils", "scenario run measure programs"),
     "hils/programs": rooms("hils", "flight scenario run measure"),
+    "hils/boards": rooms("hils", "flight run measure report programs"),
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
     "hils/firmware": rooms("hils", "flight run measure report programs"),
     "hils/compare": rooms("hils", "run measure report programs virtual"),
@@ -160,7 +161,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/env": rooms("hils", "sweep"),
     "hils/tune": rooms("hils", "flight scenario measure report programs sweep"),
     "hils/figures": rooms("hils", "measure report programs virtual"),
-    "hils": rooms("hils", "flight scenario run measure report ulog replay programs virtual firmware compare sweep tune"),
+    "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards virtual firmware compare sweep tune"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

@@ -19,6 +19,10 @@ enum ExitCode : int {
   kExitInterrupted = 130,
 };
 
+  kExitBoardAbsent = 4,  ///< a board's device is not there
+  kExitNoBoot = 5,       ///< a board does not boot, or boots another firmware
+  kExitBoardFailed = 6,  ///< a board's hook failed, or the board refused
+  kExitBoardBusy = 7,    ///< somebody else holds the board
 /// Whether a run counts, and whether it kept its limits.
 struct Verdict {
   bool valid = false;   ///< the machine kept up and the accounts close: the figures mean something

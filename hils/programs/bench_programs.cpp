@@ -24,8 +24,8 @@ std::filesystem::path program_folder() { return own_program().parent_path(); }
 }  // namespace
 
 void BenchPrograms::start(bool paused) {
-  if (request_.fcu_device.empty()) {
-    for (const VehiclePlaces& vehicle : places_.vehicles) start_emulator(vehicle);
+  for (std::size_t i = 0; i < places_.vehicles.size(); ++i) {
+    if (request_.fcu_device(i) == nullptr) start_emulator(places_.vehicles[i]);
   }
   start_casd();
   refuse_closed_station();

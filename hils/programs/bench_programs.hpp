@@ -12,7 +12,7 @@ namespace cas::hils {
 /// The programs of a run in real time: hilsim, casd and a controller for each vehicle.
 class BenchPrograms {
  public:
-  /// Both outlive it. The controller is fcu_emulator where the request names no device.
+  /// Both outlive it. A controller is fcu_emulator where the request names no device.
   BenchPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request)
       : supervisor_(supervisor), places_(places), request_(request) {}
 

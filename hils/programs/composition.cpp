@@ -79,14 +79,15 @@ std::string_view threads(Architecture architecture) {
 }
 
 /// Key `baud` of casd's serial link; 0 for USB, which has no bit rate to pace by.
-int serial_baud(const RunRequest& request) {
-  if (!request.fcu_device.empty()) return static_cast<int>(request.fcu_baud);
+int serial_baud(const RunRequest& request, const FcuDevice* device) {
+  if (device != nullptr) return static_cast<int>(device->baud);
   if (request.lockstep) return 0;
   const fcu::LineConfig line = line_of(request);
   return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
 }
 
-void add_vehicle_links(const RunRequest& request, const VehiclePlaces& places, YAML::Node& links) {
+void add_vehicle_links(const RunRequest& request, std::size_t vehicle, const VehiclePlaces& places,
+                       YAML::Node& links) {
   YAML::Node simulator;
   simulator["name"] = places.simulator_link;
   simulator["type"] = "udp";
@@ -96,11 +97,11 @@ void add_vehicle_links(const RunRequest& request, const VehiclePlaces& places, Y
   YAML::Node controller;
   controller["name"] = places.controller_link;
   controller["type"] = "serial";
-  controller["device"] =
-      request.fcu_device.empty() ? places.fcu_link().string() : request.fcu_device;
-  controller["baud"] = serial_baud(request);
+  const FcuDevice* device = request.fcu_device(vehicle);
+  controller["device"] = device == nullptr ? places.fcu_link().string() : device->path;
+  controller["baud"] = serial_baud(request, device);
   // Whoever names a device means it; casd still keeps off the terminal of a session.
-  if (!request.fcu_device.empty()) controller["unlocked_pty"] = true;
+  if (device != nullptr) controller["unlocked_pty"] = true;
   links.push_back(controller);
 }
 
@@ -120,7 +121,9 @@ YAML::Node ground_link(const RunRequest& request, const std::string& name,
 
 YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
   YAML::Node links;
-  for (const VehiclePlaces& vehicle : places.vehicles) add_vehicle_links(request, vehicle, links);
+  for (std::size_t i = 0; i < places.vehicles.size(); ++i) {
+    add_vehicle_links(request, i, places.vehicles[i], links);
+  }
   if (places.ground_station_port != 0) {
     const StationEndpoint own{.type = "udp", .address = local_port(places.ground_station_port)};
     links.push_back(ground_link(request, kGroundLink, own));

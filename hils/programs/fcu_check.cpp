@@ -146,6 +146,14 @@ std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal,
     return all;
   }
   good(all, facts.link_words + " is open");
+  if (!facts.heard && facts.system) {
+    fatal(all, fmt::format("no HEARTBEAT of system {} came", *facts.system),
+          fmt::format("of several vehicles the first has system 1, the next 2, and so on: set the "
+                      "board's (PX4: MAV_SYS_ID {}), then reboot it; compare the baud rates "
+                      "(step 2)",
+                      *facts.system));
+    return all;
+  }
   if (!facts.heard) {
     fatal(all, "no HEARTBEAT came", "compare the baud rates; close other ground stations (step 2)");
     return all;

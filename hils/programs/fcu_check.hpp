@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@ namespace cas::hils {
 /// What can be seen of a flight controller on a serial port before it is flown.
 struct FcuFacts {
   std::string device{};
+  std::optional<std::uint8_t> system{};  ///< that it must have; nothing: any
   bool link_up = false;
   std::string link_words{};  ///< where it is, or why it is not up
   bool heard = false;        ///< its HEARTBEAT has come

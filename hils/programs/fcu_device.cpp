@@ -14,6 +14,7 @@
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
 #include "hils/programs/fcu_check.hpp"
+#include "hils/programs/pilot_calls.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -26,12 +27,12 @@ using base::rpc::Json;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-std::uint64_t sequence_gaps(const std::filesystem::path& casd_stats) {
+std::uint64_t sequence_gaps(const std::filesystem::path& casd_stats, const std::string& name) {
   std::ifstream in(casd_stats);
   const Json stats = Json::parse(in, nullptr, false);
   if (!stats.is_object()) return 0;
   for (const Json& link : stats.value("links", Json::array())) {
-    if (link.value("name", "") == "fcu") {
+    if (link.value("name", "") == name) {
       return link.value("rx", Json::object()).value("lost", std::uint64_t{0});
     }
   }
@@ -60,19 +61,30 @@ constexpr base::Duration kLook = milliseconds(200);
 /// casd's rates are over the last seconds.
 constexpr base::Duration kSettle = seconds(4);
 
-void read_link(base::rpc::Client& casd, FcuFacts& facts) {
+/// Where casd has a controller.
+struct ProbedFcu {
+  std::string link;      ///< casd's
+  AskedVehicle vehicle;  ///< nothing: the only one there is
+
+  Json about(Json params) const {
+    if (vehicle) params["vehicle"] = *vehicle;
+    return params;
+  }
+};
+
+void read_link(base::rpc::Client& casd, const ProbedFcu& fcu, FcuFacts& facts) {
   const Json status = casd.call("casd.status", Json::object());
   for (const Json& link : status.value("links", Json::array())) {
-    if (link.value("name", "") != "fcu") continue;
+    if (link.value("name", "") != fcu.link) continue;
     facts.link_up = link.value("state", "") == "up";
     facts.link_words = link.value("endpoint", "");
     facts.crc_errors = link.value("rx", Json::object()).value("crc_errors", 0.0);
   }
 }
 
-void read_vehicle(base::rpc::Client& casd, FcuFacts& facts) {
+void read_vehicle(base::rpc::Client& casd, const ProbedFcu& fcu, FcuFacts& facts) {
   try {
-    const Json state = casd.call("vehicle.state", Json::object());
+    const Json state = casd.call("vehicle.state", fcu.about(Json::object()));
     facts.heard = true;
     facts.hil = state.value("hil", false);
     facts.armed = state.value("armed", false);
@@ -85,16 +97,17 @@ void read_vehicle(base::rpc::Client& casd, FcuFacts& facts) {
   }
 }
 
-std::optional<double> read_param(base::rpc::Client& casd, const std::string& name) {
+std::optional<double> read_param(base::rpc::Client& casd, const ProbedFcu& fcu,
+                                 const std::string& name) {
   try {
-    return casd.call("param.get", {{"name", name}}).value("value", 0.0);
+    return casd.call("param.get", fcu.about({{"name", name}})).value("value", 0.0);
   } catch (const base::rpc::CallError&) {
     return std::nullopt;  // this firmware has none of that name
   }
 }
 
-void read_rates(base::rpc::Client& casd, FcuFacts& facts) {
-  const Json answer = casd.call("message.list", {{"link", "fcu"}});
+void read_rates(base::rpc::Client& casd, const ProbedFcu& fcu, FcuFacts& facts) {
+  const Json answer = casd.call("message.list", {{"link", fcu.link}});
   const Json list = answer.is_array() ? answer : answer.value("messages", Json::array());
   for (const Json& message : list) {
     const std::string name = message.value("name", "");
@@ -109,32 +122,29 @@ void read_rates(base::rpc::Client& casd, FcuFacts& facts) {
 
 /// Looks at the controller through casd for some seconds, while the simulator's stream runs.
 /// @throws RunStopped, base::rpc::ConnectionError
-FcuFacts probe_fcu(base::rpc::Client& casd, Supervisor& supervisor, const std::string& device) {
-  FcuFacts facts{.device = device};
+FcuFacts probe_fcu(base::rpc::Client& casd, Supervisor& supervisor, const ProbedFcu& fcu,
+                   const std::string& device) {
+  FcuFacts facts{.device = device, .system = fcu.vehicle};
   const base::RunTime deadline = base::steady_now() + kHeartbeatPatience;
   while (!facts.heard && base::steady_now() < deadline) {
-    read_link(casd, facts);
-    read_vehicle(casd, facts);
+    read_link(casd, fcu, facts);
+    read_vehicle(casd, fcu, facts);
     supervisor.wait(kLook);
   }
   if (!facts.heard) return facts;
   supervisor.wait(kSettle);
-  read_link(casd, facts);
-  read_vehicle(casd, facts);
-  read_rates(casd, facts);
-  if (facts.autopilot == "px4") facts.sys_hitl = read_param(casd, "SYS_HITL");
+  read_link(casd, fcu, facts);
+  read_vehicle(casd, fcu, facts);
+  read_rates(casd, fcu, facts);
+  if (facts.autopilot == "px4") facts.sys_hitl = read_param(casd, fcu, "SYS_HITL");
   return facts;
 }
 
 }  // namespace
 
 void refuse_emulator_faults(const RunRequest& request) {
-  if (request.fcu_device.empty()) return;
-  if (request.scenario.flies_several()) {
-    throw base::ConfigError(request.scenario.file.string() +
-                            ": --fcu flies one vehicle, and the scenario has several");
-  }
   for (const BenchFault& fault : request.scenario.faults.bench) {
+    if (request.fcu_device(fault.vehicle) == nullptr) continue;
     if (std::holds_alternative<LineFault>(fault.kind) ||
         std::holds_alternative<UnplugFault>(fault.kind)) {
       throw base::ConfigError("fault '" + fault.name +
@@ -143,21 +153,31 @@ void refuse_emulator_faults(const RunRequest& request) {
   }
 }
 
-void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
+void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
+  if (request.fcu_devices.empty()) return;
   base::rpc::Client casd("unix:" + places.command_port.string());
-  const FcuFacts facts = probe_fcu(casd, supervisor, request.fcu_device);
-  const base::Vehicle vehicle = base::Vehicle::load(request.scenario.vehicles.front().vehicle);
-  const std::vector<FcuFinding> findings = check_fcu(facts, request.scenario.rates, vehicle);
-  fmt::print(stderr, "{}\n{}", request.fcu_device, findings_text(findings));
-  if (!may_fly(findings)) {
+  bool ready = true;
+  for (const auto& [place, device] : request.fcu_devices) {
+    const ScenarioVehicle& own = request.scenario.vehicles.at(place);
+    const ProbedFcu fcu{
+        .link = places.vehicles.at(place).controller_link,
+        .vehicle = request.scenario.flies_several() ? AskedVehicle(own.system_id) : std::nullopt};
+    const FcuFacts facts = probe_fcu(casd, supervisor, fcu, device.path);
+    const std::vector<FcuFinding> findings =
+        check_fcu(facts, request.scenario.rates, base::Vehicle::load(own.vehicle));
+    fmt::print(stderr, "{}\n{}", device.path, findings_text(findings));
+    ready = ready && may_fly(findings);
+  }
+  if (!ready) {
     throw RunStopped("the controller is not ready; the steps are in docs/pixhawk.md", false);
   }
 }
 
-void stand_in_for_controller(const RunPlaces& places, RunRecord& record) {
+void stand_in_for_controller(const RunPlaces& places, const VehiclePlaces& vehicle,
+                             RunRecord& record) {
   using Direction = base::LedgerEntry::Direction;
   record.from_device = true;
-  record.lost_by_sequence = sequence_gaps(places.casd_stats());
+  record.lost_by_sequence = sequence_gaps(places.casd_stats(), vehicle.controller_link);
   if (!record.relay) return;
   for (const casd::LinkLedgerEntry& entry : record.relay->controller.sent()) {
     record.controller.push_back(

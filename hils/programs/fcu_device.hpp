@@ -11,13 +11,15 @@ namespace cas::hils {
 /// Faults of the emulated line cannot be played on a real port. @throws base::ConfigError
 void refuse_emulator_faults(const RunRequest& request);
 
-/// Checks a real controller before the flight and prints the settings it needs.
-/// @throws RunStopped when it must not be flown
-void check_device(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request);
+/// Checks the real controllers before the flight and prints the settings they need.
+/// @throws RunStopped when one must not be flown
+void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request);
 
 /// Fills in the controller's part of the record. A real controller keeps no ledger: casd's port
 /// counts as its end, and gaps between sequence numbers show what is lost beyond the port.
-void stand_in_for_controller(const RunPlaces& places, RunRecord& record);
+/// @param vehicle  whose record it is
+void stand_in_for_controller(const RunPlaces& places, const VehiclePlaces& vehicle,
+                             RunRecord& record);
 
 /// A stock autopilot stamps its controls by its own clock. Moves these stamps to simulated time, by
 /// one constant offset, at both ends alike; does nothing when they echo the sensors'.

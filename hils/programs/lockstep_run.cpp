@@ -184,7 +184,7 @@ void refuse_other_clocks(const RunRequest& request) {
   };
   if (request.scenario.ground_station || request.station) refuse("a ground station");
   if (!request.scenario.faults.bench.empty()) refuse("a fault of the bench");
-  if (!request.fcu_device.empty()) refuse("a real controller");
+  if (!request.fcu_devices.empty()) refuse("a real controller");
 }
 
 }  // namespace

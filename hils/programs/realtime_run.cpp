@@ -314,10 +314,10 @@ void read_ledgers(const RunRequest& request, const RunPlaces& places,
     records[i].simulator = base::PacketLedger::read(vehicle.simulator_ledger());
     add_vehicle_faults(places, records[i]);
     add_relay(relay, vehicle, records[i]);
-    if (request.fcu_device.empty()) {
+    if (request.fcu_device(i) == nullptr) {
       records[i].controller = base::PacketLedger::read(vehicle.controller_ledger());
     } else {
-      stand_in_for_controller(places, records[i]);
+      stand_in_for_controller(places, vehicle, records[i]);
     }
   }
 }
@@ -345,7 +345,7 @@ std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   std::optional<WebView> web;
   if (request.web) web.emplace(places, supervisor);
   try {
-    if (!request.fcu_device.empty()) check_device(supervisor, places, request);
+    check_devices(supervisor, places, request);
     RealtimePilot(supervisor, programs, places, request,
                   ground_station ? &*ground_station : nullptr)
         .fly(records);

@@ -246,6 +246,16 @@ Json vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult&
                {"checks", checks_json(result.verdict)},
                {"stages", stages_json(record)},
                {"faults", faults_json(record)},
+/// What flies: "fcu_emulator", or the ports of real controllers.
+std::string controllers(const RunRequest& request) {
+  if (request.fcu_devices.empty()) return "fcu_emulator";
+  std::string ports;
+  for (const auto& [vehicle, device] : request.fcu_devices) {
+    ports += (ports.empty() ? "" : ", ") + device.path;
+  }
+  return ports;
+}
+
                {"events", events_json(result.figures)},
                {"responses", responses_json(result.figures)},
                {"truth", truth_json(record.truth_csv)},
@@ -261,8 +271,8 @@ Json vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult&
 Json line_json(const RunRequest& request) {
   if (request.architecture == Architecture::kDirect) return {{"type", "none"}};
   if (request.architecture == Architecture::kSitl) return {{"type", "udp"}};
-  const double baud =
-      request.fcu_device.empty() ? static_cast<double>(line_of(request).baud) : request.fcu_baud;
+  const FcuDevice* device = request.fcu_device(0);
+  const double baud = device == nullptr ? static_cast<double>(line_of(request).baud) : device->baud;
   return {{"type", "serial"}, {"baud", baud}};
 }
 
@@ -285,7 +295,7 @@ std::string replay_record(const RunRequest& request, const RunResult& run) {
                 {"HIL_CONTROLS", request.scenario.rates.controls_hz},
                 {"HIL_ACTUATOR_CONTROLS", request.scenario.rates.controls_hz}}},
               {"line", line_json(request)},
-              {"controller", request.fcu_device.empty() ? "fcu_emulator" : request.fcu_device},
+              {"controller", controllers(request)},
               {"verdict",
                {{"valid", run.verdict.valid},
                 {"passed", run.verdict.passed},

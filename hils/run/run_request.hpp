@@ -1,14 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <string>
 
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
+
+
+/// A real controller, in the place of the emulator.
+struct FcuDevice {
+  std::string path;  ///< its serial port
+  unsigned baud = 921600;
+};
 
 /// One run of a scenario.
 struct RunRequest {
@@ -16,14 +26,21 @@ struct RunRequest {
   Architecture architecture = Architecture::kTcas;
   std::uint64_t seed = 1;
   std::string line_preset{};  ///< instead of the scenario's; empty: the scenario's
-  std::string fcu_device{};   ///< a real controller's serial port; empty: the emulator
-  unsigned fcu_baud = 921600;
+  /// Real controllers, by the vehicle's place in the scenario; the other vehicles have the
+  /// emulator.
+  std::map<std::size_t, FcuDevice> fcu_devices{};
   bool lockstep = false;                     ///< the processes run on the stream's time
   bool announced = false;                    ///< says how to watch it once casd is ready
   bool web = false;                          ///< casweb shows it in a browser
   std::optional<StationEndpoint> station{};  ///< where a ground station may join; nothing: none
   std::filesystem::path
       out;  ///< folder of the results; the programs' configurations are in out/run
+
+  /// The vehicle's real controller; nullptr: it has the emulator.
+  const FcuDevice* fcu_device(std::size_t vehicle) const {
+    const auto found = fcu_devices.find(vehicle);
+    return found == fcu_devices.end() ? nullptr : &found->second;
+  }
 };
 
 }  // namespace cas::hils

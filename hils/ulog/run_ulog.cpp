@@ -215,9 +215,10 @@ void write_rangefinder(sim::UlogFile& file, SimTime time, const Row& row) {
 }
 
 /// What the emulated controller began with; empty for a real one, whose file nobody has.
-std::vector<sim::UlogParam> initial_params(const RunRequest& request, const VehiclePlaces& places) {
+std::vector<sim::UlogParam> initial_params(const RunRequest& request, std::size_t vehicle,
+                                           const VehiclePlaces& places) {
   std::vector<sim::UlogParam> params;
-  if (!request.fcu_device.empty()) return params;
+  if (request.fcu_device(vehicle) != nullptr) return params;
   const fcu::FlightController controller(fcu::FcuConfig::load(places.fcu_config()), [](auto) {});
   const fcu::ParamStore& store = controller.params();
   for (std::size_t i = 0; i < store.size(); ++i) {
@@ -249,7 +250,7 @@ std::vector<sim::UlogInfo> infos(const RunRequest& request, const RunRecord& rec
       UlogInfo::text("cas_vehicle", record.vehicle),
       UlogInfo::text("cas_architecture", to_string(request.architecture)),
       UlogInfo::text("cas_seed", std::to_string(request.seed))};
-  if (request.fcu_device.empty()) {
+  if (!record.from_device) {
     infos.push_back(UlogInfo::text("ver_hw", "fcu_emulator"));
     infos.push_back(UlogInfo::text("ver_sw", CAS_VERSION));
     infos.push_back(UlogInfo::uint32("ver_sw_release", version_number(CAS_VERSION)));
@@ -262,7 +263,7 @@ std::vector<sim::UlogInfo> infos(const RunRequest& request, const RunRecord& rec
 void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t vehicle) {
   const RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
   const VehiclePlaces& own = places.vehicles.at(vehicle);
-  const std::vector<sim::UlogParam> params = initial_params(request, own);
+  const std::vector<sim::UlogParam> params = initial_params(request, vehicle, own);
   const std::size_t rotors = rotor_columns(record.truth_csv);
   sim::UlogFile file(own.flight_ulog(), ulog_topics(static_cast<int>(rotors)),
                      infos(request, record), params);

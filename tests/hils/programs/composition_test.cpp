@@ -23,7 +23,7 @@ class Composition : public testing::TestWithParam<Architecture> {
     request.scenario =
         Scenario::load(cas::test::source_dir() + "/config/scenarios/" + scenario + ".yaml");
     request.architecture = GetParam();
-    request.fcu_device = device;
+    if (!device.empty()) request.fcu_devices[0] = {.path = device};
     if (!station.empty()) request.station = StationEndpoint::parse(station);
     RunPlaces places = RunPlaces::of(request.scenario, folder_.path(), folder_.path());
     places.ground_station_port = 14550;

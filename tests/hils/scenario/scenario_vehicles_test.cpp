@@ -8,7 +8,6 @@
 #include "hils/compare/comparison.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/programs/lockstep_run.hpp"
-#include "hils/programs/realtime_run.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -99,8 +98,6 @@ TEST_F(SeveralVehicles, AreRefusedWhereOneFlies) {
   const Scenario scenario = load(kHead + kTwo + "}\n" + kFlight);
   const RunRequest lockstep{.scenario = scenario, .lockstep = true, .out = folder_.path()};
   EXPECT_THROW(run_in_lockstep(lockstep), base::ConfigError);
-  const RunRequest board{.scenario = scenario, .fcu_device = "/dev/nobody", .out = folder_.path()};
-  EXPECT_THROW(run_in_real_time(board), base::ConfigError);
   EXPECT_THROW(comparison_scenario(scenario, {}), base::ConfigError);
 }
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <utility>
+
+#include "hils/boards/board_list.hpp"
+#include "hils/boards/boot_check.hpp"
+#include "hils/programs/supervisor.hpp"
+
+namespace cas::hils {
+
+/// Whether a board that is not there is waited for: it is, after something that makes it come back.
+enum class Absence { kFails, kWaits };
+
+/// What is done to a board by whoever holds it.
+class BoardActions {
+ public:
+  /// @param logs  folder for the output of hooks; all outlive it
+  BoardActions(Supervisor& supervisor, const BoardList& list, const Board& board,
+               std::filesystem::path logs)
+      : supervisor_(supervisor), list_(list), board_(board), logs_(std::move(logs)) {}
+
+  /// Waits until the board says HEARTBEAT and its version, as long as it may take.
+  /// @return what it said @throws BoardError (kExitBoardAbsent, kExitNoBoot), RunStopped
+  BoardFacts boot(Absence absence);
+
+  /// Each of these waits for the boot that comes of it.
+  /// @throws BoardError, RunStopped, base::ConfigError where there is no such hook
+  BoardFacts flash(const std::filesystem::path& file);
+  /// By its own command; by the hook `reset` where it is silent, or `hard` is set.
+  BoardFacts reboot(bool hard);
+  BoardFacts power_on();
+  BoardFacts power_cycle();
+  void power_off();
+
+ private:
+  void hook(HookKind kind, const std::filesystem::path& file = {});
+  void refuse_armed(const BoardFacts& facts) const;
+  BoardFacts first_look();
+  void restart_by_command();
+
+  Supervisor& supervisor_;
+  const BoardList& list_;
+  const Board& board_;
+  std::filesystem::path logs_;
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/boards/board_command.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/cli/whole_number.hpp"
+#include "base/error.hpp"
+#include "hils/boards/board_actions.hpp"
+#include "hils/boards/board_device.hpp"
+#include "hils/boards/board_error.hpp"
+#include "hils/boards/board_hook.hpp"
+#include "hils/boards/board_list.hpp"
+#include "hils/boards/board_lock.hpp"
+#include "hils/boards/foreground.hpp"
+#include "hils/report/aligned_table.hpp"
+
+namespace cas::hils {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct BoardCommand::Flags {
+  CLI::App* board = nullptr;
+  CLI::App* list = nullptr;
+  CLI::App* lock = nullptr;
+  CLI::App* unlock = nullptr;
+  CLI::App* flash = nullptr;
+  CLI::App* reboot = nullptr;
+  CLI::App* power = nullptr;
+  CLI::App* console = nullptr;
+
+  std::string boards;
+  std::string name;
+  std::string wait;
+  bool json = false;
+  bool names = false;
+  std::string purpose;
+  unsigned at_most_s = 4 * 3600;
+  std::vector<std::string> command;
+  bool force = false;
+  std::string file;
+  std::string firmware;
+  std::string commit;
+  bool hard = false;
+  std::string power_state;
+};
+
+namespace {
+
+/// How the purpose of a lock begins that nothing but `hils board lock` holds.
+constexpr std::string_view kLockVerb = "hils board lock";
+constexpr const char* kForever = "forever";
+constexpr double kForever_s = 3e9;
+
+BoardList load_list(const std::string& given) {
+  const fs::path file = find_board_list(given);
+  if (file.empty()) {
+    throw base::ConfigError(
+        "there is no boards.yaml: neither --boards nor CAS_BOARDS names one, and there is none in "
+        "the working folder, in ~/.config/cas and in /etc/cas (docs/ci_with_boards.md)");
+  }
+  return BoardList::load(file);
+}
+
+Json board_json(const Board& board, const std::optional<fs::path>& device, const LockState& lock) {
+  Json entry{{"name", board.name},
+             {"kind", board.kind},
+             {"serial", board.serial},
+             {"present", device.has_value()},
+             {"device", device ? device->string() : ""},
+             {"firmware", board.firmware},
+             {"commit", board.commit},
+             {"calibration", to_string(board.calibration)},
+             {"held", lock.held},
+             {"waiting", lock.waiting}};
+  if (lock.holder) {
+    entry["holder"] = {{"pid", lock.holder->pid},
+                       {"user", lock.holder->user},
+                       {"since", lock.holder->since},
+                       {"for", lock.holder->purpose}};
+  }
+  return entry;
+}
+
+int show_list(const BoardList& list, bool as_json) {
+  const fs::path folder = lock_folder(list);
+  const auto or_dash = [](const std::string& text) { return text.empty() ? "-" : text; };
+  Json all = Json::array();
+  std::vector<std::vector<std::string>> rows{
+      {"BOARD", "KIND", "DEVICE", "FIRMWARE", "CALIBRATION", "LOCK"}};
+  for (const Board& board : list.boards) {
+    const auto device = find_device(board, list.by_id);
+    const LockState lock = look_at_lock(board, folder);
+    all.push_back(board_json(board, device, lock));
+    rows.push_back({board.name, or_dash(board.kind), device ? device->string() : "absent",
+                    or_dash(board.firmware), std::string(to_string(board.calibration)),
+                    to_words(lock)});
+  }
+  fmt::print("{}", as_json ? all.dump(2) + "\n" : aligned_table(rows, Cells::kLeft));
+  return kExitPassed;
+}
+
+int show_names(const BoardList& list) {
+  for (const Board& board : list.boards) fmt::print("{}\n", board.name);
+  return kExitPassed;
+}
+
+/// Holds the board while a command runs, or in the background.
+int hold(BoardLock lock, const Board& board, const std::vector<std::string>& command,
+         base::Duration at_most) {
+  if (lock.is_guest()) {
+    throw BoardError(kExitBoardBusy, fmt::format("board '{}' is held already by a process that is "
+                                                 "named in CAS_BOARD_HOLDER",
+                                                 board.name));
+  }
+  if (!command.empty()) return run_in_foreground(command, {holder_setting(::getpid())});
+  const pid_t holder = go_to_background();
+  if (holder == 0) {
+    wait_to_be_ended(at_most);
+    return kExitPassed;
+  }
+  lock.hand_over(holder);
+  fmt::print("{}\n", holder_setting(holder));
+  return kExitPassed;
+}
+
+/// Ends who holds the board. @throws BoardError
+int release(const Board& board, const fs::path& folder, bool force) {
+  constexpr base::Duration kPatience = std::chrono::seconds(10);
+  constexpr int kLookMs = 20;
+  LockState state = look_at_lock(board, folder);
+  if (!state.held) {
+    fmt::print("board '{}' is free\n", board.name);
+    return kExitPassed;
+  }
+  const pid_t holder = state.holder ? state.holder->pid : 0;
+  if (holder == 0 || (!force && !state.holder->purpose.starts_with(kLockVerb))) {
+    throw BoardError(kExitBoardBusy,
+                     fmt::format("board '{}' is at work: {}; --force ends that program", board.name,
+                                 to_words(state)));
+  }
+  if (::kill(holder, SIGTERM) != 0) {
+    throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} is not yours to end: {}",
+                                                 board.name, holder, to_words(state)));
+  }
+  const base::RunTime begin = base::steady_now();
+  const auto still_his = [&] {
+    state = look_at_lock(board, folder);
+    return state.held && (!state.holder || state.holder->pid == holder);
+  };
+  while (still_his()) {
+    if (base::steady_now() - begin > kPatience) {
+      throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} was told to end and "
+                                                   "still holds it",
+                                                   board.name, holder));
+    }
+    ::poll(nullptr, 0, kLookMs);
+  }
+  fmt::print("board '{}' is free\n", board.name);
+  return kExitPassed;
+}
+
+void power(BoardActions& actions, const std::string& state) {
+  if (state == "on") actions.power_on();
+  if (state == "off") actions.power_off();
+  if (state == "cycle") actions.power_cycle();
+}
+
+}  // namespace
+
+std::optional<base::Duration> parse_wait(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  if (text == kForever) return base::from_seconds(kForever_s);
+  double seconds = 0;
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, seconds);
+  if (result.ec != std::errc() || result.ptr != end || !(seconds >= 0 && seconds <= kForever_s)) {
+    throw base::ConfigError("--wait=" + text + ": is no number of seconds");
+  }
+  return base::from_seconds(seconds);
+}
+
+void add_wait(CLI::App& command, std::string& text) {
+  command.add_flag(std::string("--wait{") + kForever + "}", text,
+                   "Stand in the queue for a board that somebody else holds; --wait=SECONDS: no "
+                   "longer than that");
+}
+
+base::cli::WordsByCommand board_words() {
+  const base::cli::ArgumentWords names{.command = "hils board list --names"};
+  return {{"board lock", names},    {"board unlock", names},
+          {"board flash", names},   {"board reboot", names},
+          {"board console", names}, {"board power", {.known = {"on", "off", "cycle"}}}};
+}
+
+BoardCommand::BoardCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
+  Flags& flags = *flags_;
+  flags.board = app.add_subcommand("board", "Flight controllers of the bench, by name");
+  flags.board->require_subcommand(1);
+  flags.board->add_option(
+      "--boards", flags.boards,
+      "The list of boards (CAS_BOARDS, ./boards.yaml, ~/.config/cas/boards.yaml, "
+      "/etc/cas/boards.yaml)");
+  const auto verb = [&flags](const char* name, const char* description) {
+    CLI::App* command = flags.board->add_subcommand(name, description);
+    command->fallthrough();  // --boards may stand behind the verb
+    return command;
+  };
+  const auto verb_of_one = [&](const char* name, const char* description) {
+    CLI::App* command = verb(name, description);
+    command->add_option("NAME", flags.name, "Board")->required();
+    return command;
+  };
+  flags.list = verb("list", "Show the boards, whether they are there, and who holds them");
+  flags.list->add_flag("--json", flags.json, "As JSON");
+  flags.list->add_flag("--names", flags.names, "The names alone, one a line");
+
+  flags.lock = verb_of_one("lock", "Hold a board while a command runs, or until it is unlocked");
+  flags.lock->add_option("COMMAND", flags.command,
+                         "Program and arguments, behind --; without it the board is held in the "
+                         "background, and the line to put into the environment is printed");
+  flags.lock->add_option("--for", flags.purpose, "What for: others are told");
+  flags.lock
+      ->add_option("--at-most", flags.at_most_s,
+                   "Seconds that it is held in the background (14400)")
+      ->check(base::cli::whole_number)
+      ->check(CLI::Range(1, 7 * 24 * 3600));
+  add_wait(*flags.lock, flags.wait);
+
+  flags.unlock = verb_of_one("unlock", "End a lock of `hils board lock`");
+  flags.unlock->add_flag("--force", flags.force, "End whatever program holds the board");
+
+  flags.flash = verb_of_one("flash", "Run the hook `flash`, and wait for the firmware to boot");
+  flags.flash->add_option("FILE", flags.file, "Firmware, for the hook");
+  flags.flash->add_option("--firmware", flags.firmware,
+                          "Version that must boot, instead of the list's");
+  flags.flash->add_option("--commit", flags.commit,
+                          "Commit that must boot (its beginning), instead of the list's");
+  add_wait(*flags.flash, flags.wait);
+
+  flags.reboot = verb_of_one("reboot", "Restart a board that is not armed, and wait for it");
+  flags.reboot->add_flag("--hard", flags.hard, "By the hook `reset`, not by a command");
+  add_wait(*flags.reboot, flags.wait);
+
+  flags.power = verb("power", "Switch a board on, off, or off and on; on waits for it to boot");
+  flags.power->add_option("STATE", flags.power_state, "on, off or cycle")
+      ->required()
+      ->check(CLI::IsMember({"on", "off", "cycle"}));
+  flags.power->add_option("NAME", flags.name, "Board")->required();
+  add_wait(*flags.power, flags.wait);
+
+  flags.console = verb_of_one("console", "Run the hook `console` on this terminal");
+  add_wait(*flags.console, flags.wait);
+}
+
+BoardCommand::~BoardCommand() = default;
+
+bool BoardCommand::parsed() const { return flags_->board->parsed(); }
+
+int BoardCommand::run() const {
+  const Flags& flags = *flags_;
+  const BoardList list = load_list(flags.boards);
+  if (flags.list->parsed()) {
+    return flags.names ? show_names(list) : show_list(list, flags.json);
+  }
+  Board board = list.board(flags.name);
+  const fs::path folder = lock_folder(list);
+  if (flags.unlock->parsed()) return release(board, folder, flags.force);
+
+  const std::string verb = "hils board " + flags.board->get_subcommands().front()->get_name();
+  const std::string command = fmt::format("{}", fmt::join(flags.command, " "));
+  const std::string purpose = flags.purpose.empty() ? command : flags.purpose;
+  BoardLock lock(board, folder, purpose.empty() ? verb : verb + ": " + purpose,
+                 parse_wait(flags.wait));
+  if (flags.lock->parsed()) {
+    return hold(std::move(lock), board, flags.command, std::chrono::seconds(flags.at_most_s));
+  }
+  if (flags.console->parsed()) {
+    const auto device = find_device(board, list.by_id).value_or(fs::path());
+    const HookCommand hook = hook_command(board, HookKind::kConsole, list.file.parent_path(),
+                                          hook_variables(board, device, {}));
+    return run_in_foreground(hook.arguments, hook.environment);
+  }
+  if (!flags.firmware.empty() || !flags.commit.empty()) {
+    board.firmware = flags.firmware;
+    board.commit = flags.commit;
+  }
+  Supervisor supervisor;
+  BoardActions actions(supervisor, list, board, folder);
+  if (flags.flash->parsed()) {
+    actions.flash(flags.file.empty() ? fs::path() : fs::absolute(flags.file));
+  } else if (flags.reboot->parsed()) {
+    actions.reboot(flags.hard);
+  } else {
+    power(actions, flags.power_state);
+  }
+  return kExitPassed;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/boards/board_list.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <system_error>
+
+#include "base/config/config_whole.hpp"
+#include "base/enum_words.hpp"
+#include "base/suggestion.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestName = 40;  ///< it is a part of file names
+constexpr double kLongestBoot_s = 600;
+constexpr double kLongestHook_s = 3600;
+constexpr double kFlashTimeout_s = 180;
+constexpr double kHookTimeout_s = 30;
+constexpr unsigned kHighestBaud = 12'000'000;
+constexpr unsigned kMostInterfaces = 255;
+
+bool is_plain(std::string_view name) {
+  return !name.empty() && name.size() <= kLongestName &&
+         std::ranges::all_of(name, [](unsigned char c) {
+           return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+         });
+}
+
+BoardHook parse_hook(HookKind kind, const base::ConfigNode& node) {
+  BoardHook hook;
+  // A list alone is the command; a map has a time-out of its own.
+  const base::ConfigNode command = node.is_map() ? node.at("command") : node;
+  if (!command.is_list()) {
+    command.fail("is a list, the program first and each argument by itself: no shell reads it");
+  }
+  hook.command = command.as<std::vector<std::string>>();
+  if (hook.command.empty() || hook.command.front().empty()) command.fail("names no program");
+  const double fallback = kind == HookKind::kFlash ? kFlashTimeout_s : kHookTimeout_s;
+  hook.timeout = base::from_seconds(
+      node.is_map() ? node.get_in("timeout_s", fallback, 0.1, kLongestHook_s) : fallback);
+  return hook;
+}
+
+std::map<HookKind, BoardHook> parse_hooks(const base::ConfigNode& node) {
+  std::map<HookKind, BoardHook> hooks;
+  for (const HookKind kind : kHookKinds) {
+    if (const auto hook = node.find(to_string(kind))) hooks[kind] = parse_hook(kind, *hook);
+  }
+  return hooks;
+}
+
+Calibration parse_calibration(const base::ConfigNode& node) {
+  const auto word = node.as<std::string>();
+  for (const auto state : {Calibration::kUnknown, Calibration::kDone, Calibration::kMissing}) {
+    if (word == to_string(state)) return state;
+  }
+  node.fail("'" + word + "' is none of unknown, done, missing");
+}
+
+/// Text, also where YAML takes it for a number: firmware: 1.15.
+std::string text_of(const base::ConfigNode& node, std::string_view key) {
+  return node.get<std::string>(key, "");
+}
+
+Board parse_board(const std::string& name, const base::ConfigNode& node) {
+  Board board{.name = name};
+  if (!is_plain(name)) {
+    node.fail("a board's name is made of up to 40 letters, digits, and _ - .");
+  }
+  board.serial = text_of(node, "serial");
+  if (const auto device = node.find("device"))
+    board.device = node.resolve(device->as<std::string>());
+  if (board.serial.empty() == board.device.empty()) {
+    node.fail("has a `serial` (its USB serial number) or a `device` (a path), one of them");
+  }
+  board.interface =
+      base::get_whole_in<unsigned>(node, "interface", board.interface, 0, kMostInterfaces);
+  board.baud = base::get_whole_in<unsigned>(node, "baud", board.baud, 0, kHighestBaud);
+  board.kind = text_of(node, "kind");
+  board.firmware = text_of(node, "firmware");
+  board.commit = text_of(node, "commit");
+  if (board.commit.find_first_not_of("0123456789abcdef") != std::string::npos) {
+    node.at("commit").fail("is hexadecimal, in small letters");
+  }
+  if (const auto state = node.find("calibration")) board.calibration = parse_calibration(*state);
+  board.boot_timeout = base::from_seconds(
+      node.get_in("boot_timeout_s", base::to_seconds(board.boot_timeout), 1, kLongestBoot_s));
+  board.off_time =
+      base::from_seconds(node.get_in("off_time_s", base::to_seconds(board.off_time), 0, 60));
+  if (const auto hooks = node.find("hooks")) board.hooks = parse_hooks(*hooks);
+  return board;
+}
+
+fs::path user_config() {
+  const char* folder = std::getenv("XDG_CONFIG_HOME");
+  if (folder != nullptr && *folder != 0) return fs::path(folder) / "cas/boards.yaml";
+  const char* home = std::getenv("HOME");
+  return home == nullptr ? fs::path() : fs::path(home) / ".config/cas/boards.yaml";
+}
+
+}  // namespace
+
+std::string_view to_string(HookKind kind) {
+  static constexpr base::EnumWords<HookKind::kConsole> kWords{"flash", "power_on", "power_off",
+                                                              "reset", "console"};
+  return kWords[kind];
+}
+
+std::string_view to_string(Calibration state) {
+  static constexpr base::EnumWords<Calibration::kMissing> kWords{"unknown", "done", "missing"};
+  return kWords[state];
+}
+
+BoardList BoardList::load(const fs::path& file) {
+  return parse(base::ConfigNode::load(fs::absolute(file)));
+}
+
+BoardList BoardList::parse(const base::ConfigNode& root) {
+  constexpr int kSchema = 1;
+  if (root.require<int>("schema") != kSchema) root.at("schema").fail("is 1");
+  BoardList list;
+  list.file = root.file();
+  if (const auto folder = root.find("lock_folder")) {
+    list.lock_folder = root.resolve(folder->as<std::string>());
+  }
+  if (const auto folder = root.find("by_id")) list.by_id = root.resolve(folder->as<std::string>());
+  const base::ConfigNode boards = root.at("boards");
+  for (const auto& [name, node] : boards.entries()) {
+    Board board = parse_board(name, node);
+    const auto same = std::ranges::find(list.boards, board.identity(), &Board::identity);
+    if (same != list.boards.end()) {
+      node.fail("is the same board as '" + same->name + "'");
+    }
+    list.boards.push_back(std::move(board));
+  }
+  if (list.boards.empty()) boards.fail("names no board");
+  root.reject_unused();
+  return list;
+}
+
+const Board* BoardList::find(std::string_view name) const {
+  const auto found = std::ranges::find(boards, name, &Board::name);
+  return found == boards.end() ? nullptr : &*found;
+}
+
+const Board& BoardList::board(std::string_view name) const {
+  if (const Board* found = find(name)) return *found;
+  std::vector<std::string> names;
+  for (const Board& board : boards) names.push_back(board.name);
+  throw base::ConfigError(file.string() + ": there is no board '" + std::string(name) + "'" +
+                          base::did_you_mean(name, names));
+}
+
+fs::path find_board_list(const fs::path& given) {
+  if (!given.empty()) return given;
+  const char* named = std::getenv("CAS_BOARDS");
+  if (named != nullptr && *named != 0) return named;
+  for (const fs::path& file :
+       {fs::path("boards.yaml"), user_config(), fs::path("/etc/cas/boards.yaml")}) {
+    std::error_code error;
+    if (!file.empty() && fs::is_regular_file(file, error)) return file;
+  }
+  return {};
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/boards/board_lock.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/os/file_lock.hpp"
+#include "base/rpc/local_port.hpp"
+#include "hils/boards/board_error.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kHolderVariable = "CAS_BOARD_HOLDER";
+constexpr mode_t kOfTheGroup = 0664;  ///< several users may share a folder
+constexpr int kLookMs = 100;
+
+[[noreturn]] void fail(const fs::path& file) {
+  throw base::ConfigError(file.string() + ": " + std::generic_category().message(errno));
+}
+
+fs::path place(const fs::path& folder, const Board& board, const char* kind) {
+  std::string name = board.identity();
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.'; }, '_');
+  return folder / (name + kind);
+}
+
+fs::path lock_file(const fs::path& folder, const Board& board) {
+  return place(folder, board, ".lock");
+}
+
+fs::path queue_of(const fs::path& folder, const Board& board) {
+  return place(folder, board, ".queue");
+}
+
+base::Descriptor open_for_lock(const fs::path& file) {
+  base::Descriptor fd(
+      ::open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, kOfTheGroup));
+  if (!fd) fail(file);
+  ::fchmod(fd.get(), kOfTheGroup);  // refused where somebody else made it
+  return fd;
+}
+
+std::optional<LockHolder> read_holder(const fs::path& file) {
+  std::ifstream in(file);
+  return LockHolder::parse(std::string{std::istreambuf_iterator<char>(in), {}});
+}
+
+std::string user_name() {
+  const passwd* entry = ::getpwuid(::getuid());
+  return entry == nullptr ? std::to_string(::getuid()) : entry->pw_name;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+/// Tickets of waiters that are still there; those of others are cleared away.
+std::vector<std::string> living_tickets(const fs::path& queue) {
+  std::vector<std::string> alive;
+  std::error_code error;
+  for (fs::directory_iterator at(queue, error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (name.starts_with(".")) continue;  // its lock is not taken yet
+    const base::Descriptor ticket(::open(at->path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (!ticket) continue;
+    if (base::is_file_locked(ticket.get())) {
+      alive.push_back(name);
+    } else {
+      ::unlink(at->path().c_str());
+    }
+  }
+  return alive;
+}
+
+/// A place in the queue while the object is there.
+class Ticket {
+ public:
+  explicit Ticket(const fs::path& queue) {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    name_ = ticket_name(std::chrono::nanoseconds(now).count(), ::getpid());
+    std::error_code error;
+    fs::create_directories(queue, error);
+    fs::permissions(queue, fs::perms(0775), error);
+    file_ = queue / name_;
+    // Others see it once its lock is taken: before, they would clear it away.
+    const fs::path hidden = queue / ("." + name_);
+    lock_ = open_for_lock(hidden);
+    if (!base::take_file_lock(lock_.get()) || ::rename(hidden.c_str(), file_.c_str()) != 0) {
+      fail(hidden);
+    }
+  }
+  ~Ticket() { ::unlink(file_.c_str()); }
+  Ticket(const Ticket&) = delete;
+  Ticket& operator=(const Ticket&) = delete;
+
+  const std::string& name() const { return name_; }
+
+ private:
+  std::string name_;
+  fs::path file_;
+  base::Descriptor lock_;
+};
+
+[[noreturn]] void refuse(const Board& board, const LockState& state, const std::string& how_long) {
+  throw BoardError(kExitBoardBusy, fmt::format("board '{}' is not free{}: {}", board.name, how_long,
+                                               to_words(state)));
+}
+
+/// Stands in the queue until the lock is taken. @throws BoardError
+void wait_for(int lock, const Board& board, const fs::path& folder, base::Duration patience) {
+  const base::RunTime begin = base::steady_now();
+  const fs::path queue = queue_of(folder, board);
+  const Ticket ticket(queue);
+  bool told = false;
+  while (places_before(living_tickets(queue), ticket.name()) > 0 || !base::take_file_lock(lock)) {
+    const LockState state = look_at_lock(board, folder);
+    if (base::steady_now() - begin >= patience) {
+      refuse(board, state, fmt::format(" after {:g} s", base::to_seconds(patience)));
+    }
+    if (!std::exchange(told, true)) {
+      fmt::print(stderr, "hils: waiting for board '{}': {}\n", board.name, to_words(state));
+    }
+    ::poll(nullptr, 0, kLookMs);
+  }
+}
+
+}  // namespace
+
+std::string holder_setting(pid_t holder) {
+  const char* before = std::getenv(kHolderVariable);
+  const bool any = before != nullptr && *before != 0;
+  return fmt::format("{}={}{}{}", kHolderVariable, any ? before : "", any ? "," : "", holder);
+}
+
+fs::path lock_folder(const BoardList& list) {
+  const fs::path folder =
+      list.lock_folder.empty() ? base::rpc::make_runtime_folder() / "boards" : list.lock_folder;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw base::ConfigError(folder.string() + ": cannot be made: " + error.message());
+  return folder;
+}
+
+LockState look_at_lock(const Board& board, const fs::path& folder) {
+  LockState state;
+  const fs::path file = lock_file(folder, board);
+  const base::Descriptor lock(::open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  state.waiting = living_tickets(queue_of(folder, board)).size();
+  state.held = lock && base::is_file_locked(lock.get());
+  if (state.held) state.holder = read_holder(file);
+  return state;
+}
+
+std::string to_words(const LockState& state) {
+  if (!state.held) return state.waiting == 0 ? "it is free" : "it goes to who waits for it";
+  std::string words = state.holder ? "it is held by " + to_words(*state.holder)
+                                   : "it is held by a program that has just taken it";
+  if (state.waiting > 0) words += fmt::format("; {} in the queue", state.waiting);
+  return words;
+}
+
+BoardLock::BoardLock(const Board& board, const fs::path& folder, const std::string& purpose,
+                     std::optional<base::Duration> wait) {
+  const fs::path file = lock_file(folder, board);
+  const LockState state = look_at_lock(board, folder);
+  const std::vector<pid_t> hosts = parse_holder_variable(std::getenv(kHolderVariable));
+  if (state.holder && std::ranges::count(hosts, state.holder->pid) > 0) return;
+  lock_ = open_for_lock(file);
+  if (wait) {
+    wait_for(lock_.get(), board, folder, *wait);
+  } else if (state.waiting > 0 || !base::take_file_lock(lock_.get())) {
+    refuse(board, look_at_lock(board, folder), "");
+  }
+  holder_ = {.pid = ::getpid(), .user = user_name(), .since = utc_now(), .purpose = purpose};
+  write();
+}
+
+BoardLock::~BoardLock() {
+  if (!lock_ || handed_over_) return;
+  // Should it fail, the text does no harm: without the lock nobody believes it.
+  [[maybe_unused]] const int result = ::ftruncate(lock_.get(), 0);
+}
+
+void BoardLock::hand_over(pid_t child) {
+  if (!lock_) return;
+  holder_.pid = child;
+  write();
+  handed_over_ = true;
+}
+
+void BoardLock::write() const {
+  const std::string text = holder_.text();
+  const bool whole =
+      ::ftruncate(lock_.get(), 0) == 0 &&
+      ::pwrite(lock_.get(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  if (!whole) throw base::ConfigError("the holder of a board cannot be written down");
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "hils/boards/board_list.hpp"
+#include "hils/boards/boot_check.hpp"
+#include "hils/programs/supervisor.hpp"
+
+namespace cas::hils {
+
+/// A casd of its own on a board's serial port, while the object is there. It knows nothing of the
+/// board from before.
+class BoardSession {
+ public:
+  /// @throws RunStopped, base::ConfigError
+  BoardSession(Supervisor& supervisor, const Board& board, std::filesystem::path device);
+  ~BoardSession();
+  BoardSession(const BoardSession&) = delete;
+  BoardSession& operator=(const BoardSession&) = delete;
+
+  const std::filesystem::path& device() const;
+  /// What is known now. @throws base::rpc::ConnectionError, base::rpc::CallError
+  BoardFacts look();
+  /// Has it say its version again: at first it may not have been ready to.
+  void ask_version();
+  /// Time since the board began, s, as SYSTEM_TIME says; nothing while none has come. The first
+  /// call begins to look.
+  std::optional<double> uptime_s();
+  /// Has the board restart. @throws BoardError (kExitBoardFailed) when it refuses or is silent
+  void reboot();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cas::hils

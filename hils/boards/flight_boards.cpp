@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/boards/flight_boards.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "base/error.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/boards/board_actions.hpp"
+#include "hils/boards/board_device.hpp"
+#include "hils/boards/board_error.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+std::size_t place_of(const std::string& name, const VehicleNames& vehicles) {
+  const auto found = std::ranges::find(vehicles, name);
+  if (found != vehicles.end()) return static_cast<std::size_t>(found - vehicles.begin());
+  throw base::ConfigError(fmt::format("--fcu: there is no vehicle '{}'; vehicles are {}", name,
+                                      fmt::join(vehicles, ", ")));
+}
+
+Json board_json(const std::string& vehicle, const Board& board, const BoardFacts& facts) {
+  return {{"vehicle", vehicle},
+          {"board", board.name},
+          {"kind", board.kind},
+          {"serial", board.serial},
+          {"device", facts.device.string()},
+          {"autopilot", facts.autopilot},
+          {"firmware", facts.firmware},
+          {"commit", facts.commit},
+          {"calibration", to_string(board.calibration)}};
+}
+
+}  // namespace
+
+std::vector<FcuChoice> parse_fcu_words(const std::vector<std::string>& words,
+                                       const VehicleNames& vehicles) {
+  std::vector<FcuChoice> choices;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    const bool names_vehicle = equals != std::string::npos && equals < word.find('/');
+    if (!names_vehicle && vehicles.size() > 1) {
+      throw base::ConfigError(
+          fmt::format("--fcu {}: the scenario has several vehicles: say which one, --fcu {}={}",
+                      word, vehicles.front(), word));
+    }
+    FcuChoice choice{.controller = names_vehicle ? word.substr(equals + 1) : word};
+    if (names_vehicle) choice.vehicle = place_of(word.substr(0, equals), vehicles);
+    if (choice.controller.empty()) throw base::ConfigError("--fcu " + word + ": names no board");
+    for (const FcuChoice& other : choices) {
+      if (other.vehicle == choice.vehicle) {
+        throw base::ConfigError("--fcu: vehicle '" + vehicles[choice.vehicle] +
+                                "' has two controllers");
+      }
+      if (other.controller == choice.controller) {
+        throw base::ConfigError("--fcu: " + choice.controller + " cannot fly two vehicles");
+      }
+    }
+    choices.push_back(std::move(choice));
+  }
+  return choices;
+}
+
+bool is_board(const std::string& controller, const BoardList* list, bool is_path) {
+  if (list == nullptr || controller.find('/') != std::string::npos) return false;
+  if (list->find(controller) != nullptr) return true;
+  if (!is_path) list->board(controller);  // says what there is
+  return false;
+}
+
+void fail_absent(const std::map<std::size_t, std::string>& gone, RunResult& run) {
+  bool any = false;
+  for (const auto& [vehicle, sentence] : gone) {
+    Verdict& verdict = run.vehicles.at(vehicle).verdict;
+    if (verdict.passed) continue;
+    verdict.valid = any = true;
+    verdict.failures.insert(verdict.failures.begin(), sentence);
+  }
+  if (!any) return;
+  run.verdict = run.has_several() ? judge_together(run.vehicles) : run.vehicles.front().verdict;
+  run.verdict.valid = true;
+}
+
+FlightBoards::FlightBoards(const std::vector<FcuChoice>& choices, const fs::path& file,
+                           const std::string& purpose, std::optional<base::Duration> wait) {
+  if (choices.empty()) return;
+  const auto is_plain_path = [](const FcuChoice& choice) {
+    return choice.controller.find('/') != std::string::npos;
+  };
+  if (!file.empty() && !std::ranges::all_of(choices, is_plain_path)) list_ = BoardList::load(file);
+  std::vector<const Board*> in_order;
+  for (const FcuChoice& choice : choices) {
+    std::error_code error;
+    const bool is_path = fs::exists(choice.controller, error);
+    if (is_board(choice.controller, list_ ? &*list_ : nullptr, is_path)) {
+      in_order.push_back(boards_[choice.vehicle] = &list_->board(choice.controller));
+    } else {
+      ports_[choice.vehicle] = choice.controller;
+    }
+  }
+  if (in_order.empty()) return;
+  std::ranges::sort(in_order, {}, [](const Board* board) { return board->identity(); });
+  const fs::path folder = lock_folder(*list_);
+  for (const Board* board : in_order) locks_.emplace_back(*board, folder, purpose, wait);
+}
+
+std::map<std::size_t, FcuDevice> FlightBoards::prepare(const fs::path& out,
+                                                       const VehicleNames& vehicles,
+                                                       std::optional<unsigned> baud) const {
+  std::map<std::size_t, FcuDevice> devices;
+  for (const auto& [vehicle, port] : ports_) {
+    devices[vehicle] = {.path = port, .baud = baud.value_or(FcuDevice{}.baud)};
+  }
+  if (boards_.empty()) return devices;
+  Supervisor supervisor;
+  Json all = Json::array();
+  for (const auto& [vehicle, board] : boards_) {
+    const BoardFacts facts = BoardActions(supervisor, *list_, *board, out).boot(Absence::kFails);
+    if (board->calibration == Calibration::kMissing) {
+      fmt::print(stderr,
+                 "board '{}': by boards.yaml its sensors are not calibrated: a stock firmware may "
+                 "refuse to arm\n",
+                 board->name);
+    }
+    devices[vehicle] = {.path = facts.device.string(), .baud = baud.value_or(board->baud)};
+    all.push_back(board_json(vehicles.at(vehicle), *board, facts));
+  }
+  base::write_file(out / "boards.json", all.dump(2) + "\n", base::Durability::kCache);
+  return devices;
+}
+
+std::map<std::size_t, std::string> FlightBoards::absences() const {
+  std::map<std::size_t, std::string> sentences;
+  for (const auto& [vehicle, board] : boards_) {
+    if (find_device(*board, list_->by_id)) continue;
+    sentences[vehicle] = judge_boot({}, *board).sentence + "; it was there when the run began";
+  }
+  return sentences;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cas::hils {
+
+/// Who holds a board, as the lock's file tells.
+struct LockHolder {
+  pid_t pid = 0;
+  std::string user;
+  std::string since;    ///< UTC: "2026-03-01T12:00:00Z"
+  std::string purpose;  ///< "hils run hover.yaml"
+
+  /// A line for each key.
+  std::string text() const;
+  /// @return nothing where the text is no holder's: one that is just being written
+  static std::optional<LockHolder> parse(std::string_view text);
+};
+
+/// "process 123 of ann since 2026-03-01T12:00:00Z: hils run hover.yaml".
+std::string to_words(const LockHolder& holder);
+
+/// The processes whose boards a program may use as if it held them: CAS_BOARD_HOLDER, numbers with
+/// commas between them. Programs below `hils board lock` have it, so that the lock around them does
+/// not lock them out.
+/// @param variable  its value; nullptr: none
+std::vector<pid_t> parse_holder_variable(const char* variable);
+
+/// A waiter's place in the queue: the name of its ticket, which sorts by the time of its coming.
+/// @param at_ns  since 1970
+std::string ticket_name(std::int64_t at_ns, pid_t pid);
+
+/// How many tickets of the queue stand before this one. Pure.
+/// @param alive  names of tickets whose waiters are still there
+std::size_t places_before(const std::vector<std::string>& alive, std::string_view own);
+
+}  // namespace cas::hils

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/boards/board_list.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "tests/support/paths.hpp"
+
+namespace cas::hils {
+namespace {
+
+using std::chrono::seconds;
+
+BoardList parse(const std::string& boards) {
+  return BoardList::parse(
+      base::ConfigNode::parse("schema: 1\nboards:\n" + boards, "/shelf/boards.yaml"));
+}
+
+TEST(BoardList, ReadsABoardWithItsHooks) {
+  const BoardList list = parse(R"(
+  bench1:
+    serial: 0123
+    kind: px4_fmu-v6x
+    firmware: 1.15
+    commit: 12ab
+    calibration: done
+    boot_timeout_s: 12
+    hooks:
+      flash: {command: [./flash, "${CAS_BOARD_FILE}"], timeout_s: 90}
+      power_off: [uhubctl, -a, off]
+  bench2: {device: ports/b, baud: 57600}
+)");
+  const Board& board = list.board("bench1");
+  EXPECT_EQ(board.serial, "0123");
+  EXPECT_EQ(board.firmware, "1.15");
+  EXPECT_EQ(board.commit, "12ab");
+  EXPECT_EQ(board.calibration, Calibration::kDone);
+  EXPECT_EQ(board.boot_timeout, seconds(12));
+  EXPECT_EQ(board.hooks.at(HookKind::kFlash).timeout, seconds(90));
+  EXPECT_EQ(board.hooks.at(HookKind::kFlash).command.back(), "${CAS_BOARD_FILE}");
+  EXPECT_EQ(board.hooks.at(HookKind::kPowerOff).timeout, seconds(30));
+  EXPECT_FALSE(board.hooks.contains(HookKind::kReset));
+  EXPECT_EQ(list.board("bench2").device, "/shelf/ports/b");
+  EXPECT_EQ(list.board("bench2").baud, 57600U);
+  EXPECT_EQ(list.find("bench3"), nullptr);
+}
+
+TEST(BoardList, TheShippedExampleIsOne) {
+  const BoardList list = BoardList::load(cas::test::source_dir() + "/config/boards.yaml");
+  EXPECT_GE(list.boards.size(), 2U);
+  EXPECT_TRUE(list.boards.front().hooks.contains(HookKind::kFlash));
+}
+
+struct BadList {
+  const char* name;
+  const char* boards;
+  const char* sentence;
+};
+
+class BadBoardList : public testing::TestWithParam<BadList> {};
+
+TEST_P(BadBoardList, IsRefusedWithTheLineAndTheReason) {
+  try {
+    parse(GetParam().boards);
+    FAIL() << "no error";
+  } catch (const base::ConfigError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find("/shelf/boards.yaml:"), 0U) << text;
+    EXPECT_NE(text.find(GetParam().sentence), std::string::npos) << text;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadBoardList,
+    testing::Values(
+        BadList{"NoPlace", "  a: {kind: x}\n", ":3: boards.a: has a `serial`"},
+        BadList{"TwoPlaces", "  a: {serial: 1, device: /dev/x}\n", "one of them"},
+        BadList{"Twice", "  a: {serial: 1}\n  b: {serial: 1}\n", "is the same board as 'a'"},
+        BadList{"Name", "  a/b: {serial: 1}\n", "a board's name is made of"},
+        BadList{"ShellString", "  a: {serial: 1, hooks: {flash: make flash}}\n",
+                "boards.a.hooks.flash: is a list"},
+        BadList{"NoProgram", "  a: {serial: 1, hooks: {flash: []}}\n", "names no program"},
+        BadList{"Calibration", "  a: {serial: 1, calibration: some}\n",
+                "'some' is none of unknown, done, missing"},
+        BadList{"Commit", "  a: {serial: 1, commit: xyz}\n", "is hexadecimal"},
+        BadList{"Hook", "  a: {serial: 1, hooks: {flsh: [a]}}\n", "did you mean 'flash'"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(BoardList, SaysWhichBoardMayHaveBeenMeant) {
+  const BoardList list = parse("  bench1: {serial: 1}\n");
+  try {
+    list.board("bensh1");
+    FAIL() << "no error";
+  } catch (const base::ConfigError& error) {
+    EXPECT_STREQ(error.what(),
+                 "/shelf/boards.yaml: there is no board 'bensh1'; did you mean 'bench1'?");
+  }
+}
+
+}  // namespace
+}  // namespace cas::hils

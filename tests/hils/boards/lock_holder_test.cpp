@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/boards/lock_holder.hpp"
+
+#include <gtest/gtest.h>
+
+namespace cas::hils {
+namespace {
+
+const LockHolder kHolder{
+    .pid = 12, .user = "ann", .since = "2026-03-01T12:00:00Z", .purpose = "hils run hover.yaml"};
+
+TEST(LockHolder, IsReadAsItWasWritten) {
+  const auto read = LockHolder::parse(kHolder.text());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(to_words(*read), "process 12 of ann since 2026-03-01T12:00:00Z: hils run hover.yaml");
+}
+
+TEST(LockHolder, KeepsToItsLine) {
+  LockHolder holder = kHolder;
+  holder.purpose = "night\npid 1";
+  const auto read = LockHolder::parse(holder.text());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->pid, 12);
+  EXPECT_EQ(read->purpose, "night pid 1");
+}
+
+TEST(LockHolder, IsNoneWhileItIsBeingWritten) {
+  const std::string text = kHolder.text();
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    EXPECT_FALSE(LockHolder::parse(text.substr(0, size))) << size;
+  }
+}
+
+TEST(LockHolder, VariableHoldsNumbers) {
+  EXPECT_TRUE(parse_holder_variable(nullptr).empty());
+  EXPECT_TRUE(parse_holder_variable("no,,-1,12x").empty());
+  EXPECT_EQ(parse_holder_variable("12,34"), (std::vector<pid_t>{12, 34}));
+}
+
+TEST(LockQueue, IsInTheOrderOfComing) {
+  const std::string first = ticket_name(999, 50);
+  const std::string second = ticket_name(1000, 4);
+  const std::vector<std::string> alive{second, first};
+  EXPECT_EQ(places_before(alive, first), 0U);
+  EXPECT_EQ(places_before(alive, second), 1U);
+}
+
+}  // namespace
+}  // namespace cas::hils

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `hils board` and `hils run --fcu NAME` on stand-ins for boards: each way that it may go, and what
+// others may do meanwhile.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/loopback/board_shelf.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+namespace {
+
+using nlohmann::json;
+
+// Exit codes of hils.
+constexpr int kUsage = 2;
+constexpr int kAbsent = 4;
+constexpr int kNoBoot = 5;
+constexpr int kFailed = 6;
+constexpr int kBusy = 7;
+
+#define EXPECT_SAYS(answer, words) \
+  EXPECT_NE((answer).text.find(words), std::string::npos) << (answer).text
+
+json listed(const BoardShelf& shelf, std::size_t place = 0) {
+  const ShelfAnswer list = shelf.board({"list", "--json"});
+  EXPECT_EQ(list.code, 0) << list.text;
+  return json::parse(list.text).at(place);
+}
+
+TEST(BoardProgram, FindsBoardsByTheirSerialNumberAndWaitsForTheirBoot) {
+  const BoardShelf shelf({"a firmware: 1.15, calibration: done", "b"});
+  EXPECT_FALSE(listed(shelf).at("present"));
+  const ShelfAnswer on = shelf.board({"power", "on", "a"});
+  EXPECT_EQ(on.code, 0) << on.text;
+  EXPECT_SAYS(on, "board 'a' has booted: PX4 1.15.0, in HIL, disarmed");
+  EXPECT_EQ(listed(shelf).at("device"), shelf.link("a").string());
+  EXPECT_EQ(listed(shelf).at("calibration"), "done");
+  EXPECT_FALSE(listed(shelf, 1).at("present"));
+  const ShelfAnswer table = shelf.board({"list"});
+  EXPECT_SAYS(table, "absent");
+  EXPECT_SAYS(table, "it is free");
+  EXPECT_EQ(shelf.board({"list", "--names"}).text, "a\nb\n");
+  EXPECT_EQ(shelf.board({"power", "off", "a"}).code, 0);
+  EXPECT_FALSE(listed(shelf).at("present"));
+}
+
+TEST(BoardProgram, TellsABoardThatDoesNotComeFromOneThatDoesNotBoot) {
+  const BoardShelf shelf({"a boot_timeout_s: 2"});
+  shelf.set_defect("a", "absent");
+  const ShelfAnswer absent = shelf.board({"power", "on", "a"});
+  EXPECT_EQ(absent.code, kAbsent) << absent.text;
+  EXPECT_SAYS(absent,
+              "board 'a' is not there: no serial port of a USB device with the serial "
+              "number SN1");
+  shelf.set_defect("a", "silent");
+  const ShelfAnswer silent = shelf.board({"power", "on", "a"});
+  EXPECT_EQ(silent.code, kNoBoot) << silent.text;
+  EXPECT_SAYS(silent,
+              "board 'a' does not boot: no HEARTBEAT comes from " + shelf.link("a").string());
+}
+
+TEST(BoardProgram, WaitsForABoardThatBootsSlowly) {
+  const BoardShelf shelf;
+  shelf.set_defect("a", "slow");
+  const ShelfAnswer slow = shelf.board({"power", "cycle", "a"});
+  EXPECT_EQ(slow.code, 0) << slow.text;
+  EXPECT_SAYS(slow, "has booted");
+}
+
+TEST(BoardProgram, FindsTheWrongFirmware) {
+  const BoardShelf shelf({"a firmware: 1.14, boot_timeout_s: 60"});
+  const ShelfAnswer wrong = shelf.board({"power", "on", "a"});
+  EXPECT_EQ(wrong.code, kNoBoot) << wrong.text;
+  EXPECT_SAYS(wrong, "board 'a' runs firmware 1.15.0 instead of 1.14");
+  const std::string file = shelf.folder.write("new.px4", "-").string();
+  const ShelfAnswer flashed = shelf.board({"flash", "a", file, "--firmware", "1.15.0"});
+  EXPECT_EQ(flashed.code, 0) << flashed.text;
+  EXPECT_EQ(shelf.said("a.flashed"), file + "\n");
+  const ShelfAnswer commit = shelf.board({"flash", "a", file, "--commit", "12ab"});
+  EXPECT_EQ(commit.code, kNoBoot) << commit.text;
+  EXPECT_SAYS(commit, "runs firmware of commit unknown instead of 12ab");
+}
+
+TEST(BoardProgram, EndsAFlashToolThatHangsAndSaysWhatOneThatFailsSaid) {
+  const BoardShelf shelf;
+  const std::string file = shelf.folder.write("new.px4", "-").string();
+  shelf.set_defect("a", "hang");
+  const ShelfAnswer hung = shelf.board({"flash", "a", file});
+  EXPECT_EQ(hung.code, kFailed) << hung.text;
+  EXPECT_SAYS(hung,
+              "hook flash of board 'a' was not done within 5 s and was ended; its last lines:"
+              "\n    erasing");
+  shelf.set_defect("a", "broken");
+  const ShelfAnswer broken = shelf.board({"flash", "a", file});
+  EXPECT_EQ(broken.code, kFailed) << broken.text;
+  EXPECT_SAYS(broken, "ended with exit code 3; its last lines:\n    no bootloader answers");
+  const ShelfAnswer no_file = shelf.board({"flash", "a"});
+  EXPECT_EQ(no_file.code, kUsage) << no_file.text;
+  EXPECT_SAYS(no_file, "CAS_BOARD_FILE has no value here");
+  EXPECT_FALSE(listed(shelf).at("held"));
+}
+
+TEST(BoardProgram, RestartsABoardByItsCommandAndASilentOneByItsButton) {
+  const BoardShelf shelf;
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  const ShelfAnswer restarted = shelf.board({"reboot", "a"});
+  EXPECT_EQ(restarted.code, 0) << restarted.text;
+  EXPECT_NE(shelf.said("a.log").find("reboot by command"), std::string::npos);
+  const std::string before = shelf.said("a.pid");
+  shelf.hang("a");
+  const ShelfAnswer reset = shelf.board({"reboot", "a"});
+  EXPECT_EQ(reset.code, 0) << reset.text;
+  EXPECT_NE(shelf.said("a.pid"), before);
+}
+
+/// A casd on the board's port, as a user may have one beside `hils board`.
+class Neighbour {
+ public:
+  explicit Neighbour(const BoardShelf& shelf)
+      : address_("unix:" + (shelf.folder / "casd.sock").string()),
+        casd_({binary_dir() + "/bin/casd",
+               shelf.folder
+                   .write("casd.yaml", "schema: 1\ncommand_port: {unix: '" +
+                                           (shelf.folder / "casd.sock").string() +
+                                           "', port: 0, loopback_without_token: true}\nlinks:\n"
+                                           "  - {name: fcu, type: serial, device: '" +
+                                           shelf.link("a").string() + "'}\n")
+                   .string()}) {
+    EXPECT_TRUE(casd_.wait_ready()) << casd_.output();
+  }
+  ShelfAnswer casctl(std::vector<std::string> words) const {
+    words.insert(words.begin(), {binary_dir() + "/bin/casctl", "--address", address_});
+    ChildProcess child(words);
+    const int code = child.wait_exit(std::chrono::seconds(60)).value_or(-1);
+    return {code, child.output()};
+  }
+
+ private:
+  std::string address_;
+  ChildProcess casd_;
+};
+
+TEST(BoardProgram, RestartsAndFlashesNoArmedBoard) {
+  const BoardShelf shelf;
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  const std::string stand_in = shelf.said("a.pid");
+  {
+    const Neighbour neighbour(shelf);
+    const ShelfAnswer armed = neighbour.casctl({"arm", "--force", "--wait"});
+    ASSERT_EQ(armed.code, 0) << armed.text;
+    const ShelfAnswer in_use = shelf.board({"reboot", "a", "--hard"});
+    EXPECT_EQ(in_use.code, kAbsent) << in_use.text;
+    EXPECT_SAYS(in_use, "cannot be opened: ");
+  }
+  const std::vector<std::vector<std::string>> refused_verbs{
+      {"reboot", "a"}, {"reboot", "a", "--hard"}, {"flash", "a", "/x"}};
+  for (const std::vector<std::string>& words : refused_verbs) {
+    const ShelfAnswer refused = shelf.board(words);
+    EXPECT_EQ(refused.code, kFailed) << refused.text;
+    EXPECT_SAYS(refused, "board 'a' is armed: disarm it first");
+  }
+  EXPECT_EQ(shelf.said("a.pid"), stand_in);
+  EXPECT_EQ(shelf.board({"power", "off", "a"}).code, 0);
+}
+
+TEST(BoardProgram, PutsItsUserOnTheConsole) {
+  const BoardShelf shelf;
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  const ShelfAnswer console = shelf.board({"console", "a"});
+  EXPECT_EQ(console.code, 0) << console.text;
+  EXPECT_EQ(console.text, "console of " + shelf.link("a").string() + "\n");
+}
+
+TEST(BoardProgram, HoldsABoardUntilItIsUnlocked) {
+  const BoardShelf shelf;
+  const ShelfAnswer lock = shelf.board({"lock", "a", "--for", "the night"});
+  ASSERT_EQ(lock.code, 0) << lock.text;
+  ASSERT_EQ(lock.text.find("CAS_BOARD_HOLDER="), 0U) << lock.text;
+  const std::string ticket = lock.text.substr(0, lock.text.find('\n'));
+  EXPECT_EQ(listed(shelf).at("holder").at("for"), "hils board lock: the night");
+
+  const ShelfAnswer other = shelf.board({"power", "on", "a"});
+  EXPECT_EQ(other.code, kBusy) << other.text;
+  EXPECT_SAYS(other, "board 'a' is not free: it is held by process ");
+  EXPECT_SAYS(other, ": hils board lock: the night");
+  const ShelfAnswer own = shelf.board({"power", "on", "a"}, {ticket});
+  EXPECT_EQ(own.code, 0) << own.text;
+
+  EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
+  EXPECT_FALSE(listed(shelf).at("held"));
+  EXPECT_EQ(shelf.board({"power", "off", "a"}).code, 0);
+}
+
+TEST(BoardProgram, FreesTheBoardOfAHolderThatWasKilled) {
+  const BoardShelf shelf;
+  ASSERT_EQ(shelf.board({"lock", "a"}).code, 0);
+  ASSERT_EQ(::kill(listed(shelf).at("holder").at("pid").get<int>(), SIGKILL), 0);
+  EXPECT_TRUE(wait_until([&] { return shelf.board({"power", "off", "a"}).code == 0; }));
+}
+
+TEST(BoardProgram, HoldsABoardWhileACommandRuns) {
+  const BoardShelf shelf;
+  std::string inside;
+  for (const std::string& word : shelf.command({"board", "power", "off", "a"})) {
+    inside += "'" + word + "' ";
+  }
+  const ShelfAnswer command =
+      shelf.board({"lock", "a", "--", "sh", "-c", inside + " && echo \"was $?\"; exit 9"});
+  EXPECT_EQ(command.code, 9) << command.text;
+  EXPECT_SAYS(command, "was 0");
+  EXPECT_FALSE(listed(shelf).at("held"));
+}
+
+TEST(BoardProgram, UnlocksNoBoardThatIsAtWorkUnlessForced) {
+  const BoardShelf shelf({"a boot_timeout_s: 600"});
+  shelf.set_defect("a", "silent");
+  const auto at_work = shelf.start({"board", "power", "on", "a"});
+  ASSERT_TRUE(wait_until([&] { return listed(shelf).contains("holder"); })) << at_work->output();
+  const ShelfAnswer refused = shelf.board({"unlock", "a"});
+  EXPECT_EQ(refused.code, kBusy) << refused.text;
+  EXPECT_SAYS(refused, "--force ends that program");
+  const ShelfAnswer forced = shelf.board({"unlock", "a", "--force"});
+  EXPECT_EQ(forced.code, 0) << forced.text;
+  EXPECT_TRUE(at_work->wait_exit()) << at_work->output();
+}
+
+TEST(BoardProgram, GivesABoardToWaitersInTheOrderOfTheirComing) {
+  const BoardShelf shelf;
+  ASSERT_EQ(shelf.board({"lock", "a"}).code, 0);
+  const std::string order = (shelf.folder / "order").string();
+  std::vector<std::unique_ptr<ChildProcess>> waiters;
+  for (const char* name : {"first", "second", "third"}) {
+    waiters.push_back(shelf.start({"board", "lock", "a", "--wait", "--", "sh", "-c",
+                                   "echo " + std::string(name) + " >>" + order}));
+    ASSERT_TRUE(wait_until([&] { return listed(shelf).at("waiting") == waiters.size(); }))
+        << waiters.back()->output();
+  }
+  const ShelfAnswer late = shelf.board({"power", "off", "a", "--wait=0.3"});
+  EXPECT_EQ(late.code, kBusy) << late.text;
+  EXPECT_SAYS(late, "board 'a' is not free after 0.3 s: ");
+  EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
+  for (const auto& waiter : waiters) EXPECT_EQ(waiter->wait_exit(), 0) << waiter->output();
+  EXPECT_EQ(shelf.said("order"), "first\nsecond\nthird\n");
+}
+
+const std::string kHover = source_dir() + "/config/scenarios/hover.yaml";
+
+TEST(BoardRun, ThatFindsNoBoardEndsWithACodeOfItsOwnAndAJunitFile) {
+  const BoardShelf shelf({"a firmware: 1.14"});
+  const std::string out = (shelf.folder / "out").string();
+  const auto fly = [&](const std::string& fcu) {
+    return shelf.hils({"run", kHover, "--fcu", fcu, "--out", out});
+  };
+  const ShelfAnswer absent = fly("a");
+  EXPECT_EQ(absent.code, kAbsent) << absent.text;
+  EXPECT_NE(shelf.said("out/junit.xml").find("<error message=\"board &apos;a&apos; is not there"),
+            std::string::npos)
+      << shelf.said("out/junit.xml");
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, kNoBoot);
+  const ShelfAnswer wrong = fly("a");
+  EXPECT_EQ(wrong.code, kNoBoot) << wrong.text;
+  EXPECT_NE(shelf.said("out/junit.xml").find("runs firmware 1.15.0 instead of 1.14"),
+            std::string::npos);
+  ASSERT_EQ(shelf.board({"lock", "a"}).code, 0);
+  EXPECT_EQ(fly("a").code, kBusy);
+  EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
+  const ShelfAnswer misspelt = fly("aa");
+  EXPECT_EQ(misspelt.code, kUsage) << misspelt.text;
+  EXPECT_SAYS(misspelt, "there is no board 'aa'");
+}
+
+TEST(BoardRun, OfSeveralVehiclesWantsToKnowWhichIsWhich) {
+  const BoardShelf shelf;
+  const std::string two = source_dir() + "/config/scenarios/two_vehicles.yaml";
+  const std::string out = (shelf.folder / "out").string();
+  const ShelfAnswer which = shelf.hils({"run", two, "--fcu", "a", "--out", out});
+  EXPECT_EQ(which.code, kUsage) << which.text;
+  EXPECT_SAYS(which, "the scenario has several vehicles: say which one");
+}
+
+}  // namespace
+}  // namespace cas::test
