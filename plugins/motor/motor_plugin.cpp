@@ -124,10 +124,11 @@ class MotorPlugin final : public Plugin {
     std::size_t servo = discs_.size();  // its state
     for (std::size_t i = 0; i < discs_.size(); ++i) {
       const base::Rotor& disc = discs_[i];
-      const Eigen::Vector3d axis_B = disc.tilt ? disc.tilted_axis_B(states[servo++]) : disc.axis_B;
+      const double tilt_rad = disc.tilt ? states[servo++] : 0.0;
       if (rotors_->is_stopped(i) || states[i] < kTurning_rad_s) continue;
       if (!world.disc_touches(vehicle_, disc.position_B_m, axis_B, disc.params.radius_m)) continue;
       rotors_->stop(i);
+      const Eigen::Vector3d axis_B = disc.tilt ? disc.tilted_axis_B(tilt_rad) : disc.axis_B;
       strikes_.push_back({i, step.time});
       base::log::warn(name_ + ": rotor " + std::to_string(i + 1) + " touched something at " +
                       std::to_string(base::to_seconds(step.time)) + " s and stopped");

@@ -101,16 +101,18 @@ class RotorModel final : public ForceModel {
   }
   Surroundings surroundings(const BodyState& body, const Environment& environment) const;
   static double speed_derivative(const base::RotorParams& params, double omega, double target);
-  static double thrust_factor(const base::RotorParams& params, double axial_speed,
-                              double hub_height);
+  [[gnu::always_inline]] static inline double thrust_factor(const base::RotorParams& params,
+                                                            double axial_speed, double hub_height);
   static double tilt_rate(const base::TiltServo& servo, double tilt, double target);
   Motion motion(std::size_t rotor, std::span<const double> x, std::span<const double> x_dot) const;
   template <bool kPlain>
   void add_all(const Surroundings& around, const Eigen::Vector3d& w_WB_B, std::span<const double> x,
                std::span<double> x_dot, Wrench& wrench) const;
+  // Asked 16 times a step for a quadrotor; within add_all a plain rotor's Motion is two numbers.
   template <bool kPlain>
-  void add_rotor(std::size_t rotor, const Motion& motion, const Eigen::Vector3d& w_WB_B,
-                 const Surroundings& around, Wrench& wrench) const;
+  [[gnu::always_inline]] inline void add_rotor(std::size_t rotor, const Motion& motion,
+                                               const Eigen::Vector3d& w_WB_B,
+                                               const Surroundings& around, Wrench& wrench) const;
 
   std::size_t count_ = 0;
   std::size_t servo_count_ = 0;

@@ -627,6 +627,10 @@ std::optional<double> ContactSolver::ray_to_body(std::size_t body, const Eigen::
   return impl_->cast(impl_->bodies[body].space, origin_W, direction_W, range_m);
 }
 
+bool ContactSolver::world_within(const Eigen::Vector3d& p_W, double radius_m) const {
+  return impl_->bounds.within(p_W, radius_m);
+}
+
 bool ContactSolver::touches_world(const Disc& disc) const {
   const StaticBounds& bounds = impl_->bounds;
   if (bounds.plane_cuts(disc.centre_W, disc.q_WD * Eigen::Vector3d::UnitZ(), disc.radius_m)) {

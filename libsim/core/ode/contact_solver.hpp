@@ -86,6 +86,8 @@ class CAS_SIM_EXPORT ContactSolver {
   /// The same to one body, which must have been placed when the ray comes near it.
   std::optional<double> ray_to_body(std::size_t body, const Eigen::Vector3d& origin_W,
                                     const Eigen::Vector3d& direction_W, double range_m) const;
+  /// True when a sphere comes within reach of the static world. Cheap, as near_world().
+  bool world_within(const Eigen::Vector3d& p_W, double radius_m) const;
   /// Whether a disc touches the static world. Cheap where nothing is near.
   bool touches_world(const Disc& disc) const;
   /// The same for one body, which must have been placed when the disc comes near it.

@@ -236,6 +236,7 @@ void SimWorld::place_obstacles() {
 
 /// Contacts of vehicles with obstacles; a held vehicle that is hit wakes.
 void SimWorld::collide_obstacles() {
+  if (obstacles_.empty()) return;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     VehicleBody& body = vehicles_[i];
     body.beside_obstacle = false;
@@ -346,6 +347,9 @@ bool SimWorld::is_below_everything(VehicleId vehicle) const {
 bool SimWorld::disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
                             const Eigen::Vector3d& axis_B, double radius_m) const {
   const BodyState& own = state(vehicle);
+  // In the air nothing is within reach of it, however the vehicle turns.
+  const bool alone = vehicles_.size() == 1 && obstacles_.empty();
+  if (alone && !solver_->world_within(own.p_WB, centre_B.norm() + radius_m)) return false;
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   const Disc disc{
       .centre_W = own.p_WB + own.q_WB * centre_B,
