@@ -155,7 +155,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/programs": rooms("hils", "flight scenario run measure"),
     "hils/boards": rooms("hils", "flight run measure report programs"),
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
-    "hils/firmware": rooms("hils", "flight run measure report programs"),
+    "hils/firmware": rooms("hils", "flight scenario run measure report replay programs"),
     "hils/compare": rooms("hils", "run measure report programs virtual"),
     "hils/sweep": rooms("hils", "flight scenario run measure report programs virtual"),
     "hils/env": rooms("hils", "sweep"),

@@ -13,6 +13,8 @@
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "hils/scenario/scenario.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::hils {
 
@@ -81,6 +83,49 @@ std::string full_path(const base::ConfigNode& key) {
   return std::filesystem::weakly_canonical(base::find_config(key)).string();
 }
 
+/// Rates by the name of a message.
+std::map<std::string, double> parse_rates(const base::ConfigNode& limits) {
+  constexpr double kMost_hz = 10'000;
+  std::map<std::string, double> rates;
+  const auto node = limits.find("rates_hz");
+  if (!node) return rates;
+  for (const auto& [name, value] : node->entries()) {
+    if (mav::public_table().find(mav::TextView(name)) == nullptr) {
+      value.fail("'" + name + "' is no message");
+    }
+    rates[name] = node->require_in(name, 0, kMost_hz);
+  }
+  return rates;
+}
+
+/// The faults of the vehicle. @throws base::ConfigError for one of the bench
+std::vector<VehicleFault> parse_faults(const base::ConfigNode& node, const std::string& vehicle) {
+  const ScenarioFaults faults =
+      parse_scenario_faults(node, base::ConfigNode::empty("line"), {vehicle});
+  if (faults.bench.empty()) return faults.vehicle;
+  node.fail("'" + faults.bench.front().name +
+            "' is a fault of the bench, which a flight of stock firmware does not have: it takes "
+            "those of the vehicle (plugin fault)");
+}
+
+/// What a scenario adds to the plugins of the world's vehicle.
+void add_plugins(const FirmwareScenario& scenario, YAML::Node plugins) {
+  for (const base::ConfigNode& plugin : scenario.plugins) {
+    YAML::Node node = YAML::Load(plugin.dump());
+    if (const auto grid = plugin.find("grid")) node["grid"] = full_path(*grid);
+    plugins.push_back(node);
+  }
+  if (scenario.faults.empty()) return;
+  YAML::Node fault;
+  fault["plugin"] = "fault";
+  for (const VehicleFault& each : scenario.faults) {
+    YAML::Node script = YAML::Load(each.script.dump());
+    script.remove("vehicle");
+    fault["faults"].push_back(script);
+  }
+  plugins.push_back(fault);
+}
+
 std::string world_text(const FirmwareScenario& scenario, const FirmwarePlaces& places) {
   YAML::Node world = YAML::LoadFile(scenario.world.string());
   const auto source = base::ConfigNode::load(scenario.world);
@@ -94,12 +139,26 @@ std::string world_text(const FirmwareScenario& scenario, const FirmwarePlaces& p
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     world["vehicles"][i]["vehicle"] = full_path(vehicles[i].at("vehicle"));
   }
+  if (scenario.sensors) {
+    world["vehicles"][0]["sensors"] = YAML::Load(scenario.sensors->dump());
+  }
+  add_plugins(scenario, world["vehicles"][0]["plugins"]);
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
   recorder["file"] = (places.out / "truth.csv").string();
   recorder["rate_hz"] = kTruthHz;
   world["vehicles"][0]["plugins"].push_back(recorder);
-  return to_text(world) + base::origin_notes("", source);
+  std::string notes = base::origin_notes("", source);
+  std::size_t number = vehicles.at(0).at("plugins").items().size();
+  for (const base::ConfigNode& plugin : scenario.plugins) {
+    notes += base::origin_notes("vehicles[0].plugins[" + std::to_string(number++) + "]", plugin);
+  }
+  for (std::size_t i = 0; i < scenario.faults.size(); ++i) {
+    notes += base::origin_notes(
+        "vehicles[0].plugins[" + std::to_string(number) + "].faults[" + std::to_string(i) + "]",
+        scenario.faults[i].script);
+  }
+  return to_text(world) + notes;
 }
 
 std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces& places) {
@@ -174,15 +233,34 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
   FirmwareScenario scenario;
   scenario.name = root.get<std::string>("name", file.stem().string());
   scenario.description = root.get<std::string>("description", "");
+  scenario.file = file;
   scenario.world = base::find_config(root.at("world"));
+  const auto vehicle = base::ConfigNode::load(scenario.world).at("vehicles").items().at(0);
+  scenario.vehicle = vehicle.get<std::string>("name", scenario.vehicle);
   scenario.topology = base::find_config(root.at("topology"));
   scenario.firmware = parse_firmware(root.at("firmware"));
   scenario.not_hil = root.get("not_hil", false);
   scenario.steps = parse_flight(root.at("steps"), gains_of(scenario.topology));
   refuse_trajectories(root.at("steps"), scenario.steps);
+  scenario.sensors = root.find("sensors");
+  if (scenario.sensors) scenario.sensors->mark_used();
+  if (root.has("plugins")) {
+    scenario.plugins = root.at("plugins").items();
+    root.at("plugins").mark_used();
+  }
+  if (root.has("faults")) {
+    scenario.faults = parse_faults(root.at("faults"), scenario.vehicle);
+    auto plugins = vehicle.at("plugins").items();
+    plugins.insert(plugins.end(), scenario.plugins.begin(), scenario.plugins.end());
+    check_gusts(plugins, {.bench = {}, .vehicle = scenario.faults});
+  }
   if (const auto limits = root.find("limits")) {
     scenario.height_error_m = limit(*limits, "height_error_m");
     scenario.drift_m = limit(*limits, "drift_m");
+    scenario.rms = parse_axes(*limits, "rms");
+    scenario.rms_estimate = parse_axes(*limits, "rms_estimate");
+    if (limits->has("hop_p99_us")) scenario.hop_p99_us = limits->require_in("hop_p99_us", 0, 1e9);
+    scenario.rates_hz = parse_rates(*limits);
   }
   root.reject_unused();
   return scenario;

@@ -9,6 +9,7 @@
 
 #include "base/config/config.hpp"
 #include "base/time/clock.hpp"
+#include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_step.hpp"
 
 namespace cas::hils {
@@ -36,13 +37,22 @@ bool is_at_least(const std::string& version, const std::string& least);
 struct FirmwareScenario {
   std::string name;
   std::string description;
+  std::filesystem::path file{};
   std::filesystem::path world;
+  std::string vehicle{kVehicleName};  ///< the world's first, which is flown
   std::filesystem::path topology;
   Firmware firmware;
-  bool not_hil = false;  ///< arm although it does not say that it is in HIL
+  bool not_hil = false;                     ///< arm although it does not say that it is in HIL
+  std::optional<base::ConfigNode> sensors;  ///< in the place of those of the world's vehicle
+  std::vector<base::ConfigNode> plugins;    ///< of the world's vehicle, behind its own
+  std::vector<VehicleFault> faults;         ///< of that vehicle
   std::vector<FlightStep> steps;
   std::optional<double> height_error_m;  ///< most of the true height's mean in measured holds
   std::optional<double> drift_m;         ///< farthest from where the hold began, true, horizontal
+  std::map<std::string, double> rms;     ///< by axis: truth about its mean in measured holds
+  std::map<std::string, double> rms_estimate;  ///< by axis: estimate against truth in them
+  std::optional<double> hop_p99_us;            ///< most of any way through casd
+  std::map<std::string, double> rates_hz;      ///< least of the vehicle's messages in the hold
 
   /// Whether a scenario file is one of these: it has the key `firmware`.
   static bool is(const std::filesystem::path& file);
@@ -64,6 +74,9 @@ struct FirmwarePlaces {
 
   std::filesystem::path simulator_config() const { return run / "hilsim.yaml"; }
   std::filesystem::path casd_config() const { return run / "casd.yaml"; }
+  std::filesystem::path simulator_stats() const { return run / "hilsim_stats.json"; }
+  std::filesystem::path truth_csv() const { return out / "truth.csv"; }
+  std::filesystem::path flight_tlog() const { return out / "flight.tlog"; }
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
   std::filesystem::path command_token() const { return sockets / "casd.token"; }
   std::filesystem::path casd_tty() const { return sockets / "casd_tty"; }

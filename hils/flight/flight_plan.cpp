@@ -13,6 +13,8 @@ using std::chrono::seconds;
 
 /// A refused command is repeated at this pace: estimators need a while before they let one arm.
 constexpr base::Duration kRetry = seconds(1);
+/// HEARTBEATs come each second: the one that shows an accepted arming comes within this long.
+constexpr base::Duration kHeartbeats = seconds(3);
 /// A vehicle hangs still when it has stayed this near and this slow for this long, by its estimate.
 constexpr double kNearM = 0.5;
 constexpr double kSlowMS = 0.4;
@@ -34,7 +36,8 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
   while (!done() && failure_.empty()) {
     const FlightStep& step = steps_[current_];
     if (!begun_ && others_through >= current_) begin_step(now, step);
-    if (begun_ && disarmed_itself(step, now, vehicle)) phase_ = Phase::kBegin;
+    const bool disarmed = begun_ && lost_its_arming(step, now, vehicle);
+    if (disarmed && step.kind == StepKind::kArm) phase_ = Phase::kBegin;
     if (begun_ && phase_ == Phase::kBegin && vehicle.heard && now >= retry_at_ &&
         !bides(step, now, vehicle)) {
       if (needs_command(step, vehicle)) {
@@ -44,8 +47,9 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
       }
       phase_ = Phase::kWaiting;
     }
-    if (airborne_ && !vehicle.armed && vehicle.heard) {
-      failure_ = "the vehicle disarmed itself during " + std::string(to_string(step.kind));
+    const bool taking_off = disarmed && step.kind == StepKind::kTakeoff;
+    if ((airborne_ && !vehicle.armed && vehicle.heard) || taking_off) {
+      failure_ = std::string(kDisarmedDuring) + std::string(to_string(step.kind));
       break;
     }
     if (!begun_) break;
@@ -75,6 +79,7 @@ void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
 void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
   last_refusal_ = refusal;
   const bool again = std::exchange(rearming_, false);
+  if (again && refusal.empty()) armed_again_ = now;
   if (refusal.empty() && !again) {
     phase_ = Phase::kWaiting;
     accepted_ = now;
@@ -102,19 +107,21 @@ bool FlightPlan::needs_command(const FlightStep& step, const VehicleReport& vehi
   return true;
 }
 
-/// Whether an arm step's vehicle was armed, and is not any more: HEARTBEATs come each second.
-bool FlightPlan::disarmed_itself(const FlightStep& step, base::SimTime now,
+/// Whether a vehicle that accepted arming, or armed the takeoff, is not armed any more.
+bool FlightPlan::lost_its_arming(const FlightStep& step, base::SimTime now,
                                  const VehicleReport& vehicle) const {
-  constexpr base::Duration kHeartbeats = seconds(3);
-  return habits_.arms_early && step.kind == StepKind::kArm && phase_ == Phase::kWaiting &&
-         vehicle.heard && !vehicle.armed && now - accepted_ > kHeartbeats;
+  const bool needs_it = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff;
+  return habits_.arms_early && needs_it && phase_ == Phase::kWaiting && vehicle.heard &&
+         !vehicle.armed && now - accepted_ > kHeartbeats;
 }
 
 /// Whether the step's command would come too early.
 bool FlightPlan::bides(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle) {
   if (!vehicle.armed) {
     const bool arms = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff;
-    if (!habits_.arms_early || !arms || vehicle.position_lack.empty()) return false;
+    if (!habits_.arms_early || !arms) return false;
+    if (armed_again_ && now - *armed_again_ <= kHeartbeats) return true;
+    if (vehicle.position_lack.empty()) return false;
     last_refusal_ = vehicle.position_lack;
     return true;
   }

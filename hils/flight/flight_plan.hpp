@@ -15,11 +15,22 @@
 
 namespace cas::hils {
 
+/// What somebody beside hils had the vehicle do, as casd heard it.
+struct HeardAct {
+  std::string by;    ///< "255/190 on link gcs"
+  std::string what;  ///< "command 400 (disarm)"
+  bool disarms = false;
+};
+
+/// How the failure of a flight begins whose vehicle is armed no more.
+inline constexpr std::string_view kDisarmedDuring = "the vehicle was disarmed during ";
+
 /// What casd knows of the vehicle.
 struct VehicleReport {
   bool heard = false;          ///< its HEARTBEAT has come
   double heartbeat_age_s = 0;  ///< of the newest, by casd's clock
   std::string firmware{};      ///< its version; empty: it has not told it
+  std::string autopilot{};     ///< "PX4", "ArduPilot", "other"
   bool armed = false;
   bool in_air = false;
   bool on_ground = false;
@@ -31,6 +42,9 @@ struct VehicleReport {
   double pitch_rad = 0;
   double yaw_rad = 0;
   std::optional<Motion> truth{};  ///< what the simulator knows, where it is at hand
+  std::vector<HeardAct> acts{};   ///< of others than casd's own station, oldest first
+  std::string disarm_words{};     ///< what it said of its newest disarming: "Disarmed by landing"
+  double disarm_words_age_s = 0;  ///< by casd's clock
 
   /// Motion by the vehicle's own estimate.
   Motion estimate() const;
@@ -50,7 +64,8 @@ struct Stage {
 struct FirmwareHabits {
   /// It accepts arming before it can take off, refuses to take off and disarms itself (PX4 v1.12.0
   /// after 8 s, ArduCopter 4.5.6 after 10 s). So it is armed once it has its position, and again
-  /// where it has disarmed itself, within the step's time.
+  /// where it is armed no more and has not accepted the takeoff: whoever gives the command asks
+  /// first who disarmed it (rearm_fault()).
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
@@ -104,7 +119,7 @@ class FlightPlan {
   enum class Phase { kBegin, kCommanding, kWaiting };
 
   bool needs_command(const FlightStep& step, const VehicleReport& vehicle) const;
-  bool disarmed_itself(const FlightStep& step, base::SimTime now,
+  bool lost_its_arming(const FlightStep& step, base::SimTime now,
                        const VehicleReport& vehicle) const;
   bool bides(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
   bool reached(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle,
@@ -124,6 +139,7 @@ class FlightPlan {
   base::SimTime retry_at_;
   base::SimTime accepted_;
   std::optional<base::SimTime> still_since_;
+  std::optional<base::SimTime> armed_again_;  ///< in a takeoff step, when that was accepted
   bool begun_ = false;
   bool rearming_ = false;  ///< the command under way arms, whatever the step is
   bool airborne_ = false;  ///< between takeoff and land: disarming is a crash

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "casd/packet/intervention.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/services.hpp"
 #include "casd/tlog/tlog_packets.hpp"
@@ -126,15 +127,13 @@ class ChangeReader {
     }
     // What casd's station says was asked at its command port, by hils or by the calls.
     if (packet.source == mav::Source{kCasdSystem, kCasdComponent}) return;
-    const std::uint8_t target = target_of(packet);
-    if (target == 0 || target == record_.system) on_other(log_us, packet);
+    on_other(log_us, packet);
   }
 
   void add_calls() {
     for (const OutsideCall& call : record_.outside_calls) {
       const bool tunes = call.method == "param.set" || call.method == "gain.set";
-      const bool asks = call.method == "vehicle.message_interval" || is_question(call);
-      if (call.system != record_.system || asks) continue;
+      if (call.system != record_.system || !is_act(call)) continue;
       if (tunes && call.accepted) continue;  // where it changed a value, the log has it
       add_act(call.log_us, port_words(call),
               call.method + " " + call.params + (call.accepted ? "" : ", refused"));
@@ -245,21 +244,19 @@ class ChangeReader {
     return nullptr;
   }
 
+  bool is_meant(std::uint8_t target) const { return target == 0 || target == record_.system; }
+
   void on_other(std::int64_t log_us, const mav::PacketView& packet) {
     const std::string by =
         fmt::format("ground station {}/{}", packet.source.system, packet.source.component);
     if (const auto wish = mav::decode<ParamSet>(packet)) {
-      wishes_[name_of(wish->param_id)] = {by, log_us};
+      if (is_meant(wish->target_system)) wishes_[name_of(wish->param_id)] = {by, log_us};
       return;
     }
-    if (const auto command = mav::decode<CommandLong>(packet)) {
-      if (!only_asks(command->command)) add_act(log_us, by, command_words(command->command));
-    } else if (const auto placed = mav::decode<CommandInt>(packet)) {
-      if (!only_asks(placed->command)) add_act(log_us, by, command_words(placed->command));
-    } else if (is_steering(packet.message_id)) {
-      if (own_station_ && packet.message_id == ManualControl::kId) return;
-      add_act(log_us, by, std::string(table().find(packet.message_id)->name));
-    }
+    const std::optional<casd::Act> act = casd::act_of(packet);
+    if (!act || !is_meant(act->target.system)) return;
+    if (own_station_ && packet.message_id == ManualControl::kId) return;
+    add_act(log_us, by, act->what);
   }
 
   /// Only what falls into the flight counts: before it a ground station greets the vehicle.
@@ -314,6 +311,13 @@ std::vector<OutsideCall> outside_calls(const json& journal, CallList own) {
                      .accepted = !call.contains("refusal")});
   }
   return calls;
+}
+
+bool is_act(const OutsideCall& call) {
+  if (call.method == "vehicle.message_interval") return false;
+  if (call.method != "vehicle.command") return true;
+  const json params = json::parse(call.params, nullptr, false);
+  return !params.is_object() || !casd::only_asks(static_cast<MavCmd>(params.value("command", 0)));
 }
 
 bool FlightChanges::from_outside() const {

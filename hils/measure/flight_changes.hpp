@@ -37,6 +37,9 @@ using CallList = std::vector<std::pair<std::string, std::string>>;
 /// takes out one call.
 std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own);
 
+/// Whether the call does something, and asks no mere question.
+bool is_act(const OutsideCall& call);
+
 /// A parameter of a vehicle that got another value during a run.
 struct ParameterChange {
   double time_s = 0;  ///< simulated

@@ -216,30 +216,6 @@ void check_rate(std::string_view name, const RateFigures& rate, const Limits& li
   }
 }
 
-void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
-               const std::map<std::string, double>& limits, Checks& checks) {
-  if (limits.empty()) return;
-  if (!rms || rms->samples == 0) {
-    checks.push_back(missed({.what = fmt::format("RMS error of the {}", what),
-                             .found = "none recorded",
-                             .wanted = "a record"},
-                            fmt::format("there is no {} to compare with the reference", what)));
-    return;
-  }
-  const std::map<std::string, double> values{
-      {"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
-  for (const auto& [axis, limit] : limits) {
-    const double value = values.at(axis);
-    add_bounded(checks,
-                {.what = fmt::format("RMS error of the {}, {}", what, axis),
-                 .unit = axis == "yaw_rad" ? "rad" : "m",
-                 .value = value,
-                 .bound = limit},
-                fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what, axis,
-                            value, limit));
-  }
-}
-
 void check_most(std::string_view what, const char* unit, const StepResponse& response,
                 std::optional<double> value, std::optional<double> limit, Checks& checks) {
   if (!limit) return;
@@ -347,6 +323,30 @@ std::vector<std::string> sentences_of(const Checks& checks) {
 }
 
 }  // namespace
+
+void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
+               const std::map<std::string, double>& limits, std::vector<LimitCheck>& checks) {
+  if (limits.empty()) return;
+  if (!rms || rms->samples == 0) {
+    checks.push_back(missed({.what = fmt::format("RMS error of the {}", what),
+                             .found = "none recorded",
+                             .wanted = "a record"},
+                            fmt::format("there is no {} to compare with the reference", what)));
+    return;
+  }
+  const std::map<std::string, double> values{
+      {"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
+  for (const auto& [axis, limit] : limits) {
+    const double value = values.at(axis);
+    add_bounded(checks,
+                {.what = fmt::format("RMS error of the {}, {}", what, axis),
+                 .unit = axis == "yaw_rad" ? "rad" : "m",
+                 .value = value,
+                 .bound = limit},
+                fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what, axis,
+                            value, limit));
+  }
+}
 
 double most_late_ms(const Measurement& figures) {
   constexpr double kSlowest_hz = 200;  // a stream that has no rate of its own

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hils/measure/limit_check.hpp"
@@ -16,13 +19,13 @@ enum ExitCode : int {
   kExitLimitsMissed = 1,
   kExitUsage = 2,
   kExitInvalid = 3,
-  kExitInterrupted = 130,
-};
-
   kExitBoardAbsent = 4,  ///< a board's device is not there
   kExitNoBoot = 5,       ///< a board does not boot, or boots another firmware
   kExitBoardFailed = 6,  ///< a board's hook failed, or the board refused
   kExitBoardBusy = 7,    ///< somebody else holds the board
+  kExitInterrupted = 130,
+};
+
 /// Whether a run counts, and whether it kept its limits.
 struct Verdict {
   bool valid = false;   ///< the machine kept up and the accounts close: the figures mean something
@@ -45,6 +48,10 @@ inline constexpr double kMostStallMs = 50.0;
 /// programs may take for 99 %: one period of the stream. What is later comes after its successor
 /// was due. At 500 Hz these 2 ms cost a rate loop that crosses over at 40 rad/s 5 degrees of phase.
 double most_late_ms(const Measurement& figures);
+
+/// Holds RMS errors to bounds by axis. @param what  "true position"
+void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
+               const std::map<std::string, double>& limits, std::vector<LimitCheck>& checks);
 
 /// Judges a run: first whether it is valid, then the flight and the limits.
 Verdict judge(const Measurement& figures, const Limits& limits);

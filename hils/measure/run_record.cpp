@@ -34,8 +34,8 @@ bool is_fault_of(const std::string& plugin, const std::string& vehicle) {
   return plugin.substr(0, plugin.find('#')) == "fault@" + vehicle;
 }
 
-/// Faults of one vehicle, as its plugin `fault` reports them in hilsim_stats.json; empty when there
-/// is no such file or plugin.
+}  // namespace
+
 std::vector<BenchFaultScript::Span> vehicle_faults(const std::filesystem::path& simulator_stats,
                                                    const std::string& vehicle) {
   std::vector<BenchFaultScript::Span> faults;
@@ -48,8 +48,6 @@ std::vector<BenchFaultScript::Span> vehicle_faults(const std::filesystem::path& 
   }
   return faults;
 }
-
-}  // namespace
 
 std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& places) {
   std::vector<RunRecord> records;

@@ -51,6 +51,11 @@ std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& pla
 /// Adds the faults that the vehicle's plugin `fault` played to those of the bench.
 void add_vehicle_faults(const RunPlaces& places, RunRecord& record);
 
+/// Faults of one vehicle, as its plugin `fault` reports them in hilsim_stats.json; empty when there
+/// is no such file or plugin.
+std::vector<BenchFaultScript::Span> vehicle_faults(const std::filesystem::path& simulator_stats,
+                                                   const std::string& vehicle);
+
 /// HIL_ACTUATOR_CONTROLS where the controller answered with it, else HIL_CONTROLS.
 std::uint32_t controls_message_id(const RunRecord& record);
 

@@ -16,11 +16,30 @@ Eigen::Vector3d vector_of(const Json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
+/// The newest of the vehicle's texts that tells of a disarming: PX4 v1.11 says DISARMED.
+void add_disarm_words(const Json& state, VehicleReport& report) {
+  for (const Json& said : state.value("statustexts", Json::array())) {
+    const std::string text = said.value("text", "");
+    if (!text.starts_with("Disarmed by ") && !text.starts_with("DISARMED by ")) continue;
+    report.disarm_words = text;
+    report.disarm_words_age_s = said.value("age_s", 0.0);
+  }
+}
+
+void add_acts(const Json& state, VehicleReport& report) {
+  for (const Json& act : state.value("interventions", Json::array())) {
+    report.acts.push_back({.by = act.value("by", "") + " on link " + act.value("link", ""),
+                           .what = act.value("what", ""),
+                           .disarms = act.value("disarms", false)});
+  }
+}
+
 VehicleReport to_report(const Json& state) {
   VehicleReport report;
   report.heard = true;
   report.heartbeat_age_s = state.value("heartbeat_age_s", 0.0);
   report.firmware = state.value("firmware", "");
+  report.autopilot = state.value("autopilot", "");
   report.armed = state.value("armed", false);
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
@@ -36,6 +55,8 @@ VehicleReport to_report(const Json& state) {
     report.pitch_rad = a->value("pitch_rad", 0.0);
     report.yaw_rad = a->value("yaw_rad", 0.0);
   }
+  add_acts(state, report);
+  add_disarm_words(state, report);
   return report;
 }
 

@@ -41,9 +41,13 @@ std::string record_of(const fs::path& source) {
 }  // namespace
 
 fs::path write_replay(const RunRequest& request, const RunResult& run) {
-  const std::string record = gzip(replay_record(request, run));
-  base::write_file(record_file(request.out), record, base::Durability::kCache);
-  fs::path file = request.out / "replay.html";
+  return write_replay(request.out, replay_record(request, run));
+}
+
+fs::path write_replay(const fs::path& out, const std::string& text) {
+  const std::string record = gzip(text);
+  base::write_file(record_file(out), record, base::Durability::kCache);
+  fs::path file = out / "replay.html";
   std::error_code error;
   fs::remove(file, error);  // of an earlier run
   if (error) throw base::ConfigError(file.string() + ": cannot be removed: " + error.message());

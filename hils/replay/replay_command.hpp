@@ -19,6 +19,8 @@ namespace cas::hils {
 /// @return replay.html, or an empty path
 /// @throws base::ConfigError
 std::filesystem::path write_replay(const RunRequest& request, const RunResult& run);
+/// The same with a record that is there already. @param record  JSON
+std::filesystem::path write_replay(const std::filesystem::path& out, const std::string& record);
 
 /// The verb `hils replay`: makes the page of recorded runs and flight logs.
 class ReplayCommand {

@@ -18,18 +18,6 @@ namespace cas::hils {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> kAxes{"x_m", "y_m", "z_m", "yaw_rad"};
-
-std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key) {
-  std::map<std::string, double> axes;
-  const std::optional<base::ConfigNode> node = limits.find(key);
-  if (!node) return axes;
-  for (const std::string_view axis : kAxes) {
-    if (node->has(axis)) axes[std::string(axis)] = node->require_in(axis, 0, 1e6);
-  }
-  return axes;
-}
-
 std::optional<double> optional_limit(const base::ConfigNode& node, std::string_view key,
                                      double most) {
   if (!node.has(key)) return std::nullopt;
@@ -236,19 +224,6 @@ Rates parse_rates(const base::ConfigNode& node) {
           .controls_hz = node.require_in("controls_hz", 50, 2000)};
 }
 
-/// Plugin fault only asks for a gust; plugin wind blows it.
-void check_gusts(const Scenario& scenario) {
-  const bool has_wind = std::ranges::any_of(scenario.plugins, [](const base::ConfigNode& plugin) {
-    return plugin.get<std::string>("plugin", "") == "wind";
-  });
-  if (has_wind) return;
-  for (const VehicleFault& fault : scenario.faults.vehicle) {
-    if (const auto gust = fault.script.find("gust")) {
-      gust->fail("a gust needs 'plugin: wind' in the scenario's plugins");
-    }
-  }
-}
-
 void check_integrator(const base::ConfigNode& root, const Scenario& scenario) {
   if (scenario.integrator != "rk4" && scenario.integrator != "ode") {
     root.at("integrator").fail("the integrator is rk4 or ode");
@@ -256,6 +231,28 @@ void check_integrator(const base::ConfigNode& root, const Scenario& scenario) {
 }
 
 }  // namespace
+
+std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key) {
+  std::map<std::string, double> axes;
+  const std::optional<base::ConfigNode> node = limits.find(key);
+  if (!node) return axes;
+  for (const std::string_view axis : {"x_m", "y_m", "z_m", "yaw_rad"}) {
+    if (node->has(axis)) axes[std::string(axis)] = node->require_in(axis, 0, 1e6);
+  }
+  return axes;
+}
+
+void check_gusts(const std::vector<base::ConfigNode>& plugins, const ScenarioFaults& faults) {
+  const bool has_wind = std::ranges::any_of(plugins, [](const base::ConfigNode& plugin) {
+    return plugin.get<std::string>("plugin", "") == "wind";
+  });
+  if (has_wind) return;
+  for (const VehicleFault& fault : faults.vehicle) {
+    if (const auto gust = fault.script.find("gust")) {
+      gust->fail("a gust needs 'plugin: wind' in the scenario's plugins");
+    }
+  }
+}
 
 double ScenarioVehicle::start_yaw_rad() const {
   constexpr double kNorthDeg = 90;
@@ -357,7 +354,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
   if (root.has("faults")) {
     scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
-    check_gusts(scenario);
+    check_gusts(scenario.plugins, scenario.faults);
   }
   if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"), scenario.steps);
   parse_vehicle_limits(root, scenario.steps, scenario.vehicles);

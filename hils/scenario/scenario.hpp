@@ -39,6 +39,9 @@ struct Limits {
   std::set<IncidentKind> allow;                     ///< of the scenario: these fail no run
 };
 
+/// Reads a bound for each axis that is there: x_m, y_m, z_m, yaw_rad. @throws base::ConfigError
+std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key);
+
 /// Where a run is flown: keys `world`, `model_path` and `missing` of a simulation file.
 struct ScenarioWorld {
   std::filesystem::path sdf;  ///< empty: flat ground at the height of home
@@ -100,6 +103,10 @@ struct WakeUpFigures {
   double p50_us = 0;
   double p99_us = 0;
 };
+
+/// Plugin fault only asks for a gust; plugin wind blows it. @throws base::ConfigError where it is
+/// not among the plugins
+void check_gusts(const std::vector<base::ConfigNode>& plugins, const ScenarioFaults& faults);
 
 /// One experiment as config/scenarios/*.yaml describes it. Keys are the members' names.
 struct Scenario {

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/firmware/shipped_text.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/udp_peer.hpp"
@@ -15,30 +16,13 @@
 namespace cas::test {
 namespace {
 
-const std::filesystem::path kConfig = std::filesystem::path(cas::test::source_dir()) / "config";
-
-std::string content(const std::filesystem::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const std::size_t at = text.find(what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return at == std::string::npos ? text : text.replace(at, what.size(), by);
-}
-
 /// A shipped scenario with its world and topology at free ports, flown by the scripted firmware.
 class FirmwareFlight : public testing::Test {
  protected:
   int fly(const std::string& scenario_text, const std::string& world_text,
           const std::string& topology_text) {
-    std::string world = replaced(world_text, "../vehicles", (kConfig / "vehicles").string());
-    std::string topology =
-        replaced(topology_text, "../gains.yaml", (kConfig / "gains.yaml").string());
-    folder_.write("world.yaml", world);
-    folder_.write("topology.yaml", topology);
+    folder_.write("world.yaml", with_whole_paths(world_text));
+    folder_.write("topology.yaml", with_whole_paths(topology_text));
     const auto scenario = folder_.write("scenario.yaml", scenario_text);
     const std::string command = cas::test::binary_dir() + "/bin/hils run " + scenario.string() +
                                 " --out " + (folder_ / "out").string() + " > " +
@@ -73,17 +57,9 @@ class FirmwareFlight : public testing::Test {
 };
 
 TEST_F(FirmwareFlight, Px4SitlOverTcp) {
-  const std::string tcp = std::to_string(free_udp_port());  // a number that is likely free
-  const std::string here = std::to_string(free_udp_port());
-  const std::string there = std::to_string(free_udp_port());
-  const int code =
-      fly(scenario("px4_sitl", "px4-sitl, '" + tcp + "', '" + there + "', '" + here + "']"),
-          replaced(content(kConfig / "worlds/px4_sitl.yaml"), "# instance: 1",
-                   "local: '127.0.0.1:" + tcp + "' #"),
-          replaced(replaced(replaced(content(kConfig / "topologies/px4_sitl.yaml"),
-                                     "local: 127.0.0.1:14550", "local: 127.0.0.1:" + here),
-                            "remote: 127.0.0.1:18570", "remote: 127.0.0.1:" + there),
-                   "local: 127.0.0.1:14551", "local: 127.0.0.1:0"));
+  const Px4SitlPorts ports;
+  const int code = fly(scenario("px4_sitl", "px4-sitl, " + ports.arguments() + "]"),
+                       px4_sitl_world(ports), px4_sitl_topology(ports));
   EXPECT_EQ(code, 0) << log();
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The scripted peers as programs, for hils and for trying things by hand.
 //
-//   scripted_firmware px4-sitl PORT LOCAL REMOTE   simulator's TCP port; UDP ports of the ground
-//   link scripted_firmware px4-hitl TTY scripted_firmware ardupilot PORT REMOTE        simulator's
-//   UDP port; ground station's UDP port
+//   scripted_firmware px4-sitl PORT LOCAL REMOTE [WORD]   simulator's TCP port; UDP ports of the
+//                                                         ground station's link; see px4_options()
+//   scripted_firmware px4-hitl TTY
+//   scripted_firmware ardupilot PORT REMOTE               simulator's UDP port; ground station's
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -68,10 +69,31 @@ std::span<const std::uint8_t> read_from(int fd, Buffer& buffer) {
   return std::span(buffer).first(size > 0 ? static_cast<std::size_t>(size) : 0);
 }
 
-int px4_sitl(int port, int local, int remote) {
+/// How a PX4 in software is to behave.
+ScriptedPx4::Options px4_options(const std::string& word) {
+  using std::chrono::seconds;
+  constexpr base::RunTime kNever{std::chrono::hours(10)};
+  constexpr base::Duration kLong = std::chrono::hours(10);
+  // Refuses to take off at first, and disarms itself.
+  if (word == "early") return {.takes_off_after = base::RunTime(seconds(15))};
+  // Refuses to take off, stays armed until it is disarmed, and does not say who did it.
+  if (word == "taciturn") {
+    return {.takes_off_after = kNever, .disarms_itself_after = kLong, .tells_who_disarms = false};
+  }
+  // The same, and somebody stops it at its board.
+  if (word == "stopped") {
+    return {.takes_off_after = kNever,
+            .disarms_itself_after = kLong,
+            .stopped_after = seconds(3),
+            .tells_who_disarms = false};
+  }
+  return {};
+}
+
+int px4_sitl(int port, int local, int remote, const std::string& word) {
   const int ground = open_udp(local, remote);
   const int simulator = connect_tcp(port);
-  ScriptedPx4 px4({}, to(simulator), to(ground));
+  ScriptedPx4 px4(px4_options(word), to(simulator), to(ground));
   px4.on_connected();
   Buffer buffer;
   for (;;) {
@@ -131,7 +153,9 @@ int main(int argc, char** argv) {
   using namespace cas::test;
   const std::string kind = argc > 1 ? argv[1] : "";
   const auto number = [&](int i) { return std::atoi(argv[i]); };
-  if (kind == "px4-sitl" && argc == 5) return px4_sitl(number(2), number(3), number(4));
+  if (kind == "px4-sitl" && (argc == 5 || argc == 6)) {
+    return px4_sitl(number(2), number(3), number(4), argc == 6 ? argv[5] : "");
+  }
   if (kind == "px4-hitl" && argc == 3) return px4_hitl(argv[2]);
   if (kind == "ardupilot" && argc == 4) return ardupilot(number(2), number(3));
   std::fprintf(stderr, "scripted_firmware px4-sitl|px4-hitl|ardupilot ...\n");

@@ -125,6 +125,7 @@ void ScriptedPx4::on_sample(const mv::HilSensor& sample, base::RunTime now) {
   last_sample_at_ = clock_;
   stream_lost_ = false;
   sensor_ = sample;
+  disarm_in_time();
   if (has_all(sample.fields_updated, kMag)) {
     constexpr int kMost = 1000;
     look_for_repeats(mag_, std::array{sample.xmag, sample.ymag, sample.zmag}, kMost,
@@ -214,7 +215,7 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
       heartbeat && options_.mode == Px4Mode::kSitl) {
     heartbeat->base_mode = static_cast<mv::MavModeFlag>(
         static_cast<int>(heartbeat->base_mode) & ~static_cast<int>(mv::MavModeFlag::kHilEnabled));
-    if (is_armed_early()) heartbeat->base_mode |= mv::MavModeFlag::kSafetyArmed;
+    if (armed_early_at_) heartbeat->base_mode |= mv::MavModeFlag::kSafetyArmed;
     return ground_.send(*heartbeat);
   }
   if (!say_v1_12(packet)) ground_.forward(bytes);
@@ -247,15 +248,28 @@ std::string ScriptedPx4::preflight_failure() const {
 }
 
 /// v1.12.0 in software: from 1.5 s on it lets one arm, and has its position after 10 s.
-bool ScriptedPx4::is_early() const {
+bool ScriptedPx4::lacks_position() const {
   constexpr base::RunTime kPosition{std::chrono::seconds(10)};
   return options_.release == Px4Release::k1_12 && options_.mode == Px4Mode::kSitl &&
          clock_ < kPosition;
 }
 
-/// What is armed and does not take off disarms itself after 8 s.
-bool ScriptedPx4::is_armed_early() const {
-  return armed_early_at_ && clock_ - *armed_early_at_ < std::chrono::seconds(8);
+bool ScriptedPx4::refuses_takeoff() const {
+  const bool is_sitl = options_.mode == Px4Mode::kSitl;
+  return lacks_position() || (is_sitl && clock_ < options_.takes_off_after);
+}
+
+void ScriptedPx4::disarm_in_time() {
+  if (!armed_early_at_) return;
+  const base::Duration armed = clock_ - *armed_early_at_;
+  if (options_.stopped_after && armed >= *options_.stopped_after) return armed_early_at_.reset();
+  if (armed >= options_.disarms_itself_after) disarm("auto preflight disarming");
+}
+
+void ScriptedPx4::disarm(const char* by) {
+  armed_early_at_.reset();
+  if (!options_.tells_who_disarms) return;
+  say(std::string("Disarmed by ") + by, mv::MavSeverity::kInfo);
 }
 
 /// The commands that stock PX4 answers otherwise than our controller.
@@ -265,10 +279,12 @@ bool ScriptedPx4::answers_its_own_way(const mav::PacketView& packet) {
   const bool is_1_16 = options_.release == Px4Release::k1_16;
   switch (command->command) {
     case mv::MavCmd::kComponentArmDisarm:
-      if (command->param1 == 0) return false;
+      if (command->param1 == 0) return disarm_early(*command, packet.source);
       return refuse_to_arm(*command, packet.source) || arm_early(*command, packet.source);
+    case mv::MavCmd::kDoFlighttermination:
+      return command->param1 != 0 && disarm_early(*command, packet.source);
     case mv::MavCmd::kNavTakeoff:
-      if (!is_early()) return false;
+      if (!refuses_takeoff()) return false;
       acknowledge(command->command, packet.source, mv::MavResult::kTemporarilyRejected);
       return true;
     case mv::MavCmd::kDoSetMode: {
@@ -300,9 +316,16 @@ bool ScriptedPx4::refuse_to_arm(const mv::CommandLong& command, mav::Source from
 
 bool ScriptedPx4::arm_early(const mv::CommandLong& command, mav::Source from) {
   constexpr base::RunTime kLetsArm{std::chrono::milliseconds(1500)};
-  if (!is_early() || clock_ < kLetsArm) return false;
-  armed_early_at_ = clock_;
+  if (!refuses_takeoff() || clock_ < kLetsArm) return false;
+  if (!armed_early_at_) armed_early_at_ = clock_;
   acknowledge(command.command, from, mv::MavResult::kAccepted);
+  return true;
+}
+
+bool ScriptedPx4::disarm_early(const mv::CommandLong& command, mav::Source from) {
+  if (!armed_early_at_) return false;
+  acknowledge(command.command, from, mv::MavResult::kAccepted);
+  disarm("external command");
   return true;
 }
 
@@ -319,8 +342,8 @@ void ScriptedPx4::acknowledge(mv::MavCmd command, mav::Source to, mv::MavResult 
 /// "present".
 bool ScriptedPx4::say_v1_12(const mav::PacketView& packet) {
   if (options_.release != Px4Release::k1_12) return false;
-  if (packet.message_id == mv::HomePosition::kId) return is_early();
-  if (auto status = mav::decode<mv::EstimatorStatus>(packet); status && is_early()) {
+  if (packet.message_id == mv::HomePosition::kId) return lacks_position();
+  if (auto status = mav::decode<mv::EstimatorStatus>(packet); status && lacks_position()) {
     status->flags = mv::EstimatorStatusFlags::kAttitude;
     ground_.send(*status);
     return true;
@@ -337,8 +360,12 @@ void ScriptedPx4::complain(const std::string& text) {
   if (std::find(complaints_.begin(), complaints_.end(), text) == complaints_.end()) {
     complaints_.push_back(text);
   }
+  say(text, mv::MavSeverity::kCritical);
+}
+
+void ScriptedPx4::say(const std::string& text, mv::MavSeverity severity) {
   mv::Statustext message;
-  message.severity = mv::MavSeverity::kCritical;
+  message.severity = severity;
   // v1.16.1 ends its texts with a tab.
   const std::string sent = text + (options_.release == Px4Release::k1_16 ? "\t" : "");
   std::copy_n(sent.begin(), std::min(sent.size(), message.text.size()), message.text.begin());

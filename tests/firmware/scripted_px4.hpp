@@ -58,6 +58,15 @@ class ScriptedPx4 {
     Px4Mode mode = Px4Mode::kSitl;
     /// SITL: HIL_SENSORs until the first answer (17 to 96 were seen).
     int boot_samples = 40;
+    /// SITL: until then it says that it has a position, accepts arming and refuses to take off.
+    base::RunTime takes_off_after{};
+    /// SITL: what is armed and does not take off disarms itself after this long (v1.12.0).
+    base::Duration disarms_itself_after = std::chrono::seconds(8);
+    /// SITL: somebody stops it at its board so long after it was armed, while it refuses to take
+    /// off. Nothing but the HEARTBEAT shows it.
+    std::optional<base::Duration> stopped_after{};
+    /// Says who disarmed it ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
+    bool tells_who_disarms = true;
     std::string vehicle = "iris_px4";
   };
 
@@ -99,15 +108,19 @@ class ScriptedPx4 {
   bool answers_its_own_way(const mav::PacketView& packet);
   bool refuse_to_arm(const mavlink::common::CommandLong& command, mav::Source from);
   bool arm_early(const mavlink::common::CommandLong& command, mav::Source from);
+  bool disarm_early(const mavlink::common::CommandLong& command, mav::Source from);
+  void disarm_in_time();
+  void disarm(const char* by);
   void acknowledge(mavlink::common::MavCmd command, mav::Source to,
                    mavlink::common::MavResult result);
-  bool is_early() const;
-  bool is_armed_early() const;
+  bool lacks_position() const;
+  bool refuses_takeoff() const;
   bool say_v1_12(const mav::PacketView& packet);
   std::string preflight_failure() const;
   void look_for_repeats(Staleness& sensor, std::span<const float> values, int most,
                         const char* complaint);
   void complain(const std::string& text);
+  void say(const std::string& text, mavlink::common::MavSeverity severity);
   mavlink::common::HilActuatorControls outputs(base::RunTime now) const;
 
   Options options_;

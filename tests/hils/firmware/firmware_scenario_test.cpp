@@ -71,6 +71,62 @@ TEST(FirmwareScenario, RefusesAVersionThatIsNone) {
   EXPECT_THROW(FirmwareScenario::load(file), base::ConfigError);
 }
 
+/// The scenario with further keys. @return its world as it is given to hilsim
+base::ConfigNode world_with(const test::TemporaryFolder& folder, const std::string& keys) {
+  const auto file = changed(folder, "limits:", keys + "\nlimits:");
+  const FirmwarePlaces places{folder.path(), folder.path() / "run", folder.path(),
+                              folder.path() / "casd"};
+  write_firmware_configs(FirmwareScenario::load(file), places);
+  return base::ConfigNode::load(places.simulator_config());
+}
+
+/// What is said against it.
+std::string refusal_of(const std::string& keys) {
+  const test::TemporaryFolder folder;
+  try {
+    world_with(folder, keys);
+  } catch (const base::ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FirmwareScenario, GivesTheWorldsVehicleSensorsWindAndFaults) {
+  const test::TemporaryFolder folder;
+  const base::ConfigNode world = world_with(folder, R"(
+sensors: rtk
+plugins:
+  - {plugin: wind, mean_m_s: 6, from_deg: 270}
+faults:
+  - {at_s: 5, gust: {amplitude_m_s: [3, 2, 0], length_m: 20, hold_s: 1}})");
+  const base::ConfigNode vehicle = world.at("vehicles").items().at(0);
+  EXPECT_EQ(vehicle.require<std::string>("sensors"), "rtk");
+  std::string names;
+  for (const base::ConfigNode& plugin : vehicle.at("plugins").items()) {
+    names += plugin.require<std::string>("plugin") + " ";
+    if (names.ends_with("fault ")) {
+      EXPECT_EQ(plugin.at("faults").items().size(), 1U);
+    }
+  }
+  EXPECT_EQ(names, "motor imu gps magnetometer barometer mavlink_interface wind fault recorder ");
+}
+
+TEST(FirmwareScenario, RefusesWhatMeansNothingToIt) {
+  EXPECT_NE(refusal_of("faults:\n  - {at_s: 5, for_s: 0.3, unplug: fcu}")
+                .find("is a fault of the bench, which a flight of stock firmware does not have"),
+            std::string::npos);
+  EXPECT_NE(refusal_of(
+                "faults:\n  - {at_s: 5, gust: {amplitude_m_s: [3, 2, 0], length_m: 20, hold_s: 1}}")
+                .find("a gust needs 'plugin: wind'"),
+            std::string::npos);
+}
+
+TEST(FirmwareScenario, RefusesARateOfNoMessage) {
+  const test::TemporaryFolder folder;
+  const auto file = changed(folder, "drift_m: 1.5}", "drift_m: 1.5, rates_hz: {ATTITUTE: 10}}");
+  EXPECT_THROW(FirmwareScenario::load(file), base::ConfigError);
+}
+
 TEST(FirmwareScenario, ComparesVersionsByTheirNumbers) {
   EXPECT_TRUE(is_at_least("1.16.1", "1.12"));
   EXPECT_TRUE(is_at_least("1.12.0", "1.12"));
@@ -216,6 +272,51 @@ TEST(FirmwareFlight, HasTheRmsOfItsHeadingAboutTheMeanHeading) {
   EXPECT_NEAR(figures.rms->yaw_rad, 0.1, 1e-3);
 }
 
+PoseSample sample(double time_s, Pose pose) {
+  return {.time_us = static_cast<std::int64_t>(1e6 * time_s), .pose = pose};
+}
+
+TEST(FirmwareFlight, ComparesEstimateAndTruthByWhatTheyWereBeforeTakeoff) {
+  FirmwareFigures figures = flown();  // takeoff from 1 s, hold from 5 to 10 s
+  figures.stages.back().step.measure = true;
+  std::vector<PoseSample> truth;
+  std::vector<PoseSample> estimate;
+  for (int i = 0; i < 1000; ++i) {
+    const double t = 0.01 * i;
+    truth.push_back(sample(t, {.x_m = 1, .z_m = t < 1 ? 0.0 : 5.0, .yaw_rad = 0.5}));
+    // Its origin is 3 m off; in the air it is 0.2 m too high and 0.1 rad off.
+    estimate.push_back(
+        sample(t, {.x_m = 4, .z_m = t < 1 ? 0.0 : 5.2, .yaw_rad = t < 1 ? 0.5 : 0.6}));
+  }
+  const auto error = estimate_error(figures.stages, truth, estimate);
+  ASSERT_TRUE(error);
+  EXPECT_NEAR(error->x_m, 0, 1e-9);
+  EXPECT_NEAR(error->z_m, 0.2, 1e-9);
+  EXPECT_NEAR(error->yaw_rad, 0.1, 1e-9);
+  EXPECT_FALSE(estimate_error(figures.stages, truth, {}));
+}
+
+TEST(FirmwareFlight, IsHeldToRatesHopsAndEstimate) {
+  FirmwareScenario scenario;
+  scenario.rates_hz = {{"ATTITUDE", 20}};
+  scenario.hop_p99_us = 500;
+  scenario.rms_estimate = {{"z_m", 0.1}};
+  FirmwareFigures figures = flown();
+  EXPECT_EQ(failures(scenario, figures).size(), 3U) << "nothing was measured";
+  figures.rates_hz = {{"ATTITUDE", 19}};
+  figures.hops = R"([{"link": "gcs", "routes": [{"from": "px4", "p99": 900.0}]}])";
+  figures.rms_estimate = RmsFigures{.z_m = 0.2, .samples = 10};
+  EXPECT_EQ(
+      failures(scenario, figures),
+      (std::vector<std::string>{"RMS error of the estimate in z_m is 0.2000; the limit is 0.1",
+                                "slowest way through casd, 99 % 900 us, limit 500 us",
+                                "rate of ATTITUDE 19.0 Hz, limit 20.0 Hz"}));
+  figures.rates_hz = {{"ATTITUDE", 21}};
+  figures.hops = R"([{"link": "gcs", "routes": [{"from": "px4", "p99": 400.0}]}])";
+  figures.rms_estimate->z_m = 0.05;
+  EXPECT_TRUE(failures(scenario, figures).empty());
+}
+
 TEST(FirmwareFlight, IsNotFlownOnAVersionThatIsTooOldOrNotTold) {
   Firmware wanted;
   EXPECT_EQ(version_fault(wanted, ""), "");
@@ -232,18 +333,6 @@ TEST(FirmwareFlight, DoesNotWaitForAVehicleThatHasFallenSilent) {
   EXPECT_EQ(silence_fault({.heard = true, .heartbeat_age_s = 29}), "");
   EXPECT_NE(silence_fault({.heard = true, .heartbeat_age_s = 31}), "");
   EXPECT_NE(silence_fault({}), "");
-}
-
-TEST(FirmwareFlight, IsNotArmedAgainWhereSomebodyElseCommands) {
-  const auto call = [](const char* method) {
-    OutsideCall made;
-    made.client = "unix:uid 1000";
-    made.method = method;
-    return made;
-  };
-  EXPECT_EQ(disarm_fault({call("vehicle.message_interval"), call("param.set")}), "");
-  EXPECT_EQ(disarm_fault({call("param.set"), call("vehicle.disarm")}),
-            "the vehicle was disarmed from outside: unix:uid 1000 called vehicle.disarm");
 }
 
 TEST(FirmwareFlight, IsJudgedUnderTheSameNamesWhateverComesOut) {

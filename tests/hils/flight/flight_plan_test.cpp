@@ -100,7 +100,7 @@ TEST(FlightPlan, FailsWhenTheVehicleDisarmsInTheAir) {
   plan.update(at(seconds(1)), hovering());
   plan.update(at(seconds(2)), hovering());
   plan.update(at(seconds(3)), on_ground());
-  EXPECT_EQ(plan.failure(), "the vehicle disarmed itself during hold");
+  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during hold");
 }
 
 FlightStep wait_until(const std::string& text) {
@@ -201,6 +201,32 @@ TEST(FlightPlan, ArmsStockFirmwareAgainThatWasNeverHeardArmed) {
   const auto again = plan.update(at(seconds(4)), on_ground());
   ASSERT_TRUE(again);
   EXPECT_EQ(again->kind, StepKind::kArm);
+}
+
+TEST(FlightPlan, WaitsForTheHeartbeatThatShowsStockFirmwareArmedAgain) {
+  FlightPlan plan(hover(), 0, kStock);
+  VehicleReport vehicle = on_ground();
+  plan.update(at(seconds(0)), vehicle);
+  plan.on_outcome(at(seconds(0)), "");
+  vehicle.armed = true;
+  plan.update(at(seconds(1)), vehicle);
+  plan.on_outcome(at(seconds(1)), "temporarily rejected");
+  ASSERT_EQ(plan.update(at(seconds(2)), on_ground())->kind, StepKind::kArm);
+  plan.on_outcome(at(seconds(2)), "");
+  EXPECT_FALSE(plan.update(at(seconds(4)), on_ground())) << "no second arming for one disarming";
+  ASSERT_TRUE(plan.update(at(milliseconds(5100)), on_ground()));
+}
+
+TEST(FlightPlan, DoesNotWaitForATakeoffThatWasAcceptedAndThenDisarmed) {
+  FlightPlan plan(hover(), 0, kStock);
+  VehicleReport vehicle = on_ground();
+  plan.update(at(seconds(0)), vehicle);
+  plan.on_outcome(at(seconds(0)), "");
+  vehicle.armed = true;
+  plan.update(at(seconds(1)), vehicle);
+  plan.on_outcome(at(seconds(1)), "");
+  EXPECT_FALSE(plan.update(at(seconds(5)), on_ground()));
+  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during takeoff");
 }
 
 TEST(FlightPlan, LeavesStockFirmwareTheTimeToDisarmItself) {

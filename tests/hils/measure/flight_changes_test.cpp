@@ -191,7 +191,7 @@ TEST_F(FlightChangesTest, WhatEndedAFlightIsAnAct) {
   land.command = MavCmd::kNavLand;
   say(61, ground_, land);
   EXPECT_TRUE(read().acts.empty()) << "the flight was over";
-  record_.flight_failure = "the vehicle disarmed itself during hold";
+  record_.flight_failure = "the vehicle was disarmed during hold";
   EXPECT_EQ(read().acts.size(), 1U);
 }
 

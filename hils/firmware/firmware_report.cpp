@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/firmware_report.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "hils/report/html_page.hpp"
+#include "hils/report/limit_table.hpp"
+#include "hils/report/report.hpp"
+#include "hils/report/run_plots.hpp"
+
+namespace cas::hils {
+namespace {
+
+using nlohmann::json;
+using Rows = std::vector<std::vector<std::string>>;
+
+void add_verdict(HtmlPage& page, const FirmwareScenario& scenario, const FirmwareFigures& figures,
+                 const Verdict& verdict) {
+  const std::string firmware = figures.version.empty() ? "" : "firmware v" + figures.version + ", ";
+  page.verdict(verdict.passed ? HtmlPage::Mood::kGood : HtmlPage::Mood::kBad,
+               verdict.passed ? "Passed" : "Failed",
+               fmt::format("{}, {}{:.1f} s simulated at {:.2f} x real time", scenario.name,
+                           firmware, figures.simulated_s, figures.real_time_factor),
+               verdict.failures);
+  page.heading("What it was held to");
+  std::vector<HtmlPage::Row> looks;
+  for (const LimitCheck& check : verdict.checks) {
+    looks.push_back(check.kept ? HtmlPage::Row::kPlain : HtmlPage::Row::kMissed);
+  }
+  page.table("Limits", limit_rows(verdict.checks), looks);
+}
+
+std::vector<std::string> rms_row(const std::string& name, const std::optional<RmsFigures>& rms) {
+  return {name, rms_text(rms, &RmsFigures::x_m), rms_text(rms, &RmsFigures::y_m),
+          rms_text(rms, &RmsFigures::z_m), rms_text(rms, &RmsFigures::yaw_rad)};
+}
+
+void add_flight(HtmlPage& page, const FirmwareFigures& figures) {
+  page.heading("Flight");
+  Rows steps{{"Step", "Begin, s", "End, s"}};
+  for (const Stage& stage : figures.stages) {
+    steps.push_back({std::string(phase_of(stage.step)),
+                     fmt::format("{:.2f}", base::to_seconds(stage.begin)),
+                     fmt::format("{:.2f}", base::to_seconds(stage.end))});
+  }
+  page.table("Steps, on simulated time", steps);
+  if (!figures.faults.empty()) {
+    Rows faults{{"Fault", "Begin, s", "End, s"}};
+    for (const BenchFaultScript::Span& fault : figures.faults) {
+      faults.push_back({fault.name, fmt::format("{:.2f}", base::to_seconds(fault.begin)),
+                        fault.end ? fmt::format("{:.2f}", base::to_seconds(*fault.end)) : "-"});
+    }
+    page.table("Faults, as they went", faults);
+  }
+  page.table("RMS errors in the measured hold",
+             {{"", "x, m", "y, m", "z, m", "yaw, rad"},
+              rms_row("truth about its mean", figures.rms),
+              rms_row("estimate against truth", figures.rms_estimate)});
+}
+
+/// Truth and estimate over time; nothing where the files cannot be read.
+void add_plots(HtmlPage& page, const FirmwarePlaces& places, const FirmwareFigures& figures) {
+  struct Axis {
+    const char* title;
+    double Pose::*member;
+  };
+  constexpr std::array kAxes{Axis{"North, m", &Pose::x_m}, Axis{"East, m", &Pose::y_m},
+                             Axis{"Height, m", &Pose::z_m}, Axis{"Yaw, rad", &Pose::yaw_rad}};
+  try {
+    const std::vector<PoseSample> truth = read_truth(places.truth_csv());
+    const std::vector<PoseSample> estimate =
+        read_estimate(places.flight_tlog(), figures.system, figures.log_clock);
+    for (const auto& [title, member] : kAxes) {
+      Plot plot{.title = title, .x_label = kTimeLabel, .y_label = title};
+      plot.series = {pose_series("truth", truth, member, 0),
+                     pose_series("estimate", estimate, member, 0)};
+      plot.series.back().dashed = true;
+      for (const BenchFaultScript::Span& fault : figures.faults) {
+        plot.marks.push_back(
+            {.x = base::to_seconds(fault.begin), .text = fault.name, .fault = true});
+      }
+      page.figure(to_svg(plot));
+    }
+  } catch (const base::ConfigError& error) {
+    page.paragraph(error.what());
+  }
+}
+
+void add_links(HtmlPage& page, const FirmwareFigures& figures) {
+  page.heading("Links of casd");
+  page.paragraph(fmt::format("casd dropped {} packets and missed {} by their numbers.",
+                             figures.dropped, figures.lost));
+  if (!figures.rates_hz.empty()) {
+    Rows rates{{"Message", "Rate, Hz"}};
+    for (const auto& [name, hz] : figures.rates_hz) {
+      if (hz > 0) rates.push_back({name, fmt::format("{:.2f}", hz)});
+    }
+    page.table("Messages of the vehicle in the measured hold, by simulated time", rates);
+  }
+  Rows hops{{"Way", "Packets", "50 %, us", "99 %, us", "Longest, us"}};
+  for (const json& link : json::parse(figures.hops)) {
+    for (const json& route : link.value("routes", json::array())) {
+      hops.push_back({route.value("from", "") + " to " + link.value("link", ""),
+                      fmt::format("{}", route.value("count", std::uint64_t{0})),
+                      fmt::format("{:.0f}", route.value("p50", 0.0)),
+                      fmt::format("{:.0f}", route.value("p99", 0.0)),
+                      fmt::format("{:.0f}", route.value("max", 0.0))});
+    }
+  }
+  page.table("From one link's read to another's write", hops);
+}
+
+}  // namespace
+
+std::string firmware_report(const FirmwareScenario& scenario, const FirmwarePlaces& places,
+                            const FirmwareFigures& figures, const Verdict& verdict) {
+  HtmlPage page(scenario.name);
+  add_verdict(page, scenario, figures, verdict);
+  add_flight(page, figures);
+  add_plots(page, places, figures);
+  add_links(page, figures);
+  page.heading("Configuration");
+  for (const auto& file : {scenario.file, places.simulator_config(), places.casd_config()}) {
+    std::ifstream in(file);
+    page.folded(file.filename().string(), {std::istreambuf_iterator<char>(in), {}});
+  }
+  return page.finish();
+}
+
+}  // namespace cas::hils
