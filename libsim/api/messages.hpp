@@ -126,12 +126,20 @@ struct GustCommand {
 /// What rotors and battery still give; all ones when nothing is wrong.
 struct PropulsionHealth {
   static constexpr std::string_view kTypeName = "cas.PropulsionHealth";
-  static constexpr unsigned kTypeVersion = 2;
+  static constexpr unsigned kTypeVersion = 3;
   /// Of the speed asked for; 0: stopped. Of each rotor that a vehicle may have.
   base::RotorVector speed_share = base::RotorVector::Ones(base::kMaxRotors);
-  /// Of thrust and torque at a speed.
+  /// Of thrust and torque at a speed; below 0: the rotor turns the other way.
   base::RotorVector thrust_share = base::RotorVector::Ones(base::kMaxRotors);
   double voltage_share = 1;  ///< of the battery's voltage
+  /// Rotors that keep the speed they were last driven to, whatever is asked of them.
+  std::array<bool, base::kMaxRotors> stuck{};
+  /// The rotor that is meant by what a rotor is asked for: itself, unless wires were swapped.
+  std::array<std::uint8_t, base::kMaxRotors> wired_as = [] {
+    std::array<std::uint8_t, base::kMaxRotors> own{};
+    for (std::size_t i = 0; i < own.size(); ++i) own[i] = static_cast<std::uint8_t>(i);
+    return own;
+  }();
 };
 
 /// Name of the part of the flight that the run is in ("takeoff", "hold"), told by whoever flies it.

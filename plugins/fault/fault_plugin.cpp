@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <tuple>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "base/earth/frames.hpp"
+#include "base/earth/gravity.hpp"
 #include "base/os/log.hpp"
 #include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
@@ -38,7 +40,12 @@ class FaultPlugin final : public Plugin {
 
   void pre_step(const StepInfo& step, World& world) override {
     const base::SimTime end = step.time + step.dt;  // when the sensors of this step will speak
-    for_each_tap([end](auto& tap) { tap.set_now(end); });
+    const double power_share = hover_power_ > 0 ? power_ / hover_power_ : 0;
+    const double pressure_pa = dynamic_pressure_pa(world);
+    for_each_tap([&](auto& tap) {
+      tap.set_now(end);
+      tap.set_drivers(power_share, pressure_pa);
+    });
     if (step.index == 0) begin_run(world);
     schedule_.update(step.time, facts(step.time, world),
                      [&](const FaultEvent& event) { on_event(event, world); });
@@ -56,6 +63,7 @@ class FaultPlugin final : public Plugin {
     events_.clear();
     armed_ = false;
     phase_ = {};
+    power_ = 0;
     if (breaks_propulsion_) health_.publish({});
   }
 
@@ -117,8 +125,8 @@ class FaultPlugin final : public Plugin {
     breaks_propulsion_ = changes_mass_ = blows_ = by_hand_;
     for (const FaultSpec& fault : schedule_.faults()) {
       check_rotor(fault);
-      breaks_propulsion_ |= std::holds_alternative<RotorFault>(fault.kind) ||
-                            std::holds_alternative<VoltageFault>(fault.kind);
+      breaks_propulsion_ |=
+          highest_rotor(fault.kind) >= 0 || std::holds_alternative<VoltageFault>(fault.kind);
       changes_mass_ |= std::holds_alternative<MassFault>(fault.kind);
       blows_ |= std::holds_alternative<GustCommand>(fault.kind);
     }
@@ -135,6 +143,7 @@ class FaultPlugin final : public Plugin {
     command_ = bus.subscribe<MotorCommand>(
         context.topic("motor_command"),
         [this](const MotorCommand& command) { armed_ = command.armed; }, Need::kOptional);
+    listen_to_rotors(context);
     phase_topic_ = bus.subscribe<FlightPhase>(
         context.topic("flight_phase"), [this](const FlightPhase& phase) { phase_ = phase; },
         Need::kOptional);
@@ -154,11 +163,47 @@ class FaultPlugin final : public Plugin {
 
   /// @throws base::ConfigError
   void check_rotor(const FaultSpec& fault) const {
-    const auto* broken = std::get_if<RotorFault>(&fault.kind);
-    if (broken == nullptr || broken->rotor < rotors_) return;
+    const int rotor = highest_rotor(fault.kind);
+    if (rotor < rotors_) return;
     throw base::ConfigError("fault '" + fault.name + "': there is no rotor " +
-                            std::to_string(broken->rotor + 1) + "; vehicle '" + type_ + "' has " +
+                            std::to_string(rotor + 1) + "; vehicle '" + type_ + "' has " +
                             std::to_string(rotors_));
+  }
+
+  /// The highest rotor that a fault names, from 0; -1: it names none.
+  static int highest_rotor(const FaultKind& kind) {
+    if (const auto* broken = std::get_if<RotorFault>(&kind)) return broken->rotor;
+    if (const auto* swapped = std::get_if<SwapFault>(&kind)) {
+      return std::max(swapped->first, swapped->second);
+    }
+    return -1;
+  }
+
+  /// Power goes with the sum of k_m w^3; in a hover the rotors share the weight equally.
+  void listen_to_rotors(PluginContext& context) {
+    const base::Vehicle& vehicle = context.vehicle();
+    const double share_n =
+        vehicle.mass_kg * base::kStandardGravity_m_s2 / std::max(1, vehicle.rotor_count());
+    for (const base::Rotor& rotor : vehicle.rotors) {
+      torque_coefficients_.push_back(rotor.params.torque_coefficient);
+      const double omega = std::sqrt(share_n / rotor.params.thrust_coefficient);
+      hover_power_ += torque_coefficients_.back() * omega * omega * omega;
+    }
+    rotor_speeds_ = context.bus().subscribe<RotorSpeeds>(
+        context.topic("rotor_speeds"),
+        [this](const RotorSpeeds& speeds) {
+          power_ = 0;
+          for (std::size_t i = 0; i < torque_coefficients_.size(); ++i) {
+            const double omega = speeds.omega_rad_s[static_cast<Eigen::Index>(i)];
+            power_ += torque_coefficients_[i] * omega * omega * omega;
+          }
+        },
+        Need::kOptional);
+  }
+
+  double dynamic_pressure_pa(const World& world) const {
+    const Environment& air = world.environment(vehicle_);
+    return 0.5 * air.air_density_kg_m3 * (world.state(vehicle_).v_WB - air.wind_W).squaredNorm();
   }
 
   void begin_run(World& world) {
@@ -239,6 +284,11 @@ class FaultPlugin final : public Plugin {
     for_active<RotorFault>([&](const RotorFault& fault) {
       health.speed_share[fault.rotor] *= fault.speed_share;
       health.thrust_share[fault.rotor] *= fault.thrust_share;
+      health.stuck[static_cast<std::size_t>(fault.rotor)] |= fault.stuck;
+    });
+    for_active<SwapFault>([&](const SwapFault& fault) {
+      std::swap(health.wired_as[static_cast<std::size_t>(fault.first)],
+                health.wired_as[static_cast<std::size_t>(fault.second)]);
     });
     for_active<VoltageFault>(
         [&](const VoltageFault& fault) { health.voltage_share *= fault.share; });
@@ -271,12 +321,16 @@ class FaultPlugin final : public Plugin {
   bool blows_ = false;
   bool armed_ = false;
   FlightPhase phase_;
+  std::vector<double> torque_coefficients_;
+  double hover_power_ = 0;
+  double power_ = 0;  // k_m w^3 of all rotors
   std::tuple<SensorTap<ImuSample>, SensorTap<GpsSample>, SensorTap<MagnetometerSample>,
              SensorTap<BarometerSample>, SensorTap<RangeSample>>
       taps_;
   Publisher<PropulsionHealth> health_;
   Publisher<GustCommand> gust_;
   Subscription command_;
+  Subscription rotor_speeds_;
   Subscription phase_topic_;
   Subscription orders_;
 };

@@ -4,8 +4,12 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include "base/config/config_whole.hpp"
+#include "base/earth/frames.hpp"
 #include "base/suggestion.hpp"
 #include "plugins/common/noise_params.hpp"
 
@@ -49,16 +53,20 @@ SensorTopic parse_topic(const ConfigNode& node) {
 }
 
 /// {sensor: imu, angular_rate_deg_s: [1, 0, 0]}; a scale has no unit: {sensor: imu, angular_rate:
-/// 2}.
-SensorFault parse_change(const ConfigNode& node, SensorEffect effect) {
+/// 2}; that of a drift is per second: {sensor: gps, position_m_s: [0.5, 0, 0]}.
+SensorFault parse_change(const ConfigNode& node, SensorEffect effect,
+                         BiasDriver driver = BiasDriver::kOne) {
   SensorFault fault;
   fault.effect = effect;
+  fault.driver = driver;
   fault.topic = parse_topic(node.at("sensor"));
   std::string known;
   for (const FieldName& entry : kFields) {
     if (entry.topic != fault.topic) continue;
     const bool has_unit = effect != SensorEffect::kScale;
-    const std::string key = entry.name + (has_unit ? std::string("_") + entry.unit : std::string());
+    const std::string key = entry.name +
+                            (has_unit ? std::string("_") + entry.unit : std::string()) +
+                            (driver == BiasDriver::kTime ? "_s" : "");
     known += (known.empty() ? "" : " or ") + key;
     const auto value = node.find(key);
     if (!value) continue;
@@ -86,14 +94,110 @@ SensorFault parse_delay(const ConfigNode& node) {
   return fault;
 }
 
+SensorFault parse_clip(const ConfigNode& node) {
+  SensorFault fault = parse_change(node, SensorEffect::kClip);
+  if ((fault.value.array() < 0.0).any()) node.fail("is clipped at 0 or above");
+  return fault;
+}
+
+/// Magnetic field of the current that feeds the rotors, at what they take in a hover.
+SensorFault parse_current(const ConfigNode& node) {
+  SensorFault fault = parse_change(node, SensorEffect::kBias, BiasDriver::kPower);
+  if (fault.topic != SensorTopic::kMagnetometer) node.at("sensor").fail("must be magnetometer");
+  return fault;
+}
+
+/// {sensor: barometer, pressure_coefficient: -0.3}: of the air's dynamic pressure.
+SensorFault parse_airflow(const ConfigNode& node) {
+  SensorFault fault;
+  fault.effect = SensorEffect::kBias;
+  fault.driver = BiasDriver::kDynamicPressure;
+  fault.field = SampleField::kPressure;
+  fault.topic = parse_topic(node.at("sensor"));
+  if (fault.topic != SensorTopic::kBarometer) node.at("sensor").fail("must be barometer");
+  fault.value.x() = node.require_in("pressure_coefficient", -10, 10);
+  return fault;
+}
+
+/// The sensors whose samples are vectors of the body.
+SensorTopic parse_vector_sensor(const ConfigNode& node) {
+  const SensorTopic topic = parse_topic(node);
+  if (topic != SensorTopic::kImu && topic != SensorTopic::kMagnetometer) {
+    node.fail("must be imu or magnetometer");
+  }
+  return topic;
+}
+
+/// {sensor: imu, rpy_deg: [0, 0, 90]}: the sensor stands so in the vehicle. Angles are of D
+/// (forward, right, down), samples of B (forward, left, up).
+SensorFault parse_turn(const ConfigNode& node) {
+  SensorFault fault;
+  fault.effect = SensorEffect::kTurn;
+  fault.topic = parse_vector_sensor(node.at("sensor"));
+  const Eigen::Vector3d rpy = node.require<Eigen::Vector3d>("rpy_deg") * M_PI / 180.0;
+  const Eigen::Matrix3d R_DS = base::quaternion_rpy(rpy.x(), rpy.y(), rpy.z()).toRotationMatrix();
+  const Eigen::Vector3d flip(1, -1, -1);
+  fault.turn = flip.asDiagonal() * R_DS.transpose() * flip.asDiagonal();
+  return fault;
+}
+
+/// {sensor: imu, from: [y, x, -z]}: the axis of B that each axis reads.
+SensorFault parse_axis_map(const ConfigNode& node) {
+  SensorFault fault;
+  fault.effect = SensorEffect::kTurn;
+  fault.topic = parse_vector_sensor(node.at("sensor"));
+  const ConfigNode from = node.at("from");
+  const auto words = from.as<std::vector<std::string>>();
+  if (words.size() != 3) from.fail("names three axes, such as [y, x, -z]");
+  fault.turn.setZero();
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    std::string_view word = words[static_cast<std::size_t>(row)];
+    const double sign = word.starts_with('-') ? -1 : 1;
+    if (word.starts_with('-')) word.remove_prefix(1);
+    const std::size_t axis = std::string_view("xyz").find(word);
+    if (word.size() != 1 || axis == std::string_view::npos) {
+      from.fail("an axis is x, y or z, or one of them with a minus");
+    }
+    fault.turn(row, static_cast<Eigen::Index>(axis)) = sign;
+  }
+  return fault;
+}
+
+SensorFault parse_fix(const ConfigNode& node) {
+  SensorFault fault;
+  fault.effect = SensorEffect::kFix;
+  fault.topic = SensorTopic::kGps;
+  fault.fix.type = static_cast<std::uint8_t>(base::get_whole_in<int>(node, "type", 3, 0, 8));
+  fault.fix.satellites =
+      static_cast<std::uint8_t>(base::get_whole_in<int>(node, "satellites", 10, 0, 60));
+  fault.fix.eph_m = node.get_in("eph_m", fault.fix.eph_m, 0, 1e4);
+  fault.fix.epv_m = node.get_in("epv_m", fault.fix.epv_m, 0, 1e4);
+  return fault;
+}
+
+int parse_rotor_number(const ConfigNode& node) {
+  const int rotor = node.as<int>() - 1;
+  if (rotor < 0 || rotor >= base::kMaxRotors) {
+    node.fail("must be 1 to " + std::to_string(base::kMaxRotors));
+  }
+  return rotor;
+}
+
+SwapFault parse_swap(const ConfigNode& node) {
+  const std::vector<ConfigNode> rotors = node.items();
+  if (rotors.size() != 2) node.fail("names two rotors, such as [1, 3]");
+  return {.first = parse_rotor_number(rotors[0]), .second = parse_rotor_number(rotors[1])};
+}
+
 RotorFault parse_rotor(const ConfigNode& node) {
   RotorFault fault;
-  fault.rotor = node.require<int>("number") - 1;
-  if (fault.rotor < 0 || fault.rotor >= base::kMaxRotors) {
-    node.at("number").fail("must be 1 to " + std::to_string(base::kMaxRotors));
-  }
+  fault.rotor = parse_rotor_number(node.at("number"));
   if (node.get("stop", false)) fault.speed_share = 0;
-  fault.thrust_share = node.get_in("thrust_share", 1, 0, 1);
+  fault.stuck = node.get("stuck", false);
+  if (fault.stuck && fault.speed_share == 0) {
+    node.at("stuck").fail("a rotor stops or keeps its speed, not both");
+  }
+  fault.thrust_share = node.get_in("thrust_share", 1, -1, 1);
   return fault;
 }
 
@@ -107,9 +211,10 @@ GustCommand parse_gust(const ConfigNode& node) {
 
 /// "; did you mean 'rotor'?" where a key is nearly an effect, or nothing.
 std::string meant_effect(const ConfigNode& node) {
-  constexpr std::array<std::string_view, 11> kEffects{
-      "freeze", "drop",          "delay",       "bias",         "scale", "noise",
-      "rotor",  "voltage_share", "mass_factor", "cg_shift_B_m", "gust"};
+  constexpr std::array<std::string_view, 19> kEffects{
+      "freeze",      "drop",          "delay",       "bias",         "scale", "noise", "clip",
+      "drift",       "current",       "airflow",     "turn",         "axes",  "fix",   "rotor",
+      "swap_rotors", "voltage_share", "mass_factor", "cg_shift_B_m", "gust"};
   for (const auto& [key, value] : node.entries()) {
     const std::string meant = base::did_you_mean(key, kEffects);
     if (!meant.empty()) return meant;
@@ -132,15 +237,25 @@ FaultKind parse_kind(const ConfigNode& node) {
   offer("bias", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kBias); });
   offer("scale", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kScale); });
   offer("noise", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kNoise); });
+  offer("clip", parse_clip);
+  offer("drift", [](const ConfigNode& n) {
+    return parse_change(n, SensorEffect::kBias, BiasDriver::kTime);
+  });
+  offer("current", parse_current);
+  offer("airflow", parse_airflow);
+  offer("turn", parse_turn);
+  offer("axes", parse_axis_map);
+  offer("fix", parse_fix);
   offer("rotor", parse_rotor);
+  offer("swap_rotors", parse_swap);
   offer("voltage_share", [](const ConfigNode& n) { return VoltageFault{n.as<double>()}; });
   offer("mass_factor", [](const ConfigNode& n) { return MassFault{n.as<double>()}; });
   offer("cg_shift_B_m", [](const ConfigNode& n) { return CgFault{n.as<Eigen::Vector3d>()}; });
   offer("gust", parse_gust);
   if (!kind) {
     node.fail(
-        "needs one of freeze, drop, delay, bias, scale, noise, rotor, voltage_share, mass_factor, "
-        "cg_shift_B_m, gust" +
+        "needs one of freeze, drop, delay, bias, scale, noise, clip, drift, current, airflow, "
+        "turn, axes, fix, rotor, swap_rotors, voltage_share, mass_factor, cg_shift_B_m, gust" +
         meant_effect(node));
   }
   return *kind;

@@ -29,7 +29,33 @@ enum class SampleField : std::uint8_t {
   kDistance,
 };
 
-enum class SensorEffect : std::uint8_t { kFreeze, kDrop, kDelay, kBias, kScale, kNoise };
+enum class SensorEffect : std::uint8_t {
+  kFreeze,
+  kDrop,
+  kDelay,
+  kBias,
+  kScale,
+  kNoise,
+  kClip,  ///< no component is larger than `value`
+  kTurn,  ///< all vectors of the sample are turned
+  kFix,   ///< what a receiver says of its fix
+};
+
+/// What a bias is multiplied by.
+enum class BiasDriver : std::uint8_t {
+  kOne,
+  kTime,             ///< seconds since the fault began: a drift
+  kPower,            ///< power that the rotors take, of what they take in a hover
+  kDynamicPressure,  ///< of the air that meets the vehicle, Pa
+};
+
+/// What a receiver says of its fix.
+struct FixReport {
+  std::uint8_t type = 3;
+  std::uint8_t satellites = 10;
+  double eph_m = 1;
+  double epv_m = 1;
+};
 
 struct SensorFault {
   SensorTopic topic{};
@@ -37,12 +63,22 @@ struct SensorFault {
   SampleField field{};
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< SI; factor for kScale, deviation for kNoise
   base::Duration delay{};
+  BiasDriver driver = BiasDriver::kOne;                ///< of kBias
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< of kTurn: what is read, of what is
+  FixReport fix{};                                     ///< of kFix
 };
 
 struct RotorFault {
   int rotor = 0;  ///< 0..15
   double speed_share = 1;
-  double thrust_share = 1;
+  double thrust_share = 1;  ///< below 0: it turns the other way
+  bool stuck = false;       ///< it keeps the speed it has
+};
+
+/// The wires of two rotors are exchanged.
+struct SwapFault {
+  int first = 0;  ///< 0..15
+  int second = 0;
 };
 
 struct VoltageFault {
@@ -58,7 +94,7 @@ struct CgFault {
 };
 
 using FaultKind =
-    std::variant<SensorFault, RotorFault, VoltageFault, MassFault, CgFault, GustCommand>;
+    std::variant<SensorFault, RotorFault, SwapFault, VoltageFault, MassFault, CgFault, GustCommand>;
 
 /// One fault: when it begins, how long it lasts, what it does.
 struct FaultSpec {
@@ -102,7 +138,12 @@ class FaultSchedule {
       }
     }
   }
+  /// Every fault waits again; those that were added are gone.
   void reset();
+  /// Room for so many faults that add() takes: no fault's place in memory changes.
+  void reserve(std::size_t further);
+  /// One more. @throws base::ConfigError when the room is used up
+  void add(FaultSpec fault);
 
   const std::vector<FaultSpec>& faults() const { return faults_; }
   bool is_active(std::size_t fault) const { return states_[fault] == State::kActive; }
@@ -114,13 +155,9 @@ class FaultSchedule {
   bool ends(std::size_t fault, base::SimTime now, const Facts& facts) const;
 
   std::vector<FaultSpec> faults_;
+  std::size_t scripted_ = 0;  ///< those in front, of the configuration
   std::vector<State> states_;
   std::vector<base::SimTime> since_;
 };
 
 }  // namespace cas::sim
-  /// Room for so many faults that add() takes: no fault's place in memory changes.
-  void reserve(std::size_t further);
-  /// One more. @throws base::ConfigError when the room is used up
-  void add(FaultSpec fault);
-  std::size_t scripted_ = 0;  ///< those in front, of the configuration

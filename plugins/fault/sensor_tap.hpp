@@ -54,6 +54,25 @@ class SampleAccess {
     s.distance_m = value.x();
   }
 
+  static void turn(ImuSample& s, const Eigen::Matrix3d& turn) {
+    s.specific_force_B = turn * s.specific_force_B;
+    s.angular_rate_B = turn * s.angular_rate_B;
+  }
+  static void turn(MagnetometerSample& s, const Eigen::Matrix3d& turn) {
+    s.field_B_gauss = turn * s.field_B_gauss;
+  }
+  template <class Sample>
+  static void turn(Sample&, const Eigen::Matrix3d&) {}  // no vectors of the body
+
+  static void report(GpsSample& s, const FixReport& fix) {
+    s.fix_type = fix.type;
+    s.satellites = fix.satellites;
+    s.eph_m = fix.eph_m;
+    s.epv_m = fix.epv_m;
+  }
+  template <class Sample>
+  static void report(Sample&, const FixReport&) {}  // no fixes
+
  private:
   base::LocalProjection projection_;
 };
@@ -73,8 +92,15 @@ class SensorTap {
   }
 
   void set_now(base::SimTime now) { now_ = now; }
-  void begin(const SensorFault& fault) { active_.push_back(&fault); }
-  void end(const SensorFault& fault) { std::erase(active_, &fault); }
+  /// What biases of the coming samples are multiplied by, beside the time.
+  void set_drivers(double power_share, double dynamic_pressure_pa) {
+    power_share_ = power_share;
+    dynamic_pressure_pa_ = dynamic_pressure_pa;
+  }
+  void begin(const SensorFault& fault) { active_.push_back({&fault, now_}); }
+  void end(const SensorFault& fault) {
+    std::erase_if(active_, [&fault](const Active& each) { return each.fault == &fault; });
+  }
   /// Lets go what has been held back long enough.
   void release() {
     while (const auto sample = held_.pop(now_)) interceptor_.deliver(*sample);
@@ -86,11 +112,16 @@ class SensorTap {
   }
 
  private:
+  struct Active {
+    const SensorFault* fault;
+    base::SimTime since;
+  };
+
   void on_publish(const Sample& sample) {
     Sample spoiled = sample;
     bool dropped = false;
     base::Duration delay{};
-    for (const SensorFault* fault : active_) {
+    for (const auto& [fault, since] : active_) {
       switch (fault->effect) {
         case SensorEffect::kDrop:
           dropped = true;
@@ -103,7 +134,7 @@ class SensorTap {
           spoiled.time = sample.time;  // a stuck sensor is still read at its rate
           break;
         default:
-          change(spoiled, *fault);
+          change(spoiled, *fault, since);
       }
     }
     last_ = spoiled;
@@ -115,18 +146,39 @@ class SensorTap {
     }
   }
 
-  void change(Sample& sample, const SensorFault& fault) {
+  void change(Sample& sample, const SensorFault& fault, base::SimTime since) {
+    if (fault.effect == SensorEffect::kTurn) return SampleAccess::turn(sample, fault.turn);
+    if (fault.effect == SensorEffect::kFix) return SampleAccess::report(sample, fault.fix);
     Eigen::Vector3d value = access_.read(sample, fault.field);
-    if (fault.effect == SensorEffect::kBias) value += fault.value;
+    if (fault.effect == SensorEffect::kBias) value += driver(fault.driver, since) * fault.value;
     if (fault.effect == SensorEffect::kScale) value = value.cwiseProduct(fault.value);
     if (fault.effect == SensorEffect::kNoise) value += fault.value.cwiseProduct(normal3(*random_));
+    if (fault.effect == SensorEffect::kClip) {
+      value = value.cwiseMin(fault.value).cwiseMax(-fault.value);
+    }
     access_.write(sample, fault.field, value);
+  }
+
+  double driver(BiasDriver driver, base::SimTime since) const {
+    switch (driver) {
+      case BiasDriver::kTime:
+        return base::to_seconds(now_ - since);
+      case BiasDriver::kPower:
+        return power_share_;
+      case BiasDriver::kDynamicPressure:
+        return dynamic_pressure_pa_;
+      case BiasDriver::kOne:
+        break;
+    }
+    return 1;
   }
 
   SampleAccess access_;
   base::NormalRandom* random_ = nullptr;
   base::SimTime now_;
-  std::vector<const SensorFault*> active_;
+  double power_share_ = 0;
+  double dynamic_pressure_pa_ = 0;
+  std::vector<Active> active_;
   std::optional<Sample> last_;
   DelayLine<Sample> held_;
   Interceptor<Sample> interceptor_;

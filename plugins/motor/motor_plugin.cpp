@@ -36,6 +36,7 @@ class MotorPlugin final : public Plugin {
     discs_ = vehicle.rotors;
     strikes_.reserve(discs_.size());
     asked_.setZero(vehicle.rotor_count());
+    driven_ = asked_;
     mixer_ = MotorMixer(vehicle);
     esc_ = EscDelay(vehicle, context.step());
     rotors_ = std::make_unique<RotorModel>(vehicle);
@@ -79,9 +80,10 @@ class MotorPlugin final : public Plugin {
 
   void reset() override {
     battery_ = full_battery_;
-    health_ = {};
     battery_due_.reset();
+    health_ = {};
     asked_.setZero();
+    driven_.setZero();
     esc_.clear();
     now_ = {};
     rotors_->set_tilt_targets(asked_);
@@ -108,8 +110,6 @@ class MotorPlugin final : public Plugin {
     base::SimTime time;
   };
 
-  /// A turning rotor whose disc touches the world or another vehicle stops, and stays so.
-  void look_for_strikes(const StepInfo& step, const World& world, std::span<const double> states) {
   /// What a fault takes from the voltage is missing in what is measured, too.
   void advance_battery(const StepInfo& step, const base::RotorVector& omega) {
     battery_->advance(omega, base::to_seconds(step.dt));
@@ -121,14 +121,16 @@ class MotorPlugin final : public Plugin {
                        .charge = battery_->charge()});
   }
 
+  /// A turning rotor whose disc touches the world or another vehicle stops, and stays so.
+  void look_for_strikes(const StepInfo& step, const World& world, std::span<const double> states) {
     std::size_t servo = discs_.size();  // its state
     for (std::size_t i = 0; i < discs_.size(); ++i) {
       const base::Rotor& disc = discs_[i];
       const double tilt_rad = disc.tilt ? states[servo++] : 0.0;
       if (rotors_->is_stopped(i) || states[i] < kTurning_rad_s) continue;
+      const Eigen::Vector3d axis_B = disc.tilt ? disc.tilted_axis_B(tilt_rad) : disc.axis_B;
       if (!world.disc_touches(vehicle_, disc.position_B_m, axis_B, disc.params.radius_m)) continue;
       rotors_->stop(i);
-      const Eigen::Vector3d axis_B = disc.tilt ? disc.tilted_axis_B(tilt_rad) : disc.axis_B;
       strikes_.push_back({i, step.time});
       base::log::warn(name_ + ": rotor " + std::to_string(i + 1) + " touched something at " +
                       std::to_string(base::to_seconds(step.time)) + " s and stopped");
@@ -157,10 +159,13 @@ class MotorPlugin final : public Plugin {
   /// Passes on the speeds that battery and rotors can follow.
   void drive() {
     const double voltage_share = health_.voltage_share * (battery_ ? battery_->speed_share() : 1.0);
-    const Eigen::Index known = std::min(asked_.size(), health_.speed_share.size());
-    base::RotorVector omega = asked_;
-    omega.head(known) = omega.head(known).cwiseProduct(health_.speed_share.head(known));
-    rotors_->set_targets(voltage_share * omega);
+    for (Eigen::Index i = 0; i < driven_.size(); ++i) {
+      const auto rotor = static_cast<std::size_t>(i);
+      if (health_.stuck[rotor]) continue;
+      const double own_share = i < health_.speed_share.size() ? health_.speed_share[i] : 1.0;
+      driven_[i] = voltage_share * own_share * asked_[health_.wired_as[rotor]];
+    }
+    rotors_->set_targets(driven_);
   }
 
   void tilt(const MotorCommand& command) {
@@ -186,16 +191,17 @@ class MotorPlugin final : public Plugin {
   std::optional<BodyDrag> drag_;
   std::optional<BatteryModel> full_battery_;
   std::optional<BatteryModel> battery_;
+  base::RateGate battery_due_{kBattery_hz};
   PropulsionHealth health_;
   base::RotorVector asked_;
+  base::RotorVector driven_;  ///< speeds that the rotors are to reach
   Publisher<RotorSpeeds> speeds_;
+  Publisher<BatterySample> measured_;
   Subscription command_;
   Subscription health_topic_;
 };
-  base::RateGate battery_due_{kBattery_hz};
 
 }  // namespace
 }  // namespace cas::sim
 
-  Publisher<BatterySample> measured_;
 CAS_PLUGIN(cas::sim::MotorPlugin, "motor")

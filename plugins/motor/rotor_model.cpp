@@ -129,7 +129,7 @@ RotorModel::Motion RotorModel::motion(std::size_t rotor, std::span<const double>
   Motion motion{.omega = x[rotor], .omega_dot = x_dot[rotor], .axis_B = hub.axis_B};
   if (hub.wake_loss > 0 && !stopped_[hub.upper]) {
     // Induced speed goes with the root of the thrust that is left.
-    motion.upper_omega = std::sqrt(effectiveness_[hub.upper]) * x[hub.upper];
+    motion.upper_omega = std::sqrt(std::max(0.0, effectiveness_[hub.upper])) * x[hub.upper];
   }
   for (std::size_t k = 0; k < servo_count_; ++k) {
     if (servos_[k].rotor != rotor) continue;

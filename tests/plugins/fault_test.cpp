@@ -85,7 +85,16 @@ TEST(FaultSpec, RefusesHalfAndDoubleEntries) {
         "faults: [{at_s: 1, freeze: imu, drop: gps}]", "faults: [{at_s: 1, freeze: sonar}]",
         "faults: [{at_s: 1, bias: {sensor: imu}}]", "faults: [{at_s: 1, rotor: {number: 17}}]",
         "faults: [{at_s: 1, for_s: 1, until: armed, freeze: imu}]",
-        "faults: [{when: 'altitud > 2', freeze: imu}]"}) {
+        "faults: [{when: 'altitud > 2', freeze: imu}]",
+        "faults: [{at_s: 1, clip: {sensor: imu, angular_rate_deg_s: -1}}]",
+        "faults: [{at_s: 1, axes: {sensor: imu, from: [x, y]}}]",
+        "faults: [{at_s: 1, axes: {sensor: gps, from: [x, y, z]}}]",
+        "faults: [{at_s: 1, axes: {sensor: imu, from: [x, y, w]}}]",
+        "faults: [{at_s: 1, turn: {sensor: barometer, rpy_deg: [0, 0, 1]}}]",
+        "faults: [{at_s: 1, current: {sensor: gps, position_m: 1}}]",
+        "faults: [{at_s: 1, airflow: {sensor: imu, pressure_coefficient: 1}}]",
+        "faults: [{at_s: 1, swap_rotors: [1]}]",
+        "faults: [{at_s: 1, rotor: {number: 1, stop: true, stuck: true}}]"}) {
     EXPECT_THROW(parse_faults(base::ConfigNode::parse(yaml)), base::ConfigError) << yaml;
   }
 }
@@ -182,6 +191,115 @@ TEST_F(FaultyVehicle, BiasesAndScalesInTheUnitsOfTheKeys) {
   EXPECT_NEAR(imus_[200].specific_force_B.z(), 2 * test::kGravity, kNoise);
 }
 
+TEST_F(FaultyVehicle, DriftsByTheTimeSinceItBegan) {
+  start("{faults: [{at_s: 0.1, drift: {sensor: barometer, pressure_pa_s: 1000}}]}");
+  run(seconds(1));
+  const double before = pressures_[4].sample.pressure_pa;  // 0.1 s: nothing has drifted yet
+  constexpr double kNoise = 0.02;
+  for (std::size_t i = 5; i < pressures_.size(); ++i) {
+    // It began in the step that ended at 0.101 s.
+    const double since_s = base::to_seconds(pressures_[i].at.time_since_epoch()) - 0.101;
+    EXPECT_NEAR(pressures_[i].sample.pressure_pa - before, 1000 * since_s, kNoise) << i;
+  }
+}
+
+TEST_F(FaultyVehicle, ClipsAtTheEndOfTheRange) {
+  start(
+      "{faults: [{at_s: 0.1, clip: {sensor: imu, specific_force_m_s2: 4}}, "
+      "{at_s: 0.1, bias: {sensor: imu, angular_rate_deg_s: [90, -90, 1]}}, "
+      "{at_s: 0.2, clip: {sensor: imu, angular_rate_deg_s: [180, 45, 45]}}]}");
+  run(milliseconds(300));
+  EXPECT_NEAR(imus_[40].specific_force_B.z(), test::kGravity, 1e-4);
+  EXPECT_EQ(imus_[80].specific_force_B.z(), 4);
+  EXPECT_NEAR(imus_[140].angular_rate_B.x(), M_PI / 2, 1e-4);
+  EXPECT_EQ(imus_[140].angular_rate_B.y(), -M_PI / 4);
+  EXPECT_NEAR(imus_[140].angular_rate_B.z(), M_PI / 180, 1e-4);
+}
+
+TEST_F(FaultyVehicle, TurnsAndExchangesTheAxesOfASensor) {
+  harness_.world.body.w_WB_B = {0.1, 0.2, 0.3};
+  start(
+      "{faults: [{at_s: 0.1, for_s: 0.1, turn: {sensor: imu, rpy_deg: [0, 0, 90]}}, "
+      "{at_s: 0.3, axes: {sensor: imu, from: [y, -x, z]}}]}");
+  run(milliseconds(400));
+  constexpr double kNoise = 1e-4;
+  EXPECT_TRUE(imus_[40].angular_rate_B.isApprox(Vector3d(0.1, 0.2, 0.3), kNoise));
+  // The sensor's nose points to the right: it reads there what the vehicle turns about that axis,
+  // which is -y of B, and on its left what the vehicle has forward.
+  EXPECT_TRUE(imus_[80].angular_rate_B.isApprox(Vector3d(-0.2, 0.1, 0.3), kNoise));
+  EXPECT_TRUE(imus_[180].angular_rate_B.isApprox(Vector3d(0.2, -0.1, 0.3), kNoise));
+}
+
+TEST_F(FaultyVehicle, PressureErrsWithTheAirThatMeetsIt) {
+  harness_.world.body.v_WB = {10, 0, 0};
+  start("{faults: [{at_s: 0.5, airflow: {sensor: barometer, pressure_coefficient: -0.5}}]}");
+  run(seconds(1));
+  // -0.5 * 1/2 * 1.225 kg/m^3 * (10 m/s)^2
+  EXPECT_NEAR(pressures_[40].sample.pressure_pa - pressures_[10].sample.pressure_pa, -30.625, 0.02);
+}
+
+TEST(FaultPlugin, MagnetometerErrsWithThePowerOfTheRotors) {
+  test::PluginHarness harness;
+  const auto speeds = harness.bus.advertise<RotorSpeeds>("iris0/rotor_speeds");
+  const auto field = harness.bus.advertise<MagnetometerSample>("iris0/magnetometer");
+  harness.add("fault",
+              "{faults: [{at_s: 0, current: {sensor: magnetometer, field_gauss: [0, 0.2, 0]}}]}");
+  MagnetometerSample read;
+  const auto listening = harness.bus.subscribe<MagnetometerSample>(
+      "iris0/magnetometer", [&read](const MagnetometerSample& sample) { read = sample; });
+  harness.step();
+  const auto measured = [&](double share) {
+    const base::Vehicle vehicle = test::load_vehicle("iris_paper");
+    const double hover = std::sqrt(vehicle.mass_kg * test::kGravity / 4 /
+                                   vehicle.rotors.front().params.thrust_coefficient);
+    RotorSpeeds now;
+    now.omega_rad_s.setConstant(4, share * hover);
+    speeds.publish(now);
+    harness.step();
+    field.publish({.time = {}, .field_B_gauss = {0.1, 0.1, 0.1}});
+    return read.field_B_gauss.y();
+  };
+  EXPECT_NEAR(measured(1.0), 0.1 + 0.2, 1e-9);
+  EXPECT_NEAR(measured(2.0), 0.1 + 8 * 0.2, 1e-9);  // power goes with the speed's cube
+  EXPECT_NEAR(measured(0.0), 0.1, 1e-12);
+}
+
+TEST(FaultPlugin, ReceiverReportsTheFixOfTheFault) {
+  test::PluginHarness harness;
+  const auto gps = harness.bus.advertise<GpsSample>("iris0/gps");
+  harness.add("fault",
+              "{faults: [{at_s: 0, fix: {type: 2, satellites: 4, eph_m: 12, epv_m: 20}}]}");
+  GpsSample read;
+  const auto listening = harness.bus.subscribe<GpsSample>(
+      "iris0/gps", [&read](const GpsSample& sample) { read = sample; });
+  harness.step();
+  gps.publish({.time = {}, .position = test::kHome, .velocity_N = {1, 2, 3}, .eph_m = 0.5});
+  EXPECT_EQ(read.fix_type, 2);
+  EXPECT_EQ(read.satellites, 4);
+  EXPECT_EQ(read.eph_m, 12);
+  EXPECT_EQ(read.epv_m, 20);
+  EXPECT_EQ(read.velocity_N, Vector3d(1, 2, 3));
+}
+
+TEST_F(FaultyVehicle, SticksReversesAndSwapsRotors) {
+  start(
+      "{faults: [{at_s: 0.1, rotor: {number: 1, stuck: true}}, "
+      "{at_s: 0.1, rotor: {number: 2, thrust_share: -0.5}}, "
+      "{at_s: 0.1, for_s: 0.1, swap_rotors: [3, 4]}]}");
+  PropulsionHealth health;
+  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
+      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  run(milliseconds(150));
+  EXPECT_TRUE(health.stuck[0]);
+  EXPECT_FALSE(health.stuck[1]);
+  EXPECT_DOUBLE_EQ(health.thrust_share[1], -0.5);
+  EXPECT_EQ(health.wired_as[2], 3);
+  EXPECT_EQ(health.wired_as[3], 2);
+  run(milliseconds(100));
+  EXPECT_EQ(health.wired_as[2], 2);
+  EXPECT_TRUE(health.stuck[0]);
+}
+
 TEST_F(FaultyVehicle, BeginsOnAStateAndEndsOnAnother) {
   start("{faults: [{name: high, when: altitude > 2, until: altitude < 1, drop: barometer}]}");
   run(milliseconds(100));
@@ -250,29 +368,12 @@ TEST_F(FaultyVehicle, AsksTheWindForAGust) {
   EXPECT_NEAR(harness_.world.air.wind_W.y(), 3, 0.05);
 }
 
-TEST_F(FaultyVehicle, BreaksTheSameWayAfterReset) {
-  start("{faults: [{at_s: 0.05, noise: {sensor: barometer, pressure_pa: 50}}]}");
-  run(milliseconds(400));
-  const auto first = std::move(pressures_);
-  pressures_.clear();
-  now_ = {};
-  harness_.reset();
-  run(milliseconds(400));
-  ASSERT_EQ(first.size(), pressures_.size());
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    EXPECT_EQ(first[i].sample.pressure_pa, pressures_[i].sample.pressure_pa);
-  }
-  EXPECT_GT(std::abs(first[10].sample.pressure_pa - first[1].sample.pressure_pa), 1);
-}
-
-}  // namespace
-}  // namespace cas::sim
 TEST_F(FaultyVehicle, TakesFaultsByHandAndForgetsThemAtAReset) {
   const auto orders = harness_.bus.advertise<FaultOrder>("iris0/fault_order");
   const auto order = [&orders](const std::string& script) {
-    FaultOrder order;
-    std::ranges::copy(script, order.script.begin());
-    orders.publish(order);
+    FaultOrder message;
+    std::ranges::copy(script, message.script.begin());
+    orders.publish(message);
   };
   start("{by_hand: true}");
   PropulsionHealth health;
@@ -295,3 +396,20 @@ TEST_F(FaultyVehicle, TakesFaultsByHandAndForgetsThemAtAReset) {
   EXPECT_TRUE(health.thrust_share.isOnes()) << "the same run as without a hand";
 }
 
+TEST_F(FaultyVehicle, BreaksTheSameWayAfterReset) {
+  start("{faults: [{at_s: 0.05, noise: {sensor: barometer, pressure_pa: 50}}]}");
+  run(milliseconds(400));
+  const auto first = std::move(pressures_);
+  pressures_.clear();
+  now_ = {};
+  harness_.reset();
+  run(milliseconds(400));
+  ASSERT_EQ(first.size(), pressures_.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].sample.pressure_pa, pressures_[i].sample.pressure_pa);
+  }
+  EXPECT_GT(std::abs(first[10].sample.pressure_pa - first[1].sample.pressure_pa), 1);
+}
+
+}  // namespace
+}  // namespace cas::sim

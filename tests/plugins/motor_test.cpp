@@ -431,6 +431,39 @@ TEST(MotorPlugin, PassesBrokenRotorsOn) {
   EXPECT_NEAR(wrench.force_B.z(), 3.5 * 5.84e-6 * 400 * 400, 1e-9);
 }
 
+TEST(MotorPlugin, StuckRotorsKeepTheirSpeedAndSwappedOnesGetEachOthers) {
+  test::PluginHarness harness;
+  const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  const auto health = harness.bus.advertise<PropulsionHealth>("iris0/propulsion_health");
+  harness.add("motor", "{}");
+  MotorCommand outputs;
+  outputs.kind = MotorCommand::Kind::kMotorOutputs;
+  outputs.armed = true;
+  outputs.values = Vector4d::Constant(0.7);  // 800 rad/s
+  command.publish(outputs);
+  PropulsionHealth broken;
+  broken.stuck[0] = true;
+  std::swap(broken.wired_as[1], broken.wired_as[3]);
+  broken.thrust_share[2] = -0.5;
+  health.publish(broken);
+  outputs.values = Vector4d(0, 0, 0, 0.7);
+  command.publish(outputs);
+  const std::array<double, 4> omega{400, 400, 400, 400};
+  std::array<double, 4> omega_dot{};
+  Wrench wrench;
+  harness.context.force_models[0]->evaluate({}, {}, omega, omega_dot, wrench);
+  EXPECT_NEAR(omega_dot[0], 400 / 0.0125, 1e-6) << "still to 800";
+  EXPECT_NEAR(omega_dot[1], 400 / 0.0125, 1e-6) << "what is meant for rotor 4";
+  EXPECT_LT(omega_dot[3], 0) << "what is meant for rotor 2";
+  EXPECT_NEAR(wrench.force_B.z(), 2.5 * 5.84e-6 * 400 * 400, 1e-9) << "rotor 3 pulls down";
+
+  outputs.armed = false;
+  command.publish(outputs);
+  harness.context.force_models[0]->evaluate({}, {}, omega, omega_dot, wrench);
+  EXPECT_NEAR(omega_dot[0], 400 / 0.0125, 1e-6) << "disarmed, it turns on";
+  EXPECT_LT(omega_dot[1], 0);
+}
+
 TEST(MotorPlugin, ARotorThatTouchesSomethingStopsForGood) {
   test::PluginHarness harness;
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
