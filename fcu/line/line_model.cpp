@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "base/config/config_whole.hpp"
 #include "base/random.hpp"
@@ -81,6 +82,12 @@ LineConfig LineConfig::parse(const base::ConfigNode& node) {
   line.burst_end = node.get_in("burst_end", line.burst_end, 1e-9, 1);
   line.burst_loss = node.get_in("burst_loss", line.burst_loss, 0, 1);
   line.packet_loss = node.get_in("packet_loss", line.packet_loss, 0, 1);
+  line.packet_duplicate = node.get_in("packet_duplicate", line.packet_duplicate, 0, 1);
+  line.packet_reorder = node.get_in("packet_reorder", line.packet_reorder, 0, 1);
+  line.receiver_baud = node.get_in("receiver_baud", line.receiver_baud, 0, 100e6);
+  if (line.receiver_baud > 0 && line.baud <= 0) {
+    node.at("receiver_baud").fail("needs a line with a baud rate");
+  }
   const auto get_bytes = [&node](std::string_view key, std::size_t fallback, std::size_t least) {
     return base::get_whole_in<std::size_t>(node, key, fallback, least, 1'000'000'000);
   };
@@ -92,6 +99,23 @@ LineConfig LineConfig::parse(const base::ConfigNode& node) {
 }
 
 // One direction.
+
+std::optional<std::uint8_t> read_at_other_rate(std::uint8_t sent, double ratio) {
+  constexpr int kDataBits = 8;
+  const auto level_at = [sent](double bit_times) {
+    const auto bit = static_cast<int>(bit_times);
+    if (bit == 0) return false;              // start
+    if (bit > kDataBits) return true;        // stop, idle
+    return ((sent >> (bit - 1)) & 1U) != 0;  // least significant first
+  };
+  if (level_at(0.5 * ratio)) return std::nullopt;  // no start bit
+  unsigned read = 0;
+  for (int bit = 0; bit < kDataBits; ++bit) {
+    if (level_at((bit + 1.5) * ratio)) read |= 1U << bit;
+  }
+  if (!level_at((kDataBits + 1.5) * ratio)) return std::nullopt;
+  return static_cast<std::uint8_t>(read);
+}
 
 LineModel::LineModel(const LineConfig& config, std::uint64_t seed)
     : config_(config), random_(seed) {}
@@ -177,6 +201,24 @@ std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
   stats_.refused += bytes.size() - taken;
   if (taken == 0) return 0;
 
+  const auto draw = [this](double probability) {
+    return probability > 0 && random_.uniform() < probability;
+  };
+  const std::span<const std::uint8_t> one = bytes.first(taken);
+  if (!held_.empty()) {
+    send(one, now);
+    send(std::exchange(held_, {}), now);
+  } else if (draw(config_.packet_reorder)) {
+    held_.assign(one.begin(), one.end());
+  } else {
+    send(one, now);
+    if (draw(config_.packet_duplicate)) send(one, now);
+  }
+  return taken;
+}
+
+/// Puts bytes on the line. A second copy may take more room than the send buffer has.
+void LineModel::send(std::span<const std::uint8_t> bytes, RunTime now) {
   const bool whole_lost = config_.packet_loss > 0 && random_.uniform() < config_.packet_loss;
   Duration jitter{};
   if (config_.jitter > Duration{}) {
@@ -186,17 +228,22 @@ std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
   const bool bursts = config_.burst_begin > 0;
   const bool bit_errors = config_.bit_error_rate > 0;
   std::size_t to_trigger = config_.receive_trigger_bytes;
-  for (std::size_t i = 0; i < taken; ++i) {
+  const double ratio = config_.receiver_baud > 0 ? config_.baud / config_.receiver_baud : 1;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
     const RunTime sent = clock_byte(now, byte_time);
     if (config_.send_buffer_bytes != 0) sending_.push_back(sent);
     const bool triggers = --to_trigger == 0;
     if (triggers) to_trigger = config_.receive_trigger_bytes;
     const bool survives = (!bursts || byte_survives()) && !whole_lost;
-    const std::uint8_t value = bit_errors ? with_bit_errors(bytes[i]) : bytes[i];
-    if (!survives) {
+    std::uint8_t value = bit_errors ? with_bit_errors(bytes[i]) : bytes[i];
+    const std::optional<std::uint8_t> read =
+        config_.receiver_baud > 0 ? read_at_other_rate(value, ratio) : value;
+    if (!survives || !read) {
       ++stats_.lost;
       continue;
     }
+    if (*read != value) ++stats_.misread;
+    value = *read;
     RunTime arrival = sent + config_.extra_delay + jitter;
     if (config_.batch > Duration{}) {
       const auto frames =
@@ -205,11 +252,10 @@ std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
     }
     arrival = std::max(arrival, last_arrival_);
     last_arrival_ = arrival;
-    on_line_.push_back({arrival, value, triggers || i + 1 == taken});
+    on_line_.push_back({arrival, value, triggers || i + 1 == bytes.size()});
   }
   // A lost last byte must not leave the rest of the write waiting for the next one.
   if (!on_line_.empty()) on_line_.back().wakes = true;
-  return taken;
 }
 
 void LineModel::drop_overrun(RunTime now) {
@@ -246,8 +292,9 @@ std::optional<RunTime> LineModel::next_arrival() const {
 
 void LineModel::hang_up() {
   hung_up_ = true;
-  stats_.lost += on_line_.size();
+  stats_.lost += on_line_.size() + held_.size();
   on_line_.clear();
+  held_.clear();
   sending_.clear();
 }
 

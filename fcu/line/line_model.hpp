@@ -30,6 +30,9 @@ struct LineConfig {
   double burst_end = 1;               ///< Gilbert-Elliott: probability per byte, bad -> good
   double burst_loss = 1;              ///< probability that a byte is lost while bad
   double packet_loss = 0;             ///< probability that one write is lost as a whole
+  double packet_duplicate = 0;        ///< probability that one write arrives twice
+  double packet_reorder = 0;          ///< probability that one write comes after the next one
+  double receiver_baud = 0;           ///< rate at which the receiver reads; 0 = the sender's
   std::size_t send_buffer_bytes = 0;  ///< room before the writer is held back; 0 = endless
   std::size_t receive_fifo_bytes =
       0;  ///< bytes that may wait to be read; more overrun; 0 = endless
@@ -41,6 +44,13 @@ struct LineConfig {
   /// Reads a `line:` block: a preset and the keys that override it (durations as *_us).
   static LineConfig parse(const base::ConfigNode& node);
 };
+
+/// What a UART with another bit time makes of a byte (8N1): it looks at the middle of each of its
+/// own bits, counted from the start bit's edge. The line is taken to be idle behind the byte.
+///
+/// @param ratio  receiver's bit time over the sender's
+/// @return nothing when its stop bit is not one: a framing error, by which the byte is lost
+std::optional<std::uint8_t> read_at_other_rate(std::uint8_t sent, double ratio);
 
 /// One direction of a serial line as a function of time: it never reads a clock.
 ///
@@ -58,6 +68,7 @@ class LineModel {
     std::uint64_t lost = 0;       ///< bytes lost on the line
     std::uint64_t overrun = 0;    ///< bytes lost because nobody read in time
     std::uint64_t flipped = 0;    ///< bits flipped
+    std::uint64_t misread = 0;    ///< bytes that the receiver took for others, at another rate
   };
 
   LineModel(const LineConfig& config, std::uint64_t seed);
@@ -93,6 +104,7 @@ class LineModel {
     bool wakes = false;  ///< last byte of a write, or the trigger level within it
   };
 
+  void send(std::span<const std::uint8_t> bytes, base::RunTime now);
   base::Duration byte_time() const;
   base::RunTime clock_byte(base::RunTime now, base::Duration byte_time);
   base::RunTime after_stalls(base::RunTime t);
@@ -105,6 +117,7 @@ class LineModel {
   base::NormalRandom random_;
   std::deque<Byte> on_line_;
   std::deque<base::RunTime> sending_;  ///< done times of bytes not yet clocked out
+  std::vector<std::uint8_t> held_;     ///< a write that comes after the next one
   base::RunTime done_{};               ///< when the last byte left the sender
   base::RunTime last_arrival_{};
   base::RunTime next_stall_{};

@@ -76,6 +76,63 @@ TEST(LineModel, WritesFollowEachOtherOnABusyLine) {
   EXPECT_NEAR(base::to_seconds(crossing_time(line, 5, kStart + 1ms)), 9e-3, 1e-6);
 }
 
+TEST(LineModel, ReceiverAtTheSameRateReadsEveryByte) {
+  for (unsigned value = 0; value < 256; ++value) {
+    const auto byte = static_cast<std::uint8_t>(value);
+    EXPECT_EQ(read_at_other_rate(byte, 1), byte);
+    // Half a bit of error at the stop bit, which is looked at after 9.5 bit times, is 5 %.
+    EXPECT_EQ(read_at_other_rate(byte, 1.04), byte);
+    EXPECT_EQ(read_at_other_rate(byte, 0.96), byte);
+  }
+}
+
+TEST(LineModel, ReceiverAtHalfTheRateReadsEverySecondBit) {
+  // Its bit k is looked at 2 (k + 1.5) bit times behind the edge: at data bits 2, 4, 6, then idle.
+  EXPECT_EQ(read_at_other_rate(0x00, 2), 0xF8);
+  EXPECT_EQ(read_at_other_rate(0x05, 2), std::nullopt);  // data bit 0 is where a start bit must be
+}
+
+TEST(LineModel, ReceiverAtTwiceTheRateReadsTheFirstBitsTwice) {
+  // Looked at after 0.75, 1.25, ... 4.25 bit times, the stop bit after 4.75.
+  EXPECT_EQ(read_at_other_rate(0x0F, 0.5), 0xFE);
+  EXPECT_EQ(read_at_other_rate(0x00, 0.5), std::nullopt);  // data bit 3 is no stop bit
+}
+
+TEST(LineModel, AnotherRateLosesAndChangesBytes) {
+  LineConfig config;
+  config.baud = 921600;
+  config.receiver_baud = 460800;
+  LineModel line(config, 1);
+  line.write(bytes(200), kStart);
+  std::vector<std::uint8_t> out(400);
+  EXPECT_EQ(line.read(out, kStart + 1s) + line.stats().lost, 200U);
+  EXPECT_GT(line.stats().lost, 50U);
+  EXPECT_GT(line.stats().misread, 50U);
+}
+
+TEST(LineModel, DuplicatesAndReordersWholeWrites) {
+  LineConfig config;
+  config.packet_duplicate = 1;
+  LineModel twice(config, 1);
+  twice.write(bytes(3), kStart);
+  std::vector<std::uint8_t> out(100);
+  EXPECT_EQ(twice.read(out, kStart), 6U);
+  out.resize(6);
+  EXPECT_EQ(out, (std::vector<std::uint8_t>{0, 1, 2, 0, 1, 2}));
+
+  config.packet_duplicate = 0;
+  config.packet_reorder = 1;
+  LineModel crossed(config, 1);
+  crossed.write(bytes(2), kStart);
+  out.resize(100);
+  EXPECT_EQ(crossed.read(out, kStart), 0U);
+  const std::vector<std::uint8_t> next{7, 8, 9};
+  crossed.write(next, kStart);
+  EXPECT_EQ(crossed.read(out, kStart), 5U);
+  out.resize(5);
+  EXPECT_EQ(out, (std::vector<std::uint8_t>{7, 8, 9, 0, 1}));
+}
+
 TEST(LineModel, ASlowClockStretchesTheBytes) {
   LineConfig config;
   config.baud = 100'000;
