@@ -34,54 +34,6 @@ constexpr std::uint8_t kAutopilot = 1;  ///< component
 /// A float's worth of a number apart at most.
 bool same(double a, double b) { return static_cast<float>(a) == static_cast<float>(b); }
 
-/// Messages by which somebody flies a vehicle. Commands and parameters are looked at one by one.
-bool is_steering(std::uint32_t message_id) {
-  constexpr std::array kIds{SetMode::kId,
-                            ManualControl::kId,
-                            RcChannelsOverride::kId,
-                            SetAttitudeTarget::kId,
-                            SetPositionTargetLocalNed::kId,
-                            SetPositionTargetGlobalInt::kId,
-                            MissionCount::kId,
-                            MissionClearAll::kId,
-                            MissionSetCurrent::kId};
-  return std::ranges::find(kIds, message_id) != kIds.end();
-}
-
-/// A command that only asks for something to be said.
-bool only_asks(MavCmd command) {
-  using enum MavCmd;
-  constexpr std::array kQuestions{
-      kGetHomePosition, kGetMessageInterval,     kSetMessageInterval,          kRequestMessage,
-      kRunPrearmChecks, kRequestProtocolVersion, kRequestAutopilotCapabilities};
-  return std::ranges::find(kQuestions, command) != kQuestions.end();
-}
-
-std::string command_words(MavCmd command) {
-  constexpr std::array<std::pair<MavCmd, std::string_view>, 6> kWords{
-      {{MavCmd::kComponentArmDisarm, "arm or disarm"},
-       {MavCmd::kNavTakeoff, "takeoff"},
-       {MavCmd::kNavLand, "land"},
-       {MavCmd::kNavReturnToLaunch, "return to launch"},
-       {MavCmd::kDoSetMode, "another mode"},
-       {MavCmd::kDoReposition, "go to a place"}}};
-  const auto found = std::ranges::find(kWords, command, &decltype(kWords)::value_type::first);
-  const std::string number = fmt::format("command {}", static_cast<unsigned>(command));
-  return found == kWords.end() ? number : fmt::format("{} ({})", number, found->second);
-}
-
-/// The system that a packet is addressed to; 0: all, or none.
-std::uint8_t target_of(const mav::PacketView& packet) {
-  if (packet.message_id == ManualControl::kId) {
-    const auto sticks = mav::decode<ManualControl>(packet);
-    return sticks ? sticks->target : 0;
-  }
-  const mav::MessageInfo* known = table().find(packet.message_id);
-  if (known == nullptr || known->target_system_offset < 0) return 0;
-  const auto offset = static_cast<std::size_t>(known->target_system_offset);
-  return offset < packet.payload.size() ? packet.payload[offset] : 0;  // a cut-off byte is zero
-}
-
 /// Gains and parameters that a step of the scenario sets.
 std::map<std::string, double> values_of(const FlightStep& step,
                                         const std::vector<casd::GainLoop>& loops) {
@@ -146,12 +98,6 @@ class ChangeReader {
   }
 
  private:
-  static bool is_question(const OutsideCall& call) {
-    if (call.method != "vehicle.command") return false;
-    const json params = json::parse(call.params, nullptr, false);
-    if (!params.is_object()) return false;
-    return only_asks(static_cast<MavCmd>(params.value("command", 0)));
-  }
   static std::string port_words(const OutsideCall& call) {
     return "casd's command port (" + call.client + ")";
   }
