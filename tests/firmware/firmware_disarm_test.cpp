@@ -1,111 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who has disarmed a vehicle that hils armed: hilsim, casd, hils and a scripted PX4 as programs, as
-// fast as they can, and this process as a ground station.
-#include <gtest/gtest.h>
-
-#include <functional>
-
-#include "casd/tlog/tlog_packets.hpp"
-#include "mavlink/common/all.hpp"
-#include "mavlink/common/table.hpp"
-#include "mavlink_gen/runtime/codec.hpp"
-#include "tests/firmware/shipped_text.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tests/support/wait_until.hpp"
+// Who has disarmed a vehicle that hils armed.
+#include "tests/firmware/sitl_flight.hpp"
 
 namespace cas::test {
 namespace {
 
-namespace mv = mavlink::common;
-
-constexpr mav::Source kStation{255, 190};
-constexpr mav::Source kCasd{254, 190};
-constexpr mav::Source kVehicle{1, 1};
-/// A whole flight on a busy machine, under a sanitizer.
-constexpr base::Duration kFlightPatience = std::chrono::minutes(3);
-
-class FirmwareDisarm : public testing::Test {
- protected:
-  /// @param word  how the scripted PX4 is to behave
-  void start(const std::string& word) {
-    ports_.ground_station = std::to_string(free_udp_port());
-    folder_.write("world.yaml",
-                  with_whole_paths(replaced(px4_sitl_world(ports_), "\nspeed: 1\n", "\n")));
-    folder_.write("topology.yaml", with_whole_paths(px4_sitl_topology(ports_)));
-    const auto scenario =
-        folder_.write("scenario.yaml", R"(schema: 1
-name: disarm
-world: world.yaml
-topology: topology.yaml
-not_hil: true
-steps:
-  - arm: {timeout_s: 100}
-  - takeoff: {altitude_m: 2, timeout_s: 200}
-  - hold: {duration_s: 1, measure: true}
-  - land: {timeout_s: 100}
-  - disarm: {timeout_s: 50}
-firmware: {command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, " +
-                                           ports_.arguments() + ", " + word + "]}\n");
-    hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),
-                                           "--out", folder_ / "out"});
-    station_.set_remote(port_of("127.0.0.1:" + ports_.ground_station));
-  }
-
-  /// Goes on until hils has ended; says HEARTBEAT and hands over what casd forwards.
-  std::optional<int> fly(const std::function<void(const mav::PacketView&)>& on_packet = {}) {
-    std::optional<int> code;
-    base::RunTime beat{};
-    wait_until(
-        [&] {
-          if (base::steady_now() > beat) {
-            mv::Heartbeat heartbeat;
-            heartbeat.type = mv::MavType::kGcs;
-            heartbeat.autopilot = mv::MavAutopilot::kInvalid;
-            say(heartbeat);
-            beat = base::steady_now() + std::chrono::milliseconds(200);
-          }
-          PacketStream heard;
-          station_.read(heard);
-          for (const PacketStream::Packet& packet : heard.packets()) {
-            if (on_packet) on_packet(packet.view());
-          }
-          code = hils_->wait_exit(base::Duration::zero());
-          return code.has_value();
-        },
-        kFlightPatience);
-    return code;
-  }
-
-  template <class Message>
-  void say(const Message& message) {
-    station_.send(as_station_(message));
-  }
-
-  /// How often casd had it armed, by the flight log; repetitions do not count.
-  int armings() const {
-    int count = 0;
-    casd::for_each_tlog_packet(folder_.path() / "out/flight.tlog", mv::table(),
-                               [&](std::uint64_t, const mav::PacketView& packet) {
-                                 const auto command = mav::decode<mv::CommandLong>(packet);
-                                 if (!command || packet.source != kCasd) return;
-                                 count += command->command == mv::MavCmd::kComponentArmDisarm &&
-                                          command->param1 == 1 && command->confirmation == 0;
-                               });
-    return count;
-  }
-
-  bool says(const std::string& words) const {
-    return hils_->output().find(words) != std::string::npos;
-  }
-  std::string output() const { return hils_->output(); }
-
-  TemporaryFolder folder_;
-  Px4SitlPorts ports_;
-  UdpPeer station_;
-  mav::Encoder as_station_{kStation};
-  std::optional<ChildProcess> hils_;
-};
+class FirmwareDisarm : public SitlFlight {};
 
 bool is_armed_heartbeat(const mav::PacketView& packet) {
   const auto heartbeat = mav::decode<mv::Heartbeat>(packet);

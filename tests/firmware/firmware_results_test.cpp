@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a flight of stock firmware takes and leaves beside the steps.
+#include <nlohmann/json.hpp>
+
+#include "tests/firmware/sitl_flight.hpp"
+
+namespace cas::test {
+namespace {
+
+class FirmwareResults : public SitlFlight {
+ protected:
+  std::string left(const std::string& file) const { return content(folder_.path() / "out" / file); }
+  nlohmann::json summary() const { return nlohmann::json::parse(left("summary.json")); }
+};
+
+TEST_F(FirmwareResults, HaveFaultsFiguresAndAReport) {
+  start("obedient", R"(sensors: {preset: rtk, imu: {rate_hz: 250}}
+plugins:
+  - {plugin: wind, mean_m_s: 2, from_deg: 270}
+faults:
+  - {name: squall, when: phase == hold, gust: {amplitude_m_s: [2, 0, 0], length_m: 5, hold_s: 0.2}}
+limits: {rms_estimate: {x_m: 0.5, z_m: 0.5}, rates_hz: {ATTITUDE: 5}, hop_p99_us: 10000000})");
+  ASSERT_EQ(fly(), 0) << output();
+  const nlohmann::json figures = summary();
+  EXPECT_GT(figures.at("rms_estimate").at("z_m").get<double>(), 0);
+  EXPECT_GT(figures.at("rates_hz").at("ATTITUDE").get<double>(), 5);
+  ASSERT_EQ(figures.at("faults").size(), 1U) << figures.dump(2);
+  EXPECT_EQ(figures.at("faults").at(0).at("name"), "squall");
+  const std::string report = left("report.html");
+  for (const char* words :
+       {"Passed", "rate of ATTITUDE", "squall", "estimate against truth", "<svg"}) {
+    EXPECT_NE(report.find(words), std::string::npos) << words;
+  }
+}
+
+TEST_F(FirmwareResults, MissALimitThatTheFlightDoesNotKeep) {
+  start("obedient", "limits: {rates_hz: {ATTITUDE: 9000}, rms_estimate: {z_m: 0}}");
+  EXPECT_EQ(fly(), 1) << output();
+  EXPECT_TRUE(says("rate of ATTITUDE ")) << output();
+  EXPECT_TRUE(says("RMS error of the estimate in z_m is ")) << output();
+  EXPECT_EQ(summary().at("missed").size(), 2U);
+}
+
+}  // namespace
+}  // namespace cas::test
