@@ -25,6 +25,7 @@
 #include "hils/boards/board_command.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/flight_boards.hpp"
+#include "hils/campaign/campaign_command.hpp"
 #include "hils/compare/comparison.hpp"
 #include "hils/compare/comparison_report.hpp"
 #include "hils/firmware/firmware_run.hpp"
@@ -340,6 +341,7 @@ int main(int argc, char** argv) {
   const CLI::App* compare_command = add_compare(app, compare_flags);
   const SweepCommand sweep(app);
   const TuneCommand tune(app);
+  const CampaignCommand campaign(app);
   const ReplayCommand replay(app);
   const BoardCommand board(app);
   base::cli::add_manual(app, "hils", std::string(CAS_VERSION), board_words());
@@ -348,6 +350,7 @@ int main(int argc, char** argv) {
     base::log::init("hils", base::log::parse_level(log_level));
     if (sweep.parsed()) return sweep.run();
     if (tune.parsed()) return tune.run();
+    if (campaign.parsed()) return campaign.run();
     if (replay.parsed()) return replay.run();
     return compare_command->parsed() ? compare(compare_flags) : run(flags);
   });

@@ -18,7 +18,8 @@ using base::ConfigNode;
 
 constexpr double kLongestRun_s = 1e6;
 constexpr double kLongestUnplug_s = 3600;
-constexpr std::array<std::string_view, 4> kBenchKeys{"line", "unplug", "restart", "flood_hz"};
+constexpr std::array<std::string_view, 7> kBenchKeys{"line",    "unplug", "restart", "flood_hz",
+                                                     "silence", "starve", "reload"};
 
 void expect_word(const ConfigNode& node, std::string_view word) {
   if (node.as<std::string>() != word) node.fail("takes only " + std::string(word));
@@ -32,7 +33,13 @@ BenchFaultKind parse_kind(const ConfigNode& node, std::string_view key, const Co
     expect_word(value, "fcu");
     return UnplugFault{};
   }
+  if (key == "silence") {
+    expect_word(value, "ground");
+    return SilenceFault{};
+  }
+  if (key == "starve") return StarveFault{parse_wake_up(value)};
   expect_word(value, "casd");
+  if (key == "reload") return ReloadFault{};
   return RestartFault{};
 }
 
@@ -90,8 +97,15 @@ void add_bench_fault(BenchFault fault, std::optional<std::size_t> vehicle, std::
 
 }  // namespace
 
+WakeUpFigures parse_wake_up(const ConfigNode& node) {
+  WakeUpFigures figures;
+  figures.p50_us = node.require_in("p50_us", 0, 1e6);
+  figures.p99_us = node.require_in("p99_us", figures.p50_us, 1e6);
+  return figures;
+}
+
 bool BenchFault::is_everybodys() const {
-  return std::holds_alternative<RestartFault>(kind) || std::holds_alternative<FloodFault>(kind);
+  return !std::holds_alternative<LineFault>(kind) && !std::holds_alternative<UnplugFault>(kind);
 }
 
 ScenarioFaults parse_scenario_faults(const ConfigNode& faults, const ConfigNode& line,
@@ -112,9 +126,11 @@ ScenarioFaults parse_scenario_faults(const ConfigNode& faults, const ConfigNode&
 }
 
 BenchFaultScript::BenchFaultScript(std::vector<BenchFault> faults) {
-  for (BenchFault& fault : faults) {
-    entries_.push_back({.fault = std::move(fault), .span = std::nullopt, .over = false});
-  }
+  for (BenchFault& fault : faults) add(std::move(fault));
+}
+
+void BenchFaultScript::add(BenchFault fault) {
+  entries_.push_back({.fault = std::move(fault), .span = std::nullopt, .over = false});
 }
 
 std::vector<BenchFaultScript::Event> BenchFaultScript::update(

@@ -17,6 +17,15 @@
 
 namespace cas::hils {
 
+/// How late a thread goes on after what it waited for, on a machine of the virtual clock:
+/// log-normal, given by its median and its 99th percentile. Both zero: at once.
+struct WakeUpFigures {
+  double p50_us = 0;
+  double p99_us = 0;
+};
+/// @throws base::ConfigError
+WakeUpFigures parse_wake_up(const base::ConfigNode& node);
+
 /// The serial line gets other properties while it lasts.
 struct LineFault {
   fcu::LineConfig line;
@@ -29,7 +38,17 @@ struct RestartFault {};
 struct FloodFault {
   double packets_hz = 0;
 };
-using BenchFaultKind = std::variant<LineFault, UnplugFault, RestartFault, FloodFault>;
+/// Nothing comes from the ground any more: neither the ground station nor casd's own. On the
+/// virtual clock.
+struct SilenceFault {};
+/// The threads of casd wake up this late: others have the processor. On the virtual clock.
+struct StarveFault {
+  WakeUpFigures wake_up;
+};
+/// casd reads its topology again. Needs casd as a program.
+struct ReloadFault {};
+using BenchFaultKind = std::variant<LineFault, UnplugFault, RestartFault, FloodFault, SilenceFault,
+                                    StarveFault, ReloadFault>;
 
 /// A fault of the bench, not of the vehicle: when it begins, how long it lasts, what it does.
 struct BenchFault {
@@ -40,7 +59,7 @@ struct BenchFault {
   base::Duration lasting{};
   BenchFaultKind kind;
 
-  /// A fault of casd or of the ground station hits every vehicle.
+  /// What is wrong with casd or on the ground hits every vehicle.
   bool is_everybodys() const;
 };
 
@@ -58,8 +77,8 @@ struct ScenarioFaults {
 };
 
 /// Reads the list `faults` of a scenario. Every entry has at_s or when, and one effect; the bench's
-/// are `line`, `unplug`, `restart` and `flood_hz`, all others are plugin fault's. One that names no
-/// vehicle hits each of them, by its own condition.
+/// are `line`, `unplug`, `restart`, `flood_hz`, `silence`, `starve` and `reload`, all others are
+/// plugin fault's. One that names no vehicle hits each of them, by its own condition.
 ///
 /// @param line  the scenario's line, whose keys those of a line fault override
 /// @param names  vehicles that a fault may name
@@ -77,7 +96,9 @@ class BenchFaultScript {
     const BenchFault* fault = nullptr;
     bool begins = false;
   };
-  /// What begins or ends now.
+  /// One more, ordered in flight.
+  void add(BenchFault fault);
+  /// What begins or ends now. The faults that it points to stay until the next add().
   std::vector<Event> update(base::SimTime now, std::span<const VehicleReport> vehicles,
                             std::string_view phase);
 

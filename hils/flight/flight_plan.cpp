@@ -94,6 +94,16 @@ std::string_view FlightPlan::phase() const {
   return begun_ || current_ > 0 ? phase_of(steps_[current_]) : std::string_view();
 }
 
+std::optional<Stage> FlightPlan::under_way(base::SimTime now) const {
+  if (done() || !begun_) return std::nullopt;
+  return Stage{.step = steps_[current_],
+               .begin = step_begin_,
+               .end = now,
+               .accepted = phase_ == Phase::kWaiting ? accepted_ : now,
+               .reference_m = reference_m_,
+               .reference_yaw_rad = reference_yaw_rad_};
+}
+
 std::optional<Stage> FlightPlan::measured() const {
   for (const Stage& stage : stages_) {
     if (stage.step.measure) return stage;
@@ -192,14 +202,10 @@ void FlightPlan::begin_step(base::SimTime now, const FlightStep& step) {
 }
 
 void FlightPlan::end_step(base::SimTime now) {
-  stages_.push_back({.step = steps_[current_],
-                     .begin = step_begin_,
-                     .end = now,
-                     .accepted = accepted_,
-                     .reference_m = reference_m_,
-                     .reference_yaw_rad = reference_yaw_rad_});
-  const StepKind kind = steps_[current_].kind;
-  if (kind == StepKind::kTakeoff) airborne_ = true;
+  Stage stage = *under_way(now);
+  stage.accepted = accepted_;
+  stages_.push_back(std::move(stage));
+  if (steps_[current_].kind == StepKind::kTakeoff) airborne_ = true;
   ++current_;
   if (!done() && steps_[current_].kind == StepKind::kLand) airborne_ = false;  // it may disarm now
   begun_ = false;

@@ -31,6 +31,7 @@ struct VehicleReport {
   double heartbeat_age_s = 0;  ///< of the newest, by casd's clock
   std::string firmware{};      ///< its version; empty: it has not told it
   std::string autopilot{};     ///< "PX4", "ArduPilot", "other"
+  bool hil = false;            ///< its HEARTBEAT says that it is in HIL
   bool armed = false;
   bool in_air = false;
   bool on_ground = false;
@@ -112,6 +113,9 @@ class FlightPlan {
   /// way by its name or word, "done" after the last, nothing before the first.
   std::string_view phase() const;
   base::Duration elapsed_in_step(base::SimTime now) const { return now - step_begin_; }
+  /// The step under way as a stage that goes up to now; nothing before it begins, and after the
+  /// last.
+  std::optional<Stage> under_way(base::SimTime now) const;
   /// The stage of the measured step; nothing before it is over.
   std::optional<Stage> measured() const;
 

@@ -14,6 +14,7 @@
 #include "hils/measure/plugin_figure.hpp"
 #include "hils/measure/run_record.hpp"
 #include "hils/measure/step_response.hpp"
+#include "hils/measure/strike_response.hpp"
 #include "hils/measure/tracking.hpp"
 #include "hils/run/run_request.hpp"
 
@@ -64,6 +65,7 @@ struct Measurement {
   double reading_spread_us = 0;  ///< p99 less p50 of HIL_SENSOR from casd to the controller's read
   std::optional<double> cpu_pressure;
   std::vector<BenchFaultScript::Span> faults;   ///< of the bench
+  std::optional<StrikeResponse> strike;         ///< how the vehicle took the first fault
   std::vector<Incident> incidents;              ///< crashes and their kin, in the order of time
   FlightChanges changes;                        ///< parameters, and who acted from outside
   std::vector<StepResponse> responses;          ///< to the steps of the flight

@@ -69,6 +69,10 @@ void GroundStation::on_packet(const mav::PacketView& packet) {
 }
 
 void GroundStation::tick(base::RunTime now) {
+  if (silent_) {
+    last_tick_ = now;
+    return;
+  }
   send_flood(std::exchange(last_tick_, now), now);
   if (now >= next_heartbeat_) {
     send_(encode_(heartbeat()));

@@ -38,6 +38,8 @@ class GroundStation {
 
   /// Sends so many packets a second besides, to the vehicles in turn; 0: none.
   void flood(double packets_hz) { flood_ = base::RateGate(packets_hz); }
+  /// Sends nothing from now on, or again.
+  void silence(bool silent) { silent_ = silent; }
 
   static constexpr base::Duration kTickPeriod = std::chrono::milliseconds(20);
 
@@ -58,6 +60,7 @@ class GroundStation {
   mav::Encoder encode_;
   mav::PacketParser parser_;
   base::RateGate flood_;
+  bool silent_ = false;
   base::RunTime last_tick_{};
   base::RunTime next_heartbeat_{};
 };

@@ -63,6 +63,9 @@ Json to_json(const fcu::LineConfig& line) {
           {"burst_end", line.burst_end},
           {"burst_loss", line.burst_loss},
           {"packet_loss", line.packet_loss},
+          {"packet_duplicate", line.packet_duplicate},
+          {"packet_reorder", line.packet_reorder},
+          {"receiver_baud", line.receiver_baud},
           {"send_buffer_bytes", line.send_buffer_bytes},
           {"receive_fifo_bytes", line.receive_fifo_bytes},
           {"receive_trigger_bytes", line.receive_trigger_bytes}};
@@ -266,6 +269,8 @@ void RealtimePilot::play(const BenchFault& fault, bool begins) {
     casd_.emplace(address(places_.command_port));
   } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
     if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
+  } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
+    if (begins && casd_) casd_->call("casd.reload", Json::object());
   }
 }
 
@@ -305,6 +310,16 @@ void add_relay(std::map<std::string, casd::LinkLedger>& ledgers, const VehiclePl
                               .controller = std::move(controller->second)};
 }
 
+/// @throws base::ConfigError
+void refuse_virtual_faults(const RunRequest& request) {
+  for (const BenchFault& fault : request.scenario.faults.bench) {
+    const bool silences = std::holds_alternative<SilenceFault>(fault.kind);
+    if (!silences && !std::holds_alternative<StarveFault>(fault.kind)) continue;
+    throw base::ConfigError("fault '" + fault.name +
+                            "': silence and starve are faults of the virtual clock (--virtual)");
+  }
+}
+
 /// Reads the ledgers that the programs wrote when they ended.
 void read_ledgers(const RunRequest& request, const RunPlaces& places,
                   std::vector<RunRecord>& records) {
@@ -326,6 +341,7 @@ void read_ledgers(const RunRequest& request, const RunPlaces& places,
 
 std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   refuse_emulator_faults(request);
+  refuse_virtual_faults(request);
   const base::RunTime begin = base::steady_now();
   const RunDirectory sockets;
   RunPlaces places = RunPlaces::of(request.scenario, request.out, sockets.path());

@@ -36,6 +36,9 @@ thead th:first-child{background:var(--head)}
 tbody tr:last-child td{border-bottom:0}
 tr.quiet{color:var(--quiet)}
 tr.missed{color:var(--missed);font-weight:600}
+.matrix td{white-space:normal;text-align:left;vertical-align:top}
+.matrix td.good,.matrix td.bad,.matrix td.neutral{color:#fff}
+.matrix td a{color:inherit}.matrix small{display:block;opacity:.9}
 figure{margin:.8rem auto;max-width:60rem;background:var(--box);border:1px solid var(--line);
  border-radius:6px;padding:.4rem}
 figure svg{display:block;width:100%;height:auto}
@@ -101,6 +104,30 @@ void HtmlPage::table(const std::string& caption, const std::vector<std::vector<s
       body_ += "<" + cell + ">" + escape_xml(text) + "</" + cell + ">";
     }
     body_ += head ? "</tr></thead><tbody>\n" : "</tr>\n";
+  }
+  body_ += "</tbody></table></div>\n";
+}
+
+void HtmlPage::matrix(const std::string& caption, const std::vector<std::string>& headings,
+                      const std::vector<std::vector<Cell>>& rows) {
+  body_ += "<p class=\"caption\">" + escape_xml(caption) +
+           "</p><div class=\"scroll\"><table class=\"matrix\">\n<thead><tr>";
+  for (const std::string& heading : headings) body_ += "<th>" + escape_xml(heading) + "</th>";
+  body_ += "</tr></thead><tbody>\n";
+  for (const std::vector<Cell>& row : rows) {
+    body_ += "<tr>";
+    for (const Cell& cell : row) {
+      const std::string look =
+          cell.mood ? " class=\"" + std::string(css_class(*cell.mood)) + "\"" : "";
+      std::string text = escape_xml(cell.text);
+      if (!cell.address.empty()) {
+        text = "<a href=\"" + escape_xml(cell.address) + "\">" + text + "</a>";
+      }
+      body_ += "<td" + look + ">" + text;
+      if (!cell.detail.empty()) body_ += "<small>" + escape_xml(cell.detail) + "</small>";
+      body_ += "</td>";
+    }
+    body_ += "</tr>\n";
   }
   body_ += "</tbody></table></div>\n";
 }

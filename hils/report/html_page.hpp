@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,16 @@ class HtmlPage {
   /// @param looks  of the rows below the headings; those beyond its end are plain
   void table(const std::string& caption, const std::vector<std::vector<std::string>>& rows,
              const std::vector<Row>& looks = {});
+  /// A cell of a matrix: what it says, below it in small letters why, and where it leads.
+  struct Cell {
+    std::string text{};
+    std::string detail{};
+    std::string address{};  ///< empty: nowhere
+    std::optional<Mood> mood{};
+  };
+  /// A table whose cells have colours and links; the first of each row is its name.
+  void matrix(const std::string& caption, const std::vector<std::string>& headings,
+              const std::vector<std::vector<Cell>>& rows);
   /// A list of links, each an address and its text.
   void links(const std::vector<std::pair<std::string, std::string>>& list);
   /// An SVG element.

@@ -211,13 +211,6 @@ ScenarioWorld parse_world(const base::ConfigNode& root) {
   return world;
 }
 
-WakeUpFigures parse_wake_up(const base::ConfigNode& node) {
-  WakeUpFigures figures;
-  figures.p50_us = node.require_in("p50_us", 0, 1e6);
-  figures.p99_us = node.require_in("p99_us", figures.p50_us, 1e6);
-  return figures;
-}
-
 Rates parse_rates(const base::ConfigNode& node) {
   return {.sensor_hz = node.require_in("sensor_hz", 50, 2000),
           .gps_hz = node.require_in("gps_hz", 1, 50),

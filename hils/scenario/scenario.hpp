@@ -97,13 +97,6 @@ struct Rates {
   double controls_hz = 400;
 };
 
-/// How late a thread goes on after what it waited for, on a machine of the virtual clock:
-/// log-normal, given by its median and its 99th percentile. Both zero: at once.
-struct WakeUpFigures {
-  double p50_us = 0;
-  double p99_us = 0;
-};
-
 /// Plugin fault only asks for a gust; plugin wind blows it. @throws base::ConfigError where it is
 /// not among the plugins
 void check_gusts(const std::vector<base::ConfigNode>& plugins, const ScenarioFaults& faults);

@@ -149,6 +149,58 @@ std::string number_field(double value) {
   return std::isfinite(value) ? fmt::format("{}", value == 0 ? 0.0 : value) : std::string();
 }
 
+/// What is no number is null, so that the line is read again.
+Json number_json(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json strike_json(const StrikeResponse& strike) {
+  return {{"strike_s", strike.strike_s},
+          {"fault", strike.fault},
+          {"armed_before", strike.armed_before},
+          {"armed_after", strike.armed_after},
+          {"detected_s", number_json(strike.detected_s)},
+          {"detected_by", strike.detected_by},
+          {"reacted_s", number_json(strike.reacted_s)},
+          {"reaction", strike.reaction},
+          {"terminated", strike.terminated},
+          {"completed", strike.completed},
+          {"incident", strike.incident ? Json(to_string(*strike.incident)) : Json(nullptr)},
+          {"crashed", strike.crashed},
+          {"at_rest", strike.at_rest},
+          {"rest_m", number_json(strike.rest_m)},
+          {"farthest_m", number_json(strike.farthest_m)},
+          {"peak_tilt_deg", number_json(strike.peak_tilt_deg)}};
+}
+
+StrikeResponse parse_strike(const Json& json) {
+  const auto optional = [&json](const char* key) {
+    const Json& value = json.at(key);
+    return value.is_null() ? std::optional<double>() : value.get<double>();
+  };
+  StrikeResponse strike{.strike_s = json.at("strike_s").get<double>(),
+                        .fault = json.at("fault").get<std::string>(),
+                        .armed_before = json.at("armed_before").get<bool>(),
+                        .armed_after = json.at("armed_after").get<bool>(),
+                        .detected_s = optional("detected_s"),
+                        .detected_by = json.at("detected_by").get<std::string>(),
+                        .reacted_s = optional("reacted_s"),
+                        .reaction = json.at("reaction").get<std::string>(),
+                        .terminated = json.at("terminated").get<bool>(),
+                        .completed = json.at("completed").get<bool>()};
+  if (const Json& word = json.at("incident"); !word.is_null()) {
+    for (const IncidentKind kind : kIncidentKinds) {
+      if (to_string(kind) == word.get<std::string>()) strike.incident = kind;
+    }
+  }
+  strike.crashed = json.at("crashed").get<bool>();
+  strike.at_rest = json.at("at_rest").get<bool>();
+  strike.rest_m = optional("rest_m").value_or(kNone);
+  strike.farthest_m = optional("farthest_m").value_or(kNone);
+  strike.peak_tilt_deg = optional("peak_tilt_deg").value_or(kNone);
+  return strike;
+}
+
 /// On one line, so that a line of a file is a row.
 std::string one_line(std::string text) {
   std::ranges::replace_if(
@@ -206,6 +258,7 @@ RowResult row_of(const Scenario& scenario, const RunResult& run) {
     result.incident = to_string(incident->kind);
   }
   result.figures = collect(scenario, &run).values;
+  result.strike = run.vehicles.front().figures.strike;
   return result;
 }
 
@@ -232,6 +285,7 @@ std::string journal_line(const RowResult& result) {
                      {"max_rss_mib", result.machine.max_rss_mib},
                      {"host", result.machine.host}};
   if (!result.key.empty()) json["key"] = result.key;
+  if (result.strike) json["strike"] = strike_json(*result.strike);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -257,6 +311,7 @@ std::optional<RowResult> parse_journal_line(std::string_view line) {
                       .max_rss_mib = machine.at("max_rss_mib").get<double>(),
                       .host = machine.at("host").get<std::string>()};
     result.key = json.value("key", "");
+    if (json.contains("strike")) result.strike = parse_strike(json.at("strike"));
     return result;
   } catch (const Json::exception&) {
     return std::nullopt;

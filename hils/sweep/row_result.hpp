@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hils/measure/run_result.hpp"
+#include "hils/measure/strike_response.hpp"
 #include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
@@ -50,6 +51,7 @@ struct RowResult {
   std::vector<double> figures{};  ///< in the order of figure_names()
   MachineFigures machine{};
   std::string key{};  ///< what was flown, where no table says it by the row's number
+  std::optional<StrikeResponse> strike{};  ///< of the first vehicle, where a fault struck
 };
 
 /// Names of the figures, the same for every run of a study: first those of the run (`up` and

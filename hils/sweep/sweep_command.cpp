@@ -27,6 +27,7 @@
 #include "base/os/write_file.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/programs/child_process.hpp"
+#include "hils/sweep/row_again.hpp"
 #include "hils/sweep/row_flight.hpp"
 #include "hils/sweep/share_limits.hpp"
 #include "hils/sweep/slurm_script.hpp"
@@ -82,43 +83,6 @@ std::string shell_word(const std::string& text) {
   return quoted + "'";
 }
 
-/// The arguments of `hils` that fly a row again, after its scenario has been written.
-std::vector<std::string> command_of(const SweepFolder& sweep, std::size_t row) {
-  const fs::path folder = sweep.again(row);
-  std::vector<std::string> words{own_program().string(), "run", (folder / "scenario.yaml").string(),
-                                 "--architecture",
-                                 std::string(to_string(sweep.study.architecture))};
-  if (sweep.study.architecture != Architecture::kDirect) words.emplace_back("--virtual");
-  words.insert(words.end(),
-               {"--seed", std::to_string(sweep.row(row).seed), "--out", folder.string()});
-  return words;
-}
-
-void write_row(const SweepFolder& sweep, std::size_t row) {
-  write_scenario(sweep.scenario(), sweep.values_of(sweep.row(row)), sweep.study_folder,
-                 sweep.again(row));
-}
-
-/// Flies rows again with a whole report each. @return those that have one now
-std::vector<std::size_t> fly_again(const SweepFolder& sweep, const std::vector<std::size_t>& rows) {
-  std::vector<std::size_t> flown;
-  for (const std::size_t row : rows) {
-    const fs::path report = sweep.again(row) / "report.html";
-    if (!fs::exists(report)) {
-      fmt::print(stderr, "sweep: row {} is flown again for its report\n", row);
-      write_row(sweep, row);
-      std::vector<std::string> command = command_of(sweep, row);
-      command.front() = kSameProgram;
-      ChildProcess process({.name = "the process of a run",
-                            .arguments = std::move(command),
-                            .log_file = sweep.again(row) / "log.txt"});
-      process.wait_exit(base::from_seconds(sweep.study.deadline_s));
-    }
-    if (fs::exists(report)) flown.push_back(row);
-  }
-  return flown;
-}
-
 std::pair<std::string, std::string> parse_map(const std::string& text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos || comma == 0 || comma + 1 == text.size()) {
@@ -171,9 +135,9 @@ void print_row(const SweepFolder& sweep, std::size_t number) {
       }
     }
   }
-  write_row(sweep, number);
+  write_row_again(sweep, number);
   std::string line;
-  for (const std::string& word : command_of(sweep, number)) {
+  for (const std::string& word : command_again(sweep, number)) {
     line += (line.empty() ? "" : " ") + shell_word(word);
   }
   fmt::print("Again, with its report:\n  {}\n", line);
@@ -350,8 +314,10 @@ int collect_sweep(const fs::path& folder, const std::string& against,
   write_sqlite(view, folder / "sweep.sqlite");
   base::write_file(folder / "junit.xml", sweep_junit(view.sweep.study.name, counts, checks));
   page.flown_again = fly_again(
-      view.sweep, {page.worst.begin(), page.worst.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                                again, page.worst.size()))});
+      view.sweep,
+      {page.worst.begin(),
+       page.worst.begin() + static_cast<std::ptrdiff_t>(std::min(again, page.worst.size()))},
+      1);
   base::write_file(folder / "sweep.html", sweep_html(view, checks, page));
   fmt::print("{}Results: {}\n", sweep_text(view, checks, page.before), folder.string());
   if (counts.flown < counts.rows) return kExitInvalid;

@@ -248,6 +248,7 @@ void VirtualRelay::pass_on(casd::LinkId from, const casd::Route& route,
 }
 
 void VirtualRelay::send_own(std::span<const std::uint8_t> bytes, std::span<const casd::Path> to) {
+  if (silent_) return;
   own_parser_.feed(bytes, [&](const mav::PacketView& packet) {
     if (to.empty()) return route(casd::kLocalLink, packet, now_);
     pass_on(casd::kLocalLink, router_.on_addressed(packet, to, now_), packet, now_);

@@ -79,6 +79,11 @@ class VirtualRelay final : private casd::LineWait {
   /// Started again.
   void restart();
 
+  /// From now on nothing of casd's own station leaves, or again.
+  void silence(bool silent) { silent_ = silent; }
+  /// Other delays from now on.
+  void set_wake_up(WakeUp wake_up) { wake_up_ = wake_up; }
+
   casd::VehicleCommander& commander() { return commander_; }
   /// HIL packets as they passed a link.
   const casd::LinkLedger& ledger(casd::LinkId link) const { return *ports_[link].counters->ledger; }
@@ -122,6 +127,7 @@ class VirtualRelay final : private casd::LineWait {
   const bool blocking_;
   const bool single_;
   bool running_ = true;
+  bool silent_ = false;  ///< casd's own station
   WakeUp wake_up_;
   casd::LinkSlots slots_;
   casd::Router router_;

@@ -42,6 +42,8 @@ constexpr std::int64_t kLogEpochUs =
     std::chrono::microseconds(casd::TlogWriter::kStreamEpoch).count();
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = std::chrono::seconds(1);
+/// For as long as that a vehicle that falls is followed after the flight.
+constexpr base::Duration kLongestFall = std::chrono::seconds(10);
 /// Placeholder for a port: the links of this topology are never opened.
 constexpr std::uint16_t kAnyPort = 1;
 constexpr base::Duration kShowPeriod = std::chrono::seconds(1);
@@ -139,8 +141,8 @@ class VirtualBench {
         stats_file_(places.simulator_stats()),
         log_(places.flight_tlog()),
         topology_(casd::Topology::load(places.casd_config())),
-        relay_(topology_,
-               WakeUp(request.scenario.wake_up, base::derive_seed(request.seed, "wake_up"))),
+        seed_(request.seed),
+        relay_(topology_, wake_up(request.scenario.wake_up)),
         seats_(seats(places)),
         simulator_(sim::SimConfig::load(places.simulator_config()),
                    {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, ways_out()),
@@ -164,9 +166,14 @@ class VirtualBench {
   void fly() {
     const base::RunTime begin = base::steady_now();
     std::optional<base::RunTime> end;
+    base::RunTime latest{};
     for (base::RunTime now{}; !end || now < *end; now = next_event(now)) {
       advance(now);
-      if (!end && pilot_.plan().ended()) end = now + kDrain;
+      if (pilot_.plan().ended()) {
+        if (!end) latest = now + kLongestFall;
+        // What falls is followed to the ground.
+        if (!end || (something_falls() && now < latest)) end = now + kDrain;
+      }
       if (InterruptGuard::raised()) throw RunStopped("interrupted", true);
       show(now, begin);
     }
@@ -184,6 +191,7 @@ class VirtualBench {
     record.relay = RelayLedgers{.simulator = relay_.ledger(seat.to_simulator()),
                                 .controller = relay_.ledger(seat.to_controller())};
     record.stages = plan.stages();
+    record.under_way = plan.under_way(simulator_.time());
     record.hold = plan.measured();
     record.log_clock.add(kLogEpochUs, 0);
     record.faults = faults_.history_of(vehicle);
@@ -192,6 +200,10 @@ class VirtualBench {
   }
 
  private:
+  WakeUp wake_up(const WakeUpFigures& figures) const {
+    return {figures, base::derive_seed(seed_, "wake_up")};
+  }
+
   std::vector<std::unique_ptr<Seat>> seats(const RunPlaces& places) {
     std::vector<std::unique_ptr<Seat>> seats;
     for (const VehiclePlaces& vehicle : places.vehicles) {
@@ -218,6 +230,13 @@ class VirtualBench {
     relay_.connect(link, [this](auto bytes, auto) {
       ground_station_->on_bytes(bytes);
       return bytes.size();
+    });
+  }
+
+  bool something_falls() const {
+    constexpr double kFalls_m_s = 2;  // a landing comes down at 0.7
+    return std::ranges::any_of(pilot_.vehicles(), [](const VehicleReport& vehicle) {
+      return vehicle.truth && vehicle.truth->v_m_s.z() < -kFalls_m_s;
     });
   }
 
@@ -252,6 +271,11 @@ class VirtualBench {
         begins ? relay_.kill() : relay_.restart();
       } else if (const auto* flood = std::get_if<FloodFault>(&fault->kind)) {
         if (ground_station_) ground_station_->flood(begins ? flood->packets_hz : 0);
+      } else if (std::holds_alternative<SilenceFault>(fault->kind)) {
+        relay_.silence(begins);
+        if (ground_station_) ground_station_->silence(begins);
+      } else if (const auto* starve = std::get_if<StarveFault>(&fault->kind)) {
+        relay_.set_wake_up(wake_up(begins ? starve->wake_up : scenario_.wake_up));
       }
     }
   }
@@ -277,6 +301,7 @@ class VirtualBench {
   std::filesystem::path stats_file_;
   FlightLog log_;
   casd::Topology topology_;
+  std::uint64_t seed_;
   VirtualRelay relay_;
   std::vector<std::unique_ptr<Seat>> seats_;
   VirtualSimulator simulator_;
@@ -294,6 +319,12 @@ class VirtualBench {
 std::vector<RunRecord> run_on_virtual_clock(const RunRequest& request) {
   const InterruptGuard interrupts;
   const base::RunTime begin = base::steady_now();
+  for (const BenchFault& fault : request.scenario.faults.bench) {
+    if (!std::holds_alternative<ReloadFault>(fault.kind)) continue;
+    throw base::ConfigError(
+        "fault '" + fault.name +
+        "': reload needs casd as a program; on the virtual clock there is none");
+  }
   RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
   if (request.scenario.ground_station) places.ground_station_port = kAnyPort;
   write_configs(request, Transport::kBus, places);

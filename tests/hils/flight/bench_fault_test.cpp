@@ -37,6 +37,18 @@ TEST(ScenarioFaults, BelongToTheBenchOrToTheVehicle) {
   EXPECT_EQ(faults.vehicle[0].script.require<std::string>("drop"), "gps");
 }
 
+TEST(ScenarioFaults, SilenceStarveAndReloadAreTheBenchs) {
+  const ScenarioFaults faults = faults_of(
+      "[{at_s: 1, for_s: 2, silence: ground},"
+      " {at_s: 1, for_s: 2, starve: {p50_us: 100, p99_us: 2000}},"
+      " {at_s: 1, for_s: 2, reload: casd}]");
+  ASSERT_EQ(faults.bench.size(), 3U);
+  EXPECT_TRUE(std::holds_alternative<SilenceFault>(faults.bench[0].kind));
+  EXPECT_DOUBLE_EQ(std::get<StarveFault>(faults.bench[1].kind).wake_up.p99_us, 2000);
+  EXPECT_TRUE(std::holds_alternative<ReloadFault>(faults.bench[2].kind));
+  for (const BenchFault& fault : faults.bench) EXPECT_TRUE(fault.is_everybodys()) << fault.name;
+}
+
 TEST(ScenarioFaults, OverrideTheLineOfTheScenario) {
   const ScenarioFaults faults = faults_of("[{at_s: 1, for_s: 2, line: {packet_loss: 0.5}}]");
   const auto& line = std::get<LineFault>(faults.bench.at(0).kind).line;

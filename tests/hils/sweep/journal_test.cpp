@@ -38,6 +38,32 @@ TEST(Journal, ALineComesBackToTheBit) {
             ",failed,0,,0.30000000000000004,,crash,\"crash: \"\"hit\"\", 3 m/s\",0.1.0,");
 }
 
+TEST(Journal, AStrikeComesBack) {
+  RowResult written = result_of(3);
+  written.strike = StrikeResponse{.strike_s = 12.5,
+                                  .fault = "gps_lost in hover",
+                                  .armed_before = true,
+                                  .armed_after = true,
+                                  .detected_s = 0.1 + 0.2,
+                                  .detected_by = "'Position lost: descending'",
+                                  .reacted_s = std::nullopt,
+                                  .incident = IncidentKind::kFlyaway,
+                                  .crashed = true,
+                                  .rest_m = std::nan(""),
+                                  .farthest_m = 7};
+  const auto read = parse_journal_line(journal_line(written));
+  ASSERT_TRUE(read && read->strike);
+  EXPECT_EQ(read->strike->detected_s, 0.1 + 0.2);
+  EXPECT_EQ(read->strike->detected_by, written.strike->detected_by);
+  EXPECT_FALSE(read->strike->reacted_s);
+  EXPECT_EQ(read->strike->incident, IncidentKind::kFlyaway);
+  EXPECT_TRUE(read->strike->crashed);
+  EXPECT_FALSE(read->strike->at_rest);
+  EXPECT_TRUE(std::isnan(read->strike->rest_m));
+  EXPECT_EQ(read->strike->farthest_m, 7);
+  EXPECT_FALSE(parse_journal_line(journal_line(result_of(3)))->strike);
+}
+
 /// Whatever part of the last line a power failure left, the others stay and it can go on.
 TEST(Journal, WhatIsTornAtTheEndIsCutOff) {
   const std::string one = journal_line(result_of(1));

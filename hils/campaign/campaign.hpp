@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hils/campaign/catalogue.hpp"
+#include "hils/campaign/expectation.hpp"
+#include "hils/scenario/scenario.hpp"
+
+namespace cas::hils {
+
+/// A moment of the flight: its name, and the condition at which a failure strikes there.
+struct CampaignPhase {
+  std::string name;
+  std::string when;
+};
+
+/// One failure of a campaign, and what must happen in each phase.
+struct CampaignFailure {
+  std::string name;                  ///< of the row: the failure's where none is given
+  const Failure* failure = nullptr;  ///< of the catalogue
+  std::map<std::string, double, std::less<>> values{};         ///< of its parameters
+  std::map<std::string, std::vector<Expectation>> expected{};  ///< by phase; none: it is not flown
+};
+
+/// What a campaign file (config/campaigns/*.yaml) says. Keys are the members' names.
+struct Campaign {
+  std::string name;
+  std::string description;
+  std::filesystem::path scenario;
+  Architecture architecture = Architecture::kDirect;
+  std::vector<CampaignPhase> phases{};
+  std::vector<std::uint64_t> seeds{};
+  double deadline_s = 300;
+  std::vector<std::pair<std::string, std::string>> settings{};  ///< as a study's `set`
+  std::vector<CampaignFailure> failures{};
+
+  /// Reads and checks a campaign file and its scenario. @throws base::ConfigError
+  static Campaign load(const std::filesystem::path& file);
+};
+
+/// A failure in a phase.
+struct CampaignCell {
+  std::size_t failure = 0;  ///< index in Campaign::failures
+  std::size_t phase = 0;    ///< index in Campaign::phases
+};
+/// Those that are flown, failure by failure. The study's point i is cell i - 1.
+std::vector<CampaignCell> cells_of(const Campaign& campaign);
+
+/// The campaign as a study of `hils sweep`: one parameter, the scenario's `faults`.
+std::string study_of(const Campaign& campaign);
+
+}  // namespace cas::hils

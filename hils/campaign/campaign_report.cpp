@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/campaign/campaign_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "hils/report/aligned_table.hpp"
+#include "hils/report/html_page.hpp"
+#include "hils/report/number_text.hpp"
+#include "hils/report/plot.hpp"
+#include "hils/sweep/run_table.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kNeedsPrograms = "needs casd as a program";
+
+std::string_view word_of(CellState state) {
+  switch (state) {
+    case CellState::kAsExpected:
+      return "as expected";
+    case CellState::kMissed:
+      return "missed";
+    case CellState::kNoVerdict:
+      break;
+  }
+  return "no verdict";
+}
+
+const std::string& phase_name(const CampaignMatrix& matrix, const CellResult& cell) {
+  return matrix.campaign.phases[cell.cell.phase].name;
+}
+
+const CampaignFailure& failure_of(const CampaignMatrix& matrix, const CellResult& cell) {
+  return matrix.campaign.failures[cell.cell.failure];
+}
+
+std::string expected_words(const CampaignMatrix& matrix, const CellResult& cell) {
+  std::string words;
+  for (const Expectation& each : failure_of(matrix, cell).expected.at(phase_name(matrix, cell))) {
+    words += (words.empty() ? "" : ", ") + to_string(each);
+  }
+  return words;
+}
+
+std::string seconds(const std::optional<double>& time_s) {
+  return time_s ? fixed(*time_s, 2) + " s" : std::string("-");
+}
+
+/// "ok  0.31 s", "MISSED 2/5  -": with the time to detect.
+std::string cell_word(const CellResult& cell) {
+  const std::size_t seeds = cell.flights.size();
+  std::string word;
+  switch (cell.state()) {
+    case CellState::kAsExpected:
+      word = "ok";
+      break;
+    case CellState::kMissed:
+      word = "MISSED";
+      if (seeds > 1) word += fmt::format(" {}/{}", seeds - cell.as_expected(), seeds);
+      break;
+    case CellState::kNoVerdict:
+      return "no verdict";
+  }
+  return word + "  " + seconds(cell.detected_s());
+}
+
+/// Why a cell is not as expected: of the flight that is shown.
+std::string cell_cause(const CellResult& cell) {
+  const CampaignFlight& flight = cell.shown();
+  std::string cause = fmt::format("seed {}: ", flight.seed);
+  if (!flight.response) return cause + flight.no_verdict;
+  for (std::size_t i = 0; i < flight.misses.size(); ++i) {
+    cause += (i == 0 ? "" : "; ") + flight.misses[i];
+  }
+  return cause;
+}
+
+std::string headline(const CampaignMatrix& matrix) {
+  std::size_t flights = 0;
+  for (const CellResult& cell : matrix.cells) flights += cell.flights.size();
+  return fmt::format("{} of {} cells as expected, {} missed, {} without a verdict; {} flights",
+                     matrix.count(CellState::kAsExpected), matrix.cells.size(),
+                     matrix.count(CellState::kMissed), matrix.count(CellState::kNoVerdict),
+                     flights);
+}
+
+/// Failures that were not flown at all.
+std::vector<std::string> not_flown(const CampaignMatrix& matrix) {
+  std::vector<std::string> names;
+  for (const CampaignFailure& failure : matrix.campaign.failures) {
+    if (failure.failure->needs != FailureNeeds::kNothing) names.push_back(failure.name);
+  }
+  return names;
+}
+
+HtmlPage::Cell html_cell(const CellResult& cell, const fs::path& again) {
+  const CampaignFlight& shown = cell.shown();
+  HtmlPage::Cell html{.text = cell_word(cell)};
+  html.mood = cell.state() == CellState::kAsExpected ? HtmlPage::Mood::kGood
+              : cell.state() == CellState::kMissed   ? HtmlPage::Mood::kBad
+                                                     : HtmlPage::Mood::kNeutral;
+  html.detail = fmt::format("react {}, {:.1f} m off, {:.0f} deg", seconds(cell.reacted_s()),
+                            cell.farthest_m(), cell.peak_tilt_deg());
+  if (shown.response && !shown.response->detected_by.empty()) {
+    html.detail += "; " + shown.response->detected_by;
+  }
+  const std::string folder = fmt::format("row_{}", shown.row);
+  for (const char* file : {"replay.html", "report.html"}) {
+    if (!fs::exists(again / folder / file)) continue;
+    html.address = again.filename().string() + "/" + folder + "/" + file;
+    break;
+  }
+  return html;
+}
+
+void add_matrix(const CampaignMatrix& matrix, const fs::path& again, HtmlPage& html) {
+  std::vector<std::string> headings{"Failure"};
+  for (const CampaignPhase& phase : matrix.campaign.phases) headings.push_back(phase.name);
+  std::vector<std::vector<HtmlPage::Cell>> rows;
+  for (std::size_t i = 0; i < matrix.campaign.failures.size(); ++i) {
+    const CampaignFailure& failure = matrix.campaign.failures[i];
+    std::vector<HtmlPage::Cell>& row = rows.emplace_back();
+    row.push_back({.text = failure.name, .detail = std::string(failure.failure->meaning)});
+    for (std::size_t j = 0; j < matrix.campaign.phases.size(); ++j) {
+      if (const CellResult* cell = matrix.find(i, j)) {
+        row.push_back(html_cell(*cell, again));
+      } else {
+        const bool needs = failure.failure->needs != FailureNeeds::kNothing;
+        row.push_back({.text = needs ? kNeedsPrograms : "-"});
+      }
+    }
+  }
+  html.matrix(
+      "Time to detect; below it time to react, farthest off the planned path, peak tilt and "
+      "the first sign. The worst of all seeds; a cell leads to the replay of one flight: the "
+      "first that missed, else the first",
+      headings, rows);
+}
+
+void add_missed(const CampaignMatrix& matrix, HtmlPage& html) {
+  std::vector<std::vector<std::string>> rows{{"Failure", "Phase", "Expected", "What came of it"}};
+  for (const CellResult& cell : matrix.cells) {
+    if (cell.state() == CellState::kAsExpected) continue;
+    rows.push_back({failure_of(matrix, cell).name, phase_name(matrix, cell),
+                    expected_words(matrix, cell), cell_cause(cell)});
+  }
+  if (rows.size() == 1) return;
+  html.heading("Not as expected");
+  html.table("Of the flight that the cell leads to", rows);
+}
+
+void add_flights(const CampaignMatrix& matrix, HtmlPage& html) {
+  std::vector<std::vector<std::string>> rows{{"Failure in phase", "Seed", "Verdict", "Struck, s",
+                                              "Detect", "React", "Reaction", "Off, m", "Tilt, deg",
+                                              "End"}};
+  std::vector<HtmlPage::Row> looks;
+  for (const CellResult& cell : matrix.cells) {
+    for (const CampaignFlight& flight : cell.flights) {
+      const bool good = flight.response && flight.misses.empty();
+      looks.push_back(good ? HtmlPage::Row::kPlain : HtmlPage::Row::kMissed);
+      std::vector<std::string>& row = rows.emplace_back();
+      row = {failure_of(matrix, cell).name + ", " + phase_name(matrix, cell),
+             std::to_string(flight.seed),
+             good              ? "ok"
+             : flight.response ? "missed"
+                               : "no verdict"};
+      if (!flight.response) {
+        row.resize(rows.front().size(), "-");
+        continue;
+      }
+      const StrikeResponse& got = *flight.response;
+      const std::string end = got.crashed     ? "crashed"
+                              : got.completed ? "as planned"
+                              : got.at_rest   ? "down early"
+                                              : "not completed";
+      row.insert(row.end(), {fixed(got.strike_s, 2), seconds(got.detected_s),
+                             seconds(got.reacted_s), got.reaction.empty() ? "-" : got.reaction,
+                             fixed(got.farthest_m, 2), fixed(got.peak_tilt_deg, 0), end});
+    }
+  }
+  html.heading("Flights");
+  html.table("Times count from the moment at which the failure struck", rows, looks);
+}
+
+Json optional_json(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json flight_json(const CampaignFlight& flight) {
+  Json json{{"row", flight.row},
+            {"seed", flight.seed},
+            {"as_expected", flight.response && flight.misses.empty()},
+            {"missed", flight.misses}};
+  if (!flight.response) {
+    json["no_verdict"] = flight.no_verdict;
+    return json;
+  }
+  const StrikeResponse& got = *flight.response;
+  json["strike_s"] = got.strike_s;
+  json["detected_s"] = optional_json(got.detected_s);
+  json["detected_by"] = got.detected_by;
+  json["reacted_s"] = optional_json(got.reacted_s);
+  json["reaction"] = got.reaction;
+  json["farthest_m"] = optional_json(got.farthest_m);
+  json["peak_tilt_deg"] = optional_json(got.peak_tilt_deg);
+  json["incident"] = got.incident ? Json(to_string(*got.incident)) : Json(nullptr);
+  json["crashed"] = got.crashed;
+  json["terminated"] = got.terminated;
+  json["completed"] = got.completed;
+  json["at_rest"] = got.at_rest;
+  json["rest_m"] = optional_json(got.rest_m);
+  json["armed_after"] = got.armed_after;
+  return json;
+}
+
+}  // namespace
+
+std::string campaign_text(const CampaignMatrix& matrix) {
+  std::vector<std::vector<std::string>> rows{{"failure"}};
+  for (const CampaignPhase& phase : matrix.campaign.phases) rows.front().push_back(phase.name);
+  for (std::size_t i = 0; i < matrix.campaign.failures.size(); ++i) {
+    std::vector<std::string>& row = rows.emplace_back();
+    row.push_back(matrix.campaign.failures[i].name);
+    for (std::size_t j = 0; j < matrix.campaign.phases.size(); ++j) {
+      const CellResult* cell = matrix.find(i, j);
+      row.push_back(cell != nullptr ? cell_word(*cell) : "-");
+    }
+  }
+  std::string text = fmt::format("{}: {}\n\n{}\n", matrix.campaign.name, headline(matrix),
+                                 aligned_table(rows, Cells::kLeft));
+  for (const CellResult& cell : matrix.cells) {
+    if (cell.state() == CellState::kAsExpected) continue;
+    text += fmt::format("{} in {}: {}; {}\n", failure_of(matrix, cell).name,
+                        phase_name(matrix, cell), word_of(cell.state()), cell_cause(cell));
+  }
+  for (const std::string& name : not_flown(matrix)) {
+    text += fmt::format("{}: not flown; it {}\n", name, kNeedsPrograms);
+  }
+  return text;
+}
+
+std::string campaign_html(const CampaignMatrix& matrix, const fs::path& again) {
+  HtmlPage html("Campaign: " + matrix.campaign.name);
+  const int code = matrix.exit_code();
+  std::vector<std::string> sentences;
+  for (const std::string& name : not_flown(matrix)) {
+    sentences.push_back(name + " was not flown: it " + kNeedsPrograms);
+  }
+  html.verdict(code == 0   ? HtmlPage::Mood::kGood
+               : code == 1 ? HtmlPage::Mood::kBad
+                           : HtmlPage::Mood::kNeutral,
+               code == 0   ? "As expected"
+               : code == 1 ? "Not as expected"
+                           : "No verdict",
+               headline(matrix), sentences);
+  if (!matrix.campaign.description.empty()) html.paragraph(matrix.campaign.description);
+  add_matrix(matrix, again, html);
+  add_missed(matrix, html);
+  add_flights(matrix, html);
+  return html.finish();
+}
+
+std::string campaign_junit(const CampaignMatrix& matrix) {
+  const std::string suite = escape_xml("hils.campaign." + matrix.campaign.name);
+  std::string cases;
+  for (const CellResult& cell : matrix.cells) {
+    cases += fmt::format("  <testcase classname=\"{}.{}\" name=\"{}\" time=\"0\"", suite,
+                         escape_xml(failure_of(matrix, cell).name),
+                         escape_xml(phase_name(matrix, cell)));
+    const CellState state = cell.state();
+    if (state == CellState::kAsExpected) {
+      cases += "/>\n";
+      continue;
+    }
+    const char* tag = state == CellState::kMissed ? "failure" : "error";
+    cases += fmt::format("><{} message=\"{}\"/></testcase>\n", tag, escape_xml(cell_cause(cell)));
+  }
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
+      "failures=\"{}\" errors=\"{}\">\n{}</testsuite>\n",
+      suite, matrix.cells.size(), matrix.count(CellState::kMissed),
+      matrix.count(CellState::kNoVerdict), cases);
+}
+
+std::string campaign_json(const CampaignMatrix& matrix) {
+  Json json{{"schema", 1},
+            {"campaign", matrix.campaign.name},
+            {"cells_as_expected", matrix.count(CellState::kAsExpected)},
+            {"cells_missed", matrix.count(CellState::kMissed)},
+            {"cells_without_verdict", matrix.count(CellState::kNoVerdict)},
+            {"not_flown", not_flown(matrix)},
+            {"cells", Json::array()}};
+  for (const CellResult& cell : matrix.cells) {
+    Json own{{"failure", failure_of(matrix, cell).name},
+             {"kind", failure_of(matrix, cell).failure->name},
+             {"phase", phase_name(matrix, cell)},
+             {"verdict", word_of(cell.state())},
+             {"expected", expected_words(matrix, cell)},
+             {"detected_s", optional_json(cell.detected_s())},
+             {"reacted_s", optional_json(cell.reacted_s())},
+             {"farthest_m", cell.farthest_m()},
+             {"peak_tilt_deg", cell.peak_tilt_deg()},
+             {"shown", fmt::format("again/row_{}", cell.shown().row)},
+             {"flights", Json::array()}};
+    for (const CampaignFlight& flight : cell.flights) own["flights"].push_back(flight_json(flight));
+    json["cells"].push_back(std::move(own));
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string campaign_csv(const CampaignMatrix& matrix) {
+  std::string text =
+      "row,failure,phase,seed,verdict,strike_s,detected_s,detected_by,reacted_s,reaction,"
+      "farthest_m,peak_tilt_deg,incident,crashed,completed,at_rest,rest_m,missed\n";
+  const auto number = [](const std::optional<double>& value) {
+    return value && std::isfinite(*value) ? fmt::format("{:.6g}", *value) : std::string();
+  };
+  for (const CellResult& cell : matrix.cells) {
+    for (const CampaignFlight& flight : cell.flights) {
+      const bool good = flight.response && flight.misses.empty();
+      text += fmt::format("{},{},{},{},{}", flight.row, csv_field(failure_of(matrix, cell).name),
+                          csv_field(phase_name(matrix, cell)), flight.seed,
+                          good              ? "as expected"
+                          : flight.response ? "missed"
+                                            : "no verdict");
+      const StrikeResponse got = flight.response.value_or(StrikeResponse{});
+      std::string missed = flight.no_verdict;
+      for (const std::string& each : flight.misses) missed += (missed.empty() ? "" : "; ") + each;
+      text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number(got.strike_s),
+                          number(got.detected_s), csv_field(got.detected_by), number(got.reacted_s),
+                          csv_field(got.reaction), number(got.farthest_m),
+                          number(got.peak_tilt_deg), got.incident ? to_string(*got.incident) : "",
+                          got.crashed ? 1 : 0, got.completed ? 1 : 0, got.at_rest ? 1 : 0,
+                          number(got.rest_m), csv_field(missed));
+    }
+  }
+  return text;
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hils/flight/flight_plan.hpp"
+#include "hils/flight/incident_kind.hpp"
+#include "hils/measure/tracking.hpp"
+
+namespace cas::hils {
+
+struct RunRecord;
+
+/// Something that a vehicle told by which it showed that a fault was noticed, or acted on.
+struct VehicleSign {
+  double time_s = 0;  ///< simulated
+  std::string what;   ///< "STATUSTEXT 'Position lost: descending'", "health: GPS", "LAND"
+  bool is_reaction = false;
+};
+
+/// How a vehicle took the first fault of a flight. Times behind strike_s count from it.
+struct StrikeResponse {
+  double strike_s = 0;                 ///< simulated
+  std::string fault{};                 ///< its name
+  bool armed_before = false;           ///< when it struck
+  bool armed_after = false;            ///< at some moment from then on
+  std::optional<double> detected_s{};  ///< first sign in what the vehicle tells
+  std::string detected_by{};
+  std::optional<double> reacted_s{};       ///< first mode that a failsafe chose, or rotors stopped
+  std::string reaction{};                  ///< that mode: "LAND", "RTL", "terminated"
+  bool terminated = false;                 ///< the vehicle stopped its rotors itself
+  bool completed = false;                  ///< the flight was flown to its end
+  std::optional<IncidentKind> incident{};  ///< the first one from then on
+  bool crashed = false;      ///< it hit something, turned over, flew away or fell at the end
+  bool at_rest = false;      ///< at the end of the record, on the ground
+  double rest_m = 0;         ///< then: horizontally from the place where it was struck
+  double farthest_m = 0;     ///< from the lines between the places of the plan
+  double peak_tilt_deg = 0;  ///< before it came down
+};
+
+/// Armed or disarmed, by its HEARTBEATs.
+struct ArmedChange {
+  double time_s = 0;  ///< simulated
+  bool armed = false;
+};
+
+/// What a vehicle told in a flight, in the order of time.
+struct VehicleTale {
+  /// STATUSTEXTs of warnings and worse; a health flag of SYS_STATUS that falls (that of the arming
+  /// checks on the ground alone); MAV_STATE critical or worse. HEARTBEATs come each second, so that
+  /// a reaction is known up to 1 s late.
+  std::vector<VehicleSign> signs;
+  std::vector<ArmedChange> armed;
+};
+/// Reads the flight log of a run.
+VehicleTale read_vehicle_tale(const RunRecord& record);
+
+/// What the response is made of.
+struct StrikeEvidence {
+  double strike_s = 0;
+  std::string fault{};
+  std::span<const Stage> stages{};  ///< with the one that was under way at the end
+  std::span<const FlightStep> steps{};
+  bool completed = false;
+  std::span<const PoseSample> truth{};
+  VehicleTale tale{};
+};
+StrikeResponse strike_response(const StrikeEvidence& evidence);
+
+/// The response to the first fault of a flight; nothing when none struck.
+/// @param steps  of the vehicle
+std::optional<StrikeResponse> read_strike_response(const RunRecord& record,
+                                                   std::span<const FlightStep> steps,
+                                                   std::span<const PoseSample> truth);
+
+}  // namespace cas::hils

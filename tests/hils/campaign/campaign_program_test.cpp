@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A campaign as a user starts it: three failures in two phases, one cell red on purpose.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/child_process.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// For a few flights, which take as long as the machine lets them.
+constexpr base::Duration kCampaignPatience = std::chrono::minutes(8);
+
+constexpr const char* kScenario = R"(
+schema: 1
+name: hop
+vehicle: ../vehicles/iris_paper.yaml
+home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
+decimal_year: 2026.5
+seed: 1
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+line: {preset: baud_921600}
+steps:
+  - arm
+  - takeoff: {altitude_m: 1.5}
+  - hold: {name: hover, duration_s: 4, measure: true}
+  - land
+  - disarm
+)";
+
+/// Nobody flies a quadrotor with a rotor that stands: that cell is red on purpose.
+constexpr const char* kCampaign = R"(
+schema: 1
+name: hops
+scenario: hop.yaml
+phases:
+  rising: phase == takeoff and height > 0.8
+  hover: phase == hover
+failures:
+  - {failure: baro_door, with: {pa: -2}, expect: [stays_up, no_farther_than_m: 1]}
+  - {failure: imu_lost, expect: [terminates, detected_within_s: 1.5]}
+  - {failure: rotor_stopped, expect: [crashes], expect_in: {hover: [stays_up]}}
+)";
+
+class CampaignProgram : public testing::Test {
+ protected:
+  CampaignProgram() {
+    folder_.write("hop.yaml", kScenario);
+    file_ = folder_.write("hops.yaml", kCampaign);
+  }
+  std::string hils(std::vector<std::string> words, int code) const {
+    words.insert(words.begin(), {binary_dir() + "/bin/hils", "campaign"});
+    ChildProcess program(std::move(words));
+    EXPECT_EQ(program.wait_exit(kCampaignPatience), code) << program.output();
+    return program.output();
+  }
+  static std::string read(const fs::path& file) { return TemporaryFolder::read(file); }
+
+  TemporaryFolder folder_;
+  fs::path file_;
+};
+
+TEST_F(CampaignProgram, FliesJudgesAndReportsEachCell) {
+  const fs::path out = folder_ / "out";
+  const std::string said = hils({file_.string(), "--out", out.string(), "--jobs", "2"}, 1);
+  EXPECT_NE(said.find("5 of 6 cells as expected, 1 missed, 0 without a verdict"), std::string::npos)
+      << said;
+  EXPECT_NE(said.find("rotor_stopped in hover: missed; seed 1: stays up: "), std::string::npos)
+      << said;
+
+  const json results = json::parse(read(out / "results.json"));
+  ASSERT_EQ(results["cells"].size(), 6U);
+  for (const json& cell : results["cells"]) {
+    const bool red = cell["failure"] == "rotor_stopped" && cell["phase"] == "hover";
+    EXPECT_EQ(cell["verdict"], red ? "missed" : "as expected") << cell;
+    EXPECT_GT(cell["flights"][0]["strike_s"].get<double>(), 1) << cell;
+  }
+  const json& lost = results["cells"][2];
+  EXPECT_EQ(lost["failure"], "imu_lost");
+  EXPECT_GT(lost["detected_s"].get<double>(), 0) << lost;
+  EXPECT_TRUE(results["cells"][5]["flights"][0]["crashed"].get<bool>()) << results["cells"][5];
+
+  const std::string junit = read(out / "junit.xml");
+  EXPECT_NE(junit.find("tests=\"6\" failures=\"1\" errors=\"0\""), std::string::npos) << junit;
+  EXPECT_NE(junit.find("<testcase classname=\"hils.campaign.hops.rotor_stopped\" name=\"hover\" "
+                       "time=\"0\"><failure"),
+            std::string::npos)
+      << junit;
+  EXPECT_NE(read(out / "campaign.html").find("again/row_6/"), std::string::npos);
+  EXPECT_TRUE(fs::exists(out / "again/row_6/report.html"));
+  EXPECT_TRUE(fs::exists(out / "results.csv"));
+
+  // What is expected may change without a flight: nothing is flown again.
+  folder_.write("hops.yaml", std::string(kCampaign).replace(
+                                 std::string(kCampaign).rfind("[stays_up]"), 10, "[crashes]"));
+  const std::string again = hils({file_.string(), "--out", out.string(), "--no-replays"}, 0);
+  EXPECT_NE(again.find("6 of 6 cells as expected"), std::string::npos) << again;
+
+  // Other failures are another campaign.
+  folder_.write("hops.yaml",
+                std::string(kCampaign) + "  - {failure: gps_lost, expect: [stays_up]}\n");
+  const std::string refused = hils({file_.string(), "--out", out.string()}, 2);
+  EXPECT_NE(refused.find("holds another campaign"), std::string::npos) << refused;
+}
+
+TEST_F(CampaignProgram, ListsTheCatalogueAndRefusesHalfACommand) {
+  const std::string list = hils({"--list"}, 0);
+  EXPECT_NE(list.find("gps_drift (GPS): A spoofer leads the position away slowly"),
+            std::string::npos)
+      << list;
+  EXPECT_NE(hils({file_.string()}, 2).find("--out DIR"), std::string::npos);
+  const std::string planned =
+      hils({file_.string(), "--out", (folder_ / "plan").string(), "--plan"}, 0);
+  EXPECT_NE(planned.find("3 failures, 6 flights"), std::string::npos) << planned;
+  EXPECT_TRUE(fs::exists(folder_ / "plan/table.csv"));
+}
+
+}  // namespace
+}  // namespace cas::test

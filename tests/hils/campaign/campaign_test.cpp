@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/campaign/campaign.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/error.hpp"
+#include "hils/sweep/run_table.hpp"
+#include "hils/sweep/study.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::hils {
+namespace {
+
+std::string campaign_text(const std::string& failures) {
+  return "schema: 1\nname: two\nscenario: " + test::source_dir() +
+         "/config/scenarios/hover.yaml\n"
+         "phases: {up: phase == takeoff and height > 1, hover: phase == hold}\n"
+         "seeds: [3, 4]\n"
+         "set:\n  steps[takeoff].altitude_m: 3\n  line: {preset: baud_460800}\n"
+         "failures:\n" +
+         failures;
+}
+
+class CampaignFile : public testing::Test {
+ protected:
+  Campaign load(const std::string& failures) {
+    return Campaign::load(folder_.write("two.yaml", campaign_text(failures)));
+  }
+  std::string error_of(const std::string& failures) {
+    try {
+      load(failures);
+    } catch (const base::ConfigError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  test::TemporaryFolder folder_;
+};
+
+constexpr const char* kTwo =
+    "  - {failure: gps_lost, with: {for_s: 2}, expect: [no_crash], expect_in: {hover: "
+    "[detected]}}\n"
+    "  - {failure: casd_reloaded, expect: [stays_up]}\n"
+    "  - {name: 'heavy', failure: mass_wrong, with: {factor: 1.5}, phases: [hover], expect: "
+    "[stays_up]}\n";
+
+TEST_F(CampaignFile, IsAStudyOfTheScenariosFaults) {
+  const Campaign campaign = load(kTwo);
+  ASSERT_EQ(cells_of(campaign).size(), 3U) << "casd_reloaded needs casd as a program";
+  const auto file = folder_.write("study.yaml", study_of(campaign));
+  const Study study = Study::load(file);
+  EXPECT_EQ(study.name, "two");
+  EXPECT_EQ(study.architecture, Architecture::kDirect);
+  EXPECT_EQ(Study::scenario_of(file), campaign.scenario);
+  ASSERT_EQ(study.settings.size(), 2U);
+  EXPECT_EQ(study.settings[0].second, "3");
+  EXPECT_NE(study.settings[1].second.find("baud_460800"), std::string::npos);
+  const RunTable table = RunTable::of(study, 1);
+  ASSERT_EQ(table.rows.size(), 6U) << "each cell with each seed";
+  EXPECT_EQ(table.rows[0].seed, 3U);
+  EXPECT_EQ(table.rows[1].seed, 4U);
+  EXPECT_EQ(table.rows[0].values[0],
+            "[{name: gps_lost in up, when: phase == takeoff and height > 1, for_s: 2, drop: gps}]");
+  EXPECT_EQ(table.rows[5].values[0],
+            "[{name: heavy in hover, when: phase == hold, mass_factor: 1.5}]");
+}
+
+TEST_F(CampaignFile, ExpectsByPhase) {
+  const Campaign campaign = load(kTwo);
+  EXPECT_EQ(campaign.failures[0].expected.at("up").at(0).kind, Expectation::Kind::kNoCrash);
+  EXPECT_EQ(campaign.failures[0].expected.at("hover").at(0).kind, Expectation::Kind::kDetected);
+  EXPECT_FALSE(campaign.failures[2].expected.contains("up"));
+}
+
+struct BadCampaign {
+  const char* name;
+  const char* failures;
+  const char* sentence;
+};
+
+class BadCampaigns : public testing::TestWithParam<BadCampaign> {};
+
+TEST_P(BadCampaigns, AreRefusedWithAReason) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("two.yaml", campaign_text(GetParam().failures));
+  try {
+    Campaign::load(file);
+    ADD_FAILURE() << "it was taken";
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find(GetParam().sentence), std::string::npos)
+        << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadCampaigns,
+    testing::Values(
+        BadCampaign{"NoSuchFailure", "  - {failure: gps_lots, expect: [stays_up]}\n",
+                    "did you mean 'gps_lost'"},
+        BadCampaign{"NothingExpected", "  - {failure: gps_lost}\n",
+                    "says for phase 'up' neither in 'expect' nor in 'expect_in'"},
+        BadCampaign{"NoSuchPhase", "  - {failure: gps_lost, phases: [cruise], expect: [lands]}\n",
+                    "the campaign has no phase 'cruise'"},
+        BadCampaign{"NoSuchParameter", "  - {failure: gps_lost, with: {m_s: 1}, expect: [lands]}\n",
+                    "m_s"},
+        BadCampaign{"BeyondItsRange",
+                    "  - {failure: rotor_weak, with: {share: 2}, expect: [lands]}\n", "share"},
+        BadCampaign{"Twice",
+                    "  - {failure: gps_lost, expect: [lands]}\n"
+                    "  - {failure: gps_lost, expect: [lands]}\n",
+                    "two failures are called 'gps_lost'"},
+        BadCampaign{"ExpectsInNoPhase",
+                    "  - {failure: gps_lost, expect: [lands], expect_in: {cruise: [lands]}}\n",
+                    "cruise"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(ShippedCampaign, ReadsAndHasAtLeastThirtyFailuresInThreePhases) {
+  const Campaign campaign =
+      Campaign::load(test::source_dir() + "/config/campaigns/iris_paper.yaml");
+  EXPECT_GE(campaign.phases.size(), 3U);
+  EXPECT_GE(campaign.seeds.size(), 1U);
+  std::size_t everywhere = 0;
+  for (const CampaignFailure& failure : campaign.failures) {
+    if (failure.expected.size() == campaign.phases.size()) ++everywhere;
+  }
+  EXPECT_GE(everywhere, 30U);
+  EXPECT_GE(campaign.failures.size(), failure_catalogue().size()) << "it flies the whole catalogue";
+}
+
+}  // namespace
+}  // namespace cas::hils

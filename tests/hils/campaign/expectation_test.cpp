@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/campaign/expectation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/error.hpp"
+
+namespace cas::hils {
+namespace {
+
+std::vector<Expectation> expectations(const std::string& list) {
+  return parse_expectations(
+      base::ConfigNode::parse("expect: " + list, "campaign.yaml").at("expect"));
+}
+Expectation expectation(const std::string& one) { return expectations("[" + one + "]").at(0); }
+
+/// Landed early, 4 m from where it was struck, after its position was lost.
+StrikeResponse landed() {
+  return {.strike_s = 20,
+          .armed_before = true,
+          .armed_after = true,
+          .detected_s = 1.5,
+          .detected_by = "health: GPS",
+          .reacted_s = 2.5,
+          .reaction = "LAND",
+          .completed = false,
+          .incident = IncidentKind::kGround,
+          .at_rest = true,
+          .rest_m = 4,
+          .farthest_m = 5,
+          .peak_tilt_deg = 20};
+}
+
+struct Case {
+  const char* name;
+  const char* expectation;
+  bool kept;
+};
+
+class OfALanding : public testing::TestWithParam<Case> {};
+
+TEST_P(OfALanding, IsKeptOrNot) {
+  const auto miss = miss_of(expectation(GetParam().expectation), landed());
+  EXPECT_EQ(!miss, GetParam().kept) << miss.value_or("kept");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, OfALanding,
+    testing::Values(Case{"StaysUp", "stays_up", false}, Case{"NoCrash", "no_crash", true},
+                    Case{"Crashes", "crashes", false}, Case{"NoArming", "no_arming", false},
+                    Case{"Terminates", "terminates", false}, Case{"Detected", "detected", true},
+                    Case{"InTime", "detected_within_s: 1.5", true},
+                    Case{"TooLate", "detected_within_s: 1.4", false}, Case{"Lands", "lands", true},
+                    Case{"LandsNear", "lands_within_m: 4", true},
+                    Case{"LandsFar", "lands_within_m: 3.9", false},
+                    Case{"Failsafe", "failsafe: LAND", true},
+                    Case{"EitherFailsafe", "{failsafe: RTL/LAND, within_s: 3}", true},
+                    Case{"OtherFailsafe", "failsafe: RTL", false},
+                    Case{"SlowFailsafe", "{failsafe: LAND, within_s: 2}", false},
+                    Case{"Near", "no_farther_than_m: 5", true},
+                    Case{"Far", "no_farther_than_m: 4.9", false},
+                    Case{"Upright", "tilts_less_than_deg: 20", true},
+                    Case{"Tilted", "tilts_less_than_deg: 19", false}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Expectation, OfWhatFellIsACrashAndNoLanding) {
+  StrikeResponse fallen = landed();
+  fallen.incident = IncidentKind::kCrash;
+  fallen.crashed = true;
+  fallen.detected_s.reset();
+  fallen.reacted_s.reset();
+  fallen.terminated = true;
+  EXPECT_TRUE(miss_of(expectation("no_crash"), fallen));
+  EXPECT_TRUE(miss_of(expectation("lands"), fallen));
+  EXPECT_TRUE(miss_of(expectation("detected"), fallen));
+  EXPECT_TRUE(miss_of(expectation("failsafe: LAND"), fallen)) << "none came";
+  EXPECT_FALSE(miss_of(expectation("crashes"), fallen));
+  EXPECT_FALSE(miss_of(expectation("terminates"), fallen));
+}
+
+TEST(Expectation, SaysWhatWasFound) {
+  EXPECT_EQ(miss_of(expectation("lands_within_m: 3"), landed()),
+            "lands within 3 m: it came to rest 4.0 m away");
+  EXPECT_EQ(miss_of(expectation("{failsafe: RTL, within_s: 2}"), landed()),
+            "failsafe RTL within 2 s: LAND after 2.50 s");
+  EXPECT_EQ(miss_of(expectation("stays_up"), landed()), "stays up: incident: ground");
+}
+
+TEST(Expectation, RefusesWhatItDoesNotKnow) {
+  for (const char* list : {"[]", "stays_up", "[stay_up]", "[{lands_within_m: -1}]",
+                           "[{lands_within: 10}]", "[{failsafe: ''}]", "[{failsafe: LAND/}]",
+                           "[{no_farther_than_m: 1, tilts_less_than_deg: 2}]"}) {
+    EXPECT_THROW(expectations(list), base::ConfigError) << list;
+  }
+  try {
+    expectations("[stay_up]");
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean 'stays_up'"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace cas::hils

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/campaign/matrix.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hils/campaign/campaign_report.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::hils {
+namespace {
+
+/// gps_lost and baro_door in two phases, two seeds each; both must stay up.
+Campaign campaign() {
+  Campaign campaign;
+  campaign.name = "c&d";
+  campaign.phases = {{"hover", "phase == hover"}, {"cruise", "phase == cruise"}};
+  campaign.seeds = {1, 2};
+  for (const char* name : {"gps_lost", "baro_door", "casd_reloaded"}) {
+    CampaignFailure failure{.name = name, .failure = find_failure(name)};
+    for (const CampaignPhase& phase : campaign.phases) {
+      failure.expected[phase.name] = {{.kind = Expectation::Kind::kStaysUp}};
+    }
+    campaign.failures.push_back(std::move(failure));
+  }
+  return campaign;
+}
+
+RowResult row(std::size_t number, bool up, std::optional<double> detected_s = 0.5) {
+  RowResult result;
+  result.row = number;
+  result.outcome = up ? RowOutcome::kPassed : RowOutcome::kFailed;
+  result.strike = StrikeResponse{.strike_s = 20,
+                                 .detected_s = detected_s,
+                                 .detected_by = "'<b>'",
+                                 .completed = up,
+                                 .farthest_m = static_cast<double>(number)};
+  if (!up) {
+    result.strike->incident = IncidentKind::kCrash;
+    result.strike->crashed = true;
+  }
+  return result;
+}
+
+std::vector<RowResult> all_up() {
+  std::vector<RowResult> rows;
+  for (std::size_t i = 1; i <= 8; ++i) rows.push_back(row(i, true));
+  return rows;
+}
+
+TEST(CampaignMatrix, AllAsExpectedEndsWithZero) {
+  const CampaignMatrix matrix = CampaignMatrix::of(campaign(), all_up());
+  EXPECT_EQ(matrix.cells.size(), 4U);
+  EXPECT_EQ(matrix.exit_code(), 0);
+  EXPECT_EQ(matrix.count(CellState::kAsExpected), 4U);
+  EXPECT_EQ(matrix.find(2, 0), nullptr) << "casd_reloaded is not flown";
+  EXPECT_NE(campaign_text(matrix).find("casd_reloaded: not flown"), std::string::npos);
+}
+
+TEST(CampaignMatrix, OneFlightOfManyTurnsItsCellAndTheExitCodeRed) {
+  std::vector<RowResult> rows = all_up();
+  rows[3] = row(4, false, std::nullopt);  // gps_lost, cruise, seed 2
+  const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  EXPECT_EQ(matrix.exit_code(), 1);
+  const CellResult& cell = *matrix.find(0, 1);
+  EXPECT_EQ(cell.state(), CellState::kMissed);
+  EXPECT_EQ(cell.as_expected(), 1U);
+  EXPECT_EQ(cell.shown().row, 4U);
+  EXPECT_FALSE(cell.detected_s()) << "one of the seeds was not detected";
+  EXPECT_EQ(cell.farthest_m(), 4);
+  EXPECT_EQ(matrix.find(0, 0)->state(), CellState::kAsExpected);
+  EXPECT_EQ(matrix.find(0, 0)->detected_s(), 0.5);
+  const std::string text = campaign_text(matrix);
+  EXPECT_NE(text.find("MISSED 1/2"), std::string::npos) << text;
+  EXPECT_NE(text.find("gps_lost in cruise: missed; seed 2: stays up: incident: crash"),
+            std::string::npos)
+      << text;
+  const std::string junit = campaign_junit(matrix);
+  EXPECT_NE(junit.find("tests=\"4\" failures=\"1\" errors=\"0\""), std::string::npos) << junit;
+  EXPECT_NE(junit.find("hils.campaign.c&amp;d.gps_lost\" name=\"cruise\""), std::string::npos);
+}
+
+TEST(CampaignMatrix, WithoutAVerdictItEndsWithThreeUnlessACellMissed) {
+  std::vector<RowResult> rows = all_up();
+  rows[0] = row_without_figures(RowOutcome::kHung, "no result after 9 s");
+  rows[0].row = 1;
+  rows[4].strike.reset();  // the failure never struck
+  rows.pop_back();         // not flown
+  CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  EXPECT_EQ(matrix.exit_code(), 3);
+  EXPECT_EQ(matrix.count(CellState::kNoVerdict), 3U);
+  EXPECT_NE(matrix.find(0, 0)->shown().no_verdict.find("no result after 9 s"), std::string::npos);
+  EXPECT_NE(matrix.find(1, 0)->shown().no_verdict.find("never struck"), std::string::npos);
+  EXPECT_NE(matrix.find(1, 1)->shown().no_verdict.find("not been flown"), std::string::npos);
+  rows[2] = row(3, false);
+  matrix = CampaignMatrix::of(campaign(), rows);
+  EXPECT_EQ(matrix.exit_code(), 1);
+}
+
+TEST(CampaignReport, LinksTheReplaysThatAreThereAndEscapesWhatVehiclesSay) {
+  const test::TemporaryFolder folder;
+  folder.write("again/row_1/replay.html", "");
+  folder.write("again/row_3/report.html", "");
+  const std::string page =
+      campaign_html(CampaignMatrix::of(campaign(), all_up()), folder / "again");
+  EXPECT_NE(page.find("href=\"again/row_1/replay.html\""), std::string::npos);
+  EXPECT_NE(page.find("href=\"again/row_3/report.html\""), std::string::npos);
+  EXPECT_EQ(page.find("again/row_5"), std::string::npos);
+  EXPECT_EQ(page.find("<b>"), std::string::npos);
+}
+
+TEST(CampaignReport, HasEachFlightInTheTables) {
+  std::vector<RowResult> rows = all_up();
+  rows[3] = row(4, false, std::nullopt);
+  const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  const auto json = nlohmann::json::parse(campaign_json(matrix));
+  EXPECT_EQ(json["cells_missed"], 1);
+  EXPECT_EQ(json["not_flown"][0], "casd_reloaded");
+  EXPECT_EQ(json["cells"][1]["verdict"], "missed");
+  EXPECT_EQ(json["cells"][1]["flights"][1]["row"], 4);
+  EXPECT_TRUE(json["cells"][1]["flights"][1]["detected_s"].is_null());
+  const std::string csv = campaign_csv(matrix);
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 9);
+  EXPECT_NE(csv.find("4,gps_lost,cruise,2,missed,20,,"), std::string::npos) << csv;
+}
+
+}  // namespace
+}  // namespace cas::hils

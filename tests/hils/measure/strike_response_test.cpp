@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/strike_response.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "casd/tlog/tlog_files.hpp"
+#include "hils/measure/run_record.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/statustext.hpp"
+#include "mavlink/common/sys_status.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::hils {
+namespace {
+
+using std::chrono::seconds;
+using namespace mavlink::common;  // NOLINT: the file is about its messages
+
+/// Arm, takeoff to 10 m, to 20 m north, land: from 0 to 1, 5, 15 and 25 s.
+class Struck : public testing::Test {
+ protected:
+  Struck() {
+    add(StepKind::kArm, 0, 1);
+    add(StepKind::kTakeoff, 1, 5).altitude_m = 10;
+    add(StepKind::kGoto, 5, 15).place_m = {20, 0, 10};
+    add(StepKind::kLand, 15, 25);
+  }
+  FlightStep& add(StepKind kind, int begin, int end) {
+    steps_.push_back({.kind = kind});
+    stages_.push_back({.step = steps_.back(),
+                       .begin = base::SimTime(seconds(begin)),
+                       .end = base::SimTime(seconds(end)),
+                       .accepted = base::SimTime(seconds(begin)),
+                       .reference_m = {20, 0, 10}});
+    return steps_.back();
+  }
+  static PoseSample planned(double t) {
+    PoseSample sample;
+    sample.pose.z_m = t < 1 ? 0 : t < 5 ? 2.5 * (t - 1) : t < 15 ? 10 : std::max(0.0, 25 - t);
+    sample.pose.x_m = std::clamp(2 * (t - 5), 0.0, 20.0);
+    return sample;
+  }
+  /// 100 samples a second of a path, from 0 to `until_s`, of a fault at 10 s.
+  StrikeResponse response(const std::function<void(double, PoseSample&)>& path, double until_s = 30,
+                          VehicleTale tale = {}) {
+    std::vector<PoseSample> truth;
+    for (int i = 0; i <= static_cast<int>(100 * until_s); ++i) {
+      PoseSample sample = planned(0.01 * i);
+      sample.time_us = i * 10'000;
+      path(0.01 * i, sample);
+      if (!truth.empty()) {
+        const Pose& before = truth.back().pose;
+        sample.v_m_s = {(sample.pose.x_m - before.x_m) / 0.01,
+                        (sample.pose.y_m - before.y_m) / 0.01,
+                        (sample.pose.z_m - before.z_m) / 0.01};
+      }
+      truth.push_back(sample);
+    }
+    return strike_response({.strike_s = 10,
+                            .fault = "test",
+                            .stages = stages_,
+                            .steps = steps_,
+                            .completed = completed_,
+                            .truth = truth,
+                            .tale = std::move(tale)});
+  }
+
+  std::vector<FlightStep> steps_;
+  std::vector<Stage> stages_;
+  bool completed_ = true;
+};
+
+TEST_F(Struck, WhatFliesAsPlannedIsNowhereOffAndCameToRest) {
+  const StrikeResponse got = response([](double, PoseSample&) {});
+  EXPECT_NEAR(got.farthest_m, 0, 1e-9);
+  EXPECT_EQ(got.peak_tilt_deg, 0);
+  EXPECT_FALSE(got.crashed);
+  EXPECT_FALSE(got.incident);
+  EXPECT_TRUE(got.at_rest);
+  EXPECT_NEAR(got.rest_m, 10, 1e-9) << "struck halfway, landed at the end";
+  EXPECT_FALSE(got.detected_s);
+}
+
+TEST_F(Struck, IsMeasuredFromTheLinesBetweenThePlacesOfThePlan) {
+  const StrikeResponse got = response([](double t, PoseSample& sample) {
+    if (t < 10 || t > 12) return;
+    sample.pose.y_m = 3 * std::sin((t - 10) / 2 * M_PI);
+    sample.pose.roll_rad = 0.5;
+    sample.pose.pitch_rad = 0.5;
+  });
+  EXPECT_NEAR(got.farthest_m, 3, 1e-6);
+  EXPECT_NEAR(got.peak_tilt_deg, std::acos(std::cos(0.5) * std::cos(0.5)) * 180 / M_PI, 1e-9);
+}
+
+TEST_F(Struck, WhatCameBeforeTheStrikeDoesNotCount) {
+  const StrikeResponse got = response(
+      [](double t, PoseSample& sample) {
+        if (t > 8 && t < 9) sample.pose.y_m = 5 * std::sin((t - 8) * M_PI);
+        if (t > 8 && t < 9) sample.pose.roll_rad = 1.5;
+      },
+      30, {.signs = {{.time_s = 9, .what = "'before'"}}, .armed = {{.time_s = 1, .armed = true}}});
+  EXPECT_LT(got.farthest_m, 1e-9);
+  EXPECT_EQ(got.peak_tilt_deg, 0);
+  EXPECT_FALSE(got.detected_s);
+  EXPECT_FALSE(got.incident);
+  EXPECT_TRUE(got.armed_before);
+  EXPECT_TRUE(got.armed_after);
+}
+
+TEST_F(Struck, AFallIsACrashAlsoInTheStepThatWasNotDone) {
+  stages_.resize(3);  // the last one is under way
+  completed_ = false;
+  const StrikeResponse got = response([](double t, PoseSample& sample) {
+    if (t <= 11) return;
+    sample.pose.x_m = 12;
+    sample.pose.z_m = std::max(0.0, 10 - 0.5 * 9.81 * (t - 11) * (t - 11));
+  });
+  EXPECT_TRUE(got.crashed);
+  EXPECT_EQ(got.incident, IncidentKind::kGround);
+  EXPECT_TRUE(got.at_rest);
+  EXPECT_FALSE(got.completed);
+  const StrikeResponse cut = response(
+      [](double t, PoseSample& sample) {
+        if (t > 11) sample.pose.z_m = 10 - 0.5 * 9.81 * (t - 11) * (t - 11);
+      },
+      12);
+  EXPECT_TRUE(cut.crashed) << "still falling when the record ended";
+  EXPECT_FALSE(cut.at_rest);
+}
+
+TEST_F(Struck, TheFirstSignDetectsAndTheFirstFailsafeReacts) {
+  const VehicleTale tale{.signs = {{.time_s = 9.5, .what = "'before'"},
+                                   {.time_s = 10.4, .what = "health: GPS"},
+                                   {.time_s = 12, .what = "LAND", .is_reaction = true},
+                                   {.time_s = 13, .what = "TERMINATION", .is_reaction = true}},
+                         .armed = {{.time_s = 1, .armed = true}}};
+  const StrikeResponse got = response([](double, PoseSample&) {}, 30, tale);
+  ASSERT_TRUE(got.detected_s && got.reacted_s);
+  EXPECT_NEAR(*got.detected_s, 0.4, 1e-9);
+  EXPECT_EQ(got.detected_by, "health: GPS");
+  EXPECT_NEAR(*got.reacted_s, 2, 1e-9);
+  EXPECT_EQ(got.reaction, "LAND");
+  EXPECT_TRUE(got.terminated);
+}
+
+TEST_F(Struck, DisarmingIsAReactionInTheAirAlone) {
+  const VehicleTale landed{.signs = {},
+                           .armed = {{.time_s = 1, .armed = true}, {.time_s = 28, .armed = false}}};
+  const StrikeResponse good = response([](double, PoseSample&) {}, 30, landed);
+  EXPECT_FALSE(good.terminated);
+  EXPECT_FALSE(good.reacted_s);
+  const VehicleTale dropped{
+      .signs = {}, .armed = {{.time_s = 1, .armed = true}, {.time_s = 11, .armed = false}}};
+  const StrikeResponse bad = response([](double, PoseSample&) {}, 30, dropped);
+  EXPECT_TRUE(bad.terminated);
+  EXPECT_NEAR(bad.reacted_s.value_or(0), 1, 1e-9);
+  EXPECT_NEAR(bad.detected_s.value_or(0), 1, 1e-9);
+}
+
+/// A flight log of one vehicle.
+class Tale : public testing::Test {
+ protected:
+  template <class Message>
+  void say(double time_s, const Message& message, mav::Source from = {1, 1}) {
+    std::array<std::uint8_t, mav::kMaxPacketBytes> buffer{};
+    const std::size_t size = mav::encode(message, from, sequence_++, buffer);
+    casd::append_tlog_record(static_cast<std::uint64_t>(kEpoch_us + 1e6 * time_s),
+                             std::span(buffer).first(size), log_);
+  }
+  void beat(double time_s, bool armed, MavState state, std::uint32_t mode) {
+    Heartbeat m;
+    m.autopilot = MavAutopilot::kPx4;
+    m.base_mode = MavModeFlag::kCustomModeEnabled;
+    if (armed) m.base_mode |= MavModeFlag::kSafetyArmed;
+    m.custom_mode = mode;
+    m.system_status = state;
+    say(time_s, m);
+  }
+  void text(double time_s, MavSeverity severity, std::string_view words) {
+    Statustext m;
+    m.severity = severity;
+    std::copy_n(words.begin(), words.size(), m.text.begin());
+    say(time_s, m);
+  }
+  void health(double time_s, MavSysStatusSensor healthy) {
+    SysStatus m;
+    m.onboard_control_sensors_health = healthy;
+    say(time_s, m);
+  }
+  VehicleTale read() {
+    RunRecord record;
+    record.flight_tlog = folder_.write(
+        "flight.tlog", std::string_view(reinterpret_cast<const char*>(log_.data()), log_.size()));
+    record.log_clock.add(static_cast<std::int64_t>(kEpoch_us), 0);
+    return read_vehicle_tale(record);
+  }
+
+  static constexpr double kEpoch_us = 1.7e15;
+  static constexpr std::uint32_t kHold = 0x03040000;
+  static constexpr std::uint32_t kLand = 0x06040000;
+  test::TemporaryFolder folder_;
+  std::vector<std::uint8_t> log_;
+  std::uint8_t sequence_ = 0;
+};
+
+TEST_F(Tale, HasWarningsFallenFlagsAndTheModesOfAFailsafe) {
+  using S = MavSysStatusSensor;
+  beat(1, true, MavState::kActive, kHold);
+  health(1, S::kGps | S::k3dMag | S::kPrearmCheck);
+  text(2, MavSeverity::kInfo, "Take-off");
+  health(3, S::k3dMag);  // in the air the arming checks' flag says nothing
+  text(4, MavSeverity::kWarning, "Low battery");
+  beat(5, true, MavState::kActive, kLand);  // commanded
+  beat(6, true, MavState::kCritical, kLand);
+  beat(7, true, MavState::kCritical, kLand);
+  beat(8, false, MavState::kStandby, kLand);
+  const VehicleTale tale = read();
+  ASSERT_EQ(tale.signs.size(), 3U);
+  EXPECT_EQ(tale.signs[0].what, "health: GPS");
+  EXPECT_NEAR(tale.signs[0].time_s, 3, 1e-6);
+  EXPECT_EQ(tale.signs[1].what, "'Low battery'");
+  EXPECT_EQ(tale.signs[2].what, "LAND");
+  EXPECT_TRUE(tale.signs[2].is_reaction);
+  EXPECT_NEAR(tale.signs[2].time_s, 6, 1e-6);
+  ASSERT_EQ(tale.armed.size(), 2U);
+  EXPECT_TRUE(tale.armed[0].armed);
+  EXPECT_FALSE(tale.armed[1].armed);
+}
+
+TEST_F(Tale, IsOfTheVehicleAlone) {
+  Statustext other;
+  other.severity = MavSeverity::kCritical;
+  say(1, other, {2, 1});
+  say(1, other, {1, 50});
+  EXPECT_TRUE(read().signs.empty());
+}
+
+}  // namespace
+}  // namespace cas::hils
