@@ -31,6 +31,7 @@
 #include "hils/firmware/firmware_run.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
+#include "hils/programs/live_run.hpp"
 #include "hils/programs/lockstep_run.hpp"
 #include "hils/programs/realtime_run.hpp"
 #include "hils/programs/supervisor.hpp"
@@ -56,9 +57,9 @@ struct RunFlags {
   std::optional<std::uint64_t> seed;
   std::vector<std::string> fcus;  ///< as parse_fcu_words() takes them
   std::optional<unsigned> fcu_baud;
-  std::string out;
   std::string boards;
   std::string wait;
+  std::string out;
   std::string ground_station;
   std::vector<std::string> plugin_dirs;
   bool on_virtual_clock = false;
@@ -136,7 +137,6 @@ void leave_replay(const RunRequest& request, const RunResult& result, const std:
   }
 }
 
-int run(const RunFlags& flags) {
 /// Waits until the boards of a run have booted; what is wrong with one is the case of a junit.xml.
 /// @throws BoardError, RunStopped, base::ConfigError
 void prepare_boards(const FlightBoards& boards, const RunFlags& flags, RunRequest& request) {
@@ -151,6 +151,7 @@ void prepare_boards(const FlightBoards& boards, const RunFlags& flags, RunReques
   }
 }
 
+int run(const RunFlags& flags) {
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
   if (FirmwareScenario::is(file)) {
@@ -177,21 +178,23 @@ void prepare_boards(const FlightBoards& boards, const RunFlags& flags, RunReques
       throw base::ConfigError("--gcs: a ground station cannot join a run on the virtual clock");
     }
   }
-  request.web = flags.web;
   if (flags.web && (flags.on_virtual_clock || request.lockstep ||
                     request.architecture == Architecture::kDirect)) {
     throw base::ConfigError("--web: only a run in real time is shown in a browser");
   }
+  std::optional<LiveRun> live;
+  if (flags.web) request.live = &live.emplace();
   request.announced = true;
   request.out = std::filesystem::absolute(flags.out);
   std::filesystem::create_directories(request.out);
   remove_verdict(request.out);
-
-  RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
-  fail_absent(boards.absences(), result);
   const FlightBoards boards(fcus, find_board_list(flags.boards), "hils run " + flags.scenario,
                             parse_wait(flags.wait));
   prepare_boards(boards, flags, request);
+
+  RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
+  fail_absent(boards.absences(), result);
+  if (live) live->tell(result);
   write_results(request, result);
   for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
     write_ulog(request, result.vehicles[i].record, i);
@@ -258,6 +261,9 @@ int guarded(const std::function<int()>& command) {
   } catch (const RunStopped& stopped) {
     fmt::print(stderr, "hils: {}\n", stopped.what());
     return stopped.interrupted() ? kExitInterrupted : kExitInvalid;
+  } catch (const BoardError& error) {
+    fmt::print(stderr, "hils: {}\n", error.what());
+    return error.code();
   } catch (const base::ConfigError& error) {
     fmt::print(stderr, "hils: {}\n", error.what());
     return kExitUsage;
@@ -352,7 +358,7 @@ int main(int argc, char** argv) {
     if (tune.parsed()) return tune.run();
     if (campaign.parsed()) return campaign.run();
     if (replay.parsed()) return replay.run();
+    if (board.parsed()) return board.run();
     return compare_command->parsed() ? compare(compare_flags) : run(flags);
   });
 }
-    if (board.parsed()) return board.run();

@@ -85,10 +85,13 @@ class ChangeReader {
   void add_calls() {
     for (const OutsideCall& call : record_.outside_calls) {
       const bool tunes = call.method == "param.set" || call.method == "gain.set";
-      if (call.system != record_.system || !is_act(call)) continue;
+      if ((call.system != record_.system && call.system != 0) || !is_act(call)) continue;
       if (tunes && call.accepted) continue;  // where it changed a value, the log has it
-      add_act(call.log_us, port_words(call),
-              call.method + " " + call.params + (call.accepted ? "" : ", refused"));
+      const std::string params = call.params == "{}" ? "" : " " + call.params;
+      const std::string what = call.method + params + (call.accepted ? "" : ", refused");
+      // What was done to the simulator counts whenever it was: after a reset it is early again.
+      call.sim_s ? keep_act(*call.sim_s, port_words(call), what)
+                 : add_act(call.log_us, port_words(call), what);
     }
   }
 
@@ -99,7 +102,7 @@ class ChangeReader {
 
  private:
   static std::string port_words(const OutsideCall& call) {
-    return "casd's command port (" + call.client + ")";
+    return call.port + " (" + call.client + ")";
   }
 
   const std::vector<casd::GainLoop>& loops() const { return gains_.loops(autopilot_); }
@@ -212,6 +215,10 @@ class ChangeReader {
     // The step that failed is no stage: perhaps it failed for what somebody did meanwhile.
     const bool completed = record_.flight_failure.empty();
     if (completed && time_s > base::to_seconds(record_.stages.back().end)) return;
+    keep_act(time_s, by, what);
+  }
+
+  void keep_act(double time_s, const std::string& by, const std::string& what) {
     for (OutsideAct& act : changes_.acts) {
       if (act.by != by || act.what != what) continue;
       ++act.times;
@@ -238,7 +245,7 @@ class ChangeReader {
 
 }  // namespace
 
-std::vector<OutsideCall> outside_calls(const json& journal, CallList own) {
+std::vector<OutsideCall> outside_calls(const json& journal, CallList own, const std::string& port) {
   std::vector<OutsideCall> calls;
   for (const json& call : journal.at("calls")) {
     const std::string params =
@@ -253,8 +260,11 @@ std::vector<OutsideCall> outside_calls(const json& journal, CallList own) {
                      .client = call.at("client").get<std::string>(),
                      .method = call.at("method").get<std::string>(),
                      .params = params,
-                     .system = call.at("vehicle").get<std::uint8_t>(),
-                     .accepted = !call.contains("refusal")});
+                     .system = call.value("vehicle", std::uint8_t{0}),
+                     .accepted = !call.contains("refusal"),
+                     .port = port,
+                     .sim_s = {}});
+    if (call.contains("time_s")) calls.back().sim_s = call["time_s"].get<double>();
   }
   return calls;
 }

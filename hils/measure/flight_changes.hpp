@@ -20,22 +20,25 @@ struct RunRecord;
 inline constexpr std::uint8_t kCasdSystem = 254;
 inline constexpr std::uint8_t kCasdComponent = 190;
 
-/// A call of casd's command port that changed a vehicle, or was to; not one of hils's own.
+/// A call that changed a vehicle or the run, or was to; not one of hils's own.
 struct OutsideCall {
   std::int64_t log_us = 0;  ///< when, by the clock of the flight log
   std::string client;       ///< who asked: "unix:uid 1000"
   std::string method;
   std::string params;  ///< JSON
-  std::uint8_t system = 0;
+  std::uint8_t system = 0;  ///< 0: the run as a whole
   bool accepted = true;
+  std::string port = "casd's command port";  ///< where it was asked
+  std::optional<double> sim_s{};             ///< when, where the simulated time was noted
 };
 
 /// Methods of casd's command port that were called, with their parameters as JSON.
 using CallList = std::vector<std::pair<std::string, std::string>>;
 
-/// The calls in an answer of casd.journal that are not in `own`, what hils asked. Each of its own
-/// takes out one call.
-std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own);
+/// The calls in an answer of casd.journal or sim.journal that are not in `own`, what hils asked.
+/// Each of its own takes out one call. @param port  where they were asked, for people
+std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own,
+                                       const std::string& port = "casd's command port");
 
 /// Whether the call does something, and asks no mere question.
 bool is_act(const OutsideCall& call);
@@ -69,7 +72,7 @@ struct FlightChanges {
 };
 
 /// Reads the flight log of a run: PARAM_VALUEs that differ from the ones before, and commands of
-/// ground stations; adds the calls of casd's command port. Parameters by which the scenario flies a
+/// ground stations; adds the calls of casd's command port and of the simulator. Parameters by which the scenario flies a
 /// trajectory are left out. Without a log there is nothing but the calls.
 ///
 /// @param gains  names the loops that parameters belong to

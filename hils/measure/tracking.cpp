@@ -116,25 +116,28 @@ std::span<const PoseSample> between(std::span<const PoseSample> samples, std::in
   return {first, last};
 }
 
+void RmsSums::add(const Pose& pose, const Pose& reference) {
+  const double dyaw = base::wrap_angle(pose.yaw_rad - reference.yaw_rad);
+  squares_.x_m += (pose.x_m - reference.x_m) * (pose.x_m - reference.x_m);
+  squares_.y_m += (pose.y_m - reference.y_m) * (pose.y_m - reference.y_m);
+  squares_.z_m += (pose.z_m - reference.z_m) * (pose.z_m - reference.z_m);
+  squares_.yaw_rad += dyaw * dyaw;
+  ++squares_.samples;
+}
+
+RmsFigures RmsSums::figures() const {
+  const double n = static_cast<double>(std::max<std::uint64_t>(squares_.samples, 1));
+  return {.x_m = std::sqrt(squares_.x_m / n),
+          .y_m = std::sqrt(squares_.y_m / n),
+          .z_m = std::sqrt(squares_.z_m / n),
+          .yaw_rad = std::sqrt(squares_.yaw_rad / n),
+          .samples = squares_.samples};
+}
+
 RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& reference_at) {
-  RmsFigures sums;
-  for (const PoseSample& sample : samples) {
-    const Pose reference = reference_at(sample.time_us);
-    const double dx = sample.pose.x_m - reference.x_m;
-    const double dy = sample.pose.y_m - reference.y_m;
-    const double dz = sample.pose.z_m - reference.z_m;
-    const double dyaw = base::wrap_angle(sample.pose.yaw_rad - reference.yaw_rad);
-    sums.x_m += dx * dx;
-    sums.y_m += dy * dy;
-    sums.z_m += dz * dz;
-    sums.yaw_rad += dyaw * dyaw;
-  }
-  const double n = static_cast<double>(std::max<std::size_t>(samples.size(), 1));
-  return {.x_m = std::sqrt(sums.x_m / n),
-          .y_m = std::sqrt(sums.y_m / n),
-          .z_m = std::sqrt(sums.z_m / n),
-          .yaw_rad = std::sqrt(sums.yaw_rad / n),
-          .samples = samples.size()};
+  RmsSums sums;
+  for (const PoseSample& sample : samples) sums.add(sample.pose, reference_at(sample.time_us));
+  return sums.figures();
 }
 
 double peak_error_m(std::span<const PoseSample> samples, const ReferenceAt& reference_at) {

@@ -57,6 +57,17 @@ struct RmsFigures {
   std::uint64_t samples = 0;
 };
 
+/// Adds up distances from a reference, sample by sample.
+class RmsSums {
+ public:
+  void add(const Pose& pose, const Pose& reference);
+  /// All zero without a sample.
+  RmsFigures figures() const;
+
+ private:
+  RmsFigures squares_;
+};
+
 /// Truth as the recorder plugin writes it (truth.csv). @throws
 /// base::ConfigError naming file and line
 std::vector<PoseSample> read_truth(const std::filesystem::path& file);

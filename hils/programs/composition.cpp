@@ -255,16 +255,19 @@ YAML::Node further_plugin(const base::ConfigNode& entry) {
 }
 
 /// Entry of plugin `fault` for this vehicle; nothing when it has no faults.
-std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle) {
+/// @param by_hand  it takes further ones in flight
+std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle,
+                                       bool by_hand) {
   YAML::Node faults;
   for (const VehicleFault& fault : scenario.faults.vehicle) {
     if (fault.vehicle.value_or(vehicle) != vehicle) continue;
     faults.push_back(copy(fault.script));
     faults[faults.size() - 1].remove("vehicle");
   }
-  if (faults.size() == 0) return std::nullopt;
+  if (faults.size() == 0 && !by_hand) return std::nullopt;
   YAML::Node node = plugin("fault");
-  node["faults"] = faults;
+  if (faults.size() > 0) node["faults"] = faults;
+  if (by_hand) node["by_hand"] = true;
   return node;
 }
 
@@ -290,14 +293,17 @@ std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
   return notes;
 }
 
-YAML::Node vehicle_plugins(const Scenario& scenario, std::size_t vehicle, Transport transport,
+YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Transport transport,
                            const VehiclePlaces& places) {
+  const Scenario& scenario = request.scenario;
   YAML::Node plugins;
   for (const char* name : kFirstPlugins) plugins.push_back(plugin(name));
   for (const base::ConfigNode& further : scenario.plugins) {
     plugins.push_back(further_plugin(further));
   }
-  if (const auto faults = fault_plugin(scenario, vehicle)) plugins.push_back(*faults);
+  if (const auto faults = fault_plugin(scenario, vehicle, request.live != nullptr)) {
+    plugins.push_back(*faults);
+  }
   plugins.push_back(interface_plugin(scenario, vehicle, transport, places));
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
@@ -317,8 +323,9 @@ YAML::Node line_node(const RunRequest& request) {
   return node;
 }
 
-YAML::Node simulated_vehicle(const Scenario& scenario, std::size_t vehicle, Transport transport,
+YAML::Node simulated_vehicle(const RunRequest& request, std::size_t vehicle, Transport transport,
                              const VehiclePlaces& places) {
+  const Scenario& scenario = request.scenario;
   const ScenarioVehicle& own = scenario.vehicles[vehicle];
   YAML::Node node;
   node["name"] = own.name;
@@ -328,7 +335,7 @@ YAML::Node simulated_vehicle(const Scenario& scenario, std::size_t vehicle, Tran
   node["pose"]["z_m"] = own.pose.z_m;
   node["pose"]["yaw_deg"] = own.pose.yaw_deg;
   node["sensors"] = sensors(scenario, vehicle);
-  node["plugins"] = vehicle_plugins(scenario, vehicle, transport, places);
+  node["plugins"] = vehicle_plugins(request, vehicle, transport, places);
   return node;
 }
 
@@ -376,7 +383,7 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   root["seed"] = request.seed;
   root["integrator"] = scenario.integrator;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
-    root["vehicles"].push_back(simulated_vehicle(scenario, i, transport, places.vehicles.at(i)));
+    root["vehicles"].push_back(simulated_vehicle(request, i, transport, places.vehicles.at(i)));
   }
   std::string text = to_text(root);
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) text += vehicle_origins(scenario, i);

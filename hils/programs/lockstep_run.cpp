@@ -95,6 +95,9 @@ class LockstepPilot {
     record.stages = plan_.stages();
     record.hold = plan_.measured();
     record.outside_calls = read_outside_calls(casd_, own_calls_);
+    for (OutsideCall& call : read_simulator_calls(simulator_, {})) {
+      if (call.method != "sim.run_until") record.outside_calls.push_back(std::move(call));
+    }
   }
 
  private:

@@ -40,6 +40,7 @@ VehicleReport to_report(const Json& state) {
   report.heartbeat_age_s = state.value("heartbeat_age_s", 0.0);
   report.firmware = state.value("firmware", "");
   report.autopilot = state.value("autopilot", "");
+  report.hil = state.value("hil", false);
   report.armed = state.value("armed", false);
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
@@ -149,6 +150,11 @@ std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
 
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own) {
   return outside_calls(casd.call("casd.journal", Json::object()), own);
+}
+
+std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator, const CallList& own) {
+  return outside_calls(simulator.call("sim.journal", Json::object()), own,
+                       "hilsim's control socket");
 }
 
 }  // namespace cas::hils

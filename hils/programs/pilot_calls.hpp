@@ -31,5 +31,7 @@ std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
 
 /// What others than hils had casd do (casd.journal). @param own  what hils asked
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own);
+/// What others than hils did to the simulator (sim.journal). @param own  what hils asked
+std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator, const CallList& own);
 
 }  // namespace cas::hils

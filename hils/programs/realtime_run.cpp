@@ -22,10 +22,10 @@
 #include "hils/programs/cpu_pressure.hpp"
 #include "hils/programs/fcu_device.hpp"
 #include "hils/programs/ground_station.hpp"
+#include "hils/programs/live_run.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/programs/web_view.hpp"
 #include "hils/run/run_places.hpp"
 #include "hils/scenario/fleet_plan.hpp"
 
@@ -113,6 +113,8 @@ class RealtimePilot {
   void play_faults(base::SimTime now);
   void play(const BenchFault& fault, bool begins);
   void keep_outside_calls();
+  std::vector<OutsideCall> calls_of_others();
+  void show_page(base::SimTime now);
   void fill(std::vector<RunRecord>& records, const ClockMap& log_clock);
   void watch_machine();
   void watch_stream();
@@ -121,6 +123,7 @@ class RealtimePilot {
   BenchPrograms& programs_;
   const RunPlaces& places_;
   GroundStationThread* ground_station_;
+  LiveRun* live_;  ///< nothing where nobody looks
   base::rpc::Client simulator_;
   std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
   fcu::LineConfig line_;                   ///< as it is without faults
@@ -148,6 +151,7 @@ RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
       programs_(programs),
       places_(places),
       ground_station_(ground_station),
+      live_(request.live),
       simulator_(address(places.simulator_control())),
       casd_(address(places.command_port)),
       line_(line_of(request)),
@@ -167,6 +171,7 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
     look();
     const std::vector<FleetPlan::Command> commands = plan_.update(now, vehicles_);
     tell_phase();
+    show_page(now);
     play_faults(now);
     watch_machine();
     if (plan_.ended()) break;
@@ -177,6 +182,7 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
     }
     if (commands.empty()) supervisor_.wait(kPollPeriod);
   }
+  if (live_ != nullptr) live_->end_flight();
   supervisor_.wait(kDrain);
   fill(records, log_clock);
 }
@@ -188,9 +194,30 @@ void RealtimePilot::keep_outside_calls() {
   own_calls_.clear();
 }
 
+/// Up to now, at casd, the simulator and the page.
+std::vector<OutsideCall> RealtimePilot::calls_of_others() {
+  std::vector<OutsideCall> calls = outside_calls_;
+  const auto add = [&calls](const std::vector<OutsideCall>& more) {
+    calls.insert(calls.end(), more.begin(), more.end());
+  };
+  if (casd_) add(read_outside_calls(*casd_, own_calls_));
+  add(read_simulator_calls(simulator_, live_ == nullptr ? CallList() : live_->simulator_calls()));
+  if (live_ != nullptr) add(live_->calls());
+  return calls;
+}
+
+/// Where somebody looks: tells what the page shows, and takes the faults that it orders.
+void RealtimePilot::show_page(base::SimTime now) {
+  if (live_ == nullptr || plan_.ended()) return;
+  if (live_->wants_calls()) live_->show_calls(calls_of_others());
+  live_->look(now, plan_, vehicles_, start_m_);
+  live_->play_faults(now, vehicles_, faults_, simulator_);
+}
+
 void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
   const double simulated_s = base::to_seconds(simulated_time());
-  keep_outside_calls();
+  const std::vector<OutsideCall> calls = calls_of_others();
+  if (live_ != nullptr) live_->show_calls(calls);
   for (std::size_t i = 0; i < records.size(); ++i) {
     RunRecord& record = records[i];
     record.log_clock = log_clock;
@@ -199,7 +226,7 @@ void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_cl
     record.stages = plan_.plan(i).stages();
     record.hold = plan_.plan(i).measured();
     record.faults = faults_.history_of(i);
-    record.outside_calls = outside_calls_;
+    record.outside_calls = calls;
     record.cpu_pressure = pressure_.share();
   }
 }
@@ -358,8 +385,7 @@ std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   std::vector<RunRecord> records = records_of(request.scenario, places);
   BenchPrograms programs(supervisor, places, request);
   programs.start();
-  std::optional<WebView> web;
-  if (request.web) web.emplace(places, supervisor);
+  if (request.live != nullptr) request.live->start(request, places, supervisor);
   try {
     check_devices(supervisor, places, request);
     RealtimePilot(supervisor, programs, places, request,

@@ -14,6 +14,7 @@
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
 #include "base/time/clock.hpp"
+#include "hils/measure/check_json.hpp"
 #include "hils/measure/column.hpp"
 #include "hils/measure/csv_row.hpp"
 #include "hils/programs/composition.hpp"
@@ -157,28 +158,6 @@ Json scene_json(const base::Vehicle& vehicle) {
           {"rotors", std::move(rotors)}};
 }
 
-Json number_or_null(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
-}
-
-Json checks_json(const Verdict& verdict) {
-  Json checks = Json::array();
-  for (const LimitCheck& check : verdict.checks) {
-    checks.push_back({{"what", check.what},
-                      {"validity", check.kind == LimitCheck::Kind::kValidity},
-                      {"value", number_or_null(check.value)},
-                      {"bound", number_or_null(check.bound)},
-                      {"least", check.sense == LimitCheck::Sense::kAtLeast},
-                      {"unit", check.unit},
-                      {"digits", check.digits},
-                      {"found", check.found},
-                      {"wanted", check.wanted},
-                      {"judged", check.judged},
-                      {"kept", check.kept}});
-  }
-  return checks;
-}
-
 Json stages_json(const RunRecord& record) {
   Json stages = Json::array();
   for (const Stage& stage : record.stages) {
@@ -243,19 +222,10 @@ Json vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult&
                {"system", record.system},
                {"scene", scene_json(base::Vehicle::load(request.scenario.vehicles.at(i).vehicle))},
                {"passed", result.verdict.passed},
-               {"checks", checks_json(result.verdict)},
+               {"touched", result.figures.changes.from_outside()},
+               {"checks", checks_json(result.verdict.checks)},
                {"stages", stages_json(record)},
                {"faults", faults_json(record)},
-/// What flies: "fcu_emulator", or the ports of real controllers.
-std::string controllers(const RunRequest& request) {
-  if (request.fcu_devices.empty()) return "fcu_emulator";
-  std::string ports;
-  for (const auto& [vehicle, device] : request.fcu_devices) {
-    ports += (ports.empty() ? "" : ", ") + device.path;
-  }
-  return ports;
-}
-
                {"events", events_json(result.figures)},
                {"responses", responses_json(result.figures)},
                {"truth", truth_json(record.truth_csv)},
@@ -274,6 +244,16 @@ Json line_json(const RunRequest& request) {
   const FcuDevice* device = request.fcu_device(0);
   const double baud = device == nullptr ? static_cast<double>(line_of(request).baud) : device->baud;
   return {{"type", "serial"}, {"baud", baud}};
+}
+
+/// What flies: "fcu_emulator", or the ports of real controllers.
+std::string controllers(const RunRequest& request) {
+  if (request.fcu_devices.empty()) return "fcu_emulator";
+  std::string ports;
+  for (const auto& [vehicle, device] : request.fcu_devices) {
+    ports += (ports.empty() ? "" : ", ") + device.path;
+  }
+  return ports;
 }
 
 }  // namespace

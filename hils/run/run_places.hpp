@@ -83,6 +83,7 @@ struct RunPlaces {
   std::filesystem::path flight_tlog() const { return out / "flight.tlog"; }
   std::filesystem::path plugin_figures() const { return out / "plugin_figures.json"; }
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
+  std::filesystem::path run_port() const { return sockets / "hils"; }
   std::filesystem::path command_token() const { return sockets / "casd.token"; }
 };
 

@@ -13,6 +13,7 @@
 
 namespace cas::hils {
 
+class LiveRun;
 
 /// A real controller, in the place of the emulator.
 struct FcuDevice {
@@ -31,7 +32,7 @@ struct RunRequest {
   std::map<std::size_t, FcuDevice> fcu_devices{};
   bool lockstep = false;                     ///< the processes run on the stream's time
   bool announced = false;                    ///< says how to watch it once casd is ready
-  bool web = false;                          ///< casweb shows it in a browser
+  LiveRun* live = nullptr;                   ///< shows it in a browser; nothing: nobody looks
   std::optional<StationEndpoint> station{};  ///< where a ground station may join; nothing: none
   std::filesystem::path
       out;  ///< folder of the results; the programs' configurations are in out/run

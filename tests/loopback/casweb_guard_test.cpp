@@ -83,8 +83,43 @@ TEST_F(CaswebGuard, TellsNothingWithoutTheToken) {
   EXPECT_EQ(page.wait_closed(), 4403);
 
   WebPage none(casweb_.port());
-  EXPECT_TRUE(none.call("hello", {{"protocol", 1}}).contains("error"));
+  EXPECT_TRUE(none.call("hello", {{"protocol", 2}}).contains("error"));
   EXPECT_EQ(none.wait_closed(), 4403);
+  WebPage token(casweb_.port());  // nobody is asked for it, and nobody gets in by it
+  EXPECT_TRUE(
+      token.call("hello", {{"protocol", 2}, {"token", CaswebFixture::kToken}}).contains("error"));
+  EXPECT_EQ(token.wait_closed(), 4403);
+}
+
+TEST_F(CaswebGuard, ProvesThatItKnowsTheTokenAndDoesNotTellIt) {
+  WebPage page(casweb_.port());
+  const json answer = page.exchange_nonces().at("result");
+  EXPECT_EQ(answer.dump().find(CaswebFixture::kToken), std::string::npos);
+  EXPECT_EQ(answer.at("proof").get<std::string>().size(), 64U);
+  EXPECT_NE(answer.at("proof"), page.proof(CaswebFixture::kToken)) << "its own is no page's";
+  WebPage again(casweb_.port());
+  EXPECT_NE(again.exchange_nonces().at("result").at("nonce"), answer.at("nonce"));
+  EXPECT_TRUE(page.call("hello", {{"protocol", 2}, {"nonce", "short"}}).contains("error"));
+}
+
+TEST_F(CaswebGuard, AStolenProofOpensNothing) {
+  WebPage owner(casweb_.port());
+  owner.exchange_nonces();
+  const std::string stolen = owner.proof(CaswebFixture::kToken);
+  ASSERT_TRUE(owner.call("hello", {{"protocol", 2}, {"proof", stolen}}).contains("result"));
+  WebPage thief(casweb_.port());
+  thief.exchange_nonces();
+  EXPECT_TRUE(thief.call("hello", {{"protocol", 2}, {"proof", stolen}}).contains("error"));
+  EXPECT_EQ(thief.wait_closed(), 4403);
+  WebPage early(casweb_.port());  // before any nonce
+  EXPECT_TRUE(early.call("hello", {{"protocol", 2}, {"proof", stolen}}).contains("error"));
+  EXPECT_EQ(early.wait_closed(), 4403);
+  // One that another program was given at its own port, and passes on.
+  WebPage relay(casweb_.port());
+  relay.exchange_nonces();
+  const std::string elsewhere = relay.proof(CaswebFixture::kToken, "127.0.0.1:5791");
+  EXPECT_TRUE(relay.call("hello", {{"protocol", 2}, {"proof", elsewhere}}).contains("error"));
+  EXPECT_EQ(relay.wait_closed(), 4403);
 }
 
 TEST_F(CaswebGuard, KeepsTheTokenOutOfItsOutputAndInAFileOfItsOwner) {

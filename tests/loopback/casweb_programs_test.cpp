@@ -42,6 +42,46 @@ TEST(CaswebPrograms, AnAnswerOfAnotherShapeEndsNoTopic) {
   EXPECT_EQ(loop->at("vehicles")[0].at("count"), 7);
 }
 
+TEST(CaswebPrograms, ARunOfHilsTellsItsReferenceItsLimitsAndItsVerdict) {
+  const TemporaryFolder folder;
+  std::atomic<int> subscribed{0};
+  std::atomic<bool> told{false};
+  FakeProgram hils(folder / "hils.sock", [&](const std::string& method, const json& params) {
+    if (method == "run.reference") return json{{"t_s", 3.5}, {"v", json::array()}};
+    if (method == "run.status") return json::object({{"state", "running"}});
+    if (method == "fault.inject") return params;
+    subscribed += method == "subscribe" ? 1 : 0;
+    if (method == "run.told") told = true;
+    return json::object();
+  });
+  CaswebFixture casweb(folder.path(), {"--hils", (folder / "hils.sock").string()});
+  auto page = casweb.open_page();
+  ASSERT_TRUE(wait_until([&] { return subscribed == 2; }));
+  page->call("watch", {{"topics", {{"ref", 20}, {"verdict", 2}}}});
+  const auto reference = page->next("snap.ref");
+  ASSERT_TRUE(reference);
+  EXPECT_EQ(reference->at("t_s"), 3.5);
+  const auto status = page->next("snap.verdict");
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->at("state"), "running");
+  const json fault{{"drop", "gps"}, {"for_s", 1}};
+  EXPECT_EQ(page->call("fault.inject", fault).at("result"), fault);
+  hils.notify("verdict", {{"state", "passed"}});
+  const auto verdict = page->next("event.verdict");
+  ASSERT_TRUE(verdict);
+  EXPECT_EQ(verdict->at("state"), "passed");
+  EXPECT_TRUE(wait_until([&] { return told.load(); })) << "hils waits for it";
+}
+
+TEST(CaswebPrograms, WithoutARunOfHilsThereAreNoFaultsByHand) {
+  const TemporaryFolder folder;
+  CaswebFixture casweb(folder.path());
+  auto page = casweb.open_page();
+  const json refused = page->call("fault.inject", {{"drop", "gps"}, {"for_s", 1}});
+  EXPECT_EQ(refused.at("error").at("message"), "no run of hils is shown here");
+  EXPECT_TRUE(page->call("watch", {{"topics", {{"ref", 20}}}}).contains("error"));
+}
+
 TEST(CaswebPrograms, ALongAnswerReachesAPageThatReads) {
   const TemporaryFolder folder;
   const std::string long_text(3U << 20, 'x');

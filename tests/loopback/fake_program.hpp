@@ -18,8 +18,8 @@
 
 namespace cas::test {
 
-/// Stands for casd or hilsim on a Unix socket: a thread answers one client after the other, and
-/// each of its calls with what `answer` gives.
+/// Stands for casd, hilsim or hils on a Unix socket: a thread answers one client after the other,
+/// and each of its calls with what `answer` gives.
 class FakeProgram {
  public:
   /// What stands in "result".
@@ -40,6 +40,13 @@ class FakeProgram {
     ::shutdown(listener_.get(), SHUT_RDWR);  // ends accept()
     if (const int client = client_; client >= 0) ::shutdown(client, SHUT_RDWR);
     thread_.join();
+  }
+  /// Sends a notification to the client that is there.
+  void notify(const std::string& topic, const nlohmann::json& params) const {
+    const std::string line =
+        nlohmann::json{{"jsonrpc", "2.0"}, {"method", topic}, {"params", params}}.dump() + "\n";
+    EXPECT_EQ(::send(client_, line.data(), line.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(line.size()));
   }
   FakeProgram(const FakeProgram&) = delete;
   FakeProgram& operator=(const FakeProgram&) = delete;

@@ -5,12 +5,15 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <regex>
 #include <string>
 #include <vector>
@@ -226,9 +229,23 @@ TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
   end(*run);
 }
 
+/// Takes snapshots of a topic until one is as it should be.
+std::optional<nlohmann::json> snapshot(WebPage& page, const std::string& topic,
+                                       const std::function<bool(const nlohmann::json&)>& wanted) {
+  std::optional<nlohmann::json> found;
+  wait_until([&] {
+    found = page.next("snap." + topic);
+    if (found) page.ack(topic, *found);
+    return !found || wanted(*found);
+  });
+  return found;
+}
+
 TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
-  ChildProcess run(in_session("hils", {"run", folder_.write("long.yaml", scenario_text()).string(),
-                                       "--web", "--out", folder_ / "out"}));
+  const std::string limits = "limits: {lost: 0, rms: {x_m: 5}}\n";
+  ChildProcess run(
+      in_session("hils", {"run", folder_.write("short.yaml", scenario_text(3) + limits).string(),
+                          "--web", "--out", folder_ / "out"}));
   std::smatch told;
   std::string text;
   ASSERT_TRUE(wait_until([&] {
@@ -252,8 +269,54 @@ TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
     return page.call("sim.scene", nlohmann::json::object()).contains("result") &&
            page.call("casd.status", nlohmann::json::object()).contains("result");
   })) << page.call("bench.status", nlohmann::json::object());
-  end(run);
+
+  // What a person does: a pause, and a fault that is too short to hurt.
+  EXPECT_TRUE(page.call("sim.pause", nlohmann::json::object()).contains("result"));
+  EXPECT_TRUE(page.call("sim.resume", nlohmann::json::object()).contains("result"));
+  const nlohmann::json fault{{"name", "no fix"}, {"drop", "gps"}, {"for_s", 0.05}};
+  nlohmann::json answer;
+  EXPECT_TRUE(wait_until([&] {
+    answer = page.call("fault.inject", fault);
+    return answer.contains("result");
+  })) << answer;
+  for (const auto& wrong :
+       {nlohmann::json{{"drop", "gps"}},
+        {{"drop", "gps"}, {"for_s", 99}},
+        {{"gust", {{"amplitude_m_s", {3, 0, 0}}, {"length_m", 5}}}, {"for_s", 1}},
+        {{"restart", "casd"}, {"for_s", 1}}}) {
+    EXPECT_TRUE(page.call("fault.inject", wrong).contains("error")) << wrong;
+  }
+  const auto began = page.next("event.fault");
+  ASSERT_TRUE(began);
+  EXPECT_EQ(began->at("name"), "no fix");
+
+  page.call("watch", {{"topics", {{"ref", 20}, {"verdict", 2}}}});
+  const auto reference =
+      snapshot(page, "ref", [](const auto& snap) { return snap.at("v")[0].is_object(); });
+  ASSERT_TRUE(reference);
+  EXPECT_NEAR(reference->at("v")[0].at("p_W")[2].template get<double>(), 2, 0.3) << *reference;
+  const auto so_far = snapshot(page, "verdict", [](const auto& snap) {
+    const auto& checks = snap.at("vehicles")[0].at("checks");
+    return std::ranges::any_of(checks, [](const auto& each) { return each["value"].is_number(); });
+  });
+  ASSERT_TRUE(so_far);
+  EXPECT_EQ(so_far->at("state"), "running");
+  EXPECT_GE(so_far->at("vehicles")[0].at("checks").size(), 4U) << "packets, too, without a value";
+  EXPECT_GE(so_far->at("touched").size(), 3U) << *so_far;
+  const auto verdict = page.next("event.verdict");
+  ASSERT_TRUE(verdict) << run.output();
+  EXPECT_NE(verdict->at("state"), "running");
+  EXPECT_FALSE(verdict->at("touched").empty());
+  EXPECT_TRUE(run.wait_exit()) << run.output();
   EXPECT_FALSE(fs::exists(file));
+
+  const auto summary = nlohmann::json::parse(TemporaryFolder::read(folder_ / "out/summary.json"));
+  EXPECT_EQ(summary["from_outside"], true);
+  const std::string acts = summary["acts"].dump();
+  for (const char* act : {"sim.pause", "sim.resume", "fault.inject"}) {
+    EXPECT_NE(acts.find(act), std::string::npos) << act << " in " << acts;
+  }
+  EXPECT_EQ(summary["faults"][0]["name"], "no fix") << summary["faults"];
 }
 
 TEST_F(HilsWatch, RefusesAPortThatAnotherProgramHas) {

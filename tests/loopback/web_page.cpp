@@ -15,6 +15,7 @@
 #include <boost/beast/websocket/stream.hpp>
 #include <stdexcept>
 
+#include "base/rpc/token_proof.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
@@ -71,7 +72,7 @@ struct WebPage::Impl {
 };
 
 WebPage::WebPage(std::uint16_t port, const std::string& host, const std::string& origin)
-    : impl_(std::make_unique<Impl>()) {
+    : impl_(std::make_unique<Impl>()), host_(host) {
   impl_->socket.next_layer().connect(loopback(port));
   impl_->socket.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
     if (!origin.empty()) request.set(http::field::origin, origin);
@@ -136,7 +137,21 @@ json WebPage::call(const std::string& method, const json& params) {
 }
 
 json WebPage::hello(const std::string& token) {
-  return call("hello", {{"protocol", 1}, {"token", token}});
+  const json answer = exchange_nonces();
+  if (!answer.contains("result")) return answer;
+  return call("hello", {{"protocol", 2}, {"proof", proof(token)}});
+}
+
+json WebPage::exchange_nonces() {
+  own_nonce_ = base::rpc::make_nonce();
+  json answer = call("hello", {{"protocol", 2}, {"nonce", own_nonce_}});
+  if (answer.contains("result")) nonce_ = answer["result"].at("nonce").get<std::string>();
+  return answer;
+}
+
+std::string WebPage::proof(const std::string& token, const std::string& place) const {
+  return base::rpc::token_proof(token, base::rpc::Prover::kClient,
+                                {place.empty() ? host_ : place, own_nonce_, nonce_});
 }
 
 void WebPage::ack(const std::string& topic, const json& params) {

@@ -36,7 +36,12 @@ class WebPage {
   int refusal() const { return refusal_; }
   /// Calls and waits for the answer, an object with `result` or `error`. @throws std::runtime_error
   nlohmann::json call(const std::string& method, const nlohmann::json& params);
+  /// Says hello with a proof of the token, as the page does. @return the last answer
   nlohmann::json hello(const std::string& token);
+  /// The first half of it: casweb's nonce, kept for the proof. @return the answer
+  nlohmann::json exchange_nonces();
+  /// Proof for these nonces. @param place  where the page was opened; empty: where it was
+  std::string proof(const std::string& token, const std::string& place = {}) const;
   /// Sends a text as it is.
   void send(const std::string& text);
   /// The next frame that is wanted, others are kept for later waits; nothing at the deadline or
@@ -56,6 +61,9 @@ class WebPage {
 
   struct Impl;
   std::unique_ptr<Impl> impl_;
+  std::string host_;
+  std::string own_nonce_;
+  std::string nonce_;  // casweb's
   int refusal_ = 0;
   int last_id_ = 0;
   std::vector<nlohmann::json> kept_;

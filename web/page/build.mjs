@@ -65,16 +65,23 @@ const writeAsset = (name, bytes) => {
   writeFileSync(join(out, 'assets', `${name}.gz`), gzipSync(bytes, {level: 9}));
 };
 let entry = '';
+const parts = [];  // fetched beside the entry, not after it has run
 for (const file of split.outputFiles) {
   const name = file.path.split('/').pop();
   if (name.endsWith('.js')) writeAsset(name, file.contents);
   if (/^page-.*\.js$/.test(name)) entry = name;
+  if (/^part-.*\.js$/.test(name)) parts.push(name);
 }
 const cssName = `page-${shortHash(css)}.css`;
 writeAsset(cssName, css);
 const index = readFileSync(join(here, 'src/index.html'), 'utf8')
   .replace('PAGE_CSS', `/assets/${cssName}`)
+  .replace('PAGE_PARTS', () => parts.map((name) => `<link rel="modulepreload" href="/assets/${name}">\n`).join(''))
   .replace('PAGE_JS', `/assets/${entry}`);
+// The plots of report.html, which hils puts into each report.
+const report = await build({...common, entryPoints: ['src/report.ts'], format: 'iife'});
+writeFileSync(join(out, 'report.js'), `/*! CAS, BSD-3-Clause; with:\n\n${licences(report.metafile).replaceAll('*/', '* /')}\n*/\n${output(report, '.js')}`);
+writeFileSync(join(out, 'report.css'), output(report, '.css'));
 writeFileSync(join(out, 'licences.txt'), texts);
 writeFileSync(join(out, 'replay.html'), replay);
 writeFileSync(join(out, 'index.html'), index);  // last: its presence says that the page is whole

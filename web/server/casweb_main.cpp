@@ -45,6 +45,7 @@ struct Flags {
   std::optional<std::filesystem::path> page;
   std::string casd;
   std::string hilsim;
+  std::string hils;
   std::string token_file;
   std::string address_file;
   std::string log_level = "info";
@@ -62,6 +63,9 @@ void add_flags(CLI::App& app, Flags& flags) {
                  "Unix socket of casd; left out: of the one that runs on this machine");
   app.add_option("--hilsim", flags.hilsim,
                  "Control socket of hilsim (hilsim.sock in the runtime folder)");
+  app.add_option("--hils", flags.hils,
+                 "Socket of a run of hils, whose limits and reference are shown; hils run --web "
+                 "gives it");
   app.add_option("--token-file", flags.token_file,
                  "File with the token of the address, for its owner alone; made where it is "
                  "missing (casweb.token in the runtime folder)");
@@ -145,7 +149,8 @@ int run(const Flags& flags) {
 
   boost::asio::io_context io(1);
   web::PageHub hub(io, {.find_casd = finder(flags.casd, base::rpc::local_command_sockets),
-                        .find_hilsim = finder(flags.hilsim, hilsim_sockets)});
+                        .find_hilsim = finder(flags.hilsim, hilsim_sockets),
+                        .find_hils = finder(flags.hils, {})});
   web::WebServer server(io, hub, files, {.token = token, .read_only = flags.read_only});
   std::vector<std::string> names = flags.hosts;
   names.push_back(in_url(address.host));

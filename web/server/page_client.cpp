@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "base/rpc/token.hpp"
+#include "base/rpc/token_proof.hpp"
 #include "web/server/page_hub.hpp"
 
 namespace cas::web {
@@ -16,9 +18,11 @@ namespace {
 using base::rpc::Json;
 using base::rpc::Reply;
 
-constexpr int kProtocol = 1;
+constexpr int kProtocol = 2;
 constexpr std::size_t kMaxHello = 4096;  // bytes
-constexpr std::size_t kMaxCalls = 64;    // under way
+constexpr std::size_t kShortestNonce = 16;
+constexpr std::size_t kLongestNonce = 256;
+constexpr std::size_t kMaxCalls = 64;  // under way
 constexpr double kMaxChanges_s = 16;
 constexpr std::size_t kMaxFields = 24;
 constexpr double kMaxValue_hz = 10;
@@ -32,55 +36,72 @@ enum class Effect : std::uint8_t {
   kRescue,  ///< changes something, and must not wait behind other changes
 };
 
+enum class Program : std::uint8_t { kCasd, kHilsim, kHils };
+
 struct Passed {
   const char* name;
-  bool to_casd;
+  Program program;
   Effect effect;
 };
 
-// What a page may ask of casd and hilsim. `vehicle.command` and `sim.quit` are left out: no button
-// needs them.
+// What a page may ask of casd, hilsim and hils. `vehicle.command` and `sim.quit` are left out: no
+// button needs them.
 constexpr Passed kPassed[] = {
-    {"casd.status", true, Effect::kNone},
-    {"link.list", true, Effect::kNone},
-    {"link.routes", true, Effect::kNone},
-    {"link.drops", true, Effect::kNone},
-    {"link.latency", true, Effect::kNone},
-    {"link.echo", true, Effect::kNone},
-    {"message.list", true, Effect::kNone},
-    {"message.value", true, Effect::kNone},
-    {"vehicle.state", true, Effect::kNone},
-    {"vehicle.telemetry", true, Effect::kNone},
-    {"gain.get", true, Effect::kNone},
-    {"gain.list", true, Effect::kNone},
-    {"param.get", true, Effect::kNone},
-    {"param.list", true, Effect::kNone},
-    {"log.status", true, Effect::kNone},
-    {"vehicle.arm", true, Effect::kChange},
-    {"vehicle.disarm", true, Effect::kRescue},
-    {"vehicle.takeoff", true, Effect::kChange},
-    {"vehicle.land", true, Effect::kRescue},
-    {"vehicle.hold", true, Effect::kRescue},
-    {"vehicle.rtl", true, Effect::kChange},
-    {"vehicle.reboot", true, Effect::kChange},
-    {"vehicle.goto", true, Effect::kChange},
-    {"vehicle.mode", true, Effect::kChange},
-    {"vehicle.message_interval", true, Effect::kChange},
-    {"gain.set", true, Effect::kChange},
-    {"param.set", true, Effect::kChange},
-    {"log.start", true, Effect::kChange},
-    {"log.stop", true, Effect::kChange},
-    {"sim.status", false, Effect::kNone},
-    {"sim.scene", false, Effect::kNone},
-    {"sim.pause", false, Effect::kChange},
-    {"sim.resume", false, Effect::kChange},
-    {"sim.step", false, Effect::kChange},
-    {"sim.reset", false, Effect::kChange},
+    {"casd.status", Program::kCasd, Effect::kNone},
+    {"link.list", Program::kCasd, Effect::kNone},
+    {"link.routes", Program::kCasd, Effect::kNone},
+    {"link.drops", Program::kCasd, Effect::kNone},
+    {"link.latency", Program::kCasd, Effect::kNone},
+    {"link.echo", Program::kCasd, Effect::kNone},
+    {"message.list", Program::kCasd, Effect::kNone},
+    {"message.value", Program::kCasd, Effect::kNone},
+    {"vehicle.state", Program::kCasd, Effect::kNone},
+    {"vehicle.telemetry", Program::kCasd, Effect::kNone},
+    {"gain.get", Program::kCasd, Effect::kNone},
+    {"gain.list", Program::kCasd, Effect::kNone},
+    {"param.get", Program::kCasd, Effect::kNone},
+    {"param.list", Program::kCasd, Effect::kNone},
+    {"log.status", Program::kCasd, Effect::kNone},
+    {"vehicle.arm", Program::kCasd, Effect::kChange},
+    {"vehicle.disarm", Program::kCasd, Effect::kRescue},
+    {"vehicle.takeoff", Program::kCasd, Effect::kChange},
+    {"vehicle.land", Program::kCasd, Effect::kRescue},
+    {"vehicle.hold", Program::kCasd, Effect::kRescue},
+    {"vehicle.rtl", Program::kCasd, Effect::kChange},
+    {"vehicle.reboot", Program::kCasd, Effect::kChange},
+    {"vehicle.goto", Program::kCasd, Effect::kChange},
+    {"vehicle.mode", Program::kCasd, Effect::kChange},
+    {"vehicle.message_interval", Program::kCasd, Effect::kChange},
+    {"gain.set", Program::kCasd, Effect::kChange},
+    {"param.set", Program::kCasd, Effect::kChange},
+    {"log.start", Program::kCasd, Effect::kChange},
+    {"log.stop", Program::kCasd, Effect::kChange},
+    {"sim.status", Program::kHilsim, Effect::kNone},
+    {"sim.scene", Program::kHilsim, Effect::kNone},
+    {"sim.pause", Program::kHilsim, Effect::kChange},
+    {"sim.resume", Program::kHilsim, Effect::kChange},
+    {"sim.step", Program::kHilsim, Effect::kChange},
+    {"sim.reset", Program::kHilsim, Effect::kChange},
+    {"fault.list", Program::kHils, Effect::kNone},
+    {"fault.inject", Program::kHils, Effect::kChange},
 };
 
 std::uint64_t next_number() {
   static std::uint64_t number = 0;  // of one thread
   return ++number;
+}
+
+Upstream* upstream_of(PageHub& hub, Program program) {
+  if (program == Program::kCasd) return &hub.casd();
+  return program == Program::kHilsim ? &hub.hilsim() : hub.hils();
+}
+
+/// The text of that key; nothing where there is none.
+std::optional<std::string> text_of(const Json& params, const char* key) {
+  if (!params.is_object()) return std::nullopt;
+  const auto found = params.find(key);
+  if (found == params.end() || !found->is_string()) return std::nullopt;
+  return found->get<std::string>();
 }
 
 /// What is wrong with the names of parameters; empty: nothing.
@@ -94,13 +115,15 @@ std::string unknown_key(const Json& params, const std::set<std::string>& known) 
 
 }  // namespace
 
-PageClient::PageClient(PageHub& hub, const PageAccess& access, Socket socket)
+PageClient::PageClient(PageHub& hub, const PageAccess& access, const std::string& host,
+                       Socket socket)
     : hub_(hub),
       access_(access),
       socket_(std::move(socket)),
       number_(next_number()),
       changes_(kMaxChanges_s, base::steady_now()) {
   authorised = false;
+  proof.endpoint = host;
   add_methods();
 }
 
@@ -117,7 +140,7 @@ void PageClient::on_text(std::string_view text) {
   const auto method = request.find("method");
   if (method != request.end() && *method == "hello") return hello(request);
   answer(request, "error",
-         {{"code", base::rpc::kNotAuthorised}, {"message", "call hello {\"token\": ...} first"}});
+         {{"code", base::rpc::kNotAuthorised}, {"message", "call hello {\"nonce\": ...} first"}});
 }
 
 /// Before `hello` nothing of what a stranger sends is given to the dispatcher.
@@ -128,21 +151,36 @@ void PageClient::answer(const Json& request, const char* key, Json value) {
       -1, ' ', false, Json::error_handler_t::replace));
 }
 
+/// First the nonces: casweb proves that it knows the token, then the page does. The token itself is
+/// told to nobody, and a proof is good for one connection.
 void PageClient::hello(const Json& request) {
   const auto refuse = [&](int code, const std::string& why) {
     answer(request, "error", {{"code", code}, {"message", why}});
   };
-  const Json params = request.value("params", Json::object());
-  const auto token = params.find("token");
-  if (!params.is_object() || token == params.end() || !token->is_string() ||
-      !base::rpc::same_token(access_.token, token->get_ref<const std::string&>())) {
+  const Json params = request.value("params", Json());
+  if (const auto nonce = text_of(params, "nonce")) {
+    if (nonce->size() < kShortestNonce || nonce->size() > kLongestNonce) {
+      return refuse(base::rpc::kInvalidParams, "nonce has 16 to 256 characters");
+    }
+    proof.client_nonce = *nonce;
+    proof.server_nonce = base::rpc::make_nonce();
+    return answer(
+        request, "result",
+        {{"nonce", proof.server_nonce},
+         {"proof", base::rpc::token_proof(access_.token, base::rpc::Prover::kServer, proof)}});
+  }
+  const auto given = text_of(params, "proof");
+  if (!given || proof.server_nonce.empty() ||
+      !base::rpc::same_token(
+          base::rpc::token_proof(access_.token, base::rpc::Prover::kClient, proof), *given)) {
     refused_ = true;
-    refuse(base::rpc::kNotAuthorised, "the token is wrong: open the address that casweb printed");
+    refuse(base::rpc::kNotAuthorised,
+           "the proof of the token is wrong: open the address that casweb printed");
     return socket_.refuse_token();
   }
   const auto protocol = params.find("protocol");
   if (protocol == params.end() || *protocol != kProtocol) {
-    return refuse(base::rpc::kInvalidParams, "this casweb speaks protocol 1: reload the page");
+    return refuse(base::rpc::kInvalidParams, "this casweb speaks protocol 2: reload the page");
   }
   if (!hub_.has_place()) {
     refused_ = true;
@@ -160,11 +198,11 @@ void PageClient::hello(const Json& request) {
 
 void PageClient::add_methods() {
   add_own_methods();
-  for (const auto& [method_name, to_casd, effect] : kPassed) {
+  for (const auto& [method_name, program, effect] : kPassed) {
     if (effect != Effect::kNone && access_.read_only) {
       add_refused(method_name);
     } else {
-      add_passed(method_name, to_casd, effect == Effect::kChange);
+      add_passed(method_name, upstream_of(hub_, program), effect == Effect::kChange);
     }
   }
   for (const char* method_name :
@@ -214,14 +252,17 @@ void PageClient::add_refused(const char* method_name) {
   });
 }
 
-void PageClient::add_passed(const char* method_name, bool to_casd, bool is_limited) {
+void PageClient::add_passed(const char* method_name, Upstream* to, bool is_limited) {
   methods_.emplace_back(method_name);
-  dispatcher_.add_method(method_name, [this, method = std::string(method_name), to_casd,
-                                       is_limited](const Json& params, const Reply& reply) {
+  dispatcher_.add_method(method_name, [this, method = std::string(method_name), to, is_limited](
+                                          const Json& params, const Reply& reply) {
+    if (to == nullptr) {
+      return reply.error(base::rpc::kRefused, "no run of hils is shown here", nullptr);
+    }
     if (is_limited && !may_change()) {
       return reply.error(base::rpc::kRefused, "over 16 changes in a second: wait", nullptr);
     }
-    pass(method, to_casd, params, reply);
+    pass(method, *to, params, reply);
   });
 }
 
@@ -233,8 +274,8 @@ bool PageClient::may_change() {
   return true;
 }
 
-/// casd and hilsim judge what is asked; only their interlock is not to be overruled from here.
-void PageClient::pass(const std::string& method, bool to_casd, const Json& params,
+/// The programs judge what is asked; only casd's interlock is not to be overruled from here.
+void PageClient::pass(const std::string& method, Upstream& to, const Json& params,
                       const Reply& reply) {
   if (calls > kMaxCalls) {
     return reply.error(base::rpc::kRefused, "over 64 calls of this page are under way", nullptr);
@@ -243,7 +284,7 @@ void PageClient::pass(const std::string& method, bool to_casd, const Json& param
     return reply.error(base::rpc::kInterlock,
                        "a page does not overrule the interlock: use casctl --not-hil", nullptr);
   }
-  (to_casd ? hub_.casd() : hub_.hilsim()).call(method, params, reply);
+  to.call(method, params, reply);
 }
 
 void PageClient::watch(const Json& params, const Reply& reply) {
@@ -312,7 +353,7 @@ void PageClient::move_sticks(const Json& params, const Reply& reply) {
   if (!hub_.is_pilot(number_, params.at("vehicle").get<int>(), base::steady_now())) {
     return reply.error(base::rpc::kRefused, "call pilot.take {\"vehicle\": ...} first", nullptr);
   }
-  pass("vehicle.manual_control", true, params, reply);
+  pass("vehicle.manual_control", hub_.casd(), params, reply);
 }
 
 void PageClient::deliver(std::string line) {

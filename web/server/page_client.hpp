@@ -17,8 +17,9 @@
 namespace cas::web {
 
 class PageHub;
+class Upstream;
 
-/// Secret that a page must tell first.
+/// Secret that a page must prove to know first.
 struct PageAccess {
   std::string token;
   bool read_only = false;
@@ -47,7 +48,8 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
     std::function<void()> refuse_token;  ///< closes with 4403, after a while
   };
 
-  PageClient(PageHub& hub, const PageAccess& access, Socket socket);
+  /// @param host  where the page was opened, "127.0.0.1:5791": proofs hold for this place alone
+  PageClient(PageHub& hub, const PageAccess& access, const std::string& host, Socket socket);
   ~PageClient() override;
 
   /// One text frame.
@@ -80,9 +82,9 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
   void add_methods();
   void add_own_methods();
   void add_refused(const char* name);
-  void add_passed(const char* name, bool to_casd, bool is_limited);
+  void add_passed(const char* name, Upstream* to, bool is_limited);
   bool may_change();
-  void pass(const std::string& method, bool to_casd, const Json& params, const Reply& reply);
+  void pass(const std::string& method, Upstream& to, const Json& params, const Reply& reply);
   void watch(const Json& params, const Reply& reply);
   void on_ack(const Json& params, const Reply& reply);
   void watch_message(const Json& params, const Reply& reply);
@@ -98,7 +100,7 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
   base::rpc::LineRate changes_;
   std::map<std::string, SnapshotFlow, std::less<>> flows_;  // by topic
   std::map<std::string, ValueWatch> values_;
-  bool refused_ = false;  // it told a wrong token: one try a connection
+  bool refused_ = false;  // its proof was wrong: one try a connection
 };
 
 }  // namespace cas::web

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -30,10 +31,14 @@ constexpr std::size_t kMaxPages = 16;
 constexpr auto kMaxClockAge = std::chrono::seconds(1);
 constexpr auto kPilotSilence = std::chrono::milliseconds(500);
 constexpr const char* kCasdTopics[] = {"links", "drops", "statustext"};
+constexpr const char* kHilsTopics[] = {"fault", "verdict"};
 
 /// How often each topic is asked for at most, Hz.
 constexpr std::pair<const char*, double> kRates[] = {
     {"sim", 60}, {"links", 2}, {"loop", 1}, {"messages", 1}, {"value", 10}, {"vehicle", 10}};
+
+/// Of a run of hils.
+constexpr std::pair<const char*, double> kRunRates[] = {{"ref", 20}, {"verdict", 2}};
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -116,6 +121,8 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
 
   Impl(asio::io_context& io_in, Config config_in) : io(io_in), config(std::move(config_in)) {
     for (const auto& [name, hz] : kRates) topics.try_emplace(name, io, hz);
+    if (!config.find_hils) return;
+    for (const auto& [name, hz] : kRunRates) topics.try_emplace(name, io, hz);
   }
 
   // ---- programs
@@ -123,9 +130,11 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
   void start() {
     make_program(casd, "casd", config.find_casd);
     make_program(hilsim, "hilsim", config.find_hilsim);
+    if (config.find_hils) make_program(hils, "hils", config.find_hils);
     add_questions();
     casd.upstream->start();
     hilsim.upstream->start();
+    if (hils.upstream) hils.upstream->start();
   }
 
   void make_program(Program& program, const char* name, const Upstream::Find& find) {
@@ -153,12 +162,14 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
                                  document->value("info", Json::object()).value("version", "?");
                              self->tell_program(program);
                            }));
-    if (&program == &casd) {
-      for (const char* topic : kCasdTopics) {
-        program.upstream->call("subscribe", {{"topic", topic}}, taker([](const Json*) {}));
-      }
-    } else {
-      look_at_scene();
+    if (&program == &casd) return subscribe(program, kCasdTopics);
+    if (&program == &hils) return subscribe(program, kHilsTopics);
+    look_at_scene();
+  }
+
+  static void subscribe(const Program& program, std::span<const char* const> topics_of_it) {
+    for (const char* topic : topics_of_it) {
+      program.upstream->call("subscribe", {{"topic", topic}}, taker([](const Json*) {}));
     }
   }
 
@@ -200,6 +211,10 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     if (topic == "links") return tell("event.link", params);
     if (topic == "drops") return tell("event.drops", params);
     if (topic == "statustext") return tell("event.statustext", params);
+    if (topic == "fault") return tell("event.fault", params);
+    if (topic != "verdict") return;
+    tell("event.verdict", params);
+    hils.upstream->call("run.told", Json(), taker([](const Json*) {}));
   }
 
   void tell(const std::string& method, Json params) {
@@ -275,6 +290,13 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     topics.at("messages").ask = [this](Take take) { ask_messages(std::move(take)); };
     topics.at("vehicle").ask = [this](Take take) { ask_vehicles(std::move(take)); };
     topics.at("value").ask = [this](Take take) { ask_values(std::move(take)); };
+    if (!hils.upstream) return;
+    topics.at("ref").ask = [this](Take take) { ask_hils("run.reference", std::move(take)); };
+    topics.at("verdict").ask = [this](Take take) { ask_hils("run.status", std::move(take)); };
+  }
+
+  void ask_hils(const char* method, Take take) {
+    hils.upstream->call(method, Json(), taker(std::move(take)));
   }
 
   void ask_sim(Take take) {
@@ -549,6 +571,7 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
   base::RunTime started = base::steady_now();
   Program casd{};
   Program hilsim{};
+  Program hils{};  // without an upstream where no run is shown
   std::map<std::string, Topic> topics;
   std::vector<std::weak_ptr<PageClient>> pages;
   std::uint64_t events = 0;
@@ -579,10 +602,12 @@ void PageHub::close() {
   for (auto& [name, topic] : impl_->topics) topic.timer.cancel();
   impl_->casd.upstream->close();
   impl_->hilsim.upstream->close();
+  if (impl_->hils.upstream) impl_->hils.upstream->close();
 }
 
 Upstream& PageHub::casd() { return *impl_->casd.upstream; }
 Upstream& PageHub::hilsim() { return *impl_->hilsim.upstream; }
+Upstream* PageHub::hils() { return impl_->hils.upstream.get(); }
 
 void PageHub::add(const std::shared_ptr<PageClient>& client) { impl_->pages.push_back(client); }
 
@@ -605,13 +630,14 @@ Json PageHub::greeting() const {
   }
   return {{"casweb", CAS_VERSION},       {"source", "live"},
           {"casd", impl_->casd.version}, {"hilsim", impl_->hilsim.version},
-          {"clock", std::move(clock)},   {"topics", std::move(rates)},
-          {"scenario", nullptr}};
+          {"clock", std::move(clock)},   {"topics", std::move(rates)}};
 }
 
 Json PageHub::bench_status() const {
-  return {{"programs",
-           Json::array({impl_->program_json(impl_->hilsim), impl_->program_json(impl_->casd)})}};
+  Json programs =
+      Json::array({impl_->program_json(impl_->hilsim), impl_->program_json(impl_->casd)});
+  if (impl_->hils.upstream) programs.push_back(impl_->program_json(impl_->hils));
+  return {{"programs", std::move(programs)}};
 }
 
 void PageHub::fetch_mesh(const std::string& hash, TakeMesh take) {

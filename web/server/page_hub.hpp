@@ -16,7 +16,8 @@ namespace cas::web {
 
 class PageClient;
 
-/// What all pages share: the connections to casd and hilsim, samples of each topic, events.
+/// What all pages share: the connections to casd, hilsim and the run of hils, samples of each
+/// topic, events.
 ///
 ///   page waits for a topic --> timer of its rate --> one question --> snapshot to all that wait
 ///
@@ -26,6 +27,7 @@ class PageHub {
   struct Config {
     Upstream::Find find_casd;
     Upstream::Find find_hilsim;
+    Upstream::Find find_hils{};  ///< empty: no run is shown
   };
 
   /// Shared by all to whom they are sent.
@@ -42,6 +44,8 @@ class PageHub {
 
   Upstream& casd();
   Upstream& hilsim();
+  /// The run of hils that is shown; nullptr where none is.
+  Upstream* hils();
 
   /// A page that has said hello gets events and what it waits for, until it is gone.
   void add(const std::shared_ptr<PageClient>& client);

@@ -52,7 +52,7 @@ class Session final : public std::enable_shared_from_this<Session> {
       if (const auto self = weak.lock()) self->end();
     };
     client_ = std::make_shared<PageClient>(
-        hub, access,
+        hub, access, std::string(upgrade[beast::http::field::host]),
         PageClient::Socket{[weak](PageClient::Text text) {
                              if (const auto self = weak.lock()) self->send(std::move(text));
                            },

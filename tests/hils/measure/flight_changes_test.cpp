@@ -246,6 +246,24 @@ TEST_F(FlightChangesTest, CentredSticksOfTheScenariosOwnStationAreNoAct) {
   EXPECT_EQ(read(false).acts.size(), 1U);
 }
 
+TEST_F(FlightChangesTest, WhatWasDoneToTheSimulatorTouchesEveryVehicleWheneverItWas) {
+  add_stage({.kind = StepKind::kArm}, 10, 11);
+  const json journal{{"calls",
+                      {{{"unix_us", kEpoch_us},
+                        {"time_s", 3.5},
+                        {"client", "unix:uid 0"},
+                        {"method", "sim.reset"},
+                        {"params", json::object()}}}},
+                     {"forgotten", 0}};
+  record_.outside_calls = outside_calls(journal, {}, "hilsim's control socket");
+  const FlightChanges changes = read();
+  ASSERT_EQ(changes.acts.size(), 1U);
+  EXPECT_EQ(changes.acts[0].by, "hilsim's control socket (unix:uid 0)");
+  EXPECT_EQ(changes.acts[0].what, "sim.reset");
+  EXPECT_EQ(changes.acts[0].time_s, 3.5);
+  EXPECT_TRUE(changes.from_outside());
+}
+
 TEST(OutsideCalls, AreThoseThatHilsDidNotMake) {
   const auto call = [](const std::string& method, const json& params) {
     return json{{"unix_us", 5},

@@ -39,7 +39,9 @@ export function verdictText(verdict: Verdict): {text: string; tone: '' | 'red' |
   if (verdict.state === 'invalid') return {text: `No verdict: ${verdict.sentences[0] ?? 'the run does not count'}`, tone: 'amber'};
   if (verdict.state === 'failed') return {text: missed > 0 ? `Failed, ${missed} missed` : 'Failed', tone: 'red'};
   if (verdict.state === 'passed') return {text: `Passed, ${bounded.length} of ${bounded.length} limits`, tone: ''};
-  return missed > 0 ? {text: `${missed} limits missed`, tone: 'red'} : {text: `${bounded.length} of ${bounded.length} limits kept so far`, tone: ''};
+  if (missed > 0) return {text: `${missed} limits missed so far`, tone: 'red'};
+  const known = bounded.filter((row) => row.value !== null).length;
+  return {text: known === 0 ? 'Not measured yet' : `${known} limits kept so far`, tone: ''};
 }
 
 class App extends Part {
@@ -90,6 +92,7 @@ class App extends Part {
         ${state ? html`<span class=${old ? 'stale' : ''}>${state.autopilot ?? ''}${state.hil ? ' · HIL' : ''} · <b>${state.armed ? 'armed' : 'disarmed'}</b> · ${
           clean(state.mode ?? '–')}${landed ? ` · ${landed}` : ''}${old ? ` · ${age(state.heartbeat_age_s!)}` : ''}</span>` : html`<span class="mut">no vehicle heard</span>`}
       </span><span class="grow"></span>
+      ${bench.verdict?.touched.length ? html`<span class="pill amber" role="note" aria-label="A person acted in this run">touched</span>` : nothing}
       ${verdict ? html`<span class=${`pill ${verdict.tone}`}><span>${verdict.tone ? '' : html`<span class="tick">✓</span> `}${clean(verdict.text)}</span></span>` : nothing}
       <button class="ib optional" aria-label=${`Theme: ${theme()}`} @click=${() => setTheme(theme() === 'dark' ? 'light' : 'dark')}>◐</button>
       <button class="ib optional" aria-label="Keys" @click=${() => this.help()}>?</button>
@@ -116,7 +119,7 @@ class App extends Part {
     const {verdict} = bench;
     const since = bench.measured ? `RMS from ${fixed(bench.measured[0], 1)} s` : '';
     if (!verdict || verdict.rows.length === 0) {
-      return html`<div class="sect"><h2>Limits</h2><p>${page.source.player ? 'This log has no limits.' : 'The page is not told the limits of a run: hils judges when it ends.'}</p></div>`;
+      return html`<div class="sect"><h2>Limits</h2><p>${page.source.player ? 'This log has no limits.' : 'No run of hils is flown here: nothing is judged.'}</p></div>`;
     }
     const words = {running: 'Limits so far', passed: 'Verdict: passed', failed: 'Verdict: failed', invalid: 'No verdict'};
     const other = bench.besideVerdict;
@@ -129,8 +132,11 @@ class App extends Part {
         return html`<div class=${`lim ${row.missed ? 'missed' : ''} ${other ? 'two-runs' : ''}`}><span class="sec">${row.name}</span>
           <span class="bar"><b .style=${`width:${(Math.min(1, Math.max(0, share)) * 100).toFixed(1)}%`}></b></span>
           ${other ? html`<span class="mut">${fixed(beside?.value, digits)}</span>` : nothing}
-          <span>${fixed(row.value, digits)} <em>of ${row.limit}${row.unit ? ` ${row.unit}` : ''}</em></span></div>`;
+          <span>${row.value === null ? (verdict.state === 'running' ? html`<em>at the end</em>` : '–') : fixed(row.value, digits)} <em>of ${row.limit}${
+            row.unit ? ` ${row.unit}` : ''}${row.margin == null || other ? '' : `, ${fixed(row.margin, digits)} left`}</em></span></div>`;
       })}</div>
+      ${verdict.touched.length > 0 ? html`<p class="touched">Touched: ${clean(verdict.touched.slice(0, 3).join('; '))}${
+        verdict.touched.length > 3 ? ` and ${verdict.touched.length - 3} more` : ''}</p>` : nothing}
       ${verdict.state !== 'running' ? verdict.sentences.slice(0, 3).map((sentence) => html`<p class="bad">${clean(sentence)}</p>`) : nothing}</div>`;
   }
 
@@ -149,7 +155,8 @@ class App extends Part {
   }
 
   private benchRows() {
-    const {programs} = page.bench;
+    const {programs, faultKinds} = page.bench;
+    if (faultKinds.length > 0 && programs.every((program) => program.state === 'up')) return html`<cas-faults></cas-faults>`;
     return html`<h2>Programs</h2><div class="rows">${programs.map((program) => html`<div class="lim"><span class="sec">${clean(program.name)}</span><span></span>
       <span class=${program.state === 'up' ? '' : 'bad'}>${clean(program.state)}${program.version ? html` <em>${clean(program.version)}</em>` : nothing}</span></div>`)}</div>`;
   }
@@ -250,6 +257,7 @@ class App extends Part {
       '[': () => { bench.selected = Math.max(0, bench.selected - 1); },
       ']': () => { bench.selected = Math.min(bench.vehicles.length - 1, bench.selected + 1); },
       k: () => { page.tab = 'Gains'; },
+      f: () => document.querySelector<HTMLElement>('cas-faults button')?.focus(),
       r: () => document.querySelectorAll<HTMLElement & {reset(): void}>('cas-plots').forEach((plots) => plots.reset()),
     };
     if (common[key]) return common[key];

@@ -3,9 +3,10 @@
 import {fromHome, quaternionOf, rpyOf, type Place, type Quat, type Rpy, type Vec3} from './frames.ts';
 import {kWarning} from './protocol.ts';
 import type {
-  Delay, Happening, Hop, ListedMessage, LoopFigures, Scene, SceneVehicle, SimVehicle, SnapLinks, SnapLoop, SnapSim, SnapTape, Span,
-  Stage, VehicleState, Verdict,
+  Delay, Happening, Hop, ListedMessage, LoopFigures, RunStatus, Scene, SceneVehicle, SimVehicle, SnapLinks, SnapLoop, SnapRef, SnapSim,
+  SnapTape, Span, Stage, VehicleState, Verdict,
 } from './protocol.ts';
+import {rowsOf} from './record.ts';
 
 /** A motion in W with the age of what told it. */
 export interface Motion {
@@ -24,7 +25,10 @@ export interface BenchVehicle {
   state?: VehicleState;
   /** Origin of the vehicle's N in W, once it is known. */
   origin_W?: Vec3;
+  /** Where it shall be in the moment that is shown. */
   reference?: {p_W: Vec3; yaw_rad: number};
+  /** The reference as it was told last, with the moment that it is of. */
+  told?: {t_s: number; p_W: Vec3; v_W: Vec3; yaw_rad: number};
 }
 
 export type Connection = 'record' | 'connecting' | 'live' | 'lost';
@@ -34,6 +38,9 @@ export const kStale_s = 0.3;
 
 /** After so long without a HEARTBEAT a vehicle is not commanded. */
 const kHeartbeat_s = 3;
+
+/** A reference that was told so long ago is none any more. */
+const kReference_s = 0.5;
 
 /** Topics that missed three periods (2 s at least), with the age of their last snapshot. */
 export function oldTopics(heard: Map<string, number>, rates: Record<string, number>, now_s: number): Map<string, number> {
@@ -92,7 +99,11 @@ export class Bench {
   nominal_hz: Record<string, number> = {};
   /** Limits that the run sets; none where it sets none. */
   bounds: {loop_p99_ms?: number} = {};
-  verdict?: Verdict;
+  /** The run of hils that is flown, or was. */
+  run?: RunStatus;
+  private verdict_?: Verdict;
+  /** Faults that may be begun by hand. */
+  faultKinds: string[] = [];
   stages: Stage[] = [];
   faults: Span[] = [];
   measured: [number, number] | null = null;
@@ -111,17 +122,32 @@ export class Bench {
     return this.vehicles[this.selected];
   }
 
+  /** Of the vehicle that is looked at; nothing where none is told. */
+  get verdict(): Verdict | undefined {
+    const {run} = this;
+    if (!run) return this.verdict_;
+    const own = run.vehicles.find(({system}) => system === this.vehicle?.system) ?? run.vehicles[0];
+    return {
+      state: run.state, rows: rowsOf(own?.checks ?? []), sentences: run.sentences,
+      touched: run.touched.map(({by, what}) => `${what} by ${by}`),
+    };
+  }
+  set verdict(verdict: Verdict | undefined) {
+    this.verdict_ = verdict;
+  }
+
   /** Takes in one message of the protocol; unknown ones are ignored. */
   apply(method: string, params: unknown): void {
     switch (method) {
       case 'snap.sim': return this.onSim(params as SnapSim);
       case 'snap.vehicle': return this.onVehicle(params as {vehicles: {state: VehicleState}[]});
-      case 'snap.ref': return this.onReference(params as {v: (BenchVehicle['reference'] | null)[]});
+      case 'snap.ref': return this.onReference(params as SnapRef);
       case 'snap.links': this.links = params as SnapLinks; return;
       case 'snap.loop': return this.onLoop(params as SnapLoop);
       case 'snap.tape': this.tape = params as SnapTape; return;
       case 'snap.messages': this.messages = (params as {messages: ListedMessage[]}).messages ?? []; return;
-      case 'snap.verdict': this.verdict = params as Verdict; return;
+      case 'snap.verdict':
+      case 'event.verdict': return this.onRun(params as RunStatus);
       case 'event.statustext': {
         const event = params as {severity: number | string; text: string};
         this.happened({kind: 'text', severity: severityNumber(event.severity), text: event.text});
@@ -144,9 +170,9 @@ export class Bench {
         return;
       }
       case 'event.fault': {
-        const event = params as {kind: string; began_s: number; ended_s?: number};
-        this.faults.push({name: event.kind, begin_s: event.began_s, end_s: event.ended_s ?? null});
-        this.happened({kind: 'fault', severity: 4, text: `Fault ${event.kind}`});
+        const event = params as {name: string; vehicle: number; began_s: number; ended_s: number};
+        this.faults = [...this.faults, {name: event.name, begin_s: event.began_s, end_s: event.ended_s}];
+        this.happened({kind: 'fault', severity: 4, text: `Fault ${event.name} of vehicle ${event.vehicle}`, by: 'hand'});
         return;
       }
     }
@@ -286,11 +312,12 @@ export class Bench {
       else this.vehicles.push({name: `vehicle ${i + 1}`, system: i + 1, sim});
     });
     for (const vehicle of this.vehicles.slice(snap.v.length)) vehicle.sim = undefined;
+    for (const vehicle of this.vehicles) if (vehicle.told) vehicle.reference = referenceAt(vehicle.told, snap.t_s);
   }
 
   /** Nothing of a simulator that has ended is shown. */
   private dropSim(): void {
-    for (const vehicle of this.vehicles) vehicle.sim = vehicle.reference = undefined;
+    for (const vehicle of this.vehicles) vehicle.sim = vehicle.reference = vehicle.told = undefined;
     this.wind_W = this.rate = this.lateSteps = undefined;
     this.paused = false;
   }
@@ -312,17 +339,42 @@ export class Bench {
     this.setVehicles(this.vehicles.filter(({scene, sim, state}) => scene ?? sim ?? state));
   }
 
-  private onReference(snap: {v: (BenchVehicle['reference'] | null)[]}): void {
+  private onReference(snap: SnapRef): void {
     snap.v.forEach((reference, i) => {
       const known = this.vehicles[i];
-      if (known) known.reference = reference ?? undefined;
+      if (!known) return;
+      known.told = undefined;
+      known.reference = reference ?? undefined;
+      if (!reference?.v_W || snap.t_s === undefined) return;
+      known.told = {t_s: snap.t_s, p_W: reference.p_W, v_W: reference.v_W, yaw_rad: reference.yaw_rad};
+      known.reference = referenceAt(known.told, this.time_s ?? snap.t_s);
     });
+  }
+
+  /** A run of hils; its limits are its own words, none is computed here. */
+  private onRun(run: RunStatus): void {
+    if (run.state !== 'running' && this.run?.state === 'running') {
+      this.happened({kind: 'stage', severity: run.state === 'passed' ? 6 : 3, text: `Verdict: ${run.state}`});
+    }
+    this.run = run;
+    this.name = run.name;
+    this.subtitle = `seed ${run.seed}`;
+    this.stages = run.stages;
+    const measured = run.stages.find((stage) => stage.measured);
+    this.measured = measured ? [measured.begin_s, measured.end_s] : null;
   }
 
   private onLoop(snap: SnapLoop): void {
     this.loopMeasured = snap.measured ?? 'stamps';
     this.loops = snap.vehicles;
   }
+}
+
+/** The reference in the moment of a picture, which is a little before or after the one that was told. */
+export function referenceAt(told: NonNullable<BenchVehicle['told']>, t_s: number): BenchVehicle['reference'] {
+  const dt_s = t_s - told.t_s;
+  if (Math.abs(dt_s) > kReference_s) return undefined;
+  return {p_W: told.p_W.map((p, k) => p + told.v_W[k]! * dt_s) as Vec3, yaw_rad: told.yaw_rad};
 }
 
 export function isMark(event: Happening): boolean {

@@ -91,7 +91,7 @@ class Commands extends Part {
         : flying ? html`<button class="dng" aria-label="Disarm in the air: hold for one second"
             @pointerdown=${this.down} @pointerup=${this.up} @pointercancel=${this.up} @lostpointercapture=${this.up}>Disarm<kbd>1 s</kbd></button>`
         : html`<button class="dng" @click=${actions.disarm}>Disarm</button>`}
-    </div>`;
+    </div><cas-sticks></cas-sticks>`;
   }
 
   private readonly down = (event: PointerEvent) => {

@@ -4,7 +4,7 @@ import {html, render} from 'lit';
 const kKeys: [string, string][] = [
   ['1 2 3 4', 'camera: orbit, follow, chase, top'], ['0', 'whole flight in view'], ['Space', 'play or pause'], [', .', 'one frame'],
   ['← →', '1 s (with Shift 10 s)'], ['N P', 'next, previous event'], ['- =', 'speed'], ['H L T G M', 'hold, land, take off, go to, mode'],
-  ['A', 'arm'], ['/', 'filter messages'], ['[ ]', 'vehicle'], ['K', 'gains'], ['R', 'reset plots'], ['Shift+T', 'theme'],
+  ['A', 'arm'], ['/', 'filter messages'], ['[ ]', 'vehicle'], ['K', 'gains'], ['F', 'faults'], ['R', 'reset plots'], ['Shift+T', 'theme'],
   ['?', 'this list'], ['Esc', 'leaves anything'],
 ];
 

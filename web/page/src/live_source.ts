@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import {kStale_s, oldTopics, type Bench} from './bench.ts';
 import {rpyOf} from './frames.ts';
+import {makeNonce, tokenProof} from './proof.ts';
 import type {Scene, SnapSim} from './protocol.ts';
 import {Ring, type Series} from './series.ts';
 import type {Source} from './source.ts';
@@ -14,6 +15,8 @@ const kHidden_ms = 1000;
 const kMostFields = 10;
 const kDegrees = 180 / Math.PI;
 const kTopics = ['sim', 'links', 'loop', 'messages', 'value', 'vehicle', 'verdict', 'tape', 'ref'];
+
+const kUnknownToken = 'casweb does not know this token: open the address that it printed.';
 
 interface Answer {
   resolve: (result: unknown) => void;
@@ -109,7 +112,7 @@ export class LiveSource implements Source {
 
   private async hello(): Promise<void> {
     try {
-      const hello = (await this.call('hello', {protocol: 1, token: sessionStorage.getItem('token') ?? '', client: 'page 0.1.0'})) as Hello;
+      const hello = await this.greet();
       this.tries = 0;
       this.lostAt_s = null;
       const {bench} = this;
@@ -128,12 +131,27 @@ export class LiveSource implements Source {
     }
   }
 
-  /** The scene, and who is there. */
+  /** Both ends prove that they know the token of the address; a program that took the port is told nothing that it can use. */
+  private async greet(): Promise<Hello> {
+    const token = sessionStorage.getItem('token') ?? '';
+    const pageNonce = makeNonce();
+    const server = (await this.call('hello', {protocol: 2, nonce: pageNonce})) as {nonce: string; proof: string};
+    const context = {place: location.host, pageNonce, serverNonce: server.nonce};
+    if (server.proof !== tokenProof(token, 'server', context)) {
+      this.socket?.close();
+      throw new Error(kUnknownToken);
+    }
+    return (await this.call('hello', {protocol: 2, proof: tokenProof(token, 'client', context), client: 'page 0.2.0'})) as Hello;
+  }
+
+  /** The scene, who is there, and what can be broken. */
   private async refresh(): Promise<void> {
     const scene = await this.call('sim.scene').catch(() => null);
     if (scene) this.bench.setScene(scene as Scene);
     const status = (await this.call('bench.status').catch(() => null)) as {programs: Bench['programs']} | null;
     if (status) this.bench.programs = status.programs;
+    const faults = this.methods.has('fault.inject') ? await this.call('fault.list').catch(() => null) : null;
+    this.bench.faultKinds = (faults as {kinds: string[]} | null)?.kinds ?? [];
     this.open(...this.opened);
   }
 
@@ -146,7 +164,7 @@ export class LiveSource implements Source {
       this.bench.connection = 'lost';
       this.lostAt_s = this.now_s;
     }
-    if (event.code === 4403) this.bench.faultsOfPage = ['casweb does not know this token: open the address that it printed.'];
+    if (event.code === 4403) this.bench.faultsOfPage = [kUnknownToken];
     this.retryAt_s = this.now_s + retryAfter(this.tries++);
     this.socket = undefined;
   }

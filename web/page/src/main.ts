@@ -3,10 +3,12 @@ import 'uplot/dist/uPlot.min.css';
 import './page.css';
 import './app.ts';
 import './commands.ts';
+import './faults.ts';
 import './horizon.ts';
 import './links.ts';
 import './lists.ts';
 import './plots.ts';
+import './sticks.ts';
 import './timeline.ts';
 import './world.ts';
 import {addHelp} from './keys.ts';
@@ -32,7 +34,8 @@ function hook(started_ms: number) {
         drawn: shown?.label, estimate: bench.estimate(), reference: bench.vehicle?.reference, state: bench.vehicle?.state,
         camera: page.camera, cameraAt: world?.view?.camera.position.toArray(), tags: world?.view?.tags.map((tag) => tag.id) ?? [],
         flat: world?.flat ?? '', frames: world?.view?.frames ?? 0, playing: page.source?.player?.playing, speed: page.source?.player?.speed,
-        links: bench.links?.hops, loop: bench.loop, tape: bench.tape?.around, verdict: bench.verdict?.state,
+        links: bench.links?.hops, loop: bench.loop, tape: bench.tape?.around, verdict: bench.verdict?.state, touched: bench.verdict?.touched,
+        faults: bench.faults.map((fault) => fault.name), programs3d: world?.view?.programs,
         happenings: bench.happenings.length, messages: bench.messages.length, question: page.question?.text, refusal: page.refusal,
         theme: theme(), firstData_ms: firstData_ms === undefined ? undefined : firstData_ms - started_ms,
       };

@@ -136,6 +136,7 @@ export interface VerdictRow {
   name: string;
   value: number | null;
   limit: number | null;
+  margin?: number | null;
   least?: boolean;
   unit?: string;
   digits?: number;
@@ -146,6 +147,42 @@ export interface Verdict {
   state: 'running' | 'passed' | 'failed' | 'invalid';
   rows: VerdictRow[];
   sentences: string[];
+  /** What people did to the run by hand, in words. */
+  touched: string[];
+}
+
+/** One thing that a run is held to, as hils writes it. */
+export interface Check {
+  what: string;
+  validity: boolean;
+  value: number | null;
+  bound: number | null;
+  /** How far the value is from the bound; negative beyond it. */
+  margin?: number | null;
+  least: boolean;
+  unit: string;
+  digits: number;
+  found: string;
+  wanted: string;
+  judged: boolean;
+  kept: boolean;
+}
+
+/** Where the vehicles of a run shall be at a moment; nothing before the climb and from the landing on. */
+export interface SnapRef {
+  t_s?: number;
+  v: ({p_W: Vec3; v_W?: Vec3; yaw_rad: number} | null)[];
+}
+
+/** A run of hils while it flies, and when it is judged. */
+export interface RunStatus {
+  name: string;
+  seed: number;
+  state: Verdict['state'];
+  sentences: string[];
+  touched: {by: string; what: string}[];
+  stages: Stage[];
+  vehicles: {name: string; system: number; checks: Check[]}[];
 }
 
 export interface ListedMessage {

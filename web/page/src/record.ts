@@ -4,24 +4,10 @@
 import {quaternionOf, slerp, type Quat, type Vec3} from './frames.ts';
 import {fixed} from './numbers.ts';
 import type {
-  Happening, Hop, ListedMessage, LoopFigures, SceneVehicle, SimVehicle, SnapTape, Span, Stage, Verdict, VerdictRow,
+  Check, Happening, Hop, ListedMessage, LoopFigures, SceneVehicle, SimVehicle, SnapTape, Span, Stage, Verdict, VerdictRow,
   VehicleState,
 } from './protocol.ts';
 import {between, decode, indexAt, type Column, type Series} from './series.ts';
-
-interface Check {
-  what: string;
-  validity: boolean;
-  value: number | null;
-  bound: number | null;
-  least: boolean;
-  unit: string;
-  digits: number;
-  found: string;
-  wanted: string;
-  judged: boolean;
-  kept: boolean;
-}
 
 /** [second, left, arrived, median us, 99 % us]; without delays where none were measured. */
 type Bin = [number, number, number, number?, number?];
@@ -45,6 +31,8 @@ interface RecordVehicle {
   system: number;
   scene?: SceneVehicle;
   passed?: boolean;
+  /** Somebody acted by hand. */
+  touched?: boolean;
   checks?: Check[];
   stages?: (Stage & {step?: string})[];
   faults?: Span[];
@@ -111,6 +99,14 @@ export function rowName(what: string): string {
     .replace('sensor to control', 'loop')
     .replace(/ time of step/, '')
     .replace(/ of step/, '');
+}
+
+/** The limits on the flight among all that a run is held to. */
+export function rowsOf(checks: Check[]): VerdictRow[] {
+  return checks.filter((check) => !check.validity).map((check) => ({
+    name: rowName(check.what), value: check.value, limit: check.bound, margin: check.margin, least: check.least,
+    unit: check.unit, digits: check.digits, missed: check.judged && !check.kept,
+  }));
 }
 
 /** MAV_AUTOPILOT in casd's words. */
@@ -445,14 +441,12 @@ export class RunRecord {
   verdict(vehicle: number): Verdict | undefined {
     const verdict = this.raw.verdict;
     if (!verdict) return undefined;
-    const rows = (this.raw.vehicles[vehicle]?.checks ?? [])
-      .filter((check) => !check.validity)
-      .map((check): VerdictRow => ({
-        name: rowName(check.what), value: check.value, limit: check.bound, least: check.least,
-        unit: check.unit, digits: check.digits, missed: check.judged && !check.kept,
-      }));
+    const raw = this.raw.vehicles[vehicle];
     const state = !verdict.valid ? 'invalid' : verdict.passed ? 'passed' : 'failed';
-    return {state, rows, sentences: verdict.failures};
+    const acts = (raw?.events ?? []).filter((event) => event.kind === 'act');
+    const touched = acts.map((event) => `${event.text} by ${event.by ?? 'somebody'}`);
+    if (raw?.touched && touched.length === 0) touched.push('parameters were changed from outside');
+    return {state, rows: rowsOf(raw?.checks ?? []), sentences: verdict.failures, touched: raw?.touched ? touched : []};
   }
 
   /** Everything that happened to a vehicle, in the order of time. */

@@ -23,6 +23,9 @@ const kGrid_m = 26;
 const kTrailLive_s = 12;
 const kChange_s = 0.25;
 const kRotorSlowness = 50;
+/** Without a graphics card: pixels of the drawing for one of the screen, and the time between two pictures. */
+const kSlowRatio = 0.6;
+const kSlowPeriod_s = 0.1;
 
 /** Lines each metre, strong ones each 5 m, that fade out into the ground. */
 function makeGrid(): LineSegments {
@@ -229,6 +232,10 @@ export class View3D {
   private readonly renderer: WebGLRenderer;
   private readonly controls: OrbitControls;
   private scene = new Scene();
+  private readonly past: Scene[] = [];
+  /** The processor draws: fewer pixels, fewer pictures. */
+  private readonly slow: boolean;
+  private drawn_s = -1;
   private crafts: Craft[] = [];
   private ghost?: Group;
   private besideGhost?: Group;
@@ -236,7 +243,8 @@ export class View3D {
   private besideTrail?: Line2;
   private trailMaterial!: LineMaterial;
   private reference!: Sprite;
-  private path?: Object3D;
+  private path?: Points;
+  private pathKey = '';
   private drop!: Line;
   private ring!: Sprite;
   private shadowTrail?: Line;
@@ -257,8 +265,14 @@ export class View3D {
 
   /** @throws Error where there is no WebGL */
   constructor(canvas: HTMLCanvasElement, private readonly series: SeriesOf) {
-    this.renderer = new WebGLRenderer({canvas, antialias: true, powerPreference: 'high-performance'});
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    const attributes = {alpha: true, depth: true, stencil: false, antialias: true, powerPreference: 'high-performance'} as const;
+    const quick = canvas.getContext('webgl2', {...attributes, failIfMajorPerformanceCaveat: true});
+    const context = quick ?? canvas.getContext('webgl2', {...attributes, antialias: false});
+    this.slow = !quick;
+    this.renderer = new WebGLRenderer({canvas, ...(context ? {context} : {})});
+    // To look for errors is to wait for each shader's end; without a graphics card that is seconds.
+    this.renderer.debug.checkShaderErrors = false;
+    this.renderer.setPixelRatio(this.slow ? kSlowRatio : Math.min(2, window.devicePixelRatio || 1));
     this.camera = new PerspectiveCamera(46, 1, 0.05, 2000);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(-4, -4.6, 4.6);
@@ -267,6 +281,11 @@ export class View3D {
     this.controls.maxPolarAngle = Math.PI * 0.495;
     this.controls.minDistance = 0.4;
     this.controls.maxDistance = 400;
+  }
+
+  /** Numbers of the compiled shader programs. */
+  get programs(): number[] {
+    return (this.renderer.info.programs ?? []).map((program) => (program as unknown as {id: number}).id);
   }
 
   /** Draws in the colours of the theme anew. */
@@ -330,11 +349,7 @@ export class View3D {
     if (key === this.built) return;
     const first = this.built === '';
     this.built = key;
-    this.scene.traverse((object) => {
-      const mesh = object as Mesh;
-      mesh.geometry?.dispose();
-      for (const material of [mesh.material].flat()) material?.dispose();
-    });
+    this.past.push(this.scene);
     this.scene = new Scene();
     this.scene.background = hex('sky2');
     this.scene.fog = new Fog(hex('sky2'), 9, kGrid_m + 22);
@@ -365,6 +380,20 @@ export class View3D {
     this.path = undefined;
     this.trailKey = '';
     if (first) this.frameAll(bench);
+  }
+
+  /**
+   * Frees scenes that are shown no more, after the new one was drawn: a program that no material uses is deleted, and to
+   * compile them all anew takes a processor without a graphics card many seconds.
+   */
+  private disposePast(): void {
+    for (const scene of this.past.splice(0)) {
+      scene.traverse((object) => {
+        const mesh = object as Mesh;
+        mesh.geometry?.dispose();
+        for (const material of [mesh.material].flat()) material?.dispose();
+      });
+    }
   }
 
   private addSkyAndGround(): void {
@@ -464,15 +493,18 @@ export class View3D {
     }
     this.build(bench);
     this.moveVehicles(bench, passed);
-    this.moveMarks(bench);
+    this.moveMarks(bench, replay);
     this.moveTrail(bench, replay);
     this.moveWind(bench);
     this.moveCamera(bench, passed);
     const places = bench.vehicles.map((vehicle) => [bench.motion(vehicle)?.motion.p, bench.estimate(vehicle)?.p]);
     const shown = `${this.built}|${bench.time_s}|${bench.paused}|${places.join()}|${w}x${h}|${this.camera.matrixWorld.elements.join()}|${this.meshes}`;
     if (shown === this.shown && this.changing === 0) return;  // nothing moved
+    if (this.slow && now_s - this.drawn_s < kSlowPeriod_s) return;
+    this.drawn_s = now_s;
     this.shown = shown;
     this.renderer.render(this.scene, this.camera);
+    this.disposePast();
     this.tags = this.placeTags(bench, w, h);
     this.frames++;
   }
@@ -500,7 +532,7 @@ export class View3D {
     });
   }
 
-  private moveMarks(bench: Bench): void {
+  private moveMarks(bench: Bench, replay: boolean): void {
     const estimate = bench.estimate();
     const truth = bench.truth();
     this.ghost!.visible = Boolean(estimate && truth);
@@ -521,10 +553,13 @@ export class View3D {
       this.gridHolder.position.x = Math.round(shown.motion.p[0] / 5) * 5;
       this.gridHolder.position.y = Math.round(shown.motion.p[1] / 5) * 5;
     }
-    if (!this.path) this.makePath(bench);
+    const key = replay ? 'whole' : String(Math.floor(bench.time_s ?? 0));
+    if (this.path && key === this.pathKey) return;
+    this.pathKey = key;
+    this.makePath(bench);
   }
 
-  /** The path that was ordered, dotted. */
+  /** The path that was ordered, dotted: of a record the whole, live as far as it has been told. */
   private makePath(bench: Bench): void {
     const [n, e, u] = ['n', 'e', 'u'].map((axis) => this.series(bench.selected, `ref.${axis}`));
     const points: number[] = [];
@@ -540,7 +575,13 @@ export class View3D {
     }
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
+    if (this.path) {
+      this.path.geometry.dispose();
+      this.path.geometry = geometry;
+      return;
+    }
     this.path = new Points(geometry, new PointsMaterial({color: hex('ref'), size: 2.2, sizeAttenuation: false, transparent: true, opacity: 0.8}));
+    this.path.frustumCulled = false;
     this.scene.add(this.path);
   }
 

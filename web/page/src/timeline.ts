@@ -8,6 +8,9 @@ import type {Happening} from './protocol.ts';
 /** Ticks nearer than this are drawn as one with a count. */
 const kNear_px = 112;
 
+/** What a live bench shows of its past at most. */
+const kLive_s = 600;
+
 /** Moments of ticks that share a place: the first of each group, and how many there are. */
 export function grouped(events: Happening[], x: (t: number) => number, near = kNear_px): {event: Happening; count: number}[] {
   const groups: {event: Happening; count: number}[] = [];
@@ -57,11 +60,11 @@ class Timeline extends Part {
   }
 
   private get range(): [number, number] {
-    const {duration_s, time_s, stages} = page.bench;
+    const {duration_s, time_s} = page.bench;
     if (page.source.player) return [0, duration_s ?? 1];
-    const planned = stages.at(-1)?.end_s ?? 60;
     const now = time_s ?? 0;
-    return now < planned ? [0, planned] : [Math.max(0, now - planned * 0.9), now + planned * 0.1];
+    if (now > kLive_s) return [now - 0.9 * kLive_s, now + 0.1 * kLive_s];
+    return [0, Math.max(60, Math.ceil((now + 5) / 30) * 30)];
   }
   private x(t: number): number {
     const [a, b] = this.range;

@@ -36,6 +36,10 @@ export interface SceneHook {
   loop?: {ms: {p50: number}};
   tape?: string;
   verdict?: string;
+  reference?: {p_W: [number, number, number]};
+  touched?: string[];
+  faults: string[];
+  programs3d?: number[];
   messages: number;
   question?: string;
   refusal: string;

@@ -8,6 +8,7 @@ import {gunzipSync} from 'node:zlib';
 import type {Browser, Page, WebSocketRoute} from 'playwright-core';
 import {complaints, launch, scene, until} from './chromium.ts';
 import {makeRecord, placeAt} from './fixture.ts';
+import {tokenProof, type ProofContext} from '../src/proof.ts';
 
 const kAddress = 'http://127.0.0.1:5791';
 const kPolicy = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'none'; connect-src 'self'; " +
@@ -36,8 +37,13 @@ class FakeServer {
   landed = 'on_ground';
   armed = false;
   hil = true;
+  /** Else another program that took the port. */
+  isCasweb = true;
+  /** A run of hils is flown. */
+  run?: object;
   /** Programs that are not there. */
   readonly down = new Set<string>();
+  private nonces?: ProofContext;
   private socket?: WebSocketRoute;
   private seq = 0;
   private time_s = 10;
@@ -62,7 +68,13 @@ class FakeServer {
       return;
     }
     this.calls.push({method, params});
-    if (method === 'hello' && params.token !== 'secret-token') {
+    if (method === 'hello' && params.nonce) {
+      this.nonces = {place: new URL(kAddress).host, pageNonce: params.nonce as string, serverNonce: `nonce ${this.calls.length}`};
+      const proof = tokenProof('secret-token', 'server', this.nonces);
+      this.socket!.send(JSON.stringify({jsonrpc: '2.0', id, result: {nonce: this.nonces.serverNonce, proof: this.isCasweb ? proof : 'made up'}}));
+      return;
+    }
+    if (method === 'hello' && params.proof !== tokenProof('secret-token', 'client', this.nonces!)) {
       this.socket!.send(JSON.stringify({jsonrpc: '2.0', id, error: {code: -32003, message: 'wrong token'}}));
       void this.socket!.close({code: 4403});
       return;
@@ -70,20 +82,21 @@ class FakeServer {
     const refusal = method.startsWith('sim.') && this.down.has('hilsim') ? 'there is no hilsim' : this.refuses.get(method);
     const answer = refusal ? {error: {code: -32000, message: refusal}} : {result: this.answer(method)};
     this.socket!.send(JSON.stringify({jsonrpc: '2.0', id, ...answer}));
-    if (method === 'watch') for (const topic of ['sim', 'vehicle', 'links', 'messages']) this.feed(topic);
+    if (method === 'watch') for (const topic of ['sim', 'vehicle', 'links', 'messages', ...(this.run ? ['ref', 'verdict'] : [])]) this.feed(topic);
   }
 
   private answer(method: string): unknown {
     const record = makeRecord();
     switch (method) {
       case 'hello': return {
-        protocol: 1, casweb: '0.1.0', read_only: this.readOnly, source: 'live', casd: '0.1.0', hilsim: '0.1.0', clock: {sim_s: 10, rate: 1, paused: false},
-        topics: {sim: 60, links: 2, loop: 1, messages: 1, value: 10, vehicle: 10}, scenario: null,
-        methods: this.readOnly ? ['ack', 'watch'] : ['ack', 'watch', 'vehicle.hold', 'vehicle.arm'],
+        protocol: 2, casweb: '0.1.0', read_only: this.readOnly, source: 'live', casd: '0.1.0', hilsim: '0.1.0', clock: {sim_s: 10, rate: 1, paused: false},
+        topics: {sim: 60, links: 2, loop: 1, messages: 1, value: 10, vehicle: 10, ...(this.run ? {ref: 20, verdict: 2} : {})},
+        methods: this.readOnly ? ['ack', 'watch'] : ['ack', 'watch', 'vehicle.hold', 'vehicle.arm', ...(this.run ? ['fault.inject'] : [])],
       };
       case 'sim.scene': return {hash: 'a', frame: 'W', home: kHome, vehicles: [{type: 'iris_paper', ...record.vehicles[0]!.scene, name: 'iris0', system: 1}], obstacles: [], world: [{shape: 'plane', p: [0, 0, 0], q: [1, 0, 0, 0]}, {shape: 'box', size_m: [1, 2, 3], p: [5, 5, 1.5], q: [1, 0, 0, 0]}]};
       case 'bench.status': return {programs: ['hilsim', 'casd'].map((name) => this.down.has(name)
         ? {name, state: 'down', reason: `there is no ${name} on this machine`} : {name, state: 'up', version: '0.1.0', age_s: 0.1})};
+      case 'fault.list': return {kinds: ['drop', 'rotor', 'unplug', 'gust'], shortest_s: 0.05, longest_s: 30};
       case 'gain.list': return {loops: [{loop: 'position', parameters: {p: 'MPC_XY_P'}}]};
       case 'gain.get': return {loop: 'position', p: 0.6};
       case 'gain.set': return {loop: 'position', p: 0.9, before: {p: 0.6}};
@@ -108,6 +121,8 @@ class FakeServer {
         {from: 'fcu', to: 'casd', link: 'fcu1', system: 1, type: 'serial', state: 'up', full: 0.28, msgs: {HIL_CONTROLS: 400, HEARTBEAT: 1}, lost: 0, measured: 'none'},
         {from: 'casd', to: 'sim', link: 'sim1', system: 1, type: 'udp', state: 'up', msgs: {HIL_CONTROLS: 400}, measured: 'none'},
       ], forward_us: [{from: 'sim', to: 'fcu', from_link: 'sim1', to_link: 'fcu1', system: 1, count: 1, p50: 28, p99: 132}]},
+      ref: {t_s: this.time_s - 0.1, v: [{p_W: [e, n + 0.2, u], v_W: [0, 1, 0], yaw_rad: 0}]},
+      verdict: this.run ?? {},
       messages: {messages: [{link: 'fcu', direction: 'rx', id: 0, name: 'HEARTBEAT', system: 1, component: 1, count: 9, hz: 1, age_s: 0.3}]},
     };
     this.say(`snap.${topic}`, {seq: ++this.seq, ...snaps[topic]});
@@ -141,7 +156,7 @@ test('a live bench is shown, each snapshot acknowledged, and the token leaves th
   const before = (await scene(page)).time_s!;
   await until(page, 'it goes on', (now) => now.time_s! > before + 0.5 && now.frames > 0);
   assert.equal(server.calls[0]!.method, 'hello');
-  assert.equal(server.calls[0]!.params.token, 'secret-token');
+  assert.ok(!JSON.stringify(server.calls).includes('secret-token'), 'the token is told to nobody');
   assert.ok(!page.url().includes('secret'), page.url());
   assert.ok(server.acks.some((ack) => ack.topic === 'sim') && server.acks.some((ack) => ack.topic === 'links'));
   await page.getByText('delay not measured').first().waitFor({state: 'attached'});
@@ -219,6 +234,64 @@ test('a lost server is told at once, nothing looks live, and the page comes back
   await page.getByText('nothing can be commanded').waitFor();
   await until(page, 'it is back', (now) => now.connection === 'live');
   assert.ok(server.calls.filter((call) => call.method === 'hello').length >= 2);
+  await page.close();
+});
+
+/** As hils tells it. */
+const kRun = {
+  name: 'hover', seed: 3, state: 'running', sentences: [], touched: [], stages: [{name: 'hold', begin_s: 9, end_s: 11, measured: true}],
+  vehicles: [{name: 'iris0', system: 1, checks: [
+    {what: 'RMS error of the true position, x_m', validity: false, value: 0.1, bound: 0.5, margin: 0.4, least: false, unit: 'm', digits: 4, found: '', wanted: '', judged: true, kept: true},
+    {what: 'HIL_SENSOR lost', validity: false, value: null, bound: 0, margin: null, least: false, unit: '', digits: 0, found: 'not known yet', wanted: '', judged: true, kept: true},
+  ]}],
+};
+
+test('a run shows its reference, its limits so far, faults by hand and the verdict', async () => {
+  const server = new FakeServer();
+  server.run = kRun;
+  server.landed = 'in_air';
+  server.armed = true;
+  const {page, errors} = await open(server);
+  const now = await until(page, 'the reference is there', (each) => each.reference !== undefined && each.verdict === 'running');
+  assert.ok(Math.abs(now.reference!.p_W[1] - now.vehicles[0]!.p![1] - 0.3) < 0.02, 'in the moment of the picture: 0.2 m and 0.1 s at 1 m/s');
+  await page.getByText('0.10 of 0.5 m, 0.40 left').waitFor();
+  await page.getByText('at the end').first().waitFor();
+  assert.equal(await page.getByText('touched', {exact: true}).count(), 0);
+  await page.getByRole('button', {name: 'No GPS'}).click();
+  assert.equal((await scene(page)).question, 'Take the GPS from vehicle 1 for 1 s?');
+  await page.keyboard.press('Enter');
+  await until(page, 'the fault is asked for', () => server.calls.some((call) => call.method === 'fault.inject'));
+  assert.deepEqual(server.calls.find((call) => call.method === 'fault.inject')!.params, {vehicle: 1, name: 'No GPS', drop: 'gps', for_s: 1});
+  server.say('event.fault', {seq: 1, name: 'No GPS', vehicle: 1, began_s: 1e6, ended_s: 1e6 + 1});
+  server.run = {...kRun, touched: [{by: 'the page (unix:uid 0)', what: 'fault.inject'}]};
+  server.feed('verdict');
+  await page.getByText('touched', {exact: true}).waitFor();
+  server.say('event.verdict', {...server.run, state: 'passed'});
+  server.run = {...server.run, state: 'passed'};
+  await until(page, 'it is judged', (each) => each.verdict === 'passed' && each.faults.includes('No GPS'));
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test('a program that took the port of casweb learns nothing', async () => {
+  const server = new FakeServer();
+  server.isCasweb = false;
+  const page = await browser.newPage();
+  await server.serve(page);
+  await page.goto(`${kAddress}/#k=secret-token`);
+  await page.getByText('casweb does not know this token').waitFor();
+  assert.ok(server.calls.every((call) => call.method === 'hello' && !call.params.proof && !call.params.token), JSON.stringify(server.calls));
+  await page.close();
+});
+
+test('a scene that is built anew compiles no shader again', async () => {
+  const server = new FakeServer();
+  const {page} = await open(server);
+  const before = await until(page, 'a picture', (now) => now.frames > 2 && (now.programs3d?.length ?? 0) > 0);
+  await page.keyboard.press('Shift+T');
+  const after = await until(page, 'a picture in other colours', (now) => now.theme !== before.theme && now.frames > before.frames + 2);
+  assert.deepEqual(before.programs3d!.filter((id) => !after.programs3d!.includes(id)), []);
+  assert.deepEqual(after.programs3d!.filter((id) => id > Math.max(...before.programs3d!)), []);
   await page.close();
 });
 

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import assert from 'node:assert/strict';
+import {createHmac} from 'node:crypto';
 import {test} from 'node:test';
-import {Bench, oldTopics, originOfN} from '../src/bench.ts';
+import {Bench, oldTopics, originOfN, referenceAt} from '../src/bench.ts';
 import {fromHome, quaternionOf, rotate, rpyOf, slerp} from '../src/frames.ts';
 import {Hold} from '../src/hold.ts';
+import {measured} from '../src/measure.ts';
 import {age, clean, clock, delay, delayPair, fixed, grouped, minutes, tickStep} from '../src/numbers.ts';
 import type {VehicleState} from '../src/protocol.ts';
+import {makeNonce, tokenProof} from '../src/proof.ts';
 import {modeName, rowName, RunRecord, unpack} from '../src/record.ts';
 import {RecordSource} from '../src/record_source.ts';
 import {between, decode, indexAt, Ring} from '../src/series.ts';
+import {StickPace, sticksOf} from '../src/stick_pace.ts';
 import {kDuration_s, kLossSecond, makeRecord, pack, placeAt} from './fixture.ts';
 
 const near = (a: number, b: number, within = 1e-6) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
@@ -132,6 +136,95 @@ test('limits have short names', () => {
   assert.equal(rowName('RMS error of the estimate, yaw_rad'), 'est. yaw');
   assert.equal(rowName('HIL_SENSOR lost'), 'SENSOR lost');
   assert.equal(rowName('rate of HIL_GPS, error either way'), 'GPS rate off');
+});
+
+test('a proof is an HMAC over both nonces and the place, and no nonce comes twice', () => {
+  const context = {place: '127.0.0.1:5791', pageNonce: 'a', serverNonce: 'b'};
+  const of = (prover: string) => createHmac('sha256', 'token').update(`cas\n${prover}\n127.0.0.1:5791\na\nb\n`).digest('hex');
+  assert.equal(tokenProof('token', 'client', context), of('client'));
+  assert.equal(tokenProof('token', 'server', context), of('server'));
+  assert.match(makeNonce(), /^[0-9a-f]{64}$/);
+  assert.notEqual(makeNonce(), makeNonce());
+});
+
+test('a reference is that of the picture, and none when it is old', () => {
+  const told = {t_s: 10, p_W: [1, 2, 3] as [number, number, number], v_W: [0, 2, 0] as [number, number, number], yaw_rad: 0.5};
+  assert.deepEqual(referenceAt(told, 10.25)!.p_W, [1, 2.5, 3]);
+  assert.equal(referenceAt(told, 11), undefined);
+  const bench = new Bench();
+  const sim = (t_s: number) => bench.apply('snap.sim', {t_s, v: [{p: [0, 0, 0], q: [1, 0, 0, 0], vel: [0, 0, 0], w: [0, 0, 0], rotors: []}]});
+  sim(10);
+  bench.apply('snap.ref', {t_s: 10, v: [{p_W: told.p_W, v_W: told.v_W, yaw_rad: 0}]});
+  sim(10.1);
+  near(bench.vehicle!.reference!.p_W[1], 2.2);
+  sim(12);
+  assert.equal(bench.vehicle!.reference, undefined);
+  bench.apply('snap.ref', {t_s: 12, v: [null]});
+  sim(12.1);
+  assert.equal(bench.vehicle!.reference, undefined);
+});
+
+test('a run tells its limits, the verdict and who touched it', () => {
+  const check = (what: string, value: number | null, kept = true) => ({
+    what, validity: false, value, bound: 0.5, margin: value === null ? null : 0.5 - value, least: false, unit: 'm', digits: 4, found: '', wanted: '', judged: true, kept,
+  });
+  const run = {
+    name: 'hover', seed: 1, state: 'running', sentences: [], touched: [{by: 'the page (unix:uid 0)', what: 'sim.pause'}],
+    stages: [{name: 'hold', begin_s: 5, end_s: 9, measured: true}],
+    vehicles: [
+      {name: 'one', system: 1, checks: [check('RMS error of the true position, x_m', 0.1), {...check('real-time factor', 1), validity: true}]},
+      {name: 'two', system: 2, checks: [check('RMS error of the true position, x_m', 0.7, false), check('HIL_SENSOR lost', null)]},
+    ],
+  };
+  const bench = new Bench();
+  bench.vehicles = [{name: 'one', system: 1}, {name: 'two', system: 2}];
+  bench.apply('snap.verdict', run);
+  assert.deepEqual(bench.verdict!.rows.map(({name, value, margin, missed}) => ({name, value, margin, missed})), [{name: 'north', value: 0.1, margin: 0.4, missed: false}]);
+  assert.deepEqual(bench.verdict!.touched, ['sim.pause by the page (unix:uid 0)']);
+  assert.deepEqual(bench.measured, [5, 9]);
+  bench.selected = 1;
+  assert.equal(bench.verdict!.rows[0]!.missed, true);
+  assert.equal(bench.verdict!.rows[1]!.value, null);
+  bench.apply('event.verdict', {...run, state: 'failed', sentences: ['two: too far']});
+  assert.equal(bench.verdict!.state, 'failed');
+  assert.ok(bench.happenings.some((event) => event.text === 'Verdict: failed'));
+});
+
+test('two points of a plot have a distance in the words of its axes', () => {
+  assert.equal(measured({x: 1, y: 2}, {x: 3, y: 1}, 'simulated time, s', 'north, m'), 'Between the points: 2.0000 s, −1.0000 m; −0.5000 m a s');
+  assert.equal(measured({x: 1, y: 2}, {x: 1, y: 1}, 'simulated time, s', 'error'), 'Between the points: 0.0000 s, −1.0000 ');
+});
+
+test('a gamepad is a transmitter of mode 2', () => {
+  assert.deepEqual(sticksOf([0, 0, 0, 0]), {yaw: 0, throttle: 0.5, roll: 0, pitch: 0});
+  assert.deepEqual(sticksOf([1, -1, -0.5, -0.5]), {yaw: 1, throttle: 1, roll: -0.5, pitch: 0.5});
+  assert.equal(sticksOf([0.03, 0, 0, 0]).yaw, 0, 'a stick that does not centre');
+});
+
+test('sticks go 20 times a second, and are let go after half a second without an answer', () => {
+  const pace = new StickPace();
+  assert.equal(pace.tick(0), false);
+  pace.start(1);
+  let sent = 0;
+  for (let i = 0; i < 60; ++i) {
+    if (!pace.tick(1 + i / 60)) continue;
+    ++sent;
+    pace.answered();
+  }
+  assert.ok(sent >= 19 && sent <= 21, String(sent));
+  assert.equal(pace.tick(2.05), true);
+  assert.equal(pace.tick(2.3), true);
+  assert.equal(pace.on, true);
+  assert.equal(pace.tick(2.6), false);
+  assert.equal(pace.on, false, 'nobody answers');
+});
+
+test('a record in which somebody acted says so', () => {
+  const raw = makeRecord();
+  assert.deepEqual(new RunRecord(raw).verdict(0)!.touched, []);
+  raw.vehicles[0]!.touched = true;
+  raw.vehicles[0]!.events!.push({t_s: 9, kind: 'act', text: 'sim.pause', by: "hilsim's control socket (unix:uid 0)"});
+  assert.deepEqual(new RunRecord(raw).verdict(0)!.touched, ["sim.pause by hilsim's control socket (unix:uid 0)"]);
 });
 
 test('a record plays through the messages of the protocol', async () => {

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/live_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+#include "hils/measure/check_json.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr base::Duration kStatusPeriod = std::chrono::milliseconds(500);
+constexpr base::Duration kCallsPeriod = std::chrono::seconds(1);
+constexpr double kShortestFault_s = 0.05;
+constexpr double kLongestFault_s = 30;
+constexpr std::size_t kMostTouched = 20;  // acts that are listed
+
+std::int64_t unix_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// In W: x east, y north, z up.
+Json in_W(const Pose& pose, const Eigen::Vector3d& start_m) {
+  return {pose.y_m + start_m.y(), pose.x_m + start_m.x(), pose.z_m + start_m.z()};
+}
+
+/// Velocity of the reference, so that a page knows it between two looks.
+Json velocity_W(const Stage& stage, std::int64_t now_us) {
+  constexpr std::int64_t kHalf_us = 5'000;
+  const Pose before = reference_at(stage, now_us - kHalf_us);
+  const Pose after = reference_at(stage, now_us + kHalf_us);
+  constexpr double kPer_s = 1e6 / (2.0 * kHalf_us);
+  return {kPer_s * (after.y_m - before.y_m), kPer_s * (after.x_m - before.x_m),
+          kPer_s * (after.z_m - before.z_m)};
+}
+
+Json stage_json(const Stage& stage) {
+  return {{"name", phase_of(stage.step)},
+          {"begin_s", base::to_seconds(stage.begin)},
+          {"end_s", base::to_seconds(stage.end)},
+          {"measured", stage.step.measure}};
+}
+
+Json stages_json(const FlightPlan& plan, base::SimTime now) {
+  std::vector<Stage> stages = plan.stages();
+  if (const auto stage = plan.under_way(now)) stages.push_back(*stage);
+  Json list = Json::array();
+  for (const Stage& stage : stages) {
+    if (stage.step.kind != StepKind::kEndTrajectory) list.push_back(stage_json(stage));
+  }
+  return list;
+}
+
+/// Kinds of faults that this bench can have, for the page's buttons.
+Json fault_kinds(const Scenario& scenario, bool has_line) {
+  Json kinds{"drop", "rotor"};
+  if (has_line) kinds.push_back("unplug");
+  const auto is_wind = [](const base::ConfigNode& plugin) {
+    return plugin.at("plugin").as<std::string>() == "wind";
+  };
+  if (std::ranges::any_of(scenario.plugins, is_wind)) kinds.push_back("gust");
+  return {{"kinds", std::move(kinds)},
+          {"shortest_s", kShortestFault_s},
+          {"longest_s", kLongestFault_s}};
+}
+
+bool is_line_fault(const BenchFault& fault) {
+  return std::holds_alternative<LineFault>(fault.kind) ||
+         std::holds_alternative<UnplugFault>(fault.kind);
+}
+
+}  // namespace
+
+struct LiveRun::Refusal {
+  int code;
+  std::string sentence;
+};
+
+struct LiveRun::Shown {
+  Json touched = Json::array();  ///< acts of others
+  Json status;
+};
+
+LiveRun::LiveRun() : shown_(std::make_unique<Shown>()) {}
+LiveRun::~LiveRun() = default;
+
+void LiveRun::start(const RunRequest& request, const RunPlaces& places,
+                    const Supervisor& supervisor) {
+  request_ = &request;
+  so_far_.resize(request.scenario.vehicles.size());
+  for (const VehiclePlaces& vehicle : places.vehicles) {
+    emulated_.push_back(std::filesystem::exists(vehicle.fcu_control()));
+  }
+  port_ = std::make_unique<RunPort>(places.run_port());
+  const bool has_line = std::ranges::find(emulated_, true) != emulated_.end();
+  port_->show("fault.list", fault_kinds(request.scenario, has_line));
+  web_.emplace(places, supervisor);
+}
+
+void LiveRun::look(base::SimTime now, const FleetPlan& plan,
+                   std::span<const VehicleReport> vehicles,
+                   std::span<const Eigen::Vector3d> start_m) {
+  for (std::size_t i = 0; i < so_far_.size(); ++i) {
+    if (const auto stage = plan.plan(i).under_way(now)) so_far_[i].add(*stage, now, vehicles[i]);
+  }
+  port_->show("run.reference", reference(now, plan, start_m));
+  if (base::steady_now() < next_status_) return;
+  next_status_ = base::steady_now() + kStatusPeriod;
+  shown_->status = status(now, plan);
+  port_->show("run.status", shown_->status);
+}
+
+Json LiveRun::reference(base::SimTime now, const FleetPlan& plan,
+                        std::span<const Eigen::Vector3d> start_m) const {
+  const auto now_us = static_cast<std::int64_t>(base::to_time_usec(now));
+  Json vehicles = Json::array();
+  for (std::size_t i = 0; i < so_far_.size(); ++i) {
+    const auto stage = reference_stage(plan.plan(i), now);
+    if (!stage) {
+      vehicles.push_back(nullptr);
+      continue;
+    }
+    const Pose pose = reference_at(*stage, now_us);
+    vehicles.push_back({{"p_W", in_W(pose, start_m[i])},
+                        {"v_W", velocity_W(*stage, now_us)},
+                        {"yaw_rad", pose.yaw_rad}});
+  }
+  return {{"t_s", base::to_seconds(now)}, {"v", std::move(vehicles)}};
+}
+
+Json LiveRun::status(base::SimTime now, const FleetPlan& plan) const {
+  const Scenario& scenario = request_->scenario;
+  Json vehicles = Json::array();
+  for (std::size_t i = 0; i < so_far_.size(); ++i) {
+    vehicles.push_back({{"name", scenario.vehicles[i].name},
+                        {"system", scenario.vehicles[i].system_id},
+                        {"checks", checks_json(so_far_[i].checks(scenario.limits_of(i)))}});
+  }
+  return {{"name", scenario.name},
+          {"seed", request_->seed},
+          {"state", "running"},
+          {"sentences", Json::array()},
+          {"touched", shown_->touched},
+          {"stages", stages_json(plan.plan(plan.leader()), now)},
+          {"vehicles", std::move(vehicles)}};
+}
+
+void LiveRun::show_calls(const std::vector<OutsideCall>& calls) {
+  next_calls_ = base::steady_now() + kCallsPeriod;
+  shown_->touched = Json::array();
+  for (const OutsideCall& call : calls) {
+    if (shown_->touched.size() == kMostTouched) return;
+    if (!is_act(call)) continue;
+    shown_->touched.push_back(
+        {{"by", fmt::format("{} ({})", call.port, call.client)},
+         {"what", call.method + (call.params == "{}" ? "" : " " + call.params)}});
+  }
+}
+
+void LiveRun::play_faults(base::SimTime now, std::span<const VehicleReport> vehicles,
+                          BenchFaultScript& faults, base::rpc::Client& simulator) {
+  for (const RunPort::FaultCall& call : port_->take_faults()) {
+    Json result;
+    std::optional<Refusal> refusal;
+    try {
+      result = inject(Json::parse(call.params), now, vehicles, faults, simulator);
+    } catch (const Refusal& why) {
+      refusal = why;
+    } catch (const Json::exception& error) {
+      refusal = Refusal{base::rpc::kInvalidParams, error.what()};
+    } catch (const base::ConfigError& error) {
+      refusal = Refusal{base::rpc::kInvalidParams, error.what()};
+    } catch (const base::rpc::CallError& error) {
+      refusal = Refusal{error.code(), error.what()};
+    }
+    base::log::info(fmt::format("fault.inject {} by {}: {}", call.params, call.reply.client,
+                                refusal ? refusal->sentence : "done"));
+    calls_.push_back({.log_us = unix_us(),
+                      .client = call.reply.client,
+                      .method = "fault.inject",
+                      .params = call.params,
+                      .system = 0,
+                      .accepted = !refusal,
+                      .port = "the page",
+                      .sim_s = base::to_seconds(now)});
+    next_calls_ = {};
+    if (refusal) {
+      port_->refuse(call, refusal->code, refusal->sentence);
+      continue;
+    }
+    port_->answer(call, result);
+    port_->publish("fault", std::move(result));
+  }
+}
+
+/// Only what says that it is in HIL gets a fault.
+std::size_t LiveRun::vehicle_of(const Json& params, std::span<const VehicleReport> vehicles) const {
+  const std::vector<std::uint8_t> systems = request_->scenario.systems();
+  const auto system = params.value("vehicle", systems.front());
+  const auto found = std::ranges::find(systems, system);
+  if (found == systems.end()) {
+    throw Refusal{base::rpc::kNoSuchVehicle, fmt::format("there is no vehicle {}", system)};
+  }
+  const auto i = static_cast<std::size_t>(found - systems.begin());
+  if (vehicles[i].hil) return i;
+  throw Refusal{base::rpc::kInterlock,
+                fmt::format("vehicle {} does not say that it is in HIL: it gets no fault", system)};
+}
+
+Json LiveRun::inject(const Json& params, base::SimTime now, std::span<const VehicleReport> vehicles,
+                     BenchFaultScript& faults, base::rpc::Client& simulator) {
+  const Scenario& scenario = request_->scenario;
+  const std::size_t i = vehicle_of(params, vehicles);
+  const double for_s = params.at("for_s").get<double>();
+  if (!(for_s >= kShortestFault_s && for_s <= kLongestFault_s)) {
+    throw Refusal{base::rpc::kInvalidParams,
+                  fmt::format("for_s is {:g} to {:g} s", kShortestFault_s, kLongestFault_s)};
+  }
+  Json script = params;
+  script.erase("vehicle");
+  Json entry = script;
+  entry["vehicle"] = scenario.vehicles[i].name;
+  entry["at_s"] = base::to_seconds(now);
+  const auto root = base::ConfigNode::parse(Json{{"faults", {entry}}}.dump(), "fault.inject");
+  const ScenarioFaults parsed =
+      parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
+  root.reject_unused();
+  for (const BenchFault& fault : parsed.bench) {
+    if (!is_line_fault(fault)) {
+      throw Refusal{base::rpc::kRefused, "by hand the line breaks, not casd or a ground station"};
+    }
+    if (!emulated_[i]) {
+      throw Refusal{base::rpc::kRefused, "a real controller's line is cut at its plug"};
+    }
+    faults.add(fault);
+  }
+  if (!parsed.vehicle.empty()) {
+    const Json order{{"vehicle", scenario.vehicles[i].name}, {"fault", script}};
+    simulator_calls_.emplace_back("sim.fault", order.dump());
+    simulator.call("sim.fault", order);
+  }
+  return {{"name", params.value("name", std::string("by hand"))},
+          {"vehicle", scenario.vehicles[i].system_id},
+          {"began_s", base::to_seconds(now)},
+          {"ended_s", base::to_seconds(now) + for_s}};
+}
+
+void LiveRun::tell(const RunResult& result) {
+  if (!port_) return;
+  Json verdict = shown_->status;
+  verdict["state"] = !result.verdict.valid   ? "invalid"
+                     : result.verdict.passed ? "passed"
+                                             : "failed";
+  verdict["sentences"] = result.verdict.failures;
+  verdict["touched"] = shown_->touched;
+  verdict["vehicles"] = Json::array();
+  for (const VehicleResult& vehicle : result.vehicles) {
+    verdict["vehicles"].push_back({{"name", vehicle.record.vehicle},
+                                   {"system", vehicle.record.system},
+                                   {"checks", checks_json(vehicle.verdict.checks)}});
+    if (!shown_->touched.empty() || !vehicle.figures.changes.from_outside()) continue;
+    verdict["touched"] = {{{"by", "a ground station"}, {"what", "the report has it"}}};
+  }
+  port_->tell_verdict(std::move(verdict));
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/rpc/client.hpp"
+#include "base/time/clock.hpp"
+#include "hils/flight/bench_fault.hpp"
+#include "hils/measure/figures_so_far.hpp"
+#include "hils/measure/flight_changes.hpp"
+#include "hils/measure/run_result.hpp"
+#include "hils/programs/run_port.hpp"
+#include "hils/programs/supervisor.hpp"
+#include "hils/programs/web_view.hpp"
+#include "hils/run/run_places.hpp"
+#include "hils/run/run_request.hpp"
+#include "hils/scenario/fleet_plan.hpp"
+
+namespace cas::hils {
+
+/// A run that people watch in a browser: casweb beside it, and the port on which casweb is told
+/// references, limits and the verdict, and hands over faults by hand. It outlives the programs of
+/// the run, so that the verdict reaches the page.
+class LiveRun {
+ public:
+  LiveRun();
+  ~LiveRun();
+  LiveRun(const LiveRun&) = delete;
+  LiveRun& operator=(const LiveRun&) = delete;
+
+  /// The programs of the run listen. A page that cannot be shown stops no run.
+  /// @param request  outlives the flight
+  void start(const RunRequest& request, const RunPlaces& places, const Supervisor& supervisor);
+
+  /// One look at the flight.
+  /// @param start_m  where the vehicles stood at first: north, east, up
+  void look(base::SimTime now, const FleetPlan& plan, std::span<const VehicleReport> vehicles,
+            std::span<const Eigen::Vector3d> start_m);
+  /// Begins the faults that were asked for since the last look.
+  void play_faults(base::SimTime now, std::span<const VehicleReport> vehicles,
+                   BenchFaultScript& faults, base::rpc::Client& simulator);
+  /// Whether it is time to say again what others have done to the run.
+  bool wants_calls() const { return base::steady_now() >= next_calls_; }
+  void show_calls(const std::vector<OutsideCall>& calls);
+  /// The flight is over, and is judged.
+  void end_flight() { port_->end_faults(); }
+  void tell(const RunResult& result);
+
+  /// Faults by hand, as acts of others.
+  const std::vector<OutsideCall>& calls() const { return calls_; }
+  /// What it asked of the simulator for them.
+  const CallList& simulator_calls() const { return simulator_calls_; }
+
+ private:
+  using Json = nlohmann::json;
+  struct Refusal;
+  struct Shown;
+
+  Json inject(const Json& params, base::SimTime now, std::span<const VehicleReport> vehicles,
+              BenchFaultScript& faults, base::rpc::Client& simulator);
+  std::size_t vehicle_of(const Json& params, std::span<const VehicleReport> vehicles) const;
+  Json reference(base::SimTime now, const FleetPlan& plan,
+                 std::span<const Eigen::Vector3d> start_m) const;
+  Json status(base::SimTime now, const FleetPlan& plan) const;
+
+  const RunRequest* request_ = nullptr;
+  std::vector<bool> emulated_;     // by vehicle: has the emulated controller and its line
+  std::unique_ptr<RunPort> port_;  // in front of casweb, which asks it
+  std::optional<WebView> web_;
+  std::vector<FiguresSoFar> so_far_;  // by vehicle
+  std::vector<OutsideCall> calls_;
+  CallList simulator_calls_;
+  std::unique_ptr<Shown> shown_;  // what people were told last
+  base::RunTime next_status_{};
+  base::RunTime next_calls_{};
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/run_port.hpp"
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <utility>
+
+#include "base/os/thread.hpp"
+#include "base/rpc/server.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace asio = boost::asio;
+using base::rpc::Reply;
+
+constexpr auto kTellTime = std::chrono::seconds(2);
+constexpr std::size_t kMostFaults = 16;  // that wait for the run
+constexpr const char* kOver = "the flight is over: no fault begins";
+
+}  // namespace
+
+struct RunPort::Impl {
+  void add_methods() {
+    for (const char* method : {"run.reference", "run.status", "fault.list"}) {
+      server.add_method(method, [this, method](const Json&, const Reply& reply) {
+        const auto answer = answers.find(method);
+        if (answer != answers.end()) return reply.result(answer->second);
+        reply.error(base::rpc::kRefused, "the run has not begun", nullptr);
+      });
+    }
+    server.add_method("run.told", [this](const Json&, const Reply& reply) {
+      reply.result(true);
+      end_tell();
+    });
+    server.add_method("fault.inject", [this](const Json& params, const Reply& reply) {
+      const std::scoped_lock lock(mutex);
+      if (!takes_faults) return reply.error(base::rpc::kRefused, kOver, nullptr);
+      if (faults.size() >= kMostFaults) {
+        return reply.error(base::rpc::kRefused, "16 faults wait already", nullptr);
+      }
+      faults.push_back({params.dump(-1, ' ', false, Json::error_handler_t::replace), reply});
+    });
+    for (const char* topic : {"fault", "verdict"}) server.add_topic(topic);
+  }
+
+  void end_tell() {
+    const std::scoped_lock lock(mutex);
+    told = true;
+    wake.notify_all();
+  }
+
+  asio::io_context io{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
+  base::rpc::Server server{io};
+  std::map<std::string, Json, std::less<>> answers;  // by method; on the thread of `io`
+
+  std::mutex mutex;
+  std::condition_variable wake;
+  std::vector<FaultCall> faults;  // these three are guarded by mutex
+  bool takes_faults = true;
+  bool told = false;
+
+  std::thread thread;
+};
+
+RunPort::RunPort(const std::filesystem::path& socket) : impl_(std::make_unique<Impl>()) {
+  impl_->add_methods();
+  impl_->server.listen_unix(socket);
+  impl_->thread = std::thread([this] {
+    base::configure_this_thread("run port", {});
+    impl_->io.run();
+  });
+}
+
+RunPort::~RunPort() {
+  asio::post(impl_->io, [this] {
+    impl_->server.close();
+    impl_->work.reset();
+  });
+  impl_->thread.join();
+}
+
+void RunPort::show(const std::string& method, Json answer) {
+  asio::post(impl_->io, [this, method, answer = std::move(answer)] {
+    impl_->answers.insert_or_assign(method, answer);
+  });
+}
+
+void RunPort::publish(const std::string& topic, Json params) {
+  asio::post(impl_->io,
+             [this, topic, params = std::move(params)] { impl_->server.publish(topic, params); });
+}
+
+std::vector<RunPort::FaultCall> RunPort::take_faults() {
+  const std::scoped_lock lock(impl_->mutex);
+  return std::exchange(impl_->faults, {});
+}
+
+void RunPort::answer(const FaultCall& call, Json result) {
+  asio::post(impl_->io, [reply = call.reply, result = std::move(result)] { reply.result(result); });
+}
+
+void RunPort::refuse(const FaultCall& call, int code, std::string sentence) {
+  asio::post(impl_->io, [reply = call.reply, code, sentence = std::move(sentence)] {
+    reply.error(code, sentence, nullptr);
+  });
+}
+
+void RunPort::end_faults() {
+  {
+    const std::scoped_lock lock(impl_->mutex);
+    impl_->takes_faults = false;
+  }
+  for (const FaultCall& call : take_faults()) refuse(call, base::rpc::kRefused, kOver);
+}
+
+void RunPort::tell_verdict(Json verdict) {
+  asio::post(impl_->io, [this, verdict = std::move(verdict)] {
+    impl_->answers.insert_or_assign("run.status", verdict);
+    if (!impl_->server.has_subscribers("verdict")) return impl_->end_tell();
+    impl_->server.publish("verdict", verdict);
+  });
+  std::unique_lock lock(impl_->mutex);
+  impl_->wake.wait_for(lock, kTellTime, [this] { return impl_->told; });
+}
+
+}  // namespace cas::hils
