@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,6 +22,7 @@
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/services/vehicle_state.hpp"
 
 namespace cas::hils {
 
@@ -178,12 +178,8 @@ class Listener {
   void on_text(double t_s, const mav::PacketView& packet) {
     const auto text = mav::decode<mavlink::common::Statustext>(packet);
     if (!text) return;
-    const std::string_view part = mav::text(text->text);
-    if (text->id == 0 || text->chunk_seq == 0) sentence_.clear();
-    sentence_ += part;
-    if (text->id != 0 && part.size() == text->text.size()) return;  // goes on in the next message
-    texts_.push_back({t_s, static_cast<int>(text->severity), sentence_});
-    sentence_.clear();
+    const auto whole = joiner_.add(*text, {});
+    if (whole) texts_.push_back({t_s, static_cast<int>(whole->severity), whole->text});
   }
 
   static Json message_json(const std::string& name, const Logged& logged) {
@@ -209,7 +205,7 @@ class Listener {
   Json states_ = Json::array();
   std::array<std::uint32_t, 3> state_{};
   bool heard_ = false;
-  std::string sentence_;
+  mav::services::StatusTextJoiner joiner_;
   double last_s_ = 0;
 };
 

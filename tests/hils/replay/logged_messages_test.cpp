@@ -9,23 +9,37 @@
 #include <vector>
 
 #include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/statustext.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/tlog.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
 namespace {
 
+/// A log that is being written.
+class Log {
+ public:
+  template <class Message>
+  void add(std::uint64_t stamp_us, const Message& message, std::uint8_t component = 1) {
+    mav::Encoder encode({1, component});
+    mav::services::append_tlog_record(stamp_us, encode(message), bytes_);
+  }
+  nlohmann::ordered_json messages() const {
+    const cas::test::TemporaryFolder folder;
+    const std::string text(bytes_.begin(), bytes_.end());
+    return logged_messages(folder.write("flight.tlog", text), 1, {});
+  }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
 /// Duration of a log that has a heartbeat at each of these stamps.
 double duration_s(const std::vector<std::uint64_t>& stamps_us) {
-  const cas::test::TemporaryFolder folder;
-  mav::Encoder encode({1, 1});
-  std::string bytes;
-  for (const std::uint64_t stamp : stamps_us) {
-    for (int shift = 56; shift >= 0; shift -= 8) bytes += static_cast<char>(stamp >> shift & 0xFFU);
-    const auto packet = encode(mavlink::common::Heartbeat{});
-    bytes.append(packet.begin(), packet.end());
-  }
-  return logged_messages(folder.write("flight.tlog", bytes), 1, {}).at("duration_s");
+  Log log;
+  for (const std::uint64_t stamp : stamps_us) log.add(stamp, mavlink::common::Heartbeat{});
+  return log.messages().at("duration_s");
 }
 
 TEST(ReplayLog, OneWrongStampAddsNoTime) {
@@ -45,27 +59,37 @@ TEST(ReplayLog, OneWrongStampAddsNoTime) {
 TEST(ReplayLog, TheModeIsTheAutopilotsAlone) {
   using mavlink::common::Heartbeat;
   using mavlink::common::MavAutopilot;
-  const cas::test::TemporaryFolder folder;
-  std::string bytes;
+  Log log;
   std::uint64_t stamp = 1'790'000'000'000'000;
   const auto add = [&](std::uint8_t component, MavAutopilot autopilot, std::uint32_t mode) {
     Heartbeat heartbeat;
     heartbeat.autopilot = autopilot;
     heartbeat.custom_mode = mode;
-    for (int shift = 56; shift >= 0; shift -= 8) bytes += static_cast<char>(stamp >> shift & 0xFFU);
-    stamp += 500'000;
-    mav::Encoder encode({1, component});
-    const auto packet = encode(heartbeat);
-    bytes.append(packet.begin(), packet.end());
+    log.add(stamp += 500'000, heartbeat, component);
   };
   for (int i = 0; i < 3; ++i) {
     add(154, MavAutopilot::kInvalid, 0);  // a gimbal
     add(1, MavAutopilot::kPx4, i < 2 ? 7 : 8);
   }
-  const auto states = logged_messages(folder.write("flight.tlog", bytes), 1, {}).at("states");
+  const auto states = log.messages().at("states");
   ASSERT_EQ(states.size(), 2U) << states;
   EXPECT_EQ(states[0][2], 7);
   EXPECT_EQ(states[1][2], 8);
+}
+
+TEST(ReplayLog, ALongTextIsOne) {
+  Log log;
+  mavlink::common::Statustext chunk;
+  chunk.id = 7;
+  const std::string full(chunk.text.size(), 'a');
+  mav::set_text(chunk.text, full);
+  log.add(1'790'000'000'000'000, chunk);
+  chunk.chunk_seq = 1;
+  mav::set_text(chunk.text, "end");
+  log.add(1'790'000'001'000'000, chunk);
+  const auto texts = log.messages().at("texts");
+  ASSERT_EQ(texts.size(), 1U) << texts;
+  EXPECT_EQ(texts[0][2], full + "end");
 }
 
 }  // namespace
