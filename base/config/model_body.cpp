@@ -57,7 +57,7 @@ std::optional<ModelBody> read_model_body(const std::filesystem::path& file) {
 bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
   if (!inertia.allFinite() || !inertia.isApprox(inertia.transpose())) return false;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia, Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d moments = solver.eigenvalues();  // rising
+  const Eigen::Vector3d& moments = solver.eigenvalues();  // rising
   return moments[0] > 0 && moments[2] <= moments[0] + moments[1] + kTriangleSlack * moments[2];
 }
 
