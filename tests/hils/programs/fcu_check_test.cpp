@@ -59,6 +59,12 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Fault{"NoDevice", [](FcuFacts& f) { f.link_up = false; }, true, "cannot be opened"},
         Fault{"Silent", [](FcuFacts& f) { f.heard = false; }, true, "no HEARTBEAT"},
+        Fault{"OtherSystem",
+              [](FcuFacts& f) {
+                f.heard = false;
+                f.system = 2;
+              },
+              true, "no HEARTBEAT of system 2 came"},
         Fault{"NotInHil", [](FcuFacts& f) { f.hil = false; }, true, "propellers"},
         Fault{"HitlOff", [](FcuFacts& f) { f.sys_hitl = 0; }, true, "SYS_HITL is 0"},
         Fault{"Armed", [](FcuFacts& f) { f.armed = true; }, true, "armed already"},
