@@ -80,7 +80,9 @@ TEST_F(PlotData, AReportWithPlotsHasTheScriptOnce) {
 
 TEST_F(PlotData, MapsAndPagesThatWereNotBuiltLeaveTheDrawing) {
   EXPECT_EQ(plot_block({.equal_scales = true}), "");
-  ::setenv("CAS_WEB_PATH", "/nowhere", 1);
+  const cas::test::TemporaryFolder older;  // a page without this script
+  older.write("index.html", "");
+  ::setenv("CAS_WEB_PATH", older.path().c_str(), 1);
   EXPECT_EQ(plot_block({}), "");
 }
 

@@ -117,7 +117,7 @@ class App extends Part {
   private limits(): TemplateResult {
     const {bench} = page;
     const {verdict} = bench;
-    const since = bench.measured ? `RMS from ${fixed(bench.measured[0], 1)} s` : '';
+    const since = bench.measured ? 'RMS · % left' : '';
     if (!verdict || verdict.rows.length === 0) {
       return html`<div class="sect"><h2>Limits</h2><p>${page.source.player ? 'This log has no limits.' : 'No run of hils is flown here: nothing is judged.'}</p></div>`;
     }
@@ -133,7 +133,7 @@ class App extends Part {
           <span class="bar"><b .style=${`width:${(Math.min(1, Math.max(0, share)) * 100).toFixed(1)}%`}></b></span>
           ${other ? html`<span class="mut">${fixed(beside?.value, digits)}</span>` : nothing}
           <span>${row.value === null ? (verdict.state === 'running' ? html`<em>at the end</em>` : '–') : fixed(row.value, digits)} <em>of ${row.limit}${
-            row.unit ? ` ${row.unit}` : ''}${row.margin == null || other ? '' : `, ${fixed(row.margin, digits)} left`}</em></span></div>`;
+            row.unit ? ` ${row.unit}` : ''}${row.margin == null || !row.limit || other ? '' : ` · ${fixed((100 * row.margin) / Math.abs(row.limit), 0)} %`}</em></span></div>`;
       })}</div>
       ${verdict.touched.length > 0 ? html`<p class="touched">Touched: ${clean(verdict.touched.slice(0, 3).join('; '))}${
         verdict.touched.length > 3 ? ` and ${verdict.touched.length - 3} more` : ''}</p>` : nothing}

@@ -76,7 +76,7 @@ test('a run is watched, touched and judged in the browser', {skip: missing.lengt
 
     const flown = await until(page, 'the reference is there, and the vehicle near it', (now) => now.reference !== undefined && now.vehicles[0]!.p![2] > 1.5);
     assert.ok(Math.abs(flown.reference!.p_W[2] - 2.5) < 0.5);
-    await page.getByText(/of 2 m, .* left/).first().waitFor();
+    await page.getByText(/of 2 m · .* %/).first().waitFor();
     assert.deepEqual(errors, []);
     await until(page, 'the verdict is told', (now) => ['passed', 'failed', 'invalid'].includes(now.verdict ?? ''));
     await ended;

@@ -254,7 +254,7 @@ test('a run shows its reference, its limits so far, faults by hand and the verdi
   const {page, errors} = await open(server);
   const now = await until(page, 'the reference is there', (each) => each.reference !== undefined && each.verdict === 'running');
   assert.ok(Math.abs(now.reference!.p_W[1] - now.vehicles[0]!.p![1] - 0.3) < 0.02, 'in the moment of the picture: 0.2 m and 0.1 s at 1 m/s');
-  await page.getByText('0.10 of 0.5 m, 0.40 left').waitFor();
+  await page.getByText('0.10 of 0.5 m · 80 %').waitFor();
   await page.getByText('at the end').first().waitFor();
   assert.equal(await page.getByText('touched', {exact: true}).count(), 0);
   await page.getByRole('button', {name: 'No GPS'}).click();
