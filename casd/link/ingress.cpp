@@ -36,8 +36,11 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   route.info.waited = waited;
   account(route, packet, now);
-  // What others have a vehicle do, and its answers, casd's station hears too: it shall not undo it.
-  if (route.to != 0 && may_be_act(packet.message_id)) route.to |= bit(kLocalLink);
+  // What others have a vehicle do, and its answers to stations that casd does not know or does not
+  // serve, casd's station hears too: it shall not undo it.
+  if (route.decision != Route::Decision::kDuplicate && may_be_act(packet.message_id)) {
+    route.to |= bit(kLocalLink);
+  }
   if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
 }
 

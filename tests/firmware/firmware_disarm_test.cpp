@@ -13,6 +13,15 @@ bool is_armed_heartbeat(const mav::PacketView& packet) {
          has(heartbeat->base_mode, mv::MavModeFlag::kSafetyArmed);
 }
 
+mv::CommandLong command_to_vehicle(mv::MavCmd id, float param1 = 0, float param2 = 0) {
+  mv::CommandLong command;
+  command.target_system = command.target_component = 1;
+  command.command = id;
+  command.param1 = param1;
+  command.param2 = param2;
+  return command;
+}
+
 struct Kill {
   const char* name;
   mv::MavCmd command;
@@ -28,12 +37,7 @@ TEST_P(FirmwareDisarmByStation, IsNotUndone) {
   start("taciturn");
   const auto code = fly([&](const mav::PacketView& packet) {
     if (!is_armed_heartbeat(packet)) return;
-    mv::CommandLong command;
-    command.target_system = command.target_component = 1;
-    command.command = kill.command;
-    command.param1 = kill.param1;
-    command.param2 = kill.param2;
-    say(command);
+    say(command_to_vehicle(kill.command, kill.param1, kill.param2));
   });
   EXPECT_EQ(code, 1) << output();
   EXPECT_TRUE(says("the vehicle was disarmed from outside (255/190 on link gcs: " +
@@ -51,6 +55,25 @@ INSTANTIATE_TEST_SUITE_P(Commands, FirmwareDisarmByStation,
                                          Kill{"FlightTermination", mv::MavCmd::kDoFlighttermination,
                                               1, 0, "command 185 (end the flight)"}),
                          [](const auto& test) { return test.param.name; });
+
+/// casd hears of it by the vehicle's answer alone.
+TEST_F(FirmwareDisarm, ByAStationThatCasdDoesNotHearIsNotUndone) {
+  const std::uint16_t port = free_udp_port();
+  UdpPeer other;
+  other.set_remote(port);
+  mav::Encoder as_other{{200, 190}};
+  start("taciturn, '" + std::to_string(port) + "'");
+  const auto code = fly([&](const mav::PacketView& packet) {
+    if (!is_armed_heartbeat(packet)) return;
+    other.send(as_other(command_to_vehicle(mv::MavCmd::kComponentArmDisarm)));
+  });
+  EXPECT_EQ(code, 1) << output();
+  EXPECT_TRUE(
+      says("the vehicle was disarmed from outside (200/190 on link px4: command 400 (arm or "
+           "disarm), by the vehicle's answer to it); hils does not arm it again"))
+      << output();
+  EXPECT_EQ(armings(), 1) << output();
+}
 
 TEST_F(FirmwareDisarm, AtTheBoardIsNotUndone) {
   start("stopped");

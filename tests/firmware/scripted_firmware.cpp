@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The scripted peers as programs, for hils and for trying things by hand.
 //
-//   scripted_firmware px4-sitl PORT LOCAL REMOTE [WORD]   simulator's TCP port; UDP ports of the
-//                                                         ground station's link; see px4_options()
+//   scripted_firmware px4-sitl PORT LOCAL REMOTE [WORD [OTHER]]
+//                                     simulator's TCP port; UDP ports of the ground station's link;
+//                                     see px4_options(); UDP port for a station that casd does not
+//                                     hear: the answers to it go over the other link, too
 //   scripted_firmware px4-hitl TTY
 //   scripted_firmware ardupilot PORT REMOTE               simulator's UDP port; ground station's
 #include <arpa/inet.h>
@@ -32,12 +34,17 @@ sockaddr_in loopback(int port) {
   return address;
 }
 
-/// A UDP socket that sends to one port of this machine.
-int open_udp(int local, int remote) {
+int receive_udp(int local) {
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
   const sockaddr_in here = loopback(local);
-  const sockaddr_in there = loopback(remote);
   if (::bind(fd, reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0) std::perror("bind");
+  return fd;
+}
+
+/// A UDP socket that sends to one port of this machine.
+int open_udp(int local, int remote) {
+  const int fd = receive_udp(local);
+  const sockaddr_in there = loopback(remote);
   ::connect(fd, reinterpret_cast<const sockaddr*>(&there), sizeof there);
   return fd;
 }
@@ -90,14 +97,16 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   return {};
 }
 
-int px4_sitl(int port, int local, int remote, const std::string& word) {
+/// @param other  UDP port for a second station; 0: none
+int px4_sitl(int port, int local, int remote, const std::string& word, int other) {
   const int ground = open_udp(local, remote);
+  const int second = other == 0 ? -1 : receive_udp(other);
   const int simulator = connect_tcp(port);
   ScriptedPx4 px4(px4_options(word), to(simulator), to(ground));
   px4.on_connected();
   Buffer buffer;
   for (;;) {
-    std::array<pollfd, 2> ends{pollfd{simulator, POLLIN, 0}, pollfd{ground, POLLIN, 0}};
+    std::array<pollfd, 3> ends{{{simulator, POLLIN, 0}, {ground, POLLIN, 0}, {second, POLLIN, 0}}};
     ::poll(ends.data(), ends.size(), 1000);
     if (ends[0].revents != 0) {
       const auto bytes = read_from(simulator, buffer);
@@ -105,6 +114,7 @@ int px4_sitl(int port, int local, int remote, const std::string& word) {
       px4.on_simulator_bytes(bytes, px4.clock());
     }
     if (ends[1].revents != 0) px4.on_ground_bytes(read_from(ground, buffer), px4.clock());
+    if (ends[2].revents != 0) px4.on_ground_bytes(read_from(second, buffer), px4.clock());
   }
 }
 
@@ -153,8 +163,9 @@ int main(int argc, char** argv) {
   using namespace cas::test;
   const std::string kind = argc > 1 ? argv[1] : "";
   const auto number = [&](int i) { return std::atoi(argv[i]); };
-  if (kind == "px4-sitl" && (argc == 5 || argc == 6)) {
-    return px4_sitl(number(2), number(3), number(4), argc == 6 ? argv[5] : "");
+  if (kind == "px4-sitl" && argc >= 5 && argc <= 7) {
+    return px4_sitl(number(2), number(3), number(4), argc > 5 ? argv[5] : "",
+                    argc > 6 ? number(6) : 0);
   }
   if (kind == "px4-hitl" && argc == 3) return px4_hitl(argv[2]);
   if (kind == "ardupilot" && argc == 4) return ardupilot(number(2), number(3));

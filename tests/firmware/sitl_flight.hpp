@@ -31,9 +31,17 @@ inline constexpr base::Duration kFlightPatience = std::chrono::minutes(3);
 /// programs, as fast as they can, and this process as a ground station.
 class SitlFlight : public testing::Test {
  protected:
-  /// @param word  how the scripted PX4 is to behave
+  static constexpr const char* kOneFlight = R"(  - takeoff: {altitude_m: 2, timeout_s: 200}
+  - hold: {duration_s: 1, measure: true}
+  - land: {timeout_s: 100}
+  - disarm: {timeout_s: 50}
+)";
+
+  /// @param word  how the scripted PX4 is to behave, and what else it is told
   /// @param more  further keys of the scenario
-  void start(const std::string& word, const std::string& more = "") {
+  /// @param steps  after the arming
+  void start(const std::string& word, const std::string& more = "",
+             const std::string& steps = kOneFlight) {
     ports_.ground_station = std::to_string(free_udp_port());
     folder_.write("world.yaml",
                   with_whole_paths(replaced(px4_sitl_world(ports_), "\nspeed: 1\n", "\n")));
@@ -46,11 +54,7 @@ topology: topology.yaml
 not_hil: true
 steps:
   - arm: {timeout_s: 100}
-  - takeoff: {altitude_m: 2, timeout_s: 200}
-  - hold: {duration_s: 1, measure: true}
-  - land: {timeout_s: 100}
-  - disarm: {timeout_s: 50}
-)" + more + R"(
+)" + steps + more + R"(
 firmware: {command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, " +
                                            ports_.arguments() + ", " + word + "]}\n");
     hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),
