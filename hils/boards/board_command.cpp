@@ -282,10 +282,17 @@ int BoardCommand::run() const {
   const std::string verb = "hils board " + flags.board->get_subcommands().front()->get_name();
   const std::string command = fmt::format("{}", fmt::join(flags.command, " "));
   const std::string purpose = flags.purpose.empty() ? command : flags.purpose;
-  BoardLock lock(board, folder, purpose.empty() ? verb : verb + ": " + purpose,
+  const bool emergency = flags.power->parsed() && flags.power_state == "off";
+  std::optional<BoardLock> lock;
+  try {
+    lock.emplace(board, folder, purpose.empty() ? verb : verb + ": " + purpose,
                  parse_wait(flags.wait));
+  } catch (const BoardError& error) {
+    if (!emergency) throw;
+    fmt::print(stderr, "hils: {}; its power is cut all the same\n", error.what());
+  }
   if (flags.lock->parsed()) {
-    return hold(std::move(lock), board, flags.command, std::chrono::seconds(flags.at_most_s));
+    return hold(std::move(*lock), board, flags.command, std::chrono::seconds(flags.at_most_s));
   }
   if (flags.console->parsed()) {
     const auto device = find_device(board, list.by_id).value_or(fs::path());

@@ -198,11 +198,22 @@ TEST(BoardProgram, HoldsABoardUntilItIsUnlocked) {
   EXPECT_EQ(shelf.board({"power", "off", "a"}).code, 0);
 }
 
+TEST(BoardProgram, CutsThePowerOfABoardThatSomebodyHolds) {
+  const BoardShelf shelf;
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  ASSERT_EQ(shelf.board({"lock", "a", "--for", "the night"}).code, 0);
+  const ShelfAnswer off = shelf.board({"power", "off", "a"});
+  EXPECT_EQ(off.code, 0) << off.text;
+  EXPECT_SAYS(off, ": hils board lock: the night; its power is cut all the same");
+  EXPECT_FALSE(listed(shelf).at("present"));
+  EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
+}
+
 TEST(BoardProgram, FreesTheBoardOfAHolderThatWasKilled) {
   const BoardShelf shelf;
   ASSERT_EQ(shelf.board({"lock", "a"}).code, 0);
   ASSERT_EQ(::kill(listed(shelf).at("holder").at("pid").get<int>(), SIGKILL), 0);
-  EXPECT_TRUE(wait_until([&] { return shelf.board({"power", "off", "a"}).code == 0; }));
+  EXPECT_TRUE(wait_until([&] { return !listed(shelf).at("held").get<bool>(); }));
 }
 
 TEST(BoardProgram, HoldsABoardWhileACommandRuns) {
@@ -242,7 +253,7 @@ TEST(BoardProgram, GivesABoardToWaitersInTheOrderOfTheirComing) {
     ASSERT_TRUE(wait_until([&] { return listed(shelf).at("waiting") == waiters.size(); }))
         << waiters.back()->output();
   }
-  const ShelfAnswer late = shelf.board({"power", "off", "a", "--wait=0.3"});
+  const ShelfAnswer late = shelf.board({"power", "on", "a", "--wait=0.3"});
   EXPECT_EQ(late.code, kBusy) << late.text;
   EXPECT_SAYS(late, "board 'a' is not free after 0.3 s: ");
   EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
