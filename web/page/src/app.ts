@@ -4,45 +4,11 @@ import {kStale_s} from './bench.ts';
 import {actions} from './commands.ts';
 import {age, clean, clock, fixed, minutes} from './numbers.ts';
 import {page, Part, setTheme, theme} from './page.ts';
-import type {Verdict, VerdictRow} from './protocol.ts';
 import {jump, nextSpeed} from './timeline.ts';
+import {shownRows, verdictText} from './verdict.ts';
 import type {World} from './world.ts';
 
 const kTabs = ['Messages', 'Plots', 'Gains', 'Log'];
-
-/** Rows for the panel: the position first, several of a kind as their worst. */
-export function shownRows(rows: VerdictRow[]): VerdictRow[] {
-  const bounded = rows.filter((row) => row.limit !== null);
-  const share = (row: VerdictRow) => (row.value === null ? Infinity : row.least ? -row.value : row.value / Math.max(1e-12, row.limit!));
-  const kinds: [RegExp, string][] = [[/ lost$/, 'lost'], [/ rate off$/, 'rate off'], [/ delivered$/, 'delivered']];
-  const result: VerdictRow[] = [];
-  for (const row of bounded) {
-    const kind = kinds.find(([pattern]) => pattern.test(row.name));
-    if (!kind) {
-      result.push(row);
-      continue;
-    }
-    const known = result.find((each) => each.name === kind[1]);
-    if (!known) result.push({...row, name: kind[1]});
-    else if (share(row) > share(known)) Object.assign(known, row, {name: kind[1], missed: row.missed || known.missed});
-    else known.missed = known.missed || row.missed;
-  }
-  const order = ['north', 'east', 'up', 'yaw', 'lost'];
-  const rank = (row: VerdictRow) => (order.indexOf(row.name) + 1 || order.length + 1);
-  return result.sort((a, b) => rank(a) - rank(b));
-}
-
-/** "Passed, 5 of 5 limits". */
-export function verdictText(verdict: Verdict): {text: string; tone: '' | 'red' | 'amber'} {
-  const bounded = verdict.rows.filter((row) => row.limit !== null);
-  const missed = verdict.rows.filter((row) => row.missed).length;
-  if (verdict.state === 'invalid') return {text: `No verdict: ${verdict.sentences[0] ?? 'the run does not count'}`, tone: 'amber'};
-  if (verdict.state === 'failed') return {text: missed > 0 ? `Failed, ${missed} missed` : 'Failed', tone: 'red'};
-  if (verdict.state === 'passed') return {text: `Passed, ${bounded.length} of ${bounded.length} limits`, tone: ''};
-  if (missed > 0) return {text: `${missed} limits missed so far`, tone: 'red'};
-  const known = bounded.filter((row) => row.value !== null).length;
-  return {text: known === 0 ? 'Not measured yet' : `${known} limits kept so far`, tone: ''};
-}
 
 class App extends Part {
   protected override render() {
@@ -93,7 +59,7 @@ class App extends Part {
           clean(state.mode ?? '–')}${landed ? ` · ${landed}` : ''}${old ? ` · ${age(state.heartbeat_age_s!)}` : ''}</span>` : html`<span class="mut">no vehicle heard</span>`}
       </span><span class="grow"></span>
       ${bench.verdict?.touched.length ? html`<span class="pill amber" role="note" aria-label="A person acted in this run">touched</span>` : nothing}
-      ${verdict ? html`<span class=${`pill ${verdict.tone}`}><span>${verdict.tone ? '' : html`<span class="tick">✓</span> `}${clean(verdict.text)}</span></span>` : nothing}
+      ${verdict ? html`<span class=${`pill ${verdict.tone}`}><span>${verdict.ticked ? html`<span class="tick">✓</span> ` : ''}${clean(verdict.text)}</span></span>` : nothing}
       <button class="ib optional" aria-label=${`Theme: ${theme()}`} @click=${() => setTheme(theme() === 'dark' ? 'light' : 'dark')}>◐</button>
       <button class="ib optional" aria-label="Keys" @click=${() => this.help()}>?</button>
     </header>`;
@@ -117,11 +83,12 @@ class App extends Part {
   private limits(): TemplateResult {
     const {bench} = page;
     const {verdict} = bench;
+    const open = verdict?.state === 'running' || verdict?.state === 'lost';
     const since = bench.measured ? 'RMS · % left' : '';
     if (!verdict || verdict.rows.length === 0) {
-      return html`<div class="sect"><h2>Limits</h2><p>${page.source.player ? 'This log has no limits.' : 'No run of hils is flown here: nothing is judged.'}</p></div>`;
+      return html`<div class="sect"><h2>Limits</h2><p>${verdict && bench.run ? `The run has no limits for vehicle ${bench.vehicle?.system ?? '–'}.` : page.source.player ? 'This log has no limits.' : 'No run of hils is flown here: nothing is judged.'}</p></div>`;
     }
-    const words = {running: 'Limits so far', passed: 'Verdict: passed', failed: 'Verdict: failed', invalid: 'No verdict'};
+    const words = {running: 'Limits so far', passed: 'Verdict: passed', failed: 'Verdict: failed', invalid: 'No verdict', lost: 'Limits, as heard last'};
     const other = bench.besideVerdict;
     const others = other ? shownRows(other.rows) : [];
     return html`<div class="sect"><h2>${words[verdict.state]} <small>${other ? 'A · B' : since}</small></h2>
@@ -132,12 +99,12 @@ class App extends Part {
         return html`<div class=${`lim ${row.missed ? 'missed' : ''} ${other ? 'two-runs' : ''}`}><span class="sec">${row.name}</span>
           <span class="bar"><b .style=${`width:${(Math.min(1, Math.max(0, share)) * 100).toFixed(1)}%`}></b></span>
           ${other ? html`<span class="mut">${fixed(beside?.value, digits)}</span>` : nothing}
-          <span>${row.value === null ? (verdict.state === 'running' ? html`<em>at the end</em>` : '–') : fixed(row.value, digits)} <em>of ${row.limit}${
+          <span>${row.value === null ? (open ? html`<em>at the end</em>` : '–') : fixed(row.value, digits)} <em>of ${row.limit}${
             row.unit ? ` ${row.unit}` : ''}${row.margin == null || !row.limit || other ? '' : ` · ${fixed((100 * row.margin) / Math.abs(row.limit), 0)} %`}</em></span></div>`;
       })}</div>
       ${verdict.touched.length > 0 ? html`<p class="touched">Touched: ${clean(verdict.touched.slice(0, 3).join('; '))}${
         verdict.touched.length > 3 ? ` and ${verdict.touched.length - 3} more` : ''}</p>` : nothing}
-      ${verdict.state !== 'running' ? verdict.sentences.slice(0, 3).map((sentence) => html`<p class="bad">${clean(sentence)}</p>`) : nothing}</div>`;
+      ${!open ? verdict.sentences.slice(0, 3).map((sentence) => html`<p class="bad">${clean(sentence)}</p>`) : nothing}</div>`;
   }
 
   /** In a record: what the paper measured in the same place. */

@@ -88,7 +88,7 @@ export class Bench {
   beside: (SimVehicle | undefined)[] = [];
   besideVerdict?: Verdict;
   besideName = '';
-  selected = 0;
+  private selectedSystem_?: number;
   scene?: Scene;
   wind_W?: Vec3;
   links?: SnapLinks;
@@ -101,6 +101,8 @@ export class Bench {
   bounds: {loop_p99_ms?: number} = {};
   /** The run of hils that is flown, or was. */
   run?: RunStatus;
+  /** Seconds since it was heard. */
+  runAge_s = 0;
   private verdict_?: Verdict;
   /** Faults that may be begun by hand. */
   faultKinds: string[] = [];
@@ -118,6 +120,14 @@ export class Bench {
   /** Errors of the page itself. */
   faultsOfPage: string[] = [];
 
+  /** Place of the vehicle that is looked at; it is kept by its system id. */
+  get selected(): number {
+    return Math.max(0, this.vehicles.findIndex(({system}) => system === this.selectedSystem_));
+  }
+  set selected(i: number) {
+    this.selectedSystem_ = this.vehicles[i]?.system;
+  }
+
   get vehicle(): BenchVehicle | undefined {
     return this.vehicles[this.selected];
   }
@@ -126,11 +136,17 @@ export class Bench {
   get verdict(): Verdict | undefined {
     const {run} = this;
     if (!run) return this.verdict_;
-    const own = run.vehicles.find(({system}) => system === this.vehicle?.system) ?? run.vehicles[0];
+    const own = run.vehicles.find(({system}) => system === this.vehicle?.system);
     return {
-      state: run.state, rows: rowsOf(own?.checks ?? []), sentences: run.sentences,
+      state: this.runIsLost ? 'lost' : run.state, age_s: this.runAge_s, rows: rowsOf(own?.checks ?? []),
+      every: run.vehicles.flatMap(({checks}) => rowsOf(checks)), sentences: run.sentences,
       touched: run.touched.map(({by, what}) => `${what} by ${by}`),
     };
+  }
+  /** Nothing is known any more of a run that goes on: neither of its limits nor of its end. */
+  private get runIsLost(): boolean {
+    if (this.run?.state !== 'running') return false;
+    return this.connection !== 'live' || this.old.has('verdict') || this.programs.some(({name, state}) => name === 'hils' && state !== 'up');
   }
   set verdict(verdict: Verdict | undefined) {
     this.verdict_ = verdict;
@@ -192,7 +208,7 @@ export class Bench {
       };
     });
     const others = before.filter(({state, system}) => state && !now.some((each) => each.system === system));
-    this.setVehicles([...now, ...others.map(({name, system, state}) => ({name, system, state}))]);
+    this.vehicles = [...now, ...others.map(({name, system, state}) => ({name, system, state}))];
   }
 
   /** Seconds go by without a word of casd. */
@@ -322,11 +338,6 @@ export class Bench {
     this.paused = false;
   }
 
-  private setVehicles(vehicles: BenchVehicle[]): void {
-    this.vehicles = vehicles;
-    this.selected = Math.max(0, Math.min(this.selected, vehicles.length - 1));
-  }
-
   private onVehicle(snap: {vehicles: {state: VehicleState}[]}): void {
     for (const vehicle of this.vehicles) vehicle.state = undefined;
     for (const {state} of snap.vehicles) {
@@ -336,7 +347,7 @@ export class Bench {
       vehicle.state = state;
       if (this.scene?.home) vehicle.origin_W = originOfN(state, this.scene.home) ?? vehicle.origin_W;
     }
-    this.setVehicles(this.vehicles.filter(({scene, sim, state}) => scene ?? sim ?? state));
+    this.vehicles = this.vehicles.filter(({scene, sim, state}) => scene ?? sim ?? state);
   }
 
   private onReference(snap: SnapRef): void {

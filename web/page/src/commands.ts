@@ -19,12 +19,13 @@ export function refuseGoto(): void {
 export const actions = {
   land: () => void page.command('vehicle.land'),
   hold: () => void page.command('vehicle.hold'),
-  arm: () => page.ask(`Arm vehicle ${page.bench.vehicle?.system}?`, 'Arm', () => void page.command('vehicle.arm')),
-  takeoff: () => page.ask(`Take off to ${fixed(kTakeoff_m, 1)} m?`, 'Take off', () => void page.command('vehicle.takeoff', {altitude_m: kTakeoff_m})),
+  arm: () => page.ask(`Arm vehicle ${page.bench.vehicle?.system}?`, 'Arm', (vehicle) => void page.command('vehicle.arm', {vehicle})),
+  takeoff: () => page.ask(`Take off to ${fixed(kTakeoff_m, 1)} m?`, 'Take off',
+    (vehicle) => void page.command('vehicle.takeoff', {vehicle, altitude_m: kTakeoff_m})),
   goto: () => {
     if (!page.bench.originOf()) return refuseGoto();
     const up = page.bench.motion()?.motion.p[2] ?? kTakeoff_m;
-    page.goto = page.goto ? null : {north_m: 0, east_m: 0, up_m: Math.max(1, Math.round(up * 4) / 4)};
+    page.goto = page.goto ? null : {vehicle: page.bench.vehicle?.system, north_m: 0, east_m: 0, up_m: Math.max(1, Math.round(up * 4) / 4)};
     page.redraw();
   },
   disarm: () => void page.command('vehicle.disarm'),
@@ -34,6 +35,7 @@ export const actions = {
 class Commands extends Part {
   private readonly hold = new Hold(kHoldDown_s);
   private held?: Element;
+  private heldVehicle?: number;
   /** No frame is drawn in a hidden tab, and no end of the press seen. */
   private readonly onHidden = () => this.hold.up();
 
@@ -48,14 +50,15 @@ class Commands extends Part {
 
   protected override frame(now_s: number): void {
     if (page.question && now_s > page.question.until_s) page.answer(false);
-    if (!this.held?.isConnected) this.hold.up();
-    if (this.hold.tick(now_s)) void page.command('vehicle.disarm', {force: true});
+    if (!this.held?.isConnected || this.heldVehicle !== page.bench.vehicle?.system) this.hold.up();
+    if (this.hold.tick(now_s)) void page.command('vehicle.disarm', {vehicle: this.heldVehicle, force: true});
   }
 
   protected override render() {
     const why = page.bench.interlock;
     return html`<div class="sect sticky" id="commands" tabindex="-1"><h2>Commands</h2>
       ${page.question ? this.question() : why ? html`<p>${why}</p>` : this.buttons()}
+      <cas-sticks></cas-sticks>
       ${page.refusal ? html`<p class="refused" role="alert">${clean(page.refusal)}</p>` : nothing}
       ${page.goto && !page.question ? html`<p>Click on the ground; the wheel changes the height, ${fixed(page.goto.up_m)} m up. Esc leaves.</p>` : nothing}
     </div>`;
@@ -91,11 +94,12 @@ class Commands extends Part {
         : flying ? html`<button class="dng" aria-label="Disarm in the air: hold for one second"
             @pointerdown=${this.down} @pointerup=${this.up} @pointercancel=${this.up} @lostpointercapture=${this.up}>Disarm<kbd>1 s</kbd></button>`
         : html`<button class="dng" @click=${actions.disarm}>Disarm</button>`}
-    </div><cas-sticks></cas-sticks>`;
+    </div>`;
   }
 
   private readonly down = (event: PointerEvent) => {
     this.held = event.currentTarget as Element;
+    this.heldVehicle = page.bench.vehicle?.system;
     this.held.setPointerCapture(event.pointerId);
     this.hold.down(page.now_s);
   };
@@ -173,7 +177,7 @@ class Gains extends Part {
           <input aria-label=${`New ${gain.toUpperCase()}`} inputmode="decimal" size="6" .value=${this.typed[gain] ?? ''}
             @input=${(event: Event) => { this.typed[gain] = (event.target as HTMLInputElement).value; }}></div>`)}
       <div class="btns"><button class="pri" @click=${() => this.apply()}>Apply</button>
-        <button ?disabled=${!this.undo} @click=${() => this.undo && void this.set(this.undo)}>Undo</button>
+        <button ?disabled=${!this.undo} @click=${() => this.undo && void this.set(this.undo, this.asked)}>Undo</button>
         <button ?disabled=${this.testing !== ''} @click=${() => this.askTest()}>Test a step</button></div>
       ${this.testing ? html`<p>${this.testing}</p>` : nothing}</div>
       ${this.curves.length > 0 ? html`<div class="sect">${this.drawCurves()}${this.table(this.curves.map((curve, i, all) =>
@@ -240,12 +244,12 @@ class Gains extends Part {
     }
     if (Object.keys(gains).length === 0) return;
     const words = Object.entries(gains).map(([gain, value]) => `${gain.toUpperCase()} ${value}`).join(', ');
-    page.ask(`Set ${this.loop} ${words}?`, 'Set', () => void this.set(gains));
+    page.ask(`Set ${this.loop} ${words}?`, 'Set', (vehicle) => void this.set(gains, vehicle));
   }
 
-  private async set(gains: Record<string, number>): Promise<void> {
+  private async set(gains: Record<string, number>, vehicle: number | undefined): Promise<void> {
     try {
-      const answer = (await page.source.call('gain.set', {vehicle: page.bench.vehicle?.system, loop: this.loop, ...gains})) as GainAnswer;
+      const answer = (await page.source.call('gain.set', {vehicle, loop: this.loop, ...gains})) as GainAnswer;
       this.undo = answer.before ?? null;
       this.values = answer;
     } catch (error) {

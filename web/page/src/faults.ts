@@ -45,7 +45,7 @@ class Faults extends Part {
     const {for_s} = this;
     (document.activeElement as HTMLElement | null)?.blur();  // Enter answers
     page.ask(`${words} vehicle ${page.bench.vehicle?.system} for ${for_s} s?`, 'Begin',
-      () => void page.command('fault.inject', {name: text, ...params(for_s), for_s}));
+      (vehicle) => void page.command('fault.inject', {vehicle, name: text, ...params(for_s), for_s}));
   }
 }
 customElements.define('cas-faults', Faults);

@@ -138,6 +138,7 @@ export class LiveSource implements Source {
     const server = (await this.call('hello', {protocol: 2, nonce: pageNonce})) as {nonce: string; proof: string};
     const context = {place: location.host, pageNonce, serverNonce: server.nonce};
     if (server.proof !== tokenProof(token, 'server', context)) {
+      sessionStorage.removeItem('token');
       this.socket?.close();
       throw new Error(kUnknownToken);
     }
@@ -175,6 +176,7 @@ export class LiveSource implements Source {
     this.began_s ??= now_s;
     bench.waiting_s = now_s - (this.lostAt_s ?? this.began_s);
     bench.simAge_s = bench.time_s !== null && !bench.paused ? Math.max(0, now_s - this.heardSim_s) : 0;
+    bench.runAge_s = now_s - (this.heard.get('verdict') ?? now_s);
     bench.old = oldTopics(this.heard, this.rates, now_s);
     if (bench.connection !== 'live') bench.simAge_s = Math.max(bench.simAge_s, bench.waiting_s);
     this.growOld(now_s);

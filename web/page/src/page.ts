@@ -10,7 +10,9 @@ export interface Question {
   text: string;
   yes: string;
   until_s: number;
-  act: () => void;
+  /** Whom it is about: it ends when another vehicle is looked at. */
+  vehicle?: number;
+  act: (vehicle: number | undefined) => void;
 }
 
 /** What all parts of the page share. */
@@ -27,18 +29,20 @@ export class Page {
   refusal = '';
   /** Commands under way: method -> when it began, s. */
   readonly underWay = new Map<string, number>();
-  goto: {north_m: number; east_m: number; up_m: number} | null = null;
+  goto: {vehicle?: number; north_m: number; east_m: number; up_m: number} | null = null;
   now_s = 0;
   readonly frames = new Set<(now_s: number) => void>();
   readonly slows = new Set<() => void>();
 
   /** Draws what is text: ten times a second, and at once after something was pressed. */
   redraw(): void {
+    if (this.question && this.question.vehicle !== this.bench.vehicle?.system) this.question = undefined;
+    if (this.goto && this.goto.vehicle !== this.bench.vehicle?.system) this.goto = null;
     for (const slow of this.slows) slow();
   }
 
-  ask(text: string, yes: string, act: () => void): void {
-    this.question = {text, yes, until_s: this.now_s + 5, act};
+  ask(text: string, yes: string, act: Question['act']): void {
+    this.question = {text, yes, until_s: this.now_s + 5, vehicle: this.bench.vehicle?.system, act};
     this.redraw();
   }
 
@@ -46,11 +50,11 @@ export class Page {
     const question = this.question;
     this.question = undefined;
     this.goto = null;
-    if (yes) question?.act();
+    if (yes && question && question.vehicle === this.bench.vehicle?.system) question.act(question.vehicle);
     this.redraw();
   }
 
-  /** Calls a method that changes something, and keeps what is refused. */
+  /** Calls a method that changes something, of the vehicle that is looked at unless `params` names it, and keeps what is refused. */
   async command(method: string, params: object = {}): Promise<void> {
     if (this.underWay.has(method)) return;
     this.refusal = '';

@@ -144,8 +144,14 @@ export interface VerdictRow {
 }
 
 export interface Verdict {
-  state: 'running' | 'passed' | 'failed' | 'invalid';
+  /** lost: it was running, and is heard no more. */
+  state: 'running' | 'passed' | 'failed' | 'invalid' | 'lost';
+  /** Seconds since it was told, for a run that is lost. */
+  age_s?: number;
+  /** Of the vehicle that is looked at. */
   rows: VerdictRow[];
+  /** Of all vehicles of the run. */
+  every?: VerdictRow[];
   sentences: string[];
   /** What people did to the run by hand, in words. */
   touched: string[];
@@ -178,7 +184,7 @@ export interface SnapRef {
 export interface RunStatus {
   name: string;
   seed: number;
-  state: Verdict['state'];
+  state: Exclude<Verdict['state'], 'lost'>;
   sentences: string[];
   touched: {by: string; what: string}[];
   stages: Stage[];

@@ -4,6 +4,8 @@
 const kPeriod_s = 0.05;
 /** After so long without an answer the sticks are let go. */
 const kSilence_s = 0.5;
+/** So many may be without an answer: more would only lie in queues. */
+const kMostOpen = 5;
 const kDead = 0.06;
 
 export interface SticksAt {
@@ -22,33 +24,34 @@ export function sticksOf(axes: readonly number[]): SticksAt {
   return {yaw: axis(0), throttle: (1 - axis(1)) / 2, roll: axis(2), pitch: 0 - axis(3)};
 }
 
-/** When sticks are sent, and when they are let go: after half a second without an answer. */
+/** When sticks are sent, and when they are let go: when one has had no answer for half a second. */
 export class StickPace {
   private next_s = 0;
-  private asked_s: number | null = null;
+  /** When those were sent that have no answer yet, the oldest first: answers come in their order. */
+  private open_s: number[] = [];
   on = false;
 
   start(now_s: number): void {
     this.on = true;
     this.next_s = now_s;
-    this.asked_s = null;
+    this.open_s = [];
   }
   stop(): void {
     this.on = false;
   }
   answered(): void {
-    this.asked_s = null;
+    this.open_s.shift();
   }
   /** Whether to send now. */
   tick(now_s: number): boolean {
     if (!this.on) return false;
-    if (this.asked_s !== null && now_s - this.asked_s > kSilence_s) {
+    if (now_s - (this.open_s[0] ?? now_s) > kSilence_s) {
       this.on = false;
       return false;
     }
-    if (now_s < this.next_s) return false;
+    if (now_s < this.next_s || this.open_s.length >= kMostOpen) return false;
     this.next_s = Math.max(this.next_s + kPeriod_s, now_s);
-    this.asked_s ??= now_s;
+    this.open_s.push(now_s);
     return true;
   }
 }

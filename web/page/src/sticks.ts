@@ -7,6 +7,8 @@ import {StickPace, sticksOf} from './stick_pace.ts';
 class Sticks extends Part {
   private readonly pace = new StickPace();
   private vehicle?: number;
+  /** Place of the gamepad that was asked for, and of no other. */
+  private pad?: number;
   private wasOn = false;
   /** A hidden tab draws no frame and sends nothing; it does not take them again by itself. */
   private readonly onHidden = () => this.pace.stop();
@@ -22,7 +24,7 @@ class Sticks extends Part {
   }
 
   protected override render() {
-    if (!gamepad() && !this.pace.on) return nothing;
+    if (!this.pace.on && (!anyPad() || page.bench.interlock || page.question)) return nothing;
     return html`<div class="btns"><button aria-pressed=${this.pace.on} @click=${this.toggle}>${this.pace.on ? 'Let go of the sticks' : 'Sticks'}</button></div>`;
   }
 
@@ -31,14 +33,17 @@ class Sticks extends Part {
       this.pace.stop();
       return this.requestUpdate();
     }
-    const vehicle = page.bench.vehicle?.system;
-    page.ask(`Fly vehicle ${vehicle} by the gamepad?`, 'Fly', () => void this.take(vehicle));
+    const pad = anyPad()?.index;
+    page.ask(`Fly vehicle ${page.bench.vehicle?.system} by the gamepad?`, 'Fly', (vehicle) => void this.take(vehicle, pad));
   };
 
-  private async take(vehicle: number | undefined): Promise<void> {
+  private async take(vehicle: number | undefined, pad: number | undefined): Promise<void> {
     try {
       await page.source.call('pilot.take', {vehicle});
+      const {bench} = page;
+      if (!this.isConnected || document.hidden || bench.interlock || bench.vehicle?.system !== vehicle) return;
       this.vehicle = vehicle;
+      this.pad = pad;
       this.pace.start(page.now_s);
     } catch (error) {
       page.refusal = error instanceof Error ? error.message : String(error);
@@ -47,7 +52,7 @@ class Sticks extends Part {
   }
 
   protected override frame(now_s: number): void {
-    const pad = gamepad();
+    const pad = padAt(this.pad);
     if (this.pace.on && (!pad || page.bench.interlock || this.vehicle !== page.bench.vehicle?.system)) this.pace.stop();
     if (this.pace.tick(now_s)) {
       page.source.call('vehicle.manual_control', {vehicle: this.vehicle, ...sticksOf(pad!.axes)}).then(() => this.pace.answered(), (error: unknown) => {
@@ -61,6 +66,15 @@ class Sticks extends Part {
 }
 customElements.define('cas-sticks', Sticks);
 
-function gamepad(): Gamepad | undefined {
-  return navigator.getGamepads?.().find((pad) => pad?.mapping === 'standard' && pad.axes.length >= 4) ?? undefined;
+function isUsable(pad: Gamepad | null | undefined): pad is Gamepad {
+  return pad?.mapping === 'standard' && pad.connected && pad.axes.length >= 4;
+}
+
+function anyPad(): Gamepad | undefined {
+  return navigator.getGamepads?.().find(isUsable) ?? undefined;
+}
+
+function padAt(index: number | undefined): Gamepad | undefined {
+  const pad = index === undefined ? undefined : navigator.getGamepads?.()[index];
+  return isUsable(pad) ? pad : undefined;
 }

@@ -108,12 +108,9 @@ export class World extends Part {
     const up_m = page.goto.up_m;
     const to = page.bench.inN([hit[0], hit[1], up_m]);
     if (!to) return refuseGoto();
-    page.goto = {north_m: hit[1], east_m: hit[0], up_m};
     const place = `${fixed(hit[1], 1)} north, ${fixed(hit[0], 1)} east, ${fixed(up_m, 1)} up`;
-    page.ask(`Go to ${place}?`, 'Go', () => {
-      void page.command('vehicle.goto', to);
-    });
-    page.goto = {north_m: hit[1], east_m: hit[0], up_m};
+    page.ask(`Go to ${place}?`, 'Go', (vehicle) => void page.command('vehicle.goto', {vehicle, ...to}));
+    page.goto = {...page.goto, north_m: hit[1], east_m: hit[0], up_m};
   };
   /** The wheel changes the height of the place. */
   private readonly wheeled = (event: WheelEvent) => {

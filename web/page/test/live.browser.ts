@@ -141,9 +141,10 @@ class FakeServer {
   }
 }
 
-async function open(server: FakeServer, width = 1280): Promise<{page: Page; errors: string[]}> {
+async function open(server: FakeServer, width = 1280, prepare?: () => void): Promise<{page: Page; errors: string[]}> {
   const page = await browser.newPage({viewport: {width, height: 800}, colorScheme: 'dark'});
   const errors = complaints(page);
+  if (prepare) await page.addInitScript(prepare);
   await server.serve(page);
   await page.goto(`${kAddress}/#k=secret-token`);
   await until(page, 'the bench is live', (now) => now.connection === 'live' && now.drawn === 'truth');
@@ -273,6 +274,24 @@ test('a run shows its reference, its limits so far, faults by hand and the verdi
   await page.close();
 });
 
+test('a gamepad flies the vehicle once it was answered, and is let go of', async () => {
+  const server = new FakeServer();
+  const {page, errors} = await open(server, 1280, () => {
+    const pad = {index: 1, mapping: 'standard', connected: true, axes: [0.5, -1, 0, 0], buttons: []};
+    Object.defineProperty(navigator, 'getGamepads', {value: () => [null, pad]});
+  });
+  const sent = () => server.calls.filter((call) => call.method === 'vehicle.manual_control');
+  await page.getByRole('button', {name: 'Sticks'}).click();
+  assert.equal((await scene(page)).question, 'Fly vehicle 1 by the gamepad?');
+  await page.getByRole('button', {name: /^Fly/}).click();
+  await until(page, 'sticks are sent', () => sent().length > 3);
+  assert.deepEqual(sent()[0]!.params, {vehicle: 1, yaw: 0.5, throttle: 1, roll: 0, pitch: 0});
+  await page.getByRole('button', {name: 'Let go of the sticks'}).click();
+  await page.getByText('The sticks were let go.').waitFor();
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
 test('a program that took the port of casweb learns nothing', async () => {
   const server = new FakeServer();
   server.isCasweb = false;
@@ -281,6 +300,7 @@ test('a program that took the port of casweb learns nothing', async () => {
   await page.goto(`${kAddress}/#k=secret-token`);
   await page.getByText('casweb does not know this token').waitFor();
   assert.ok(server.calls.every((call) => call.method === 'hello' && !call.params.proof && !call.params.token), JSON.stringify(server.calls));
+  assert.equal(await page.evaluate(() => sessionStorage.getItem('token')), null, 'the page forgets a token that this program could read');
   await page.close();
 });
 

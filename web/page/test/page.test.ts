@@ -7,12 +7,14 @@ import {fromHome, quaternionOf, rotate, rpyOf, slerp} from '../src/frames.ts';
 import {Hold} from '../src/hold.ts';
 import {measured} from '../src/measure.ts';
 import {age, clean, clock, delay, delayPair, fixed, grouped, minutes, tickStep} from '../src/numbers.ts';
+import {page} from '../src/page.ts';
 import type {VehicleState} from '../src/protocol.ts';
 import {makeNonce, tokenProof} from '../src/proof.ts';
 import {modeName, rowName, RunRecord, unpack} from '../src/record.ts';
 import {RecordSource} from '../src/record_source.ts';
 import {between, decode, indexAt, Ring} from '../src/series.ts';
 import {StickPace, sticksOf} from '../src/stick_pace.ts';
+import {verdictText} from '../src/verdict.ts';
 import {kDuration_s, kLossSecond, makeRecord, pack, placeAt} from './fixture.ts';
 
 const near = (a: number, b: number, within = 1e-6) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
@@ -195,6 +197,65 @@ test('two points of a plot have a distance in the words of its axes', () => {
   assert.equal(measured({x: 1, y: 2}, {x: 1, y: 1}, 'simulated time, s', 'error'), 'Between the points: 0.0000 s, −1.0000 ');
 });
 
+test('a tick is for what has passed, and a run that is heard no more is lost', () => {
+  const check = (value: number | null, kept = true) => ({
+    what: 'RMS error of the true position, x_m', validity: false, value, bound: 0.5, least: false, unit: 'm', digits: 4, found: '', wanted: '', judged: true, kept,
+  });
+  const run = (state: string, first: object, second: object) => ({
+    name: 'hover', seed: 1, state, sentences: ['hils ended'], touched: [], stages: [],
+    vehicles: [{name: 'one', system: 1, checks: [first]}, {name: 'two', system: 2, checks: [second]}],
+  });
+  const bench = new Bench();
+  bench.connection = 'live';
+  bench.programs = [{name: 'hils', state: 'up'}];
+  bench.vehicles = [1, 2, 7].map((system) => ({name: `${system}`, system}));
+  const said = () => verdictText(bench.verdict!);
+  bench.apply('snap.verdict', run('running', check(null), check(null)));
+  assert.deepEqual(said(), {text: 'Not measured yet', tone: 'grey', ticked: false});
+  bench.apply('snap.verdict', run('running', check(0.1), check(null)));
+  assert.deepEqual(said(), {text: '1 of 2 known, kept so far', tone: 'grey', ticked: false});
+  bench.apply('snap.verdict', run('running', check(0.1), check(0.7, false)));
+  assert.equal(said().text, '1 limits missed so far', 'of the other vehicle, too');
+  bench.selected = 2;
+  assert.deepEqual(bench.verdict!.rows, [], 'no limit of another vehicle is shown as its own');
+  bench.runAge_s = 4;
+  bench.old = new Map([['verdict', 4]]);
+  assert.deepEqual(said(), {text: 'Run lost, 4.00 s old', tone: 'amber', ticked: false});
+  bench.old = new Map();
+  assert.equal(said().tone, 'red');
+  bench.apply('event.program', {name: 'hils', state: 'down'});
+  assert.equal(bench.verdict!.state, 'lost');
+  bench.apply('event.verdict', run('passed', check(0.1), check(0.1)));
+  assert.deepEqual(said(), {text: 'Passed, 2 of 2 limits', tone: '', ticked: true});
+  bench.connection = 'lost';
+  assert.equal(bench.verdict!.state, 'passed', 'a verdict that was told stands');
+  bench.apply('event.verdict', run('invalid', check(0.1), check(0.1)));
+  assert.deepEqual(said(), {text: 'No verdict: hils ended', tone: 'amber', ticked: false});
+});
+
+test('a question is about the vehicle that was looked at, and about no other', () => {
+  const {bench} = page;
+  bench.vehicles = [{name: 'one', system: 1}, {name: 'two', system: 2}];
+  const asked: (number | undefined)[] = [];
+  const ask = () => page.ask('Arm?', 'Arm', (vehicle) => asked.push(vehicle));
+  bench.selected = 1;
+  ask();
+  bench.vehicles = [{name: 'new', system: 5}, {name: 'one', system: 1}, {name: 'two', system: 2}];
+  assert.equal(bench.selected, 2, 'another one that is heard moves no selection');
+  page.answer(true);
+  assert.deepEqual(asked, [2]);
+  ask();
+  bench.selected = 0;
+  page.answer(true);
+  assert.deepEqual(asked, [2]);
+  ask();
+  page.goto = {vehicle: 5, north_m: 0, east_m: 0, up_m: 1};
+  bench.selected = 1;
+  page.redraw();
+  assert.equal(page.question, undefined);
+  assert.equal(page.goto, null);
+});
+
 test('a gamepad is a transmitter of mode 2', () => {
   assert.deepEqual(sticksOf([0, 0, 0, 0]), {yaw: 0, throttle: 0.5, roll: 0, pitch: 0});
   assert.deepEqual(sticksOf([1, -1, -0.5, -0.5]), {yaw: 1, throttle: 1, roll: -0.5, pitch: 0.5});
@@ -217,6 +278,22 @@ test('sticks go 20 times a second, and are let go after half a second without an
   assert.equal(pace.on, true);
   assert.equal(pace.tick(2.6), false);
   assert.equal(pace.on, false, 'nobody answers');
+});
+
+test('answers that come late are noticed, and few sticks are under way', () => {
+  const pace = new StickPace();
+  pace.start(0);
+  let sent = 0;
+  for (let i = 0; i < 24; ++i) sent += Number(pace.tick(i / 50));
+  assert.equal(sent, 5, 'no answer: no more than five');
+  const late = new StickPace();
+  late.start(0);
+  let i = 0;
+  for (; i < 200 && late.on; ++i) {
+    if (i % 30 === 29) late.answered();  // one in 0.6 s
+    late.tick(i / 50);
+  }
+  assert.ok(!late.on && i < 40, 'an answer to an older one does not hide a younger that waits');
 });
 
 test('a record in which somebody acted says so', () => {
@@ -345,7 +422,7 @@ test('nothing of an earlier run stays', () => {
   assert.deepEqual(bench.vehicles.map((each) => each.system), [1, 2, 7]);
   bench.apply('snap.vehicle', {vehicles: [{state: stateOf(1)}]});
   assert.deepEqual(bench.vehicles.map((each) => [each.system, Boolean(each.state)]), [[1, true], [2, false]]);
-  assert.equal(bench.selected, 1);
+  assert.equal(bench.selected, 0);
   bench.setScene({hash: 'b', home: kHome, vehicles: [{name: 'other', system: 1, rotors: []}]});
   assert.deepEqual(bench.vehicles.map((each) => each.name), ['other']);
   assert.equal(bench.truth(), undefined);
