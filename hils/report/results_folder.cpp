@@ -40,7 +40,8 @@ std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
 }  // namespace
 
 void remove_verdict(const std::filesystem::path& folder) {
-  for (const char* name : {"summary.json", "junit.xml"}) {
+  for (const char* name :
+       {"summary.json", "junit.xml", "report.html", "replay.html", "run/hilsim_stats.json"}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
     if (error) {

@@ -8,8 +8,8 @@
 
 namespace cas::hils {
 
-/// Removes the verdict of an earlier run (summary.json, junit.xml) from a folder: a run that dies
-/// leaves none. @throws base::ConfigError
+/// Removes the verdict of an earlier run from a folder, and the report, the replay and the figures
+/// of the simulator that tell of it: a run that dies leaves none. @throws base::ConfigError
 void remove_verdict(const std::filesystem::path& folder);
 
 /// Writes summary.json, junit.xml, report.html and plots/*.svg of a run into its folder; with
