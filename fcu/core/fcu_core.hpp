@@ -50,7 +50,7 @@ struct VibrationMeter {
 
 /// The battery that the controller flies by: what a BATTERY_STATUS of its simulator says. Until one
 /// comes it makes one up, as PX4 does in HIL: full at start, falling linearly while armed, never
-/// below a floor.
+/// below a floor. One that has been measured and is no longer told of is unknown.
 class Battery {
  public:
   /// What a power module measures.
@@ -70,6 +70,7 @@ class Battery {
   void set_params(const Params& params) { params_ = params; }
   /// @param dt  s since the last call
   void update(bool armed, double dt) {
+    age_s_ += dt;
     if (!armed || measured_) return;
     if (remaining_ > params_.floor) {
       remaining_ = std::max(params_.floor, remaining_ - dt / params_.drain_s);
@@ -78,23 +79,34 @@ class Battery {
   }
 
   /// From now on this one counts.
-  void measure(const Reading& reading) { measured_ = reading; }
+  void measure(const Reading& reading) {
+    measured_ = reading;
+    age_s_ = 0;
+  }
   /// Back to the one that is made up: another simulation may measure none.
   void forget_measured() { measured_.reset(); }
 
-  Reading reading(bool armed) const {
-    if (measured_) return *measured_;
+  /// Nothing while it is unknown.
+  std::optional<Reading> reading(bool armed) const {
+    if (measured_) return unknown() ? std::nullopt : measured_;
     const double cell_v = kEmptyCell_v + (kFullCell_v - kEmptyCell_v) * remaining_;
-    return {.voltage_v = params_.cells * cell_v,
-            .cells = params_.cells,
-            .current_a = armed ? kCurrent_a : 0.2,
-            .remaining = remaining_,
-            .consumed_mah = consumed_mah_};
+    return Reading{.voltage_v = params_.cells * cell_v,
+                   .cells = params_.cells,
+                   .current_a = armed ? kCurrent_a : 0.2,
+                   .remaining = remaining_,
+                   .consumed_mah = consumed_mah_};
   }
-  /// 0..1 of full
-  double remaining() const { return measured_ ? measured_->remaining : remaining_; }
+  /// 0..1 of full; nothing while it is unknown.
+  std::optional<double> remaining() const {
+    if (unknown()) return std::nullopt;
+    return measured_ ? measured_->remaining : remaining_;
+  }
 
  private:
+  /// PX4 calls a battery unhealthy after this long without news (batteryCheck.cpp).
+  static constexpr double kPatience_s = 5;
+  bool unknown() const { return measured_ && age_s_ > kPatience_s; }
+
   static constexpr double kFullCell_v = 4.05;  // PX4's BAT1_V_CHARGED
   static constexpr double kEmptyCell_v = 3.6;  // PX4's BAT1_V_EMPTY
   static constexpr double kCurrent_a = 10;     // as PX4 reports in HIL
@@ -102,6 +114,7 @@ class Battery {
   double remaining_ = 1;
   double consumed_mah_ = 0;
   std::optional<Reading> measured_;
+  double age_s_ = 0;  // of measured_
 };
 
 /// The newest of each sensor, and how it does.

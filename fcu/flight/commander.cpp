@@ -29,7 +29,8 @@ std::optional<std::string> reason_not_to_arm(const ArmingInput& in) {
     if (!in.estimator.position_valid()) return "position estimate not valid";
     if (!in.estimator.origin_final()) return "waiting for the position estimate to settle";
   }
-  if (in.battery < in.params.battery_critical) return "battery low";
+  if (!in.battery) return "no battery data";
+  if (*in.battery < in.params.battery_critical) return "battery low";
   if (is_manual(in.mode)) {
     if (!in.has_sticks) return "no manual control";
     if (in.sticks_throttle > kThrottleUp) return "throttle is not low";

@@ -26,8 +26,8 @@ struct ArmingInput {
   const FlightParams& params;
   FlightMode mode;
   bool has_sticks = false;
-  double sticks_throttle = 0;  ///< 0..1
-  double battery = 1;          ///< 0..1 of full
+  double sticks_throttle = 0;         ///< 0..1
+  std::optional<double> battery = 1;  ///< 0..1 of full; nothing: unknown
   base::RunTime now;
 };
 

@@ -78,10 +78,13 @@ FailsafeDecision Failsafe::tilt(const FailsafeInput& in, const FlightParams& par
 
 FailsafeDecision Failsafe::battery(const FailsafeInput& in, const FlightParams& params,
                                    FlightMode mode) {
+  // PX4 warns, too, and does no more (failsafe.cpp: battery_unhealthy).
+  if (first_time(!in.battery, battery_unknown_)) return warn("Battery unknown: no data");
+  if (!in.battery) return {};
   int level = 0;
-  if (in.battery < params.battery_low) level = 1;
-  if (in.battery < params.battery_critical) level = 2;
-  if (in.battery < params.battery_emergency) level = 3;
+  if (*in.battery < params.battery_low) level = 1;
+  if (*in.battery < params.battery_critical) level = 2;
+  if (*in.battery < params.battery_emergency) level = 3;
   if (level <= battery_level_) return {};
   battery_level_ = level;
   if (level == 1 || params.battery_action == 0) {

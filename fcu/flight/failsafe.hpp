@@ -24,7 +24,7 @@ struct FailsafeInput {
   bool sticks_seen = false;
   bool sticks_alive = false;
   bool offboard_alive = false;
-  double battery = 1;  ///< 0..1 of full
+  std::optional<double> battery = 1;  ///< 0..1 of full; nothing: unknown
 };
 
 /// The action of a failsafe.
@@ -61,6 +61,7 @@ class Failsafe {
 
   double tilted_s_ = 0;
   int battery_level_ = 0;
+  bool battery_unknown_ = false;
   bool position_lost_ = false;
   bool ground_station_lost_ = false;
   bool sticks_lost_ = false;

@@ -125,7 +125,7 @@ std::optional<Battery::Reading> battery_reading(const BatteryStatus& m) {
   Battery::Reading reading{.voltage_v = 0,
                            .cells = 0,
                            .current_a = m.current_battery * 0.01,
-                           .remaining = m.battery_remaining * 0.01,
+                           .remaining = std::min(1.0, m.battery_remaining * 0.01),
                            .consumed_mah = static_cast<double>(m.current_consumed)};
   for (const std::uint16_t cell_mv : m.voltages) {
     if (cell_mv == kNoCell) break;

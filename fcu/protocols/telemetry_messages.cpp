@@ -181,6 +181,8 @@ std::uint16_t millivolts(double voltage_v) {
   return static_cast<std::uint16_t>(std::clamp(1000 * voltage_v, 0.0, 65534.0));
 }
 
+std::int8_t percent(double share) { return static_cast<std::int8_t>(std::lround(100 * share)); }
+
 void send_sys_status(const Report& r) {
   using S = MavSysStatusSensor;
   SysStatus m;
@@ -193,7 +195,7 @@ void send_sys_status(const Report& r) {
   const auto alive = [&](SensorHealth::Sensor s) { return r.core.readings.health.alive(s, r.now); };
   // Nothing breaches a fence that is not there; a ground station (MAVProxy) takes less for a
   // breach.
-  S health = S::kMotorOutputs | S::kBattery | S::kGeofence;
+  S health = S::kMotorOutputs | S::kGeofence;
   if (alive(SensorHealth::kImu)) health |= S::k3dGyro | S::k3dAccel | S::kAngularRateControl;
   if (alive(SensorHealth::kMag)) health |= S::k3dMag;
   if (alive(SensorHealth::kBaro)) health |= S::kAbsolutePressure;
@@ -203,12 +205,17 @@ void send_sys_status(const Report& r) {
   if (r.core.estimator.height_valid()) health |= S::kZAltitudeControl;
   if (r.core.estimator.position_valid()) health |= S::kXyPositionControl;
   if (ready_to_arm(r.core, r.now)) health |= S::kPrearmCheck;
-  m.onboard_control_sensors_health = health;
   m.load = 0;  // not measured
-  const Battery::Reading battery = r.core.battery.reading(r.core.commander.armed());
-  m.voltage_battery = millivolts(battery.voltage_v);
-  m.current_battery = centi(battery.current_a);
-  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * battery.remaining));
+  m.voltage_battery = 0xFFFF;
+  m.current_battery = -1;
+  m.battery_remaining = -1;
+  if (const auto battery = r.core.battery.reading(r.core.commander.armed())) {
+    health |= S::kBattery;
+    m.voltage_battery = millivolts(battery->voltage_v);
+    m.current_battery = centi(battery->current_a);
+    m.battery_remaining = percent(battery->remaining);
+  }
+  m.onboard_control_sensors_health = health;
   r.send(m);
 }
 
@@ -234,20 +241,24 @@ void send_extended_sys_state(const Report& r) {
 
 void send_battery_status(const Report& r) {
   constexpr std::uint16_t kNoCell = 0xFFFF;
-  const Battery::Reading battery = r.core.battery.reading(r.core.commander.armed());
   BatteryStatus m;
   m.battery_function = MavBatteryFunction::kAll;
   m.type = MavBatteryType::kLipo;
   m.temperature = 0x7FFF;
   m.voltages.fill(kNoCell);
-  for (int i = 0; i < std::min(battery.cells, 10); ++i) {
-    m.voltages[static_cast<std::size_t>(i)] = millivolts(battery.voltage_v / battery.cells);
-  }
-  m.current_battery = centi(battery.current_a);
-  m.current_consumed = static_cast<std::int32_t>(battery.consumed_mah);
+  m.current_battery = -1;
+  m.current_consumed = -1;
   m.energy_consumed = -1;
-  m.battery_remaining = static_cast<std::int8_t>(std::lround(100 * battery.remaining));
-  const double left = battery.remaining;
+  m.battery_remaining = -1;
+  const auto battery = r.core.battery.reading(r.core.commander.armed());
+  if (!battery) return r.send(m);
+  for (int i = 0; i < std::min(battery->cells, 10); ++i) {
+    m.voltages[static_cast<std::size_t>(i)] = millivolts(battery->voltage_v / battery->cells);
+  }
+  m.current_battery = centi(battery->current_a);
+  m.current_consumed = static_cast<std::int32_t>(battery->consumed_mah);
+  m.battery_remaining = percent(battery->remaining);
+  const double left = battery->remaining;
   m.charge_state = left < r.core.flight.battery_emergency  ? MavBatteryChargeState::kEmergency
                    : left < r.core.flight.battery_critical ? MavBatteryChargeState::kCritical
                    : left < r.core.flight.battery_low      ? MavBatteryChargeState::kLow

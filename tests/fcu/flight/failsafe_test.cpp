@@ -145,6 +145,35 @@ TEST_F(FailsafeFlight, ABatteryThatTheSimulatorMeasuresTakesThePlaceOfTheOneMade
   EXPECT_TRUE(reaches(FlightMode::kLand, 1));
 }
 
+TEST_F(FailsafeFlight, ABatteryThatFallsSilentIsUnknownUntilItIsHeardAgain) {
+  constexpr mav::Source kSimulator{1, 200};
+  hover();
+  loop_.send(measured(50), kSimulator);
+  loop_.run(4);
+  EXPECT_EQ(loop_.received<SysStatus>().back().battery_remaining, 50);
+  EXPECT_FALSE(loop_.said("Battery unknown: no data"));
+  loop_.run(4);
+  EXPECT_TRUE(loop_.said("Battery unknown: no data"));
+  const SysStatus unknown = loop_.received<SysStatus>().back();
+  EXPECT_EQ(unknown.battery_remaining, -1);
+  EXPECT_EQ(unknown.voltage_battery, 0xFFFF);
+  EXPECT_EQ(unknown.onboard_control_sensors_health & MavSysStatusSensor::kBattery,
+            MavSysStatusSensor{});
+  EXPECT_EQ(loop_.received<BatteryStatus>().back().battery_remaining, -1);
+  EXPECT_EQ(loop_.received<BatteryStatus>().back().charge_state, MavBatteryChargeState::kUndefined);
+  EXPECT_EQ(loop_.fcu().status().mode, FlightMode::kHold) << "a warning, nothing more";
+
+  loop_.send(measured(6), kSimulator);
+  EXPECT_TRUE(reaches(FlightMode::kReturn, 1));
+}
+
+TEST_F(FailsafeFlight, ABatteryThatSaysMoreThanFullIsFull) {
+  hover();
+  loop_.send(measured(127), {1, 200});
+  loop_.run(2.5);
+  EXPECT_EQ(loop_.received<SysStatus>().back().battery_remaining, 100);
+}
+
 TEST_F(FailsafeFlight, NobodyElsesBatteryCounts) {
   hover();
   BatteryStatus second = measured(1);
