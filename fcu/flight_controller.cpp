@@ -91,6 +91,7 @@ void FlightController::Impl::begin_new_run() {
   core.texts.warn("Sensor time went back: estimator restarted");
   core.commander.disarm(true);
   core.battery.forget_measured();
+  core.readings.health.forget_fixes();
   core.restart_estimate();
 }
 
@@ -235,7 +236,12 @@ void FlightController::Impl::tick(RunTime now) {
 void FlightController::Impl::watch_sensors(RunTime now) {
   const SensorHealth& health = core.readings.health;
   const bool lost = health.seen(SensorHealth::kImu) && !health.alive(SensorHealth::kImu, now);
-  if (lost && !sensors_lost) core.commander.on_sensors_lost();
+  if (lost && !sensors_lost) {
+    const bool both = health.gyro_stuck() == health.accel_stuck();
+    core.commander.on_sensors_lost(both                  ? "Gyro and accelerometer lost"
+                                   : health.gyro_stuck() ? "Gyro stuck"
+                                                         : "Accelerometer stuck");
+  }
   sensors_lost = lost;
 }
 

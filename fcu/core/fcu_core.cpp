@@ -70,6 +70,9 @@ FailsafeInput FcuCore::failsafe_input(base::RunTime now) const {
   in.mag_alive = readings.health.alive(SensorHealth::kMag, now);
   in.baro_alive = readings.health.alive(SensorHealth::kBaro, now);
   in.gps_alive = readings.health.alive(SensorHealth::kGps, now);
+  in.gps_frozen = readings.health.gps_frozen();
+  in.gps_contradicts_itself = estimator.gps_contradicts_itself();
+  in.position_resets = estimator.position_resets();
   in.ground_station_seen = ground_station_heard.has_value();
   in.ground_station_alive = ground_station_heard && base::to_seconds(now - *ground_station_heard) <
                                                         flight.ground_station_timeout_s;

@@ -31,7 +31,7 @@ constexpr double kPositionUsable_m = 10.0;   // larger deviations: no position
 constexpr double kHeadingUnknown_rad = 1.8;   // uniform over the circle
 constexpr double kVelocityInitial_m_s = 0.5;  // 1 sigma of the velocity at the start
 constexpr int kUsableFix = 3;                 // GPS_FIX_TYPE_3D_FIX
-constexpr int kVelocityRejections = 5;        // in a row, then the fixes are believed
+constexpr int kVelocityRejections = 5;        // in a row, then they may be believed
 constexpr double kOriginDeviation_m = 0.05;   // horizontal, for a final origin
 constexpr double kOriginPatience_s = 12.0;    // ... or the deviation reached by then
 
@@ -296,7 +296,7 @@ void Estimator::on_gps(const GpsInput& fix) {
   if (!aligned_) return;
   if (gps_position_.fused + gps_position_.rejected == 0) accept_first_fix(fix);
   const Vector3d measured_N = projection_->to_local(fix.place);
-  fuse_gps_velocity(fix);
+  fuse_gps_velocity(fix, measured_N);
   fuse_gps_position(fix, measured_N);
   if (!origin_final_) settle_origin();
 }
@@ -349,7 +349,22 @@ ErrorCovariance::Vector Estimator::position_row(int axis, double age_s) const {
   return h;
 }
 
-void Estimator::fuse_gps_velocity(const GpsInput& fix) {
+/// Whether the velocities rejected in a row are the change of the positions that came with them.
+bool Estimator::velocity_fits_positions(const GpsInput& fix, const Vector3d& measured_N) const {
+  constexpr double kDeviations = 2;
+  const double span_s = to_seconds(fix.time - first_rejected_);
+  if (span_s <= 0) return true;
+  const Vector3d by_positions = (measured_N - first_rejected_N_) / span_s;
+  const Vector3d off = rejected_velocity_sum_N_ / velocity_rejections_ - by_positions;
+  const auto most = [&](double position_noise_m) {
+    return kDeviations *
+           std::hypot(std::sqrt(2.0) * position_noise_m / span_s, params_.gps_velocity_noise_m_s);
+  };
+  return off.head<2>().cwiseAbs().maxCoeff() < most(params_.gps_position_noise_m) &&
+         std::abs(off.z()) < most(params_.gps_height_noise_m);
+}
+
+void Estimator::fuse_gps_velocity(const GpsInput& fix, const Vector3d& measured_N) {
   const MotionHistory::Change change = history_.since(fix.time);
   const double variance = square(params_.gps_velocity_noise_m_s);
   const Vector3d innovation = fix.velocity_N - (state_.v_N - change.velocity);
@@ -362,7 +377,14 @@ void Estimator::fuse_gps_velocity(const GpsInput& fix) {
   }
   if (!good) {
     ++gps_velocity_.rejected;
+    if (velocity_rejections_ == 0) {
+      first_rejected_ = fix.time;
+      first_rejected_N_ = measured_N;
+      rejected_velocity_sum_N_.setZero();
+    }
+    rejected_velocity_sum_N_ += fix.velocity_N;
     if (++velocity_rejections_ < kVelocityRejections) return;
+    if (!velocity_fits_positions(fix, measured_N)) return;
     // It is the prediction that is wrong: a blow that the accelerometer missed.
     const double doubt = innovation.squaredNorm();
     covariance_.add_walk(ErrorCovariance::kVelocity, doubt);

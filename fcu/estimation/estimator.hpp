@@ -100,6 +100,8 @@ class Estimator {
   const FusionHealth& mag() const { return mag_; }
   /// Times the position was reset to the fixes after a long rejection; a setpoint must follow.
   std::uint64_t position_resets() const { return position_resets_; }
+  /// The velocities of the last fixes are not the change of their positions; they are not used.
+  bool gps_contradicts_itself() const { return velocity_rejections_ >= kContradictions; }
   /// How far the last of them moved the position, m.
   Eigen::Vector3d last_position_reset_N() const { return last_position_reset_N_; }
 
@@ -120,7 +122,8 @@ class Estimator {
   Vector position_row(int axis, double age_s) const;
   Vector velocity_row(int axis, double age_s) const;
   void fuse_gps_position(const GpsInput& fix, const Eigen::Vector3d& measured_N);
-  void fuse_gps_velocity(const GpsInput& fix);
+  void fuse_gps_velocity(const GpsInput& fix, const Eigen::Vector3d& measured_N);
+  bool velocity_fits_positions(const GpsInput& fix, const Eigen::Vector3d& measured_N) const;
   void accept_first_fix(const GpsInput& fix);
   void reset_to_fix(const GpsInput& fix, const Eigen::Vector3d& measured_N);
   void settle_origin();
@@ -146,7 +149,12 @@ class Estimator {
   bool origin_given_ = false;
   bool origin_final_ = false;
   FusionHealth gps_position_, gps_velocity_, baro_, mag_;
+  /// Rejected velocities in a row that are told of: more than those after which a blow is believed.
+  static constexpr int kContradictions = 8;
   int velocity_rejections_ = 0;
+  base::SimTime first_rejected_;  ///< of those: time, place and sum
+  Eigen::Vector3d first_rejected_N_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rejected_velocity_sum_N_ = Eigen::Vector3d::Zero();
   std::uint64_t position_resets_ = 0;
   Eigen::Vector3d last_position_reset_N_ = Eigen::Vector3d::Zero();
 };

@@ -48,6 +48,7 @@ class SensorInput {
 
  private:
   void note_age(std::uint64_t time_usec, base::RunTime now);
+  bool is_new(const mavlink::common::HilGps& m, const GpsInput& fix, base::RunTime now);
   void feed_estimator(const mavlink::common::HilSensor& m, base::SimTime time, base::RunTime now);
 
   View to_;

@@ -154,10 +154,14 @@ void ClosedLoop::sense() {
     using F = HilSensorUpdatedFlags;
     if (imu_on) {
       // The mean over the sample's period, as an integrating sensor gives it.
-      const Vector3d f =
+      Vector3d f =
           noisy(0.5 * (force_before_D_ + multirotor_.specific_force_D()) + noise.accel_bias_m_s2,
                 noise.accel_m_s2, imu_random_);
-      const Vector3d w = noisy(truth.w_D + noise.gyro_bias_rad_s, noise.gyro_rad_s, imu_random_);
+      Vector3d w = noisy(truth.w_D + noise.gyro_bias_rad_s, noise.gyro_rad_s, imu_random_);
+      if (gyro_stuck) w = last_rate_D_;
+      if (accel_stuck) f = last_measured_force_D_;
+      last_rate_D_ = w;
+      last_measured_force_D_ = f;
       m.xacc = static_cast<float>(f.x());
       m.yacc = static_cast<float>(f.y());
       m.zacc = static_cast<float>(f.z());
@@ -184,8 +188,10 @@ void ClosedLoop::sense() {
     if (!lost) to_fcu(m);
   }
   if (gps_on && steps_ % 200 == 0) {
-    const Vector3d p = noisy(truth.p_N, Vector3d::Constant(noise.gps_m), gps_random_);
-    const Vector3d v = noisy(truth.v_N, Vector3d::Constant(noise.gps_velocity_m_s), gps_random_);
+    const Vector3d p =
+        noisy(truth.p_N + noise.gps_offset_m, Vector3d::Constant(noise.gps_m), gps_random_);
+    const Vector3d v = noisy(truth.v_N + noise.gps_velocity_offset_m_s,
+                             Vector3d::Constant(noise.gps_velocity_m_s), gps_random_);
     const base::Geodetic place = projection_.to_geodetic(p);
     HilGps g;
     g.time_usec = base::to_time_usec(time_);
@@ -198,6 +204,12 @@ void ClosedLoop::sense() {
     g.vd = static_cast<std::int16_t>(std::lround(v.z() * 100));
     g.eph = g.epv = 100;
     g.satellites_visible = 12;
+    if (gps_frozen) {
+      last_fix_.time_usec = g.time_usec;
+      g = last_fix_;
+    }
+    if (gps_time_stands) g.time_usec = last_fix_.time_usec;
+    last_fix_ = g;
     if (noise.gps_delay_s <= 0) {
       to_fcu(g);
     } else {

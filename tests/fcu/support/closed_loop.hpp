@@ -12,6 +12,7 @@
 #include "fcu/flight_controller.hpp"
 #include "fcu/line/line_model.hpp"
 #include "mavlink/common/command_ack.hpp"
+#include "mavlink/common/hil_gps.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "tests/fcu/support/multirotor_sim.hpp"
@@ -32,6 +33,8 @@ struct SensorNoise {
   Eigen::Vector3d field_error_gauss = Eigen::Vector3d::Zero();  ///< earth against its model, N
   double baro_offset_pa = 0;
   double gps_delay_s = 0;
+  Eigen::Vector3d gps_offset_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gps_velocity_offset_m_s = Eigen::Vector3d::Zero();
 };
 
 /// [HILS] Table 1, completed.
@@ -96,6 +99,9 @@ class ClosedLoop {
   const base::Geodetic& home() const { return home_; }
 
   bool gps_on = true, mag_on = true, baro_on = true, imu_on = true;
+  bool gps_frozen = false;       ///< the last fix again, with a new stamp
+  bool gps_time_stands = false;  ///< new fixes with the last stamp
+  bool gyro_stuck = false, accel_stuck = false;
 
   /// Packets from the controller of one message, newest last.
   template <class Message>
@@ -136,6 +142,9 @@ class ClosedLoop {
   base::SimTime time_{};
   std::int64_t steps_ = 0;
   Eigen::Vector3d force_before_D_ = Eigen::Vector3d::Zero();
+  mavlink::common::HilGps last_fix_;
+  Eigen::Vector3d last_rate_D_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d last_measured_force_D_ = Eigen::Vector3d::Zero();
   std::uint8_t gcs_sequence_ = 0;
   std::vector<std::vector<std::uint8_t>> from_fcu_;
   struct LateFix {
