@@ -24,7 +24,9 @@ std::optional<std::string> reason_not_to_arm(const ArmingInput& in) {
   if (std::hypot(rpy.x(), rpy.y()) > kTilt_rad) return "vehicle is tilted";
   const bool gps_needed = needs_position(in.mode) || !in.params.arm_without_gps;
   if (gps_needed) {
+    if (in.sensors.gps_frozen()) return "GPS repeats its last fix";
     if (!in.sensors.alive(M::kGps, in.now)) return "no GPS data";
+    if (in.estimator.gps_contradicts_itself()) return "GPS velocity contradicts position";
     if (!in.estimator.heading_valid()) return "heading estimate not valid";
     if (!in.estimator.position_valid()) return "position estimate not valid";
     if (!in.estimator.origin_final()) return "waiting for the position estimate to settle";
@@ -198,6 +200,8 @@ void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
     flying_ = true;
     contact_ = false;
     has_flown_ = true;
+    has_climbed_ = false;
+    climbing_s_ = 0;
     land_detector_.reset();
     now.activate(context);
     return;
@@ -212,6 +216,19 @@ void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
   may_take_off_ = is_manual(mode_) || mode_ == FlightMode::kOffboard;
   landed_s_ = 0;
   texts_.info("Landed");
+}
+
+/// Thrust that does not lift the vehicle turns or drags it on its feet.
+void Commander::give_up_takeoff(const TaskContext& context) {
+  constexpr double kClimbed_m = 0.3;
+  constexpr double kPatience_s = 5;
+  const bool automatic = mode_ == FlightMode::kTakeoff || mode_ == FlightMode::kMission;
+  if (!flying_ || has_climbed_ || !automatic) return;
+  has_climbed_ = context.ground_z - context.estimate.p_N.z() > kClimbed_m;
+  climbing_s_ += context.dt;
+  if (has_climbed_ || climbing_s_ < kPatience_s) return;
+  texts_.critical("Take-off given up: no climb");
+  set_disarmed(": no climb");
 }
 
 void Commander::settle_on_ground(const TaskContext& context) {
@@ -265,6 +282,7 @@ ControlSetpoint Commander::update(const TaskContext& context, const FailsafeInpu
     act(failsafe_.update(failsafe, context.params, mode_, flying_, context.dt), context);
   }
   if (armed_) update_flying(context, thrust_ratio);
+  if (armed_) give_up_takeoff(context);
   if (armed_) auto_disarm(context);
   if (!armed_) {
     setpoint_.stopped = true;
@@ -284,9 +302,9 @@ void Commander::on_position_reset(const Eigen::Vector3d& by_N) {
   if (mode_ != FlightMode::kOffboard) task(mode_).shift(by_N);
 }
 
-void Commander::on_sensors_lost() {
+void Commander::on_sensors_lost(const std::string& what) {
   if (!armed_) return;
-  texts_.add(StatusTexts::Severity::kEmergency, "Gyro and accelerometer lost: rotors stopped");
+  texts_.add(StatusTexts::Severity::kEmergency, what + ": rotors stopped");
   if (flying_) mode_ = FlightMode::kTermination;
   set_disarmed("");
 }

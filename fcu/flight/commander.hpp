@@ -110,8 +110,8 @@ class Commander {
                          double thrust_ratio);
   /// The estimate was moved by this much.
   void on_position_reset(const Eigen::Vector3d& by_N);
-  /// No sensor data: the control step that would notice does not come.
-  void on_sensors_lost();
+  /// No gyro and accelerometer: the control step that would notice may not come.
+  void on_sensors_lost(const std::string& what);
 
   bool armed() const { return armed_; }
   FlightMode mode() const { return mode_; }
@@ -129,6 +129,7 @@ class Commander {
   void enter(FlightMode mode, const TaskContext& context);
   void act(const FailsafeDecision& decision, const TaskContext& context);
   void update_flying(const TaskContext& context, double thrust_ratio);
+  void give_up_takeoff(const TaskContext& context);
   void settle_on_ground(const TaskContext& context);
   void finish_tasks(const TaskContext& context);
   void auto_disarm(const TaskContext& context);
@@ -143,6 +144,8 @@ class Commander {
   double armed_s_ = 0;
   double landed_s_ = 0;
   bool has_flown_ = false;
+  bool has_climbed_ = false;
+  double climbing_s_ = 0;  ///< since the start of a take-off
   HoldTask hold_;
   TakeoffTask takeoff_;
   LandTask land_;

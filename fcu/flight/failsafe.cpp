@@ -98,10 +98,17 @@ FailsafeDecision Failsafe::battery(const FailsafeInput& in, const FlightParams& 
   return change(FlightMode::kReturn, "Battery failsafe: returning");
 }
 
-FailsafeDecision Failsafe::position(const FailsafeInput& in, FlightMode mode) {
+FailsafeDecision Failsafe::position(const FailsafeInput& in, FlightMode mode, bool flying) {
   const bool lost = !in.position_valid && needs_position(mode);
-  if (!first_time(lost, position_lost_)) return {};
-  return change(FlightMode::kLand, "Position lost: descending");
+  if (first_time(lost, position_lost_)) {
+    return change(FlightMode::kLand, "Position lost: descending");
+  }
+  // One of the two was wrong all the time, and nothing tells which.
+  const std::uint64_t before = position_resets_.value_or(in.position_resets);
+  position_resets_ = in.position_resets;
+  if (in.position_resets == before || !flying) return {};
+  const std::string what = "GPS contradicted the estimate";
+  return needs_position(mode) ? change(FlightMode::kLand, what + ": landing") : warn(what);
 }
 
 FailsafeDecision Failsafe::links(const FailsafeInput& in, const FlightParams& params,
@@ -126,6 +133,10 @@ FailsafeDecision Failsafe::links(const FailsafeInput& in, const FlightParams& pa
 }
 
 FailsafeDecision Failsafe::sensors(const FailsafeInput& in) {
+  if (first_time(in.gps_frozen, gps_frozen_)) return warn("GPS repeats its last fix: not used");
+  if (first_time(in.gps_contradicts_itself, gps_contradicts_itself_)) {
+    return warn("GPS velocity contradicts position: not used");
+  }
   if (first_time(!in.mag_alive, mag_lost_)) return warn("Compass lost: heading by gyro");
   if (first_time(!in.baro_alive, baro_lost_)) return warn("Barometer lost: height by GPS");
   return {};
@@ -141,8 +152,8 @@ FailsafeDecision Failsafe::update(const FailsafeInput& in, const FlightParams& p
     active_ = true;
     return decision;
   }
-  if (Decision decision = position(in, mode); concerns(decision)) {
-    active_ = true;
+  if (Decision decision = position(in, mode, flying); concerns(decision)) {
+    active_ = active_ || !decision.warning_only;
     return decision;
   }
   if (Decision decision = battery(in, params, mode); concerns(decision)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -19,8 +20,11 @@ struct FailsafeInput {
   bool mag_alive = true;
   bool baro_alive = true;
   bool gps_alive = true;
-  bool ground_station_seen = false;   ///< ever
-  bool ground_station_alive = false;  ///< now
+  bool gps_frozen = false;              ///< its last fix comes again and again
+  bool gps_contradicts_itself = false;  ///< its velocity is not that of its positions
+  std::uint64_t position_resets = 0;    ///< times that fixes were rejected until they were believed
+  bool ground_station_seen = false;     ///< ever
+  bool ground_station_alive = false;    ///< now
   bool sticks_seen = false;
   bool sticks_alive = false;
   bool offboard_alive = false;
@@ -55,7 +59,7 @@ class Failsafe {
   }
   FailsafeDecision tilt(const FailsafeInput& in, const FlightParams& params, double dt);
   FailsafeDecision battery(const FailsafeInput& in, const FlightParams& params, FlightMode mode);
-  FailsafeDecision position(const FailsafeInput& in, FlightMode mode);
+  FailsafeDecision position(const FailsafeInput& in, FlightMode mode, bool flying);
   FailsafeDecision links(const FailsafeInput& in, const FlightParams& params, FlightMode mode);
   FailsafeDecision sensors(const FailsafeInput& in);
 
@@ -63,6 +67,9 @@ class Failsafe {
   int battery_level_ = 0;
   bool battery_unknown_ = false;
   bool position_lost_ = false;
+  bool gps_frozen_ = false;
+  bool gps_contradicts_itself_ = false;
+  std::optional<std::uint64_t> position_resets_;
   bool ground_station_lost_ = false;
   bool sticks_lost_ = false;
   bool offboard_lost_ = false;

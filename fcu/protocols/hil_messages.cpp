@@ -58,7 +58,7 @@ void SensorInput::feed_estimator(const HilSensor& m, SimTime time, RunTime now) 
   const F flags = m.fields_updated;
   if (all(flags, kAccel) && all(flags, kGyro)) {
     const ImuInput imu{time, vec(m.xgyro, m.ygyro, m.zgyro), vec(m.xacc, m.yacc, m.zacc)};
-    readings.health.on_sample(SensorHealth::kImu, imu.gyro_D + imu.accel_D, now);
+    readings.health.on_imu(imu.gyro_D, imu.accel_D, now);
     readings.vibration.update(imu.accel_D);
     to_.estimator.on_imu(imu);
     const double dt = started_ ? base::to_seconds(time - last_time_) : 0.0;
@@ -103,6 +103,18 @@ bool SensorInput::control_due(std::uint64_t time_usec, double rate_hz) {
   return true;
 }
 
+/// Whether a fix is a measurement, not the one before once more.
+bool SensorInput::is_new(const HilGps& m, const GpsInput& fix, RunTime now) {
+  constexpr double kMoving_m_s = 1.0;  // in 20 ms farther than the digits of a fix
+  const double rest_s = to_.estimator.rest_s();
+  const double speed = std::max(to_.estimator.state().v_N.norm(), fix.velocity_N.norm());
+  const RepeatedFixes::Fix seen{.time_usec = m.time_usec,
+                                .digits = {m.lat, m.lon, m.alt, m.vn, m.ve, m.vd},
+                                .at_rest = rest_s > 0,
+                                .moving = rest_s <= 0 && speed > kMoving_m_s};
+  return to_.readings.health.on_fix(seen, fix.velocity_N, now);
+}
+
 void SensorInput::on_gps(const HilGps& m, RunTime now) {
   to_.readings.gps = m;
   GpsInput fix;
@@ -113,7 +125,7 @@ void SensorInput::on_gps(const HilGps& m, RunTime now) {
   fix.fix_type = m.fix_type;
   fix.place = {m.lat * 1e-7, m.lon * 1e-7, m.alt * 1e-3};
   fix.velocity_N = Vector3d(m.vn, m.ve, m.vd) * 0.01;
-  if (fix.fix_type >= 3) to_.readings.health.on_sample(SensorHealth::kGps, fix.velocity_N, now);
+  if (fix.fix_type >= 3 && !is_new(m, fix, now)) return;
   to_.estimator.on_gps(fix);
 }
 

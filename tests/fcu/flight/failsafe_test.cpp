@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "fcu/estimation/estimator.hpp"
 #include "mavlink/common/battery_status.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/manual_control.hpp"
@@ -37,6 +38,112 @@ TEST_F(FailsafeFlight, WithoutGpsItDescendsLevelAndDisarms) {
   EXPECT_TRUE(loop_.said("Position lost"));
   EXPECT_TRUE(lands());
   EXPECT_TRUE(loop_.multirotor().on_ground());
+}
+
+TEST_F(FailsafeFlight, AFixThatRepeatsToTheDigitIsALostGps) {
+  hover();
+  loop_.gps_frozen = true;
+  EXPECT_TRUE(loop_.run_until([&] { return loop_.said("GPS repeats its last fix"); }, 3));
+  EXPECT_TRUE(reaches(FlightMode::kLand, 6));
+  EXPECT_TRUE(lands());
+  EXPECT_LT(loop_.truth().p_N.head<2>().norm(), 10);
+}
+
+TEST_F(FailsafeFlight, FixesWhoseTimeStandsStillAreALostGps) {
+  hover();
+  loop_.gps_time_stands = true;
+  EXPECT_TRUE(loop_.run_until([&] { return loop_.said("GPS repeats its last fix"); }, 3));
+  EXPECT_TRUE(reaches(FlightMode::kLand, 6));
+}
+
+TEST_F(FailsafeFlight, AReceiverThatComesBackIsUsedAgain) {
+  hover();
+  loop_.gps_frozen = true;
+  loop_.run(2);
+  loop_.gps_frozen = false;
+  loop_.run(10);
+  EXPECT_EQ(loop_.fcu().status().mode, FlightMode::kHold);
+  EXPECT_TRUE(loop_.fcu().estimator().position_valid());
+}
+
+TEST(RepeatedFix, OfAReceiverWithoutNoiseIsAMeasurementAtRest) {
+  LoopOptions options;
+  options.noise.gps_m = options.noise.gps_velocity_m_s = 0;
+  options.configure = [](FcuConfig& config) {
+    for (auto& [name, value] : config.params) {
+      if (name.find("GPS") != std::string::npos) value = 0.3;
+    }
+  };
+  ClosedLoop loop(options);
+  EXPECT_TRUE(loop.fly_to_hover(2.5));
+  loop.run(10);
+  EXPECT_EQ(loop.fcu().status().mode, FlightMode::kHold);
+  EXPECT_FALSE(loop.said("GPS repeats"));
+}
+
+TEST(RepeatedFix, KeepsFromArming) {
+  ClosedLoop loop{LoopOptions{}};
+  ASSERT_TRUE(loop.run_until([&] { return loop.fcu().status().estimator_ready; }, 20));
+  loop.gps_frozen = true;
+  loop.run(4);
+  EXPECT_FALSE(loop.arm());
+  loop.run(0.1);
+  EXPECT_TRUE(loop.said("GPS repeats its last fix"));
+}
+
+TEST_F(FailsafeFlight, APositionThatJumpsIsToldAndLandsTheVehicle) {
+  hover();
+  loop_.noise().gps_offset_m.x() = 30;
+  EXPECT_TRUE(reaches(FlightMode::kLand, 5));
+  EXPECT_TRUE(loop_.said("GPS contradicted the estimate: landing"));
+  EXPECT_TRUE(lands());
+  EXPECT_LT(loop_.truth().p_N.head<2>().norm(), 5);
+}
+
+TEST_F(FailsafeFlight, AVelocityThatContradictsThePositionsIsToldAndNotUsed) {
+  hover();
+  loop_.noise().gps_velocity_offset_m_s.x() = 3;
+  EXPECT_TRUE(loop_.run_until([&] { return loop_.said("GPS velocity contradicts"); }, 5));
+  loop_.run(20);
+  EXPECT_EQ(loop_.fcu().status().mode, FlightMode::kHold);
+  EXPECT_LT(loop_.truth().p_N.head<2>().norm(), 3);
+}
+
+TEST(Arming, IsRefusedWhenTheVelocityOfGpsContradictsItsPositions) {
+  ClosedLoop loop{LoopOptions{}};
+  ASSERT_TRUE(loop.run_until([&] { return loop.fcu().status().estimator_ready; }, 20));
+  loop.noise().gps_velocity_offset_m_s.x() = 3;
+  loop.run(4);
+  EXPECT_FALSE(loop.arm());
+  loop.run(0.1);
+  EXPECT_TRUE(loop.said("GPS velocity contradicts position"));
+}
+
+TEST_F(FailsafeFlight, WithAStuckGyroTheRotorsStop) {
+  hover();
+  loop_.gyro_stuck = true;
+  EXPECT_TRUE(loop_.run_until([&] { return !loop_.fcu().status().armed; }, 1));
+  EXPECT_TRUE(loop_.said("Gyro stuck"));
+}
+
+TEST(Arming, IsRefusedWithAStuckAccelerometer) {
+  ClosedLoop loop{LoopOptions{}};
+  ASSERT_TRUE(loop.run_until([&] { return loop.fcu().status().estimator_ready; }, 20));
+  loop.accel_stuck = true;
+  loop.run(1);
+  EXPECT_FALSE(loop.arm());
+  loop.run(0.1);
+  EXPECT_TRUE(loop.said("no accelerometer and gyro data"));
+}
+
+TEST(TakeOff, ThatDoesNotClimbIsGivenUp) {
+  ClosedLoop loop{LoopOptions{}};
+  ASSERT_TRUE(loop.run_until([&] { return loop.fcu().status().estimator_ready; }, 20));
+  for (int rotor = 0; rotor < 4; ++rotor) loop.multirotor().weaken_rotor(rotor, 0.3);
+  ASSERT_TRUE(loop.arm());
+  ASSERT_TRUE(loop.take_off(2.5));
+  EXPECT_TRUE(loop.run_until([&] { return !loop.fcu().status().armed; }, 7));
+  EXPECT_TRUE(loop.said("Take-off given up: no climb"));
 }
 
 TEST_F(FailsafeFlight, WithoutBarometerItHoldsHeightByGps) {
