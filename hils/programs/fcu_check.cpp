@@ -158,6 +158,14 @@ std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal,
     fatal(all, "no HEARTBEAT came", "compare the baud rates; close other ground stations (step 2)");
     return all;
   }
+  if (!facts.elsewhere.empty()) {
+    fatal(all,
+          fmt::format("system {} is heard on link {}, which is another vehicle's",
+                      facts.system.value_or(0), facts.elsewhere),
+          "the boards have each other's system ids: exchange the boards behind --fcu, or set their "
+          "ids (PX4: MAV_SYS_ID) and reboot them (step 2)");
+    return all;
+  }
   good(all, "a vehicle with autopilot " + facts.autopilot + " is there");
   check_mode(facts, all);
   check_rotors(facts, vehicle, all);

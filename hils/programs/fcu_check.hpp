@@ -18,6 +18,7 @@ struct FcuFacts {
   bool link_up = false;
   std::string link_words{};  ///< where it is, or why it is not up
   bool heard = false;        ///< its HEARTBEAT has come
+  std::string elsewhere{};   ///< casd's link that it came by, where that is not this vehicle's
   bool hil = false;          ///< and says that it flies a simulation
   bool armed = false;
   std::string autopilot{};           ///< "px4", "ardupilot", "generic"

@@ -86,6 +86,8 @@ void read_vehicle(base::rpc::Client& casd, const ProbedFcu& fcu, FcuFacts& facts
   try {
     const Json state = casd.call("vehicle.state", fcu.about(Json::object()));
     facts.heard = true;
+    const std::string link = state.value("link", fcu.link);
+    facts.elsewhere = link == fcu.link ? "" : link;
     facts.hil = state.value("hil", false);
     facts.armed = state.value("armed", false);
     facts.autopilot = state.value("autopilot", "");

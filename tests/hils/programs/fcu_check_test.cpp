@@ -65,6 +65,12 @@ INSTANTIATE_TEST_SUITE_P(
                 f.system = 2;
               },
               true, "no HEARTBEAT of system 2 came"},
+        Fault{"Exchanged",
+              [](FcuFacts& f) {
+                f.system = 2;
+                f.elsewhere = "fcu_left";
+              },
+              true, "system 2 is heard on link fcu_left"},
         Fault{"NotInHil", [](FcuFacts& f) { f.hil = false; }, true, "propellers"},
         Fault{"HitlOff", [](FcuFacts& f) { f.sys_hitl = 0; }, true, "SYS_HITL is 0"},
         Fault{"Armed", [](FcuFacts& f) { f.armed = true; }, true, "armed already"},
