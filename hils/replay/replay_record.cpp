@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -237,23 +238,32 @@ Json vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult&
   return vehicle;
 }
 
-/// What lies between casd and the controller: a serial line with its rate, or UDP.
+/// What lies between casd and the controllers: serial lines with their rate, where all have one, or
+/// UDP.
 Json line_json(const RunRequest& request) {
   if (request.architecture == Architecture::kDirect) return {{"type", "none"}};
   if (request.architecture == Architecture::kSitl) return {{"type", "udp"}};
-  const FcuDevice* device = request.fcu_device(0);
-  const double baud = device == nullptr ? static_cast<double>(line_of(request).baud) : device->baud;
-  return {{"type", "serial"}, {"baud", baud}};
+  std::set<double> bauds;
+  for (std::size_t i = 0; i < request.scenario.vehicles.size(); ++i) {
+    const FcuDevice* device = request.fcu_device(i);
+    bauds.insert(device == nullptr ? static_cast<double>(line_of(request).baud) : device->baud);
+  }
+  Json line = Json::object();
+  line["type"] = "serial";
+  if (bauds.size() == 1) line["baud"] = *bauds.begin();
+  return line;
 }
 
-/// What flies: "fcu_emulator", or the ports of real controllers.
+/// What flies: "fcu_emulator", or for each vehicle that or the port of a real controller.
 std::string controllers(const RunRequest& request) {
-  if (request.fcu_devices.empty()) return "fcu_emulator";
-  std::string ports;
-  for (const auto& [vehicle, device] : request.fcu_devices) {
-    ports += (ports.empty() ? "" : ", ") + device.path;
+  constexpr const char* kEmulator = "fcu_emulator";
+  if (request.fcu_devices.empty()) return kEmulator;
+  std::string all;
+  for (std::size_t i = 0; i < request.scenario.vehicles.size(); ++i) {
+    const FcuDevice* device = request.fcu_device(i);
+    all += (all.empty() ? "" : ", ") + (device == nullptr ? kEmulator : device->path);
   }
-  return ports;
+  return all;
 }
 
 }  // namespace
