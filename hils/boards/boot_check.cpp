@@ -42,6 +42,13 @@ bool is_version(std::string_view said, std::string_view wanted) {
   return said.size() == wanted.size() || said[wanted.size()] == '.';
 }
 
+bool is_commit(std::string_view said, std::string_view wanted) {
+  constexpr std::size_t kTelling = 7;
+  const std::size_t common = std::min(said.size(), wanted.size());
+  return common >= std::min(kTelling, wanted.size()) &&
+         said.substr(0, common) == wanted.substr(0, common);
+}
+
 bool has_booted(const BoardFacts& facts) { return facts.heard && !facts.firmware.empty(); }
 
 BootVerdict judge_boot(const BoardFacts& facts, const Board& board) {
@@ -64,7 +71,7 @@ BootVerdict judge_boot(const BoardFacts& facts, const Board& board) {
     return no_boot(board,
                    fmt::format("runs firmware {} instead of {}", facts.firmware, board.firmware));
   }
-  if (!board.commit.empty() && !facts.commit.starts_with(board.commit)) {
+  if (!board.commit.empty() && !is_commit(facts.commit, board.commit)) {
     return no_boot(board,
                    fmt::format("runs firmware of commit {} instead of {}",
                                facts.commit.empty() ? "unknown" : facts.commit, board.commit));

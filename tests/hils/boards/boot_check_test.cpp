@@ -91,6 +91,14 @@ TEST(Boot, VersionsAreComparedNumberByNumber) {
   EXPECT_FALSE(is_version("1.15", "1.15.0"));
 }
 
+TEST(Boot, CommitsAreComparedAsFarAsBothGo) {
+  EXPECT_TRUE(is_commit("12ab34cd00112233", "12ab34cd0011223344556677889900aabbccddee"));
+  EXPECT_TRUE(is_commit("12ab34cd", "12ab"));
+  EXPECT_FALSE(is_commit("12ab34cd00112233", "12ab34ce0011223344556677889900aabbccddee"));
+  EXPECT_FALSE(is_commit("12ab", "12ab34cd")) << "too short to tell";
+  EXPECT_FALSE(is_commit("", "12ab"));
+}
+
 TEST(Boot, ReadsTheCommitAsEachAutopilotWritesIt) {
   constexpr std::array<std::uint8_t, 8> kPx4{0, 0, 0, 0, 0xcd, 0x34, 0xab, 0x12};
   EXPECT_EQ(commit_text(kPx4, "PX4"), "12ab34cd00000000");
