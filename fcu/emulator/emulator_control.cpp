@@ -27,8 +27,10 @@ Json quantiles(const base::Histogram& h) {
 }
 
 Json direction(const LineModel::Stats& s) {
-  return {{"written", s.written}, {"refused", s.refused}, {"delivered", s.delivered},
-          {"lost", s.lost},       {"overrun", s.overrun}, {"flipped_bits", s.flipped}};
+  return {{"written", s.written}, {"duplicated", s.duplicated},
+          {"refused", s.refused}, {"delivered", s.delivered},
+          {"lost", s.lost},       {"overrun", s.overrun},
+          {"misread", s.misread}, {"flipped_bits", s.flipped}};
 }
 
 Json stats_json(EmulatorView& view) {

@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <utility>
 
 #include "base/config/config_whole.hpp"
 #include "base/random.hpp"
@@ -85,6 +84,9 @@ LineConfig LineConfig::parse(const base::ConfigNode& node) {
   line.packet_duplicate = node.get_in("packet_duplicate", line.packet_duplicate, 0, 1);
   line.packet_reorder = node.get_in("packet_reorder", line.packet_reorder, 0, 1);
   line.receiver_baud = node.get_in("receiver_baud", line.receiver_baud, 0, 100e6);
+  if (line.receiver_baud > 0 && line.receiver_baud < 1) {
+    node.at("receiver_baud").fail("must be 0, the sender's, or at least 1");
+  }
   if (line.receiver_baud > 0 && line.baud <= 0) {
     node.at("receiver_baud").fail("needs a line with a baud rate");
   }
@@ -103,9 +105,9 @@ LineConfig LineConfig::parse(const base::ConfigNode& node) {
 std::optional<std::uint8_t> read_at_other_rate(std::uint8_t sent, double ratio) {
   constexpr int kDataBits = 8;
   const auto level_at = [sent](double bit_times) {
+    if (bit_times >= kDataBits + 1) return true;  // stop, idle
     const auto bit = static_cast<int>(bit_times);
     if (bit == 0) return false;              // start
-    if (bit > kDataBits) return true;        // stop, idle
     return ((sent >> (bit - 1)) & 1U) != 0;  // least significant first
   };
   if (level_at(0.5 * ratio)) return std::nullopt;  // no start bit
@@ -195,6 +197,7 @@ std::uint8_t LineModel::with_bit_errors(std::uint8_t value) {
 }
 
 std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
+  release_overdue(now);
   while (!sending_.empty() && sending_.front() <= now) sending_.pop_front();
   const std::size_t taken = std::min(bytes.size(), room(now));
   stats_.written += taken;
@@ -205,16 +208,31 @@ std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
     return probability > 0 && random_.uniform() < probability;
   };
   const std::span<const std::uint8_t> one = bytes.first(taken);
-  if (!held_.empty()) {
-    send(one, now);
-    send(std::exchange(held_, {}), now);
-  } else if (draw(config_.packet_reorder)) {
-    held_.assign(one.begin(), one.end());
+  const bool twice = draw(config_.packet_duplicate);
+  if (draw(config_.packet_reorder)) {
+    if (held_.empty()) held_until_ = now + kLongestHold;
+    held_.push_back({.bytes = {one.begin(), one.end()}, .twice = twice});
   } else {
-    send(one, now);
-    if (draw(config_.packet_duplicate)) send(one, now);
+    put(one, twice, now);
+    release(now);
   }
   return taken;
+}
+
+void LineModel::put(std::span<const std::uint8_t> bytes, bool twice, RunTime now) {
+  send(bytes, now);
+  if (!twice) return;
+  stats_.duplicated += bytes.size();
+  send(bytes, now);
+}
+
+/// The newest goes first: it passes those before it.
+void LineModel::release(RunTime now) {
+  for (; !held_.empty(); held_.pop_back()) put(held_.back().bytes, held_.back().twice, now);
+}
+
+void LineModel::release_overdue(RunTime now) {
+  if (!held_.empty() && held_until_ <= now) release(held_until_);
 }
 
 /// Puts bytes on the line. A second copy may take more room than the send buffer has.
@@ -273,6 +291,7 @@ void LineModel::drop_overrun(RunTime now) {
 }
 
 std::size_t LineModel::read(std::span<std::uint8_t> out, RunTime now) {
+  release_overdue(now);
   drop_overrun(now);
   std::size_t count = 0;
   while (count < out.size() && !on_line_.empty() && on_line_.front().arrival <= now) {
@@ -284,15 +303,17 @@ std::size_t LineModel::read(std::span<std::uint8_t> out, RunTime now) {
 }
 
 std::optional<RunTime> LineModel::next_arrival() const {
-  for (const Byte& byte : on_line_) {
-    if (byte.wakes) return byte.arrival;
-  }
-  return std::nullopt;
+  std::optional<RunTime> next;
+  if (!held_.empty()) next = held_until_;
+  const auto wakes = std::ranges::find(on_line_, true, &Byte::wakes);
+  if (wakes != on_line_.end() && (!next || wakes->arrival < *next)) next = wakes->arrival;
+  return next;
 }
 
 void LineModel::hang_up() {
   hung_up_ = true;
-  stats_.lost += on_line_.size() + held_.size();
+  stats_.lost += on_line_.size();
+  for (const Held& held : held_) stats_.lost += held.bytes.size();
   on_line_.clear();
   held_.clear();
   sending_.clear();

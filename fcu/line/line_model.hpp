@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -31,7 +32,7 @@ struct LineConfig {
   double burst_loss = 1;              ///< probability that a byte is lost while bad
   double packet_loss = 0;             ///< probability that one write is lost as a whole
   double packet_duplicate = 0;        ///< probability that one write arrives twice
-  double packet_reorder = 0;          ///< probability that one write comes after the next one
+  double packet_reorder = 0;          ///< probability that one write waits for the next one to pass
   double receiver_baud = 0;           ///< rate at which the receiver reads; 0 = the sender's
   std::size_t send_buffer_bytes = 0;  ///< room before the writer is held back; 0 = endless
   std::size_t receive_fifo_bytes =
@@ -56,19 +57,21 @@ std::optional<std::uint8_t> read_at_other_rate(std::uint8_t sent, double ratio);
 ///
 /// Every byte is done at max(now, done) + 10/baud: an idle line saves up no credit. Then come
 /// delay, jitter, batching, stalls, bit errors and losses as configured; bytes never overtake each
-/// other. Same seed and same calls give the same bytes at the same times.
+/// other. A write that waits for the next one to pass waits 50 ms at most. Same seed and same calls
+/// give the same bytes at the same times.
 ///
 ///   write --> send buffer --> byte clock --> errors, delay --> receive FIFO --> read
 class LineModel {
  public:
   struct Stats {
-    std::uint64_t written = 0;    ///< bytes accepted from the writer
-    std::uint64_t refused = 0;    ///< bytes the writer had to keep: send buffer full
-    std::uint64_t delivered = 0;  ///< bytes read
-    std::uint64_t lost = 0;       ///< bytes lost on the line
-    std::uint64_t overrun = 0;    ///< bytes lost because nobody read in time
-    std::uint64_t flipped = 0;    ///< bits flipped
-    std::uint64_t misread = 0;    ///< bytes that the receiver took for others, at another rate
+    std::uint64_t written = 0;     ///< bytes accepted from the writer
+    std::uint64_t duplicated = 0;  ///< bytes put on the line once more
+    std::uint64_t refused = 0;     ///< bytes the writer had to keep: send buffer full
+    std::uint64_t delivered = 0;   ///< bytes read
+    std::uint64_t lost = 0;        ///< bytes lost on the line
+    std::uint64_t overrun = 0;     ///< bytes lost because nobody read in time
+    std::uint64_t flipped = 0;     ///< bits flipped
+    std::uint64_t misread = 0;     ///< bytes that the receiver took for others, at another rate
   };
 
   LineModel(const LineConfig& config, std::uint64_t seed);
@@ -83,8 +86,8 @@ class LineModel {
 
   /// Moves bytes that have arrived by `now` into `out`. @return how many
   std::size_t read(std::span<std::uint8_t> out, base::RunTime now);
-  /// When to read next: a write's last byte, or `receive_trigger_bytes` of it, has arrived. Nothing
-  /// while the line is empty.
+  /// When to read next: a write's last byte, or `receive_trigger_bytes` of it, has arrived, or one
+  /// that waits goes on the line. Nothing while the line is empty.
   std::optional<base::RunTime> next_arrival() const;
 
   /// New settings for bytes written from now on.
@@ -104,7 +107,17 @@ class LineModel {
     bool wakes = false;  ///< last byte of a write, or the trigger level within it
   };
 
+  /// A write that the next one is to pass.
+  struct Held {
+    std::vector<std::uint8_t> bytes;
+    bool twice = false;
+  };
+  static constexpr base::Duration kLongestHold = std::chrono::milliseconds(50);
+
   void send(std::span<const std::uint8_t> bytes, base::RunTime now);
+  void put(std::span<const std::uint8_t> bytes, bool twice, base::RunTime now);
+  void release(base::RunTime now);
+  void release_overdue(base::RunTime now);
   base::Duration byte_time() const;
   base::RunTime clock_byte(base::RunTime now, base::Duration byte_time);
   base::RunTime after_stalls(base::RunTime t);
@@ -117,7 +130,8 @@ class LineModel {
   base::NormalRandom random_;
   std::deque<Byte> on_line_;
   std::deque<base::RunTime> sending_;  ///< done times of bytes not yet clocked out
-  std::vector<std::uint8_t> held_;     ///< a write that comes after the next one
+  std::vector<Held> held_;             ///< oldest first
+  base::RunTime held_until_{};         ///< when the oldest of them has waited long enough
   base::RunTime done_{};               ///< when the last byte left the sender
   base::RunTime last_arrival_{};
   base::RunTime next_stall_{};

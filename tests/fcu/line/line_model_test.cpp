@@ -127,10 +127,57 @@ TEST(LineModel, DuplicatesAndReordersWholeWrites) {
   out.resize(100);
   EXPECT_EQ(crossed.read(out, kStart), 0U);
   const std::vector<std::uint8_t> next{7, 8, 9};
+  crossed.configure({});
   crossed.write(next, kStart);
   EXPECT_EQ(crossed.read(out, kStart), 5U);
   out.resize(5);
   EXPECT_EQ(out, (std::vector<std::uint8_t>{7, 8, 9, 0, 1}));
+}
+
+TEST(LineModel, AWriteThatNoneFollowsComesAfterABoundedTime) {
+  LineConfig config;
+  config.packet_reorder = 1;
+  LineModel line(config, 1);
+  EXPECT_EQ(crossing_time(line, 3, kStart), 50ms);
+  EXPECT_EQ(line.stats().delivered, 3U);
+  EXPECT_FALSE(line.next_arrival().has_value());
+}
+
+TEST(LineModel, ReordersAndDuplicatesTheShareOfWritesThatIsAskedFor) {
+  constexpr int kWrites = 10'000;
+  LineConfig config;
+  config.packet_reorder = 0.3;
+  config.packet_duplicate = 0.2;
+  config.burst_begin = 0.01;
+  config.burst_end = 0.5;
+  LineModel line(config, 3);
+  std::vector<std::uint8_t> out(4 * kWrites);
+  for (int i = 0; i < kWrites; ++i) line.write(bytes(1), kStart);
+  line.read(out, kStart + 1s);
+  const LineModel::Stats& s = line.stats();
+  EXPECT_EQ(s.written, static_cast<std::uint64_t>(kWrites));
+  EXPECT_EQ(s.written + s.duplicated, s.delivered + s.lost);
+  EXPECT_NEAR(static_cast<double>(s.duplicated) / kWrites, 0.2, 0.02);  // five deviations
+
+  // A write is passed by the next one, or it is not: the order of two tells.
+  config = {};
+  config.packet_reorder = 0.3;
+  int passed = 0;
+  LineModel crossed(config, 4);
+  for (int i = 0; i < kWrites; ++i) {
+    const RunTime at = kStart + i * 1s;
+    crossed.configure(config);
+    crossed.write(std::vector<std::uint8_t>{1}, at);
+    crossed.configure({});
+    crossed.write(std::vector<std::uint8_t>{2}, at);
+    ASSERT_EQ(crossed.read(out, at), 2U);
+    passed += out[0] == 2 ? 1 : 0;
+  }
+  EXPECT_NEAR(static_cast<double>(passed) / kWrites, 0.3, 0.025);
+}
+
+TEST(LineModel, ARateThatIsNoneReadsAnIdleLine) {
+  EXPECT_EQ(read_at_other_rate(0x00, 1e300), std::nullopt);
 }
 
 TEST(LineModel, ASlowClockStretchesTheBytes) {
@@ -291,6 +338,8 @@ TEST(LineConfig, OverridesAPresetKeyByKey) {
   EXPECT_EQ(line.extra_delay, Duration(250us));
   EXPECT_EQ(line.packet_loss, 0.01);
   EXPECT_THROW(LineConfig::parse(base::ConfigNode::parse("{bauds: 3}")), base::ConfigError);
+  EXPECT_THROW(LineConfig::parse(base::ConfigNode::parse("{baud: 9600, receiver_baud: 1e-9}")),
+               base::ConfigError);
 }
 
 }  // namespace
