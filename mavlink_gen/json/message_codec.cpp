@@ -8,7 +8,10 @@
 #include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "base/suggestion.hpp"
@@ -87,7 +90,36 @@ json element_json(FieldType type, std::span<const std::uint8_t> payload, std::si
 
 /// What is wrong with a value, as a sentence.
 [[noreturn]] void refuse(const std::string& field, const json& value, const std::string& why) {
-  throw std::invalid_argument(field + ": " + value.dump() + " " + why);
+  const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  throw std::invalid_argument(field + ": " + text + " " + why);
+}
+
+/// A character as write_json gives it: bytes that are not ASCII stand for Latin-1.
+void append_utf8(char c, std::string& text) {
+  const auto byte = static_cast<std::uint8_t>(c);
+  if (byte < 0x80) {
+    text += c;
+  } else {
+    text += static_cast<char>(0xC0U | byte >> 6U);
+    text += static_cast<char>(0x80U | (byte & 0x3FU));
+  }
+}
+
+/// The other way; nothing for characters beyond Latin-1 and for what is not UTF-8.
+std::optional<std::string> latin1(std::string_view utf8) {
+  std::string bytes;
+  for (std::size_t i = 0; i < utf8.size(); ++i) {
+    const auto lead = static_cast<std::uint8_t>(utf8[i]);
+    if (lead < 0x80) {
+      bytes += utf8[i];
+      continue;
+    }
+    if ((lead != 0xC2 && lead != 0xC3) || ++i == utf8.size()) return std::nullopt;
+    const auto next = static_cast<std::uint8_t>(utf8[i]);
+    if (next >> 6U != 2) return std::nullopt;
+    bytes += static_cast<char>((lead & 3U) << 6U | (next & 0x3FU));
+  }
+  return bytes;
 }
 
 /// Stores a number where its type can hold it.
@@ -275,7 +307,7 @@ json MessageCodec::value_json(const Field& field, Payload payload, bool enums_by
     for (std::size_t i = 0; i < std::max<std::size_t>(field.array_length, 1); ++i) {
       const auto c = load<char>(payload, field.wire_offset + i);
       if (c == '\0') break;
-      text += c;
+      append_utf8(c, text);
     }
     return text;
   }
@@ -313,12 +345,13 @@ void MessageCodec::store(const Field& field, const json& value, std::uint8_t* pa
   std::uint8_t* out = payload + field.wire_offset;
   if (field.type == FieldType::kChar) {
     if (!value.is_string()) refuse(field.name, value, "is no text");
-    const auto& text = value.get_ref<const std::string&>();
+    const auto text = latin1(value.get_ref<const std::string&>());
+    if (!text) refuse(field.name, value, "has a character that is no byte of Latin-1");
     const std::size_t room = std::max<std::size_t>(field.array_length, 1);
-    if (text.size() > room) {
+    if (text->size() > room) {
       refuse(field.name, value, "is longer than " + std::to_string(room) + " characters");
     }
-    std::ranges::copy(text, out);
+    std::ranges::copy(*text, out);
     return;
   }
   const auto put_element = [&](const json& element, std::size_t i) {

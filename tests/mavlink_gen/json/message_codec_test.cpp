@@ -49,6 +49,9 @@ TEST(MessageCodec, GivesAndTakesWhatTheGeneratedCodeSays) {
   ParamValue value{.param_count = 7};
   set_text(value.param_id, "MC_ROLL_P");
   round_trip(value);
+  Statustext text;
+  set_text(text.text, "20 \xB0, \x80 and \xFF");
+  round_trip(text);
   HilActuatorControls controls;
   controls.controls[3] = 0.25F;
   round_trip(controls);
@@ -104,6 +107,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"UnknownEntry", R"({"message": "HEARTBEAT", "type": "MAV_TYPE_QUADROTR"})",
                 "type: \"MAV_TYPE_QUADROTR\" is no entry of MAV_TYPE; did you mean "
                 "'MAV_TYPE_QUADROTOR'?"},
+        Refusal{"BeyondLatin1", R"({"message": "STATUSTEXT", "text": "\u20ac"})",
+                "text: \"\u20ac\" has a character that is no byte of Latin-1"},
         Refusal{"LongText", R"({"message": "PARAM_SET", "param_id": "SEVENTEEN_LETTERS"})",
                 "param_id: \"SEVENTEEN_LETTERS\" is longer than 16 characters"}),
     [](const auto& test) { return test.param.name; });
