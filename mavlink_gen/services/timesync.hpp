@@ -47,10 +47,14 @@ class ClockEstimate {
 
   /// @return whether it is an answer to a question of ours
   bool on_timesync(const mavlink::common::Timesync& message, Time now) {
-    const Duration there_and_back = now - Time(Duration(message.ts1));
-    if (message.tc1 == 0 || there_and_back < Duration{} || there_and_back > kLongest) return false;
-    const Time between(Duration(message.ts1) + there_and_back / 2);
-    answers_[count_++ % answers_.size()] = {there_and_back, Time(Duration(message.tc1)) - between};
+    // The numbers are from the network: bounds first, so that no difference overflows.
+    const Time asked{Duration(message.ts1)};
+    const Duration theirs(message.tc1);
+    if (message.tc1 == 0 || asked > now || asked < now - kLongest) return false;
+    const Duration there_and_back = now - asked;
+    const Duration between = (asked + there_and_back / 2).time_since_epoch();
+    if (theirs > kFarthest || theirs < -kFarthest) return false;
+    answers_[count_++ % answers_.size()] = {there_and_back, theirs - between};
     return true;
   }
 
@@ -68,6 +72,8 @@ class ClockEstimate {
  private:
   /// Later ones are no answers, but other nodes' numbers.
   static constexpr Duration kLongest = std::chrono::seconds(10);
+  /// No clock shows as much, whether it counts from 1970 or from its start: 146 years.
+  static constexpr Duration kFarthest = Duration::max() / 2;
   struct Answer {
     Duration round_trip{};
     Duration offset{};

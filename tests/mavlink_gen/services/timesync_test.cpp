@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
+
 namespace cas::mav::services {
 namespace {
 
@@ -62,6 +65,24 @@ TEST(ClockEstimate, LeavesOutQuestionsAndAnswersToOthers) {
   to_another.tc1 = 1;
   to_another.ts1 = 99'000'000'000;  // from the future
   EXPECT_FALSE(estimate.on_timesync(to_another, Time(1s)));
+  EXPECT_FALSE(estimate.offset());
+}
+
+TEST(ClockEstimate, LeavesOutNumbersThatNoClockShows) {
+  constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  ClockEstimate estimate;
+  Timesync message;
+  for (const std::int64_t number : {kLeast, kLeast + 1, kMost - 1, kMost}) {
+    for (const Time now : {Time(0s), Time(1s), Time(std::chrono::years(60))}) {
+      message.tc1 = 1;
+      message.ts1 = number;
+      EXPECT_FALSE(estimate.on_timesync(message, now)) << number;
+      message.tc1 = number;
+      message.ts1 = (now - 1ms).time_since_epoch().count();
+      EXPECT_FALSE(estimate.on_timesync(message, now)) << number;
+    }
+  }
   EXPECT_FALSE(estimate.offset());
 }
 
