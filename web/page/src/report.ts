@@ -68,7 +68,8 @@ function drawMarks(u: uPlot, data: PlotData): void {
 }
 
 function makePlot(figure: HTMLElement, data: PlotData): uPlot {
-  const tables = data.series.map((curve): [Float64Array, Float64Array] => [decode(curve.x), decode(curve.y)]);
+  // A null is a gap; what join() leaves undefined, for the moments of other curves, is none.
+  const tables = data.series.map((curve) => [decode(curve.x), Array.from(decode(curve.y), (y) => (Number.isNaN(y) ? null : y))]);
   const colours = strokes(data.series);
   const said = document.createElement('figcaption');
   const says = (text: string) => { said.textContent = text; };
@@ -84,7 +85,7 @@ function makePlot(figure: HTMLElement, data: PlotData): uPlot {
     },
     axes: [{...axis, label: data.x_label, size: 34, labelSize: 18}, {...axis, label: data.y_label, size: 62, labelSize: 18}],
     series: [{label: data.x_label}, ...data.series.map((curve, i) => ({
-      label: curve.name || data.y_label, stroke: colours[i], width: 1.4, dash: curve.dashed ? [5, 4] : undefined, points: {show: false}, spanGaps: true,
+      label: curve.name || data.y_label, stroke: colours[i], width: 1.4, dash: curve.dashed ? [5, 4] : undefined, points: {show: false}, spanGaps: false,
       paths: curve.steps ? uPlot.paths.stepped!({align: 1}) : undefined,
     }))],
     hooks: {
@@ -106,9 +107,13 @@ function makePlot(figure: HTMLElement, data: PlotData): uPlot {
 const plots: [HTMLElement, uPlot][] = [];
 for (const block of document.querySelectorAll('script.plot')) {
   const figure = block.parentElement!;
-  const data = JSON.parse(block.textContent!) as PlotData;
-  figure.querySelector('svg')?.classList.add('on-paper');
-  plots.push([figure, makePlot(figure, data)]);
+  try {
+    plots.push([figure, makePlot(figure, JSON.parse(block.textContent!) as PlotData)]);
+    figure.querySelector('svg')?.classList.add('on-paper');
+  } catch (error) {
+    figure.querySelectorAll('.uplot').forEach((part) => part.remove());
+    console.error(error);  // the drawing stays
+  }
 }
 addEventListener('resize', () => {
   for (const [figure, plot] of plots) plot.setSize({width: figure.clientWidth - 12, height: 300});

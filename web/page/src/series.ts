@@ -11,15 +11,17 @@ export interface Series {
 /** Multiples of `k`, each as the difference from the one before (hils/replay/column.hpp). */
 export interface Column {
   k: number;
-  d: number[];
+  /** null: a gap, where no value is. */
+  d: (number | null)[];
 }
 
 export function decode(column: Column): Float64Array {
   const values = new Float64Array(column.d.length);
   let sum = 0;
   for (let i = 0; i < values.length; ++i) {
-    sum += column.d[i]!;
-    values[i] = sum * column.k;
+    const difference = column.d[i]!;
+    sum += difference ?? 0;
+    values[i] = difference === null ? NaN : sum * column.k;
   }
   return values;
 }

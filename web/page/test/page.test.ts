@@ -66,6 +66,7 @@ test('a heading of north is a quarter turn in W, and back', () => {
 
 test('columns are sums of differences', () => {
   assert.deepEqual([...decode({k: 0.5, d: [4, -1, 0, 2]})], [2, 1.5, 1.5, 2.5]);
+  assert.deepEqual([...decode({k: 1, d: [4, null, 1]})], [4, NaN, 5], 'a gap adds nothing');
   assert.equal(indexAt([0, 1, 2], 1.5), 1);
   assert.equal(indexAt([0, 1, 2], -1), -1);
   near(between([0, 1], [0, 10], 0.25)!, 2.5);

@@ -16,7 +16,7 @@ after(async () => {
   rmSync(folder, {recursive: true});
 });
 
-function report(): string {
+function report(broken = ''): string {
   const data = {
     x_label: 'simulated time, s', y_label: 'north, m', series: [
       {name: 'reference', dashed: true, x: {k: 1, d: [0, 1, 1, 1, 1]}, y: {k: 0.1, d: [0, 0, 10, 0, 0]}},
@@ -28,11 +28,11 @@ function report(): string {
     `<script type="application/json" class="plot">${JSON.stringify(data)}</script></figure>`;
   const file = (name: string) => readFileSync(join(process.env.CAS_PAGE!, name), 'utf8');
   return `<!doctype html><meta charset="utf-8"><title>report</title><style>:root{--ink:#111;--line:#ddd;--quiet:#666}</style>
-    <body><main>${figure}${figure}</main><style>${file('report.css')}</style><script>${file('report.js')}</script></body>`;
+    <body><main>${broken}${figure}${figure}</main><style>${file('report.css')}</style><script>${file('report.js')}</script></body>`;
 }
 
-async function open(options: {javaScriptEnabled: boolean}): Promise<Page> {
-  writeFileSync(join(folder, 'report.html'), report());
+async function open(options: {javaScriptEnabled: boolean}, broken = ''): Promise<Page> {
+  writeFileSync(join(folder, 'report.html'), report(broken));
   const page = await browser.newPage({viewport: {width: 900, height: 900}, ...options});
   await page.goto(`file://${join(folder, 'report.html')}`);
   return page;
@@ -65,5 +65,14 @@ test('a report from disk has plots that are zoomed, hidden and measured', async 
 test('without a script the drawings are there', async () => {
   const page = await open({javaScriptEnabled: false});
   assert.equal(await page.getByRole('img', {name: 'drawing'}).first().isVisible(), true);
+  await page.close();
+});
+
+test('a plot that cannot be drawn keeps its drawing, and the others are drawn', async () => {
+  const page = await open({javaScriptEnabled: true}, '<figure><svg viewBox="0 0 10 10" role="img" aria-label="kept"><path d="M0 0h9"/></svg>' +
+    '<script type="application/json" class="plot">{"x_label": "t"}</script></figure>');
+  await page.locator('.uplot').nth(1).waitFor();
+  assert.equal(await page.locator('.uplot').count(), 2);
+  assert.equal(await page.getByRole('img', {name: 'kept'}).isVisible(), true);
   await page.close();
 });
