@@ -133,14 +133,40 @@ void BenchFaultScript::add(BenchFault fault) {
   entries_.push_back({.fault = std::move(fault), .span = std::nullopt, .over = false});
 }
 
+void BenchFaultScript::add_begun(BenchFault fault, base::SimTime now) {
+  add(std::move(fault));
+  note_begin(entries_.back(), now);
+}
+
+void BenchFaultScript::note_begin(Entry& entry, base::SimTime now) {
+  entry.span = history_.size();
+  history_.push_back({.name = entry.fault.name, .begin = now, .end = std::nullopt});
+  if (!entry.fault.is_everybodys()) history_.back().vehicle = entry.fault.vehicle;
+}
+
+bool BenchFaultScript::line_is_faulty(std::size_t vehicle) const {
+  return std::ranges::any_of(entries_, [vehicle](const Entry& entry) {
+    return entry.span && !entry.over && !entry.fault.is_everybodys() &&
+           entry.fault.vehicle == vehicle;
+  });
+}
+
+const LineFault* BenchFaultScript::line_of(std::size_t vehicle) const {
+  const Entry* newest = nullptr;
+  for (const Entry& entry : entries_) {
+    if (!entry.span || entry.over || entry.fault.vehicle != vehicle) continue;
+    if (!std::holds_alternative<LineFault>(entry.fault.kind)) continue;
+    if (newest == nullptr || *entry.span > *newest->span) newest = &entry;
+  }
+  return newest == nullptr ? nullptr : std::get_if<LineFault>(&newest->fault.kind);
+}
+
 std::vector<BenchFaultScript::Event> BenchFaultScript::update(
     base::SimTime now, std::span<const VehicleReport> vehicles, std::string_view phase) {
   std::vector<Event> events;
   for (Entry& entry : entries_) {
     if (!entry.span && is_due(entry.fault, now, vehicles, phase)) {
-      entry.span = history_.size();
-      history_.push_back({.name = entry.fault.name, .begin = now, .end = std::nullopt});
-      if (!entry.fault.is_everybodys()) history_.back().vehicle = entry.fault.vehicle;
+      note_begin(entry, now);
       events.push_back({.fault = &entry.fault, .begins = true});
     } else if (entry.span && !entry.over &&
                now - history_[*entry.span].begin >= entry.fault.lasting) {

@@ -98,9 +98,17 @@ class BenchFaultScript {
   };
   /// One more, ordered in flight.
   void add(BenchFault fault);
+  /// One more, which has been begun by hand.
+  void add_begun(BenchFault fault, base::SimTime now);
   /// What begins or ends now. The faults that it points to stay until the next add().
   std::vector<Event> update(base::SimTime now, std::span<const VehicleReport> vehicles,
                             std::string_view phase);
+
+  /// Whether a fault of this vehicle's line is under way.
+  bool line_is_faulty(std::size_t vehicle) const;
+  /// The properties that this vehicle's line has now: of the fault under way that began last;
+  /// nothing: its own.
+  const LineFault* line_of(std::size_t vehicle) const;
 
   /// One fault as it went.
   struct Span {
@@ -118,6 +126,7 @@ class BenchFaultScript {
     std::optional<std::size_t> span;  ///< its place in the history, once it has begun
     bool over = false;
   };
+  void note_begin(Entry& entry, base::SimTime now);
   static bool is_due(const BenchFault& fault, base::SimTime now,
                      std::span<const VehicleReport> vehicles, std::string_view phase);
 

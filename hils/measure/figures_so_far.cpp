@@ -12,6 +12,9 @@ namespace cas::hils {
 
 namespace {
 
+/// An older estimate says where the vehicle was.
+constexpr double kFresh_s = 0.3;
+
 Pose to_pose(const Motion& motion) {
   return {.x_m = motion.p_m.x(),
           .y_m = motion.p_m.y(),
@@ -39,11 +42,15 @@ Measurement flawless(const Limits& limits) {
 }  // namespace
 
 void FiguresSoFar::add(const Stage& stage, base::SimTime now, const VehicleReport& vehicle) {
-  if (!stage.step.measure || (newest_ && now <= *newest_)) return;
+  if (newest_ && now < *newest_) *this = {};  // the simulation began anew
+  if (!stage.step.measure || newest_ == now) return;
   newest_ = now;
   const Pose reference = reference_at(stage, static_cast<std::int64_t>(base::to_time_usec(now)));
   if (vehicle.truth) truth_.add(to_pose(*vehicle.truth), reference);
-  if (vehicle.has_position) estimate_.add(to_pose(vehicle.estimate()), reference);
+  if (!vehicle.has_position || vehicle.position_age_s >= kFresh_s) return;
+  if (counted_ && counted_->first == vehicle.p_N && counted_->second == vehicle.v_N) return;
+  counted_ = {vehicle.p_N, vehicle.v_N};
+  estimate_.add(to_pose(vehicle.estimate()), reference);
 }
 
 std::vector<LimitCheck> FiguresSoFar::checks(const Limits& limits) const {

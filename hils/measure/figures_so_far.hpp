@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/time/clock.hpp"
@@ -17,7 +19,8 @@ namespace cas::hils {
 /// ledgers, responses and incidents when the flight is over.
 class FiguresSoFar {
  public:
-  /// One look at the vehicle; only those in the measured step count, each moment once.
+  /// One look at the vehicle; only those in the measured step count, each moment once, and each
+  /// estimate once while it is fresh. All begins anew where simulated time goes back.
   /// @param stage  the step under way
   void add(const Stage& stage, base::SimTime now, const VehicleReport& vehicle);
 
@@ -29,6 +32,8 @@ class FiguresSoFar {
   RmsSums truth_;
   RmsSums estimate_;
   std::optional<base::SimTime> newest_;
+  /// Place and velocity of the estimate that was counted last.
+  std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> counted_;
 };
 
 /// Where the vehicle shall be now; nothing before it climbs and from its landing on.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "hils/measure/check_json.hpp"
+#include "hils/programs/hand_fault.hpp"
 
 namespace cas::hils {
 
@@ -85,18 +87,13 @@ bool is_line_fault(const BenchFault& fault) {
 
 }  // namespace
 
-struct LiveRun::Refusal {
-  int code;
-  std::string sentence;
-};
-
 struct LiveRun::Shown {
   Json touched = Json::array();  ///< acts of others
   Json status;
 };
 
 LiveRun::LiveRun() : shown_(std::make_unique<Shown>()) {}
-LiveRun::~LiveRun() = default;
+LiveRun::~LiveRun() { tell_end("hils ended without a verdict"); }
 
 void LiveRun::start(const RunRequest& request, const RunPlaces& places,
                     const Supervisor& supervisor) {
@@ -105,7 +102,12 @@ void LiveRun::start(const RunRequest& request, const RunPlaces& places,
   for (const VehiclePlaces& vehicle : places.vehicles) {
     emulated_.push_back(std::filesystem::exists(vehicle.fcu_control()));
   }
-  port_ = std::make_unique<RunPort>(places.run_port());
+  try {
+    port_ = std::make_unique<RunPort>(places.run_port());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "hils: the run goes on without a page: {}\n", error.what());
+    return;
+  }
   const bool has_line = std::ranges::find(emulated_, true) != emulated_.end();
   port_->show("fault.list", fault_kinds(request.scenario, has_line));
   web_.emplace(places, supervisor);
@@ -114,6 +116,7 @@ void LiveRun::start(const RunRequest& request, const RunPlaces& places,
 void LiveRun::look(base::SimTime now, const FleetPlan& plan,
                    std::span<const VehicleReport> vehicles,
                    std::span<const Eigen::Vector3d> start_m) {
+  if (!port_) return;
   for (std::size_t i = 0; i < so_far_.size(); ++i) {
     if (const auto stage = plan.plan(i).under_way(now)) so_far_[i].add(*stage, now, vehicles[i]);
   }
@@ -172,20 +175,22 @@ void LiveRun::show_calls(const std::vector<OutsideCall>& calls) {
 }
 
 void LiveRun::play_faults(base::SimTime now, std::span<const VehicleReport> vehicles,
-                          BenchFaultScript& faults, base::rpc::Client& simulator) {
+                          BenchFaultScript& faults, base::rpc::Client& simulator,
+                          const BeginFault& begin) {
+  if (!port_) return;
   for (const RunPort::FaultCall& call : port_->take_faults()) {
     Json result;
-    std::optional<Refusal> refusal;
+    std::optional<HandRefusal> refusal;
     try {
-      result = inject(Json::parse(call.params), now, vehicles, faults, simulator);
-    } catch (const Refusal& why) {
+      result = inject(Json::parse(call.params), now, vehicles, faults, simulator, begin);
+    } catch (const HandRefusal& why) {
       refusal = why;
     } catch (const Json::exception& error) {
-      refusal = Refusal{base::rpc::kInvalidParams, error.what()};
+      refusal = HandRefusal{base::rpc::kInvalidParams, error.what()};
     } catch (const base::ConfigError& error) {
-      refusal = Refusal{base::rpc::kInvalidParams, error.what()};
+      refusal = HandRefusal{base::rpc::kInvalidParams, error.what()};
     } catch (const base::rpc::CallError& error) {
-      refusal = Refusal{error.code(), error.what()};
+      refusal = HandRefusal{error.code(), error.what()};
     }
     base::log::info(fmt::format("fault.inject {} by {}: {}", call.params, call.reply.client,
                                 refusal ? refusal->sentence : "done"));
@@ -207,28 +212,15 @@ void LiveRun::play_faults(base::SimTime now, std::span<const VehicleReport> vehi
   }
 }
 
-/// Only what says that it is in HIL gets a fault.
-std::size_t LiveRun::vehicle_of(const Json& params, std::span<const VehicleReport> vehicles) const {
-  const std::vector<std::uint8_t> systems = request_->scenario.systems();
-  const auto system = params.value("vehicle", systems.front());
-  const auto found = std::ranges::find(systems, system);
-  if (found == systems.end()) {
-    throw Refusal{base::rpc::kNoSuchVehicle, fmt::format("there is no vehicle {}", system)};
-  }
-  const auto i = static_cast<std::size_t>(found - systems.begin());
-  if (vehicles[i].hil) return i;
-  throw Refusal{base::rpc::kInterlock,
-                fmt::format("vehicle {} does not say that it is in HIL: it gets no fault", system)};
-}
-
 Json LiveRun::inject(const Json& params, base::SimTime now, std::span<const VehicleReport> vehicles,
-                     BenchFaultScript& faults, base::rpc::Client& simulator) {
+                     BenchFaultScript& faults, base::rpc::Client& simulator,
+                     const BeginFault& begin) {
   const Scenario& scenario = request_->scenario;
-  const std::size_t i = vehicle_of(params, vehicles);
+  const std::size_t i = vehicle_of_fault(params, scenario.systems(), vehicles);
   const double for_s = params.at("for_s").get<double>();
   if (!(for_s >= kShortestFault_s && for_s <= kLongestFault_s)) {
-    throw Refusal{base::rpc::kInvalidParams,
-                  fmt::format("for_s is {:g} to {:g} s", kShortestFault_s, kLongestFault_s)};
+    throw HandRefusal{base::rpc::kInvalidParams,
+                      fmt::format("for_s is {:g} to {:g} s", kShortestFault_s, kLongestFault_s)};
   }
   Json script = params;
   script.erase("vehicle");
@@ -241,12 +233,17 @@ Json LiveRun::inject(const Json& params, base::SimTime now, std::span<const Vehi
   root.reject_unused();
   for (const BenchFault& fault : parsed.bench) {
     if (!is_line_fault(fault)) {
-      throw Refusal{base::rpc::kRefused, "by hand the line breaks, not casd or a ground station"};
+      throw HandRefusal{base::rpc::kRefused,
+                        "by hand the line breaks, not casd or a ground station"};
     }
     if (!emulated_[i]) {
-      throw Refusal{base::rpc::kRefused, "a real controller's line is cut at its plug"};
+      throw HandRefusal{base::rpc::kRefused, "a real controller's line is cut at its plug"};
     }
-    faults.add(fault);
+    if (faults.line_is_faulty(i)) {
+      throw HandRefusal{base::rpc::kRefused, "a fault of this vehicle's line is under way: wait"};
+    }
+    begin(fault);
+    faults.add_begun(fault, now);
   }
   if (!parsed.vehicle.empty()) {
     const Json order{{"vehicle", scenario.vehicles[i].name}, {"fault", script}};
@@ -259,8 +256,31 @@ Json LiveRun::inject(const Json& params, base::SimTime now, std::span<const Vehi
           {"ended_s", base::to_seconds(now) + for_s}};
 }
 
+bool LiveRun::page_has_ended() const { return web_ && web_->has_ended(); }
+
+void LiveRun::resume(base::rpc::Client& simulator) {
+  simulator_calls_.emplace_back("sim.resume", "{}");
+  simulator.call("sim.resume", Json::object());
+}
+
+void LiveRun::tell_end(const std::string& sentence) {
+  if (!port_ || std::exchange(told_, true)) return;
+  Json verdict = shown_->status;
+  if (!verdict.is_object()) {
+    verdict = {{"name", request_->scenario.name},
+               {"seed", request_->seed},
+               {"touched", shown_->touched},
+               {"stages", Json::array()},
+               {"vehicles", Json::array()}};
+  }
+  verdict["state"] = "invalid";
+  verdict["sentences"] = Json::array({sentence});
+  port_->tell_verdict(std::move(verdict));
+}
+
 void LiveRun::tell(const RunResult& result) {
   if (!port_) return;
+  told_ = true;
   Json verdict = shown_->status;
   verdict["state"] = !result.verdict.valid   ? "invalid"
                      : result.verdict.passed ? "passed"

@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/rpc/client.hpp"
@@ -42,15 +44,26 @@ class LiveRun {
   /// @param start_m  where the vehicles stood at first: north, east, up
   void look(base::SimTime now, const FleetPlan& plan, std::span<const VehicleReport> vehicles,
             std::span<const Eigen::Vector3d> start_m);
-  /// Begins the faults that were asked for since the last look.
+  /// What begins a fault of a line. @throws base::rpc::CallError, base::ConfigError
+  using BeginFault = std::function<void(const BenchFault& fault)>;
+  /// Begins the faults that were asked for since the last look, and answers who asked.
   void play_faults(base::SimTime now, std::span<const VehicleReport> vehicles,
-                   BenchFaultScript& faults, base::rpc::Client& simulator);
+                   BenchFaultScript& faults, base::rpc::Client& simulator, const BeginFault& begin);
   /// Whether it is time to say again what others have done to the run.
-  bool wants_calls() const { return base::steady_now() >= next_calls_; }
+  bool wants_calls() const { return port_ && base::steady_now() >= next_calls_; }
   void show_calls(const std::vector<OutsideCall>& calls);
   /// The flight is over, and is judged.
-  void end_flight() { port_->end_faults(); }
+  void end_flight() {
+    if (port_) port_->end_faults();
+  }
   void tell(const RunResult& result);
+  /// The run ends without a verdict. Nothing where the page has been told how it ended.
+  void tell_end(const std::string& sentence);
+
+  /// casweb was there and has ended: no page can resume what one has paused.
+  bool page_has_ended() const;
+  /// Has the simulation go on.
+  void resume(base::rpc::Client& simulator);
 
   /// Faults by hand, as acts of others.
   const std::vector<OutsideCall>& calls() const { return calls_; }
@@ -59,12 +72,10 @@ class LiveRun {
 
  private:
   using Json = nlohmann::json;
-  struct Refusal;
   struct Shown;
 
   Json inject(const Json& params, base::SimTime now, std::span<const VehicleReport> vehicles,
-              BenchFaultScript& faults, base::rpc::Client& simulator);
-  std::size_t vehicle_of(const Json& params, std::span<const VehicleReport> vehicles) const;
+              BenchFaultScript& faults, base::rpc::Client& simulator, const BeginFault& begin);
   Json reference(base::SimTime now, const FleetPlan& plan,
                  std::span<const Eigen::Vector3d> start_m) const;
   Json status(base::SimTime now, const FleetPlan& plan) const;
@@ -77,6 +88,7 @@ class LiveRun {
   std::vector<OutsideCall> calls_;
   CallList simulator_calls_;
   std::unique_ptr<Shown> shown_;  // what people were told last
+  bool told_ = false;             // how the run ended
   base::RunTime next_status_{};
   base::RunTime next_calls_{};
 };

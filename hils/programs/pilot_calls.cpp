@@ -48,6 +48,7 @@ VehicleReport to_report(const Json& state) {
   report.position_lack = state.value("position_lacks", "");
   if (const auto p = state.find("position_N"); p != state.end() && p->is_object()) {
     report.has_position = true;
+    report.position_age_s = p->value("age_s", 0.0);
     report.p_N = {p->value("x_m", 0.0), p->value("y_m", 0.0), p->value("z_m", 0.0)};
     report.v_N = {p->value("vx_m_s", 0.0), p->value("vy_m_s", 0.0), p->value("vz_m_s", 0.0)};
   }

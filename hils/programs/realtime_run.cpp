@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -110,6 +111,7 @@ class RealtimePilot {
   std::string give(const FleetPlan::Command& command);
   void show(base::SimTime now);
   void tell_phase();
+  void watch_pause();
   void play_faults(base::SimTime now);
   void play(const BenchFault& fault, bool begins);
   void keep_outside_calls();
@@ -140,6 +142,8 @@ class RealtimePilot {
   bool measuring_ = false;
   double real_time_factor_ = 0;
   std::uint64_t late_steps_ = 0;
+  bool paused_ = false;
+  bool said_paused_ = false;
   std::vector<VehicleReport> vehicles_;
   std::vector<Eigen::Vector3d> start_m_;  ///< where they stood when the run began
 };
@@ -169,6 +173,7 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
     const base::SimTime now = simulated_time();
     log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
     look();
+    watch_pause();
     const std::vector<FleetPlan::Command> commands = plan_.update(now, vehicles_);
     tell_phase();
     show_page(now);
@@ -211,7 +216,8 @@ void RealtimePilot::show_page(base::SimTime now) {
   if (live_ == nullptr || plan_.ended()) return;
   if (live_->wants_calls()) live_->show_calls(calls_of_others());
   live_->look(now, plan_, vehicles_, start_m_);
-  live_->play_faults(now, vehicles_, faults_, simulator_);
+  live_->play_faults(now, vehicles_, faults_, simulator_,
+                     [this](const BenchFault& fault) { play(fault, true); });
 }
 
 void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
@@ -235,6 +241,7 @@ base::SimTime RealtimePilot::simulated_time() {
   const Json status = simulator_.call("sim.status", Json::object());
   real_time_factor_ = status.value("real_time_factor", 0.0);
   late_steps_ = status.value("late_steps", std::uint64_t{0});
+  paused_ = status.value("paused", false);
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     Motion truth = to_motion(status.at("vehicles").at(i));
     if (i == start_m_.size()) start_m_.push_back(truth.p_m);
@@ -273,6 +280,27 @@ std::string RealtimePilot::give(const FleetPlan::Command& command) {
   return hils::give(*casd_, command.step, false, asked_[command.vehicle], &own_calls_);
 }
 
+/// A run that somebody paused waits for ever: says who, and goes on when casweb has ended
+/// meanwhile.
+void RealtimePilot::watch_pause() {
+  if (!paused_) {
+    said_paused_ = false;
+    return;
+  }
+  if (!said_paused_) {
+    said_paused_ = true;
+    std::string who = "somebody";
+    for (const OutsideCall& call : read_simulator_calls(simulator_, {})) {
+      if (call.method == "sim.pause") who = call.client;
+    }
+    fmt::print(stderr, "hils: paused by {}: the run waits for `sim.resume`\n", who);
+  }
+  if (live_ == nullptr || !live_->page_has_ended()) return;
+  fmt::print(stderr,
+             "hils: casweb has ended, and nobody can resume by the page: the run goes on\n");
+  live_->resume(simulator_);
+}
+
 void RealtimePilot::play_faults(base::SimTime now) {
   for (const auto& [fault, begins] : faults_.update(now, vehicles_, plan_.phase())) {
     play(*fault, begins);
@@ -283,7 +311,8 @@ void RealtimePilot::play(const BenchFault& fault, bool begins) {
   const VehiclePlaces& vehicle = places_.vehicles[fault.vehicle];
   if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
     base::rpc::Client fcu(address(vehicle.fcu_control()));
-    fcu.call("line.set", to_json(begins ? line->line : line_));
+    if (!begins) line = faults_.line_of(fault.vehicle);  // another one may go on
+    fcu.call("line.set", to_json(line == nullptr ? line_ : line->line));
   } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
     if (!begins) return;  // the emulator plugs itself in again
     base::rpc::Client fcu(address(vehicle.fcu_control()));
@@ -364,9 +393,7 @@ void read_ledgers(const RunRequest& request, const RunPlaces& places,
   }
 }
 
-}  // namespace
-
-std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
+std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
   refuse_emulator_faults(request);
   refuse_virtual_faults(request);
   const base::RunTime begin = base::steady_now();
@@ -404,6 +431,17 @@ std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
   }
   read_ledgers(request, places, records);
   return records;
+}
+
+}  // namespace
+
+std::vector<RunRecord> run_in_real_time(const RunRequest& request) {
+  try {
+    return fly_in_real_time(request);
+  } catch (const std::exception& error) {
+    if (request.live != nullptr) request.live->tell_end(error.what());
+    throw;
+  }
 }
 
 }  // namespace cas::hils

@@ -9,11 +9,13 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "base/os/thread.hpp"
 #include "base/rpc/server.hpp"
+#include "base/time/clock.hpp"
 
 namespace cas::hils {
 
@@ -24,6 +26,8 @@ using base::rpc::Reply;
 
 constexpr auto kTellTime = std::chrono::seconds(2);
 constexpr std::size_t kMostFaults = 16;  // that wait for the run
+/// Longer than the longest command of a flight: after so long without a look the run hangs.
+constexpr auto kHangs = std::chrono::seconds(30);
 constexpr const char* kOver = "the flight is over: no fault begins";
 
 }  // namespace
@@ -33,6 +37,7 @@ struct RunPort::Impl {
     for (const char* method : {"run.reference", "run.status", "fault.list"}) {
       server.add_method(method, [this, method](const Json&, const Reply& reply) {
         const auto answer = answers.find(method);
+        if (hangs()) return reply.error(base::rpc::kRefused, "the run hangs", nullptr);
         if (answer != answers.end()) return reply.result(answer->second);
         reply.error(base::rpc::kRefused, "the run has not begun", nullptr);
       });
@@ -52,6 +57,12 @@ struct RunPort::Impl {
     for (const char* topic : {"fault", "verdict"}) server.add_topic(topic);
   }
 
+  /// While it flies it shows its status twice a second.
+  bool hangs() {
+    const std::scoped_lock lock(mutex);
+    return takes_faults && shown_at && base::steady_now() - *shown_at > kHangs;
+  }
+
   void end_tell() {
     const std::scoped_lock lock(mutex);
     told = true;
@@ -62,6 +73,7 @@ struct RunPort::Impl {
   asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
   base::rpc::Server server{io};
   std::map<std::string, Json, std::less<>> answers;  // by method; on the thread of `io`
+  std::optional<base::RunTime> shown_at;  // when the run showed its status last; there, too
 
   std::mutex mutex;
   std::condition_variable wake;
@@ -92,6 +104,7 @@ RunPort::~RunPort() {
 void RunPort::show(const std::string& method, Json answer) {
   asio::post(impl_->io, [this, method, answer = std::move(answer)] {
     impl_->answers.insert_or_assign(method, answer);
+    if (method == "run.status") impl_->shown_at = base::steady_now();
   });
 }
 
@@ -126,6 +139,7 @@ void RunPort::end_faults() {
 void RunPort::tell_verdict(Json verdict) {
   asio::post(impl_->io, [this, verdict = std::move(verdict)] {
     impl_->answers.insert_or_assign("run.status", verdict);
+    impl_->shown_at.reset();
     if (!impl_->server.has_subscribers("verdict")) return impl_->end_tell();
     impl_->server.publish("verdict", verdict);
   });

@@ -20,6 +20,9 @@ class WebView {
   /// @throws RunStopped when the run is stopped meanwhile
   WebView(const RunPlaces& places, const Supervisor& supervisor);
 
+  /// It was started, and is there no more.
+  bool has_ended() const { return casweb_ && casweb_->poll_exit().has_value(); }
+
  private:
   /// @return whether it listens
   bool start(const RunPlaces& places, const Supervisor& supervisor, const std::string& listen);

@@ -9,6 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -33,11 +34,12 @@ std::optional<std::filesystem::path> script_folder() {
   return folder;
 }
 
-/// The least and the greatest of each stretch.
-Points thinned(const Points& points) {
-  const std::size_t stretch = (2 * points.size() + kMostPoints - 1) / kMostPoints;
-  if (stretch <= 2) return points;
-  Points kept;
+/// The least and the greatest of each stretch of so many points.
+void add_thinned(std::span<const Points::value_type> points, std::size_t stretch, Points& kept) {
+  if (stretch <= 2) {
+    kept.insert(kept.end(), points.begin(), points.end());
+    return;
+  }
   for (std::size_t begin = 0; begin < points.size(); begin += stretch) {
     const auto first = points.begin() + static_cast<std::ptrdiff_t>(begin);
     const auto last =
@@ -48,6 +50,25 @@ Points thinned(const Points& points) {
     kept.push_back(*low);
     if (low != high) kept.push_back(*high);
   }
+}
+
+/// What can be drawn, thinned; between two stretches of it one point without a value.
+Points drawn_points(const Points& points, const Plot& plot) {
+  constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t stretch = (2 * points.size() + kMostPoints - 1) / kMostPoints;
+  Points kept;
+  Points whole;  // up to the next gap
+  for (const auto& [at, value] : points) {
+    if (!std::isfinite(at) || (plot.log_x && at <= 0)) continue;
+    if (std::isfinite(value) && (!plot.log_y || value > 0)) {
+      whole.emplace_back(at, value);
+    } else if (!whole.empty()) {
+      add_thinned(whole, stretch, kept);
+      whole.clear();
+      kept.emplace_back(at, kGap);
+    }
+  }
+  add_thinned(whole, stretch, kept);
   return kept;
 }
 
@@ -69,18 +90,19 @@ Json column(const std::vector<double>& values, bool logarithmic) {
 Json curve_json(const Series& series, const Plot& plot) {
   std::vector<double> x;
   std::vector<double> y;
-  for (const auto& [at, value] : thinned(series.points)) {
-    const bool drawn = std::isfinite(at) && std::isfinite(value) && (!plot.log_x || at > 0) &&
-                       (!plot.log_y || value > 0);
-    if (!drawn) continue;
+  for (const auto& [at, value] : drawn_points(series.points, plot)) {
     x.push_back(at);
     y.push_back(value);
+  }
+  Json y_column = column(y, plot.log_y);
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (!std::isfinite(y[i])) y_column["d"][i] = nullptr;
   }
   return {{"name", series.name},
           {"dashed", series.dashed},
           {"steps", series.steps},
           {"x", column(x, plot.log_x)},
-          {"y", column(y, plot.log_y)}};
+          {"y", std::move(y_column)}};
 }
 
 std::string content_of(const std::filesystem::path& file) {

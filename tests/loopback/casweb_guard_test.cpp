@@ -194,6 +194,9 @@ TEST_F(CaswebGuard, RefusesToOverruleTheInterlockAndParametersThatItDoesNotKnow)
             base::rpc::kInvalidParams);
   EXPECT_EQ(page->call("watch", {{"topics", {{"x", 1}}}}).at("error").at("code"),
             base::rpc::kInvalidParams);
+  EXPECT_EQ(page->call("pilot.take", {{"vehicle", 257}}).at("error").at("code"),
+            base::rpc::kInvalidParams)
+      << "not vehicle 1";
 }
 
 TEST_F(CaswebGuard, EndsInGoodOrderWithPagesOpen) {

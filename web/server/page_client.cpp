@@ -240,8 +240,14 @@ void PageClient::add_own_methods() {
   }
   add("vehicle.manual_control", &PageClient::move_sticks);
   dispatcher_.add_method("pilot.take", [this](const Json& params, const Reply& reply) {
-    const auto system = params.at("vehicle").get<std::uint8_t>();
-    if (hub_.take_pilot(number_, system, base::steady_now())) return reply.result(true);
+    const Json& vehicle = params.at("vehicle");
+    const std::int64_t system = vehicle.is_number_integer() ? vehicle.get<std::int64_t>() : 0;
+    if (system < 1 || system > 255) {
+      return reply.error(base::rpc::kInvalidParams, "vehicle is a whole number from 1 to 255",
+                         nullptr);
+    }
+    if (hub_.take_pilot(number_, static_cast<int>(system), base::steady_now()))
+      return reply.result(true);
     reply.error(base::rpc::kRefused, "another page moves the sticks of this vehicle", nullptr);
   });
 }

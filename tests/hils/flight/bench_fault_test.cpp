@@ -135,6 +135,27 @@ TEST(BenchFaultScript, BeginsAndEndsEachFaultOnce) {
   EXPECT_EQ(script.history_of(0)[0].end, at(seconds(3)));
 }
 
+TEST(BenchFaultScript, ALineHasThePropertiesOfTheFaultThatBeganLastAndGoesOn) {
+  BenchFaultScript script(
+      faults_of("[{name: long, at_s: 1, for_s: 5, line: {baud: 57600}}]").bench);
+  BenchFault by_hand =
+      faults_of("[{name: hand, at_s: 9, for_s: 1, line: {baud: 115200}}]").bench.front();
+  const std::vector<VehicleReport> alone(1);
+  EXPECT_FALSE(script.line_is_faulty(0));
+  script.update(at(seconds(1)), alone, "hold");
+  EXPECT_TRUE(script.line_is_faulty(0));
+  EXPECT_FALSE(script.line_is_faulty(1));
+  script.add_begun(std::move(by_hand), at(seconds(2)));
+  EXPECT_EQ(script.line_of(0)->line.baud, 115200);
+  const auto ended = script.update(at(seconds(3)), alone, "hold");
+  ASSERT_EQ(ended.size(), 1U) << "one begun by hand is not begun again";
+  EXPECT_EQ(ended[0].fault->name, "hand");
+  ASSERT_NE(script.line_of(0), nullptr);
+  EXPECT_EQ(script.line_of(0)->line.baud, 57600) << "it does not heal the other";
+  script.update(at(seconds(6)), alone, "hold");
+  EXPECT_EQ(script.line_of(0), nullptr);
+}
+
 TEST(BenchFaultScript, AsksTheEstimateOrTheTruth) {
   BenchFaultScript script(
       faults_of("[{name: a, when: altitude > 2 and phase == hold, for_s: 1, unplug: fcu},"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace cas::hils {
@@ -71,6 +72,30 @@ TEST(FiguresSoFar, ErrorsCountInTheMeasuredStepEachMomentOnce) {
   EXPECT_NEAR(up.value.value(), 0.2, 1e-9);
   EXPECT_FALSE(up.kept);
   EXPECT_FALSE(check(checks, "HIL_SENSOR lost").value) << "known when the ledgers are";
+}
+
+TEST(FiguresSoFar, AnEstimateCountsOnceAndWhileItIsFresh) {
+  Limits bounds = limits();
+  bounds.rms_estimate = {{"z_m", 0.5}};
+  FiguresSoFar figures;
+  figures.add(hold_at(2), at(seconds(2)), above(2.2));
+  for (int i = 1; i < 10; ++i) {  // the same message is looked at again, then it is old
+    VehicleReport later = above(3);
+    later.position_age_s = 0.4;
+    figures.add(hold_at(2), at(seconds(2) + i * milliseconds(50)), i < 5 ? above(2.2) : later);
+  }
+  figures.add(hold_at(2), at(seconds(3)), above(2.4));
+  const auto checks = figures.checks(bounds);
+  EXPECT_NEAR(check(checks, "RMS error of the estimate, z_m").value.value(),
+              std::sqrt((0.04 + 0.16) / 2), 1e-9);
+}
+
+TEST(FiguresSoFar, BeginsAnewWhenSimulatedTimeGoesBack) {
+  FiguresSoFar figures;
+  figures.add(hold_at(2), at(seconds(9)), above(4));
+  figures.add(hold_at(2), at(seconds(3)), above(2.1));
+  const auto checks = figures.checks(limits());
+  EXPECT_NEAR(check(checks, "RMS error of the true position, z_m").value.value(), 0.1, 1e-9);
 }
 
 TEST(ReferenceStage, IsThereFromTheClimbToTheLanding) {

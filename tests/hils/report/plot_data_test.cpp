@@ -62,6 +62,28 @@ TEST_F(PlotData, HasTheCurveAsFinelyAsAZoomShowsIt) {
   }
 }
 
+TEST_F(PlotData, AGapStaysAGapAndHidesNoPeak) {
+  const double nothing = std::nan("");
+  Plot plot{.x_label = "t", .y_label = "y"};
+  plot.series.push_back({.name = "a", .points = {{0, 1}, {1, nothing}, {2, nothing}, {3, 2}}});
+  plot.series.push_back({.name = "long"});
+  for (int i = 0; i < 9'000; ++i) {
+    plot.series[1].points.emplace_back(i, i % 3 == 0 ? nothing : i == 4'000 ? 9.0 : 1.0);
+  }
+  const auto data = data_of(plot);
+  const auto y = data["series"][0]["y"]["d"];
+  ASSERT_EQ(y.size(), 3U);
+  EXPECT_TRUE(y[0].is_number() && y[1].is_null() && y[2].is_number());
+  const auto x = values(data["series"][0]["x"]);
+  EXPECT_EQ(x, (std::vector<double>{0, 1, 3}));
+  double most = 0;
+  double sum = 0;
+  for (const auto& d : data["series"][1]["y"]["d"]) {
+    if (!d.is_null()) most = std::max(most, sum += d.get<double>());
+  }
+  EXPECT_NEAR(most * data["series"][1]["y"]["k"].get<double>(), 9.0, 1e-3);
+}
+
 TEST_F(PlotData, NoTextOfARunEndsTheElement) {
   Plot plot{.x_label = "</script><script>alert(1)</script>"};
   plot.marks.push_back({.x = 1, .text = "</script>"});
