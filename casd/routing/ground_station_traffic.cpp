@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "mavlink_gen/services/vehicle_heartbeat.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
+#include "mavlink_gen/services/vehicle_heartbeat.hpp"
 
 namespace cas::casd {
 namespace {

@@ -36,7 +36,7 @@ struct VehicleReport {
   bool in_air = false;
   bool on_ground = false;
   bool has_position = false;
-  double position_age_s = 0;      ///< of p_N and v_N, by casd's clock
+  double position_age_s = 0;    ///< of p_N and v_N, by casd's clock
   std::string position_lack{};  ///< what takeoff by position still needs; empty: nothing
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s

@@ -25,7 +25,7 @@ struct OutsideCall {
   std::int64_t log_us = 0;  ///< when, by the clock of the flight log
   std::string client;       ///< who asked: "unix:uid 1000"
   std::string method;
-  std::string params;  ///< JSON
+  std::string params;       ///< JSON
   std::uint8_t system = 0;  ///< 0: the run as a whole
   bool accepted = true;
   std::string port = "casd's command port";  ///< where it was asked
@@ -72,8 +72,8 @@ struct FlightChanges {
 };
 
 /// Reads the flight log of a run: PARAM_VALUEs that differ from the ones before, and commands of
-/// ground stations; adds the calls of casd's command port and of the simulator. Parameters by which the scenario flies a
-/// trajectory are left out. Without a log there is nothing but the calls.
+/// ground stations; adds the calls of casd's command port and of the simulator. Parameters by which
+/// the scenario flies a trajectory are left out. Without a log there is nothing but the calls.
 ///
 /// @param gains  names the loops that parameters belong to
 /// @param own_station  hils itself played a ground station with centred sticks

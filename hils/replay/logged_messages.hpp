@@ -13,8 +13,8 @@ namespace cas::hils {
 ///
 ///   messages: name, packets in each second, and each number as a series of at most 20 Hz
 ///   texts:    STATUSTEXT, put together where it came in several packets
-///   states:   the mode of the autopilot's HEARTBEAT and EXTENDED_SYS_STATE's landed state, when one
-///             of them changed
+///   states:   the mode of the autopilot's HEARTBEAT and EXTENDED_SYS_STATE's landed state, when
+///             one of them changed
 ///   duration_s: time of the last packet
 ///
 /// @param clock  leads from the log's clock to simulated time; an empty one counts from the log's

@@ -188,10 +188,12 @@ struct ControlServer::Impl {
 
   void add_fault_method() {
     server.add_method("sim.fault", [this](const Json& params, const Reply& reply) {
-      const std::string vehicle = params.at("vehicle").get<std::string>();
-      if (!params.at("fault").is_object()) {
-        return reply.error(base::rpc::kInvalidParams, "fault is a map", nullptr);
+      if (!params.is_object() || !params.contains("vehicle") || !params.contains("fault") ||
+          !params["fault"].is_object()) {
+        return reply.error(base::rpc::kInvalidParams, "wants a vehicle's name and a fault, a map",
+                           nullptr);
       }
+      const std::string vehicle = params["vehicle"].get<std::string>();
       loop.post([this, params, vehicle, reply] {
         std::string refusal;
         try {

@@ -168,6 +168,12 @@ class DescriptionTest(FolderTest):
                     with self.assertRaisesRegex(cas.WrongCall, words):
                         sim.client.call("sim.mesh", params)
                 continue
+            if method["name"] == "sim.fault":  # this vehicle takes no orders
+                for params, words in (({}, "a vehicle's name and a fault"),
+                                      ({"vehicle": "none", "fault": {}}, "none")):
+                    with self.assertRaisesRegex(cas.CallError, words):
+                        sim.client.call("sim.fault", params)
+                continue
             params = {"sim.run_until": {"time_s": 0.0}, "sim.phase": {"name": "look"}}.get(method["name"], {})
             answer = sim.client.call(method["name"], params)
             self.assertEqual(validator.faults(method["result"]["schema"], answer, method["name"]), [])
