@@ -44,7 +44,9 @@ void remove_verdict(const std::filesystem::path& folder) {
        {"summary.json", "junit.xml", "report.html", "replay.html", "run/hilsim_stats.json"}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
-    if (error) {
+    // A folder of that name is no page of an earlier run; it is told of when the page is written.
+    const bool page = std::filesystem::path(name).extension() == ".html";
+    if (error && !(page && std::filesystem::is_directory(folder / name))) {
       throw base::ConfigError((folder / name).string() +
                               " of an earlier run cannot be removed: " + error.message());
     }
