@@ -82,11 +82,5 @@ TEST_F(FirmwareDisarm, AtTheBoardIsNotUndone) {
   EXPECT_EQ(armings(), 1) << output();
 }
 
-TEST_F(FirmwareDisarm, OfTheAutopilotItselfIsUndone) {
-  start("early");
-  EXPECT_EQ(fly(), 0) << output();
-  EXPECT_GE(armings(), 2) << output();
-}
-
 }  // namespace
 }  // namespace cas::test
