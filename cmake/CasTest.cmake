@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# cas_add_test(<name> [LABEL unit|loopback|closed_loop|realtime] [TIMEOUT s] SOURCES ... LIBRARIES ... PROGRAMS ...)
-# One GoogleTest program, registered test by test with its label. PROGRAMS are targets that the test runs. Real-time
+# cas_add_test(<name> [LABEL unit|loopback|closed_loop|many_flights|realtime|long] [TIMEOUT s]
+#              SOURCES ... LIBRARIES ... PROGRAMS ... SUITES ...)
+# One GoogleTest program, registered test by test with its label; SUITES are registered as one test each, because what
+# they set up once (a flight) would be done again for every test. PROGRAMS are targets that the test runs. Real-time
 # tests run alone. Tests whose name begins with casd, rpc or loopback also make up the target tsan_tests: what runs
 # under ThreadSanitizer.
 add_custom_target(tsan_tests)
@@ -26,7 +28,7 @@ if(CAS_PRECOMPILE)
 endif()
 
 function(cas_add_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS;SUITES" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -62,5 +64,16 @@ function(cas_add_test name)
   if(ARG_LABEL STREQUAL "realtime")
     list(APPEND properties RUN_SERIAL ON)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." PROPERTIES ${properties})
+  set(others "*")
+  if(ARG_SUITES)
+    list(TRANSFORM ARG_SUITES APPEND ".*" OUTPUT_VARIABLE suites)
+    list(JOIN suites ":" suites)
+    set(others "*-${suites}")
+  endif()
+  foreach(suite IN LISTS ARG_SUITES)
+    add_test(NAME ${name}.${suite} COMMAND ${name} --gtest_filter=${suite}.*)
+    set_tests_properties(${name}.${suite} PROPERTIES ${properties})
+  endforeach()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." TEST_FILTER "${others}"
+                       PROPERTIES ${properties})
 endfunction()
