@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mavlink_gen/runtime/packet.hpp"
+#include "mavlink_gen/services/ftp_payload.hpp"
+#include "mavlink_gen/services/outcome.hpp"
+#include "mavlink_gen/services/time.hpp"
+
+namespace cas::mav::services {
+
+/// When what a file transfer waits for is asked for again and given up, and how much is taken.
+struct FtpTiming {
+  Duration answer_timeout = std::chrono::milliseconds(300);
+  int tries = 6;
+  /// A transfer that is not whole by then is given up, however much still comes.
+  Duration whole_timeout = std::chrono::hours(1);
+  std::uint32_t max_file_bytes = 256U << 20U;
+  std::size_t max_entries = 8192;  ///< of a folder
+};
+
+/// What a file transfer has brought; of one that failed, what came until then.
+struct FtpResult {
+  std::vector<FtpEntry> entries{};    ///< of list()
+  std::vector<std::uint8_t> bytes{};  ///< of download() and upload(); those that are missing are 0
+  bool checked = false;               ///< the server's checksum of the file agrees
+};
+
+/// Answers that were left out.
+struct FtpOddities {
+  std::uint64_t malformed = 0;  ///< of no possible size, or without what they must have
+  std::uint64_t stray = 0;      ///< to no request: another number, session or operation
+  std::uint64_t outside = 0;    ///< pieces beyond the end of the file
+};
+
+/// The file transfer protocol (https://mavlink.io/en/services/ftp.html) with one vehicle, from the
+/// ground station's side. One transfer at a time. Every wait has a deadline and a bound on tries.
+///
+/// A download is OpenFileRO, then bursts; what got lost is asked for by ReadFile. A server without
+/// bursts is read piece by piece; one that has restarted meanwhile has the file opened again. At
+/// the end the file is closed and its checksum compared, where the server can compute one.
+class FtpExchange {
+ public:
+  using Message = mavlink::common::FileTransferProtocol;
+  using Send = std::function<void(const Message&)>;
+  /// Called once, when the transfer has ended.
+  using Done = std::function<void(const Outcome&, const FtpResult&)>;
+
+  explicit FtpExchange(Send send, FtpTiming timing = {})
+      : send_(std::move(send)), timing_(timing) {}
+
+  /// What a folder has. Names that would lead out of it are left out.
+  void list(const std::string& path, Time now, Done done);
+  void download(const std::string& path, Time now, Done done);
+  /// Creates the file, or replaces it.
+  void upload(const std::string& path, std::vector<std::uint8_t> bytes, Time now, Done done);
+  void remove(const std::string& path, Time now, Done done);
+  /// Closes what is open at the server, of other clients too: files that a client which crashed has
+  /// left open keep others from opening any.
+  void reset(Time now, Done done);
+
+  /// Takes in a packet of the vehicle. @param self  packets for others are left out
+  void on_packet(const PacketView& packet, Source self, Time now);
+  void tick(Time now);
+  /// When tick() has something to do; nothing while nothing is under way.
+  std::optional<Time> deadline() const;
+  /// Ends the transfer with this outcome.
+  void give_up(const Outcome& outcome);
+  bool busy() const { return transfer_.has_value(); }
+  const FtpOddities& oddities() const { return oddities_; }
+
+ private:
+  using Opcode = mavlink::common::MavFtpOpcode;
+  struct Transfer {
+    const char* doing = "";  ///< "reading", ...
+    std::string path{};
+    Done done{};
+    FtpResult result{};
+    FtpPayload last{};  ///< what is sent again; its opcode is the step that the transfer is at
+    int sent = 0;
+    Time deadline{};
+    Time give_up{};  ///< of the transfer as a whole
+    std::optional<std::uint8_t> session{};
+    int openings = 0;
+    std::uint32_t entries = 0;              ///< of a list: those that came, skipped ones too
+    std::optional<std::uint32_t> length{};  ///< of a download, once it is known
+    std::map<std::uint32_t, std::uint32_t>
+        gaps{};                                  ///< of a download: what is missing, begin to end
+    std::uint32_t written = 0;                   ///< of an upload
+    std::optional<std::uint16_t> first_burst{};  ///< number of the session's first burst request
+    std::uint32_t burst_bytes = 0;               ///< that the newest burst has brought
+    bool bursts = true;                          ///< the server knows bursts
+  };
+
+  void start(Opcode opcode, Transfer transfer, Time now);
+  void ask(Opcode opcode, Time now);
+  void say(Time now);
+  void on_ack(const FtpPayload& answer, Time now);
+  void on_nak(const FtpPayload& answer, Time now);
+  void on_burst(const FtpPayload& answer, Time now);
+  void on_entries(const FtpPayload& answer, Time now);
+  void on_open(const FtpPayload& answer, Time now);
+  void on_piece(const FtpPayload& answer, Time now);
+  void on_closed(Time now);
+  void on_checksum(const FtpPayload& answer);
+  std::uint32_t take(const FtpPayload& piece);
+  void read_on(Time now);
+  void write_on(Time now);
+  void refuse(const std::string& why);
+  void finish(const Outcome& outcome);
+  std::string progress() const;
+
+  Send send_;
+  FtpTiming timing_;
+  FtpOddities oddities_;
+  std::uint16_t seq_ = 0;  ///< the newest number of either side
+  std::optional<Transfer> transfer_;
+};
+
+}  // namespace cas::mav::services

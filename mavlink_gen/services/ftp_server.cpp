@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mavlink_gen/services/ftp_server.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "mavlink_gen/services/address.hpp"
+
+namespace cas::mav::services {
+
+using mavlink::common::MavFtpErr;
+using Opcode = mavlink::common::MavFtpOpcode;
+
+namespace {
+
+constexpr std::size_t kMaxWaiting = 16;
+constexpr std::size_t kMaxClients = 8;              // whose last answers are kept
+constexpr std::size_t kChecksumBytes = 64U << 10U;  // of one update: a fraction of a millisecond
+
+constexpr FtpFailure kOk{};
+
+FtpFailure fail(MavFtpErr code) { return {.code = code}; }
+
+/// Makes a NAK of an answer.
+void refuse(FtpPayload& reply, const FtpFailure& failure) {
+  reply.opcode = Opcode::kNak;
+  reply.set_bytes(std::array{static_cast<std::uint8_t>(failure.code), failure.error_number});
+  if (failure.code != MavFtpErr::kFailerrno) reply.size = 1;
+}
+
+std::string entry_text(const FtpEntry& entry) {
+  std::string text = (entry.folder ? "D" : "F") + entry.name;
+  if (!entry.folder) text += "\t" + std::to_string(entry.size);
+  return text + '\0';
+}
+
+}  // namespace
+
+std::optional<std::string> ftp_path(std::string_view text) {
+  std::string path;
+  while (!text.empty()) {
+    const std::size_t slash = std::min(text.find('/'), text.size());
+    const std::string_view part = text.substr(0, slash);
+    text.remove_prefix(std::min(slash + 1, text.size()));
+    if (part == "..") return std::nullopt;
+    if (part.empty() || part == ".") continue;
+    if (!path.empty()) path += '/';
+    path += part;
+  }
+  return path;
+}
+
+void FtpServer::on_request(const Message& message, Source from, Time now) {
+  const Request request{from, ftp_payload(message)};
+  if (request.payload.is_answer()) return;  // of another server
+  const bool under_way = std::ranges::find(waiting_, request) != waiting_.end() ||
+                         (checksum_ && checksum_->request == request);
+  if (!under_way && waiting_.size() < kMaxWaiting) {
+    waiting_.push_back(request);
+  } else if (!under_way) {
+    ++dropped_;
+  }
+  update(now);
+}
+
+void FtpServer::update(Time now) {
+  if (checksum_) step_checksum();
+  while (now >= due_ && serve_next(now)) {
+    due_ = std::max(due_, now - limits_.interval) + limits_.interval;
+  }
+}
+
+/// Sends one packet. @return false when there is none to send
+bool FtpServer::serve_next(Time now) {
+  if (waiting_.empty()) return send_burst(now);
+  const Request request = waiting_.front();
+  waiting_.pop_front();
+  answer(request, now);
+  return true;
+}
+
+void FtpServer::answer(const Request& request, Time now) {
+  const auto known =
+      std::ranges::find(answered_, request, [](const Answered& each) { return each.request; });
+  if (known != answered_.end()) return send(known->answer, request.from);
+  FtpPayload reply;
+  reply.session = request.payload.session;
+  reply.offset = request.payload.offset;
+  const FtpFailure failure = perform(request, reply, now);
+  const bool later = request.payload.opcode == Opcode::kBurstreadfile ||
+                     request.payload.opcode == Opcode::kCalcfilecrc;
+  if (!later || failure.failed()) conclude(request, reply, failure);
+}
+
+FtpFailure FtpServer::perform(const Request& request, FtpPayload& reply, Time now) {
+  const FtpPayload& asked = request.payload;
+  if (asked.size > kFtpDataBytes) return fail(MavFtpErr::kInvaliddatasize);
+  Session* session = find(request, now);
+  switch (asked.opcode) {
+    case Opcode::kNone:
+      return kOk;
+    case Opcode::kResetsession:
+      close(request.from, std::nullopt);
+      return kOk;
+    case Opcode::kListdirectory:
+      return list(asked, reply);
+    case Opcode::kOpenfilero:
+    case Opcode::kCreatefile:
+      return open(request, reply, now);
+    case Opcode::kCalcfilecrc:
+      return begin_checksum(request);
+    case Opcode::kRemovefile: {
+      const auto path = ftp_path(asked.text());
+      return path ? store_.remove(*path) : fail(MavFtpErr::kFilenotfound);
+    }
+    case Opcode::kTerminatesession:
+      if (session == nullptr) return fail(MavFtpErr::kInvalidsession);
+      close(request.from, asked.session);
+      return kOk;
+    case Opcode::kReadfile:
+      if (session == nullptr) return fail(MavFtpErr::kInvalidsession);
+      return read(*session, asked, reply);
+    case Opcode::kBurstreadfile:
+      if (session == nullptr) return fail(MavFtpErr::kInvalidsession);
+      return begin_burst(*session, asked);
+    case Opcode::kWritefile:
+      if (session == nullptr) return fail(MavFtpErr::kInvalidsession);
+      return write(*session, asked);
+    default:
+      return fail(MavFtpErr::kUnknowncommand);
+  }
+}
+
+/// As many entries as fit, from the one asked for on.
+FtpFailure FtpServer::list(const FtpPayload& asked, FtpPayload& reply) {
+  const auto folder = ftp_path(asked.text());
+  if (!folder) return fail(MavFtpErr::kFilenotfound);
+  std::vector<FtpEntry> entries;
+  if (const FtpFailure failure = store_.list(*folder, entries); failure.failed()) return failure;
+  if (asked.offset >= entries.size()) return fail(MavFtpErr::kEof);
+  std::string text;
+  for (const FtpEntry& entry : std::span(entries).subspan(asked.offset)) {
+    std::string next = entry_text(entry);
+    if (next.size() > kFtpDataBytes) next = std::string("S") + '\0';  // no room for its name
+    if (text.size() + next.size() > kFtpDataBytes) break;
+    text += next;
+  }
+  reply.set_text(text);
+  return kOk;
+}
+
+/// For reading, or anew for writing.
+FtpFailure FtpServer::open(const Request& request, FtpPayload& reply, Time now) {
+  const auto path = ftp_path(request.payload.text());
+  if (!path) return fail(MavFtpErr::kFilenotfound);
+  if (sessions_.size() >= std::min<std::size_t>(limits_.sessions, 256)) {
+    const auto oldest = std::ranges::min_element(sessions_, {}, &Session::used);
+    if (oldest == sessions_.end() || now - oldest->used < limits_.idle_after) {
+      return fail(MavFtpErr::kNosessionsavailable);
+    }
+    sessions_.erase(oldest);
+  }
+  const bool writing = request.payload.opcode == Opcode::kCreatefile;
+  std::uint32_t length = 0;
+  const FtpFailure failure = writing ? store_.create(*path) : store_.length(*path, length);
+  if (failure.failed()) return failure;
+  while (std::ranges::find(sessions_, next_session_, &Session::id) != sessions_.end()) {
+    ++next_session_;
+  }
+  reply.session = next_session_++;
+  if (!writing) reply.set_number(length);
+  sessions_.push_back(
+      {.owner = request.from, .id = reply.session, .path = *path, .writing = writing, .used = now});
+  return kOk;
+}
+
+FtpFailure FtpServer::read(Session& session, const FtpPayload& asked, FtpPayload& reply) {
+  std::array<std::uint8_t, kFtpDataBytes> buffer{};
+  std::span<std::uint8_t> bytes =
+      std::span(buffer).first(std::min<std::size_t>(asked.size, limits_.piece_bytes));
+  const FtpFailure failure = store_.read(session.path, asked.offset, bytes);
+  if (failure.failed()) return failure;
+  if (bytes.empty() && asked.size > 0) return fail(MavFtpErr::kEof);
+  reply.set_bytes(bytes);
+  return kOk;
+}
+
+FtpFailure FtpServer::write(const Session& session, const FtpPayload& asked) {
+  if (!session.writing) return fail(MavFtpErr::kFileprotected);
+  return store_.write(session.path, asked.offset, asked.bytes());
+}
+
+FtpFailure FtpServer::begin_burst(Session& session, const FtpPayload& asked) {
+  session.burst = asked;
+  if (asked.size == 0) session.burst->size = kFtpDataBytes;
+  ++session.burst->seq;
+  session.burst_left = limits_.burst_packets;
+  return kOk;
+}
+
+/// One packet of a burst, of each session in turn. @return false when there is none
+bool FtpServer::send_burst(Time now) {
+  for (std::size_t i = 0; i < sessions_.size(); ++i) {
+    Session& session = sessions_[(next_burst_ + i) % sessions_.size()];
+    if (!session.burst) continue;
+    session.used = now;
+    next_burst_ = (next_burst_ + i + 1) % sessions_.size();
+    FtpPayload& at = *session.burst;
+    FtpPayload reply{.seq = at.seq++,
+                     .session = session.id,
+                     .opcode = Opcode::kAck,
+                     .req_opcode = Opcode::kBurstreadfile,
+                     .offset = at.offset};
+    const FtpFailure failure = read(session, at, reply);
+    reply.burst_complete = failure.failed() || --session.burst_left == 0;
+    if (failure.failed()) refuse(reply, failure);
+    at.offset += reply.size;
+    const Source to = session.owner;
+    if (reply.burst_complete) session.burst.reset();
+    send(reply, to);
+    return true;
+  }
+  return false;
+}
+
+FtpFailure FtpServer::begin_checksum(const Request& request) {
+  const auto path = ftp_path(request.payload.text());
+  if (!path) return fail(MavFtpErr::kFilenotfound);
+  if (checksum_) return fail(MavFtpErr::kFail);  // one at a time
+  std::uint32_t length = 0;
+  if (const FtpFailure failure = store_.length(*path, length); failure.failed()) return failure;
+  checksum_ = {.request = request, .path = *path};
+  step_checksum();
+  return kOk;
+}
+
+void FtpServer::step_checksum() {
+  std::vector<std::uint8_t> buffer(kChecksumBytes);
+  std::span<std::uint8_t> bytes(buffer);
+  const FtpFailure failure = store_.read(checksum_->path, checksum_->offset, bytes);
+  checksum_->crc = ftp_crc32(bytes, checksum_->crc);
+  checksum_->offset += static_cast<std::uint32_t>(bytes.size());
+  if (!failure.failed() && bytes.size() == kChecksumBytes) return;  // there may be more
+  const Checksum ended = *std::exchange(checksum_, std::nullopt);
+  FtpPayload reply;
+  reply.set_number(ended.crc);
+  conclude(ended.request, reply, failure);
+}
+
+/// The session that a request names, if its sender opened it.
+FtpServer::Session* FtpServer::find(const Request& request, Time now) {
+  for (Session& session : sessions_) {
+    if (session.id != request.payload.session || session.owner != request.from) continue;
+    session.used = now;
+    return &session;
+  }
+  return nullptr;
+}
+
+/// @param id  of the session; nothing: all of this owner
+void FtpServer::close(Source owner, std::optional<std::uint8_t> id) {
+  std::erase_if(sessions_, [&](const Session& session) {
+    return session.owner == owner && (!id || session.id == *id);
+  });
+}
+
+/// Sends the answer to a request, and keeps it for when the request comes again.
+void FtpServer::conclude(const Request& request, FtpPayload reply, const FtpFailure& failure) {
+  reply.seq = static_cast<std::uint16_t>(request.payload.seq + 1);
+  reply.req_opcode = request.payload.opcode;
+  reply.opcode = Opcode::kAck;
+  if (failure.failed()) refuse(reply, failure);
+  std::erase_if(answered_, [&](const Answered& each) { return each.request.from == request.from; });
+  if (answered_.size() == kMaxClients) answered_.erase(answered_.begin());
+  answered_.push_back({request, reply});
+  send(reply, request.from);
+}
+
+void FtpServer::send(const FtpPayload& payload, Source to) {
+  send_(addressed(ftp_message(payload), to));
+}
+
+}  // namespace cas::mav::services

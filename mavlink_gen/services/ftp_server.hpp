@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "mavlink_gen/runtime/packet.hpp"
+#include "mavlink_gen/services/ftp_payload.hpp"
+#include "mavlink_gen/services/time.hpp"
+
+namespace cas::mav::services {
+
+/// The files that an FtpServer serves. Paths have been checked: relative to the top ("log/a.ulg";
+/// the top itself is empty), without "." and "..". A store of a disk must not follow symbolic links
+/// that lead out of its folder.
+class FtpStore {
+ public:
+  virtual ~FtpStore() = default;
+  virtual FtpFailure list(const std::string& folder, std::vector<FtpEntry>& entries) = 0;
+  /// The length of a file.
+  virtual FtpFailure length(const std::string& path, std::uint32_t& bytes) = 0;
+  /// @param out  where to; shortened to what there is, at the file's end to nothing
+  virtual FtpFailure read(const std::string& path, std::uint32_t offset,
+                          std::span<std::uint8_t>& out) = 0;
+  /// Makes a file of length 0; one that is there loses what it has.
+  virtual FtpFailure create(const std::string& path) = 0;
+  virtual FtpFailure write(const std::string& path, std::uint32_t offset,
+                           std::span<const std::uint8_t> bytes) = 0;
+  virtual FtpFailure remove(const std::string& path) = 0;
+};
+
+/// A store in which nothing can be changed.
+class ReadOnlyFtpStore : public FtpStore {
+ public:
+  FtpFailure create(const std::string&) final { return kProtected; }
+  FtpFailure write(const std::string&, std::uint32_t, std::span<const std::uint8_t>) final {
+    return kProtected;
+  }
+  FtpFailure remove(const std::string&) final { return kProtected; }
+
+ private:
+  static constexpr FtpFailure kProtected{.code = mavlink::common::MavFtpErr::kFileprotected};
+};
+
+/// How much of a line an FtpServer takes, and how many files are open at once.
+struct FtpServerLimits {
+  Duration interval{};  ///< between two packets; 0: as fast as the caller calls
+  /// Of a file in one packet: shorter packets let others through on a slow line.
+  std::size_t piece_bytes = kFtpDataBytes;
+  std::size_t sessions = 4;
+  Duration idle_after = std::chrono::seconds(30);  ///< then another client may have the session
+  std::size_t burst_packets = 256;                 ///< after which the client asks for more
+};
+
+/// The vehicle's side of the file transfer protocol (https://mavlink.io/en/services/ftp.html):
+/// lists, reads, writes and removes files of a store. Answers and bursts share one pace, answers
+/// first; checksums of large files are computed in parts. Clients have their own sessions; a
+/// request that comes again gets the same answer again. Folders are not made, files are not renamed
+/// or cut.
+class FtpServer {
+ public:
+  using Message = mavlink::common::FileTransferProtocol;
+  using Send = std::function<void(const Message&)>;
+
+  FtpServer(FtpStore& store, Send send, FtpServerLimits limits = {})
+      : store_(store), send_(std::move(send)), limits_(limits) {}
+
+  /// @param from  who asks
+  void on_request(const Message& message, Source from, Time now);
+  /// Sends what is due; call it every few milliseconds.
+  void update(Time now);
+  /// Requests that no room was left for; their senders ask again.
+  std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  struct Request {
+    Source from;
+    FtpPayload payload;
+    friend bool operator==(const Request&, const Request&) = default;
+  };
+  struct Session {
+    Source owner;
+    std::uint8_t id = 0;
+    std::string path{};
+    bool writing = false;
+    Time used{};
+    std::optional<FtpPayload> burst{};  ///< the packet to send next, without its data
+    std::size_t burst_left = 0;         ///< packets
+  };
+  struct Answered {
+    Request request;
+    FtpPayload answer;
+  };
+  struct Checksum {
+    Request request;
+    std::string path;
+    std::uint32_t offset = 0;
+    std::uint32_t crc = 0;
+  };
+
+  bool serve_next(Time now);
+  bool send_burst(Time now);
+  void answer(const Request& request, Time now);
+  FtpFailure perform(const Request& request, FtpPayload& reply, Time now);
+  FtpFailure list(const FtpPayload& asked, FtpPayload& reply);
+  FtpFailure open(const Request& request, FtpPayload& reply, Time now);
+  FtpFailure read(Session& session, const FtpPayload& asked, FtpPayload& reply);
+  FtpFailure write(const Session& session, const FtpPayload& asked);
+  FtpFailure begin_burst(Session& session, const FtpPayload& asked);
+  FtpFailure begin_checksum(const Request& request);
+  void step_checksum();
+  Session* find(const Request& request, Time now);
+  void close(Source owner, std::optional<std::uint8_t> id);
+  void conclude(const Request& request, FtpPayload reply, const FtpFailure& failure);
+  void send(const FtpPayload& payload, Source to);
+
+  FtpStore& store_;
+  Send send_;
+  FtpServerLimits limits_;
+  std::deque<Request> waiting_;
+  std::vector<Session> sessions_;
+  std::vector<Answered> answered_;  ///< the last of each of the last few clients
+  std::optional<Checksum> checksum_;
+  std::uint8_t next_session_ = 0;
+  std::size_t next_burst_ = 0;
+  Time due_{};
+  std::uint64_t dropped_ = 0;
+};
+
+/// A request's path below the top; empty for the top itself. @return nothing when it leads out of
+/// it
+std::optional<std::string> ftp_path(std::string_view text);
+
+}  // namespace cas::mav::services
