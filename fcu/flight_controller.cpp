@@ -168,21 +168,12 @@ bool answers_by_motor(const FcuConfig& config) {
   return config.actuators == ActuatorMessage::kHilActuatorControls;
 }
 
-/// Time between two values of a parameter list: half of the bandwidth that the HIL stream leaves.
-base::Duration param_interval(const LineConfig& line) {
-  constexpr double kBytesPerValue = 40;
-  constexpr double kHilAndStreams_b_s = 28'000;
-  if (line.baud <= 0) return std::chrono::milliseconds(1);
-  const double left = std::max(line.baud / 10 - kHilAndStreams_b_s, 2'000.0);
-  return base::from_seconds(kBytesPerValue / (0.5 * left));
-}
-
 }  // namespace
 
 FlightController::Impl::Impl(const FcuConfig& config, PacketSink send)
     : core(config, std::move(send)),
       sensors({core.estimator, core.cascade, core.readings, core.hil, core.start}),
-      ground(core, param_interval(config.line)),
+      ground(core),
       parser(table()) {
   for (const auto& [name, value] : config.params) {
     const ParamSetResult result = core.params.set(name, value);
@@ -293,6 +284,8 @@ void FlightController::tick(RunTime now) {
   impl_->tick(now);
   impl_->update_status();
 }
+
+void FlightController::serve(mav::services::FtpStore& files) { impl_->ground.files().add(files); }
 
 void FlightController::set_hil_observer(HilObserver observer) {
   impl_->observer = std::move(observer);

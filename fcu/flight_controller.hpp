@@ -19,7 +19,10 @@
 
 namespace cas::mav {
 struct PacketView;
+namespace services {
+class FtpStore;
 }
+}  // namespace cas::mav
 
 namespace cas::fcu {
 
@@ -64,6 +67,8 @@ class FlightController {
   void tick(base::RunTime now);
 
   void set_hil_observer(HilObserver observer);
+  /// Serves these files too, as the folder `files`. @param files  outlive this controller
+  void serve(mav::services::FtpStore& files);
 
   const FlightStatus& status() const;
   const Estimator& estimator() const;

@@ -134,7 +134,8 @@ LAYERS = {
     "fcu/protocols": BASE | MAVLINK | SERVICES | rooms("fcu", "core flight params") | {"Eigen"},
     "fcu": BASE | MAVLINK | rooms("fcu", "core flight protocols") | {"Eigen"},
     "fcu/emulator":
-        BASE | MAVLINK | RPC | PROGRAM | rooms("fcu", "core line params") | {"fcu", "Eigen", "Asio"},
+        BASE | MAVLINK | SERVICES | RPC | PROGRAM | rooms("fcu", "core line params")
+        | {"fcu", "Eigen", "Asio"},
 
     # of casd and hilsim it knows the sockets alone
     "web/server": BASE | RPC | PROGRAM | {"Asio"},

@@ -19,6 +19,7 @@
 #include "base/time/clock.hpp"
 #include "base/time/stream_clock.hpp"
 #include "fcu/emulator/emulator_control.hpp"
+#include "fcu/emulator/served_folder.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/line/line_model.hpp"
 #include "fcu/line/pty.hpp"
@@ -50,6 +51,7 @@ struct Emulator::Impl final : EmulatorView {
         timer(io),
         replug_timer(io),
         signals(io, SIGINT, SIGTERM) {
+    if (options.files) files.emplace(*options.files);
     if (options.params) saved = ParamFile(*options.params).load();
     make_controller();
     if (options.control) {
@@ -87,6 +89,7 @@ struct Emulator::Impl final : EmulatorView {
   asio::io_context io{1};
   Pty pty;
   EmulatorLine line;
+  std::optional<ServedFolder> files;
   std::unique_ptr<FlightController> fcu;
   asio::posix::stream_descriptor master;
   asio::steady_timer timer;
@@ -118,6 +121,7 @@ void Emulator::Impl::make_controller() {
       base::log::warn("saved parameter " + entry.name + " is not taken");
     }
   }
+  if (files) fcu->serve(*files);
   saved_revision = fcu->params_revision();
   if (!options.ledger) return;
   fcu->set_hil_observer([this](std::uint32_t id, std::uint64_t time_usec, bool sent) {

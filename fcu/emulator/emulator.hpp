@@ -17,6 +17,7 @@ struct EmulatorOptions {
   std::optional<std::filesystem::path> ledger;   ///< CSV, written at the end
   std::optional<std::filesystem::path> control;  ///< Unix socket for JSON-RPC
   std::optional<std::filesystem::path> params;   ///< parameter file
+  std::optional<std::filesystem::path> files;    ///< folder to serve over MAVLink FTP
 };
 
 /// The flight controller behind its serial line on a pseudo-terminal, in real time: one thread,

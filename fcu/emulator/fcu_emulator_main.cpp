@@ -34,6 +34,8 @@ void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("--control", flags.options.control, "Unix socket for control (JSON-RPC)");
   app.add_option("--params", flags.options.params,
                  "Parameter file: read at start, kept up to date");
+  app.add_option("--files", flags.options.files,
+                 "Folder to serve over MAVLink FTP as 'files', read only");
   app.add_flag("--lockstep", flags.lockstep,
                "Run every timer on the stream's time, as 'pace: lockstep' does");
   app.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");

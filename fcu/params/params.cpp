@@ -247,6 +247,17 @@ std::uint32_t crc32_byte(std::uint32_t crc, std::uint8_t byte) {
   return crc;
 }
 
+/// The parameters that `wanted` picks, as "NAME VALUE" lines.
+std::string lines(const std::vector<Param>& params, bool (*wanted)(const Param&)) {
+  constexpr int kDigits = 10;  // a float and an INT32 come back exactly
+  std::ostringstream out;
+  out.precision(kDigits);
+  for (const Param& param : params) {
+    if (wanted(param)) out << param.name << ' ' << param.value << '\n';
+  }
+  return out.str();
+}
+
 }  // namespace
 
 ParamStore::ParamStore(const base::Vehicle& vehicle, const EstimatorParams& estimator)
@@ -301,13 +312,11 @@ void ParamStore::mark_start() {
 }
 
 std::string ParamStore::changed_text() const {
-  constexpr int kDigits = 10;  // a float and an INT32 come back exactly
-  std::ostringstream out;
-  out.precision(kDigits);
-  for (const Param& param : params_) {
-    if (param.value != param.start) out << param.name << ' ' << param.value << '\n';
-  }
-  return out.str();
+  return lines(params_, [](const Param& param) { return param.value != param.start; });
+}
+
+std::string ParamStore::all_text() const {
+  return lines(params_, [](const Param&) { return true; });
 }
 
 std::uint32_t ParamStore::hash() const {

@@ -135,20 +135,52 @@ void on_attitude_target(const SetAttitudeTarget& m, double full_n, OffboardTask&
   offboard.on_attitude(setpoint, now);
 }
 
+// What comes in bulk goes by half of the bandwidth that the HIL stream leaves, and files in pieces
+// that hold up a packet of the HIL stream for a millisecond at most, down to pieces that are worth
+// their headers.
+
+/// Time between two packets of so many bytes.
+base::Duration bulk_interval(const LineConfig& line, double packet_bytes) {
+  constexpr double kHilAndStreams_b_s = 28'000;
+  if (line.baud <= 0) return std::chrono::milliseconds(1);
+  const double left = std::max(line.baud / 10 - kHilAndStreams_b_s, 2'000.0);
+  return base::from_seconds(packet_bytes / (0.5 * left));
+}
+
+constexpr double kParamValueBytes = 40;
+constexpr double kFileHeaderBytes = 27;
+
+mav::services::FtpServerLimits file_limits(const LineConfig& line) {
+  constexpr double kLongest_s = 0.001;
+  constexpr double kLeast = 32;
+  const double most = mav::services::kFtpDataBytes;
+  const double piece =
+      line.baud <= 0 ? most
+                     : std::clamp(line.baud / 10 * kLongest_s - kFileHeaderBytes, kLeast, most);
+  return {.interval = bulk_interval(line, piece + kFileHeaderBytes),
+          .piece_bytes = static_cast<std::size_t>(piece)};
+}
+
 }  // namespace
 
-GroundProtocols::GroundProtocols(FcuCore& core, base::Duration param_interval)
+GroundProtocols::GroundProtocols(FcuCore& core)
     : core_(core),
       telemetry_(core, core.outbox),
-      params_(core.params, core.outbox, core.texts, param_interval),
+      params_(core.params, core.outbox, core.texts,
+              bulk_interval(core.config.line, kParamValueBytes)),
       commands_(core, telemetry_),
-      missions_(core.commander, core.outbox, core.texts) {}
+      missions_(core.commander, core.outbox, core.texts),
+      files_(core.params),
+      file_server_(
+          files_, [this](const auto& message) { core_.outbox.reply(message, files_version_); },
+          file_limits(core.config.line)) {}
 
 void GroundProtocols::on_packet(const PacketView& packet, RunTime now) {
   if (on_link_packet(packet, now)) return;
   if (on_command_packet(packet, now)) return;
   if (on_param_packet(packet)) return;
   if (on_setpoint_packet(packet, now)) return;
+  if (on_file_packet(packet, now)) return;
   on_mission_packet(packet, now);
 }
 
@@ -186,6 +218,13 @@ bool GroundProtocols::on_param_packet(const PacketView& packet) {
            params_.on_set(m, version);
            core_.apply_params();
          });
+}
+
+bool GroundProtocols::on_file_packet(const PacketView& packet, RunTime now) {
+  return take<FileTransferProtocol>(packet, [&](const auto& m) {
+    files_version_ = packet.version;
+    file_server_.on_request(m, packet.source, now);
+  });
 }
 
 bool GroundProtocols::on_setpoint_packet(const PacketView& packet, RunTime now) {
@@ -267,6 +306,7 @@ void GroundProtocols::update(RunTime now) {
   commands_.update(now);
   params_.update(now);
   missions_.update(now);
+  file_server_.update(now);
 }
 
 }  // namespace cas::fcu

@@ -7,6 +7,7 @@
 #include "fcu/protocols/mission_protocol.hpp"
 #include "fcu/protocols/param_protocol.hpp"
 #include "fcu/protocols/telemetry.hpp"
+#include "fcu/protocols/vehicle_files.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/ping.hpp"
 #include "mavlink/common/timesync.hpp"
@@ -17,14 +18,14 @@ namespace cas::fcu {
 struct FcuCore;
 
 /// Everything that ground stations, companions and pilots say and hear: commands, parameters,
-/// missions, setpoints, sticks, telemetry. The HIL stream is not among it.
+/// missions, setpoints, sticks, telemetry, files. The HIL stream is not among it.
 class GroundProtocols {
  public:
-  /// @param param_interval  between two values of a parameter list
-  GroundProtocols(FcuCore& core, base::Duration param_interval);
+  explicit GroundProtocols(FcuCore& core);
 
   /// One packet that is meant for us.
   void on_packet(const mav::PacketView& packet, base::RunTime now);
+  VehicleFiles& files() { return files_; }
   /// Streams, lists, repeats, status texts: whatever time makes due.
   void update(base::RunTime now);
 
@@ -32,6 +33,7 @@ class GroundProtocols {
   bool on_link_packet(const mav::PacketView& packet, base::RunTime now);
   bool on_command_packet(const mav::PacketView& packet, base::RunTime now);
   bool on_param_packet(const mav::PacketView& packet);
+  bool on_file_packet(const mav::PacketView& packet, base::RunTime now);
   bool on_setpoint_packet(const mav::PacketView& packet, base::RunTime now);
   bool on_mission_packet(const mav::PacketView& packet, base::RunTime now);
   void send_texts();
@@ -42,6 +44,9 @@ class GroundProtocols {
   ParamProtocol params_;
   CommandHandler commands_;
   MissionProtocol missions_;
+  VehicleFiles files_;
+  mav::services::FtpServer file_server_;
+  int files_version_ = 2;  ///< of MAVLink, as files were last asked for
   std::uint16_t long_texts_ = 0;
   bool was_armed_ = false;
   FlightMode was_mode_ = FlightMode::kHold;
