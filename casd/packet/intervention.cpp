@@ -59,7 +59,7 @@ std::optional<Act> act_of_command(const Command& command) {
   Act act{.what = command_words(command.command),
           .target = {command.target_system, command.target_component}};
   if (command.command == MavCmd::kComponentArmDisarm) {
-    act.disarms = command.param1 == 0;
+    act.disarms = command.param1 != 1;  // PX4 rounds it
     act.what = with_word(command.command, act.disarms ? "disarm" : "arm");
   }
   if (command.command == MavCmd::kDoFlighttermination) act.disarms = command.param1 != 0;
@@ -67,6 +67,10 @@ std::optional<Act> act_of_command(const Command& command) {
 }
 
 }  // namespace
+
+bool is_of_disarming(std::string_view parameter) {
+  return parameter == "DISARM_DELAY" || parameter == "COM_DISARM_PRFLT";
+}
 
 bool only_asks(MavCmd command) {
   using enum MavCmd;
@@ -79,6 +83,12 @@ bool only_asks(MavCmd command) {
 std::optional<Act> act_of(const mav::PacketView& packet) {
   if (const auto command = mav::decode<CommandLong>(packet)) return act_of_command(*command);
   if (const auto placed = mav::decode<CommandInt>(packet)) return act_of_command(*placed);
+  if (const auto set = mav::decode<ParamSet>(packet)) {
+    const std::string_view parameter = mav::text(set->param_id);
+    if (!is_of_disarming(parameter)) return std::nullopt;
+    return Act{.what = "PARAM_SET " + std::string(parameter),
+               .target = {set->target_system, set->target_component}};
+  }
   if (!is_steering(packet.message_id)) return std::nullopt;
   const mav::MessageInfo& known = *table().find(packet.message_id);
   Act act{.what = std::string(known.name), .target = mav::target_of(packet, known)};
@@ -91,24 +101,26 @@ std::optional<Act> act_of(const CommandAck& answer) {
   if (!of_arming && answer.command != MavCmd::kDoFlighttermination) return std::nullopt;
   return Act{.what = command_words(answer.command) + ", by the vehicle's answer to it",
              .target = {},
-             .disarms = !of_arming && answer.result == MavResult::kAccepted};
+             .disarms = of_arming || answer.result == MavResult::kAccepted};
 }
 
 bool may_be_act(std::uint32_t message_id) {
   return message_id == CommandLong::kId || message_id == CommandInt::kId ||
-         message_id == CommandAck::kId || is_steering(message_id);
+         message_id == CommandAck::kId || message_id == ParamSet::kId || is_steering(message_id);
 }
 
 void Interventions::add(Intervention intervention) {
-  for (auto known = all_.begin(); known != all_.end(); ++known) {
-    if (known->by != intervention.by || known->link != intervention.link ||
-        known->act.what != intervention.act.what) {
+  for (Intervention& known : all_) {
+    if (known.by != intervention.by || known.link != intervention.link ||
+        known.act.what != intervention.act.what) {
       continue;
     }
-    intervention.times += known->times;
-    all_.erase(known);
-    break;
+    known.times += intervention.times;
+    known.at = intervention.at;
+    known.act.disarms = known.act.disarms || intervention.act.disarms;
+    return;
   }
+  ++kinds_;
   all_.push_back(std::move(intervention));
   if (all_.size() <= kMost) return;
   const auto idle =

@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
@@ -18,15 +19,18 @@ namespace cas::casd {
 struct Act {
   std::string what{};    ///< "command 400 (arm)", "MANUAL_CONTROL"
   mav::Source target{};  ///< 0: every system, every component
-  bool disarms = false;  ///< disarms or ends the flight
+  bool disarms = false;  ///< disarms or ends the flight, or may do so
 };
 
 /// Reads a command, a stick, a target or a change of the mission; nothing for packets that only ask
 /// for something to be said, and for all others.
 std::optional<Act> act_of(const mav::PacketView& packet);
 /// Reads the vehicle's answer to a command that arms, disarms or ends the flight: who has got an
-/// answer has commanded, perhaps at a link of its own.
+/// answer has commanded, perhaps at a link of its own. It does not tell arming from disarming, and
+/// counts as both.
 std::optional<Act> act_of(const mavlink::common::CommandAck& answer);
+/// Whether a parameter says when the autopilot disarms itself on the ground.
+bool is_of_disarming(std::string_view parameter);
 /// Whether a command only asks for something to be said.
 bool only_asks(mavlink::common::MavCmd command);
 /// Whether a message may be an act or the answer to one, by its id alone.
@@ -41,16 +45,20 @@ struct Intervention {
   base::RunTime at{};  ///< of the newest
 };
 
-/// The newest interventions of a vehicle, oldest first. Of those that disarm at least one stays.
+/// The newest interventions of a vehicle, in the order in which they first came. Of those that
+/// disarm at least one stays.
 class Interventions {
  public:
   static constexpr std::size_t kMost = 20;
 
   void add(Intervention intervention);
   const std::deque<Intervention>& all() const { return all_; }
+  /// How many there were that were not the same again.
+  std::uint64_t kinds() const { return kinds_; }
 
  private:
   std::deque<Intervention> all_;
+  std::uint64_t kinds_ = 0;
 };
 
 }  // namespace cas::casd

@@ -30,6 +30,7 @@ json CallJournal::answer() const {
                {"vehicle", call.system}};
     if (entry["params"].is_discarded()) entry["params"] = nullptr;
     if (!call.refusal.empty()) entry["refusal"] = call.refusal;
+    if (call.times > 1) entry["times"] = call.times;
     calls.push_back(std::move(entry));
   }
   return {{"calls", std::move(calls)}, {"forgotten", forgotten_}};

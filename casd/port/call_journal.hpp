@@ -26,14 +26,18 @@ class CallJournal {
     std::string params{};  ///< JSON
     std::uint8_t system = 0;
     std::string refusal{};  ///< empty: it was done
+    std::uint64_t times = 1;
   };
 
   /// Parameters longer than kMostParamsBytes are not kept, nor is the rest of a longer refusal: an
   /// answer of kMost calls stays below what a client may have queued.
   void add(Call call);
 
-  /// {calls: [{at_s, unix_us, client, method, params, vehicle, refusal?}], forgotten}: the oldest
-  /// first, and how many older ones there were.
+  /// The newest call came again, with the same end.
+  void again() { ++calls_.back().times; }
+
+  /// {calls: [{at_s, unix_us, client, method, params, vehicle, refusal?, times?}], forgotten}: the
+  /// oldest first, and how many older ones there were.
   nlohmann::json answer() const;
 
  private:

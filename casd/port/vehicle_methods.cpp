@@ -210,6 +210,7 @@ void VehicleMethods::audit(const std::string& client, const std::string& name, c
                            (outcome.ok() ? "accepted" : outcome.message);
   if (line == last_refusal_ && now - refused_at_ < kStretch) {
     ++refused_again_;
+    journal_.again();
     return;
   }
   const std::uint64_t again = std::exchange(refused_again_, 0);
@@ -236,8 +237,10 @@ void VehicleMethods::add_arming_methods() {
   add(
       "vehicle.arm", true,
       [this](CallParams& params) -> Action {
-        const VehicleCommander::ArmOptions options{.force = params.flag("force"),
-                                                   .not_hil = params.flag("not_hil")};
+        VehicleCommander::ArmOptions options{.force = params.flag("force"),
+                                             .not_hil = params.flag("not_hil")};
+        options.acts_so_far =
+            params.optional_integer("acts_so_far", 0, std::numeric_limits<std::int64_t>::max());
         return [this, options](std::uint8_t system, RunTime now, Done done) {
           commander_.arm(system, options, now, std::move(done));
         };
@@ -368,7 +371,9 @@ void VehicleMethods::add_state_methods() {
         if (vehicle == nullptr) return json();
         const base::RunTime now = hooks_.now();
         json state = state_json(*vehicle, hooks_.link_name, now);
-        json others = interventions_json(commander_.interventions(system), hooks_.link_name, now);
+        const Hands& hands = commander_.hands(system);
+        state["acts_so_far"] = hands.acts_so_far();
+        json others = interventions_json(hands.interventions, hooks_.link_name, now);
         if (!others.empty()) state["interventions"] = std::move(others);
         return state;
       });

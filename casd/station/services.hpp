@@ -43,6 +43,7 @@ using mav::services::position_lack;
 using mav::services::request_command;
 using mav::services::spins;
 using mav::services::StatusText;
+using mav::services::stops;
 using mav::services::VehicleCommand;
 
 }  // namespace cas::casd

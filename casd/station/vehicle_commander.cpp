@@ -95,13 +95,16 @@ void VehicleCommander::overhear(const Origin& from, const mav::PacketView& packe
 }
 
 void VehicleCommander::note(KnownVehicle& vehicle, Intervention intervention) {
+  Hands& hands = table_.hands(vehicle.state.source().system);
   if (intervention.act.disarms) {
-    ++vehicle.arm_requests;
-    vehicle.commands.on_disarm(
-        std::to_string(intervention.by.system) + "/" + std::to_string(intervention.by.component),
-        intervention.at);
+    ++hands.arm_requests;
+    ++hands.disarms;
+    vehicle.commands.on_disarm(std::to_string(intervention.by.system) + "/" +
+                                   std::to_string(intervention.by.component) + ": " +
+                                   intervention.act.what,
+                               intervention.at);
   }
-  vehicle.interventions.add(std::move(intervention));
+  hands.interventions.add(std::move(intervention));
 }
 
 /// An ArduPilot that is back from a reboot before anybody missed its HEARTBEAT sends little else:
@@ -263,11 +266,7 @@ const VehicleState* VehicleCommander::find(std::uint8_t system) const {
   return vehicle == nullptr ? nullptr : &vehicle->state;
 }
 
-const Interventions& VehicleCommander::interventions(std::uint8_t system) const {
-  static const Interventions kNone;
-  const KnownVehicle* vehicle = table_.find(system);
-  return vehicle == nullptr ? kNone : vehicle->interventions;
-}
+const Hands& VehicleCommander::hands(std::uint8_t system) const { return table_.hands(system); }
 
 std::vector<const VehicleState*> VehicleCommander::vehicles() const {
   std::vector<const VehicleState*> all;
@@ -356,10 +355,16 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
   const VehicleCommand command = arm_command(true, options.force);
   KnownVehicle* const vehicle = known(system, done);
   if (vehicle == nullptr) return;
+  Hands& hands = table_.hands(system);
+  if (options.acts_so_far && hands.acts_so_far() != *options.acts_so_far) {
+    done(failure(OutcomeKind::kRefused,
+                 vehicle_text(vehicle->state) +
+                     " is not armed: somebody commanded it since acts_so_far was read"));
+    return;
+  }
   const bool not_hil = options.not_hil;
-  const auto is_newest = [this, system, request = ++vehicle->arm_requests] {
-    const KnownVehicle* const now_known = table_.find(system);
-    return now_known != nullptr && now_known->arm_requests == request;
+  const auto is_newest = [this, system, request = ++hands.arm_requests] {
+    return table_.find(system) != nullptr && table_.hands(system).arm_requests == request;
   };
   start_spinning(system, command, not_hil, now,
                  [this, system, command, not_hil, is_newest,
@@ -398,8 +403,7 @@ Done VehicleCommander::explained(const KnownVehicle& vehicle, Done done) {
 }
 
 void VehicleCommander::disarm(std::uint8_t system, bool force, base::RunTime now, Done done) {
-  if (KnownVehicle* vehicle = table_.find(system)) ++vehicle->arm_requests;
-  start(system, arm_command(false, force), now, std::move(done));
+  command(system, arm_command(false, force), false, now, std::move(done));
 }
 
 void VehicleCommander::command(std::uint8_t system, const VehicleCommand& command, bool not_hil,
@@ -407,11 +411,14 @@ void VehicleCommander::command(std::uint8_t system, const VehicleCommand& comman
   now_ = now;
   KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
-  if (command.id == MavCmd::kComponentArmDisarm) ++vehicle->arm_requests;
+  Hands& hands = table_.hands(system);
+  if (stops(command)) ++hands.disarms;
+  if (stops(command) || command.id == MavCmd::kComponentArmDisarm) ++hands.arm_requests;
   if (spins(command)) {
     start_spinning(system, command, not_hil, now, std::move(done));
   } else {
     vehicle->commands.start(command, now, std::move(done));
+    if (stops(command)) vehicle->commands.on_disarm("a newer request to disarm", now);
   }
 }
 
@@ -424,47 +431,58 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
     done(failure(OutcomeKind::kInvalid, "a takeoff altitude is above 0 m and at most 100 km"));
     return;
   }
+  const std::uint64_t disarms = table_.hands(system).disarms;
   if (vehicle->state.autopilot() == Autopilot::kArduPilot) {
-    takeoff_guided(*vehicle, altitude_m, now, std::move(done));
+    takeoff_guided(*vehicle, altitude_m, disarms, now, std::move(done));
   } else {
-    takeoff_amsl(*vehicle, altitude_m, now, std::move(done));
+    takeoff_amsl(*vehicle, altitude_m, disarms, now, std::move(done));
   }
+}
+
+/// The last of a takeoff's requests. @param disarms  how many there were before the first one: a
+/// vehicle that was told to take off after a disarm would do so as soon as somebody arms it
+void VehicleCommander::start_takeoff(KnownVehicle& vehicle, const VehicleCommand& command,
+                                     std::uint64_t disarms, base::RunTime now, Done done) {
+  if (table_.hands(vehicle.state.source().system).disarms != disarms) {
+    done(failure(OutcomeKind::kRefused, describe(command.id) + " was overtaken by a disarm"));
+    return;
+  }
+  vehicle.commands.start(command, now, std::move(done));
 }
 
 /// PX4: the altitude is above mean sea level. While home is unknown, the parameter
 /// MIS_TAKEOFF_ALT carries the height and NaN says "here".
-void VehicleCommander::takeoff_amsl(KnownVehicle& vehicle, double altitude_m, base::RunTime now,
-                                    Done done) {
-  const std::uint8_t system = vehicle.state.source().system;
+void VehicleCommander::takeoff_amsl(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms,
+                                    base::RunTime now, Done done) {
   VehicleCommand command = here_command(vehicle.state, MavCmd::kNavTakeoff);
   if (const std::optional<HomeAmsl> home = vehicle.state.home()) {
     command.params[6] = static_cast<float>(home->alt_m + altitude_m);
-    start(system, command, now, std::move(done));
+    start_takeoff(vehicle, command, disarms, now, std::move(done));
     return;
   }
   if (vehicle.putting_back) {  // else its answer is taken for this one's, and this for the owner's
     vehicle.then.push_back(
-        [this, &vehicle, altitude_m, done = std::move(done)](const Outcome& put) {
+        [this, &vehicle, altitude_m, disarms, done = std::move(done)](const Outcome& put) {
           if (put.kind == OutcomeKind::kTimeout) return done(put);
-          takeoff_amsl(vehicle, altitude_m, now_, done);
+          takeoff_amsl(vehicle, altitude_m, disarms, now_, done);
         });
     return;
   }
-  vehicle.params.set(std::string(kTakeoffHeight), altitude_m, now,
-                     [this, &vehicle, command, done = std::move(done)](const Outcome& set) {
-                       if (!set.ok()) return done(set);
-                       const auto before = set.before.find(std::string(kTakeoffHeight));
-                       if (before != set.before.end() && !vehicle.takeoff_height_before) {
-                         vehicle.takeoff_height_before = before->second;
-                       }
-                       vehicle.takeoff_height_written = now_;
-                       vehicle.commands.start(command, now_,
-                                              [this, &vehicle, done](const Outcome& taken) {
-                                                if (!taken.ok())
-                                                  put_takeoff_height_back(vehicle, now_);
-                                                done(taken);
-                                              });
-                     });
+  vehicle.params.set(
+      std::string(kTakeoffHeight), altitude_m, now,
+      [this, &vehicle, command, disarms, done = std::move(done)](const Outcome& set) {
+        if (!set.ok()) return done(set);
+        const auto before = set.before.find(std::string(kTakeoffHeight));
+        if (before != set.before.end() && !vehicle.takeoff_height_before) {
+          vehicle.takeoff_height_before = before->second;
+        }
+        vehicle.takeoff_height_written = now_;
+        start_takeoff(vehicle, command, disarms, now_,
+                      [this, &vehicle, done](const Outcome& taken) {
+                        if (!taken.ok()) put_takeoff_height_back(vehicle, now_);
+                        done(taken);
+                      });
+      });
 }
 
 /// The navigator reads the parameter when it begins to climb: not before it is in the air, unless
@@ -480,15 +498,14 @@ void VehicleCommander::put_takeoff_height_back(KnownVehicle& vehicle, base::RunT
 }
 
 /// ArduPilot: takes off in GUIDED mode only, to a height above home.
-void VehicleCommander::takeoff_guided(KnownVehicle& vehicle, double altitude_m, base::RunTime now,
-                                      Done done) {
-  const std::uint8_t system = vehicle.state.source().system;
+void VehicleCommander::takeoff_guided(KnownVehicle& vehicle, double altitude_m,
+                                      std::uint64_t disarms, base::RunTime now, Done done) {
   VehicleCommand command{.id = MavCmd::kNavTakeoff};
   command.params[6] = static_cast<float>(altitude_m);
-  set_mode(system, "GUIDED", now,
-           [this, system, command, done = std::move(done)](const Outcome& guided) {
+  set_mode(vehicle.state.source().system, "GUIDED", now,
+           [this, &vehicle, command, disarms, done = std::move(done)](const Outcome& guided) {
              if (!guided.ok()) return done(guided);
-             start(system, command, now_, done);
+             start_takeoff(vehicle, command, disarms, now_, done);
            });
 }
 

@@ -87,9 +87,8 @@ class VehicleCommander final : public Station {
   void set_commanding(double heartbeat_hz, bool allow_not_hil);
 
   const VehicleState* find(std::uint8_t system) const;
-  /// What others had a vehicle do, as far as casd has heard of it; nothing of one that is not
-  /// known.
-  const Interventions& interventions(std::uint8_t system) const;
+  /// Who had a hand in the vehicles of this id, as far as casd has heard of it.
+  const Hands& hands(std::uint8_t system) const;
   std::vector<const VehicleState*> vehicles() const;
   /// Whether a vehicle was armed when it was last heard, within the last minute.
   bool any_armed(base::RunTime now) const;
@@ -102,18 +101,20 @@ class VehicleCommander final : public Station {
   struct ArmOptions {
     bool force = false;    ///< skip the vehicle's own checks
     bool not_hil = false;  ///< arm although the vehicle does not say that it is in HIL
+    /// Arm only if Hands::acts_so_far() is still this.
+    std::optional<std::uint64_t> acts_so_far{};
   };
   /// A refusal names the missing sensors and the status texts that followed the request. A PX4 that
   /// refuses in a stick mode is put into HOLD and asked again, unless a newer request to arm or
   /// disarm has come.
-  /// A disarm of somebody else ends it: it is not sent again behind that one.
+  /// A disarm ends it: it is not sent again behind that one.
   /// Refused with kInterlock for a vehicle without the HIL flag, unless request and configuration
   /// both consent, and while a second autopilot uses its system id. Each repetition asks again.
   void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);
   void disarm(std::uint8_t system, bool force, base::RunTime now, Done done);
   /// Climbs to `altitude_m` above home. Of a PX4 whose home is unknown it writes MIS_TAKEOFF_ALT,
   /// and puts it back once the vehicle is in the air or disarmed, or has not accepted; a value that
-  /// is set meanwhile stays.
+  /// is set meanwhile stays. A disarm, by whomever, ends it.
   void takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done);
   void land(std::uint8_t system, base::RunTime now, Done done);
   void hold(std::uint8_t system, base::RunTime now, Done done);
@@ -169,7 +170,7 @@ class VehicleCommander final : public Station {
   void send(const VehicleState& vehicle, M message);
   KnownVehicle* known(std::uint8_t system, const Done& done);
   void overhear(const Origin& from, const mav::PacketView& packet, base::RunTime now);
-  static void note(KnownVehicle& vehicle, Intervention intervention);
+  void note(KnownVehicle& vehicle, Intervention intervention);
   static bool has_stopped_telling(const KnownVehicle& vehicle, base::RunTime now);
   void ask_on_sight(KnownVehicle& vehicle, base::RunTime now);
   void on_status_text(KnownVehicle& vehicle);
@@ -177,9 +178,13 @@ class VehicleCommander final : public Station {
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   void start_spinning(std::uint8_t system, const VehicleCommand& command, bool not_hil,
                       base::RunTime now, Done done);
-  void takeoff_amsl(KnownVehicle& vehicle, double altitude_m, base::RunTime now, Done done);
+  void takeoff_amsl(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms,
+                    base::RunTime now, Done done);
   void put_takeoff_height_back(KnownVehicle& vehicle, base::RunTime now);
-  void takeoff_guided(KnownVehicle& vehicle, double altitude_m, base::RunTime now, Done done);
+  void takeoff_guided(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms,
+                      base::RunTime now, Done done);
+  void start_takeoff(KnownVehicle& vehicle, const VehicleCommand& command, std::uint64_t disarms,
+                     base::RunTime now, Done done);
   Done explained(const KnownVehicle& vehicle, Done done);
   std::optional<Outcome> interlock(const VehicleState& state, bool not_hil,
                                    base::RunTime now) const;

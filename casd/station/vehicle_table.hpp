@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -20,6 +21,16 @@
 
 namespace cas::casd {
 
+/// Who had a hand in a vehicle. It outlives what else is known of it.
+struct Hands {
+  Interventions interventions;     ///< of others than casd's own station
+  std::uint64_t arm_requests = 0;  ///< to arm and to disarm, of all: the newest counts
+  std::uint64_t disarms = 0;       ///< of them all, those that disarm or end the flight
+
+  /// Grows with each request to disarm, and each act of somebody who did not do it before.
+  std::uint64_t acts_so_far() const { return disarms + interventions.kinds(); }
+};
+
 /// A vehicle and the requests to it that are under way.
 struct KnownVehicle {
   /// @param send  called with the vehicle's state and a message of either exchange
@@ -35,19 +46,17 @@ struct KnownVehicle {
   VehicleState state;
   CommandExchange commands;
   ParamExchange params;
-  Interventions interventions;  ///< of others than casd's own station
   std::uint64_t texts_seen = 0;
   /// What MIS_TAKEOFF_ALT was before a takeoff wrote it.
   std::optional<double> takeoff_height_before;
   base::RunTime takeoff_height_written{};
   bool putting_back = false;                              ///< the same, on its way
   std::vector<std::function<void(const Outcome&)>> then;  ///< takeoffs that wait for it
-  std::uint64_t arm_requests = 0;  ///< to arm and to disarm: the newest counts
-  base::RunTime asked_at{};        ///< when it was last asked for what it may not stream
-  base::RunTime told_at{};         ///< when it last said something else than HEARTBEAT
-  base::Duration beat_at{};        ///< its own clock at the newest HEARTBEAT that was sent
-  base::RunTime beat_sent{};       ///< the same by this machine's
-  bool contested = false;          ///< a rival was told of
+  base::RunTime asked_at{};   ///< when it was last asked for what it may not stream
+  base::RunTime told_at{};    ///< when it last said something else than HEARTBEAT
+  base::Duration beat_at{};   ///< its own clock at the newest HEARTBEAT that was sent
+  base::RunTime beat_sent{};  ///< the same by this machine's
+  bool contested = false;     ///< a rival was told of
 };
 
 /// "vehicle 1".
@@ -80,6 +89,9 @@ class VehicleTable {
   void forget(LinkMask links);
 
   KnownVehicle* find(std::uint8_t system) const;
+  /// Who had a hand in the vehicles of this id so far, also in one that is forgotten by now.
+  Hands& hands(std::uint8_t system) { return hands_[system]; }
+  const Hands& hands(std::uint8_t system) const { return hands_[system]; }
   const Vehicles& all() const { return vehicles_; }
   /// Whether a vehicle is armed that was heard within the last minute.
   bool any_armed(base::RunTime now) const;
@@ -101,6 +113,7 @@ class VehicleTable {
   std::function<std::string(LinkId)> link_name_;
   std::function<void(const std::string&)> on_notice_;
   Vehicles vehicles_;
+  std::array<Hands, 256> hands_;  ///< by system id
 };
 
 }  // namespace cas::casd

@@ -125,4 +125,9 @@ bool spins(const VehicleCommand& command) {
   }
 }
 
+bool stops(const VehicleCommand& command) {
+  if (command.id == MavCmd::kComponentArmDisarm) return command.params[0] != 1;
+  return command.id == MavCmd::kDoFlighttermination && command.params[0] != 0;
+}
+
 }  // namespace cas::mav::services

@@ -173,6 +173,10 @@ void CommandExchange::end_doubt(std::list<Request>::iterator request, Time now,
 }
 
 void CommandExchange::tick(Time now) {
+  if (now > ticked_at_) {
+    for (Request& request : active_) request.wall_deadline.reset();  // time does not stand still
+    ticked_at_ = now;
+  }
   // finish() may start what waited and callbacks may start more: look again from the front.
   for (;;) {
     const auto due = std::find_if(active_.begin(), active_.end(),
@@ -203,15 +207,21 @@ void CommandExchange::wall_tick(Time wall) {
 }
 
 void CommandExchange::on_disarm(const std::string& by, Time now) {
-  const auto arms = [](const Request& r) {
-    return r.command.id == MavCmd::kComponentArmDisarm && r.command.params[0] != 0;
-  };
-  const auto under_way = std::find_if(active_.begin(), active_.end(), arms);
-  if (under_way == active_.end()) return;
-  finish(under_way,
-         failure(OutcomeKind::kRefused,
-                 describe(under_way->command.id) + " was overtaken by a disarm of " + by),
-         now);
+  std::list<Request> ended;
+  for (std::list<Request>* requests : {&waiting_, &active_}) {
+    for (auto each = requests->begin(); each != requests->end();) {
+      const auto request = each++;
+      const bool takes_off = request->command.id == MavCmd::kNavTakeoff;
+      if (takes_off || spins(request->command)) ended.splice(ended.end(), *requests, request);
+    }
+  }
+  for (const Request& request : ended) {
+    if (find(request.command.id) == active_.end()) start_waiting(request.command.id, now);
+  }
+  for (const Request& request : ended) {
+    request.done(
+        failure(OutcomeKind::kRefused, describe(request.command.id) + " was overtaken by " + by));
+  }
 }
 
 void CommandExchange::give_up(const Outcome& outcome) {
@@ -255,14 +265,16 @@ void CommandExchange::finish(std::list<Request>::iterator request, Outcome outco
   const MavCmd id = request->command.id;
   const Done done = std::move(request->done);
   active_.erase(request);
+  start_waiting(id, now);
+  done(outcome);
+}
+
+void CommandExchange::start_waiting(MavCmd id, Time now) {
   const auto next = std::find_if(waiting_.begin(), waiting_.end(),
                                  [id](const Request& r) { return r.command.id == id; });
-  if (next != waiting_.end()) {
-    active_.push_back(std::move(*next));
-    waiting_.erase(next);
-    transmit(active_.back(), now);
-  }
-  done(outcome);
+  if (next == waiting_.end()) return;
+  active_.splice(active_.end(), waiting_, next);
+  transmit(active_.back(), now);
 }
 
 std::list<CommandExchange::Request>::iterator CommandExchange::find(MavCmd id) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <list>
 #include <optional>
@@ -67,7 +66,8 @@ class CommandExchange {
   void tick(Time now);
   /// Now and then by the wall clock, where that of `tick` may stand still.
   void wall_tick(Time wall);
-  /// Somebody else has disarmed the vehicle: a request to arm that is under way is not repeated.
+  /// The vehicle was disarmed, or its flight ended: what may start motors is not sent any more,
+  /// nor is a takeoff, whether it is under way or waits. @param by  for the sentence: who, and how
   void on_disarm(const std::string& by, Time now);
   /// Ends all commands with this outcome.
   void give_up(const Outcome& outcome);
@@ -94,12 +94,14 @@ class CommandExchange {
   void end_doubt(std::list<Request>::iterator request, Time now, const std::string& within);
   void on_deadline(std::list<Request>::iterator request, Time now);
   void finish(std::list<Request>::iterator request, Outcome outcome, Time now);
+  void start_waiting(mavlink::common::MavCmd id, Time now);
   std::list<Request>::iterator find(mavlink::common::MavCmd id);
 
   Send send_;
   CommandTiming timing_;
   std::list<Request> active_;
-  std::deque<Request> waiting_;
+  std::list<Request> waiting_;
+  Time ticked_at_{};
 };
 
 }  // namespace cas::mav::services

@@ -35,6 +35,7 @@ JournalCall = TypedDict("JournalCall", {
     "method": str,
     "params": Any,  # null where it was longer than 1 KiB
     "refusal": NotRequired[str],
+    "times": NotRequired[int],  # so often one after the other; left out: once
     "unix_us": int,  # by that of a recording
     "vehicle": int,  # system id
 })
@@ -322,7 +323,7 @@ Home = TypedDict("Home", {
 Intervention = TypedDict("Intervention", {
     "age_s": float,  # of the newest
     "by": str,  # system/component
-    "disarms": bool,
+    "disarms": bool,  # or may do so
     "link": str,
     "times": int,
     "what": str,  # command 400 (disarm)
@@ -343,6 +344,7 @@ StatusText = TypedDict("StatusText", {
     "text": str,
 })
 VehicleState = TypedDict("VehicleState", {
+    "acts_so_far": int,  # grows with each request to disarm and each new kind of intervention; see vehicle.arm
     "altitude_age_s": NotRequired[float],
     "altitude_m": NotRequired[float],  # above home
     "armed": bool,
@@ -657,14 +659,16 @@ class VehicleCalls:
         vehicle: Optional[int] = None,
         force: Optional[bool] = None,
         not_hil: Optional[bool] = None,
+        acts_so_far: Optional[int] = None,
     ) -> Acknowledgement:
         """Arms; answered when the vehicle has acknowledged.
 
         vehicle: system id
         force: without the vehicle's own checks
         not_hil: also one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
+        acts_so_far: only if vehicle.state still says so: nobody commanded it meanwhile
         """
-        return cast(Acknowledgement, self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil)))
+        return cast(Acknowledgement, self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil, acts_so_far=acts_so_far)))
 
     def command(
         self,
@@ -979,14 +983,16 @@ class AsyncVehicleCalls:
         vehicle: Optional[int] = None,
         force: Optional[bool] = None,
         not_hil: Optional[bool] = None,
+        acts_so_far: Optional[int] = None,
     ) -> Acknowledgement:
         """Arms; answered when the vehicle has acknowledged.
 
         vehicle: system id
         force: without the vehicle's own checks
         not_hil: also one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
+        acts_so_far: only if vehicle.state still says so: nobody commanded it meanwhile
         """
-        return cast(Acknowledgement, await self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil)))
+        return cast(Acknowledgement, await self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil, acts_so_far=acts_so_far)))
 
     async def command(
         self,

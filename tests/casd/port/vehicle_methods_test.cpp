@@ -320,6 +320,7 @@ TEST_F(VehicleMethodsTest, KeepsTheAuditedCallsInItsJournal) {
   call("vehicle.state");
   call("vehicle.land", {{"vehicle", 1}});
   error("vehicle.mode", {{"mode", "WARP"}});
+  error("vehicle.mode", {{"mode", "WARP"}});
   const json journal = call("casd.journal");
   EXPECT_EQ(journal.at("forgotten"), 0);
   const json& calls = journal.at("calls");
@@ -329,6 +330,8 @@ TEST_F(VehicleMethodsTest, KeepsTheAuditedCallsInItsJournal) {
   EXPECT_EQ(calls[0].at("vehicle"), 1);
   EXPECT_EQ(calls[0].at("client").get<std::string>().rfind("127.0.0.1:", 0), 0U);
   EXPECT_FALSE(calls[0].contains("refusal"));
+  EXPECT_FALSE(calls[0].contains("times"));
+  EXPECT_EQ(calls[1].at("times"), 2);
   EXPECT_NE(calls[1].at("refusal").get<std::string>().find("WARP"), std::string::npos);
   EXPECT_EQ(error("casd.journal", {{"since", 1}}).code(), -32602);
 }

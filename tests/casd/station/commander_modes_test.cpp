@@ -72,6 +72,21 @@ TEST_F(VehicleCommanderTest, WaitsForAModeNoLongerThanItsPatienceByTheWallClock)
       "the vehicle's time stood still");
 }
 
+// A simulation at a hundredth of real time: its 3 s are 300 s of ours.
+TEST_F(VehicleCommanderTest, DoesNotGiveUpByTheWallClockWhileTimeGoesOn) {
+  meet();
+  vehicle_.script.keeps_mode = true;
+  commander_.set_mode(1, "HOLD", now_, done());
+  run_for(50ms);
+  const base::RunTime wall{1h};
+  commander_.wall_tick(wall);
+  run_for(50ms);
+  commander_.wall_tick(wall + 11s);
+  EXPECT_FALSE(outcome_.has_value());
+  commander_.wall_tick(wall + 21s);
+  EXPECT_TRUE(outcome_.has_value());
+}
+
 TEST_F(VehicleCommanderTest, DoesNotGiveUpByTheWallClockWhatIsNotAccepted) {
   meet();
   vehicle_.script.answers = 0;

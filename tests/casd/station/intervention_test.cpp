@@ -39,7 +39,7 @@ class Overheard : public test::VehicleCommanderTest {
   /// "command 400 (disarm) !, MANUAL_CONTROL"
   std::string heard() const {
     std::string all;
-    for (const Intervention& each : commander_.interventions(1).all()) {
+    for (const Intervention& each : commander_.hands(1).interventions.all()) {
       all += (all.empty() ? "" : ", ") + each.act.what + (each.act.disarms ? " !" : "");
     }
     return all;
@@ -59,9 +59,15 @@ TEST_F(Overheard, CommandsThatDisarmAreToldFromOthers) {
   EXPECT_EQ(heard(),
             "command 400 (disarm) !, command 400 (arm), command 185 (end the flight) !, "
             "command 20 (return to launch), command 21 (land)");
-  const Intervention& first = commander_.interventions(1).all().front();
+  const Intervention& first = commander_.hands(1).interventions.all().front();
   EXPECT_EQ(first.by, kStation);
   EXPECT_EQ(first.link, test::kLink);
+}
+
+TEST_F(Overheard, WhatIsNoPlainArmingMayDisarm) {
+  meet();
+  hear(command_to_vehicle(MavCmd::kComponentArmDisarm, 0.4F));
+  EXPECT_EQ(heard(), "command 400 (disarm) !") << "PX4 rounds it to 0";
 }
 
 TEST_F(Overheard, SticksAndModesCountWithTheirAddressee) {
@@ -76,7 +82,7 @@ TEST_F(Overheard, SticksAndModesCountWithTheirAddressee) {
   sticks.target = 2;
   hear(sticks);
   EXPECT_EQ(heard(), "SET_MODE, MANUAL_CONTROL");
-  EXPECT_EQ(commander_.interventions(1).all().back().times, 2U);
+  EXPECT_EQ(commander_.hands(1).interventions.all().back().times, 2U);
 }
 
 TEST_F(Overheard, QuestionsAndThoseToOthersDoNotCount) {
@@ -94,14 +100,25 @@ TEST_F(Overheard, QuestionsAndThoseToOthersDoNotCount) {
   EXPECT_EQ(heard(), "command 400 (disarm) !") << "to all components";
 }
 
+TEST_F(Overheard, OfParametersThoseCountThatSayWhenTheAutopilotDisarms) {
+  meet();
+  ParamSet set;
+  set.target_system = set.target_component = 1;
+  for (const char* parameter : {"MPC_XY_P", "COM_DISARM_PRFLT", "DISARM_DELAY"}) {
+    mav::set_text(set.param_id, parameter);
+    hear(set);
+  }
+  EXPECT_EQ(heard(), "PARAM_SET COM_DISARM_PRFLT, PARAM_SET DISARM_DELAY");
+}
+
 TEST_F(Overheard, AnswersToOthersTellOfCommandsThatWentAnotherWay) {
   meet();
   hear(ack_to({254, 190}, MavCmd::kComponentArmDisarm), kVehicle);
   hear(ack_to(kStation, MavCmd::kRequestMessage), kVehicle);
   EXPECT_EQ(heard(), "");
   hear(ack_to(kStation, MavCmd::kComponentArmDisarm), kVehicle);
-  EXPECT_EQ(heard(), "command 400 (arm or disarm), by the vehicle's answer to it");
-  EXPECT_EQ(commander_.interventions(1).all().front().by, kStation);
+  EXPECT_EQ(heard(), "command 400 (arm or disarm), by the vehicle's answer to it !");
+  EXPECT_EQ(commander_.hands(1).interventions.all().front().by, kStation);
 }
 
 TEST_F(Overheard, ADisarmIsNotFollowedByCasdsOwnArmingThatIsUnderWay) {
@@ -114,9 +131,95 @@ TEST_F(Overheard, ADisarmIsNotFollowedByCasdsOwnArmingThatIsUnderWay) {
   hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
   ASSERT_TRUE(outcome_);
   EXPECT_EQ(outcome_->kind, OutcomeKind::kRefused);
-  EXPECT_EQ(outcome_->message, "MAV_CMD 400 (arm or disarm) was overtaken by a disarm of 255/190");
+  EXPECT_EQ(outcome_->message,
+            "MAV_CMD 400 (arm or disarm) was overtaken by 255/190: command 400 (disarm)");
   run_for(5s);
   EXPECT_EQ(vehicle_.commands.size(), sent) << "it was armed again";
+}
+
+TEST_F(Overheard, ADisarmEndsAllThatMaySpinMotors) {
+  meet();
+  vehicle_.script.answers = 0;
+  std::vector<std::string> ended;
+  const auto note = [&](const Outcome& outcome) { ended.push_back(outcome.message); };
+  const VehicleCommand start{.id = MavCmd::kMissionStart};
+  commander_.command(1, start, false, now_, note);
+  commander_.command(1, start, false, now_, note);  // waits
+  run_for(100ms);
+  const std::size_t sent = vehicle_.commands.size();
+  hear(command_to_vehicle(MavCmd::kDoFlighttermination, 1));
+  EXPECT_EQ(ended, std::vector<std::string>(
+                       2, "MAV_CMD 300 was overtaken by 255/190: command 185 (end the flight)"));
+  run_for(5s);
+  EXPECT_EQ(vehicle_.commands.size(), sent) << "a mission was started behind a disarm";
+}
+
+// A vehicle that waits in its takeoff mode flies off as soon as somebody arms it.
+TEST_F(Overheard, ADisarmEndsATakeoffThatIsUnderWay) {
+  meet();
+  HomePosition home;
+  home.altitude = 488'000;
+  vehicle_.say(home, now_);
+  run_for(50ms);
+  vehicle_.script.answers = 0;
+  commander_.takeoff(1, 2.5, now_, done());
+  hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
+  ASSERT_TRUE(outcome_);
+  EXPECT_EQ(outcome_->message,
+            "MAV_CMD 22 (take off) was overtaken by 255/190: command 400 (disarm)");
+}
+
+class OverheardBefore : public Overheard, public testing::WithParamInterface<MavAutopilot> {};
+
+TEST_P(OverheardBefore, ATakeoffDoesNotBeginAfterADisarm) {
+  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+  vehicle_.autopilot = GetParam();
+  meet();
+  commander_.takeoff(1, 2.5, now_, done());  // the height or the mode comes first
+  hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
+  EXPECT_EQ(finish().message, "MAV_CMD 22 (take off) was overtaken by a disarm");
+  run_for(1s);
+  for (const CommandLong& sent : vehicle_.commands) {
+    EXPECT_NE(sent.command, MavCmd::kNavTakeoff);
+  }
+  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Autopilots, OverheardBefore,
+                         testing::Values(MavAutopilot::kPx4, MavAutopilot::kArdupilotmega));
+
+TEST_F(Overheard, SoDoesCasdsOwnEndOfTheFlight) {
+  meet();
+  vehicle_.script.answers = 0;
+  commander_.command(1, {.id = MavCmd::kMissionStart}, false, now_, done());
+  commander_.command(1, {.id = MavCmd::kDoFlighttermination, .params = {1}}, false, now_,
+                     [](const Outcome&) {});
+  ASSERT_TRUE(outcome_);
+  EXPECT_EQ(outcome_->message, "MAV_CMD 300 was overtaken by a newer request to disarm");
+}
+
+TEST_F(Overheard, IsRememberedOfAVehicleThatWasForgotten) {
+  meet();
+  hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
+  const std::uint64_t acts = commander_.hands(1).acts_so_far();
+  commander_.forget(bit(test::kLink));
+  ASSERT_EQ(commander_.find(1), nullptr);
+  meet();
+  EXPECT_EQ(heard(), "command 400 (disarm) !");
+  EXPECT_EQ(commander_.hands(1).acts_so_far(), acts);
+}
+
+TEST_F(Overheard, ArmingIsRefusedToWhoHasNotSeenTheNewestAct) {
+  meet();
+  const std::uint64_t seen = commander_.hands(1).acts_so_far();
+  hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
+  const std::size_t sent = vehicle_.commands.size();
+  const Outcome outcome = arm({.acts_so_far = seen});
+  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
+  EXPECT_EQ(outcome.message,
+            "vehicle 1 is not armed: somebody commanded it since acts_so_far was read");
+  EXPECT_EQ(vehicle_.commands.size(), sent);
+  EXPECT_TRUE(arm({.acts_so_far = commander_.hands(1).acts_so_far()}).ok());
 }
 
 TEST(Interventions, KeepTheDisarmAmongManyOthers) {
