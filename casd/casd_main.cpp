@@ -3,8 +3,6 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -17,6 +15,7 @@
 #include "base/os/command_port.hpp"
 #include "base/os/cpu_latency.hpp"
 #include "base/os/program.hpp"
+#include "base/os/read_file.hpp"
 #include "base/os/thread.hpp"
 #include "base/rpc/token.hpp"
 #include "casd/app.hpp"
@@ -213,10 +212,9 @@ TopologySource read_topology(const Flags& flags) {
 /// Prints casd's topology of mavlink-router's file; what becomes of its keys goes to stderr, too.
 /// @throws base::ConfigError
 int print_import(const std::string& file) {
-  std::ifstream stream(file);
-  if (!stream) throw base::ConfigError("cannot read " + file);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const ImportedTopology imported = import_mavlink_router(text, file);
+  const auto text = base::read_file(file);
+  if (!text) throw base::ConfigError("cannot read " + file);
+  const ImportedTopology imported = import_mavlink_router(*text, file);
   Topology::parse(base::ConfigNode::parse(imported.yaml, "the imported topology"));
   std::fputs(imported.yaml.c_str(), stdout);
   for (const std::string& note : imported.notes) {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/config/config.hpp"
 
-#include <fstream>
-#include <sstream>
-
 #include "base/config/config_document.hpp"
 #include "base/config/config_impl.hpp"
+#include "base/os/read_file.hpp"
 #include "base/suggestion.hpp"
 
 namespace cas::base {
@@ -25,11 +23,9 @@ ConfigNode ConfigNode::load(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, error)) {
     throw ConfigError(file.string() + ": is a folder, not a file");
   }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw ConfigError(file.string() + ": cannot be read");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return parse(text.str(), file.string());
+  const std::optional<std::string> text = read_file(file);
+  if (!text) throw ConfigError(file.string() + ": cannot be read");
+  return parse(*text, file.string());
 }
 
 ConfigNode ConfigNode::parse(std::string_view text, const std::string& name) {

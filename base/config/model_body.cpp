@@ -3,11 +3,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "base/config/sdf_model.hpp"
 #include "base/config/urdf_body.hpp"
+#include "base/os/read_file.hpp"
 
 namespace cas::base {
 namespace {
@@ -45,11 +44,10 @@ void BodySum::finish(ModelBody& body) const {
 }
 
 std::optional<ModelBody> read_model_body(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return std::nullopt;
-  const std::string xml{std::istreambuf_iterator<char>(stream), {}};
+  const std::optional<std::string> xml = base::read_file(file);
+  if (!xml) return std::nullopt;
   std::optional<ModelBody> body =
-      SdfModel::is_sdf(xml) ? SdfModel(xml, file).body() : read_urdf_body(xml);
+      SdfModel::is_sdf(*xml) ? SdfModel(*xml, file).body() : read_urdf_body(*xml);
   if (body) body->file = file;
   return body;
 }

@@ -3,13 +3,12 @@
 
 #include <sys/sysmacros.h>
 
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string_view>
 
 #include "base/error.hpp"
 #include "base/os/pty_lock.hpp"
+#include "base/os/read_file.hpp"
 
 namespace cas::casd {
 namespace {
@@ -30,8 +29,7 @@ struct ProcessLine {
 
 /// "PID (PROGRAM) STATE PARENT GROUP SESSION TERMINAL ..."; a program's name may hold anything.
 std::optional<ProcessLine> read_process(const fs::path& folder) {
-  std::ifstream in(folder / "stat");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = base::read_file(folder / "stat").value_or("");  // it may have ended
   const std::size_t begin = text.find('(');
   const std::size_t end = text.rfind(')');
   if (begin == text.npos || end == text.npos) return std::nullopt;

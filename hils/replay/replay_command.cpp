@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/os/read_file.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/replay/replay_page.hpp"
 #include "hils/replay/replay_record.hpp"
@@ -27,15 +26,14 @@ std::string record_of(const fs::path& source) {
                             ": neither the folder of a run nor a flight log (.tlog)");
   }
   const fs::path file = record_file(source);
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
+  const auto record = base::read_file(file);
+  if (!record) {
     throw base::ConfigError(source.string() + ": has no record (" +
                             file.lexically_relative(source).string() +
                             "); `hils run` leaves one in its --out folder");
   }
-  std::string record{std::istreambuf_iterator<char>(in), {}};
-  check_gzip(record);  // says so when it is cut
-  return record;
+  check_gzip(*record);  // says so when it is cut
+  return *record;
 }
 
 }  // namespace

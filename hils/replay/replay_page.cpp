@@ -5,11 +5,10 @@
 
 #include <array>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
+#include "base/os/read_file.hpp"
 
 namespace cas::hils {
 
@@ -82,8 +81,7 @@ std::string base64(std::string_view bytes) {
 
 std::string replay_page(std::span<const std::string> records) {
   const std::filesystem::path file = template_file();
-  std::ifstream in(file, std::ios::binary);
-  std::string page{std::istreambuf_iterator<char>(in), {}};
+  std::string page = base::read_file(file).value_or("");
   const std::size_t place = page.find(kPlace);
   if (place == std::string::npos) {
     throw base::ConfigError(file.string() + ": not the page of CAS: it has no place for records");

@@ -5,11 +5,10 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <thread>
 
+#include "base/os/read_file.hpp"
 #include "base/time/clock.hpp"
 #include "hils/report/change_table.hpp"
 #include "hils/report/delay_note.hpp"
@@ -218,11 +217,6 @@ void add_machine(HtmlPage& page, const Measurement& figures) {
   page.table("Machine and versions", rows);
 }
 
-std::string content_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 /// One row for each vehicle.
 void add_overview(HtmlPage& page, const RunResult& run) {
   if (!run.has_several()) return;
@@ -281,7 +275,7 @@ std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plo
   page.heading("Configuration");
   add_machine(page, whole);
   for (const std::filesystem::path& file : config_files) {
-    page.folded(file.filename().string(), content_of(file));
+    page.folded(file.filename().string(), base::read_file(file).value_or(""));
   }
   return with_plot_script(page.finish());
 }

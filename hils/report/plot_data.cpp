@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "base/config/install_paths.hpp"
+#include "base/os/read_file.hpp"
 #include "hils/measure/column.hpp"
 
 namespace cas::hils {
@@ -106,8 +105,7 @@ Json curve_json(const Series& series, const Plot& plot) {
 }
 
 std::string content_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  return base::read_file(file).value_or("");
 }
 
 }  // namespace

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "web/server/page_files.hpp"
 
-#include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/read_file.hpp"
 
 namespace cas::web {
 namespace {
@@ -41,10 +40,9 @@ const char* type_of(const fs::path& file) {
 }
 
 std::string content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in) throw base::ConfigError(file.string() + ": cannot be read");
-  return text;
+  const auto text = base::read_file(file);
+  if (!text) throw base::ConfigError(file.string() + ": cannot be read");
+  return *text;
 }
 
 }  // namespace

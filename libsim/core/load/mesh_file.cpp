@@ -5,13 +5,12 @@
 #include <bit>
 #include <cctype>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <sstream>
 #include <string>
 
 #include "base/error.hpp"
+#include "base/os/read_file.hpp"
 #include "libsim/core/load/collada.hpp"
 
 namespace cas::sim {
@@ -28,15 +27,15 @@ constexpr std::uintmax_t kMostBytes = 256U << 20U;
 }
 
 std::string read_all(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(file, "mesh cannot be read");
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);
   if (!error && size > kMostBytes) {
     fail(file, "mesh has " + std::to_string(size >> 20U) + " MiB, and at most " +
                    std::to_string(kMostBytes >> 20U) + " are read");
   }
-  return {std::istreambuf_iterator<char>(stream), {}};
+  const std::optional<std::string> bytes = base::read_file(file);
+  if (!bytes) fail(file, "mesh cannot be read");
+  return *bytes;
 }
 
 void add_triangle(TriangleMesh& mesh, const std::array<Eigen::Vector3d, 3>& corners) {

@@ -6,12 +6,11 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "base/config/sdf_model.hpp"
 #include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
+#include "base/os/read_file.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/uri.hpp"
 
@@ -286,9 +285,9 @@ bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
 }
 
 VehicleModel load_vehicle_model(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(file, "vehicle model cannot be read");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::optional<std::string> content = base::read_file(file);
+  if (!content) fail(file, "vehicle model cannot be read");
+  const std::string& text = *content;
   // A template may parse, without what its macros stand for.
   if (const auto sentence = base::template_language(text))
     fail(file, "is not a URDF: " + *sentence);

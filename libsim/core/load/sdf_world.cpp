@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +11,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
+#include "base/os/read_file.hpp"
 #include "libsim/core/load/heightmap.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/sdf_headers.hpp"
@@ -445,8 +444,7 @@ XmlElement parse_or_explain(const std::string& text, const fs::path& file) {
 
 /// Why a file is no world, in a sentence that helps. The reader has refused it.
 [[noreturn]] void explain(const fs::path& file, const sdf::Errors& errors) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string text = base::read_file(file).value_or("");
   const auto no_world = [&](const std::string& sentence) {
     return base::ConfigError(file.string() + ": holds no SDF world: " + sentence);
   };
