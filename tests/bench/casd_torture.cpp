@@ -24,6 +24,7 @@
 #include "hils/programs/batch_progress.hpp"
 #include "mavlink/common/all.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/free_port.hpp"
 #include "tests/support/packet_stream.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/pty_pair.hpp"
@@ -202,8 +203,8 @@ class Bench {
     client.call("casd.reload", base::rpc::Json::object());
   }
 
-  const std::uint16_t sim_port = free_udp_port();
-  const std::uint16_t gcs_port = free_udp_port();
+  const std::uint16_t sim_port = free_port();
+  const std::uint16_t gcs_port = free_port();
   Stream stream{sim_port};
   std::unique_ptr<Supervisor> service;
 

@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Commands, FirmwareDisarmByStation,
 
 /// casd hears of it by the vehicle's answer alone.
 TEST_F(FirmwareDisarm, ByAStationThatCasdDoesNotHearIsNotUndone) {
-  const std::uint16_t port = free_udp_port();
+  const std::uint16_t port = free_port();
   UdpPeer other;
   other.set_remote(port);
   mav::Encoder as_other{{200, 190}};

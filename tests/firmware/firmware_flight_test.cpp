@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "tests/firmware/shipped_text.hpp"
+#include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/support/udp_peer.hpp"
 
 namespace cas::test {
 namespace {
@@ -64,8 +64,8 @@ TEST_F(FirmwareFlight, Px4SitlOverTcp) {
 }
 
 TEST_F(FirmwareFlight, ArdupilotOverUdp) {
-  const std::string json = std::to_string(free_udp_port());
-  const std::string here = std::to_string(free_udp_port());
+  const std::string json = std::to_string(free_port());
+  const std::string here = std::to_string(free_port());
   const int code = fly(scenario("ardupilot", "ardupilot, '" + json + "', '" + here + "']"),
                        replaced(content(kConfig / "worlds/ardupilot.yaml"),
                                 "# local: 127.0.0.1:9002", "local: 127.0.0.1:" + json + "  #"),
@@ -76,9 +76,9 @@ TEST_F(FirmwareFlight, ArdupilotOverUdp) {
 }
 
 TEST_F(FirmwareFlight, Px4HitlOnASerialLine) {
-  const std::string sim = std::to_string(free_udp_port());
-  const std::string casd = std::to_string(free_udp_port());
-  const std::string gcs = std::to_string(free_udp_port());
+  const std::string sim = std::to_string(free_port());
+  const std::string casd = std::to_string(free_port());
+  const std::string gcs = std::to_string(free_port());
   std::string world = content(kConfig / "worlds/px4_hitl.yaml");
   world = replaced(replaced(world, "local: 127.0.0.1:14560", "local: 127.0.0.1:" + sim),
                    "remote: 127.0.0.1:14561", "remote: 127.0.0.1:" + casd);

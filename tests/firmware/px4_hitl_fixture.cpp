@@ -6,6 +6,7 @@
 
 #include <stdexcept>
 
+#include "tests/support/free_port.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
@@ -13,7 +14,7 @@ namespace cas::test {
 Px4HitlFixture::Px4HitlFixture(const ScriptedPx4::Options& options, unsigned baud,
                                const Pilot::Plan& plan)
     : line_(folder_ / "fcu0"), boot_(base::steady_now()) {
-  const std::uint16_t simulation_port = free_udp_port();
+  const std::uint16_t simulation_port = free_port();
   start_casd(baud, simulation_port);
   const auto to_line = [this](std::span<const std::uint8_t> bytes) { line_.write(bytes); };
   px4_ = std::make_unique<ScriptedPx4>(options, to_line, to_line);

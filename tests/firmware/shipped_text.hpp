@@ -8,8 +8,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/support/udp_peer.hpp"
 
 namespace cas::test {
 
@@ -40,9 +40,9 @@ inline std::string with_whole_paths(std::string text) {
 
 /// Free ports for the shipped px4_sitl: another test may fly at the same time.
 struct Px4SitlPorts {
-  std::string simulator = std::to_string(free_udp_port());  ///< TCP: a number that is likely free
-  std::string casd = std::to_string(free_udp_port());
-  std::string firmware = std::to_string(free_udp_port());
+  std::string simulator = std::to_string(free_port());  ///< TCP
+  std::string casd = std::to_string(free_port());
+  std::string firmware = std::to_string(free_port());
   std::string ground_station = "0";  ///< casd's, for others
 
   /// Of scripted_firmware.

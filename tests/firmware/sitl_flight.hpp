@@ -14,7 +14,9 @@
 #include "mavlink_gen/runtime/codec.hpp"
 #include "tests/firmware/shipped_text.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/free_port.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/udp_peer.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
@@ -42,7 +44,7 @@ class SitlFlight : public testing::Test {
   /// @param steps  after the arming
   void start(const std::string& word, const std::string& more = "",
              const std::string& steps = kOneFlight) {
-    ports_.ground_station = std::to_string(free_udp_port());
+    ports_.ground_station = std::to_string(free_port());
     folder_.write("world.yaml",
                   with_whole_paths(replaced(px4_sitl_world(ports_), "\nspeed: 1\n", "\n")));
     folder_.write("topology.yaml", with_whole_paths(px4_sitl_topology(ports_)));

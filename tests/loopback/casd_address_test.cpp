@@ -5,6 +5,7 @@
 
 #include "tests/loopback/any_udp_peer.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/support/free_port.hpp"
 
 namespace cas::test {
 namespace {
@@ -52,7 +53,7 @@ TEST(CasdAddress, Ipv6ServerKnowsItsPeers) {
 }
 
 TEST(CasdAddress, JoinsAMulticastGroupOnADeviceAndHearsNoEchoOfItself) {
-  const std::string port = std::to_string(free_udp_port());
+  const std::string port = std::to_string(free_port());
   AnyUdpPeer peer("0.0.0.0:" + port);
   if (!peer.bound() || !peer.join("239.255.77.77")) GTEST_SKIP() << "no multicast on lo";
   // What the peer sends comes from a port of its own: on one machine the shared port would be ours.
@@ -94,7 +95,7 @@ TEST(CasdAddress, BindsToADeviceAndWaitsForOneThatIsNotThere) {
 }
 
 TEST(CasdAddress, ReachesAStationBeforeItFirstSpeaksAndFromItsFirstMoment) {
-  const std::uint16_t port = free_udp_port();
+  const std::uint16_t port = free_port();
   CasdFixture fixture;
   fixture.start(kFcuOnly +
                 "  - {name: net, type: udp, remote: \"127.0.0.1:" + std::to_string(port) + "\"}\n");

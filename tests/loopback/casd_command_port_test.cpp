@@ -25,6 +25,7 @@
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -38,19 +39,6 @@ using nlohmann::json;
 
 constexpr const char* kStatus = R"({"jsonrpc":"2.0","id":1,"method":"casd.status"})";
 constexpr const char* kLinks = "links:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n";
-
-/// A TCP port that was free a moment ago.
-std::uint16_t free_tcp_port() {
-  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  EXPECT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  socklen_t size = sizeof address;
-  ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  ::close(fd);
-  return ntohs(address.sin_port);
-}
 
 /// casd and casctl in a session of their own, with a runtime folder that nobody else uses.
 class CommandPort : public testing::Test {
@@ -134,7 +122,7 @@ class CommandPort : public testing::Test {
 };
 
 TEST_F(CommandPort, HasASocketAndATokenOfItsOwn) {
-  const std::string fixed = std::to_string(free_tcp_port());
+  const std::string fixed = std::to_string(free_port());
   start("{port: " + fixed + "}");
   const fs::path socket = runtime() / ("casd-" + fixed + ".sock");
   EXPECT_EQ(word("command_socket"), socket.string());

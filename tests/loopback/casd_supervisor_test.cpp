@@ -11,6 +11,7 @@
 
 #include "base/rpc/client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/supervisor.hpp"
 
@@ -59,7 +60,7 @@ class CasdService : public testing::Test {
   }
 
   CasdFixture fixture;
-  std::uint16_t port = free_udp_port();
+  std::uint16_t port = free_port();
   std::string topology;
 };
 
@@ -159,7 +160,7 @@ TEST_F(CasdService, APortThatIsTakenIsTriedUntilItIsFree) {
   const std::size_t at = status->find("command_port ") + 13;
   const std::uint16_t taken = port_of(status->substr(at, status->find(' ', at) - at));
 
-  port = free_udp_port();
+  port = free_port();
   write_topology("{port: " + std::to_string(taken) + "}");
   UnitFile patient = shipped_unit();
   patient.settings["StartLimitIntervalSec"] = {"0"};  // a loaded machine may take longer

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/udp_peer.hpp"
 #include "tests/support/wait_until.hpp"
@@ -59,8 +60,8 @@ routes:
 }  // namespace
 
 FlightFixture::FlightFixture(const std::string& more) {
-  const auto filled = [&, sim = std::to_string(free_udp_port()),
-                       casd = std::to_string(free_udp_port())](std::string text) {
+  const auto filled = [&, sim = std::to_string(free_port()),
+                       casd = std::to_string(free_port())](std::string text) {
     text = replaced(replaced(std::move(text), "$SIM", sim), "$CASD", casd);
     return replaced(replaced(std::move(text), "$CONFIG/", kConfig), "$DIR", folder.path().string());
   };

@@ -23,6 +23,7 @@
 #include "mavlink_gen/runtime/codec.hpp"
 #include "tests/loopback/web_page.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/free_port.hpp"
 #include "tests/support/packet_stream.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -209,7 +210,7 @@ TEST_F(HilsWatch, CasctlFindsARunAndAGroundStationJoinsIt) {
 TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
   const auto other = casd();
   ASSERT_TRUE(other->wait_ready().has_value()) << other->output();
-  const std::uint16_t port = free_udp_port();
+  const std::uint16_t port = free_port();
   const auto run = hils("udp_server:" + std::to_string(port));
   const std::string line = watch_line(*run);
   const std::string begin = "Watch it: casctl --address ";

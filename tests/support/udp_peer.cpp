@@ -55,8 +55,6 @@ std::size_t UdpPeer::read(PacketStream& into) {
   }
 }
 
-std::uint16_t free_udp_port() { return UdpPeer().port(); }
-
 std::uint16_t port_of(const std::string& endpoint) {
   return static_cast<std::uint16_t>(std::stoul(endpoint.substr(endpoint.rfind(':') + 1)));
 }

@@ -32,8 +32,6 @@ class UdpPeer {
   std::uint16_t remote_ = 0;
 };
 
-/// A port of 127.0.0.1 that was free a moment ago, for the rare test that must name one.
-std::uint16_t free_udp_port();
 /// Port of "127.0.0.1:14550".
 std::uint16_t port_of(const std::string& endpoint);
 
