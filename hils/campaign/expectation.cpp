@@ -113,6 +113,7 @@ bool in_time(const std::optional<double>& time_s, const std::optional<double>& m
 }
 
 bool holds(const Expectation& wanted, const StrikeResponse& got) {
+  if (got.left_world) return false;
   switch (wanted.kind) {
     case Kind::kStaysUp:
       return got.completed && !got.incident && !got.crashed;
@@ -121,7 +122,7 @@ bool holds(const Expectation& wanted, const StrikeResponse& got) {
     case Kind::kCrashes:
       return got.crashed;
     case Kind::kNoArming:
-      return !got.armed_after;
+      return got.tried_to_arm && !got.armed_after;
     case Kind::kTerminates:
       return got.terminated;
     case Kind::kDetected:
@@ -130,7 +131,8 @@ bool holds(const Expectation& wanted, const StrikeResponse& got) {
       return in_time(got.reacted_s, wanted.most) &&
              std::ranges::find(wanted.modes, got.reaction) != wanted.modes.end();
     case Kind::kLands:
-      return !got.crashed && got.at_rest && (!wanted.most || got.rest_m <= *wanted.most);
+      return !got.crashed && got.in_air && got.at_rest &&
+             (!wanted.most || got.rest_m <= *wanted.most);
     case Kind::kFarthest:
       return got.farthest_m <= wanted.most.value_or(kMost);
     case Kind::kTilt:
@@ -140,13 +142,14 @@ bool holds(const Expectation& wanted, const StrikeResponse& got) {
 }
 
 std::string found_words(const Expectation& wanted, const StrikeResponse& got) {
+  if (got.left_world) return "its true motion became no number";
   switch (wanted.kind) {
     case Kind::kStaysUp:
     case Kind::kNoCrash:
     case Kind::kCrashes:
       return how_it_ended(got);
     case Kind::kNoArming:
-      return "it armed";
+      return got.armed_after ? "it armed" : "the plan did not arm it after the strike";
     case Kind::kTerminates:
       return "it did not";
     case Kind::kDetected:
@@ -156,6 +159,7 @@ std::string found_words(const Expectation& wanted, const StrikeResponse& got) {
                            : std::string("no failsafe");
     case Kind::kLands:
       if (got.crashed) return how_it_ended(got);
+      if (!got.in_air) return "it was not in the air";
       return got.at_rest ? fmt::format("it came to rest {:.1f} m away", got.rest_m)
                          : std::string("it was not at rest at the end");
     case Kind::kFarthest:

@@ -52,10 +52,11 @@ std::int64_t microseconds(base::SimTime time) {
 /// How a step is flown.
 enum class Place { kGround, kRising, kAir, kSinking };
 
-/// Goes through the samples of a flight and keeps the first incident of each kind.
+/// Goes through the samples of a flight and keeps the first incident of each kind from a moment on.
 class Watch {
  public:
-  Watch(const PoseSample& start, double farthest_m) : start_(start), farthest_m_(farthest_m) {}
+  Watch(const PoseSample& start, double farthest_m, double from_s)
+      : start_(start), farthest_m_(farthest_m), from_s_(from_s) {}
 
   void look(const PoseSample& before, const PoseSample& now, Place place, std::string_view step) {
     if (place == Place::kGround) return;
@@ -123,12 +124,14 @@ class Watch {
     return dt_s > 0 && norm(change) / dt_s > kImpact_m_s2 && norm(now.v_m_s) < norm(before.v_m_s);
   }
   void note(IncidentKind kind, const PoseSample& at, std::string what) {
+    if (seconds(at) < from_s_) return;
     if (std::ranges::find(found, kind, &Incident::kind) != found.end()) return;
     found.push_back({kind, seconds(at), std::move(what)});
   }
 
   const PoseSample& start_;
   double farthest_m_;
+  double from_s_;
 };
 
 /// How the next step is flown, after one of this kind began.
@@ -150,9 +153,9 @@ Place place_in(StepKind kind, Place before) {
 }  // namespace
 
 std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
-                                     std::span<const PoseSample> truth) {
+                                     std::span<const PoseSample> truth, double from_s) {
   if (truth.empty()) return {};
-  Watch watch(truth.front(), kFarthestExtents * extent_m(stages));
+  Watch watch(truth.front(), kFarthestExtents * extent_m(stages), from_s);
   Place place = Place::kGround;
   const PoseSample* before = &truth.front();
   for (std::size_t i = 0; i < stages.size(); ++i) {

@@ -30,7 +30,8 @@ struct Incident {
 ///
 /// @param stages  the flight as it went
 /// @param truth   in the order of time
+/// @param from_s  what came earlier is left out
 std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
-                                     std::span<const PoseSample> truth);
+                                     std::span<const PoseSample> truth, double from_s = 0);
 
 }  // namespace cas::hils

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -30,6 +31,8 @@ namespace {
 constexpr double kInAir_m = 0.5;
 constexpr double kDown_m = 0.3;
 constexpr double kStill_m_s = 0.2;
+/// Half of what idling rotors have.
+constexpr double kTurning_rad_s = 50.0;
 /// A HEARTBEAT tells of what happened since the one before.
 constexpr double kHeartbeat_s = 1.0;
 
@@ -50,6 +53,12 @@ constexpr std::array<HealthFlag, 12> kHealthFlags{
      {MavSysStatusSensor::kMotorOutputs, "motors"},
      {MavSysStatusSensor::kBattery, "battery"},
      {MavSysStatusSensor::kPrearmCheck, "arming checks"}}};
+
+/// Whether a text answers a command, and tells nothing of a fault by itself.
+bool refuses_command(std::string_view text) {
+  return text.starts_with("Arm: ") || text.find(" denied") != std::string_view::npos ||
+         text.find(" refused") != std::string_view::npos;
+}
 
 /// Goes through a flight log and notes what the vehicle told.
 class TaleReader {
@@ -89,6 +98,7 @@ class TaleReader {
     std::string text(mav::text(message.text));
     std::ranges::replace_if(
         text, [](char c) { return c < ' ' || c > '~'; }, '?');
+    if (refuses_command(text)) return;
     tale_.signs.push_back({.time_s = now_s_, .what = "'" + text + "'"});
   }
 
@@ -148,6 +158,7 @@ class PlannedPath {
     }
     return std::max(0.0, least - slack_m_);
   }
+  double slack_m() const { return slack_m_; }
 
  private:
   std::vector<Eigen::Vector3d> places_{Eigen::Vector3d::Zero()};
@@ -155,46 +166,157 @@ class PlannedPath {
 };
 
 bool is_crash(IncidentKind kind) { return kind != IncidentKind::kGround; }
+bool is_impact(IncidentKind kind) {
+  return kind == IncidentKind::kCrash || kind == IncidentKind::kStrike;
+}
+
+bool is_finite(const PoseSample& sample) {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  return std::ranges::all_of(sample.v_m_s, finite) &&
+         std::ranges::all_of(
+             std::array{sample.pose.x_m, sample.pose.y_m, sample.pose.z_m, sample.pose.roll_rad,
+                        sample.pose.pitch_rad, sample.pose.yaw_rad},
+             finite);
+}
+
+bool has_turning_rotor(const PoseSample& sample) {
+  return std::ranges::any_of(sample.omega_rad_s,
+                             [](double omega_rad_s) { return omega_rad_s > kTurning_rad_s; });
+}
+
+/// Where the plan has a vehicle at a moment: in a hold at its place, else on the path.
+class PlannedPlace {
+ public:
+  explicit PlannedPlace(const StrikeEvidence& evidence)
+      : stages_(evidence.stages), path_(evidence.steps) {}
+
+  double distance_m(std::int64_t time_us, const Eigen::Vector3d& p) const {
+    const auto next = std::ranges::upper_bound(stages_, time_us, {}, [](const Stage& stage) {
+      return static_cast<std::int64_t>(base::to_time_usec(stage.begin));
+    });
+    if (next == stages_.begin()) return path_.distance_m(p);
+    const Stage& stage = *std::prev(next);
+    const bool holds =
+        stage.step.kind == StepKind::kHold || stage.step.kind == StepKind::kWaitUntil;
+    if (!holds || landed_before(next)) return path_.distance_m(p);
+    return std::max(0.0, (p - stage.reference_m).norm() - path_.slack_m());
+  }
+
+ private:
+  /// A landing keeps the reference of the step before it.
+  bool landed_before(std::span<const Stage>::iterator end) const {
+    bool landed = false;
+    for (auto each = stages_.begin(); each != end; ++each) {
+      if (each->step.kind == StepKind::kLand) landed = true;
+      if (each->step.kind == StepKind::kTakeoff) landed = false;
+    }
+    return landed;
+  }
+
+  std::span<const Stage> stages_;
+  PlannedPath path_;
+};
+
+constexpr double kNever_s = std::numeric_limits<double>::infinity();
 
 std::int64_t microseconds(double time_s) { return std::llround(time_s * 1e6); }
+double seconds(const PoseSample& sample) { return static_cast<double>(sample.time_us) * 1e-6; }
 
-void look_at_motion(const StrikeEvidence& evidence, StrikeResponse& response) {
-  if (evidence.truth.empty()) return;
-  const PoseSample& start = evidence.truth.front();
-  const PoseSample& last = evidence.truth.back();
-  const PlannedPath path(evidence.steps);
-  const auto after = between(evidence.truth, microseconds(evidence.strike_s), last.time_us + 1);
-  bool flew = false;
-  bool down = false;
-  for (const PoseSample& sample : after) {
-    const Eigen::Vector3d p = place(sample, start);
-    response.farthest_m = std::max(response.farthest_m, path.distance_m(p));
-    flew |= p.z() > kInAir_m;
-    down |= flew && p.z() < kDown_m / 2;
-    if (!down) response.peak_tilt_deg = std::max(response.peak_tilt_deg, tilt_deg(sample.pose));
-  }
-  for (const Incident& incident :
-       find_incidents({evidence.stages.begin(), evidence.stages.end()}, evidence.truth)) {
-    if (incident.time_s < evidence.strike_s) continue;
+/// When a vehicle that was struck met the ground or something else.
+struct Contact {
+  double impact_s = kNever_s;  ///< hit something
+  double down_s = kNever_s;    ///< was on the ground after it had been in the air
+
+  double first_s() const { return std::min(impact_s, down_s); }
+};
+
+void look_at_incidents(const StrikeEvidence& evidence, StrikeResponse& response, Contact& contact) {
+  for (const Incident& incident : find_incidents({evidence.stages.begin(), evidence.stages.end()},
+                                                 evidence.truth, evidence.strike_s)) {
     if (!response.incident) response.incident = incident.kind;
     response.crashed |= is_crash(incident.kind);
+    if (is_impact(incident.kind)) contact.impact_s = std::min(contact.impact_s, incident.time_s);
+  }
+}
+
+Contact look_at_motion(const StrikeEvidence& evidence, StrikeResponse& response) {
+  Contact contact;
+  const auto after = between(evidence.truth, microseconds(evidence.strike_s),
+                             std::numeric_limits<std::int64_t>::max());
+  if (after.empty()) return contact;
+  look_at_incidents(evidence, response, contact);
+  const PoseSample& start = evidence.truth.front();
+  const PoseSample& last = evidence.truth.back();
+  const PlannedPlace plan(evidence);
+  bool turned = false;
+  for (const PoseSample& sample : after) {
+    if (!is_finite(sample)) {
+      response.left_world = true;
+      response.farthest_m = std::numeric_limits<double>::infinity();
+      break;
+    }
+    const Eigen::Vector3d p = place(sample, start);
+    response.farthest_m = std::max(response.farthest_m, plan.distance_m(sample.time_us, p));
+    response.in_air |= p.z() > kInAir_m;
+    if (response.in_air && p.z() < kDown_m / 2) {
+      contact.down_s = std::min(contact.down_s, seconds(sample));
+    }
+    if (seconds(sample) >= contact.first_s()) continue;
+    response.peak_tilt_deg = std::max(response.peak_tilt_deg, tilt_deg(sample.pose));
+    turned |= has_turning_rotor(sample);
+    response.terminated |= turned && !has_turning_rotor(sample) && p.z() > kInAir_m;
   }
   const Eigen::Vector3d end = place(last, start);
   const double speed = std::hypot(last.v_m_s[0], last.v_m_s[1], last.v_m_s[2]);
   response.at_rest = end.z() < kDown_m && speed < kStill_m_s;
   response.crashed |= -last.v_m_s[2] > kCrashSpeed_m_s;
-  if (!after.empty()) {
-    response.rest_m = (end - place(after.front(), start)).head<2>().norm();
-  }
+  response.rest_m = (end - place(after.front(), start)).head<2>().norm();
+  return contact;
 }
 
-/// Whether the vehicle was in the air shortly before a moment.
-bool was_in_air(const StrikeEvidence& evidence, double time_s) {
-  if (evidence.truth.empty()) return false;
-  const PoseSample& start = evidence.truth.front();
-  return std::ranges::any_of(
-      between(evidence.truth, microseconds(time_s - kHeartbeat_s), microseconds(time_s)),
-      [&start](const PoseSample& sample) { return place(sample, start).z() > kInAir_m; });
+/// Whether the vehicle is in the air at a moment.
+bool is_in_air(const StrikeEvidence& evidence, double time_s) {
+  const auto before = between(evidence.truth, 0, microseconds(time_s) + 1);
+  return !before.empty() && place(before.back(), evidence.truth.front()).z() > kInAir_m;
+}
+
+/// Whether the vehicle had landed and was disarmed, and no step would arm it again.
+bool flight_was_over(const StrikeEvidence& evidence) {
+  const auto armed_steps = [&](const Stage& stage) {
+    return stage.step.kind == StepKind::kArm && base::to_seconds(stage.end) > evidence.strike_s;
+  };
+  if (std::ranges::any_of(evidence.stages, armed_steps)) return false;
+  const auto earlier =
+      std::ranges::lower_bound(evidence.tale.armed, evidence.strike_s, {}, &ArmedChange::time_s);
+  if (earlier == evidence.tale.armed.begin() || std::prev(earlier)->armed) return false;
+  const bool flew = std::ranges::any_of(
+      between(evidence.truth, 0, microseconds(evidence.strike_s)), [&](const PoseSample& sample) {
+        return place(sample, evidence.truth.front()).z() > kInAir_m;
+      });
+  return flew && !is_in_air(evidence, evidence.strike_s);
+}
+
+/// Why a flight says nothing of its fault; empty when it does.
+std::string why_no_verdict(const StrikeEvidence& evidence) {
+  if (evidence.stages.empty()) return "struck before the flight, which did not begin";
+  if (evidence.strike_s >= base::to_seconds(evidence.stages.back().end) ||
+      flight_was_over(evidence)) {
+    return "never acted: it struck after the flight";
+  }
+  if (evidence.truth.empty() || seconds(evidence.truth.back()) < evidence.strike_s) {
+    return "no true motion was recorded after the strike";
+  }
+  return {};
+}
+
+/// Arming is asked for each second: a step that was under way may have been answered before.
+bool tried_to_arm(const StrikeEvidence& evidence) {
+  return std::ranges::any_of(evidence.stages, [&](const Stage& stage) {
+    constexpr double kRetry_s = 1.0;
+    return stage.step.kind == StepKind::kArm &&
+           (base::to_seconds(stage.begin) >= evidence.strike_s ||
+            base::to_seconds(stage.end) >= evidence.strike_s + kRetry_s);
+  });
 }
 
 void note(const StrikeEvidence& evidence, const VehicleSign& sign, StrikeResponse& response) {
@@ -224,11 +346,16 @@ VehicleTale read_vehicle_tale(const RunRecord& record) {
 StrikeResponse strike_response(const StrikeEvidence& evidence) {
   StrikeResponse response{
       .strike_s = evidence.strike_s, .fault = evidence.fault, .completed = evidence.completed};
-  look_at_motion(evidence, response);
+  response.no_verdict = why_no_verdict(evidence);
+  response.tried_to_arm = tried_to_arm(evidence);
+  const Contact contact = look_at_motion(evidence, response);
+  const double until_s =
+      std::min(contact.impact_s, evidence.end_s ? *evidence.end_s + kHeartbeat_s : kNever_s);
   for (const VehicleSign& sign : evidence.tale.signs) {
-    if (sign.time_s < evidence.strike_s) continue;
+    if (sign.time_s < evidence.strike_s || sign.time_s > until_s) continue;
     note(evidence, sign, response);
-    response.terminated |= sign.is_reaction && sign.what == "TERMINATION";
+    response.terminated |=
+        sign.is_reaction && sign.what == "TERMINATION" && sign.time_s <= contact.first_s();
   }
   for (const auto& [time_s, armed] : evidence.tale.armed) {
     if (time_s < evidence.strike_s) {
@@ -236,7 +363,8 @@ StrikeResponse strike_response(const StrikeEvidence& evidence) {
       continue;
     }
     response.armed_after |= armed;
-    if (armed || !was_in_air(evidence, time_s)) continue;
+    if (armed || time_s > std::min(until_s, contact.down_s) || !is_in_air(evidence, time_s))
+      continue;
     response.terminated = true;
     note(evidence, {.time_s = time_s, .what = "disarmed in the air", .is_reaction = true},
          response);
@@ -250,9 +378,15 @@ std::optional<StrikeResponse> read_strike_response(const RunRecord& record,
                                                    std::span<const PoseSample> truth) {
   const auto first = std::ranges::min_element(record.faults, {}, &BenchFaultScript::Span::begin);
   if (first == record.faults.end()) return std::nullopt;
+  std::optional<double> end_s = 0;
+  for (const BenchFaultScript::Span& span : record.faults) {
+    if (span.name != first->name || !end_s) continue;
+    end_s = span.end ? std::optional(std::max(*end_s, base::to_seconds(*span.end))) : std::nullopt;
+  }
   std::vector<Stage> stages = record.stages;
   if (record.under_way) stages.push_back(*record.under_way);
   return strike_response({.strike_s = base::to_seconds(first->begin),
+                          .end_s = end_s,
                           .fault = first->name,
                           .stages = stages,
                           .steps = steps,

@@ -26,8 +26,12 @@ struct VehicleSign {
 struct StrikeResponse {
   double strike_s = 0;                 ///< simulated
   std::string fault{};                 ///< its name
+  std::string no_verdict{};            ///< why nothing can be said of it; empty: it can be judged
   bool armed_before = false;           ///< when it struck
   bool armed_after = false;            ///< at some moment from then on
+  bool tried_to_arm = false;           ///< by a step of the plan, from then on
+  bool in_air = false;                 ///< at some moment from then on
+  bool left_world = false;             ///< its true motion was no number any more
   std::optional<double> detected_s{};  ///< first sign in what the vehicle tells
   std::string detected_by{};
   std::optional<double> reacted_s{};       ///< first mode that a failsafe chose, or rotors stopped
@@ -35,11 +39,13 @@ struct StrikeResponse {
   bool terminated = false;                 ///< the vehicle stopped its rotors itself
   bool completed = false;                  ///< the flight was flown to its end
   std::optional<IncidentKind> incident{};  ///< the first one from then on
-  bool crashed = false;      ///< it hit something, turned over, flew away or fell at the end
-  bool at_rest = false;      ///< at the end of the record, on the ground
-  double rest_m = 0;         ///< then: horizontally from the place where it was struck
-  double farthest_m = 0;     ///< from the lines between the places of the plan
-  double peak_tilt_deg = 0;  ///< before it came down
+  bool crashed = false;  ///< it hit something, turned over, flew away or fell at the end
+  bool at_rest = false;  ///< at the end of the record, on the ground
+  double rest_m = 0;     ///< then: horizontally from the place where it was struck
+  /// From the place of the step in a hold, else from the lines between the places of the plan;
+  /// infinite when its true motion was no number.
+  double farthest_m = 0;
+  double peak_tilt_deg = 0;  ///< before it hit or touched something
 };
 
 /// Armed or disarmed, by its HEARTBEATs.
@@ -50,9 +56,9 @@ struct ArmedChange {
 
 /// What a vehicle told in a flight, in the order of time.
 struct VehicleTale {
-  /// STATUSTEXTs of warnings and worse; a health flag of SYS_STATUS that falls (that of the arming
-  /// checks on the ground alone); MAV_STATE critical or worse. HEARTBEATs come each second, so that
-  /// a reaction is known up to 1 s late.
+  /// STATUSTEXTs of warnings and worse that refuse no command; a health flag of SYS_STATUS that
+  /// falls (that of the arming checks on the ground alone); MAV_STATE critical or worse. HEARTBEATs
+  /// come each second, so that a reaction is known up to 1 s late.
   std::vector<VehicleSign> signs;
   std::vector<ArmedChange> armed;
 };
@@ -62,6 +68,7 @@ VehicleTale read_vehicle_tale(const RunRecord& record);
 /// What the response is made of.
 struct StrikeEvidence {
   double strike_s = 0;
+  std::optional<double> end_s{};  ///< of the fault; nothing: it lasts to the end
   std::string fault{};
   std::span<const Stage> stages{};  ///< with the one that was under way at the end
   std::span<const FlightStep> steps{};
@@ -69,6 +76,7 @@ struct StrikeEvidence {
   std::span<const PoseSample> truth{};
   VehicleTale tale{};
 };
+/// Signs count until the first impact, or one HEARTBEAT after the fault's end.
 StrikeResponse strike_response(const StrikeEvidence& evidence);
 
 /// The response to the first fault of a flight; nothing when none struck.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -19,6 +20,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr std::array kOutcomes{RowOutcome::kPassed,  RowOutcome::kFailed,  RowOutcome::kInvalid,
                                RowOutcome::kStopped, RowOutcome::kRefused, RowOutcome::kDied,
                                RowOutcome::kHung};
@@ -157,8 +159,12 @@ Json number_json(const std::optional<double>& value) {
 Json strike_json(const StrikeResponse& strike) {
   return {{"strike_s", strike.strike_s},
           {"fault", strike.fault},
+          {"no_verdict", strike.no_verdict},
           {"armed_before", strike.armed_before},
           {"armed_after", strike.armed_after},
+          {"tried_to_arm", strike.tried_to_arm},
+          {"in_air", strike.in_air},
+          {"left_world", strike.left_world},
           {"detected_s", number_json(strike.detected_s)},
           {"detected_by", strike.detected_by},
           {"reacted_s", number_json(strike.reacted_s)},
@@ -180,8 +186,12 @@ StrikeResponse parse_strike(const Json& json) {
   };
   StrikeResponse strike{.strike_s = json.at("strike_s").get<double>(),
                         .fault = json.at("fault").get<std::string>(),
+                        .no_verdict = json.at("no_verdict").get<std::string>(),
                         .armed_before = json.at("armed_before").get<bool>(),
                         .armed_after = json.at("armed_after").get<bool>(),
+                        .tried_to_arm = json.at("tried_to_arm").get<bool>(),
+                        .in_air = json.at("in_air").get<bool>(),
+                        .left_world = json.at("left_world").get<bool>(),
                         .detected_s = optional("detected_s"),
                         .detected_by = json.at("detected_by").get<std::string>(),
                         .reacted_s = optional("reacted_s"),
@@ -196,15 +206,15 @@ StrikeResponse parse_strike(const Json& json) {
   strike.crashed = json.at("crashed").get<bool>();
   strike.at_rest = json.at("at_rest").get<bool>();
   strike.rest_m = optional("rest_m").value_or(kNone);
-  strike.farthest_m = optional("farthest_m").value_or(kNone);
-  strike.peak_tilt_deg = optional("peak_tilt_deg").value_or(kNone);
+  strike.farthest_m = optional("farthest_m").value_or(kEndless);
+  strike.peak_tilt_deg = optional("peak_tilt_deg").value_or(kEndless);
   return strike;
 }
 
-/// On one line, so that a line of a file is a row.
+/// On one line, so that a line of a file is a row, and harmless to a terminal.
 std::string one_line(std::string text) {
   std::ranges::replace_if(
-      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+      text, [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   return text;
 }
 
@@ -284,6 +294,7 @@ std::string journal_line(const RowResult& result) {
                      {"cpu_s", result.machine.cpu_s},
                      {"max_rss_mib", result.machine.max_rss_mib},
                      {"host", result.machine.host}};
+  if (!result.run_sha256.empty()) json["run_sha256"] = result.run_sha256;
   if (!result.key.empty()) json["key"] = result.key;
   if (result.strike) json["strike"] = strike_json(*result.strike);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -310,6 +321,7 @@ std::optional<RowResult> parse_journal_line(std::string_view line) {
                       .cpu_s = machine.at("cpu_s").get<double>(),
                       .max_rss_mib = machine.at("max_rss_mib").get<double>(),
                       .host = machine.at("host").get<std::string>()};
+    result.run_sha256 = json.value("run_sha256", "");
     result.key = json.value("key", "");
     if (json.contains("strike")) result.strike = parse_strike(json.at("strike"));
     return result;

@@ -48,6 +48,7 @@ struct RowResult {
   std::string incident{};         ///< the first of the flight: ground, crash, ...
   std::string version{};          ///< of CAS
   std::string truth_sha256{};     ///< of truth.csv; of several vehicles, one file after the other
+  std::string run_sha256{};       ///< see run_sha256(); where the study varies `faults`
   std::vector<double> figures{};  ///< in the order of figure_names()
   MachineFigures machine{};
   std::string key{};  ///< what was flown, where no table says it by the row's number

@@ -21,6 +21,7 @@ StrikeResponse landed() {
   return {.strike_s = 20,
           .armed_before = true,
           .armed_after = true,
+          .in_air = true,
           .detected_s = 1.5,
           .detected_by = "health: GPS",
           .reacted_s = 2.5,
@@ -78,6 +79,26 @@ TEST(Expectation, OfWhatFellIsACrashAndNoLanding) {
   EXPECT_TRUE(miss_of(expectation("failsafe: LAND"), fallen)) << "none came";
   EXPECT_FALSE(miss_of(expectation("crashes"), fallen));
   EXPECT_FALSE(miss_of(expectation("terminates"), fallen));
+}
+
+TEST(Expectation, OfWhatWasNotTriedIsMissed) {
+  StrikeResponse stayed = landed();
+  stayed.in_air = false;
+  EXPECT_EQ(miss_of(expectation("lands"), stayed), "lands: it was not in the air");
+  stayed.armed_after = false;
+  EXPECT_EQ(miss_of(expectation("no_arming"), stayed),
+            "no arming: the plan did not arm it after the strike");
+  stayed.tried_to_arm = true;
+  EXPECT_FALSE(miss_of(expectation("no_arming"), stayed));
+}
+
+TEST(Expectation, OfWhatLeftTheWorldIsMissed) {
+  StrikeResponse gone = landed();
+  gone.left_world = true;
+  gone.crashed = true;
+  for (const char* each : {"no_crash", "crashes", "detected", "lands", "no_farther_than_m: 9"}) {
+    EXPECT_TRUE(miss_of(expectation(each), gone)) << each;
+  }
 }
 
 TEST(Expectation, SaysWhatWasFound) {

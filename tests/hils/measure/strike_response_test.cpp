@@ -8,6 +8,8 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -67,7 +69,8 @@ class Struck : public testing::Test {
       }
       truth.push_back(sample);
     }
-    return strike_response({.strike_s = 10,
+    return strike_response({.strike_s = strike_s_,
+                            .end_s = end_s_,
                             .fault = "test",
                             .stages = stages_,
                             .steps = steps_,
@@ -79,6 +82,8 @@ class Struck : public testing::Test {
   std::vector<FlightStep> steps_;
   std::vector<Stage> stages_;
   bool completed_ = true;
+  double strike_s_ = 10;
+  std::optional<double> end_s_;
 };
 
 TEST_F(Struck, WhatFliesAsPlannedIsNowhereOffAndCameToRest) {
@@ -168,6 +173,112 @@ TEST_F(Struck, DisarmingIsAReactionInTheAirAlone) {
   EXPECT_NEAR(bad.detected_s.value_or(0), 1, 1e-9);
 }
 
+TEST_F(Struck, AfterTheFlightThereIsNoVerdict) {
+  EXPECT_TRUE(response([](double, PoseSample&) {}).no_verdict.empty());
+  strike_s_ = 25;
+  EXPECT_EQ(response([](double, PoseSample&) {}).no_verdict,
+            "never acted: it struck after the flight");
+  strike_s_ = 40;
+  EXPECT_EQ(response([](double, PoseSample&) {}).no_verdict,
+            "never acted: it struck after the flight");
+  add(StepKind::kDisarm, 25, 30);  // landed, and disarmed before the step asks for it
+  strike_s_ = 28;
+  const VehicleTale disarmed{
+      .signs = {}, .armed = {{.time_s = 1, .armed = true}, {.time_s = 27, .armed = false}}};
+  EXPECT_EQ(response([](double, PoseSample&) {}, 30, disarmed).no_verdict,
+            "never acted: it struck after the flight");
+  add(StepKind::kArm, 30, 31);  // a second flight follows
+  EXPECT_EQ(response([](double, PoseSample&) {}, 35, disarmed).no_verdict, "");
+}
+
+TEST_F(Struck, KnowsWhetherItFlewAndWhetherItWasToBeArmed) {
+  EXPECT_TRUE(response([](double, PoseSample&) {}).in_air);
+  EXPECT_FALSE(response([](double, PoseSample&) {}).tried_to_arm) << "the strike came later";
+  strike_s_ = 0;
+  const StrikeResponse stayed = response([](double, PoseSample& sample) { sample.pose.z_m = 0; });
+  EXPECT_FALSE(stayed.in_air);
+  EXPECT_TRUE(stayed.tried_to_arm);
+}
+
+TEST_F(Struck, SignsCountUntilAHeartbeatAfterTheFaultsEnd) {
+  end_s_ = 12;
+  const auto sign_at = [](double time_s) {
+    return VehicleTale{.signs = {{.time_s = time_s, .what = "'Low battery'"}}, .armed = {}};
+  };
+  EXPECT_TRUE(response([](double, PoseSample&) {}, 30, sign_at(13)).detected_s);
+  EXPECT_FALSE(response([](double, PoseSample&) {}, 30, sign_at(13.1)).detected_s);
+  end_s_.reset();
+  EXPECT_TRUE(response([](double, PoseSample&) {}, 30, sign_at(13.1)).detected_s);
+}
+
+/// Falls from 10 m at 11 s and lies on its side from 12.43 s on.
+void fall(double t, PoseSample& sample) {
+  if (t <= 11) return;
+  sample.pose.x_m = 12;
+  sample.pose.z_m = std::max(0.0, 10 - 0.5 * 9.81 * (t - 11) * (t - 11));
+  if (sample.pose.z_m == 0) sample.pose.roll_rad = 1.5;
+}
+
+TEST_F(Struck, WhatComesAfterTheImpactDoesNotCount) {
+  const VehicleTale late{.signs = {{.time_s = 12.6, .what = "TERMINATION", .is_reaction = true}},
+                         .armed = {{.time_s = 1, .armed = true}, {.time_s = 12.7, .armed = false}}};
+  const StrikeResponse got = response(fall, 30, late);
+  EXPECT_TRUE(got.crashed);
+  EXPECT_FALSE(got.terminated);
+  EXPECT_FALSE(got.detected_s);
+  EXPECT_FALSE(got.reacted_s);
+  EXPECT_LT(got.peak_tilt_deg, 1);
+  VehicleTale in_time = late;
+  in_time.armed.back().time_s = 12;
+  EXPECT_TRUE(response(fall, 30, in_time).terminated);
+}
+
+TEST_F(Struck, RotorsThatStandStillInTheAirNeedNoWord) {
+  const auto stop_at = [](double stop_s) {
+    return [stop_s](double t, PoseSample& sample) {
+      fall(t, sample);
+      if (t < stop_s) std::ranges::fill(sample.omega_rad_s, 600);
+    };
+  };
+  EXPECT_TRUE(response(stop_at(11.5)).terminated);
+  EXPECT_FALSE(response(stop_at(12.6)).terminated) << "on the ground";
+  EXPECT_FALSE(response(fall).terminated) << "they were not seen to turn";
+}
+
+TEST_F(Struck, ABounceAfterTheFallIsNotTheAir) {
+  const StrikeResponse got = response(
+      [](double t, PoseSample& sample) {
+        fall(t, sample);
+        if (t > 12.5 && t < 12.8) sample.pose.z_m = 1;
+      },
+      30, {.signs = {}, .armed = {{.time_s = 1, .armed = true}, {.time_s = 12.6, .armed = false}}});
+  EXPECT_FALSE(got.terminated);
+}
+
+TEST_F(Struck, ACrashCountsThoughOneCameBefore) {
+  const StrikeResponse got = response([](double t, PoseSample& sample) {
+    if (t > 8 && t < 8.2) sample.pose.roll_rad = 1.5;
+    if (t > 11 && t < 11.2) sample.pose.roll_rad = 1.5;
+  });
+  EXPECT_EQ(got.incident, IncidentKind::kAttitude);
+  EXPECT_TRUE(got.crashed);
+}
+
+TEST_F(Struck, AHoldIsMeasuredFromItsPlace) {
+  stages_[2].step.kind = StepKind::kHold;  // at {20, 0, 10}, on the line of the plan
+  const StrikeResponse got = response(
+      [](double, PoseSample& sample) { sample.pose.x_m = std::min(sample.pose.x_m, 14.0); });
+  EXPECT_NEAR(got.farthest_m, 10, 0.1) << "where it was struck";
+}
+
+TEST_F(Struck, WhatIsNoNumberIsInfinitelyFarAway) {
+  const StrikeResponse got = response([](double t, PoseSample& sample) {
+    if (t > 11) sample.pose.y_m = std::nan("");
+  });
+  EXPECT_TRUE(got.left_world);
+  EXPECT_EQ(got.farthest_m, std::numeric_limits<double>::infinity());
+}
+
 /// A flight log of one vehicle.
 class Tale : public testing::Test {
  protected:
@@ -221,6 +332,8 @@ TEST_F(Tale, HasWarningsFallenFlagsAndTheModesOfAFailsafe) {
   text(2, MavSeverity::kInfo, "Take-off");
   health(3, S::k3dMag);  // in the air the arming checks' flag says nothing
   text(4, MavSeverity::kWarning, "Low battery");
+  text(4.5, MavSeverity::kCritical, "Arming denied: no position estimate");
+  text(4.6, MavSeverity::kCritical, "Mode change refused: no mission");
   beat(5, true, MavState::kActive, kLand);  // commanded
   beat(6, true, MavState::kCritical, kLand);
   beat(7, true, MavState::kCritical, kLand);

@@ -42,6 +42,7 @@ TEST(Journal, AStrikeComesBack) {
   RowResult written = result_of(3);
   written.strike = StrikeResponse{.strike_s = 12.5,
                                   .fault = "gps_lost in hover",
+                                  .no_verdict = "never acted: it struck after the flight",
                                   .armed_before = true,
                                   .armed_after = true,
                                   .detected_s = 0.1 + 0.2,
@@ -50,7 +51,7 @@ TEST(Journal, AStrikeComesBack) {
                                   .incident = IncidentKind::kFlyaway,
                                   .crashed = true,
                                   .rest_m = std::nan(""),
-                                  .farthest_m = 7};
+                                  .farthest_m = HUGE_VAL};
   const auto read = parse_journal_line(journal_line(written));
   ASSERT_TRUE(read && read->strike);
   EXPECT_EQ(read->strike->detected_s, 0.1 + 0.2);
@@ -60,7 +61,8 @@ TEST(Journal, AStrikeComesBack) {
   EXPECT_TRUE(read->strike->crashed);
   EXPECT_FALSE(read->strike->at_rest);
   EXPECT_TRUE(std::isnan(read->strike->rest_m));
-  EXPECT_EQ(read->strike->farthest_m, 7);
+  EXPECT_EQ(read->strike->farthest_m, HUGE_VAL);
+  EXPECT_EQ(read->strike->no_verdict, written.strike->no_verdict);
   EXPECT_FALSE(parse_journal_line(journal_line(result_of(3)))->strike);
 }
 
