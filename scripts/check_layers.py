@@ -161,7 +161,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/sweep": rooms("hils", "flight scenario run measure report programs virtual"),
     "hils/env": rooms("hils", "sweep"),
     "hils/tune": rooms("hils", "flight scenario measure report programs sweep"),
-    "hils/campaign": rooms("hils", "flight scenario measure report sweep"),
+    "hils/campaign": rooms("hils", "flight scenario run measure report sweep"),
     "hils/figures": rooms("hils", "measure report programs virtual"),
     "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards virtual firmware compare sweep tune campaign"),
 }.items()}

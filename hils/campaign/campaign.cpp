@@ -2,8 +2,10 @@
 #include "hils/campaign/campaign.hpp"
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -11,9 +13,14 @@
 
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/config/vehicle.hpp"
 #include "base/suggestion.hpp"
+#include "hils/run/run_places.hpp"
+#include "hils/sweep/key_path.hpp"
 #include "hils/sweep/study.hpp"
+#include "hils/sweep/sweep_folder.hpp"
 #include "plugins/fault/expression.hpp"
+#include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
 
@@ -27,20 +34,35 @@ void check_name(const base::ConfigNode& node, const std::string& name) {
   }
 }
 
-void check_condition(const base::ConfigNode& node, const std::string& when) {
+/// Text that goes to a terminal. @throws base::ConfigError
+std::string parse_line(const base::ConfigNode& root, const char* key, const std::string& usual) {
+  const auto text = root.get<std::string>(key, usual);
+  const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
+  if (std::ranges::any_of(text, is_control)) root.at(key).fail("has a control character in it");
+  return text;
+}
+
+/// A condition is about steps of the scenario. @throws base::ConfigError
+void check_condition(const base::ConfigNode& node, const std::string& when,
+                     const Scenario& scenario) {
+  std::vector<std::string_view> known{"done"};
+  for (const FlightStep& step : scenario.steps) known.push_back(phase_of(step));
   try {
-    sim::Expression::parse(when);
+    for (const std::string& word : sim::Expression::parse(when).phases()) {
+      if (std::ranges::find(known, word) != known.end()) continue;
+      node.fail("the scenario has no step '" + word + "'" + base::did_you_mean(word, known));
+    }
   } catch (const std::invalid_argument& error) {
     node.fail(error.what());
   }
 }
 
-std::vector<CampaignPhase> parse_phases(const base::ConfigNode& map) {
+std::vector<CampaignPhase> parse_phases(const base::ConfigNode& map, const Scenario& scenario) {
   std::vector<CampaignPhase> phases;
   for (const auto& [name, node] : map.entries()) {
     check_name(node, name);
     phases.push_back({.name = name, .when = node.as<std::string>()});
-    check_condition(node, phases.back().when);
+    check_condition(node, phases.back().when, scenario);
   }
   if (phases.empty()) map.fail("names at least one phase, such as 'hover: phase == hover'");
   return phases;
@@ -114,20 +136,6 @@ CampaignFailure parse_failure(const base::ConfigNode& node,
   return failure;
 }
 
-/// In single quotes, as YAML has it.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
-  return result + "'";
-}
-
-/// YAML of a value below its key, which may be a map in several lines.
-std::string block(const std::string& value) {
-  std::string text = "\n    ";
-  for (const char c : value) text += c == '\n' ? std::string("\n    ") : std::string(1, c);
-  return text + "\n";
-}
-
 std::string faults_of_cell(const Campaign& campaign, const CampaignCell& cell) {
   const CampaignFailure& failure = campaign.failures[cell.failure];
   const CampaignPhase& phase = campaign.phases[cell.phase];
@@ -135,19 +143,49 @@ std::string faults_of_cell(const Campaign& campaign, const CampaignCell& cell) {
                    failure.values);
 }
 
-/// Reads the faults of each cell as the scenario would. @throws base::ConfigError
-void check_cells(const Campaign& campaign) {
-  const Scenario scenario = Scenario::load(campaign.scenario);
-  for (const CampaignCell& cell : cells_of(campaign)) {
-    const CampaignFailure& failure = campaign.failures[cell.failure];
-    const std::string text = "faults: " + faults_of_cell(campaign, cell);
+/// The highest rotor that a fault names, from 1; 0: it names none.
+int highest_rotor(const sim::FaultKind& kind) {
+  if (const auto* broken = std::get_if<sim::RotorFault>(&kind)) return broken->rotor + 1;
+  if (const auto* swapped = std::get_if<sim::SwapFault>(&kind)) {
+    return std::max(swapped->first, swapped->second) + 1;
+  }
+  return 0;
+}
+
+/// Reads the faults of the campaign's last failure as the scenario and its vehicle would.
+/// @throws base::ConfigError
+void check_failure(const base::ConfigNode& node, const Campaign& campaign, const Scenario& scenario,
+                   const base::Vehicle& vehicle) {
+  const std::size_t last = campaign.failures.size() - 1;
+  const base::ConfigNode place = node.find("with").value_or(node);
+  for (std::size_t i = 0; i < campaign.phases.size(); ++i) {
+    if (!campaign.failures[last].expected.contains(campaign.phases[i].name)) continue;
+    const std::string text = "faults: " + faults_of_cell(campaign, {last, i});
+    ScenarioFaults faults;
     try {
-      parse_scenario_faults(base::ConfigNode::parse(text, failure.name).at("faults"), scenario.line,
-                            scenario.names());
+      faults = parse_scenario_faults(base::ConfigNode::parse(text).at("faults"), scenario.line,
+                                     scenario.names());
     } catch (const base::ConfigError& error) {
-      throw base::ConfigError(fmt::format("failure '{}' in {}: {}", failure.name,
-                                          campaign.phases[cell.phase].name, error.what()));
+      place.fail(error.what());
     }
+    for (const VehicleFault& fault : faults.vehicle) {
+      const int rotor = highest_rotor(sim::parse_fault(fault.script, 1).kind);
+      if (rotor <= vehicle.rotor_count()) continue;
+      place.fail(fmt::format("there is no rotor {}; vehicle '{}' has {}", rotor, vehicle.name,
+                             vehicle.rotor_count()));
+    }
+  }
+}
+
+/// The scenario as its flights have it. @throws base::ConfigError
+Scenario scenario_of(const base::ConfigNode& root, const Campaign& campaign) {
+  if (campaign.settings.empty()) return Scenario::load(campaign.scenario);
+  const RunDirectory scratch;
+  try {
+    write_scenario(campaign.scenario, campaign.settings, campaign.folder, scratch.path());
+    return Scenario::load(scratch.path() / "scenario.yaml");
+  } catch (const base::ConfigError& error) {
+    root.at("set").fail(without_folder(error.what(), scratch.path()));
   }
 }
 
@@ -157,19 +195,25 @@ Campaign Campaign::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
   if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
   Campaign campaign;
-  campaign.name = root.get<std::string>("name", file.stem().string());
-  campaign.description = root.get<std::string>("description", "");
+  campaign.folder = std::filesystem::absolute(file).parent_path();
+  campaign.name = parse_line(root, "name", file.stem().string());
+  campaign.description = parse_line(root, "description", "");
   campaign.scenario = std::filesystem::absolute(base::find_config(root.at("scenario")));
   try {
     campaign.architecture = parse_architecture(root.get<std::string>("architecture", "direct"));
   } catch (const base::ConfigError& error) {
     root.at("architecture").fail(error.what());
   }
-  campaign.phases = parse_phases(root.at("phases"));
+  campaign.settings = parse_settings(root);
+  const Scenario scenario = scenario_of(root, campaign);
+  if (scenario.flies_several()) {
+    root.at("scenario").fail("flies several vehicles; that of a campaign flies one");
+  }
+  const auto vehicle = base::Vehicle::load(scenario.vehicles.front().vehicle);
+  campaign.phases = parse_phases(root.at("phases"), scenario);
   campaign.seeds =
       root.has("seeds") ? parse_seed_list(root.at("seeds")) : std::vector{std::uint64_t{1}};
   campaign.deadline_s = root.get_in("deadline_s", campaign.deadline_s, 1, 1e6);
-  campaign.settings = parse_settings(root);
   std::set<std::string> names;
   for (const base::ConfigNode& node : root.at("failures").items()) {
     campaign.failures.push_back(parse_failure(node, campaign.phases));
@@ -177,10 +221,10 @@ Campaign Campaign::load(const std::filesystem::path& file) {
       node.fail("two failures are called '" + campaign.failures.back().name +
                 "'; give one another 'name'");
     }
+    check_failure(node, campaign, scenario, vehicle);
   }
   root.reject_unused();
   if (cells_of(campaign).empty()) root.at("failures").fail("has nothing that can be flown");
-  check_cells(campaign);
   return campaign;
 }
 
@@ -197,25 +241,27 @@ std::vector<CampaignCell> cells_of(const Campaign& campaign) {
 }
 
 std::string study_of(const Campaign& campaign) {
-  std::string text = fmt::format(
-      "# Made by hils campaign: a row's faults are one failure in one phase.\n"
-      "schema: 1\nname: {}\ndescription: {}\nscenario: {}\narchitecture: {}\ndeadline_s: {:g}\n",
-      quoted(campaign.name), quoted(campaign.description), quoted(campaign.scenario.string()),
-      to_string(campaign.architecture), campaign.deadline_s);
-  text += "seeds: [";
-  for (std::size_t i = 0; i < campaign.seeds.size(); ++i) {
-    text += fmt::format("{}{}", i == 0 ? "" : ", ", campaign.seeds[i]);
+  YAML::Node study(YAML::NodeType::Map);
+  study["schema"] = 1;
+  study["name"] = campaign.name;
+  study["description"] = campaign.description;
+  study["scenario"] = campaign.scenario.string();
+  study["architecture"] = std::string(to_string(campaign.architecture));
+  study["deadline_s"] = fmt::format("{}", campaign.deadline_s);
+  study["seeds"] = campaign.seeds;
+  for (const auto& [key, value] : campaign.settings) study["set"][key] = YAML::Load(value);
+  YAML::Node cell(YAML::NodeType::Map);
+  cell["name"] = "cell";
+  cell["key"] = "faults";
+  for (const CampaignCell& each : cells_of(campaign)) {
+    cell["values"].push_back(faults_of_cell(campaign, each));
   }
-  text += "]\n";
-  if (!campaign.settings.empty()) text += "set:\n";
-  for (const auto& [key, value] : campaign.settings) {
-    text += fmt::format("  {}:{}", quoted(key), block(value));
-  }
-  text += "vary:\n  - name: cell\n    key: faults\n    values:\n";
-  for (const CampaignCell& cell : cells_of(campaign)) {
-    text += "      - " + quoted(faults_of_cell(campaign, cell)) + "\n";
-  }
-  return text;
+  cell["values"].push_back("null");
+  study["vary"].push_back(cell);
+  YAML::Emitter text;
+  text << study;
+  return fmt::format("# Made by hils campaign: a row's faults are one failure in one phase.\n{}\n",
+                     text.c_str());
 }
 
 }  // namespace cas::hils

@@ -34,6 +34,7 @@ struct Campaign {
   std::string name;
   std::string description;
   std::filesystem::path scenario;
+  std::filesystem::path folder{};  ///< of its file: values of `set` may name files in it
   Architecture architecture = Architecture::kDirect;
   std::vector<CampaignPhase> phases{};
   std::vector<std::uint64_t> seeds{};
@@ -50,7 +51,8 @@ struct CampaignCell {
   std::size_t failure = 0;  ///< index in Campaign::failures
   std::size_t phase = 0;    ///< index in Campaign::phases
 };
-/// Those that are flown, failure by failure. The study's point i is cell i - 1.
+/// Those that are flown, failure by failure. The study's point i is cell i - 1; after the last cell
+/// comes a point without a failure.
 std::vector<CampaignCell> cells_of(const Campaign& campaign);
 
 /// The campaign as a study of `hils sweep`: one parameter, the scenario's `faults`.

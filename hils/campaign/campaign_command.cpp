@@ -35,7 +35,7 @@ struct CampaignCommand::Flags {
   bool list = false;
   bool markdown = false;
   bool plan = false;
-  bool no_replays = false;
+  std::size_t replays = 200;
   bool retry = false;
 };
 
@@ -53,14 +53,17 @@ SweepFolder plan_of(const Campaign& campaign, const fs::path& out) {
   }
   fs::create_directories(study.parent_path());
   base::write_file(study, text);
-  return SweepFolder::plan(study, out);
+  return SweepFolder::plan(study, out, campaign.folder);
 }
 
-/// Rows of the flights that the cells lead to.
-std::vector<std::size_t> shown_rows(const CampaignMatrix& matrix) {
+/// Rows of the flights that the cells lead to, those of cells that are not as expected first.
+std::vector<std::size_t> shown_rows(const CampaignMatrix& matrix, std::size_t most) {
   std::vector<std::size_t> rows;
-  for (const CellResult& cell : matrix.cells) {
-    if (cell.shown().response) rows.push_back(cell.shown().row);
+  for (const bool good : {false, true}) {
+    for (const CellResult& cell : matrix.cells) {
+      if ((cell.state() == CellState::kAsExpected) != good || !cell.shown().response) continue;
+      if (rows.size() < most) rows.push_back(cell.shown().row);
+    }
   }
   return rows;
 }
@@ -86,8 +89,11 @@ CampaignCommand::CampaignCommand(CLI::App& app) : flags_(std::make_unique<Flags>
       ->check(CLI::Range(1, 4096));
   flags.campaign->add_flag("--plan", flags.plan,
                            "Write the table of flights and fly nothing: 'hils sweep run' flies it");
-  flags.campaign->add_flag("--no-replays", flags.no_replays,
-                           "Leave out the report and the replay of each cell");
+  flags.campaign
+      ->add_option("--replays", flags.replays,
+                   "Most cells that get a report and a replay of one flight; those that are not as "
+                   "expected come first (200)")
+      ->check(base::cli::whole_number);
   flags.campaign->add_flag("--retry", flags.retry, "Fly what died or hung once more");
   flags.campaign->add_flag("--list", flags.list, "Print the catalogue of failures, and end");
   flags.campaign->add_flag("--markdown", flags.markdown, "With --list: as a table in Markdown");
@@ -113,10 +119,13 @@ int CampaignCommand::run() const {
              sweep.table.rows.size(), (sweep.path / "table.csv").string());
   if (flags.plan) return kExitPassed;
   run_sweep(sweep, {.jobs = flags.jobs, .retry = flags.retry});
-  const CampaignMatrix matrix =
-      CampaignMatrix::of(campaign, sweep.results(1, sweep.table.rows.size() + 1));
-  if (!flags.no_replays) fly_again(sweep, shown_rows(matrix), flags.jobs);
+  const std::vector<RowResult> results = sweep.results(1, sweep.table.rows.size() + 1);
+  CampaignMatrix matrix = CampaignMatrix::of(campaign, results);
   write_results(matrix, sweep);
+  for (const std::size_t row : fly_again(sweep, shown_rows(matrix, flags.replays), flags.jobs)) {
+    if (flew_otherwise(sweep, results[row - 1])) matrix.flown_otherwise.insert(row);
+  }
+  write_results(matrix, sweep);  // with links to the replays
   fmt::print("{}\nResults: {}\n", campaign_text(matrix), flags.out);
   return matrix.exit_code();
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -56,6 +57,17 @@ std::string seconds(const std::optional<double>& time_s) {
   return time_s ? fixed(*time_s, 2) + " s" : std::string("-");
 }
 
+std::ptrdiff_t missed_flights(const CellResult& cell) {
+  return std::ranges::count_if(cell.flights,
+                               [](const CampaignFlight& flight) { return !flight.misses.empty(); });
+}
+
+/// Whether a flight of a cell has figures.
+bool has_figures(const CellResult& cell) {
+  return std::ranges::any_of(
+      cell.flights, [](const CampaignFlight& flight) { return flight.response.has_value(); });
+}
+
 /// "ok  0.31 s", "MISSED 2/5  -": with the time to detect.
 std::string cell_word(const CellResult& cell) {
   const std::size_t seeds = cell.flights.size();
@@ -66,7 +78,7 @@ std::string cell_word(const CellResult& cell) {
       break;
     case CellState::kMissed:
       word = "MISSED";
-      if (seeds > 1) word += fmt::format(" {}/{}", seeds - cell.as_expected(), seeds);
+      if (seeds > 1) word += fmt::format(" {}/{}", missed_flights(cell), seeds);
       break;
     case CellState::kNoVerdict:
       return "no verdict";
@@ -85,15 +97,6 @@ std::string cell_cause(const CellResult& cell) {
   return cause;
 }
 
-std::string headline(const CampaignMatrix& matrix) {
-  std::size_t flights = 0;
-  for (const CellResult& cell : matrix.cells) flights += cell.flights.size();
-  return fmt::format("{} of {} cells as expected, {} missed, {} without a verdict; {} flights",
-                     matrix.count(CellState::kAsExpected), matrix.cells.size(),
-                     matrix.count(CellState::kMissed), matrix.count(CellState::kNoVerdict),
-                     flights);
-}
-
 /// Failures that were not flown at all.
 std::vector<std::string> not_flown(const CampaignMatrix& matrix) {
   std::vector<std::string> names;
@@ -103,14 +106,43 @@ std::vector<std::string> not_flown(const CampaignMatrix& matrix) {
   return names;
 }
 
+/// What is to be said beside the matrix.
+std::vector<std::string> remarks(const CampaignMatrix& matrix) {
+  std::vector<std::string> sentences;
+  for (const std::string& name : not_flown(matrix)) {
+    sentences.push_back(name + ": not flown; it " + kNeedsPrograms);
+  }
+  std::ranges::copy(matrix.without_failure, std::back_inserter(sentences));
+  for (const std::size_t row : matrix.flown_otherwise) {
+    sentences.push_back(fmt::format(
+        "row {}: another flight when it was flown again; its replay does not show what was judged",
+        row));
+  }
+  return sentences;
+}
+
+std::string headline(const CampaignMatrix& matrix) {
+  std::size_t flights = 0;
+  for (const CellResult& cell : matrix.cells) flights += cell.flights.size();
+  std::string text =
+      fmt::format("{} of {} cells as expected, {} missed, {} without a verdict; {} flights",
+                  matrix.count(CellState::kAsExpected), matrix.cells.size(),
+                  matrix.count(CellState::kMissed), matrix.count(CellState::kNoVerdict), flights);
+  const std::size_t left_out = not_flown(matrix).size();
+  if (left_out > 0) text += fmt::format("; not flown: {}", left_out);
+  return text;
+}
+
 HtmlPage::Cell html_cell(const CellResult& cell, const fs::path& again) {
   const CampaignFlight& shown = cell.shown();
   HtmlPage::Cell html{.text = cell_word(cell)};
   html.mood = cell.state() == CellState::kAsExpected ? HtmlPage::Mood::kGood
               : cell.state() == CellState::kMissed   ? HtmlPage::Mood::kBad
                                                      : HtmlPage::Mood::kNeutral;
-  html.detail = fmt::format("react {}, {:.1f} m off, {:.0f} deg", seconds(cell.reacted_s()),
-                            cell.farthest_m(), cell.peak_tilt_deg());
+  html.detail = has_figures(cell)
+                    ? fmt::format("react {}, {:.1f} m off, {:.0f} deg", seconds(cell.reacted_s()),
+                                  cell.farthest_m(), cell.peak_tilt_deg())
+                    : std::string("-");
   if (shown.response && !shown.response->detected_by.empty()) {
     html.detail += "; " + shown.response->detected_by;
   }
@@ -196,6 +228,11 @@ Json optional_json(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
 }
 
+/// A figure of a cell; null where no flight has it.
+Json cell_json(const CellResult& cell, double value) {
+  return has_figures(cell) ? optional_json(value) : Json(nullptr);
+}
+
 Json flight_json(const CampaignFlight& flight) {
   Json json{{"row", flight.row},
             {"seed", flight.seed},
@@ -243,26 +280,20 @@ std::string campaign_text(const CampaignMatrix& matrix) {
     text += fmt::format("{} in {}: {}; {}\n", failure_of(matrix, cell).name,
                         phase_name(matrix, cell), word_of(cell.state()), cell_cause(cell));
   }
-  for (const std::string& name : not_flown(matrix)) {
-    text += fmt::format("{}: not flown; it {}\n", name, kNeedsPrograms);
-  }
+  for (const std::string& sentence : remarks(matrix)) text += sentence + "\n";
   return text;
 }
 
 std::string campaign_html(const CampaignMatrix& matrix, const fs::path& again) {
   HtmlPage html("Campaign: " + matrix.campaign.name);
   const int code = matrix.exit_code();
-  std::vector<std::string> sentences;
-  for (const std::string& name : not_flown(matrix)) {
-    sentences.push_back(name + " was not flown: it " + kNeedsPrograms);
-  }
   html.verdict(code == 0   ? HtmlPage::Mood::kGood
                : code == 1 ? HtmlPage::Mood::kBad
                            : HtmlPage::Mood::kNeutral,
                code == 0   ? "As expected"
                : code == 1 ? "Not as expected"
                            : "No verdict",
-               headline(matrix), sentences);
+               headline(matrix), remarks(matrix));
   if (!matrix.campaign.description.empty()) html.paragraph(matrix.campaign.description);
   add_matrix(matrix, again, html);
   add_missed(matrix, html);
@@ -285,11 +316,18 @@ std::string campaign_junit(const CampaignMatrix& matrix) {
     const char* tag = state == CellState::kMissed ? "failure" : "error";
     cases += fmt::format("><{} message=\"{}\"/></testcase>\n", tag, escape_xml(cell_cause(cell)));
   }
+  const std::vector<std::string> left_out = not_flown(matrix);
+  for (const std::string& name : left_out) {
+    cases += fmt::format(
+        "  <testcase classname=\"{}.{}\" name=\"all phases\" time=\"0\"><skipped message=\"it "
+        "{}\"/></testcase>\n",
+        suite, escape_xml(name), kNeedsPrograms);
+  }
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
-      "failures=\"{}\" errors=\"{}\">\n{}</testsuite>\n",
-      suite, matrix.cells.size(), matrix.count(CellState::kMissed),
-      matrix.count(CellState::kNoVerdict), cases);
+      "failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n{}</testsuite>\n",
+      suite, matrix.cells.size() + left_out.size(), matrix.count(CellState::kMissed),
+      matrix.count(CellState::kNoVerdict), left_out.size(), cases);
 }
 
 std::string campaign_json(const CampaignMatrix& matrix) {
@@ -299,6 +337,8 @@ std::string campaign_json(const CampaignMatrix& matrix) {
             {"cells_missed", matrix.count(CellState::kMissed)},
             {"cells_without_verdict", matrix.count(CellState::kNoVerdict)},
             {"not_flown", not_flown(matrix)},
+            {"without_failure", matrix.without_failure},
+            {"flown_otherwise", matrix.flown_otherwise},
             {"cells", Json::array()}};
   for (const CellResult& cell : matrix.cells) {
     Json own{{"failure", failure_of(matrix, cell).name},
@@ -308,8 +348,8 @@ std::string campaign_json(const CampaignMatrix& matrix) {
              {"expected", expected_words(matrix, cell)},
              {"detected_s", optional_json(cell.detected_s())},
              {"reacted_s", optional_json(cell.reacted_s())},
-             {"farthest_m", cell.farthest_m()},
-             {"peak_tilt_deg", cell.peak_tilt_deg()},
+             {"farthest_m", cell_json(cell, cell.farthest_m())},
+             {"peak_tilt_deg", cell_json(cell, cell.peak_tilt_deg())},
              {"shown", fmt::format("again/row_{}", cell.shown().row)},
              {"flights", Json::array()}};
     for (const CampaignFlight& flight : cell.flights) own["flights"].push_back(flight_json(flight));
@@ -333,8 +373,13 @@ std::string campaign_csv(const CampaignMatrix& matrix) {
                           good              ? "as expected"
                           : flight.response ? "missed"
                                             : "no verdict");
-      const StrikeResponse got = flight.response.value_or(StrikeResponse{});
-      std::string missed = flight.no_verdict;
+      if (!flight.response) {
+        constexpr int kFigures = 12;  // columns between verdict and missed
+        text += std::string(kFigures + 1, ',') + csv_field(flight.no_verdict) + "\n";
+        continue;
+      }
+      const StrikeResponse& got = *flight.response;
+      std::string missed;
       for (const std::string& each : flight.misses) missed += (missed.empty() ? "" : "; ") + each;
       text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number(got.strike_s),
                           number(got.detected_s), csv_field(got.detected_by), number(got.reacted_s),

@@ -2,6 +2,7 @@
 #include "hils/campaign/catalogue.hpp"
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 
@@ -164,15 +165,15 @@ std::vector<Failure> compass_failures() {
            .part = "compass",
            .meaning = "Currents of the motors make a field of their own",
            .physics =
-               "a field along the right wing that goes with the power of the rotors; the figure is "
-               "that of a hover",
+               "a field to the right that goes with the power of the rotors; the figure is that of "
+               "a hover",
            .source = "ArduPilot: COMPASS_MOTCT",
            .parameters = {{"gauss", 0.15, -5, 5}},
            .effects = {"current: {sensor: magnetometer, field_gauss: [0, $gauss, 0]}"}},
           {.name = "compass_hard_iron",
            .part = "compass",
            .meaning = "A magnet is near: a screw, a payload",
-           .physics = "a constant on the field along the right wing, fixed to the vehicle",
+           .physics = "a constant on the field to the right, fixed to the vehicle",
            .source = "PX4, ArduPilot: compass calibration, offsets",
            .parameters = {{"gauss", 0.3, -5, 5}},
            .effects = {"bias: {sensor: magnetometer, field_gauss: [0, $gauss, 0]}"}}};
@@ -365,7 +366,8 @@ std::vector<Failure> bench_failures() {
        .source = kInject,
        .parameters = {},
        .effects = {"silence: ground"},
-       .of_bench = true},
+       .of_bench = true,
+       .unrecorded = true},
       {.name = "casd_killed",
        .part = "casd",
        .meaning = "casd dies, and is started again",
@@ -409,7 +411,7 @@ std::string filled(std::string_view effect, const Failure& failure,
   for (const FailureParameter& parameter : parameters) {
     const std::string mark = "$" + std::string(parameter.name);
     for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark)) {
-      text.replace(at, mark.size(), fmt::format("{:g}", value_of(parameter, values)));
+      text.replace(at, mark.size(), fmt::format("{}", value_of(parameter, values)));
     }
   }
   return text;
@@ -447,18 +449,24 @@ const Failure* find_failure(std::string_view name) {
 std::string faults_of(const Failure& failure, const std::string& title, const std::string& when,
                       const std::map<std::string, double, std::less<>>& values) {
   const auto given = values.find(kDuration);
-  std::string head = fmt::format("name: {}, when: {}", title, when);
-  if (failure.of_bench) head += ", of: truth";
-  if (given != values.end() || failure.of_bench) {
-    const double lasts_s = given != values.end() ? given->second : kBenchLasts_s;
-    head += fmt::format(", {}: {:g}", kDuration, lasts_s);
-  }
-  std::string text;
+  YAML::Node list(YAML::NodeType::Sequence);
   for (const std::string_view effect : failure.effects) {
-    text += fmt::format("{}{{{}, {}}}", text.empty() ? "" : ", ", head,
-                        filled(effect, failure, values));
+    YAML::Node fault(YAML::NodeType::Map);
+    fault["name"] = title;
+    fault["when"] = when;
+    if (failure.of_bench) fault["of"] = "truth";
+    if (given != values.end() || failure.of_bench) {
+      const double lasts_s = given != values.end() ? given->second : kBenchLasts_s;
+      fault[std::string(kDuration)] = fmt::format("{}", lasts_s);
+    }
+    for (const auto& entry : YAML::Load(filled(effect, failure, values))) {
+      fault[entry.first.as<std::string>()] = entry.second;
+    }
+    list.push_back(fault);
   }
-  return "[" + text + "]";
+  YAML::Emitter text;
+  text << YAML::Flow << list;
+  return text.c_str();
 }
 
 std::string catalogue_text() {

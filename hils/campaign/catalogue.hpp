@@ -34,6 +34,7 @@ struct Failure {
   std::vector<std::string_view> effects;
   bool of_bench = false;  ///< its conditions ask the truth by name, and it always has an end
   FailureNeeds needs = FailureNeeds::kNothing;
+  bool unrecorded = false;  ///< it may act, and the record of the flight is the same
 };
 
 /// How long a failure lasts that a campaign gives no `for_s`: to the end of the run.

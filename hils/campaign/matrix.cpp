@@ -12,8 +12,9 @@ namespace cas::hils {
 
 namespace {
 
+/// @param reference  the same flight without a failure; row 0: nothing to compare with
 CampaignFlight judge_flight(const std::vector<Expectation>& expected, const RowResult& result,
-                            std::size_t row, std::uint64_t seed) {
+                            const RowResult& reference, std::size_t row, std::uint64_t seed) {
   CampaignFlight flight{.row = row, .seed = seed, .response = result.strike};
   if (result.row == 0) {
     flight.no_verdict = "it has not been flown";
@@ -21,9 +22,16 @@ CampaignFlight judge_flight(const std::vector<Expectation>& expected, const RowR
     const bool flown = result.cause.empty() || result.outcome == RowOutcome::kPassed ||
                        result.outcome == RowOutcome::kFailed;
     flight.no_verdict =
-        flown ? "the failure never struck: " +
+        flown ? "never acted: " +
                     (result.cause.empty() ? "its condition never came true" : result.cause)
               : fmt::format("{}: {}", to_string(result.outcome), result.cause);
+  } else if (!result.strike->no_verdict.empty()) {
+    flight.no_verdict = result.strike->no_verdict;
+    flight.response.reset();
+  } else if (reference.row != 0 && !result.run_sha256.empty() &&
+             result.run_sha256 == reference.run_sha256) {
+    flight.no_verdict = "never acted: to the byte, the flight is the one without a failure";
+    flight.response.reset();
   } else {
     for (const Expectation& each : expected) {
       if (auto miss = miss_of(each, *result.strike)) flight.misses.push_back(std::move(*miss));
@@ -100,15 +108,28 @@ double CellResult::peak_tilt_deg() const {
 
 CampaignMatrix CampaignMatrix::of(Campaign campaign, const std::vector<RowResult>& results) {
   CampaignMatrix matrix{.campaign = std::move(campaign), .cells = {}};
+  const std::vector<CampaignCell> cells = cells_of(matrix.campaign);
+  const std::vector<std::uint64_t>& seeds = matrix.campaign.seeds;
+  const auto result_of = [&results](std::size_t row) {
+    return row <= results.size() ? results[row - 1] : RowResult{};
+  };
+  std::vector<RowResult> references;
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    const RowResult& own = references.emplace_back(result_of(cells.size() * seeds.size() + i + 1));
+    if (own.row == 0 || own.outcome == RowOutcome::kPassed) continue;
+    matrix.without_failure.push_back(fmt::format("without a failure, seed {}: {}: {}", seeds[i],
+                                                 to_string(own.outcome), own.cause));
+  }
   std::size_t row = 0;
-  for (const CampaignCell& cell : cells_of(matrix.campaign)) {
+  for (const CampaignCell& cell : cells) {
     CellResult& result = matrix.cells.emplace_back(CellResult{.cell = cell});
     const std::string& phase = matrix.campaign.phases[cell.phase].name;
-    const std::vector<Expectation>& expected =
-        matrix.campaign.failures[cell.failure].expected.at(phase);
-    for (const std::uint64_t seed : matrix.campaign.seeds) {
-      const RowResult flown = row < results.size() ? results[row] : RowResult{};
-      result.flights.push_back(judge_flight(expected, flown, ++row, seed));
+    const CampaignFailure& failure = matrix.campaign.failures[cell.failure];
+    const std::vector<Expectation>& expected = failure.expected.at(phase);
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      const RowResult& reference = failure.failure->unrecorded ? RowResult{} : references[i];
+      ++row;
+      result.flights.push_back(judge_flight(expected, result_of(row), reference, row, seeds[i]));
     }
   }
   return matrix;
@@ -127,7 +148,8 @@ std::size_t CampaignMatrix::count(CellState state) const {
 
 int CampaignMatrix::exit_code() const {
   if (count(CellState::kMissed) > 0) return kExitLimitsMissed;
-  return count(CellState::kNoVerdict) > 0 ? kExitInvalid : kExitPassed;
+  const bool is_clear = count(CellState::kNoVerdict) == 0 && flown_otherwise.empty();
+  return is_clear ? kExitPassed : kExitInvalid;
 }
 
 }  // namespace cas::hils

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -373,7 +374,9 @@ std::string escape_xml(const std::string& text) {
   for (const char c : text) {
     const auto escape = kEscapes.find(c);
     if (escape == kEscapes.end()) {
-      result += c;
+      const bool is_space = c == '\n' || c == '\t';
+      const bool is_control = std::iscntrl(static_cast<unsigned char>(c)) != 0;
+      result += is_control && !is_space ? '?' : c;  // XML has no place for it
     } else {
       result += escape->second;
     }

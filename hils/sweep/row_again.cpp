@@ -10,6 +10,7 @@
 
 #include "base/time/clock.hpp"
 #include "hils/programs/child_process.hpp"
+#include "hils/sweep/flight_digest.hpp"
 
 namespace cas::hils {
 
@@ -68,6 +69,11 @@ std::vector<std::size_t> fly_again(const SweepFolder& sweep, const std::vector<s
     if (fs::exists(report_of(sweep, row))) flown.push_back(row);
   }
   return flown;
+}
+
+bool flew_otherwise(const SweepFolder& sweep, const RowResult& result) {
+  const fs::path truth = sweep.again(result.row) / "truth.csv";
+  return fs::exists(truth) && sha256_of_files({truth}) != result.truth_sha256;
 }
 
 }  // namespace cas::hils

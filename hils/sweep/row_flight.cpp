@@ -3,13 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string_view>
 
 #include "base/error.hpp"
@@ -17,8 +15,8 @@
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/sweep/flight_digest.hpp"
 #include "hils/virtual/virtual_run.hpp"
-#include "mavlink_gen/runtime/sha256.hpp"
 
 namespace cas::hils {
 
@@ -26,22 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-std::string truth_sha256(const RunResult& run) {
-  mav::Sha256 hash;
-  std::array<char, 1U << 16U> buffer{};
-  for (const VehicleResult& vehicle : run.vehicles) {
-    std::ifstream stream(vehicle.record.truth_csv, std::ios::binary);
-    while (stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size())),
-           stream.gcount() > 0) {
-      const auto size = static_cast<std::size_t>(stream.gcount());
-      hash.update({reinterpret_cast<const std::uint8_t*>(buffer.data()), size});
-    }
-  }
-  std::string text;
-  for (const std::uint8_t byte : hash.finish()) text += fmt::format("{:02x}", byte);
-  return text;
-}
 
 RowResult flown(const RowTask& task, const fs::path& folder) {
   write_scenario(task.scenario, task.values, task.study_folder, folder);
@@ -59,6 +41,9 @@ RowResult flown(const RowTask& task, const fs::path& folder) {
   const RunResult run = evaluate(request, run_on_virtual_clock(request));
   RowResult result = row_of(request.scenario, run);
   result.truth_sha256 = truth_sha256(run);
+  const bool varies_faults = std::ranges::any_of(
+      task.values, [](const KeyValue& value) { return value.first == "faults"; });
+  if (varies_faults) result.run_sha256 = run_sha256(run);
   return result;
 }
 

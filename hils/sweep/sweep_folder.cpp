@@ -129,12 +129,14 @@ Chunk Chunk::parse(const std::string& text) {
 
 std::string Chunk::name() const { return fmt::format("chunk_{}_of_{}", k, n); }
 
-SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder) {
+SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder,
+                              const fs::path& files_from) {
   SweepFolder sweep{.path = fs::absolute(folder),
                     .study = Study::load(study_file),
                     .table = {},
                     .figures = {},
-                    .study_folder = fs::absolute(study_file).parent_path()};
+                    .study_folder = files_from.empty() ? fs::absolute(study_file).parent_path()
+                                                       : fs::absolute(files_from)};
   const std::string text = text_of_file(study_file);
   if (fs::exists(sweep.path / "plan.json")) {
     if (text_of_file(sweep.path / "study.yaml") != text) {

@@ -36,12 +36,15 @@ struct SweepFolder {
   Study study;
   RunTable table;
   std::vector<std::string> figures;    ///< figure_names() of the scenario
-  std::filesystem::path study_folder;  ///< of the study's own file: values may name files in it
+  std::filesystem::path study_folder;  ///< values may name files in it
 
   /// Writes the table and all that a run needs; where the folder holds the same plan already,
-  /// nothing is changed. @throws base::ConfigError where it holds another one
+  /// nothing is changed.
+  /// @param files_from  values may name files in it; empty: in the folder of the study's file
+  /// @throws base::ConfigError where it holds another one
   static SweepFolder plan(const std::filesystem::path& study_file,
-                          const std::filesystem::path& folder);
+                          const std::filesystem::path& folder,
+                          const std::filesystem::path& files_from = {});
   /// Opens a planned folder. @throws base::ConfigError
   static SweepFolder open(const std::filesystem::path& folder);
 

@@ -172,6 +172,14 @@ class ExpressionParser {
 
 Expression Expression::parse(std::string_view text) { return ExpressionParser(text).parse(); }
 
+std::vector<std::string> Expression::phases() const {
+  std::vector<std::string> words;
+  for (const Node& node : nodes_) {
+    if (node.operation == Operation::kPhaseIs) words.push_back(node.word);
+  }
+  return words;
+}
+
 bool Expression::evaluate(const Facts& facts, std::size_t index) const {
   const Node& node = nodes_[index];
   switch (node.operation) {

@@ -42,6 +42,8 @@ class Expression {
   /// @throws std::invalid_argument with a sentence that names the place
   static Expression parse(std::string_view text);
   bool evaluate(const Facts& facts) const { return evaluate(facts, root_); }
+  /// The words that `phase` is compared with.
+  std::vector<std::string> phases() const;
 
  private:
   friend class ExpressionParser;

@@ -103,14 +103,40 @@ TEST_F(CampaignProgram, FliesJudgesAndReportsEachCell) {
   // What is expected may change without a flight: nothing is flown again.
   folder_.write("hops.yaml", std::string(kCampaign).replace(
                                  std::string(kCampaign).rfind("[stays_up]"), 10, "[crashes]"));
-  const std::string again = hils({file_.string(), "--out", out.string(), "--no-replays"}, 0);
+  const std::string again = hils({file_.string(), "--out", out.string(), "--replays", "0"}, 0);
   EXPECT_NE(again.find("6 of 6 cells as expected"), std::string::npos) << again;
+
+  // A replay of another flight than the one that was judged is no proof.
+  folder_.write("out/again/row_6/truth.csv", "another one");
+  const std::string other = hils({file_.string(), "--out", out.string()}, 3);
+  EXPECT_NE(other.find("row 6: another flight when it was flown again"), std::string::npos)
+      << other;
 
   // Other failures are another campaign.
   folder_.write("hops.yaml",
                 std::string(kCampaign) + "  - {failure: gps_lost, expect: [stays_up]}\n");
   const std::string refused = hils({file_.string(), "--out", out.string()}, 2);
   EXPECT_NE(refused.find("holds another campaign"), std::string::npos) << refused;
+}
+
+TEST_F(CampaignProgram, WhatNeverActsIsNoPass) {
+  folder_.write(
+      "hops.yaml",
+      "schema: 1\nname: hops\nscenario: hop.yaml\n"
+      "phases: {hover: phase == hover, down: phase == done}\nfailures:\n"
+      "  - {failure: rotor_weak, with: {share: 1}, phases: [hover], expect: [stays_up]}\n"
+      "  - {failure: line_loss, with: {share: 0}, phases: [hover], expect: [stays_up]}\n"
+      "  - {failure: ground_lost, with: {for_s: 0.5}, phases: [hover], expect: [stays_up]}\n"
+      "  - {failure: gps_lost, phases: [down], expect: [stays_up]}\n");
+  const std::string said =
+      hils({file_.string(), "--out", (folder_ / "out").string(), "--replays", "0"}, 3);
+  for (const char* cell : {"rotor_weak in hover: no verdict; seed 1: never acted: to the byte",
+                           "line_loss in hover: no verdict; seed 1: never acted: to the byte",
+                           "gps_lost in down: no verdict; seed 1: never acted: it struck after"}) {
+    EXPECT_NE(said.find(cell), std::string::npos) << said;
+  }
+  EXPECT_NE(said.find("1 of 4 cells as expected, 0 missed, 3 without a verdict"), std::string::npos)
+      << said;
 }
 
 TEST_F(CampaignProgram, ListsTheCatalogueAndRefusesHalfACommand) {
@@ -121,7 +147,7 @@ TEST_F(CampaignProgram, ListsTheCatalogueAndRefusesHalfACommand) {
   EXPECT_NE(hils({file_.string()}, 2).find("--out DIR"), std::string::npos);
   const std::string planned =
       hils({file_.string(), "--out", (folder_ / "plan").string(), "--plan"}, 0);
-  EXPECT_NE(planned.find("3 failures, 6 flights"), std::string::npos) << planned;
+  EXPECT_NE(planned.find("3 failures, 7 flights"), std::string::npos) << planned;
   EXPECT_TRUE(fs::exists(folder_ / "plan/table.csv"));
 }
 

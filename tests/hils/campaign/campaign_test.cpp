@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "hils/sweep/run_table.hpp"
 #include "hils/sweep/study.hpp"
+#include "hils/sweep/sweep_folder.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -59,13 +60,57 @@ TEST_F(CampaignFile, IsAStudyOfTheScenariosFaults) {
   EXPECT_EQ(study.settings[0].second, "3");
   EXPECT_NE(study.settings[1].second.find("baud_460800"), std::string::npos);
   const RunTable table = RunTable::of(study, 1);
-  ASSERT_EQ(table.rows.size(), 6U) << "each cell with each seed";
+  ASSERT_EQ(table.rows.size(), 8U) << "each cell with each seed, and no failure with each";
   EXPECT_EQ(table.rows[0].seed, 3U);
   EXPECT_EQ(table.rows[1].seed, 4U);
   EXPECT_EQ(table.rows[0].values[0],
             "[{name: gps_lost in up, when: phase == takeoff and height > 1, for_s: 2, drop: gps}]");
   EXPECT_EQ(table.rows[5].values[0],
             "[{name: heavy in hover, when: phase == hold, mass_factor: 1.5}]");
+  EXPECT_EQ(table.rows[7].values[0], "null");
+}
+
+TEST_F(CampaignFile, NamesWithBracketsStayInTheirQuotes) {
+  const Campaign campaign =
+      load("  - {failure: gps_lost, name: '[a]', phases: [up], expect: [no_crash]}\n");
+  const Study study = Study::load(folder_.write("study.yaml", study_of(campaign)));
+  const auto faults = base::ConfigNode::parse("faults: " + study.parameters[0].values[0]);
+  EXPECT_EQ(faults.at("faults").items()[0].require<std::string>("name"), "[a] in up");
+}
+
+TEST_F(CampaignFile, FilesOfItsSettingsLieBesideIt) {
+  const std::string shipped = test::source_dir() + "/config/vehicles/iris_paper";
+  folder_.write("vehicles/own.yaml", test::TemporaryFolder::read(shipped + ".yaml"));
+  folder_.write("vehicles/iris_paper.urdf", test::TemporaryFolder::read(shipped + ".urdf"));
+  std::string text = campaign_text("  - {failure: gps_lost, expect: [no_crash]}\n");
+  text.replace(text.find("set:\n"), 5, "set:\n  vehicle: vehicles/own.yaml\n");
+  const Campaign campaign = Campaign::load(folder_.write("two.yaml", text));
+  const SweepFolder sweep = SweepFolder::plan(
+      folder_.write("elsewhere/study.yaml", study_of(campaign)), folder_ / "out", campaign.folder);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/vehicle_own.yaml"));
+}
+
+TEST_F(CampaignFile, IsRefusedWhereItsScenarioCannotBeFlown) {
+  const std::string text = campaign_text("  - {failure: gps_lost, expect: [no_crash]}\n");
+  const auto error_with = [&](const std::string& old, const std::string& other) {
+    const auto file =
+        folder_.write("two.yaml", std::string(text).replace(text.find(old), old.size(), other));
+    try {
+      Campaign::load(file);
+    } catch (const base::ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_NE(error_with("hover.yaml", "two_vehicles.yaml")
+                .find("two.yaml:3: scenario: flies several vehicles"),
+            std::string::npos);
+  EXPECT_NE(error_with("phase == hold", "phase == holt")
+                .find("two.yaml:4: phases.hover: the scenario has no step 'holt'; did you mean"),
+            std::string::npos);
+  EXPECT_NE(error_with("name: two", "name: \"a\\eb\"").find("control character"),
+            std::string::npos);
+  EXPECT_NE(error_with("steps[takeoff]", "steps[jump]").find("two.yaml:6: set"), std::string::npos);
 }
 
 TEST_F(CampaignFile, ExpectsByPhase) {
@@ -108,6 +153,12 @@ INSTANTIATE_TEST_SUITE_P(
                     "m_s"},
         BadCampaign{"BeyondItsRange",
                     "  - {failure: rotor_weak, with: {share: 2}, expect: [lands]}\n", "share"},
+        BadCampaign{"NoSuchRotor",
+                    "  - {failure: rotor_stopped, with: {number: 5}, expect: [lands]}\n",
+                    ":10: failures[0].with: there is no rotor 5; vehicle 'iris_paper' has 4"},
+        BadCampaign{"NoRotorToSwapWith",
+                    "  - {failure: rotors_swapped, with: {second: 7}, expect: [lands]}\n",
+                    "there is no rotor 7"},
         BadCampaign{"Twice",
                     "  - {failure: gps_lost, expect: [lands]}\n"
                     "  - {failure: gps_lost, expect: [lands]}\n",

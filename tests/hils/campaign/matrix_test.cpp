@@ -79,7 +79,8 @@ TEST(CampaignMatrix, OneFlightOfManyTurnsItsCellAndTheExitCodeRed) {
             std::string::npos)
       << text;
   const std::string junit = campaign_junit(matrix);
-  EXPECT_NE(junit.find("tests=\"4\" failures=\"1\" errors=\"0\""), std::string::npos) << junit;
+  EXPECT_NE(junit.find("tests=\"5\" failures=\"1\" errors=\"0\" skipped=\"1\""), std::string::npos)
+      << junit;
   EXPECT_NE(junit.find("hils.campaign.c&amp;d.gps_lost\" name=\"cruise\""), std::string::npos);
 }
 
@@ -93,11 +94,52 @@ TEST(CampaignMatrix, WithoutAVerdictItEndsWithThreeUnlessACellMissed) {
   EXPECT_EQ(matrix.exit_code(), 3);
   EXPECT_EQ(matrix.count(CellState::kNoVerdict), 3U);
   EXPECT_NE(matrix.find(0, 0)->shown().no_verdict.find("no result after 9 s"), std::string::npos);
-  EXPECT_NE(matrix.find(1, 0)->shown().no_verdict.find("never struck"), std::string::npos);
+  EXPECT_NE(matrix.find(1, 0)->shown().no_verdict.find("never acted"), std::string::npos);
   EXPECT_NE(matrix.find(1, 1)->shown().no_verdict.find("not been flown"), std::string::npos);
   rows[2] = row(3, false);
   matrix = CampaignMatrix::of(campaign(), rows);
   EXPECT_EQ(matrix.exit_code(), 1);
+}
+
+TEST(CampaignMatrix, AStrikeAfterTheFlightHasNoVerdictAndNoFigures) {
+  std::vector<RowResult> rows = all_up();
+  rows[0].strike->no_verdict = rows[1].strike->no_verdict =
+      "never acted: it struck after the flight";
+  rows[2].strike->no_verdict = "never acted: it struck after the flight";
+  rows[3] = row(4, false);
+  const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  EXPECT_EQ(matrix.find(0, 0)->state(), CellState::kNoVerdict);
+  EXPECT_EQ(matrix.find(0, 0)->shown().no_verdict, "never acted: it struck after the flight");
+  const auto json = nlohmann::json::parse(campaign_json(matrix));
+  EXPECT_TRUE(json["cells"][0]["farthest_m"].is_null());
+  EXPECT_EQ(json["cells"][1]["farthest_m"], 4);
+  const std::string text = campaign_text(matrix);
+  EXPECT_NE(text.find("MISSED 1/2"), std::string::npos)
+      << "one missed, one has no verdict: " << text;
+  EXPECT_NE(text.find("; not flown: 1"), std::string::npos) << text;
+}
+
+TEST(CampaignMatrix, AFlightLikeThatWithoutAFailureHasNoVerdict) {
+  std::vector<RowResult> rows = all_up();
+  rows.push_back(row(9, true));
+  rows.push_back(row(10, false));
+  for (RowResult& each : rows) each.run_sha256 = "run " + std::to_string(each.row);
+  rows[0].run_sha256 = rows[8].run_sha256;  // gps_lost, hover, seed 1
+  rows[3].run_sha256 = rows[8].run_sha256;  // of another seed
+  const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  EXPECT_EQ(matrix.find(0, 0)->shown().no_verdict.find("never acted"), 0U);
+  EXPECT_EQ(matrix.count(CellState::kNoVerdict), 1U);
+  EXPECT_EQ(matrix.exit_code(), 3);
+  EXPECT_NE(campaign_text(matrix).find("without a failure, seed 2: failed"), std::string::npos);
+}
+
+TEST(CampaignMatrix, AnotherFlightWhenFlownAgainIsSaid) {
+  CampaignMatrix matrix = CampaignMatrix::of(campaign(), all_up());
+  EXPECT_EQ(matrix.exit_code(), 0);
+  matrix.flown_otherwise = {3};
+  EXPECT_EQ(matrix.exit_code(), 3);
+  EXPECT_NE(campaign_text(matrix).find("row 3: another flight when it was flown again"),
+            std::string::npos);
 }
 
 TEST(CampaignReport, LinksTheReplaysThatAreThereAndEscapesWhatVehiclesSay) {

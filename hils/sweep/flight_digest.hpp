@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hils/measure/run_result.hpp"
+
+namespace cas::hils {
+
+/// SHA-256 of files one after the other, as `cat FILES | sha256sum` prints it.
+std::string sha256_of_files(const std::vector<std::filesystem::path>& files);
+
+/// SHA-256 of the true motion of a run, vehicle by vehicle.
+std::string truth_sha256(const RunResult& run);
+
+/// SHA-256 of all that happened in a run on the virtual clock: true motion, what the vehicles told,
+/// and when which HIL packet was at its ends. Two runs that have the same are alike.
+std::string run_sha256(const RunResult& run);
+
+}  // namespace cas::hils
