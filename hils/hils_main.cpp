@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/cli/manual.hpp"
@@ -137,11 +139,14 @@ void leave_replay(const RunRequest& request, const RunResult& result, const std:
   }
 }
 
-/// Waits until the boards of a run have booted; what is wrong with one is the case of a junit.xml.
-/// @throws BoardError, RunStopped, base::ConfigError
-void prepare_boards(const FlightBoards& boards, const RunFlags& flags, RunRequest& request) {
+/// Takes the boards of a run and waits until they have booted; what is wrong with one is the case
+/// of a junit.xml. @throws BoardError, RunStopped, base::ConfigError
+void prepare_boards(const std::vector<FcuChoice>& fcus, const RunFlags& flags, RunRequest& request,
+                    std::optional<FlightBoards>& boards) {
   try {
-    request.fcu_devices = boards.prepare(request.out, request.scenario.names(), flags.fcu_baud);
+    boards.emplace(fcus, find_board_list(flags.boards), "hils run " + flags.scenario,
+                   parse_wait(flags.wait));
+    request.fcu_devices = boards->prepare(request.out, request.scenario.names(), flags.fcu_baud);
   } catch (const BoardError& error) {
     const Verdict verdict{.failures = {error.what()}};
     base::write_file(request.out / "junit.xml",
@@ -188,12 +193,11 @@ int run(const RunFlags& flags) {
   request.out = std::filesystem::absolute(flags.out);
   std::filesystem::create_directories(request.out);
   remove_verdict(request.out);
-  const FlightBoards boards(fcus, find_board_list(flags.boards), "hils run " + flags.scenario,
-                            parse_wait(flags.wait));
-  prepare_boards(boards, flags, request);
+  std::optional<FlightBoards> boards;
+  prepare_boards(fcus, flags, request, boards);
 
   RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
-  fail_absent(boards.absences(), result);
+  fail_absent(boards->absences(), result);
   if (live) live->tell(result);
   write_results(request, result);
   for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
@@ -351,8 +355,14 @@ int main(int argc, char** argv) {
   const ReplayCommand replay(app);
   const BoardCommand board(app);
   base::cli::add_manual(app, "hils", std::string(CAS_VERSION), board_words());
+  const std::vector<std::string_view> words(argv, argv + argc);
+  if (const std::string sentence = misread_wait(words); !sentence.empty()) {
+    fmt::print(stderr, "hils: {}\n", sentence);
+    return kExitUsage;
+  }
   if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;
   return guarded([&] {
+    ::signal(SIGCHLD, SIG_DFL);  // inherited as ignored, it would hide how children ended
     base::log::init("hils", base::log::parse_level(log_level));
     if (sweep.parsed()) return sweep.run();
     if (tune.parsed()) return tune.run();

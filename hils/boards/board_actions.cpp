@@ -11,7 +11,6 @@
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_hook.hpp"
-#include "hils/boards/board_session.hpp"
 
 namespace cas::hils {
 
@@ -29,6 +28,8 @@ constexpr base::Duration kHeartbeatPatience = seconds(4);
 constexpr double kTellingUptime_s = 2;
 /// From the acknowledged command to the restart, and to a SYSTEM_TIME that shows it.
 constexpr base::Duration kRestartPatience = seconds(15);
+/// From the end of a hook to what it has done to the board; longer than two silences.
+constexpr base::Duration kHookPatience = seconds(9);
 
 }  // namespace
 
@@ -70,7 +71,7 @@ BoardFacts BoardActions::reboot(bool hard) {
   refuse_armed(facts);
   const bool has_reset = board_.hooks.contains(HookKind::kReset);
   if (hard || (!facts.heard && has_reset)) {
-    hook(HookKind::kReset);
+    restart_by_hook();
   } else if (!facts.heard) {
     const BootVerdict verdict = judge_boot(facts, board_);
     throw BoardError(verdict.code, verdict.sentence);
@@ -85,8 +86,10 @@ BoardFacts BoardActions::power_on() {
   return boot(Absence::kWaits);
 }
 
-BoardFacts BoardActions::power_cycle() {
+BoardFacts BoardActions::power_cycle(bool force) {
+  if (!force) refuse_armed(first_look());
   power_off();
+  want_silence();
   supervisor_.wait(board_.off_time);
   return power_on();
 }
@@ -139,6 +142,7 @@ void BoardActions::restart_by_command() {
     before_s = session.uptime_s();
     supervisor_.wait(kLook);
   }
+  refuse_armed(session.look());
   session.reboot();
   begin = base::steady_now();
   while (base::steady_now() - begin < kRestartPatience) {
@@ -152,6 +156,57 @@ void BoardActions::restart_by_command() {
                    fmt::format("board '{}' acknowledged the restart and did not restart: its port "
                                "stayed, and its SYSTEM_TIME went on",
                                board_.name));
+}
+
+/// By the hook `reset`. Returns once the board has gone: its port is away, or its clock began after
+/// the hook did; where it has no clock to tell, its HEARTBEATs stopped.
+void BoardActions::restart_by_hook() {
+  const base::RunTime begin = base::steady_now();
+  hook(HookKind::kReset);
+  bool comes = false;
+  const bool gone = goes([&](BoardSession& session, const BoardFacts& facts) {
+    const std::optional<double> uptime_s = session.uptime_s();
+    if (uptime_s && *uptime_s < base::to_seconds(base::steady_now() - begin)) return true;
+    const bool stopped = comes && !facts.heard;
+    comes = facts.heard;
+    return stopped;
+  });
+  // One that is silent boots slowly or not at all: the wait for its boot tells.
+  if (gone || !comes) return;
+  throw BoardError(kExitNoBoot,
+                   fmt::format("board '{}' did not restart: hook reset was done, and its port "
+                               "stayed and its SYSTEM_TIME shows no restart",
+                               board_.name));
+}
+
+/// Without power a board has no port, or nothing comes from it.
+void BoardActions::want_silence() {
+  std::optional<base::RunTime> last;
+  const bool silent = goes([&](BoardSession&, const BoardFacts& facts) {
+    const base::RunTime now = base::steady_now();
+    if (!last || facts.heard) last = now;
+    return now - *last >= kHeartbeatPatience;
+  });
+  if (silent) return;
+  throw BoardError(kExitBoardFailed,
+                   fmt::format("board '{}' still says HEARTBEAT after its power was cut: hook "
+                               "power_off does not switch this board",
+                               board_.name));
+}
+
+/// @return whether its port went, or `shows` said so, within the patience with a hook
+bool BoardActions::goes(const std::function<bool(BoardSession&, const BoardFacts&)>& shows) {
+  const auto device = find_device(board_, list_.by_id);
+  if (!device) return true;
+  BoardSession session(supervisor_, board_, *device);
+  const base::RunTime begin = base::steady_now();
+  while (base::steady_now() - begin < kHookPatience) {
+    const BoardFacts facts = session.look();
+    if (!facts.link_up || find_device(board_, list_.by_id) != device) return true;
+    if (shows(session, facts)) return true;
+    supervisor_.wait(kLook);
+  }
+  return false;
 }
 
 }  // namespace cas::hils

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <utility>
 
 #include "hils/boards/board_list.hpp"
+#include "hils/boards/board_session.hpp"
 #include "hils/boards/boot_check.hpp"
 #include "hils/programs/supervisor.hpp"
 
@@ -31,7 +33,8 @@ class BoardActions {
   /// By its own command; by the hook `reset` where it is silent, or `hard` is set.
   BoardFacts reboot(bool hard);
   BoardFacts power_on();
-  BoardFacts power_cycle();
+  /// @param force  also of a board that is armed, or whose port another program has
+  BoardFacts power_cycle(bool force);
   void power_off();
 
  private:
@@ -39,6 +42,9 @@ class BoardActions {
   void refuse_armed(const BoardFacts& facts) const;
   BoardFacts first_look();
   void restart_by_command();
+  void restart_by_hook();
+  void want_silence();
+  bool goes(const std::function<bool(BoardSession&, const BoardFacts&)>& shows);
 
   Supervisor& supervisor_;
   const BoardList& list_;

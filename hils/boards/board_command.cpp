@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -59,8 +60,6 @@ struct BoardCommand::Flags {
 
 namespace {
 
-/// How the purpose of a lock begins that nothing but `hils board lock` holds.
-constexpr std::string_view kLockVerb = "hils board lock";
 constexpr const char* kForever = "forever";
 constexpr double kForever_s = 3e9;
 
@@ -84,6 +83,7 @@ Json board_json(const Board& board, const std::optional<fs::path>& device, const
              {"commit", board.commit},
              {"calibration", to_string(board.calibration)},
              {"held", lock.held},
+             {"guests", lock.has_guests},
              {"waiting", lock.waiting}};
   if (lock.holder) {
     entry["holder"] = {{"pid", lock.holder->pid},
@@ -121,61 +121,88 @@ int show_names(const BoardList& list) {
 int hold(BoardLock lock, const Board& board, const std::vector<std::string>& command,
          base::Duration at_most) {
   if (lock.is_guest()) {
-    throw BoardError(kExitBoardBusy, fmt::format("board '{}' is held already by a process that is "
+    throw BoardError(kExitBoardBusy, fmt::format("board '{}' is held already by a lock that is "
                                                  "named in CAS_BOARD_HOLDER",
                                                  board.name));
   }
-  if (!command.empty()) return run_in_foreground(command, {holder_setting(::getpid())});
+  if (!command.empty()) {
+    lock.leave_to_heirs();
+    return run_in_foreground({.arguments = command, .kept = lock.descriptor()});
+  }
   const pid_t holder = go_to_background();
   if (holder == 0) {
     wait_to_be_ended(at_most);
     return kExitPassed;
   }
   lock.hand_over(holder);
-  fmt::print("{}\n", holder_setting(holder));
+  fmt::print("{}\n", holder_setting());
   return kExitPassed;
+}
+
+/// Refuses to end a process that the lock's file names and that does not hold it, as far as can be
+/// seen: others may write to the file, and numbers of processes are used again.
+void refuse_wrong_process(const Board& board, const fs::path& folder, const LockHolder& holder) {
+  const fs::path file = lock_file(folder, board);
+  if (!descriptors_of(holder.pid, file).empty()) return;
+  throw BoardError(kExitBoardBusy,
+                   fmt::format("board '{}': process {} does not have {} open, as far as can be "
+                               "seen: it is another user's or another container's, or it has ended "
+                               "and left the board to what it started (fuser -v {})",
+                               board.name, holder.pid, file.string(), file.string()));
+}
+
+/// Waits until this lock has ended. @throws BoardError
+LockState wait_for_end(const Board& board, const fs::path& folder, const LockHolder& holder) {
+  constexpr base::Duration kPatience = std::chrono::seconds(10);
+  constexpr int kLookMs = 20;
+  const base::RunTime begin = base::steady_now();
+  while (true) {
+    LockState state = look_at_lock(board, folder);
+    if (!state.held || (state.holder && state.holder->token != holder.token)) return state;
+    if (!state.holder && state.has_guests) return state;
+    if (base::steady_now() - begin > kPatience) {
+      throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} was told to end, and "
+                                                   "it or what it started still holds the board",
+                                                   board.name, holder.pid));
+    }
+    ::poll(nullptr, 0, kLookMs);
+  }
 }
 
 /// Ends who holds the board. @throws BoardError
 int release(const Board& board, const fs::path& folder, bool force) {
-  constexpr base::Duration kPatience = std::chrono::seconds(10);
-  constexpr int kLookMs = 20;
   LockState state = look_at_lock(board, folder);
-  if (!state.held) {
-    fmt::print("board '{}' is free\n", board.name);
-    return kExitPassed;
-  }
-  const pid_t holder = state.holder ? state.holder->pid : 0;
-  if (holder == 0 || (!force && !state.holder->purpose.starts_with(kLockVerb))) {
-    throw BoardError(kExitBoardBusy,
-                     fmt::format("board '{}' is at work: {}; --force ends that program", board.name,
-                                 to_words(state)));
-  }
-  if (::kill(holder, SIGTERM) != 0) {
-    throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} is not yours to end: {}",
-                                                 board.name, holder, to_words(state)));
-  }
-  const base::RunTime begin = base::steady_now();
-  const auto still_his = [&] {
-    state = look_at_lock(board, folder);
-    return state.held && (!state.holder || state.holder->pid == holder);
-  };
-  while (still_his()) {
-    if (base::steady_now() - begin > kPatience) {
-      throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} was told to end and "
-                                                   "still holds it",
-                                                   board.name, holder));
+  if (state.held) {
+    if (!state.holder || (!force && !state.holder->in_background)) {
+      throw BoardError(kExitBoardBusy,
+                       fmt::format("board '{}' is at work: {}{}", board.name, to_words(state),
+                                   state.holder ? "; --force ends that program" : ""));
     }
-    ::poll(nullptr, 0, kLookMs);
+    const LockHolder holder = *state.holder;
+    refuse_wrong_process(board, folder, holder);
+    if (::kill(holder.pid, SIGTERM) != 0) {
+      throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} is not yours to end: {}",
+                                                   board.name, holder.pid, to_words(state)));
+    }
+    state = wait_for_end(board, folder, holder);
   }
-  fmt::print("board '{}' is free\n", board.name);
+  fmt::print("board '{}' is {}\n", board.name,
+             state.has_guests ? "free once the program ends that uses it below the lock" : "free");
   return kExitPassed;
 }
 
-void power(BoardActions& actions, const std::string& state) {
+/// @throws base::ConfigError where a file is named that is none
+fs::path firmware_file(const std::string& given) {
+  if (given.empty()) return {};
+  std::error_code error;
+  if (!fs::is_regular_file(given, error)) throw base::ConfigError(given + ": is no file");
+  return fs::absolute(given);
+}
+
+void power(BoardActions& actions, const std::string& state, bool force) {
   if (state == "on") actions.power_on();
   if (state == "off") actions.power_off();
-  if (state == "cycle") actions.power_cycle();
+  if (state == "cycle") actions.power_cycle(force);
 }
 
 }  // namespace
@@ -196,6 +223,16 @@ void add_wait(CLI::App& command, std::string& text) {
   command.add_flag(std::string("--wait{") + kForever + "}", text,
                    "Stand in the queue for a board that somebody else holds; --wait=SECONDS: no "
                    "longer than that");
+}
+
+std::string misread_wait(std::span<const std::string_view> words) {
+  for (std::size_t i = 0; i + 1 < words.size() && words[i] != "--"; ++i) {
+    const std::string_view next = words[i + 1];
+    if (words[i] != "--wait" || next.empty()) continue;
+    if (next.find_first_not_of("0123456789.") != std::string_view::npos) continue;
+    return fmt::format("--wait has its seconds behind a '=': --wait={}", next);
+  }
+  return {};
 }
 
 base::cli::WordsByCommand board_words() {
@@ -259,6 +296,8 @@ BoardCommand::BoardCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
       ->required()
       ->check(CLI::IsMember({"on", "off", "cycle"}));
   flags.power->add_option("NAME", flags.name, "Board")->required();
+  flags.power->add_flag("--force", flags.force,
+                        "cycle: also a board that is armed, or whose port another program has");
   add_wait(*flags.power, flags.wait);
 
   flags.console = verb_of_one("console", "Run the hook `console` on this terminal");
@@ -298,7 +337,14 @@ int BoardCommand::run() const {
     const auto device = find_device(board, list.by_id).value_or(fs::path());
     const HookCommand hook = hook_command(board, HookKind::kConsole, list.file.parent_path(),
                                           hook_variables(board, device, {}));
-    return run_in_foreground(hook.arguments, hook.environment);
+    lock->leave_to_heirs();
+    return run_in_foreground({.arguments = hook.arguments,
+                              .environment = hook.environment,
+                              .folder = list.file.parent_path(),
+                              .kept = lock->descriptor()});
+  }
+  if (!is_hexadecimal(flags.commit)) {
+    throw base::ConfigError("--commit " + flags.commit + ": is hexadecimal, in small letters");
   }
   if (!flags.firmware.empty() || !flags.commit.empty()) {
     board.firmware = flags.firmware;
@@ -307,11 +353,11 @@ int BoardCommand::run() const {
   Supervisor supervisor;
   BoardActions actions(supervisor, list, board, folder);
   if (flags.flash->parsed()) {
-    actions.flash(flags.file.empty() ? fs::path() : fs::absolute(flags.file));
+    actions.flash(firmware_file(flags.file));
   } else if (flags.reboot->parsed()) {
     actions.reboot(flags.hard);
   } else {
-    power(actions, flags.power_state);
+    power(actions, flags.power_state, flags.force);
   }
   return kExitPassed;
 }

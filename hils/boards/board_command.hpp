@@ -3,7 +3,9 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "base/cli/command_tree.hpp"
 #include "base/time/clock.hpp"
@@ -15,6 +17,10 @@ namespace cas::hils {
 std::optional<base::Duration> parse_wait(const std::string& text);
 /// Adds `--wait[=SECONDS]` to a command. @param text  of parse_wait()
 void add_wait(CLI::App& command, std::string& text);
+
+/// A sentence for a command line that has a bare number behind `--wait`, which would be taken for
+/// another argument; empty: it has none. Pure.
+std::string misread_wait(std::span<const std::string_view> words);
 
 /// What a shell offers as arguments of the verbs.
 base::cli::WordsByCommand board_words();

@@ -84,7 +84,7 @@ Board parse_board(const std::string& name, const base::ConfigNode& node) {
   board.kind = text_of(node, "kind");
   board.firmware = text_of(node, "firmware");
   board.commit = text_of(node, "commit");
-  if (board.commit.find_first_not_of("0123456789abcdef") != std::string::npos) {
+  if (!is_hexadecimal(board.commit)) {
     node.at("commit").fail("is hexadecimal, in small letters");
   }
   if (const auto state = node.find("calibration")) board.calibration = parse_calibration(*state);
@@ -114,6 +114,10 @@ std::string_view to_string(HookKind kind) {
 std::string_view to_string(Calibration state) {
   static constexpr base::EnumWords<Calibration::kMissing> kWords{"unknown", "done", "missing"};
   return kWords[state];
+}
+
+bool is_hexadecimal(std::string_view commit) {
+  return commit.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 BoardList BoardList::load(const fs::path& file) {

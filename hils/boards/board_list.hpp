@@ -52,6 +52,9 @@ struct Board {
   std::string identity() const { return serial.empty() ? device.string() : serial; }
 };
 
+/// Whether a commit can be compared: digits and small letters from a to f. Pure.
+bool is_hexadecimal(std::string_view commit);
+
 /// boards.yaml.
 struct BoardList {
   std::filesystem::path file;

@@ -16,6 +16,7 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -46,8 +47,8 @@ fs::path place(const fs::path& folder, const Board& board, const char* kind) {
   return folder / (name + kind);
 }
 
-fs::path lock_file(const fs::path& folder, const Board& board) {
-  return place(folder, board, ".lock");
+fs::path guests_file(const fs::path& folder, const Board& board) {
+  return place(folder, board, ".guests");
 }
 
 fs::path queue_of(const fs::path& folder, const Board& board) {
@@ -70,6 +71,36 @@ std::optional<LockHolder> read_holder(const fs::path& file) {
 std::string user_name() {
   const passwd* entry = ::getpwuid(::getuid());
   return entry == nullptr ? std::to_string(::getuid()) : entry->pw_name;
+}
+
+std::string random_token() {
+  std::random_device source;
+  return fmt::format("{:08x}{:08x}{:08x}", source(), source(), source());
+}
+
+bool take_shared_lock(int fd) {
+  struct flock lock = base::whole_file(F_RDLCK);
+  return ::fcntl(fd, F_OFD_SETLK, &lock) == 0;
+}
+
+void free_file_lock(int fd) {
+  struct flock lock = base::whole_file(F_UNLCK);
+  ::fcntl(fd, F_OFD_SETLK, &lock);
+}
+
+/// Whether a guest is at work.
+bool is_shared(const fs::path& guests) {
+  const base::Descriptor file(::open(guests.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  struct flock lock = base::whole_file(F_WRLCK);
+  return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type == F_RDLCK;
+}
+
+/// Takes a board that nobody holds and no guest uses.
+bool take_both(int lock, int guests) {
+  if (!base::take_file_lock(lock)) return false;
+  if (base::take_file_lock(guests)) return true;
+  free_file_lock(lock);
+  return false;
 }
 
 std::string utc_now() {
@@ -135,12 +166,13 @@ class Ticket {
 }
 
 /// Stands in the queue until the lock is taken. @throws BoardError
-void wait_for(int lock, const Board& board, const fs::path& folder, base::Duration patience) {
+void wait_for(int lock, int guests, const Board& board, const fs::path& folder,
+              base::Duration patience) {
   const base::RunTime begin = base::steady_now();
   const fs::path queue = queue_of(folder, board);
   const Ticket ticket(queue);
   bool told = false;
-  while (places_before(living_tickets(queue), ticket.name()) > 0 || !base::take_file_lock(lock)) {
+  while (places_before(living_tickets(queue), ticket.name()) > 0 || !take_both(lock, guests)) {
     const LockState state = look_at_lock(board, folder);
     if (base::steady_now() - begin >= patience) {
       refuse(board, state, fmt::format(" after {:g} s", base::to_seconds(patience)));
@@ -154,10 +186,29 @@ void wait_for(int lock, const Board& board, const fs::path& folder, base::Durati
 
 }  // namespace
 
-std::string holder_setting(pid_t holder) {
-  const char* before = std::getenv(kHolderVariable);
-  const bool any = before != nullptr && *before != 0;
-  return fmt::format("{}={}{}{}", kHolderVariable, any ? before : "", any ? "," : "", holder);
+std::string holder_setting() {
+  const char* tokens = std::getenv(kHolderVariable);
+  return fmt::format("{}={}", kHolderVariable, tokens == nullptr ? "" : tokens);
+}
+
+fs::path lock_file(const fs::path& folder, const Board& board) {
+  return place(folder, board, ".lock");
+}
+
+std::vector<int> descriptors_of(pid_t process, const fs::path& file) {
+  std::vector<int> found;
+  struct stat wanted {};
+  if (::stat(file.c_str(), &wanted) != 0) return found;
+  std::error_code error;
+  for (fs::directory_iterator at(fmt::format("/proc/{}/fd", process), error);
+       !error && at != fs::directory_iterator(); at.increment(error)) {
+    struct stat its {};
+    if (::stat(at->path().c_str(), &its) != 0) continue;
+    if (its.st_dev == wanted.st_dev && its.st_ino == wanted.st_ino) {
+      found.push_back(std::stoi(at->path().filename().string()));
+    }
+  }
+  return found;
 }
 
 fs::path lock_folder(const BoardList& list) {
@@ -176,31 +227,60 @@ LockState look_at_lock(const Board& board, const fs::path& folder) {
   state.waiting = living_tickets(queue_of(folder, board)).size();
   state.held = lock && base::is_file_locked(lock.get());
   if (state.held) state.holder = read_holder(file);
+  state.has_guests = is_shared(guests_file(folder, board));
+  state.held = state.held || state.has_guests;
   return state;
 }
 
 std::string to_words(const LockState& state) {
   if (!state.held) return state.waiting == 0 ? "it is free" : "it goes to who waits for it";
-  std::string words = state.holder ? "it is held by " + to_words(*state.holder)
-                                   : "it is held by a program that has just taken it";
+  std::string words = state.holder       ? "it is held by " + to_words(*state.holder)
+                      : state.has_guests ? "it is in use below a lock that has ended"
+                                         : "it is held by a program that has just taken it";
   if (state.waiting > 0) words += fmt::format("; {} in the queue", state.waiting);
   return words;
 }
 
 BoardLock::BoardLock(const Board& board, const fs::path& folder, const std::string& purpose,
                      std::optional<base::Duration> wait) {
-  const fs::path file = lock_file(folder, board);
-  const LockState state = look_at_lock(board, folder);
-  const std::vector<pid_t> hosts = parse_holder_variable(std::getenv(kHolderVariable));
-  if (state.holder && std::ranges::count(hosts, state.holder->pid) > 0) return;
-  lock_ = open_for_lock(file);
+  if (become_guest(board, folder)) return;
+  lock_ = open_for_lock(lock_file(folder, board));
+  const base::Descriptor guests = open_for_lock(guests_file(folder, board));
   if (wait) {
-    wait_for(lock_.get(), board, folder, *wait);
-  } else if (state.waiting > 0 || !base::take_file_lock(lock_.get())) {
+    wait_for(lock_.get(), guests.get(), board, folder, *wait);
+  } else if (look_at_lock(board, folder).waiting > 0 || !take_both(lock_.get(), guests.get())) {
     refuse(board, look_at_lock(board, folder), "");
   }
-  holder_ = {.pid = ::getpid(), .user = user_name(), .since = utc_now(), .purpose = purpose};
+  holder_ = {.pid = ::getpid(),
+             .user = user_name(),
+             .since = utc_now(),
+             .purpose = purpose,
+             .token = random_token()};
   write();
+  const char* others = std::getenv(kHolderVariable);
+  const bool any = others != nullptr && *others != 0;
+  ::setenv(kHolderVariable,
+           (any ? std::string(others) + "," + holder_.token : holder_.token).c_str(), 1);
+}
+
+/// What a guest starts does not hold the board: a hook may leave a program behind.
+bool BoardLock::become_guest(const Board& board, const fs::path& folder) {
+  const fs::path file = lock_file(folder, board);
+  const auto is_invited = [&] {
+    const LockState state = look_at_lock(board, folder);
+    return state.holder && names_token(std::getenv(kHolderVariable), state.holder->token);
+  };
+  if (!is_invited()) return false;
+  guest_ = open_for_lock(guests_file(folder, board));
+  // The holder may have ended meanwhile; nobody takes the board once the second lock is there.
+  if (!take_shared_lock(guest_.get()) || !is_invited()) {
+    guest_.reset();
+    return false;
+  }
+  for (const int inherited : descriptors_of(::getpid(), file)) {
+    ::fcntl(inherited, F_SETFD, FD_CLOEXEC);
+  }
+  return true;
 }
 
 BoardLock::~BoardLock() {
@@ -212,6 +292,7 @@ BoardLock::~BoardLock() {
 void BoardLock::hand_over(pid_t child) {
   if (!lock_) return;
   holder_.pid = child;
+  holder_.in_background = true;
   write();
   handed_over_ = true;
 }

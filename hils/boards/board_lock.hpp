@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/os/descriptor.hpp"
 #include "base/time/clock.hpp"
@@ -17,13 +18,20 @@ namespace cas::hils {
 /// where it is missing. @throws base::ConfigError
 std::filesystem::path lock_folder(const BoardList& list);
 
-/// "CAS_BOARD_HOLDER=PID": for programs that may use what `holder` holds, besides what this one
-/// may.
-std::string holder_setting(pid_t holder);
+/// "CAS_BOARD_HOLDER=TOKENS": for programs that may use what this one holds, or may use itself.
+std::string holder_setting();
+
+/// The file that is locked.
+std::filesystem::path lock_file(const std::filesystem::path& folder, const Board& board);
+
+/// Descriptors of a process that are this file, however it came by them; none where its descriptors
+/// are not this user's to see, or the number is of another container.
+std::vector<int> descriptors_of(pid_t process, const std::filesystem::path& file);
 
 /// Who has a board, at this moment.
 struct LockState {
   bool held = false;
+  bool has_guests = false;             ///< a program uses it below a lock
   std::optional<LockHolder> holder{};  ///< nothing where it has not said so yet
   std::size_t waiting = 0;             ///< programs in the queue
 };
@@ -33,7 +41,14 @@ LockState look_at_lock(const Board& board, const std::filesystem::path& folder);
 std::string to_words(const LockState& state);
 
 /// The lock of one board: that of a file, which the kernel frees when the holder ends, however it
-/// ends. The file says who holds it. Who waits has a ticket in a queue, which goes with it, too;
+/// ends. The file says who holds it; its token is put into this program's environment, in
+/// CAS_BOARD_HOLDER, so that what it starts may use the board. Such a guest holds a shared lock on
+/// a second file: nobody takes the board while one is at work, even where the lock around it ended.
+///
+///   NAME.lock    exclusive: the holder, with what it gave the descriptor to
+///   NAME.guests  shared: guests; exclusive, for a moment: who takes NAME.lock
+///
+/// Who waits has a ticket in a queue, which goes with it, too;
 /// the first who came is the first to get the board.
 class BoardLock {
  public:
@@ -45,15 +60,23 @@ class BoardLock {
   BoardLock(BoardLock&&) = default;
   BoardLock& operator=(BoardLock&&) = delete;
 
-  /// Held already by a process in CAS_BOARD_HOLDER: this object frees nothing.
+  /// Used below a lock that CAS_BOARD_HOLDER names.
   bool is_guest() const { return !lock_; }
-  /// A child that has inherited the descriptor holds the board from now on.
+  /// What a child inherits that shall hold the board, too; -1 of a guest.
+  int descriptor() const { return lock_.get(); }
+  /// A child in the background that has inherited the descriptor holds the board from now on.
   void hand_over(pid_t child);
+  /// Whoever has inherited the descriptor holds the board until it ends; the file goes on to name
+  /// this process.
+  void leave_to_heirs() { handed_over_ = true; }
 
  private:
   void write() const;
 
+  bool become_guest(const Board& board, const std::filesystem::path& folder);
+
   base::Descriptor lock_;
+  base::Descriptor guest_;
   LockHolder holder_;
   bool handed_over_ = false;
 };

@@ -92,10 +92,7 @@ void fail_absent(const std::map<std::size_t, std::string>& gone, RunResult& run)
 FlightBoards::FlightBoards(const std::vector<FcuChoice>& choices, const fs::path& file,
                            const std::string& purpose, std::optional<base::Duration> wait) {
   if (choices.empty()) return;
-  const auto is_plain_path = [](const FcuChoice& choice) {
-    return choice.controller.find('/') != std::string::npos;
-  };
-  if (!file.empty() && !std::ranges::all_of(choices, is_plain_path)) list_ = BoardList::load(file);
+  if (!file.empty()) list_ = BoardList::load(file);
   std::vector<const Board*> in_order;
   for (const FcuChoice& choice : choices) {
     std::error_code error;
@@ -104,12 +101,27 @@ FlightBoards::FlightBoards(const std::vector<FcuChoice>& choices, const fs::path
       in_order.push_back(boards_[choice.vehicle] = &list_->board(choice.controller));
     } else {
       ports_[choice.vehicle] = choice.controller;
+      if (const Board* board = board_at(choice.controller)) in_order.push_back(board);
     }
   }
   if (in_order.empty()) return;
   std::ranges::sort(in_order, {}, [](const Board* board) { return board->identity(); });
+  if (std::ranges::adjacent_find(in_order) != in_order.end()) {
+    throw base::ConfigError("--fcu: a board cannot fly two vehicles");
+  }
   const fs::path folder = lock_folder(*list_);
   for (const Board* board : in_order) locks_.emplace_back(*board, folder, purpose, wait);
+}
+
+const Board* FlightBoards::board_at(const fs::path& port) const {
+  std::error_code error;
+  const fs::path wanted = fs::canonical(port, error);
+  if (!list_ || error) return nullptr;
+  const auto found = std::ranges::find_if(list_->boards, [&](const Board& board) {
+    const auto device = find_device(board, list_->by_id);
+    return device && fs::canonical(*device, error) == wanted;
+  });
+  return found == list_->boards.end() ? nullptr : &*found;
 }
 
 std::map<std::size_t, FcuDevice> FlightBoards::prepare(const fs::path& out,

@@ -40,8 +40,8 @@ void fail_absent(const std::map<std::size_t, std::string>& gone, RunResult& run)
 /// The real controllers of one run: boards that it holds until it ends, and ports by their path.
 class FlightBoards {
  public:
-  /// Takes the boards, in an order that is everybody's, so that two runs do not wait for each
-  /// other.
+  /// Takes the boards, those that are named by their port, too, in an order that is everybody's, so
+  /// that two runs do not wait for each other.
   ///
   /// @param file  boards.yaml (find_board_list()); empty: there is none
   /// @param wait  how long to wait for boards that others hold; nothing: not at all
@@ -63,6 +63,9 @@ class FlightBoards {
   std::map<std::size_t, std::string> absences() const;
 
  private:
+  /// The board of the list whose port that is; nullptr: none.
+  const Board* board_at(const std::filesystem::path& port) const;
+
   std::optional<BoardList> list_;
   std::map<std::size_t, const Board*> boards_;
   std::map<std::size_t, std::string> ports_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -8,13 +9,20 @@
 
 namespace cas::hils {
 
-/// Runs a command on this program's terminal and waits for it: keys such as Ctrl-C are the
-/// command's, SIGTERM and SIGHUP are passed on to it, and it dies with this program.
-/// @param command  argv; a program without a slash is looked for in PATH
-/// @param environment  "NAME=VALUE", over this program's
+/// A command for the terminal.
+struct ForegroundCommand {
+  std::vector<std::string> arguments;      ///< a program without a slash is looked for in PATH
+  std::vector<std::string> environment{};  ///< "NAME=VALUE", over this program's
+  std::filesystem::path folder{};          ///< working folder; empty: this program's
+  int kept = -1;                           ///< descriptor that it and what it starts inherit
+};
+
+/// Runs a command on this program's terminal, where it has one, in a process group of its own, and
+/// waits for it: the terminal's keys are the command's; SIGTERM, SIGHUP, SIGINT and SIGQUIT to this
+/// program go to the whole group. The command dies with this program.
 /// @return its exit code; 128 + signal; 127 when it cannot be started
-int run_in_foreground(const std::vector<std::string>& command,
-                      const std::vector<std::string>& environment);
+/// @throws base::ConfigError when no process can be made or its end cannot be seen
+int run_in_foreground(const ForegroundCommand& command);
 
 /// Becomes a process without a terminal, in the background. @return its number in the parent, 0 in
 /// the child @throws base::ConfigError

@@ -11,6 +11,8 @@ namespace cas::hils {
 
 namespace {
 
+constexpr std::string_view kInBackground = "in background";
+
 std::optional<pid_t> process_number(std::string_view text) {
   pid_t pid = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), pid);
@@ -28,7 +30,8 @@ std::string in_one_line(std::string text) {
 }  // namespace
 
 std::string LockHolder::text() const {
-  return fmt::format("pid {}\nuser {}\nsince {}\nfor {}\n", pid, in_one_line(user), since,
+  return fmt::format("pid {}\nuser {}\nsince {}\ntoken {}\nkept {}\nfor {}\n", pid,
+                     in_one_line(user), since, token, in_background ? kInBackground : "at work",
                      in_one_line(purpose));
 }
 
@@ -44,8 +47,12 @@ std::optional<LockHolder> LockHolder::parse(std::string_view text) {
   }
   const auto pid = process_number(values["pid"]);
   if (!pid || !values.contains("for")) return std::nullopt;
-  return LockHolder{
-      .pid = *pid, .user = values["user"], .since = values["since"], .purpose = values["for"]};
+  return LockHolder{.pid = *pid,
+                    .user = values["user"],
+                    .since = values["since"],
+                    .purpose = values["for"],
+                    .token = values["token"],
+                    .in_background = values["kept"] == kInBackground};
 }
 
 std::string to_words(const LockHolder& holder) {
@@ -53,15 +60,14 @@ std::string to_words(const LockHolder& holder) {
                      holder.purpose);
 }
 
-std::vector<pid_t> parse_holder_variable(const char* variable) {
-  std::vector<pid_t> processes;
+bool names_token(const char* variable, std::string_view token) {
   std::string_view text = variable == nullptr ? "" : variable;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find(','), text.size());
-    if (const auto pid = process_number(text.substr(0, end))) processes.push_back(*pid);
+    if (end > 0 && text.substr(0, end) == token) return true;
     text.remove_prefix(std::min(end + 1, text.size()));
   }
-  return processes;
+  return false;
 }
 
 std::string ticket_name(std::int64_t at_ns, pid_t pid) {

@@ -16,8 +16,10 @@ namespace cas::hils {
 struct LockHolder {
   pid_t pid = 0;
   std::string user;
-  std::string since;    ///< UTC: "2026-03-01T12:00:00Z"
-  std::string purpose;  ///< "hils run hover.yaml"
+  std::string since;           ///< UTC: "2026-03-01T12:00:00Z"
+  std::string purpose;         ///< "hils run hover.yaml"
+  std::string token;           ///< of this one lock, random
+  bool in_background = false;  ///< no command of its own depends on it
 
   /// A line for each key.
   std::string text() const;
@@ -28,11 +30,10 @@ struct LockHolder {
 /// "process 123 of ann since 2026-03-01T12:00:00Z: hils run hover.yaml".
 std::string to_words(const LockHolder& holder);
 
-/// The processes whose boards a program may use as if it held them: CAS_BOARD_HOLDER, numbers with
-/// commas between them. Programs below `hils board lock` have it, so that the lock around them does
-/// not lock them out.
+/// Whether CAS_BOARD_HOLDER, tokens with commas between them, has this one. Programs below a holder
+/// have it, so that the lock around them does not lock them out. Pure.
 /// @param variable  its value; nullptr: none
-std::vector<pid_t> parse_holder_variable(const char* variable);
+bool names_token(const char* variable, std::string_view token);
 
 /// A waiter's place in the queue: the name of its ticket, which sorts by the time of its coming.
 /// @param at_ns  since 1970

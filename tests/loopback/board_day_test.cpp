@@ -47,6 +47,16 @@ void expect_flown(const BoardShelf& shelf, const ShelfAnswer& run, const std::st
   EXPECT_NE(run.text.find("has booted"), std::string::npos) << run.text;
 }
 
+/// Two boards that have booted, and a scenario for them.
+std::string hop_of_two(const BoardShelf& shelf) {
+  EXPECT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  EXPECT_EQ(shelf.board({"power", "on", "b"}).code, 0);
+  const std::string vehicles = "vehicles:\n  - {name: left, vehicle: " + kVehicle +
+                               ", pose: {x_m: 0, y_m: 0}}\n  - {name: right, vehicle: " + kVehicle +
+                               ", pose: {x_m: 3, y_m: 0}}\n";
+  return shelf.folder.write("two.yaml", scenario(vehicles)).string();
+}
+
 std::set<std::string> steps_of(const json& vehicle) {
   std::set<std::string> steps;
   for (const json& stage : vehicle.at("stages")) steps.insert(stage.at("step").get<std::string>());
@@ -130,14 +140,19 @@ TEST(BoardDay, ABoardWhoseCableIsDrawnInTheAirFailsTheFlight) {
   EXPECT_NE(run->output().find("board 'a' is not there"), std::string::npos) << run->output();
 }
 
+TEST(BoardDay, BoardsWithEachOthersSystemIdsDoNotFly) {
+  const BoardShelf shelf({"a", "b"});
+  const std::string hop = hop_of_two(shelf);
+  const ShelfAnswer run = shelf.hils({"run", hop, "--fcu", "right=a", "--fcu", "left=b", "--out",
+                                      (shelf.folder / "out").string()});
+  EXPECT_EQ(run.code, kInvalid) << run.text;
+  EXPECT_NE(run.text.find("system 1 is heard on link "), std::string::npos) << run.text;
+  EXPECT_NE(run.text.find("the boards have each other's system ids"), std::string::npos);
+}
+
 TEST(BoardDay, TwoBoardsFlyInOneRun) {
   const BoardShelf shelf({"a", "b"});
-  const std::string vehicles = "vehicles:\n  - {name: left, vehicle: " + kVehicle +
-                               ", pose: {x_m: 0, y_m: 0}}\n  - {name: right, vehicle: " + kVehicle +
-                               ", pose: {x_m: 3, y_m: 0}}\n";
-  const std::string hop = shelf.folder.write("two.yaml", scenario(vehicles)).string();
-  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
-  ASSERT_EQ(shelf.board({"power", "on", "b"}).code, 0);
+  const std::string hop = hop_of_two(shelf);
   const auto run = shelf.start({"run", hop, "--fcu", "right=b", "--fcu", "left=a", "--out",
                                 (shelf.folder / "out").string()});
   const int code = run->wait_exit(kFlightPatience).value_or(-1);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "tests/loopback/board_shelf.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/terminal_program.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
@@ -120,6 +122,20 @@ TEST(BoardProgram, RestartsABoardByItsCommandAndASilentOneByItsButton) {
   EXPECT_NE(shelf.said("a.pid"), before);
 }
 
+TEST(BoardProgram, BelievesNoHookThatDidNotRestartTheBoard) {
+  const BoardShelf shelf({"a", "b"});
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  ASSERT_EQ(shelf.board({"power", "on", "b"}).code, 0);
+  shelf.set_defect("a", "stuck");
+  shelf.set_defect("b", "stuck");
+  const auto reset = shelf.start({"board", "reboot", "a", "--hard"});
+  const ShelfAnswer cycle = shelf.board({"power", "cycle", "b"});
+  EXPECT_EQ(cycle.code, kFailed) << cycle.text;
+  EXPECT_SAYS(cycle, "board 'b' still says HEARTBEAT after its power was cut");
+  EXPECT_EQ(reset->wait_exit(), kNoBoot) << reset->output();
+  EXPECT_NE(reset->output().find("board 'a' did not restart"), std::string::npos);
+}
+
 /// A casd on the board's port, as a user may have one beside `hils board`.
 class Neighbour {
  public:
@@ -160,13 +176,18 @@ TEST(BoardProgram, RestartsAndFlashesNoArmedBoard) {
     EXPECT_SAYS(in_use, "cannot be opened: ");
   }
   const std::vector<std::vector<std::string>> refused_verbs{
-      {"reboot", "a"}, {"reboot", "a", "--hard"}, {"flash", "a", "/x"}};
+      {"reboot", "a"},
+      {"reboot", "a", "--hard"},
+      {"power", "cycle", "a"},
+      {"flash", "a", (shelf.folder / "boards.yaml").string()}};
   for (const std::vector<std::string>& words : refused_verbs) {
     const ShelfAnswer refused = shelf.board(words);
     EXPECT_EQ(refused.code, kFailed) << refused.text;
     EXPECT_SAYS(refused, "board 'a' is armed: disarm it first");
   }
   EXPECT_EQ(shelf.said("a.pid"), stand_in);
+  EXPECT_EQ(shelf.board({"power", "cycle", "a", "--force"}).code, 0);
+  EXPECT_NE(shelf.said("a.pid"), stand_in);
   EXPECT_EQ(shelf.board({"power", "off", "a"}).code, 0);
 }
 
@@ -175,7 +196,8 @@ TEST(BoardProgram, PutsItsUserOnTheConsole) {
   ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
   const ShelfAnswer console = shelf.board({"console", "a"});
   EXPECT_EQ(console.code, 0) << console.text;
-  EXPECT_EQ(console.text, "console of " + shelf.link("a").string() + "\n");
+  EXPECT_EQ(console.text, "console of " + shelf.link("a").string() + "\n0\n")
+      << "its working folder is that of boards.yaml";
 }
 
 TEST(BoardProgram, HoldsABoardUntilItIsUnlocked) {
@@ -229,6 +251,107 @@ TEST(BoardProgram, HoldsABoardWhileACommandRuns) {
   EXPECT_FALSE(listed(shelf).at("held"));
 }
 
+TEST(BoardProgram, HoldsABoardAsLongAsAnythingBelowTheLockRuns) {
+  const BoardShelf shelf;
+  const std::string go = (shelf.folder / "go").string();
+  const ShelfAnswer command =
+      shelf.board({"lock", "a", "--", "sh", "-c",
+                   "(while [ ! -e '" + go + "' ]; do sleep 0.05; done) >/dev/null 2>&1 & exit 0"});
+  EXPECT_EQ(command.code, 0) << command.text;
+  EXPECT_EQ(shelf.board({"power", "on", "a"}).code, kBusy);
+  const ShelfAnswer forced = shelf.board({"unlock", "a", "--force"});
+  EXPECT_EQ(forced.code, kBusy) << forced.text;
+  EXPECT_SAYS(forced, "left the board to what it started");
+  shelf.folder.write("go", "-");
+  EXPECT_TRUE(wait_until([&] { return !listed(shelf).at("held").get<bool>(); }));
+}
+
+TEST(BoardProgram, EndsAllThatRunsBelowTheLock) {
+  const BoardShelf shelf;
+  const std::string there = (shelf.folder / "there").string();
+  const std::string ended = (shelf.folder / "ended").string();
+  const auto lock = shelf.start({"board", "lock", "a", "--", "sh", "-c",
+                                 "sh -c \"trap 'echo yes >" + ended + "; exit' TERM; echo >" +
+                                     there + "; while true; do sleep 0.05; done\"; true"});
+  ASSERT_TRUE(wait_until([&] { return !shelf.said("there").empty(); })) << lock->output();
+  const ShelfAnswer plain = shelf.board({"unlock", "a"});
+  EXPECT_EQ(plain.code, kBusy) << plain.text;
+  EXPECT_SAYS(plain, "--force ends that program");
+  const ShelfAnswer forced = shelf.board({"unlock", "a", "--force"});
+  EXPECT_EQ(forced.code, 0) << forced.text;
+  EXPECT_TRUE(lock->wait_exit()) << lock->output();
+  EXPECT_EQ(shelf.said("ended"), "yes\n");
+}
+
+TEST(BoardProgram, KeepsABoardForWhatUsesItBelowALockThatEnds) {
+  const BoardShelf shelf({"a boot_timeout_s: 600"});
+  const ShelfAnswer lock = shelf.board({"lock", "a"});
+  ASSERT_EQ(lock.code, 0) << lock.text;
+  shelf.set_defect("a", "silent");
+  const auto guest =
+      shelf.start({"board", "power", "on", "a"}, {lock.text.substr(0, lock.text.find('\n'))});
+  ASSERT_TRUE(wait_until([&] { return listed(shelf).at("guests").get<bool>(); }))
+      << guest->output();
+  const ShelfAnswer unlock = shelf.board({"unlock", "a"});
+  EXPECT_EQ(unlock.code, 0) << unlock.text;
+  EXPECT_SAYS(unlock, "is free once the program ends");
+  const ShelfAnswer other = shelf.board({"reboot", "a"});
+  EXPECT_EQ(other.code, kBusy) << other.text;
+  EXPECT_SAYS(other, "it is in use below a lock that has ended");
+  guest->signal(SIGTERM);
+  EXPECT_TRUE(guest->wait_exit()) << guest->output();
+  EXPECT_FALSE(listed(shelf).at("held"));
+}
+
+TEST(BoardProgram, EndsNoProcessThatALockFileOnlyNames) {
+  const BoardShelf shelf;
+  ASSERT_EQ(shelf.board({"lock", "a"}).code, 0);
+  const ChildProcess bystander({"/bin/sleep", "1000"});
+  const std::string file = (shelf.folder / "runtime/boards/SN1.lock").string();
+  const std::string text = TemporaryFolder::read(file);
+  ASSERT_EQ(text.find("pid "), 0U) << text;
+  std::ofstream(file) << "pid " << bystander.pid() << text.substr(text.find('\n'));
+  const ShelfAnswer unlock = shelf.board({"unlock", "a", "--force"});
+  EXPECT_EQ(unlock.code, kBusy) << unlock.text;
+  EXPECT_SAYS(unlock, "does not have " + file + " open");
+  EXPECT_EQ(::kill(bystander.pid(), 0), 0);
+  std::ofstream(file) << text;
+  EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
+}
+
+TEST(BoardProgram, SeesTheEndOfACommandWhereItsParentIgnoresChildren) {
+  const BoardShelf shelf;
+  const ShelfAnswer command =
+      shelf.board({"lock", "a", "--", "sh", "-c", "exit 9"}, {"--ignore-signal=CHLD"});
+  EXPECT_EQ(command.code, 9) << command.text;
+}
+
+TEST(BoardProgram, LeavesTheKeysOfTheTerminalToTheCommandAndTheScriptAroundIt) {
+  const BoardShelf shelf;
+  std::string script;
+  for (const std::string& word : shelf.command({"board", "lock", "a", "--", "cat"})) {
+    script += "'" + word + "' ";
+  }
+  const std::string file = shelf.folder.write("job", script + "\necho went on\n").string();
+  TerminalProgram shell({"/bin/sh", "-i"}, 24, 250);
+  shell.press("sh " + file + "\n");
+  ASSERT_TRUE(wait_until([&] { return listed(shelf).at("held").get<bool>(); })) << shell.text();
+  shell.press("one\n");
+  EXPECT_TRUE(shell.shows("one\none\n")) << shell.text();
+  shell.press("\x1a");  // Ctrl-Z
+  EXPECT_TRUE(shell.shows("Stopped")) << shell.text();
+  shell.press("echo shell-$((1 + 1))\n");
+  EXPECT_TRUE(shell.shows("shell-2")) << shell.text();
+  shell.press("fg\n");
+  shell.press("two\n");
+  EXPECT_TRUE(shell.shows("two\ntwo\n")) << shell.text();
+  shell.press("\x03");  // Ctrl-C
+  EXPECT_TRUE(wait_until([&] { return !listed(shelf).at("held").get<bool>(); })) << shell.text();
+  shell.press("echo code-$?\n");
+  EXPECT_TRUE(shell.shows("code-130")) << shell.text();
+  EXPECT_EQ(shell.text().find("went on"), std::string::npos) << shell.text();
+}
+
 TEST(BoardProgram, UnlocksNoBoardThatIsAtWorkUnlessForced) {
   const BoardShelf shelf({"a boot_timeout_s: 600"});
   shelf.set_defect("a", "silent");
@@ -280,7 +403,13 @@ TEST(BoardRun, ThatFindsNoBoardEndsWithACodeOfItsOwnAndAJunitFile) {
   EXPECT_NE(shelf.said("out/junit.xml").find("runs firmware 1.15.0 instead of 1.14"),
             std::string::npos);
   ASSERT_EQ(shelf.board({"lock", "a"}).code, 0);
-  EXPECT_EQ(fly("a").code, kBusy);
+  const ShelfAnswer held = fly("a");
+  EXPECT_EQ(held.code, kBusy) << held.text;
+  EXPECT_NE(shelf.said("out/junit.xml").find("<error message=\"board &apos;a&apos; is not free"),
+            std::string::npos)
+      << shelf.said("out/junit.xml");
+  const ShelfAnswer by_port = fly(shelf.link("a").string());
+  EXPECT_EQ(by_port.code, kBusy) << by_port.text;
   EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
   const ShelfAnswer misspelt = fly("aa");
   EXPECT_EQ(misspelt.code, kUsage) << misspelt.text;

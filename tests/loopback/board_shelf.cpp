@@ -22,8 +22,9 @@ constexpr base::Duration kProgramPatience = std::chrono::seconds(90);
 const char* const kPowerOn = R"SH(#!/bin/sh
 # Plugs the stand-in in.
 cd "$SHELF"
-./power_off
 defect=$(cat "$CAS_BOARD.defect" 2>/dev/null)
+[ "$defect" = stuck ] && exit 0
+./power_off
 [ "$defect" = absent ] && exit 0
 delay=0
 [ "$defect" = slow ] && delay=2
@@ -35,11 +36,15 @@ echo $! >"$CAS_BOARD.pid"
 [ "$defect" = silent ] || exit 0
 while [ ! -e "$link" ]; do sleep 0.02; done
 kill -STOP $!
+# What it said before it stopped waits in the line.
+timeout 0.5 cat "$link" >/dev/null
+exit 0
 )SH";
 
 const char* const kPowerOff = R"SH(#!/bin/sh
 # Draws the plug: nothing is left but what udev takes away.
 cd "$SHELF"
+[ "$(cat "$CAS_BOARD.defect" 2>/dev/null)" = stuck ] && exit 0
 [ -e "$CAS_BOARD.pid" ] && kill -KILL "$(cat "$CAS_BOARD.pid")" 2>/dev/null
 rm -f "$CAS_BOARD.pid" by-id/usb-CAS_Stand-in_"$CAS_BOARD_SERIAL"-if00*
 exit 0
@@ -52,6 +57,7 @@ case $(cat "$CAS_BOARD.defect" 2>/dev/null) in
 hang) echo "erasing"; sleep 1000 ;;
 broken) echo "no bootloader answers"; exit 3 ;;
 esac
+[ -n "$CAS_BOARD_HOLDER" ] || { echo "knows no lock"; exit 4; }
 echo "$1" >>"$CAS_BOARD.flashed"
 exec ./power_on
 )SH";
@@ -71,10 +77,11 @@ BoardShelf::BoardShelf(const std::vector<std::string>& boards) {
     const std::string& name = names_.emplace_back(board.substr(0, space));
     const std::string system = std::to_string(names_.size());
     const std::string more = space < board.size() ? "," + board.substr(space) : "";
-    list += "  " + name + ": {serial: SN" + system + more +
-            ", hooks: {power_on: [./power_on], power_off: [./power_off], reset: [./power_on], "
-            "console: [echo, console of, \"${CAS_BOARD_DEVICE}\"], "
-            "flash: {command: [./flash, \"${CAS_BOARD_FILE}\"], timeout_s: 5}}}\n";
+    list +=
+        "  " + name + ": {serial: SN" + system + more +
+        ", hooks: {power_on: [./power_on], power_off: [./power_off], reset: [./power_on], "
+        "console: [sh, -c, 'echo console of \"$CAS_BOARD_DEVICE\"; [ -e boards.yaml ]; echo $?'], "
+        "flash: {command: [./flash, \"${CAS_BOARD_FILE}\"], timeout_s: 5}}}\n";
     folder.write(name + ".yaml", "schema: 1\nvehicle: " + source_dir() +
                                      "/config/vehicles/iris_paper.yaml\nsystem_id: " + system +
                                      "\nsensors: rtk\n");

@@ -22,7 +22,7 @@ struct ShelfAnswer {
 /// hooks are the programs that a user has; a file NAME.defect says what a board does wrong:
 ///   absent   its port does not come      silent   it comes, and the firmware hangs
 ///   slow     it comes late               hang     the flash tool hangs
-///   broken   the flash tool fails
+///   broken   the flash tool fails    stuck    its power switch and its button do nothing
 class BoardShelf {
  public:
   /// @param boards  the names of boards, each with further keys of boards.yaml behind a space:

@@ -6,13 +6,19 @@
 namespace cas::hils {
 namespace {
 
-const LockHolder kHolder{
-    .pid = 12, .user = "ann", .since = "2026-03-01T12:00:00Z", .purpose = "hils run hover.yaml"};
+const LockHolder kHolder{.pid = 12,
+                         .user = "ann",
+                         .since = "2026-03-01T12:00:00Z",
+                         .purpose = "hils run hover.yaml",
+                         .token = "ab12",
+                         .in_background = true};
 
 TEST(LockHolder, IsReadAsItWasWritten) {
   const auto read = LockHolder::parse(kHolder.text());
   ASSERT_TRUE(read);
   EXPECT_EQ(to_words(*read), "process 12 of ann since 2026-03-01T12:00:00Z: hils run hover.yaml");
+  EXPECT_EQ(read->token, "ab12");
+  EXPECT_TRUE(read->in_background);
 }
 
 TEST(LockHolder, KeepsToItsLine) {
@@ -31,10 +37,11 @@ TEST(LockHolder, IsNoneWhileItIsBeingWritten) {
   }
 }
 
-TEST(LockHolder, VariableHoldsNumbers) {
-  EXPECT_TRUE(parse_holder_variable(nullptr).empty());
-  EXPECT_TRUE(parse_holder_variable("no,,-1,12x").empty());
-  EXPECT_EQ(parse_holder_variable("12,34"), (std::vector<pid_t>{12, 34}));
+TEST(LockHolder, IsKnownByItsWholeToken) {
+  EXPECT_FALSE(names_token(nullptr, "ab12"));
+  EXPECT_FALSE(names_token("ab1,ab123", "ab12"));
+  EXPECT_FALSE(names_token(",,", "")) << "of a file without a token";
+  EXPECT_TRUE(names_token("cd34,ab12", "ab12"));
 }
 
 TEST(LockQueue, IsInTheOrderOfComing) {
