@@ -52,17 +52,24 @@ function drawMarks(u: uPlot, data: PlotData): void {
     ctx.fillRect(a, bbox.top, b - a, bbox.height);
     ctx.globalAlpha = 1;
   }
+  const right = bbox.left + bbox.width;
+  const gap = 3 * devicePixelRatio;
+  ctx.font = `${10 * devicePixelRatio}px system-ui, sans-serif`;
+  let taken = bbox.left;  // where the label before this one ends
   for (const mark of data.marks ?? []) {
     const x = u.valToPos(mark.x, 'x', true);
-    if (x < bbox.left || x > bbox.left + bbox.width) continue;
+    if (x < bbox.left || x > right) continue;
     ctx.strokeStyle = ctx.fillStyle = mark.fault ? kColours[4]! : colour('--quiet');
     ctx.lineWidth = 1;
     ctx.beginPath();
     ctx.moveTo(x, bbox.top);
     ctx.lineTo(x, bbox.top + bbox.height);
     ctx.stroke();
-    ctx.font = `${10 * devicePixelRatio}px system-ui, sans-serif`;
-    ctx.fillText(mark.text, x + 3 * devicePixelRatio, bbox.top + 10 * devicePixelRatio);
+    const width = ctx.measureText(mark.text).width;
+    const from = x + gap + width > right ? x - gap - width : x + gap;
+    const row = from < taken ? 2 : 1;
+    ctx.fillText(mark.text, from, bbox.top + 10 * row * devicePixelRatio);
+    if (row === 1) taken = from + width;
   }
   ctx.restore();
 }
