@@ -142,6 +142,18 @@ TEST(Examples, SigningSignsAndTellsWhichPacketsAre) {
             "1/1 HEARTBEAT replayed\n1/1 ATTITUDE replayed\n");
 }
 
+TEST(Examples, SigningSaysThatNothingCameAndWhatItLeavesOut) {
+  for (const std::string what : {"sign", "check"}) {
+    EXPECT_EQ(Recording::printed_by("mavlink_signing " + what + " phrase 2>&1", "no packet", 1),
+              "no packet came\n");
+  }
+  const std::string stream = Recording().printed_by("mavlink_own_dialect 21.5");
+  EXPECT_EQ(Recording::printed_by("mavlink_signing check phrase", stream, 1),
+            "1/158 HEARTBEAT not signed\n");
+  EXPECT_EQ(Recording::printed_by("mavlink_signing check phrase 2>&1 >/dev/null", stream, 1),
+            "left out: 1 packets of messages that dialect common does not have\n");
+}
+
 TEST(Examples, OwnDialectSendsAndPrintsItsMessage) {
   const std::string stream = Recording().printed_by("mavlink_own_dialect 21.5");
   EXPECT_EQ(Recording::printed_by("mavlink_own_dialect", stream),
@@ -179,6 +191,17 @@ TEST_F(OnALine, MissionUploadPrintsWhatTheVehicleHas) {
                                   "47.3977420 8.5455940 10\n47.3978420 8.5455940 12.5\n"
                                   "47.3977420 8.5456940 10\n"),
             wanted);
+}
+
+TEST_F(OnALine, MissionUploadSendsNothingOfWhatAreNoWayPoints) {
+  const std::string program = "mavlink_mission_upload " + line_;
+  const std::string good = "47.3977420 8.5455940 10\n";
+  for (const std::string bad : {"", "hello\n", "47.4,8.5,10\n", "47.4 8.5\n", "47.4 8.5 10 x\n",
+                                "91 8.5 10\n", "47.4 1e300 10\n", "47.4 8.5 1e300\n"}) {
+    EXPECT_EQ(Recording::printed_by(program + " 2>&1", bad.empty() ? bad : good + bad, 2),
+              "each line must be LATITUDE LONGITUDE HEIGHT, in degrees and m; nothing was sent\n")
+        << bad;
+  }
 }
 
 TEST_F(OnALine, MissionUploadSaysWhatTheVehicleDoesNotTake) {

@@ -4,10 +4,15 @@
 //
 //   echo 47.3977420 8.5455940 10 | mavlink_mission_upload /dev/ttyACM0
 //   0: 47.3977420 8.5455940 10.0
+//
+// A line that is no way-point, or none at all, is refused before anything is sent.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <optional>
+#include <sstream>
+#include <string>
 #include <variant>
 
 #include "line.hpp"
@@ -22,9 +27,15 @@ using namespace cas::mav::services;
 
 namespace {
 
-MissionExchange::Items read_items() {
+/// Nothing where a line is no way-point, or there is none: an empty mission would clear the
+/// vehicle's.
+std::optional<MissionExchange::Items> read_items() {
   MissionExchange::Items items;
-  for (double lat = 0, lon = 0, height = 0; std::cin >> lat >> lon >> height;) {
+  for (std::string text; std::getline(std::cin, text);) {
+    std::istringstream words(text);
+    double lat = 0, lon = 0, height = 0;
+    if (!(words >> lat >> lon >> height) || !(words >> std::ws).eof()) return std::nullopt;
+    if (std::abs(lat) > 90 || std::abs(lon) > 180 || std::abs(height) > 100e3) return std::nullopt;
     items.push_back({.frame = mavlink::common::MavFrame::kGlobalRelativeAltInt,
                      .command = mavlink::common::MavCmd::kNavWaypoint,
                      .autocontinue = 1,
@@ -32,7 +43,7 @@ MissionExchange::Items read_items() {
                      .y = static_cast<std::int32_t>(std::lround(lon * 1e7)),
                      .z = static_cast<float>(height)});
   }
-  return items;
+  return items.empty() ? std::nullopt : std::optional(items);
 }
 
 }  // namespace
@@ -45,16 +56,22 @@ int main(int argc, char** argv) {
     std::cerr << "usage: mavlink_mission_upload DEVICE < WAYPOINTS\n";
     return 2;
   }
+  const auto items = read_items();
+  if (!items) {
+    std::cerr
+        << "each line must be LATITUDE LONGITUDE HEIGHT, in degrees and m; nothing was sent\n";
+    return 2;
+  }
   Encoder encode_packet(kSelf);
   MissionExchange mission([&](const MissionExchange::Message& message) {
     std::visit([&](const auto& m) { line.send(encode_packet(addressed(m, {1, 1}))); }, message);
   });
   bool ok = false;
-  mission.upload(read_items(), Clock::now(), [&](const Outcome& sent, const auto&) {
+  mission.upload(*items, Clock::now(), [&](const Outcome& sent, const auto&) {
     if (!sent.ok()) return static_cast<void>(std::cerr << sent.message << '\n');
-    mission.download(Clock::now(), [&](const Outcome& came, const MissionExchange::Items& items) {
+    mission.download(Clock::now(), [&](const Outcome& came, const MissionExchange::Items& theirs) {
       ok = came.ok();
-      for (const auto& item : items) {
+      for (const auto& item : theirs) {
         std::printf("%d: %.7f %.7f %.1f\n", item.seq, item.x * 1e-7, item.y * 1e-7, double{item.z});
       }
     });
