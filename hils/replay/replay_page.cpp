@@ -4,11 +4,11 @@
 #include <zlib.h>
 
 #include <array>
-#include <cstdint>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/read_file.hpp"
+#include "base/rpc/base64.hpp"
 
 namespace cas::hils {
 
@@ -61,24 +61,6 @@ void check_gzip(std::string_view bytes) {
   if (state != Z_STREAM_END) throw base::ConfigError("this is no record: it is not gzip, or cut");
 }
 
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kLetters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) {
-      return i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U;
-    };
-    const std::uint32_t three = byte(0) << 16U | byte(1) << 8U | byte(2);
-    text += kLetters[three >> 18U & 63U];
-    text += kLetters[three >> 12U & 63U];
-    text += i + 1 < bytes.size() ? kLetters[three >> 6U & 63U] : '=';
-    text += i + 2 < bytes.size() ? kLetters[three & 63U] : '=';
-  }
-  return text;
-}
-
 std::string replay_page(std::span<const std::string> records) {
   const std::filesystem::path file = template_file();
   std::string page = base::read_file(file).value_or("");
@@ -88,8 +70,8 @@ std::string replay_page(std::span<const std::string> records) {
   }
   std::string blocks;
   for (const std::string& record : records) {
-    blocks += "<script type=\"application/octet-stream\" class=\"record\">" + base64(record) +
-              "</script>\n";
+    blocks += "<script type=\"application/octet-stream\" class=\"record\">" +
+              base::rpc::to_base64(record) + "</script>\n";
   }
   return page.replace(place, kPlace.size(), blocks);
 }

@@ -13,8 +13,6 @@ namespace cas::hils {
 std::string gzip(std::string_view text);
 /// @throws base::ConfigError unless the bytes are gzip, and whole
 void check_gzip(std::string_view bytes);
-/// Base 64 of bytes (RFC 4648, Sect. 4).
-std::string base64(std::string_view bytes);
 
 /// The page that replays records without a server: replay.html of the built page with the records
 /// in it.

@@ -20,6 +20,7 @@
 
 #include "base/os/log.hpp"
 #include "base/os/thread.hpp"
+#include "base/rpc/base64.hpp"
 #include "base/rpc/server.hpp"
 #include "libsim/hilsim/control_description.hpp"
 #include "libsim/hilsim/fault_desk.hpp"
@@ -53,24 +54,6 @@ std::string status_line(const LoopFigures& f) {
                 base::to_seconds(f.time), f.paused ? "paused" : "running", f.real_time_factor,
                 static_cast<unsigned long long>(f.late_steps));
   return line;
-}
-
-std::string to_base64(std::string_view bytes) {
-  constexpr const char* kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t at) {
-      return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0U;
-    };
-    const unsigned three = byte(i) << 16U | byte(i + 1) << 8U | byte(i + 2);
-    text += kDigits[three >> 18U];
-    text += kDigits[three >> 12U & 63U];
-    text += i + 1 < bytes.size() ? kDigits[three >> 6U & 63U] : '=';
-    text += i + 2 < bytes.size() ? kDigits[three & 63U] : '=';
-  }
-  return text;
 }
 
 std::int64_t unix_us() {
@@ -227,7 +210,8 @@ struct ControlServer::Impl {
           return reply.error(base::rpc::kInvalidParams, "there is no such mesh", nullptr);
         }
         reply.result({{"bytes", bytes->size()},
-                      {"base64", to_base64(std::string_view(*bytes).substr(offset, kMeshPiece))}});
+                      {"base64",
+                       base::rpc::to_base64(std::string_view(*bytes).substr(offset, kMeshPiece))}});
       });
     });
   }

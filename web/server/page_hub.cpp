@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
-#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "base/os/log.hpp"
+#include "base/rpc/base64.hpp"
 #include "web/server/link_report.hpp"
 #include "web/server/page_client.hpp"
 
@@ -59,29 +59,6 @@ struct Question {
   std::string method;
   Json params{};
 };
-
-int digit_of(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  return c == '+' ? 62 : c == '/' ? 63 : -1;
-}
-
-std::string from_base64(std::string_view text) {
-  std::string bytes;
-  unsigned bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    const int digit = digit_of(c);
-    if (digit < 0) break;  // '=' ends it
-    bits = (bits << 6U | static_cast<unsigned>(digit)) & 0xFFFFFFU;
-    count += 6;
-    if (count < 8) continue;
-    count -= 8;
-    bytes += static_cast<char>(bits >> static_cast<unsigned>(count) & 0xFFU);
-  }
-  return bytes;
-}
 
 /// The values of the watched fields, in their order; null for one that is not there.
 Json sample_of(const ValueWatch& watch, const Json& fields, double t_s) {
@@ -536,7 +513,7 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     std::size_t under_way = 0;
     for (const auto& [other, each] : fetches) under_way += each.whole;
     if (fetch.whole > kMaxMeshes || under_way > kMaxMeshes) return end_fetch(hash, nullptr);
-    const std::string more = from_base64(text.get_ref<const std::string&>());
+    const std::string more = base::rpc::from_base64(text.get_ref<const std::string&>());
     *fetch.bytes += more;
     if (fetch.bytes->size() < fetch.whole && !more.empty()) {
       return fetch_piece(hash, fetch.bytes->size());

@@ -25,14 +25,6 @@ TEST(ReplayColumn, IsTheDifferencesOfWholeSteps) {
   EXPECT_EQ(column_json(huge, 1).at("d").at(0).get<double>(), 9e15);
 }
 
-TEST(ReplayPage, Base64IsThatOfTheStandard) {  // RFC 4648, Sect. 10
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foob\xff"), "Zm9vYv8=");
-}
-
 TEST(ReplayPage, GzipIsRepeatableAndCheckedToItsEnd) {
   const std::string text(100'000, 'a');
   EXPECT_EQ(gzip(text), gzip(text));
