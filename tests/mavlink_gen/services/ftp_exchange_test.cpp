@@ -369,6 +369,38 @@ TEST_F(Ftp, EachRefusalHasWords) {
   }
 }
 
+TEST_F(Ftp, WhateverIsAnsweredATransferEnds) {
+  std::mt19937 random(5);
+  const auto any = [&](std::uint32_t below) {
+    return static_cast<std::uint32_t>(random()) % below;
+  };
+  constexpr std::array kOffsets{0U, 239U, 478U, 999U, 1000U, 0xFFFFFFFFU};
+  for (int round = 0; round < 300; ++round) {
+    const int before = ended_;
+    if (round % 3 == 0) exchange_.list("a", now_, done());
+    if (round % 3 == 1) exchange_.download("a", now_, done());
+    if (round % 3 == 2) exchange_.upload("a", some_bytes(500), now_, done());
+    for (int i = 0; i < 200 && exchange_.busy(); ++i) {
+      FtpPayload reply = answer(any(4) == 0 ? Opcode::kNak : Opcode::kAck);
+      reply.seq = static_cast<std::uint16_t>(reply.seq + any(3) * any(3));
+      reply.offset = any(2) == 0 ? reply.offset : kOffsets[any(kOffsets.size())];
+      for (auto& byte : reply.data) byte = static_cast<std::uint8_t>(any(4) == 0 ? any(256) : 0);
+      reply.data[0] = static_cast<std::uint8_t>(any(12));
+      reply.data[1] = 3;  // with data[0] a length of about 768 bytes
+      reply.data[2] = reply.data[3] = 0;
+      reply.size = static_cast<std::uint8_t>(any(256));
+      reply.burst_complete = any(8) == 0;
+      if (any(8) == 0) reply.session = static_cast<std::uint8_t>(any(3));
+      deliver(reply);
+      pass(10ms);
+    }
+    time_out();
+    EXPECT_EQ(ended_, before + 1);
+    EXPECT_LE(result_.bytes.size(), 1000U);
+    EXPECT_LE(result_.checked, outcome_->ok());
+  }
+}
+
 // Client and server, over a line that loses, doubles and swaps packets.
 
 struct LineCase {
