@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "casd/packet/intervention.hpp"
 
 namespace cas::hils {
 namespace {
@@ -18,21 +21,33 @@ constexpr double kLate_s = 3;
 constexpr const char* kStays = "; hils does not arm it again";
 
 bool has_vehicle_do(const OutsideCall& call) {
-  return call.method.starts_with("vehicle.") && is_act(call);
+  if (call.method.starts_with("vehicle.")) return is_act(call);
+  if (call.method != "param.set") return false;
+  const auto params = nlohmann::json::parse(call.params, nullptr, false);
+  return !params.is_object() || casd::is_of_disarming(params.value("name", ""));
 }
 
 /// The call or act that counts most: one that disarms before all others.
 std::string first_hand(const OutsideHands& hands) {
-  const auto disarm = std::ranges::find(hands.calls, "vehicle.disarm", &OutsideCall::method);
+  const auto disarm = std::ranges::find_if(hands.calls, may_disarm);
   const auto call =
       disarm != hands.calls.end() ? disarm : std::ranges::find_if(hands.calls, has_vehicle_do);
   if (call != hands.calls.end() && (call == disarm || hands.acts.empty())) {
-    return fmt::format("{} called {}", call->client, call->method);
+    const bool is_plain = call->method == "vehicle.disarm" || call->params == "{}";
+    return fmt::format("{} called {}{}", call->client, call->method,
+                       is_plain ? "" : " " + call->params);
   }
   if (hands.acts.empty()) return {};
   const auto stop = std::ranges::find_if(hands.acts, &HeardAct::disarms);
   const HeardAct& act = stop == hands.acts.end() ? hands.acts.front() : *stop;
   return fmt::format("{}: {}", act.by, act.what);
+}
+
+std::string forgotten_words(const OutsideHands& hands) {
+  return fmt::format(
+      "casd has forgotten {} calls of its command port, so it is not known whether "
+      "somebody disarmed the vehicle",
+      hands.forgotten_calls);
 }
 
 /// How the disarming went by the vehicle itself; empty: it was its own.
@@ -54,20 +69,22 @@ std::string doubt(const Disarming& disarming) {
 }  // namespace
 
 std::string arm_fault(const OutsideHands& hands) {
-  const bool disarmed = std::ranges::any_of(hands.acts, &HeardAct::disarms) ||
-                        std::ranges::any_of(hands.calls, [](const OutsideCall& call) {
-                          return call.method == "vehicle.disarm";
-                        });
-  if (!disarmed) return {};
-  return fmt::format(
-      "somebody disarmed the vehicle before hils armed it ({}); hils does not arm it",
-      first_hand(hands));
+  if (std::ranges::any_of(hands.acts, &HeardAct::disarms) ||
+      std::ranges::any_of(hands.calls, may_disarm)) {
+    return fmt::format(
+        "somebody disarmed the vehicle, or may have, before hils armed it ({}); hils does not arm "
+        "it",
+        first_hand(hands));
+  }
+  if (hands.forgotten_calls > 0) return forgotten_words(hands) + "; hils does not arm it";
+  return {};
 }
 
 std::string rearm_fault(const Disarming& disarming) {
   if (const std::string who = first_hand(disarming.hands); !who.empty()) {
     return fmt::format("the vehicle was disarmed from outside ({}){}", who, kStays);
   }
+  if (disarming.hands.forgotten_calls > 0) return forgotten_words(disarming.hands) + kStays;
   if (disarming.highest_m > kOnGround_m) {
     return fmt::format("the vehicle was disarmed after it had been {:.1f} m above the ground{}",
                        disarming.highest_m, kStays);

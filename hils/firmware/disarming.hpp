@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,10 +16,11 @@ namespace cas::hils {
 struct OutsideHands {
   std::vector<OutsideCall> calls{};
   std::vector<HeardAct> acts{};
+  std::uint64_t forgotten_calls = 0;  ///< older ones, which casd does not know any more
 };
 
-/// Why a vehicle is not armed for the first time: somebody has disarmed it, or tried to. Empty:
-/// nobody has.
+/// Why a vehicle is not armed for the first time: somebody has disarmed it, or tried to, or may
+/// have. Empty: nobody has.
 std::string arm_fault(const OutsideHands& hands);
 
 /// What is known of a vehicle that hils armed, that has not taken off and is armed no more.

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
@@ -208,16 +209,35 @@ class FirmwarePilot {
     seen_armed_ = seen_armed_ || vehicle.armed;
   }
 
+  /// Whether a disarm step is over since the newest arming, and it is known that hils disarmed the
+  /// vehicle, or that it did so itself after landing.
+  bool has_ended_flight() {
+    const auto since = plan_.stages() | std::views::drop(stages_when_armed_);
+    const auto disarms = [](const Stage& stage) { return stage.step.kind == StepKind::kDisarm; };
+    return std::ranges::any_of(since, disarms) &&
+           (gave_disarm_ || disarm_words().ends_with("by landing"));
+  }
+
+  /// The next arming is as the first one.
+  void begin_next_flight() {
+    was_armed_ = seen_armed_ = false;
+    armed_again_ = 0;
+    disarmed_at_.reset();
+    highest_m_ = 0;
+  }
+
   void give(const FlightStep& command) {
+    if (command.kind == StepKind::kArm && was_armed_ && has_ended_flight()) begin_next_flight();
     const bool again = command.kind == StepKind::kArm && was_armed_;
     if (command.kind == StepKind::kArm) {
       plan_.fail(again ? rearm_fault(disarming()) : arm_fault(outside_hands()));
       if (!plan_.failure().empty()) return;
     }
     const std::string refusal =
-        hils::give(casd_, command, scenario_.not_hil, std::nullopt, &own_calls_);
+        hils::give(casd_, command, scenario_.not_hil, std::nullopt, &own_calls_, acts_so_far_);
     const base::SimTime now = look();
     plan_.on_outcome(now, refusal);
+    if (command.kind == StepKind::kDisarm && refusal.empty()) gave_disarm_ = true;
     if (command.kind != StepKind::kArm) return;
     // A vehicle that was stopped at its board refuses: asking on and on would start it in the
     // moment in which somebody lets it go.
@@ -229,18 +249,26 @@ class FirmwarePilot {
     armed_at_ = now;
     armed_wall_ = base::steady_now();
     disarmed_at_.reset();
+    gave_disarm_ = false;
+    stages_when_armed_ = plan_.stages().size();
   }
 
+  /// What comes later than this look keeps casd from arming.
   OutsideHands outside_hands() {
-    return {.calls = read_outside_calls(casd_, own_calls_), .acts = vehicle_report(casd_).acts};
+    const VehicleReport vehicle = vehicle_report(casd_);
+    acts_so_far_ = vehicle.acts_so_far;
+    const Json journal = casd_.call("casd.journal", Json::object());
+    return {.calls = outside_calls(journal, own_calls_),
+            .acts = vehicle.acts,
+            .forgotten_calls = journal.at("forgotten").get<std::uint64_t>()};
   }
 
   Disarming disarming() {
     Disarming all{.words = disarm_words(), .highest_m = highest_m_, .armed_again = armed_again_};
-    all.hands = outside_hands();
     all.autopilot = vehicle_report(casd_).autopilot;
     if (disarmed_at_) all.armed_s = base::to_seconds(*disarmed_at_ - armed_at_);
     if (all.autopilot == "ArduPilot") all.delay_s = parameter("DISARM_DELAY");
+    all.hands = outside_hands();  // last: the rest takes its time
     return all;
   }
 
@@ -376,6 +404,9 @@ class FirmwarePilot {
   bool was_armed_ = false;   ///< by HEARTBEAT or because it accepted
   bool seen_armed_ = false;  ///< by HEARTBEAT, since it last accepted
   int armed_again_ = 0;
+  std::uint64_t acts_so_far_ = 0;
+  std::size_t stages_when_armed_ = 0;  ///< the last time
+  bool gave_disarm_ = false;           ///< since then, and it was accepted
   base::SimTime armed_at_;
   base::RunTime armed_wall_{};  ///< the same by this machine's clock
   std::optional<base::SimTime> disarmed_at_;

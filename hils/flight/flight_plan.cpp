@@ -36,8 +36,10 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
   while (!done() && failure_.empty()) {
     const FlightStep& step = steps_[current_];
     if (!begun_ && others_through >= current_) begin_step(now, step);
+    // A takeoff that was accepted has begun once the vehicle does not say that it is on the ground.
+    if (takeoff_accepted_ && vehicle.heard && !vehicle.on_ground) lifted_off_ = true;
     const bool disarmed = begun_ && lost_its_arming(step, now, vehicle);
-    if (disarmed && step.kind == StepKind::kArm) phase_ = Phase::kBegin;
+    if (disarmed && !lifted_off_) phase_ = Phase::kBegin;
     if (begun_ && phase_ == Phase::kBegin && vehicle.heard && now >= retry_at_ &&
         !bides(step, now, vehicle)) {
       if (needs_command(step, vehicle)) {
@@ -47,8 +49,7 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
       }
       phase_ = Phase::kWaiting;
     }
-    const bool taking_off = disarmed && step.kind == StepKind::kTakeoff;
-    if ((airborne_ && !vehicle.armed && vehicle.heard) || taking_off) {
+    if ((airborne_ && !vehicle.armed && vehicle.heard) || (disarmed && lifted_off_)) {
       failure_ = std::string(kDisarmedDuring) + std::string(to_string(step.kind));
       break;
     }
@@ -83,6 +84,7 @@ void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
   if (refusal.empty() && !again) {
     phase_ = Phase::kWaiting;
     accepted_ = now;
+    takeoff_accepted_ = steps_[current_].kind == StepKind::kTakeoff;
     return;
   }
   phase_ = Phase::kBegin;
@@ -114,6 +116,8 @@ std::optional<Stage> FlightPlan::measured() const {
 bool FlightPlan::needs_command(const FlightStep& step, const VehicleReport& vehicle) const {
   if (!is_command(step.kind)) return false;
   if (step.kind == StepKind::kDisarm) return vehicle.armed;
+  // Armed again in its takeoff mode, it takes off by itself.
+  if (step.kind == StepKind::kTakeoff) return !lifted_off_;
   return true;
 }
 
@@ -193,6 +197,7 @@ void FlightPlan::begin_step(base::SimTime now, const FlightStep& step) {
   accepted_ = now;
   retry_at_ = now;
   still_since_.reset();
+  takeoff_accepted_ = lifted_off_ = false;
   last_refusal_.clear();
   if (step.kind == StepKind::kTakeoff) reference_m_ = {0, 0, step.altitude_m};
   if (step.kind == StepKind::kGoto) {

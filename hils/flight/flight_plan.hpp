@@ -45,6 +45,7 @@ struct VehicleReport {
   double yaw_rad = 0;
   std::optional<Motion> truth{};  ///< what the simulator knows, where it is at hand
   std::vector<HeardAct> acts{};   ///< of others than casd's own station, oldest first
+  std::uint64_t acts_so_far = 0;  ///< as casd counts them
   std::string disarm_words{};     ///< what it said of its newest disarming: "Disarmed by landing"
   double disarm_words_age_s = 0;  ///< by casd's clock
 
@@ -64,10 +65,10 @@ struct Stage {
 
 /// What stock firmware does and our controller does not.
 struct FirmwareHabits {
-  /// It accepts arming before it can take off, refuses to take off and disarms itself (PX4 v1.12.0
-  /// after 8 s, ArduCopter 4.5.6 after 10 s). So it is armed once it has its position, and again
-  /// where it is armed no more and has not accepted the takeoff: whoever gives the command asks
-  /// first who disarmed it (rearm_fault()).
+  /// It accepts arming before it can take off, and disarms itself on the ground (PX4 v1.12.0 after
+  /// 8 s, ArduCopter 4.5.6 after 10 s), whether it has refused the takeoff or accepted it a moment
+  /// before. So it is armed once it has its position, and again where it is armed no more and has
+  /// not lifted off: whoever gives the command asks first who disarmed it (rearm_fault()).
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
@@ -146,8 +147,10 @@ class FlightPlan {
   std::optional<base::SimTime> still_since_;
   std::optional<base::SimTime> armed_again_;  ///< in a takeoff step, when that was accepted
   bool begun_ = false;
-  bool rearming_ = false;  ///< the command under way arms, whatever the step is
-  bool airborne_ = false;  ///< between takeoff and land: disarming is a crash
+  bool rearming_ = false;          ///< the command under way arms, whatever the step is
+  bool takeoff_accepted_ = false;  ///< in the step under way
+  bool lifted_off_ = false;        ///< in the step under way, after it was accepted
+  bool airborne_ = false;          ///< between takeoff and land: disarming is a crash
   Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
   double reference_yaw_rad_ = 0;
   std::string last_refusal_;

@@ -250,12 +250,14 @@ std::vector<OutsideCall> outside_calls(const json& journal, CallList own, const 
   for (const json& call : journal.at("calls")) {
     const std::string params =
         call.at("params").dump(-1, ' ', false, json::error_handler_t::replace);
-    const auto mine =
-        std::ranges::find(own, std::pair{call.at("method").get<std::string>(), params});
-    if (mine != own.end()) {
-      own.erase(mine);
-      continue;
+    const std::pair asked{call.at("method").get<std::string>(), params};
+    auto times = call.value("times", std::uint64_t{1});
+    for (auto mine = own.begin(); times > 0; --times) {
+      mine = std::find(mine, own.end(), asked);
+      if (mine == own.end()) break;
+      mine = own.erase(mine);
     }
+    if (times == 0) continue;
     calls.push_back({.log_us = call.at("unix_us").get<std::int64_t>(),
                      .client = call.at("client").get<std::string>(),
                      .method = call.at("method").get<std::string>(),
@@ -274,6 +276,18 @@ bool is_act(const OutsideCall& call) {
   if (call.method != "vehicle.command") return true;
   const json params = json::parse(call.params, nullptr, false);
   return !params.is_object() || !casd::only_asks(static_cast<MavCmd>(params.value("command", 0)));
+}
+
+bool may_disarm(const OutsideCall& call) {
+  if (call.method == "vehicle.disarm") return true;
+  if (call.method != "vehicle.command") return false;
+  const json params = json::parse(call.params, nullptr, false);
+  if (!params.is_object()) return true;  // too long to be kept
+  const auto command = static_cast<MavCmd>(params.value("command", 0));
+  const json numbers = params.value("params", json::array());
+  const json first = numbers.empty() ? json(0) : numbers.front();
+  if (command == MavCmd::kComponentArmDisarm) return first != 1;
+  return command == MavCmd::kDoFlighttermination && first != 0;
 }
 
 bool FlightChanges::from_outside() const {

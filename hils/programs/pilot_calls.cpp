@@ -42,6 +42,7 @@ VehicleReport to_report(const Json& state) {
   report.autopilot = state.value("autopilot", "");
   report.hil = state.value("hil", false);
   report.armed = state.value("armed", false);
+  report.acts_so_far = state.value("acts_so_far", std::uint64_t{0});
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
   report.on_ground = landed == "on_ground";
@@ -135,10 +136,11 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
 }
 
 std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                 AskedVehicle vehicle, CallList* asked) {
+                 AskedVehicle vehicle, CallList* asked, std::optional<std::uint64_t> acts_so_far) {
   try {
     for (auto& [method, params] : to_calls(step)) {
       if (step.kind == StepKind::kArm && not_hil) params["not_hil"] = true;
+      if (step.kind == StepKind::kArm && acts_so_far) params["acts_so_far"] = *acts_so_far;
       const Json whole = to(vehicle, params);
       if (asked != nullptr) asked->emplace_back(method, whole.dump());
       casd.call(method, whole, kCommandPatience);

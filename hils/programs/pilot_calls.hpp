@@ -26,8 +26,10 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {})
 
 /// Has casd give a step's commands. @return why one was refused; empty when all were accepted
 /// @param asked  the calls are added to it
+/// @param acts_so_far  by VehicleReport: casd does not arm if somebody has commanded since
 std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                 AskedVehicle vehicle = {}, CallList* asked = nullptr);
+                 AskedVehicle vehicle = {}, CallList* asked = nullptr,
+                 std::optional<std::uint64_t> acts_so_far = {});
 
 /// What others than hils had casd do (casd.journal). @param own  what hils asked
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own);

@@ -82,5 +82,42 @@ TEST_F(FirmwareDisarm, AtTheBoardIsNotUndone) {
   EXPECT_EQ(armings(), 1) << output();
 }
 
+/// @param word  it refuses the first takeoffs, or accepts the first one and stays where it is
+class FirmwareDisarmByItself : public FirmwareDisarm,
+                               public testing::WithParamInterface<const char*> {};
+
+TEST_P(FirmwareDisarmByItself, IsUndone) {
+  start(GetParam());
+  EXPECT_EQ(fly(), 0) << output();
+  EXPECT_GE(armings(), 2) << output();
+}
+
+INSTANTIATE_TEST_SUITE_P(Words, FirmwareDisarmByItself, testing::Values("early", "idle"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST_F(FirmwareDisarm, WhileAnAcceptedTakeoffDoesNotLiftIsNotUndone) {
+  start("sleepy");
+  int beats = 0;
+  const auto code = fly([&](const mav::PacketView& packet) {
+    if (!is_armed_heartbeat(packet) || ++beats < 5) return;
+    say(command_to_vehicle(mv::MavCmd::kComponentArmDisarm));
+  });
+  EXPECT_EQ(code, 1) << output();
+  EXPECT_TRUE(
+      says("the vehicle was disarmed from outside (255/190 on link gcs: command 400 "
+           "(disarm)); hils does not arm it again"))
+      << output();
+  EXPECT_EQ(armings(), 1) << output();
+}
+
+TEST_F(FirmwareDisarm, OfTheScenarioIsFollowedByAnotherFlight) {
+  start("plain", "", std::string(kOneFlight) + R"(  - arm: {timeout_s: 100}
+  - takeoff: {altitude_m: 2, timeout_s: 200}
+  - land: {timeout_s: 100}
+)");
+  EXPECT_EQ(fly(), 0) << output();
+  EXPECT_EQ(armings(), 2) << output();
+}
+
 }  // namespace
 }  // namespace cas::test

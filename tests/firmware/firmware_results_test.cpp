@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a flight of stock firmware takes and leaves beside the steps.
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "tests/firmware/sitl_flight.hpp"
@@ -39,6 +40,16 @@ TEST_F(FirmwareResults, MissALimitThatTheFlightDoesNotKeep) {
   EXPECT_TRUE(says("rate of ATTITUDE ")) << output();
   EXPECT_TRUE(says("RMS error of the estimate in z_m is ")) << output();
   EXPECT_EQ(summary().at("missed").size(), 2U);
+}
+
+TEST_F(FirmwareResults, OfAnEarlierRunDoNotOutliveOneThatStops) {
+  constexpr std::array kFiles{"summary.json", "junit.xml", "report.html", "replay.html"};
+  for (const char* file : kFiles) folder_.write(std::string("out/") + file, "passed");
+  start("too, many, words");  // the firmware ends at once
+  EXPECT_NE(fly(), 0) << output();
+  for (const char* file : kFiles) {
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out" / file)) << file;
+  }
 }
 
 }  // namespace

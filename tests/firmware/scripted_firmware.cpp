@@ -83,6 +83,10 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   constexpr base::Duration kLong = std::chrono::hours(10);
   // Refuses to take off at first, and disarms itself.
   if (word == "early") return {.takes_off_after = base::RunTime(seconds(15))};
+  // Accepts its first takeoff in vain, and disarms itself.
+  if (word == "idle") return {.stays_at_first = true};
+  // The same, and stays armed until it is disarmed.
+  if (word == "sleepy") return {.stays_at_first = true, .disarms_itself_after = kLong};
   // Refuses to take off, stays armed until it is disarmed, and does not say who did it.
   if (word == "taciturn") {
     return {.takes_off_after = kNever, .disarms_itself_after = kLong, .tells_who_disarms = false};

@@ -218,7 +218,7 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
     if (armed_early_at_) heartbeat->base_mode |= mv::MavModeFlag::kSafetyArmed;
     return ground_.send(*heartbeat);
   }
-  if (!say_v1_12(packet)) ground_.forward(bytes);
+  if (!say_v1_12(packet) && !say_who_disarmed(packet)) ground_.forward(bytes);
 }
 
 void ScriptedPx4::on_ground_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
@@ -256,20 +256,33 @@ bool ScriptedPx4::lacks_position() const {
 
 bool ScriptedPx4::refuses_takeoff() const {
   const bool is_sitl = options_.mode == Px4Mode::kSitl;
-  return lacks_position() || (is_sitl && clock_ < options_.takes_off_after);
+  const bool stays = options_.stays_at_first && !has_disarmed_itself_;
+  return lacks_position() || (is_sitl && (clock_ < options_.takes_off_after || stays));
 }
 
 void ScriptedPx4::disarm_in_time() {
   if (!armed_early_at_) return;
   const base::Duration armed = clock_ - *armed_early_at_;
   if (options_.stopped_after && armed >= *options_.stopped_after) return armed_early_at_.reset();
-  if (armed >= options_.disarms_itself_after) disarm("auto preflight disarming");
+  if (armed < options_.disarms_itself_after) return;
+  has_disarmed_itself_ = true;
+  disarm("auto preflight disarming");
 }
 
 void ScriptedPx4::disarm(const char* by) {
   armed_early_at_.reset();
   if (!options_.tells_who_disarms) return;
   say(std::string("Disarmed by ") + by, mv::MavSeverity::kInfo);
+}
+
+/// PX4's words for what our controller disarms by itself.
+bool ScriptedPx4::say_who_disarmed(const mav::PacketView& packet) {
+  const auto text = mav::decode<mv::Statustext>(packet);
+  if (!text || options_.mode != Px4Mode::kSitl) return false;
+  const bool has_landed = mav::text(text->text) == "Disarmed after landing";
+  if (!has_landed && mav::text(text->text) != "Disarmed: no take-off") return false;
+  disarm(has_landed ? "landing" : "auto preflight disarming");
+  return true;
 }
 
 /// The commands that stock PX4 answers otherwise than our controller.
@@ -285,7 +298,9 @@ bool ScriptedPx4::answers_its_own_way(const mav::PacketView& packet) {
       return command->param1 != 0 && disarm_early(*command, packet.source);
     case mv::MavCmd::kNavTakeoff:
       if (!refuses_takeoff()) return false;
-      acknowledge(command->command, packet.source, mv::MavResult::kTemporarilyRejected);
+      acknowledge(
+          command->command, packet.source,
+          options_.stays_at_first ? mv::MavResult::kAccepted : mv::MavResult::kTemporarilyRejected);
       return true;
     case mv::MavCmd::kDoSetMode: {
       // v1.16.1: accepted, then rejected, and the mode stays.

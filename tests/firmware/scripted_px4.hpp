@@ -60,6 +60,8 @@ class ScriptedPx4 {
     int boot_samples = 40;
     /// SITL: until then it says that it has a position, accepts arming and refuses to take off.
     base::RunTime takes_off_after{};
+    /// SITL: accepts arming and takeoff, and stays on the ground until it has disarmed itself once.
+    bool stays_at_first = false;
     /// SITL: what is armed and does not take off disarms itself after this long (v1.12.0).
     base::Duration disarms_itself_after = std::chrono::seconds(8);
     /// SITL: somebody stops it at its board so long after it was armed, while it refuses to take
@@ -111,6 +113,7 @@ class ScriptedPx4 {
   bool disarm_early(const mavlink::common::CommandLong& command, mav::Source from);
   void disarm_in_time();
   void disarm(const char* by);
+  bool say_who_disarmed(const mav::PacketView& packet);
   void acknowledge(mavlink::common::MavCmd command, mav::Source to,
                    mavlink::common::MavResult result);
   bool lacks_position() const;
@@ -145,6 +148,7 @@ class ScriptedPx4 {
   std::array<float, 4> motors_{};
   bool armed_ = false;
   std::optional<base::RunTime> armed_early_at_;
+  bool has_disarmed_itself_ = false;
   std::vector<std::string> complaints_;
 };
 

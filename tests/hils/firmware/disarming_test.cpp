@@ -20,8 +20,9 @@ HeardAct act(const char* what, bool disarms) {
   return {.by = "255/190 on link gcs", .what = what, .disarms = disarms};
 }
 
-OutsideCall call(const char* method) {
+OutsideCall call(const char* method, const char* params = "{}") {
   OutsideCall made;
+  made.params = params;
   made.client = "unix:uid 1000";
   made.method = method;
   return made;
@@ -72,6 +73,21 @@ INSTANTIATE_TEST_SUITE_P(
                     d.hands.calls = {call("param.set"), call("vehicle.disarm")};
                   }),
              "from outside (unix:uid 1000 called vehicle.disarm)"},
+        Case{"RawCommand",
+             with(auto_disarmed(),
+                  [](Disarming& d) {
+                    d.hands.calls = {call("vehicle.command", R"({"command":400,"params":[0]})")};
+                  }),
+             R"((unix:uid 1000 called vehicle.command {"command":400,"params":[0]}))"},
+        Case{"ItsOwnDelayWasChanged",
+             with(auto_disarmed(),
+                  [](Disarming& d) {
+                    d.hands.calls = {call("param.set", R"({"name":"COM_DISARM_PRFLT","value":1})")};
+                  }),
+             R"(called param.set {"name":"COM_DISARM_PRFLT","value":1})"},
+        Case{"ForgottenCalls",
+             with(auto_disarmed(), [](Disarming& d) { d.hands.forgotten_calls = 3; }),
+             "casd has forgotten 3 calls of its command port, so it is not known"},
         Case{"AboveTheGround", with(auto_disarmed(), [](Disarming& d) { d.highest_m = 0.5; }),
              "after it had been 0.5 m above the ground"},
         Case{"KillSwitch",
@@ -97,10 +113,24 @@ TEST(Disarming, BeforeTheFirstArmingKeepsTheVehicleDisarmed) {
   EXPECT_EQ(arm_fault({.calls = {call("param.set"), call("vehicle.arm")},
                        .acts = {act("another mode", false)}}),
             "");
-  EXPECT_EQ(arm_fault({.calls = {}, .acts = {act("command 400 (disarm)", true)}}),
-            "somebody disarmed the vehicle before hils armed it (255/190 on link gcs: command 400 "
-            "(disarm)); hils does not arm it");
-  EXPECT_NE(arm_fault({.calls = {call("vehicle.disarm")}, .acts = {}}), "");
+  EXPECT_EQ(
+      arm_fault({.calls = {}, .acts = {act("command 400 (disarm)", true)}}),
+      "somebody disarmed the vehicle, or may have, before hils armed it (255/190 on link gcs: "
+      "command 400 (disarm)); hils does not arm it");
+  for (const OutsideCall& disarm :
+       {call("vehicle.disarm"), call("vehicle.command", R"({"command":400,"params":[0]})"),
+        call("vehicle.command", R"({"command":400})"),
+        call("vehicle.command", R"({"command":400,"params":[null]})"),
+        call("vehicle.command", R"({"command":400,"params":[0.4]})"),
+        call("vehicle.command", R"({"command":185,"params":[1]})"),
+        call("vehicle.command", "null")}) {
+    EXPECT_NE(arm_fault({.calls = {disarm}, .acts = {}}), "") << disarm.method << disarm.params;
+  }
+  EXPECT_EQ(arm_fault({.calls = {call("vehicle.command", R"({"command":400,"params":[1]})"),
+                                 call("vehicle.command", R"({"command":185})")},
+                       .acts = {}}),
+            "");
+  EXPECT_NE(arm_fault({.calls = {}, .acts = {}, .forgotten_calls = 1}), "");
 }
 
 TEST(Disarming, NamesWhoHadAHandInIt) {

@@ -217,7 +217,8 @@ TEST(FlightPlan, WaitsForTheHeartbeatThatShowsStockFirmwareArmedAgain) {
   ASSERT_TRUE(plan.update(at(milliseconds(5100)), on_ground()));
 }
 
-TEST(FlightPlan, DoesNotWaitForATakeoffThatWasAcceptedAndThenDisarmed) {
+/// Armed, and its takeoff accepted after 1 s.
+FlightPlan accepted_takeoff() {
   FlightPlan plan(hover(), 0, kStock);
   VehicleReport vehicle = on_ground();
   plan.update(at(seconds(0)), vehicle);
@@ -225,6 +226,50 @@ TEST(FlightPlan, DoesNotWaitForATakeoffThatWasAcceptedAndThenDisarmed) {
   vehicle.armed = true;
   plan.update(at(seconds(1)), vehicle);
   plan.on_outcome(at(seconds(1)), "");
+  return plan;
+}
+
+TEST(FlightPlan, ArmsStockFirmwareAgainThatAcceptedTheTakeoffAndDisarmedItselfOnTheGround) {
+  FlightPlan plan = accepted_takeoff();
+  EXPECT_FALSE(plan.update(at(seconds(3)), on_ground())) << "its HEARTBEAT may be late";
+  const auto again = plan.update(at(seconds(5)), on_ground());
+  ASSERT_TRUE(again) << plan.failure();
+  EXPECT_EQ(again->kind, StepKind::kArm);
+  plan.on_outcome(at(seconds(5)), "");
+  VehicleReport vehicle = on_ground();
+  vehicle.armed = true;
+  const auto takeoff = plan.update(at(seconds(7)), vehicle);
+  ASSERT_TRUE(takeoff);
+  EXPECT_EQ(takeoff->kind, StepKind::kTakeoff);
+}
+
+// PX4 that is armed in its takeoff mode lifts off, and refuses another takeoff in the air.
+TEST(FlightPlan, GivesNoSecondTakeoffToWhatLiftsOffAsSoonAsItIsArmedAgain) {
+  FlightPlan plan = accepted_takeoff();
+  ASSERT_TRUE(plan.update(at(seconds(5)), on_ground()));
+  plan.on_outcome(at(seconds(5)), "");
+  VehicleReport climbing{.heard = true, .armed = true, .has_position = true};
+  EXPECT_FALSE(plan.update(at(seconds(7)), climbing));
+  EXPECT_FALSE(plan.update(at(seconds(9)), hovering()));
+  plan.update(at(seconds(11)), hovering());
+  EXPECT_EQ(plan.completed(), 2U) << plan.failure();
+}
+
+TEST(FlightPlan, DoesNotArmAgainWhatLiftedOffAndWasDisarmedBetweenTwoLooks) {
+  FlightPlan plan = accepted_takeoff();
+  ASSERT_TRUE(plan.update(at(seconds(5)), on_ground()));
+  plan.on_outcome(at(seconds(5)), "");
+  VehicleReport fallen{.heard = true, .has_position = true};
+  for (int s = 6; s < 20; ++s) EXPECT_FALSE(plan.update(at(seconds(s)), fallen));
+  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during takeoff");
+}
+
+TEST(FlightPlan, EndsWhereATakeoffHadBegunAndTheVehicleIsDisarmed) {
+  FlightPlan plan = accepted_takeoff();
+  VehicleReport climbing = on_ground();
+  climbing.armed = true;
+  climbing.on_ground = false;
+  plan.update(at(seconds(2)), climbing);
   EXPECT_FALSE(plan.update(at(seconds(5)), on_ground()));
   EXPECT_EQ(plan.failure(), "the vehicle was disarmed during takeoff");
 }

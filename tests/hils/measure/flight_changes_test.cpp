@@ -282,5 +282,18 @@ TEST(OutsideCalls, AreThoseThatHilsDidNotMake) {
   EXPECT_EQ(others[1].method, "gain.set");
 }
 
+TEST(OutsideCalls, WhatCameAgainCountsEachTime) {
+  const json journal{{"calls",
+                      {{{"unix_us", 5},
+                        {"client", "unix:uid 0"},
+                        {"method", "vehicle.arm"},
+                        {"params", json::object()},
+                        {"vehicle", 1},
+                        {"times", 2}}}}};
+  const std::pair<std::string, std::string> arm{"vehicle.arm", "{}"};
+  EXPECT_EQ(outside_calls(journal, {arm}).size(), 1U);
+  EXPECT_EQ(outside_calls(journal, {arm, arm}).size(), 0U);
+}
+
 }  // namespace
 }  // namespace cas::hils
