@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -258,21 +259,29 @@ int compare(const CompareFlags& flags) {
   return exit_code(results);
 }
 
+/// A sentence may quote a file: nothing in it reaches the terminal but its letters.
+void tell(const std::exception& error) {
+  std::string sentence = error.what();
+  std::ranges::replace_if(
+      sentence, [](unsigned char c) { return std::iscntrl(c) != 0 && c != '\n'; }, '?');
+  fmt::print(stderr, "hils: {}\n", sentence);
+}
+
 /// Runs a command and turns what it throws into a sentence and an exit code.
 int guarded(const std::function<int()>& command) {
   try {
     return command();
   } catch (const RunStopped& stopped) {
-    fmt::print(stderr, "hils: {}\n", stopped.what());
+    tell(stopped);
     return stopped.interrupted() ? kExitInterrupted : kExitInvalid;
   } catch (const BoardError& error) {
-    fmt::print(stderr, "hils: {}\n", error.what());
+    tell(error);
     return error.code();
   } catch (const base::ConfigError& error) {
-    fmt::print(stderr, "hils: {}\n", error.what());
+    tell(error);
     return kExitUsage;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "hils: {}\n", error.what());
+    tell(error);
     return kExitInvalid;
   }
 }

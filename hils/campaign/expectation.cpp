@@ -97,7 +97,9 @@ std::string mode_list(const std::vector<std::string>& modes) {
 
 std::string how_it_ended(const StrikeResponse& response) {
   if (response.incident) {
-    return fmt::format("incident: {}", to_string(*response.incident));
+    const bool more = response.crashed && *response.incident == IncidentKind::kGround;
+    return fmt::format("incident: {}{}", to_string(*response.incident),
+                       more ? ", and a crash" : "");
   }
   if (response.crashed) return "it was falling at the end";
   if (!response.completed) {

@@ -149,6 +149,11 @@ TEST_F(CampaignProgram, ListsTheCatalogueAndRefusesHalfACommand) {
       hils({file_.string(), "--out", (folder_ / "plan").string(), "--plan"}, 0);
   EXPECT_NE(planned.find("3 failures, 7 flights"), std::string::npos) << planned;
   EXPECT_TRUE(fs::exists(folder_ / "plan/table.csv"));
+  folder_.write("hops.yaml", std::string(kCampaign).replace(std::string(kCampaign).find("hover:"),
+                                                            6, "\"\\e[31m\":"));
+  const std::string refused = hils({file_.string(), "--out", (folder_ / "p").string()}, 2);
+  EXPECT_NE(refused.find("phases.?[31m: its name"), std::string::npos) << refused;
+  EXPECT_EQ(refused.find('\x1b'), std::string::npos);
 }
 
 }  // namespace

@@ -81,6 +81,14 @@ TEST(Expectation, OfWhatFellIsACrashAndNoLanding) {
   EXPECT_FALSE(miss_of(expectation("terminates"), fallen));
 }
 
+TEST(Expectation, SaysThatACrashCameAfterATouchOfTheGround) {
+  StrikeResponse fallen = landed();
+  fallen.incident = IncidentKind::kGround;
+  EXPECT_EQ(miss_of(expectation("stays_up"), fallen), "stays up: incident: ground");
+  fallen.crashed = true;
+  EXPECT_EQ(miss_of(expectation("no_crash"), fallen), "no crash: incident: ground, and a crash");
+}
+
 TEST(Expectation, OfWhatWasNotTriedIsMissed) {
   StrikeResponse stayed = landed();
   stayed.in_air = false;

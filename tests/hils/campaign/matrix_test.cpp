@@ -8,6 +8,7 @@
 #include <string>
 
 #include "hils/campaign/campaign_report.hpp"
+#include "hils/report/plot.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -152,6 +153,7 @@ TEST(CampaignReport, LinksTheReplaysThatAreThereAndEscapesWhatVehiclesSay) {
   EXPECT_NE(page.find("href=\"again/row_3/report.html\""), std::string::npos);
   EXPECT_EQ(page.find("again/row_5"), std::string::npos);
   EXPECT_EQ(page.find("<b>"), std::string::npos);
+  EXPECT_EQ(escape_xml("a\x1b[31m<"), "a?[31m&lt;") << "XML has no control characters";
 }
 
 TEST(CampaignReport, HasEachFlightInTheTables) {

@@ -38,8 +38,13 @@ TEST(Journal, ALineComesBackToTheBit) {
             ",failed,0,,0.30000000000000004,,crash,\"crash: \"\"hit\"\", 3 m/s\",0.1.0,");
 }
 
+TEST(Journal, ACauseIsOneLineThatATerminalMayShow) {
+  EXPECT_EQ(row_without_figures(RowOutcome::kRefused, "no\n'\x1b[31m'").cause, "no ' [31m'");
+}
+
 TEST(Journal, AStrikeComesBack) {
   RowResult written = result_of(3);
+  written.run_sha256 = "f00d";
   written.strike = StrikeResponse{.strike_s = 12.5,
                                   .fault = "gps_lost in hover",
                                   .no_verdict = "never acted: it struck after the flight",
@@ -54,6 +59,7 @@ TEST(Journal, AStrikeComesBack) {
                                   .farthest_m = HUGE_VAL};
   const auto read = parse_journal_line(journal_line(written));
   ASSERT_TRUE(read && read->strike);
+  EXPECT_EQ(read->run_sha256, "f00d");
   EXPECT_EQ(read->strike->detected_s, 0.1 + 0.2);
   EXPECT_EQ(read->strike->detected_by, written.strike->detected_by);
   EXPECT_FALSE(read->strike->reacted_s);
