@@ -343,6 +343,10 @@ TEST(BoardProgram, LeavesTheKeysOfTheTerminalToTheCommandAndTheScriptAroundIt) {
   shell.press("echo shell-$((1 + 1))\n");
   EXPECT_TRUE(shell.shows("shell-2")) << shell.text();
   shell.press("fg\n");
+  EXPECT_TRUE(wait_until([&] {
+    const std::string text = shell.text();
+    return text.rfind("/job\n") > text.rfind("fg\n");
+  })) << shell.text();
   shell.press("two\n");
   EXPECT_TRUE(shell.shows("two\ntwo\n")) << shell.text();
   shell.press("\x03");  // Ctrl-C
