@@ -3,7 +3,7 @@
 
 #include "base/config/config_document.hpp"
 #include "base/config/config_impl.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 #include "base/suggestion.hpp"
 
 namespace cas::base {

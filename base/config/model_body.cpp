@@ -6,7 +6,7 @@
 
 #include "base/config/sdf_model.hpp"
 #include "base/config/urdf_body.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 
 namespace cas::base {
 namespace {

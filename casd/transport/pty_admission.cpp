@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/os/pty_lock.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 
 namespace cas::casd {
 namespace {

@@ -7,8 +7,8 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/os/read_file.hpp"
 #include "base/os/write_file.hpp"
+#include "base/read_file.hpp"
 #include "hils/replay/replay_page.hpp"
 #include "hils/replay/replay_record.hpp"
 

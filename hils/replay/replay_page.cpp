@@ -7,7 +7,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 #include "base/rpc/base64.hpp"
 
 namespace cas::hils {

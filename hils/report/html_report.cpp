@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 #include "base/time/clock.hpp"
 #include "hils/report/change_table.hpp"
 #include "hils/report/delay_note.hpp"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/config/install_paths.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 #include "hils/measure/column.hpp"
 
 namespace cas::hils {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 
 namespace cas::web {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 #include "libsim/core/load/collada.hpp"
 
 namespace cas::sim {

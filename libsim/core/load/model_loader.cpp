@@ -10,7 +10,7 @@
 #include "base/config/sdf_model.hpp"
 #include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/uri.hpp"
 

@@ -11,7 +11,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 #include "libsim/core/load/heightmap.hpp"
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/sdf_headers.hpp"

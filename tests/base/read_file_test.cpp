@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/os/read_file.hpp"
+#include "base/read_file.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
