@@ -131,18 +131,24 @@ class MessageWriter final {
                  mark, "); }\n"});
   }
 
+  // The codec and the view are templates so that the compiler leaves them alone until they are
+  // used.
+
   void append_codec() {
     out_ +=
         "\n  /// Writes kMaxLength bytes in wire order.\n"
-        "  void pack(std::uint8_t* cas_out) const {\n";
+        "  template <class CasByte>\n"
+        "  void pack(CasByte* cas_out) const {\n";
     for (const auto index : message_.wire_order) {
       const auto& field = message_.fields[index];
       const auto value = field.is_version ? std::to_string(field.version) : member(field);
       out_ += cat({"    cas::mav::put<", cpp_type(field.type), ">(cas_out + ",
                    std::to_string(field.offset), ", ", value, ");\n"});
     }
-    out_ += cat({"  }\n  /// Reads kMaxLength bytes in wire order.\n  static ", type_,
-                 " unpack(const std::uint8_t* cas_in) {\n    ", type_, " cas_message;\n"});
+    out_ +=
+        cat({"  }\n  /// Reads kMaxLength bytes in wire order.\n"
+             "  template <class CasByte>\n  static ",
+             type_, " unpack(const CasByte* cas_in) {\n    ", type_, " cas_message;\n"});
     for (const auto index : message_.wire_order) {
       const auto& field = message_.fields[index];
       out_ += cat({"    cas::mav::get<", cpp_type(field.type), ">(cas_in + ",
@@ -154,21 +160,22 @@ class MessageWriter final {
   void append_view() {
     out_ +=
         "\n  /// Reads single fields straight from a received payload.\n"
-        "  class View : public cas::mav::PayloadView {\n   public:\n"
-        "    using PayloadView::PayloadView;\n";
+        "  template <class CasPayload>\n"
+        "  class CasView : public CasPayload {\n   public:\n"
+        "    using CasPayload::CasPayload;\n";
     for (const auto& field : message_.fields) {
       const auto offset = std::to_string(field.offset);
       if (field.type == xml::BaseType::kChar && field.array_length > 0) {
-        out_ += cat({"    cas::mav::TextView ", member(field), "() const { return text_at_(",
+        out_ += cat({"    cas::mav::TextView ", member(field), "() const { return this->text_at_(",
                      offset, ", ", std::to_string(field.array_length), "); }\n"});
       } else {
         const auto type = member_type(field);
-        out_ +=
-            cat({"    ", type, " ", member(field), "() const { return at_<", cpp_type(field.type),
-                 ", ", type, ", ", std::to_string(field.bytes()), ">(", offset, "); }\n"});
+        out_ += cat({"    ", type, " ", member(field), "() const { return this->template at_<",
+                     cpp_type(field.type), ", ", type, ", ", std::to_string(field.bytes()), ">(",
+                     offset, "); }\n"});
       }
     }
-    out_ += "  };\n";
+    out_ += "  };\n  using View = CasView<cas::mav::PayloadView>;\n";
   }
 
   void append_reflection() {
