@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/emulator/served_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
-#include <fstream>
+#include <cerrno>
 #include <limits>
 #include <system_error>
 
@@ -18,14 +22,46 @@ namespace {
 
 constexpr ServedFolder::Failure kNotFound{.code = MavFtpErr::kFilenotfound};
 
+constexpr std::size_t kMaxEntries = 8192;  // of a folder, as a client takes at most
+
+ServedFolder::Failure failed(int error_number) {
+  return {.code = MavFtpErr::kFailerrno, .error_number = static_cast<std::uint8_t>(error_number)};
+}
+
 /// As the protocol can tell it.
-std::uint32_t size_of(const fs::path& file) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(file, error);
-  if (error) return 0;
+std::uint32_t told(std::uintmax_t size) {
   constexpr std::uintmax_t kMost = std::numeric_limits<std::uint32_t>::max();
   return static_cast<std::uint32_t>(std::min(size, kMost));
 }
+
+/// A regular file, open for reading.
+class OpenFile {
+ public:
+  explicit OpenFile(const std::optional<fs::path>& file) {
+    if (!file) return;
+    // What has taken the file's place meanwhile is not followed, and not waited for.
+    fd_ = ::open(file->c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+    if (fd_ < 0 || ::fstat(fd_, &status_) != 0) {
+      failure_ = failed(errno);
+    } else if (S_ISREG(status_.st_mode)) {
+      failure_ = {};
+    }
+  }
+  ~OpenFile() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  const ServedFolder::Failure& failure() const { return failure_; }
+  int fd() const { return fd_; }
+  std::uint32_t length() const { return told(static_cast<std::uintmax_t>(status_.st_size)); }
+
+ private:
+  int fd_ = -1;
+  struct stat status_ {};
+  ServedFolder::Failure failure_ = kNotFound;
+};
 
 }  // namespace
 
@@ -51,43 +87,37 @@ ServedFolder::Failure ServedFolder::list(const std::string& folder,
   const auto real = inside(folder);
   std::error_code error;
   if (!real || !fs::is_directory(*real, error)) return kNotFound;
-  for (fs::directory_iterator each(*real, error), end; !error && each != end;
-       each.increment(error)) {
-    const std::string name = each->path().filename().string();
-    const auto target = inside(fs::path(folder) / name);
+  for (fs::directory_iterator each(*real, error), end;
+       !error && each != end && entries.size() < kMaxEntries; each.increment(error)) {
     std::error_code gone;
-    if (!target) continue;
-    if (fs::is_directory(*target, gone)) {
+    const bool hidden = each->is_symlink(gone) && !inside(each->path());
+    const std::string name = each->path().filename().string();
+    if (hidden) continue;
+    if (each->is_directory(gone)) {
       entries.push_back({.folder = true, .name = name});
-    } else if (fs::is_regular_file(*target, gone)) {
-      entries.push_back({.name = name, .size = size_of(*target)});
+    } else if (each->is_regular_file(gone)) {
+      const std::uintmax_t size = each->file_size(gone);
+      entries.push_back({.name = name, .size = gone ? 0 : told(size)});
     }
   }
-  if (error) {
-    return {.code = MavFtpErr::kFailerrno,
-            .error_number = static_cast<std::uint8_t>(error.value())};
-  }
+  if (error) return failed(error.value());
   std::ranges::sort(entries, {}, &FtpEntry::name);
   return {};
 }
 
 ServedFolder::Failure ServedFolder::length(const std::string& path, std::uint32_t& bytes) {
-  const auto real = inside(path);
-  std::error_code error;
-  if (!real || !fs::is_regular_file(*real, error)) return kNotFound;
-  bytes = size_of(*real);
-  return {};
+  const OpenFile file(inside(path));
+  if (!file.failure().failed()) bytes = file.length();
+  return file.failure();
 }
 
 ServedFolder::Failure ServedFolder::read(const std::string& path, std::uint32_t offset,
                                          std::span<std::uint8_t>& out) {
-  const auto real = inside(path);
-  if (!real) return kNotFound;
-  std::ifstream file(*real, std::ios::binary);
-  file.seekg(offset);
-  file.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(out.size()));
-  if (file.bad()) return {.code = MavFtpErr::kFail};
-  out = out.first(static_cast<std::size_t>(file.gcount()));
+  const OpenFile file(inside(path));
+  if (file.failure().failed()) return file.failure();
+  const ssize_t size = ::pread(file.fd(), out.data(), out.size(), offset);
+  if (size < 0) return failed(errno);
+  out = out.first(static_cast<std::size_t>(size));
   return {};
 }
 

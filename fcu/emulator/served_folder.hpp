@@ -12,8 +12,8 @@
 
 namespace cas::fcu {
 
-/// A folder of this machine for an FtpServer, read only. What a symbolic link leads out of it to is
-/// not there.
+/// A folder of this machine for an FtpServer, read only. Links that lead out of the folder are
+/// hidden; of a folder at most 8192 entries are listed.
 class ServedFolder final : public mav::services::ReadOnlyFtpStore {
  public:
   using Failure = mav::services::FtpFailure;
