@@ -2,6 +2,7 @@
 #include "fcu/protocols/ground_protocols.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/earth/frames.hpp"
@@ -135,20 +136,29 @@ void on_attitude_target(const SetAttitudeTarget& m, double full_n, OffboardTask&
   offboard.on_attitude(setpoint, now);
 }
 
-// What comes in bulk goes by half of the bandwidth that the HIL stream leaves, and files in pieces
-// that hold up a packet of the HIL stream for a millisecond at most, down to pieces that are worth
-// their headers.
+// What comes in bulk goes by half of the bandwidth that the HIL stream leaves, and files in bursts
+// of pieces that hold up a packet of the HIL stream for a millisecond at most, down to pieces that
+// are worth their headers.
 
-/// Time between two packets of so many bytes.
-base::Duration bulk_interval(const LineConfig& line, double packet_bytes) {
+constexpr double kFileHeaderBytes = 27;
+
+/// Bytes per second. A line without a rate takes a packet each millisecond.
+double bulk_rate(const LineConfig& line, double packet_bytes) {
   constexpr double kHilAndStreams_b_s = 28'000;
-  if (line.baud <= 0) return std::chrono::milliseconds(1);
-  const double left = std::max(line.baud / 10 - kHilAndStreams_b_s, 2'000.0);
-  return base::from_seconds(packet_bytes / (0.5 * left));
+  if (line.baud <= 0) return 1000 * packet_bytes;
+  return 0.5 * std::max(line.baud / 10 - kHilAndStreams_b_s, 2'000.0);
 }
 
-constexpr double kParamValueBytes = 40;
-constexpr double kFileHeaderBytes = 27;
+base::Duration param_interval(const LineConfig& line) {
+  constexpr double kParamValueBytes = 40;
+  return base::from_seconds(kParamValueBytes / bulk_rate(line, kParamValueBytes));
+}
+
+/// What a message takes of the line.
+std::size_t packet_bytes(const FileTransferProtocol& message) {
+  std::array<std::uint8_t, mav::kMaxPacketBytes> packet{};
+  return mav::encode(message, {}, 0, packet);
+}
 
 mav::services::FtpServerLimits file_limits(const LineConfig& line) {
   constexpr double kLongest_s = 0.001;
@@ -157,7 +167,7 @@ mav::services::FtpServerLimits file_limits(const LineConfig& line) {
   const double piece =
       line.baud <= 0 ? most
                      : std::clamp(line.baud / 10 * kLongest_s - kFileHeaderBytes, kLeast, most);
-  return {.interval = bulk_interval(line, piece + kFileHeaderBytes),
+  return {.bytes_per_s = bulk_rate(line, piece + kFileHeaderBytes),
           .piece_bytes = static_cast<std::size_t>(piece)};
 }
 
@@ -166,13 +176,17 @@ mav::services::FtpServerLimits file_limits(const LineConfig& line) {
 GroundProtocols::GroundProtocols(FcuCore& core)
     : core_(core),
       telemetry_(core, core.outbox),
-      params_(core.params, core.outbox, core.texts,
-              bulk_interval(core.config.line, kParamValueBytes)),
+      params_(core.params, core.outbox, core.texts, param_interval(core.config.line)),
       commands_(core, telemetry_),
       missions_(core.commander, core.outbox, core.texts),
       files_(core.params),
       file_server_(
-          files_, [this](const auto& message) { core_.outbox.reply(message, files_version_); },
+          // In MAVLink 2 as the telemetry, whatever was asked in: it leaves out zeros at the end.
+          files_,
+          [this](const auto& message) {
+            core_.outbox.send(message);
+            return packet_bytes(message);
+          },
           file_limits(core.config.line)) {}
 
 void GroundProtocols::on_packet(const PacketView& packet, RunTime now) {
@@ -221,10 +235,8 @@ bool GroundProtocols::on_param_packet(const PacketView& packet) {
 }
 
 bool GroundProtocols::on_file_packet(const PacketView& packet, RunTime now) {
-  return take<FileTransferProtocol>(packet, [&](const auto& m) {
-    files_version_ = packet.version;
-    file_server_.on_request(m, packet.source, now);
-  });
+  return take<FileTransferProtocol>(
+      packet, [&](const auto& m) { file_server_.on_request(m, packet.source, now); });
 }
 
 bool GroundProtocols::on_setpoint_packet(const PacketView& packet, RunTime now) {

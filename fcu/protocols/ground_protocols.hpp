@@ -46,7 +46,6 @@ class GroundProtocols {
   MissionProtocol missions_;
   VehicleFiles files_;
   mav::services::FtpServer file_server_;
-  int files_version_ = 2;  ///< of MAVLink, as files were last asked for
   std::uint16_t long_texts_ = 0;
   bool was_armed_ = false;
   FlightMode was_mode_ = FlightMode::kHold;

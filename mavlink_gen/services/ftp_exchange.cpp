@@ -101,7 +101,12 @@ void FtpExchange::ask(Opcode opcode, Time now) {
 void FtpExchange::say(Time now) {
   transfer_->last.seq = ++seq_;
   transfer_->sent = 1;
-  transfer_->deadline = now + timing_.answer_timeout;
+  send_last(now);
+}
+
+void FtpExchange::send_last(Time now) {
+  const bool checksum = transfer_->last.opcode == Opcode::kCalcfilecrc;
+  transfer_->deadline = now + (checksum ? timing_.checksum_timeout : timing_.answer_timeout);
   send_(ftp_message(transfer_->last));
 }
 
@@ -239,6 +244,11 @@ void FtpExchange::read_on(Time now) {
 /// A packet of a burst. It counts by its offset, in whatever order and however late it comes.
 void FtpExchange::on_burst(const FtpPayload& answer, Time now) {
   Transfer& transfer = *transfer_;
+  // Numbers begin again after 65 535: those that count are a window that goes along with the
+  // newest.
+  if (static_cast<std::uint16_t>(seq_ - *transfer.first_burst) > 0x4000) {
+    transfer.first_burst = static_cast<std::uint16_t>(seq_ - 0x2000);
+  }
   const auto since = static_cast<std::uint16_t>(answer.seq - *transfer.first_burst);
   const bool nak = answer.opcode == Opcode::kNak;
   if (since == 0 || since > 0x7FFF || (!nak && answer.session != transfer.session)) {
@@ -316,7 +326,7 @@ void FtpExchange::write_on(Time now) {
   say(now);
 }
 
-/// Or as good as closed: without an answer, or refused.
+/// The session counts as closed even if TerminateSession was refused or lost.
 void FtpExchange::on_closed(Time now) {
   transfer_->session.reset();
   ask(Opcode::kCalcfilecrc, now);
@@ -347,11 +357,10 @@ void FtpExchange::tick(Time now) {
     if (asked == Opcode::kTerminatesession) return on_closed(now);
     return finish(failure(OutcomeKind::kTimeout, progress() + ", then nothing more came"));
   }
-  // A server answers a number that it knows with what it said then, which is no new burst.
+  // A server may repeat its old answer to a known number instead of a new burst: take a new number.
   if (asked == Opcode::kBurstreadfile) transfer.last.seq = ++seq_;
   ++transfer.sent;
-  transfer.deadline = now + timing_.answer_timeout;
-  send_(ftp_message(transfer.last));
+  send_last(now);
 }
 
 std::optional<Time> FtpExchange::deadline() const {

@@ -18,9 +18,10 @@
 
 namespace cas::mav::services {
 
-/// When what a file transfer waits for is asked for again and given up, and how much is taken.
+/// Timeouts, tries and size limits of a transfer.
 struct FtpTiming {
   Duration answer_timeout = std::chrono::milliseconds(300);
+  Duration checksum_timeout = std::chrono::seconds(2);  ///< a server reads the whole file for one
   int tries = 6;
   /// A transfer that is not whole by then is given up, however much still comes.
   Duration whole_timeout = std::chrono::hours(1);
@@ -55,8 +56,11 @@ class FtpExchange {
   /// Called once, when the transfer has ended.
   using Done = std::function<void(const Outcome&, const FtpResult&)>;
 
-  explicit FtpExchange(Send send, FtpTiming timing = {})
-      : send_(std::move(send)), timing_(timing) {}
+  /// @param first_number  of the requests. A program that is started again and again gives another
+  ///                      each time (from a clock): a server repeats its answer to a request that
+  ///                      it knows.
+  explicit FtpExchange(Send send, FtpTiming timing = {}, std::uint16_t first_number = 0)
+      : send_(std::move(send)), timing_(timing), seq_(first_number) {}
 
   /// What a folder has. Names that would lead out of it are left out.
   void list(const std::string& path, Time now, Done done);
@@ -64,8 +68,9 @@ class FtpExchange {
   /// Creates the file, or replaces it.
   void upload(const std::string& path, std::vector<std::uint8_t> bytes, Time now, Done done);
   void remove(const std::string& path, Time now, Done done);
-  /// Closes what is open at the server, of other clients too: files that a client which crashed has
-  /// left open keep others from opening any.
+  /// Closes what is open at the server, of other clients too at servers that follow the standard;
+  /// FtpServer closes only yours. Files that a client which crashed has left open keep others from
+  /// opening any.
   void reset(Time now, Done done);
 
   /// Takes in a packet of the vehicle. @param self  packets for others are left out
@@ -96,7 +101,7 @@ class FtpExchange {
     std::map<std::uint32_t, std::uint32_t>
         gaps{};                                  ///< of a download: what is missing, begin to end
     std::uint32_t written = 0;                   ///< of an upload
-    std::optional<std::uint16_t> first_burst{};  ///< number of the session's first burst request
+    std::optional<std::uint16_t> first_burst{};  ///< after it come the numbers of bursts
     std::uint32_t burst_bytes = 0;               ///< that the newest burst has brought
     bool bursts = true;                          ///< the server knows bursts
   };
@@ -104,6 +109,7 @@ class FtpExchange {
   void start(Opcode opcode, Transfer transfer, Time now);
   void ask(Opcode opcode, Time now);
   void say(Time now);
+  void send_last(Time now);
   void on_ack(const FtpPayload& answer, Time now);
   void on_nak(const FtpPayload& answer, Time now);
   void on_burst(const FtpPayload& answer, Time now);
@@ -122,7 +128,7 @@ class FtpExchange {
   Send send_;
   FtpTiming timing_;
   FtpOddities oddities_;
-  std::uint16_t seq_ = 0;  ///< the newest number of either side
+  std::uint16_t seq_;  ///< the newest number of either side
   std::optional<Transfer> transfer_;
 };
 

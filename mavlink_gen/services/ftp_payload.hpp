@@ -35,7 +35,7 @@ struct FtpPayload {
     using Opcode = mavlink::common::MavFtpOpcode;
     return opcode == Opcode::kAck || opcode == Opcode::kNak;
   }
-  /// The data that `size` tells of, as far as there can be any.
+  /// The first `size` bytes of data, at most kFtpDataBytes.
   std::span<const std::uint8_t> bytes() const {
     return std::span(data).first(std::min<std::size_t>(size, kFtpDataBytes));
   }

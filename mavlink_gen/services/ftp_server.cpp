@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "mavlink_gen/services/address.hpp"
 
@@ -14,8 +15,10 @@ using Opcode = mavlink::common::MavFtpOpcode;
 namespace {
 
 constexpr std::size_t kMaxWaiting = 16;
-constexpr std::size_t kMaxClients = 8;              // whose last answers are kept
-constexpr std::size_t kChecksumBytes = 64U << 10U;  // of one update: a fraction of a millisecond
+constexpr std::size_t kMaxAnswers = 32;                // that are kept,
+constexpr std::size_t kMaxAnswersOfOne = 4;            // of one client,
+constexpr Duration kForget = std::chrono::seconds(5);  // and for so long
+constexpr std::size_t kChecksumBytes = 64U << 10U;     // of one update: a fraction of a millisecond
 
 constexpr FtpFailure kOk{};
 
@@ -64,32 +67,27 @@ void FtpServer::on_request(const Message& message, Source from, Time now) {
 }
 
 void FtpServer::update(Time now) {
-  if (checksum_) step_checksum();
-  while (now >= due_ && serve_next(now)) {
-    due_ = std::max(due_, now - limits_.interval) + limits_.interval;
+  if (checksum_) step_checksum(now);
+  while (now >= due_ && !waiting_.empty()) {
+    const Request request = waiting_.front();
+    waiting_.pop_front();
+    answer(request, now);
   }
-}
-
-/// Sends one packet. @return false when there is none to send
-bool FtpServer::serve_next(Time now) {
-  if (waiting_.empty()) return send_burst(now);
-  const Request request = waiting_.front();
-  waiting_.pop_front();
-  answer(request, now);
-  return true;
+  if (now >= due_) send_burst(now);
 }
 
 void FtpServer::answer(const Request& request, Time now) {
+  std::erase_if(answered_, [&](const Answered& each) { return now - each.at > kForget; });
   const auto known =
       std::ranges::find(answered_, request, [](const Answered& each) { return each.request; });
-  if (known != answered_.end()) return send(known->answer, request.from);
+  if (known != answered_.end()) return send(known->answer, request.from, now);
   FtpPayload reply;
   reply.session = request.payload.session;
   reply.offset = request.payload.offset;
   const FtpFailure failure = perform(request, reply, now);
   const bool later = request.payload.opcode == Opcode::kBurstreadfile ||
                      request.payload.opcode == Opcode::kCalcfilecrc;
-  if (!later || failure.failed()) conclude(request, reply, failure);
+  if (!later || failure.failed()) conclude(request, reply, failure, now);
 }
 
 FtpFailure FtpServer::perform(const Request& request, FtpPayload& reply, Time now) {
@@ -101,6 +99,7 @@ FtpFailure FtpServer::perform(const Request& request, FtpPayload& reply, Time no
       return kOk;
     case Opcode::kResetsession:
       close(request.from, std::nullopt);
+      if (checksum_ && checksum_->request.from == request.from) checksum_.reset();
       return kOk;
     case Opcode::kListdirectory:
       return list(asked, reply);
@@ -108,7 +107,7 @@ FtpFailure FtpServer::perform(const Request& request, FtpPayload& reply, Time no
     case Opcode::kCreatefile:
       return open(request, reply, now);
     case Opcode::kCalcfilecrc:
-      return begin_checksum(request);
+      return begin_checksum(request, now);
     case Opcode::kRemovefile: {
       const auto path = ftp_path(asked.text());
       return path ? store_.remove(*path) : fail(MavFtpErr::kFilenotfound);
@@ -119,7 +118,7 @@ FtpFailure FtpServer::perform(const Request& request, FtpPayload& reply, Time no
       return kOk;
     case Opcode::kReadfile:
       if (session == nullptr) return fail(MavFtpErr::kInvalidsession);
-      return read(*session, asked, reply);
+      return read(*session, asked.offset, asked.size, reply);
     case Opcode::kBurstreadfile:
       if (session == nullptr) return fail(MavFtpErr::kInvalidsession);
       return begin_burst(*session, asked);
@@ -131,18 +130,25 @@ FtpFailure FtpServer::perform(const Request& request, FtpPayload& reply, Time no
   }
 }
 
-/// As many entries as fit, from the one asked for on.
+/// As many entries as fit into a piece, at least one, from the one asked for on.
 FtpFailure FtpServer::list(const FtpPayload& asked, FtpPayload& reply) {
   const auto folder = ftp_path(asked.text());
   if (!folder) return fail(MavFtpErr::kFilenotfound);
-  std::vector<FtpEntry> entries;
-  if (const FtpFailure failure = store_.list(*folder, entries); failure.failed()) return failure;
+  if (asked.offset == 0 || !listing_ || listing_->folder != *folder) {
+    listing_.reset();
+    Listing fresh{.folder = *folder, .entries = {}};
+    const FtpFailure failure = store_.list(*folder, fresh.entries);
+    if (failure.failed()) return failure;
+    listing_ = std::move(fresh);
+  }
+  const std::span<const FtpEntry> entries = listing_->entries;
   if (asked.offset >= entries.size()) return fail(MavFtpErr::kEof);
+  const std::size_t most = std::min(limits_.piece_bytes, kFtpDataBytes);
   std::string text;
-  for (const FtpEntry& entry : std::span(entries).subspan(asked.offset)) {
+  for (const FtpEntry& entry : entries.subspan(asked.offset)) {
     std::string next = entry_text(entry);
     if (next.size() > kFtpDataBytes) next = std::string("S") + '\0';  // no room for its name
-    if (text.size() + next.size() > kFtpDataBytes) break;
+    if (!text.empty() && text.size() + next.size() > most) break;
     text += next;
   }
   reply.set_text(text);
@@ -153,17 +159,16 @@ FtpFailure FtpServer::list(const FtpPayload& asked, FtpPayload& reply) {
 FtpFailure FtpServer::open(const Request& request, FtpPayload& reply, Time now) {
   const auto path = ftp_path(request.payload.text());
   if (!path) return fail(MavFtpErr::kFilenotfound);
-  if (sessions_.size() >= std::min<std::size_t>(limits_.sessions, 256)) {
-    const auto oldest = std::ranges::min_element(sessions_, {}, &Session::used);
-    if (oldest == sessions_.end() || now - oldest->used < limits_.idle_after) {
-      return fail(MavFtpErr::kNosessionsavailable);
-    }
-    sessions_.erase(oldest);
+  const bool full = sessions_.size() >= std::min<std::size_t>(limits_.sessions, 256);
+  const auto oldest = std::ranges::min_element(sessions_, {}, &Session::used);
+  if (full && (oldest == sessions_.end() || now - oldest->used < limits_.idle_after)) {
+    return fail(MavFtpErr::kNosessionsavailable);
   }
   const bool writing = request.payload.opcode == Opcode::kCreatefile;
   std::uint32_t length = 0;
   const FtpFailure failure = writing ? store_.create(*path) : store_.length(*path, length);
   if (failure.failed()) return failure;
+  if (full) sessions_.erase(oldest);
   while (std::ranges::find(sessions_, next_session_, &Session::id) != sessions_.end()) {
     ++next_session_;
   }
@@ -174,13 +179,15 @@ FtpFailure FtpServer::open(const Request& request, FtpPayload& reply, Time now) 
   return kOk;
 }
 
-FtpFailure FtpServer::read(Session& session, const FtpPayload& asked, FtpPayload& reply) {
+FtpFailure FtpServer::read(const Session& session, std::uint32_t offset, std::size_t size,
+                           FtpPayload& reply) {
+  // Offsets have 32 bits: what lies behind them of a longer file cannot be had.
+  const std::size_t reachable = std::numeric_limits<std::uint32_t>::max() - offset;
   std::array<std::uint8_t, kFtpDataBytes> buffer{};
-  std::span<std::uint8_t> bytes =
-      std::span(buffer).first(std::min<std::size_t>(asked.size, limits_.piece_bytes));
-  const FtpFailure failure = store_.read(session.path, asked.offset, bytes);
+  std::span<std::uint8_t> bytes = std::span(buffer).first(std::min(size, reachable));
+  const FtpFailure failure = store_.read(session.path, offset, bytes);
   if (failure.failed()) return failure;
-  if (bytes.empty() && asked.size > 0) return fail(MavFtpErr::kEof);
+  if (bytes.empty() && size > 0) return fail(MavFtpErr::kEof);
   reply.set_bytes(bytes);
   return kOk;
 }
@@ -194,12 +201,12 @@ FtpFailure FtpServer::begin_burst(Session& session, const FtpPayload& asked) {
   session.burst = asked;
   if (asked.size == 0) session.burst->size = kFtpDataBytes;
   ++session.burst->seq;
-  session.burst_left = limits_.burst_packets;
+  session.burst_left = std::max<std::size_t>(1, limits_.burst_packets);
   return kOk;
 }
 
-/// One packet of a burst, of each session in turn. @return false when there is none
-bool FtpServer::send_burst(Time now) {
+/// One packet of a burst, of each session in turn.
+void FtpServer::send_burst(Time now) {
   for (std::size_t i = 0; i < sessions_.size(); ++i) {
     Session& session = sessions_[(next_burst_ + i) % sessions_.size()];
     if (!session.burst) continue;
@@ -211,40 +218,42 @@ bool FtpServer::send_burst(Time now) {
                      .opcode = Opcode::kAck,
                      .req_opcode = Opcode::kBurstreadfile,
                      .offset = at.offset};
-    const FtpFailure failure = read(session, at, reply);
-    reply.burst_complete = failure.failed() || --session.burst_left == 0;
+    const std::size_t piece = std::clamp<std::size_t>(limits_.piece_bytes, 1, at.size);
+    const FtpFailure failure = read(session, at.offset, piece, reply);
+    if (session.burst_left > 0) --session.burst_left;
+    const bool enough = session.burst_left == 0 && reply.size == at.size;
+    reply.burst_complete = failure.failed() || enough;
     if (failure.failed()) refuse(reply, failure);
     at.offset += reply.size;
     const Source to = session.owner;
     if (reply.burst_complete) session.burst.reset();
-    send(reply, to);
-    return true;
+    return send(reply, to, now);
   }
-  return false;
 }
 
-FtpFailure FtpServer::begin_checksum(const Request& request) {
+FtpFailure FtpServer::begin_checksum(const Request& request, Time now) {
   const auto path = ftp_path(request.payload.text());
   if (!path) return fail(MavFtpErr::kFilenotfound);
   if (checksum_) return fail(MavFtpErr::kFail);  // one at a time
   std::uint32_t length = 0;
   if (const FtpFailure failure = store_.length(*path, length); failure.failed()) return failure;
-  checksum_ = {.request = request, .path = *path};
-  step_checksum();
+  checksum_ = {.request = request, .path = *path, .length = length};
+  step_checksum(now);
   return kOk;
 }
 
-void FtpServer::step_checksum() {
-  std::vector<std::uint8_t> buffer(kChecksumBytes);
+void FtpServer::step_checksum(Time now) {
+  const std::size_t left = checksum_->length - checksum_->offset;
+  std::vector<std::uint8_t> buffer(std::min(kChecksumBytes, left));
   std::span<std::uint8_t> bytes(buffer);
   const FtpFailure failure = store_.read(checksum_->path, checksum_->offset, bytes);
   checksum_->crc = ftp_crc32(bytes, checksum_->crc);
   checksum_->offset += static_cast<std::uint32_t>(bytes.size());
-  if (!failure.failed() && bytes.size() == kChecksumBytes) return;  // there may be more
+  if (!failure.failed() && bytes.size() == kChecksumBytes && left > kChecksumBytes) return;
   const Checksum ended = *std::exchange(checksum_, std::nullopt);
   FtpPayload reply;
   reply.set_number(ended.crc);
-  conclude(ended.request, reply, failure);
+  conclude(ended.request, reply, failure, now);
 }
 
 /// The session that a request names, if its sender opened it.
@@ -265,19 +274,26 @@ void FtpServer::close(Source owner, std::optional<std::uint8_t> id) {
 }
 
 /// Sends the answer to a request, and keeps it for when the request comes again.
-void FtpServer::conclude(const Request& request, FtpPayload reply, const FtpFailure& failure) {
+void FtpServer::conclude(const Request& request, FtpPayload reply, const FtpFailure& failure,
+                         Time now) {
   reply.seq = static_cast<std::uint16_t>(request.payload.seq + 1);
   reply.req_opcode = request.payload.opcode;
   reply.opcode = Opcode::kAck;
   if (failure.failed()) refuse(reply, failure);
-  std::erase_if(answered_, [&](const Answered& each) { return each.request.from == request.from; });
-  if (answered_.size() == kMaxClients) answered_.erase(answered_.begin());
-  answered_.push_back({request, reply});
-  send(reply, request.from);
+  const auto his = [&](const Answered& each) { return each.request.from == request.from; };
+  if (std::ranges::count_if(answered_, his) == kMaxAnswersOfOne) {
+    answered_.erase(std::ranges::find_if(answered_, his));
+  }
+  if (answered_.size() == kMaxAnswers) answered_.pop_front();
+  answered_.push_back({request, reply, now});
+  send(reply, request.from, now);
 }
 
-void FtpServer::send(const FtpPayload& payload, Source to) {
-  send_(addressed(ftp_message(payload), to));
+void FtpServer::send(const FtpPayload& payload, Source to, Time now) {
+  const auto bytes = static_cast<double>(send_(addressed(ftp_message(payload), to)));
+  if (limits_.bytes_per_s <= 0) return;
+  const std::chrono::duration<double> taken(bytes / limits_.bytes_per_s);
+  due_ = std::max(due_, now) + std::chrono::duration_cast<Duration>(taken);
 }
 
 }  // namespace cas::mav::services

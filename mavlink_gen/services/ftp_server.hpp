@@ -52,23 +52,28 @@ class ReadOnlyFtpStore : public FtpStore {
 
 /// How much of a line an FtpServer takes, and how many files are open at once.
 struct FtpServerLimits {
-  Duration interval{};  ///< between two packets; 0: as fast as the caller calls
-  /// Of a file in one packet: shorter packets let others through on a slow line.
+  /// All packets together; 0: answers at once, and of a burst one packet with each update().
+  double bytes_per_s = 0;
+  /// In one packet of a burst or a list: shorter packets let others through on a slow line. A
+  /// request to read gets what it asks for.
   std::size_t piece_bytes = kFtpDataBytes;
   std::size_t sessions = 4;
   Duration idle_after = std::chrono::seconds(30);  ///< then another client may have the session
-  std::size_t burst_packets = 256;                 ///< after which the client asks for more
+  /// After which the client asks for more. A burst of pieces that are shorter than what was asked
+  /// for goes on to the end of the file: some clients take its end for the file's.
+  std::size_t burst_packets = 256;
 };
 
 /// The vehicle's side of the file transfer protocol (https://mavlink.io/en/services/ftp.html):
 /// lists, reads, writes and removes files of a store. Answers and bursts share one pace, answers
 /// first; checksums of large files are computed in parts. Clients have their own sessions; a
-/// request that comes again gets the same answer again. Folders are not made, files are not renamed
-/// or cut.
+/// request that comes again within 5 s gets the same answer again. Folders are not made, files are
+/// not renamed or cut.
 class FtpServer {
  public:
   using Message = mavlink::common::FileTransferProtocol;
-  using Send = std::function<void(const Message&)>;
+  /// @return the bytes that the packet takes of the line
+  using Send = std::function<std::size_t(const Message&)>;
 
   FtpServer(FtpStore& store, Send send, FtpServerLimits limits = {})
       : store_(store), send_(std::move(send)), limits_(limits) {}
@@ -98,37 +103,44 @@ class FtpServer {
   struct Answered {
     Request request;
     FtpPayload answer;
+    Time at;
   };
   struct Checksum {
     Request request;
     std::string path;
+    std::uint32_t length = 0;  ///< when it was asked for
     std::uint32_t offset = 0;
     std::uint32_t crc = 0;
   };
+  struct Listing {
+    std::string folder;
+    std::vector<FtpEntry> entries;
+  };
 
-  bool serve_next(Time now);
-  bool send_burst(Time now);
+  void send_burst(Time now);
   void answer(const Request& request, Time now);
   FtpFailure perform(const Request& request, FtpPayload& reply, Time now);
   FtpFailure list(const FtpPayload& asked, FtpPayload& reply);
   FtpFailure open(const Request& request, FtpPayload& reply, Time now);
-  FtpFailure read(Session& session, const FtpPayload& asked, FtpPayload& reply);
+  FtpFailure read(const Session& session, std::uint32_t offset, std::size_t size,
+                  FtpPayload& reply);
   FtpFailure write(const Session& session, const FtpPayload& asked);
   FtpFailure begin_burst(Session& session, const FtpPayload& asked);
-  FtpFailure begin_checksum(const Request& request);
-  void step_checksum();
+  FtpFailure begin_checksum(const Request& request, Time now);
+  void step_checksum(Time now);
   Session* find(const Request& request, Time now);
   void close(Source owner, std::optional<std::uint8_t> id);
-  void conclude(const Request& request, FtpPayload reply, const FtpFailure& failure);
-  void send(const FtpPayload& payload, Source to);
+  void conclude(const Request& request, FtpPayload reply, const FtpFailure& failure, Time now);
+  void send(const FtpPayload& payload, Source to, Time now);
 
   FtpStore& store_;
   Send send_;
   FtpServerLimits limits_;
   std::deque<Request> waiting_;
   std::vector<Session> sessions_;
-  std::vector<Answered> answered_;  ///< the last of each of the last few clients
+  std::deque<Answered> answered_;  ///< the last few of each client, newest last
   std::optional<Checksum> checksum_;
+  std::optional<Listing> listing_;  ///< the last: of a long folder several pages are asked for
   std::uint8_t next_session_ = 0;
   std::size_t next_burst_ = 0;
   Time due_{};

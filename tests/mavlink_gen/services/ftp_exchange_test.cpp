@@ -140,6 +140,43 @@ TEST_F(Ftp, BurstThatStopsIsAskedForFromWhereItStopped) {
   EXPECT_EQ(asked_.back().offset, 478U);
 }
 
+TEST_F(Ftp, BurstLongerThanHalfOfTheNumbersIsTakenWhole) {
+  file_ = some_bytes(40'000);
+  exchange_.download("a", now_, done());
+  acknowledge(40'000);
+  const FtpPayload first = piece(0, 0, 1);
+  for (std::uint16_t i = 0; i < 40'000; ++i) {
+    FtpPayload next = first;
+    next.seq = static_cast<std::uint16_t>(first.seq + i);
+    next.offset = i;
+    next.data[0] = file_[i];
+    deliver(next);
+  }
+  EXPECT_EQ(exchange_.oddities().stray, 0U);
+  EXPECT_EQ(asked(), Opcode::kTerminatesession);
+  acknowledge();
+  acknowledge(ftp_crc32(file_));
+  ASSERT_TRUE(outcome_ && outcome_->ok());
+  EXPECT_TRUE(result_.bytes == file_);
+}
+
+TEST_F(Ftp, FirstNumberIsTheCallers) {
+  FtpExchange other([this](const auto& message) { asked_.push_back(ftp_payload(message)); }, {},
+                    7000);
+  exchange_.list("/", now_, done());
+  other.list("/", now_, done());
+  EXPECT_EQ(asked_[1].seq - asked_[0].seq, 7000);
+}
+
+TEST_F(Ftp, ServerHasLongerForAChecksum) {
+  exchange_.download("a", now_, done());
+  acknowledge(100);
+  deliver(piece(0, 0, 100));
+  acknowledge();
+  ASSERT_EQ(asked(), Opcode::kCalcfilecrc);
+  EXPECT_EQ(exchange_.deadline(), now_ + 2s);
+}
+
 TEST_F(Ftp, PiecesOfAnEarlierTransferAreNotTaken) {
   exchange_.download("a", now_, done());
   acknowledge(1000);
@@ -412,6 +449,8 @@ struct LineCase {
 
 class FtpLine : public testing::TestWithParam<LineCase> {
  protected:
+  static constexpr FtpServerLimits kLimits{.bytes_per_s = 266'000};
+
   /// Puts a packet on the line, in either direction.
   void put(bool to_server, const FileTransferProtocol& message) {
     std::uniform_real_distribution<double> chance;
@@ -438,7 +477,7 @@ class FtpLine : public testing::TestWithParam<LineCase> {
       meanwhile();
     }
   }
-  void restart_server() { server_.emplace(store_, to_client_, FtpServerLimits{.interval = 1ms}); }
+  void restart_server() { server_.emplace(store_, to_client_, kLimits); }
   FtpExchange::Done done() {
     return [this](const Outcome& outcome, const FtpResult& result) {
       outcome_ = outcome;
@@ -451,9 +490,11 @@ class FtpLine : public testing::TestWithParam<LineCase> {
   Encoder encode_packet_{{.system = 1, .component = 1}};
   std::vector<std::pair<bool, FileTransferProtocol>> line_;
   MemoryFtpStore store_;
-  FtpServer::Send to_client_ = [this](const auto& message) { put(false, message); };
-  std::optional<FtpServer> server_{std::in_place, store_, to_client_,
-                                   FtpServerLimits{.interval = 1ms}};
+  FtpServer::Send to_client_ = [this](const auto& message) {
+    put(false, message);
+    return std::size_t{266};
+  };
+  std::optional<FtpServer> server_{std::in_place, store_, to_client_, kLimits};
   FtpExchange exchange_{[this](const auto& message) { put(true, message); }, {.tries = 12}};
   Outcome outcome_;
   FtpResult result_;

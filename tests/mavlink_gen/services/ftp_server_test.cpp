@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/mavlink_gen/services/memory_ftp_store.hpp"
 
 namespace cas::mav::services {
@@ -51,10 +53,13 @@ class FtpServerTest : public testing::Test {
   MemoryFtpStore store_;
   std::vector<FtpPayload> sent_;
   std::vector<Source> to_;
-  FtpServer server_{store_, [this](const auto& message) {
-                      sent_.push_back(ftp_payload(message));
-                      to_.push_back({message.target_system, message.target_component});
-                    }};
+  FtpServer::Send take_ = [this](const auto& message) {
+    sent_.push_back(ftp_payload(message));
+    to_.push_back({message.target_system, message.target_component});
+    return packet_bytes_;
+  };
+  std::size_t packet_bytes_ = 100;  ///< that a packet takes of the line
+  FtpServer server_{store_, take_};
 };
 
 TEST(FtpPath, LeadsNowhereButDown) {
@@ -120,8 +125,7 @@ TEST_F(FtpServerTest, AnswersARepeatedRequestWithTheSameAnswer) {
 }
 
 TEST_F(FtpServerTest, BurstsAtItsPaceToTheEnd) {
-  FtpServer server(store_, [this](const auto& m) { sent_.push_back(ftp_payload(m)); },
-                   {.interval = 10ms, .burst_packets = 3});
+  FtpServer server(store_, take_, {.bytes_per_s = 10'000, .burst_packets = 3});
   FtpPayload request{.seq = 1, .opcode = Opcode::kOpenfilero};
   request.set_text("a");
   server.on_request(ftp_message(request), kStation, now_);
@@ -151,11 +155,114 @@ TEST_F(FtpServerTest, BurstsAtItsPaceToTheEnd) {
   EXPECT_EQ(sent_.size(), 6U);
 }
 
+TEST_F(FtpServerTest, LongPacketsHaveTheNextOneWaitLonger) {
+  FtpServer server(store_, take_, {.bytes_per_s = 10'000});
+  packet_bytes_ = 250;
+  server.on_request(ftp_message({.seq = 1}), kStation, now_);
+  packet_bytes_ = 50;
+  for (std::uint16_t i = 3; i < 9; i += 2) {
+    server.on_request(ftp_message({.seq = i}), kStation, now_);
+  }
+  server.update(now_ + 24ms);
+  EXPECT_EQ(sent_.size(), 1U);
+  server.update(now_ + 40ms);  // late, and none is sent to catch up
+  EXPECT_EQ(sent_.size(), 2U);
+  server.update(now_ + 44ms);
+  EXPECT_EQ(sent_.size(), 2U);
+  server.update(now_ + 45ms);
+  EXPECT_EQ(sent_.size(), 3U);
+}
+
+TEST_F(FtpServerTest, WithoutAPaceEachUpdateSendsAPacketOfABurst) {
+  FtpServer server(store_, take_, {.burst_packets = 0});
+  FtpPayload request{.seq = 1, .opcode = Opcode::kOpenfilero};
+  request.set_text("a");
+  server.on_request(ftp_message(request), kStation, now_);
+  ask(Opcode::kOpenfilero, "a");
+  FtpPayload burst{.session = sent_.back().session, .opcode = Opcode::kBurstreadfile};
+  ask(burst);
+  EXPECT_EQ(sent_.size(), 1U);
+  server_.update(now_);
+  EXPECT_EQ(sent_.size(), 2U);
+  EXPECT_EQ(sent_.back().offset, 239U);
+  burst.seq = 3;
+  burst.session = 0;
+  server.on_request(ftp_message(burst), kStation, now_);
+  EXPECT_TRUE(sent_.back().burst_complete);  // no packets at all would be no answer
+}
+
+// Some clients take a short packet that ends a burst for the end of the file, and a short answer to
+// a read for none.
+TEST_F(FtpServerTest, ShortPiecesAreOfBurstsAloneAndDoNotEndThem) {
+  FtpServer server(store_, take_, {.piece_bytes = 65, .burst_packets = 2});
+  FtpPayload request{.seq = 1, .opcode = Opcode::kOpenfilero};
+  request.set_text("a");
+  server.on_request(ftp_message(request), kStation, now_);
+  request = {.seq = 3, .session = sent_.back().session, .opcode = Opcode::kReadfile, .size = 80};
+  server.on_request(ftp_message(request), kStation, now_);
+  EXPECT_EQ(sent_.back().size, 80);
+  request.seq = 5;
+  request.opcode = Opcode::kBurstreadfile;
+  sent_.clear();
+  server.on_request(ftp_message(request), kStation, now_);
+  for (int i = 0; i < 30; ++i) server.update(now_);
+  ASSERT_EQ(sent_.size(), 17U);  // 15 * 65 + 25 bytes, and the end
+  for (std::size_t i = 0; i < 16; ++i) {
+    EXPECT_EQ(sent_[i].offset, 65 * i);
+    EXPECT_FALSE(sent_[i].burst_complete);
+  }
+  EXPECT_EQ(error(sent_.back()), MavFtpErr::kEof);
+  EXPECT_TRUE(sent_.back().burst_complete);
+}
+
+TEST_F(FtpServerTest, OldAnswersAreForgotten) {
+  FtpPayload request{.seq = 9, .opcode = Opcode::kListdirectory};
+  request.set_text("log");
+  const FtpPayload before = ask_again(request);
+  store_.files["log/later"] = {1};
+  now_ += 5s;
+  EXPECT_EQ(ask_again(request), before);
+  now_ += 1s;
+  EXPECT_NE(ask_again(request), before);
+}
+
+TEST_F(FtpServerTest, LastFourAnswersAreKept) {
+  FtpPayload request{.seq = 9, .opcode = Opcode::kRemovefile};
+  request.set_text("a");
+  EXPECT_EQ(ask_again(request).opcode, Opcode::kAck);
+  for (int i = 0; i < 3; ++i) ask({.opcode = Opcode::kNone});
+  for (int i = 0; i < 9; ++i) ask({.opcode = Opcode::kNone}, kOther);
+  EXPECT_EQ(ask_again(request).opcode, Opcode::kAck);
+  ask({.opcode = Opcode::kNone});
+  EXPECT_EQ(error(ask_again(request)), MavFtpErr::kFilenotfound);
+}
+
+TEST_F(FtpServerTest, PagesOfAListAreShortAndComeFromOneListing) {
+  FtpServer server(store_, take_, {.piece_bytes = 65});
+  for (int i = 0; i < 50; ++i) store_.files["many/" + std::to_string(i)];
+  store_.files["many/" + std::string(100, 'x')];
+  FtpPayload request{.seq = 1, .opcode = Opcode::kListdirectory};
+  request.set_text("many");
+  for (int i = 0; i < 60 && (i == 0 || sent_.back().opcode == Opcode::kAck); ++i) {
+    server.on_request(ftp_message(request), kStation, now_);
+    const auto bytes = sent_.back().bytes();
+    const auto entries = static_cast<std::uint32_t>(std::ranges::count(bytes, 0));
+    EXPECT_TRUE(bytes.size() <= 65 || entries == 1) << bytes.size();
+    if (sent_.back().opcode == Opcode::kAck) request.offset += entries;
+    ++request.seq;
+  }
+  EXPECT_EQ(error(sent_.back()), MavFtpErr::kEof);
+  EXPECT_EQ(request.offset, 51U);
+  EXPECT_EQ(store_.listings, 1);
+}
+
 TEST_F(FtpServerTest, ListsFoldersFromAnEntryOn) {
   const FtpPayload first = ask(Opcode::kListdirectory, "/");
   EXPECT_EQ(std::string(first.data.begin(), first.data.begin() + first.size),
             std::string("Fa\t1000\0Dlog\0", 13));
-  FtpPayload request{.opcode = Opcode::kListdirectory, .offset = 2};
+  FtpPayload request{.opcode = Opcode::kListdirectory, .offset = 1};
+  EXPECT_EQ(ask(request).text(), "Dlog");
+  request.offset = 2;
   EXPECT_EQ(error(ask(request)), MavFtpErr::kEof);
   EXPECT_EQ(error(ask(Opcode::kListdirectory, "none")), MavFtpErr::kFilenotfound);
   EXPECT_EQ(error(ask(Opcode::kListdirectory, "log/..")), MavFtpErr::kFilenotfound);
@@ -176,6 +283,25 @@ TEST_F(FtpServerTest, SumsLongFilesInParts) {
   EXPECT_EQ(sent_[0].seq, 6);
 }
 
+TEST_F(FtpServerTest, SumEndsWhereTheFileEndedAtFirst) {
+  store_.files["long"].assign(200'000, 7);
+  const std::uint32_t sum = ftp_crc32(store_.files["long"]);
+  ask(Opcode::kCalcfilecrc, "long");
+  store_.files["long"].assign(1'000'000, 7);
+  for (int i = 0; i < 4; ++i) server_.update(now_);
+  ASSERT_EQ(sent_.size(), 1U);
+  EXPECT_EQ(sent_[0].number(), sum);
+}
+
+TEST_F(FtpServerTest, ResetEndsASumOfItsSender) {
+  store_.files["long"].assign(2'000'000, 7);
+  ask(Opcode::kCalcfilecrc, "long");
+  ask({.opcode = Opcode::kResetsession}, kOther);
+  EXPECT_EQ(error(ask(Opcode::kCalcfilecrc, "a", kOther)), MavFtpErr::kFail);
+  ask({.opcode = Opcode::kResetsession});
+  EXPECT_EQ(ask(Opcode::kCalcfilecrc, "a", kOther).number(), ftp_crc32(store_.files["a"]));
+}
+
 TEST_F(FtpServerTest, SessionsBelongToWhoOpenedThem) {
   const std::uint8_t session = ask(Opcode::kOpenfilero, "a").session;
   const FtpPayload close{.session = session, .opcode = Opcode::kTerminatesession};
@@ -187,9 +313,14 @@ TEST_F(FtpServerTest, SessionsBelongToWhoOpenedThem) {
 }
 
 TEST_F(FtpServerTest, SessionsAreFewAndIdleOnesAreTaken) {
-  for (int i = 0; i < 4; ++i) EXPECT_EQ(ask(Opcode::kOpenfilero, "a").opcode, Opcode::kAck);
+  const std::uint8_t oldest = ask(Opcode::kOpenfilero, "a").session;
+  now_ += 1ms;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(ask(Opcode::kOpenfilero, "a").opcode, Opcode::kAck);
   EXPECT_EQ(error(ask(Opcode::kOpenfilero, "a", kOther)), MavFtpErr::kNosessionsavailable);
   now_ += 31s;
+  EXPECT_EQ(error(ask(Opcode::kOpenfilero, "none", kOther)), MavFtpErr::kFilenotfound);
+  EXPECT_EQ(read(oldest, 0, 1).opcode,
+            Opcode::kAck);  // it is not lost for a file that is not there
   EXPECT_EQ(ask(Opcode::kOpenfilero, "a", kOther).opcode, Opcode::kAck);
 }
 
@@ -215,13 +346,12 @@ TEST_F(FtpServerTest, RefusesInTheProtocolsWords) {
 TEST_F(FtpServerTest, AnswersAreNoRequestsAndTooManyAreDropped) {
   ask({.opcode = Opcode::kAck});
   EXPECT_TRUE(sent_.empty());
-  FtpServer slow(store_, [this](const auto& m) { sent_.push_back(ftp_payload(m)); },
-                 {.interval = 1s});
+  FtpServer slow(store_, take_, {.bytes_per_s = 100});
   for (std::uint16_t i = 0; i < 100; ++i) {
     slow.on_request(ftp_message({.seq = i, .opcode = Opcode::kNone}), kStation, now_);
   }
-  EXPECT_EQ(sent_.size(), 2U);
-  EXPECT_EQ(slow.dropped(), 82U);
+  EXPECT_EQ(sent_.size(), 1U);
+  EXPECT_EQ(slow.dropped(), 83U);
 }
 
 }  // namespace

@@ -17,8 +17,10 @@ class MemoryFtpStore final : public FtpStore {
   using Err = mavlink::common::MavFtpErr;
   using Bytes = std::vector<std::uint8_t>;
   std::map<std::string, Bytes> files;
+  int listings = 0;  ///< calls of list()
 
   FtpFailure list(const std::string& folder, std::vector<FtpEntry>& entries) override {
+    ++listings;
     const std::string head = folder.empty() ? "" : folder + '/';
     std::set<std::string> folders;
     for (const auto& [path, bytes] : files) {
