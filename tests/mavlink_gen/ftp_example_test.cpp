@@ -4,12 +4,20 @@
 #include <sys/wait.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/encode.hpp"
+#include "tests/mavlink_gen/services/memory_ftp_store.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/packet_stream.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/pty_pair.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {
@@ -69,6 +77,8 @@ TEST_F(FtpDownload, ListsAndFetchesOverALineThatLosesPackets) {
   EXPECT_TRUE(top.starts_with("params.txt  ")) << top;
   EXPECT_TRUE(top.ends_with("\nfiles/\n")) << top;
   EXPECT_EQ(fetched("files/"), "empty  0\nlog/\nnewest  40000\n");
+  folder_.write("served/later", "abc");  // another run gets no answer of the one before
+  EXPECT_EQ(fetched("files/"), "empty  0\nlater  3\nlog/\nnewest  40000\n");
   EXPECT_EQ(fetched("/files/log/"), "a.ulg  40000\n");
   EXPECT_TRUE(fetched("files/log/a.ulg") == log_);
   EXPECT_EQ(fetched("files/empty"), "");
@@ -83,6 +93,69 @@ TEST_F(FtpDownload, NothingLeadsOutOfWhatIsServed) {
                                     "': the vehicle says that there is no such file or folder "
                                     "(FileNotFound)\n");
   }
+}
+
+/// A vehicle of the test's own, whose line goes dead after so many packets.
+class FtpDownloadOfAVehicle : public testing::Test {
+ protected:
+  /// @param to  where standard output goes
+  /// @return the exit code
+  std::optional<int> run(const std::string& path, const std::string& to) {
+    cas::test::ChildProcess program({"/bin/sh", "-c",
+                                     cas::test::binary_dir() + "/tests/mavlink_ftp_download " +
+                                         line_.slave() + ' ' + path + " > " + to});
+    std::optional<int> code;
+    cas::test::PacketStream asked;
+    const auto give_up = Clock::now() + cas::test::kPatience;
+    while (!(code = program.wait_exit(std::chrono::milliseconds(1))) && Clock::now() < give_up) {
+      line_.read(asked);
+      for (const auto& packet : std::exchange(asked.packets(), {})) {
+        const auto request = cas::mav::decode<FtpServer::Message>(packet.view());
+        if (request) server_.on_request(*request, packet.source, Clock::now());
+      }
+      server_.update(Clock::now());
+    }
+    said_ = program.output();
+    return code;
+  }
+
+  using Clock = std::chrono::steady_clock;
+  using FtpServer = cas::mav::services::FtpServer;
+  cas::test::TemporaryFolder folder_;
+  cas::test::PtyPair line_;
+  cas::mav::Encoder encode_packet_{{.system = 1, .component = 1}};
+  int packets_ = 1000;  ///< that the line still takes
+  std::string said_;
+  cas::mav::services::MemoryFtpStore store_;
+  FtpServer server_{store_, [this](const FtpServer::Message& message) {
+                      const auto packet = encode_packet_(message);
+                      if (packets_-- > 0) line_.write(packet);
+                      return packet.size();
+                    }};
+};
+
+TEST_F(FtpDownloadOfAVehicle, TransferThatIsCutLeavesNothing) {
+  store_.files["a"].assign(5000, 7);
+  const std::string file = (folder_ / "a").string();
+  EXPECT_EQ(run("a", file), 0);
+  EXPECT_EQ(cas::test::TemporaryFolder::read(file), std::string(5000, 7));
+  packets_ = 5;  // the opening and four pieces
+  EXPECT_EQ(run("a", file), 1);
+  EXPECT_EQ(cas::test::TemporaryFolder::read(file), "");
+  EXPECT_EQ(said_, "reading 'a', 956 of 5000 bytes, then nothing more came\n");
+}
+
+TEST_F(FtpDownloadOfAVehicle, OutputThatCannotBeWrittenIsAFailure) {
+  store_.files["a"].assign(5000, 7);
+  EXPECT_EQ(run("a", "/dev/full"), 1);
+  EXPECT_EQ(said_, "standard output cannot be written\n");
+}
+
+TEST_F(FtpDownloadOfAVehicle, NamesDoNotSteerTheTerminal) {
+  store_.files["a\x1b[2J\x7f\xc3\xa4"];
+  const std::string file = (folder_ / "list").string();
+  EXPECT_EQ(run("/", file), 0);
+  EXPECT_EQ(cas::test::TemporaryFolder::read(file), "a?[2J?\xc3\xa4  0\n");
 }
 
 }  // namespace
