@@ -54,7 +54,7 @@ class ParamStore {
   void mark_start();
   /// Values that differ from the start, as "NAME VALUE" lines.
   std::string changed_text() const;
-  /// All values, likewise.
+  /// All values, as "NAME VALUE" lines.
   std::string all_text() const;
 
   /// CRC-32 over names and values in list order, as a ground station's cache compares it.
