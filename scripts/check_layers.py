@@ -94,7 +94,7 @@ LAYERS = {
     "plugins": PLUGIN,  # each of plugins/<name>
     "plugins/mavlink_interface": PLUGIN | MAVLINK | {"Asio"},
 
-    "casd/packet": BASE | MAVLINK,
+    "casd/packet": BASE | MAVLINK | SERVICES,
     "casd/routing": BASE | MAVLINK | SERVICES | rooms("casd", "packet"),
     "casd/queue": BASE | rooms("casd", "packet"),
     "casd/tlog": BASE | MAVLINK | SERVICES,

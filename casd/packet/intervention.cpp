@@ -9,6 +9,7 @@
 #include "mavlink/common/all.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/command.hpp"
 
 namespace cas::casd {
 
@@ -56,13 +57,15 @@ std::string command_words(MavCmd command) {
 template <class Command>
 std::optional<Act> act_of_command(const Command& command) {
   if (only_asks(command.command)) return std::nullopt;
+  const bool disarms =
+      mav::services::stops({.id = command.command, .params = {command.param1, command.param2}});
   Act act{.what = command_words(command.command),
-          .target = {command.target_system, command.target_component}};
-  if (command.command == MavCmd::kComponentArmDisarm) {
-    act.disarms = command.param1 != 1;  // PX4 rounds it
-    act.what = with_word(command.command, act.disarms ? "disarm" : "arm");
+          .target = {command.target_system, command.target_component},
+          .disarms = disarms};
+  const bool arms = command.command == MavCmd::kComponentArmDisarm;
+  if (arms || (disarms && command.command != MavCmd::kDoFlighttermination)) {
+    act.what = with_word(command.command, disarms ? "disarm" : "arm");
   }
-  if (command.command == MavCmd::kDoFlighttermination) act.disarms = command.param1 != 0;
   return act;
 }
 

@@ -21,6 +21,7 @@
 #include "mavlink/common/all.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/command.hpp"
 
 namespace cas::hils {
 
@@ -283,11 +284,13 @@ bool may_disarm(const OutsideCall& call) {
   if (call.method != "vehicle.command") return false;
   const json params = json::parse(call.params, nullptr, false);
   if (!params.is_object()) return true;  // too long to be kept
-  const auto command = static_cast<MavCmd>(params.value("command", 0));
+  mav::services::VehicleCommand command{.id = static_cast<MavCmd>(params.value("command", 0))};
   const json numbers = params.value("params", json::array());
-  const json first = numbers.empty() ? json(0) : numbers.front();
-  if (command == MavCmd::kComponentArmDisarm) return first != 1;
-  return command == MavCmd::kDoFlighttermination && first != 0;
+  for (std::size_t i = 0; i < std::min(numbers.size(), command.params.size()); ++i) {
+    const json& number = numbers[i];
+    command.params[i] = number.is_number() ? number.get<float>() : std::nanf("");
+  }
+  return mav::services::stops(command);
 }
 
 bool FlightChanges::from_outside() const {

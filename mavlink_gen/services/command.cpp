@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mavlink_gen/services/command.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include "mavlink_gen/services/vehicle_modes.hpp"
@@ -16,6 +17,40 @@ using mavlink::common::MavResult;
 /// MAV_CMD_COMPONENT_ARM_DISARM param2: act against the vehicle's own checks.
 constexpr float kForce = 21196;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+// Not in the dialect: the first of common.xml, the others of ArduPilot's own.
+constexpr auto kDoEngineControl = static_cast<MavCmd>(223);
+constexpr auto kDoAuxFunction = static_cast<MavCmd>(218);
+constexpr auto kSoloFlyClick = static_cast<MavCmd>(42001);
+constexpr auto kSoloFlyHold = static_cast<MavCmd>(42002);
+
+/// Functions of MAV_CMD_DO_AUX_FUNCTION.
+constexpr int kMotorEmergencyStop = 31;
+constexpr int kArmDisarm = 153;
+constexpr int kArmDisarmAirMode = 154;
+constexpr int kArmEmergencyStop = 165;
+
+/// Whether an autopilot that cuts a parameter's decimals off reads it as this number.
+bool is_read_as(float parameter, int number) {
+  return std::trunc(parameter) == static_cast<float>(number);
+}
+
+/// A switch of a transmitter as a command: param1 its function, param2 low, middle or high.
+bool aux_stops(const VehicleCommand& command) {
+  constexpr int kLow = 0;
+  constexpr int kHigh = 2;
+  const auto is = [&command](int function) { return is_read_as(command.params[0], function); };
+  if (is(kMotorEmergencyStop)) return is_read_as(command.params[1], kHigh);
+  return (is(kArmDisarm) || is(kArmDisarmAirMode) || is(kArmEmergencyStop)) &&
+         is_read_as(command.params[1], kLow);
+}
+
+/// Low lets go of an emergency stop; any other function it switches off.
+bool aux_spins(const VehicleCommand& command) {
+  const bool is_off =
+      is_read_as(command.params[1], 0) && !is_read_as(command.params[0], kMotorEmergencyStop);
+  return !is_off && !aux_stops(command);
+}
 
 }  // namespace
 
@@ -107,6 +142,9 @@ VehicleCommand interval_command(std::uint32_t message_id, double period_us) {
 }
 
 bool spins(const VehicleCommand& command) {
+  if (command.id == kSoloFlyClick || command.id == kSoloFlyHold) return true;  // may arm for it
+  if (command.id == kDoAuxFunction) return aux_spins(command);
+  if (command.id == kDoEngineControl) return command.params[0] != 0;
   switch (command.id) {
     case MavCmd::kComponentArmDisarm:
       return command.params[0] != 0;
@@ -120,6 +158,8 @@ bool spins(const VehicleCommand& command) {
     case MavCmd::kActuatorTest:
     case MavCmd::kMissionStart:  // PX4 arms for it
       return true;
+    case MavCmd::kPreflightCalibration:  // of compass against motors, of ESCs
+      return is_read_as(command.params[5], 1) || is_read_as(command.params[6], 1);
     default:
       return false;
   }
@@ -127,6 +167,7 @@ bool spins(const VehicleCommand& command) {
 
 bool stops(const VehicleCommand& command) {
   if (command.id == MavCmd::kComponentArmDisarm) return command.params[0] != 1;
+  if (command.id == kDoAuxFunction) return aux_stops(command);
   return command.id == MavCmd::kDoFlighttermination && command.params[0] != 0;
 }
 

@@ -22,6 +22,11 @@ bool newest_counts(MavCmd id) {
          id == MavCmd::kDoReposition;
 }
 
+bool takes_off(MavCmd id) {
+  constexpr auto kNavTakeoffLocal = static_cast<MavCmd>(24);  // not in the dialect
+  return id == MavCmd::kNavTakeoff || id == kNavTakeoffLocal || id == MavCmd::kNavVtolTakeoff;
+}
+
 CommandLong long_form(const VehicleCommand& command, int sent) {
   CommandLong message;
   message.command = command.id;
@@ -211,8 +216,8 @@ void CommandExchange::on_disarm(const std::string& by, Time now) {
   for (std::list<Request>* requests : {&waiting_, &active_}) {
     for (auto each = requests->begin(); each != requests->end();) {
       const auto request = each++;
-      const bool takes_off = request->command.id == MavCmd::kNavTakeoff;
-      if (takes_off || spins(request->command)) ended.splice(ended.end(), *requests, request);
+      if (takes_off(request->command.id) || spins(request->command))
+        ended.splice(ended.end(), *requests, request);
     }
   }
   for (const Request& request : ended) {
@@ -222,6 +227,11 @@ void CommandExchange::on_disarm(const std::string& by, Time now) {
     request.done(
         failure(OutcomeKind::kRefused, describe(request.command.id) + " was overtaken by " + by));
   }
+}
+
+bool CommandExchange::is_stopping() const {
+  const auto is = [](const Request& request) { return stops(request.command); };
+  return std::ranges::any_of(active_, is) || std::ranges::any_of(waiting_, is);
 }
 
 void CommandExchange::give_up(const Outcome& outcome) {

@@ -69,6 +69,8 @@ class CommandExchange {
   /// The vehicle was disarmed, or its flight ended: what may start motors is not sent any more,
   /// nor is a takeoff, whether it is under way or waits. @param by  for the sentence: who, and how
   void on_disarm(const std::string& by, Time now);
+  /// Whether a command that disarms or ends the flight is under way or waits.
+  bool is_stopping() const;
   /// Ends all commands with this outcome.
   void give_up(const Outcome& outcome);
 

@@ -359,7 +359,7 @@ VehicleState = TypedDict("VehicleState", {
     "heartbeat_age_s": float,
     "hil": bool,
     "home": NotRequired[Home],
-    "interventions": NotRequired[Interventions],  # what others than casd had it do, oldest first; left out: nothing
+    "interventions": NotRequired[Interventions],  # what others than casd had it do, in the order in which each kind first came; left out: nothing
     "landed": str,
     "landed_age_s": NotRequired[float],
     "link": str,
@@ -666,7 +666,7 @@ class VehicleCalls:
         vehicle: system id
         force: without the vehicle's own checks
         not_hil: also one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
-        acts_so_far: only if vehicle.state still says so: nobody commanded it meanwhile
+        acts_so_far: only if vehicle.state still says so: nobody has disarmed since
         """
         return cast(Acknowledgement, self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil, acts_so_far=acts_so_far)))
 
@@ -990,7 +990,7 @@ class AsyncVehicleCalls:
         vehicle: system id
         force: without the vehicle's own checks
         not_hil: also one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
-        acts_so_far: only if vehicle.state still says so: nobody commanded it meanwhile
+        acts_so_far: only if vehicle.state still says so: nobody has disarmed since
         """
         return cast(Acknowledgement, await self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil, acts_so_far=acts_so_far)))
 

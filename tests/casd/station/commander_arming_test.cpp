@@ -180,33 +180,63 @@ TEST_F(VehicleCommanderTest, RefusesToArmOnAnOldHeartbeat) {
   EXPECT_TRUE(vehicle_.commands.empty());
 }
 
-struct SpinningCase {
+struct RawCase {
   const char* name;
-  MavCmd id;
-  float param1;
+  VehicleCommand command;
 };
 
-class SpinningCommand : public VehicleCommanderTest,
-                        public testing::WithParamInterface<SpinningCase> {};
+VehicleCommand raw(int id, std::array<float, 7> params) {
+  return {.id = static_cast<MavCmd>(id), .params = params};
+}
+
+class RawCommand : public VehicleCommanderTest, public testing::WithParamInterface<RawCase> {
+ protected:
+  OutcomeKind asked_of_a_vehicle_not_in_hil() {
+    vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
+    meet();
+    commander_.command(1, GetParam().command, false, now_, done());
+    return finish().kind;
+  }
+};
+
+class SpinningCommand : public RawCommand {};
 
 TEST_P(SpinningCommand, GoesThroughTheInterlock) {
-  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
-  meet();
-  VehicleCommand command;
-  command.id = GetParam().id;
-  command.params[0] = GetParam().param1;
-  commander_.command(1, command, false, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
+  EXPECT_EQ(asked_of_a_vehicle_not_in_hil(), OutcomeKind::kInterlock);
   EXPECT_TRUE(vehicle_.commands.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Raw, SpinningCommand,
-                         testing::Values(SpinningCase{"ArmCommand", MavCmd::kComponentArmDisarm, 1},
-                                         SpinningCase{"ModeWithArmedFlag", MavCmd::kDoSetMode, 129},
-                                         SpinningCase{"ModeBeyondFlags", MavCmd::kDoSetMode, 512},
-                                         SpinningCase{"MotorTest", MavCmd::kDoMotorTest, 1},
-                                         SpinningCase{"ActuatorTest", MavCmd::kActuatorTest, 0.5F},
-                                         SpinningCase{"MissionStart", MavCmd::kMissionStart, 0}),
+INSTANTIATE_TEST_SUITE_P(
+    Raw, SpinningCommand,
+    testing::Values(RawCase{"ArmCommand", raw(400, {1})},
+                    RawCase{"ModeWithArmedFlag", raw(176, {129})},
+                    RawCase{"ModeBeyondFlags", raw(176, {512})},
+                    RawCase{"MotorTest", raw(209, {1})}, RawCase{"ActuatorTest", raw(310, {0.5F})},
+                    RawCase{"MissionStart", raw(300, {})}, RawCase{"AuxArm", raw(218, {153, 2})},
+                    RawCase{"AuxArmWithDecimals", raw(218, {153.5F, 2.5F})},
+                    RawCase{"AuxMiddle", raw(218, {165, 1})},
+                    RawCase{"AuxEndOfEmergencyStop", raw(218, {31, 0})},
+                    RawCase{"SoloFlyClick", raw(42001, {})}, RawCase{"SoloFlyHold", raw(42002, {})},
+                    RawCase{"Engine", raw(223, {1})},
+                    RawCase{"CompassAgainstMotors", raw(241, {0, 0, 0, 0, 0, 1})},
+                    RawCase{"EscCalibration", raw(241, {0, 0, 0, 0, 0, 0, 1})}),
+    [](const auto& test) { return test.param.name; });
+
+class StoppingCommand : public RawCommand {};
+
+TEST_P(StoppingCommand, IsNotHeldBackAndCounts) {
+  const std::uint64_t before = commander_.hands(1).acts_so_far();
+  EXPECT_EQ(asked_of_a_vehicle_not_in_hil(), OutcomeKind::kAccepted);
+  EXPECT_EQ(commander_.hands(1).acts_so_far(), before + 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Raw, StoppingCommand,
+                         testing::Values(RawCase{"Disarm", raw(400, {0})},
+                                         RawCase{"Termination", raw(185, {1})},
+                                         RawCase{"AuxDisarm", raw(218, {153, 0})},
+                                         RawCase{"AuxDisarmAirMode", raw(218, {154, 0})},
+                                         RawCase{"AuxArmEmergencyStop", raw(218, {165, 0})},
+                                         RawCase{"AuxEmergencyStop", raw(218, {31, 2})}),
                          [](const auto& test) { return test.param.name; });
 
 class ConsentingCommanderTest : public VehicleCommanderTest {

@@ -14,10 +14,11 @@ using namespace std::chrono_literals;
 constexpr mav::Source kStation{255, 190};
 constexpr mav::Source kVehicle{1, 1};
 
-CommandLong command_to_vehicle(MavCmd id, float param1 = 0) {
+CommandLong command_to_vehicle(MavCmd id, float param1 = 0, float param2 = 0) {
   CommandLong command = test::command_to(1, 1);
   command.command = id;
   command.param1 = param1;
+  command.param2 = param2;
   return command;
 }
 
@@ -68,6 +69,14 @@ TEST_F(Overheard, WhatIsNoPlainArmingMayDisarm) {
   meet();
   hear(command_to_vehicle(MavCmd::kComponentArmDisarm, 0.4F));
   EXPECT_EQ(heard(), "command 400 (disarm) !") << "PX4 rounds it to 0";
+}
+
+TEST_F(Overheard, SwitchesGivenAsCommandsDisarmToo) {
+  constexpr auto kDoAuxFunction = static_cast<MavCmd>(218);
+  meet();
+  hear(command_to_vehicle(kDoAuxFunction, 153, 2));
+  hear(command_to_vehicle(kDoAuxFunction, 153, 0));
+  EXPECT_EQ(heard(), "command 218, command 218 (disarm) !");
 }
 
 TEST_F(Overheard, SticksAndModesCountWithTheirAddressee) {
@@ -217,9 +226,28 @@ TEST_F(Overheard, ArmingIsRefusedToWhoHasNotSeenTheNewestAct) {
   const Outcome outcome = arm({.acts_so_far = seen});
   EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome.message,
-            "vehicle 1 is not armed: somebody commanded it since acts_so_far was read");
+            "vehicle 1 is not armed: somebody has disarmed or commanded it since acts_so_far was "
+            "read");
   EXPECT_EQ(vehicle_.commands.size(), sent);
   EXPECT_TRUE(arm({.acts_so_far = commander_.hands(1).acts_so_far()}).ok());
+}
+
+TEST_F(Overheard, ArmingIsRefusedWhileADisarmIsNotAnswered) {
+  meet();
+  vehicle_.script.answers = 0;
+  std::optional<Outcome> disarmed;
+  commander_.disarm(1, false, now_, [&](const Outcome& outcome) { disarmed = outcome; });
+  run_for(100ms);
+  const std::uint64_t seen = commander_.hands(1).acts_so_far();
+  const Outcome outcome = arm({.acts_so_far = seen});
+  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
+  EXPECT_EQ(outcome.message, "vehicle 1 is not armed: a request to disarm it is under way");
+  EXPECT_FALSE(disarmed) << disarmed->message;
+  vehicle_.script.answers = 1;
+  run_for(1s);
+  ASSERT_TRUE(disarmed) << "it is repeated until the vehicle answers";
+  EXPECT_TRUE(disarmed->ok()) << disarmed->message;
+  EXPECT_TRUE(arm({.acts_so_far = seen}).ok());
 }
 
 TEST(Interventions, KeepTheDisarmAmongManyOthers) {
