@@ -12,9 +12,9 @@ namespace cas::hils {
 
 namespace {
 
-/// @param reference  the same flight without a failure; row 0: nothing to compare with
+/// @param reference  the same flight without a failure; nullptr: a comparison says nothing
 CampaignFlight judge_flight(const std::vector<Expectation>& expected, const RowResult& result,
-                            const RowResult& reference, std::size_t row, std::uint64_t seed) {
+                            const RowResult* reference, std::size_t row, std::uint64_t seed) {
   CampaignFlight flight{.row = row, .seed = seed, .response = result.strike};
   if (result.row == 0) {
     flight.no_verdict = "it has not been flown";
@@ -28,8 +28,12 @@ CampaignFlight judge_flight(const std::vector<Expectation>& expected, const RowR
   } else if (!result.strike->no_verdict.empty()) {
     flight.no_verdict = result.strike->no_verdict;
     flight.response.reset();
-  } else if (reference.row != 0 && !result.run_sha256.empty() &&
-             result.run_sha256 == reference.run_sha256) {
+  } else if (reference != nullptr && reference->run_sha256.empty()) {
+    flight.no_verdict =
+        "whether its failure acted is not known: the flight without a failure has no record to "
+        "compare with";
+    flight.response.reset();
+  } else if (reference != nullptr && result.run_sha256 == reference->run_sha256) {
     flight.no_verdict = "never acted: to the byte, the flight is the one without a failure";
     flight.response.reset();
   } else {
@@ -116,9 +120,11 @@ CampaignMatrix CampaignMatrix::of(Campaign campaign, const std::vector<RowResult
   std::vector<RowResult> references;
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     const RowResult& own = references.emplace_back(result_of(cells.size() * seeds.size() + i + 1));
-    if (own.row == 0 || own.outcome == RowOutcome::kPassed) continue;
-    matrix.without_failure.push_back(fmt::format("without a failure, seed {}: {}: {}", seeds[i],
-                                                 to_string(own.outcome), own.cause));
+    if (own.row != 0 && own.outcome == RowOutcome::kPassed) continue;
+    matrix.without_failure.push_back(
+        fmt::format("without a failure, seed {}: {}", seeds[i],
+                    own.row == 0 ? "it has not been flown"
+                                 : fmt::format("{}: {}", to_string(own.outcome), own.cause)));
   }
   std::size_t row = 0;
   for (const CampaignCell& cell : cells) {
@@ -127,7 +133,7 @@ CampaignMatrix CampaignMatrix::of(Campaign campaign, const std::vector<RowResult
     const CampaignFailure& failure = matrix.campaign.failures[cell.failure];
     const std::vector<Expectation>& expected = failure.expected.at(phase);
     for (std::size_t i = 0; i < seeds.size(); ++i) {
-      const RowResult& reference = failure.failure->unrecorded ? RowResult{} : references[i];
+      const RowResult* reference = failure.failure->unrecorded ? nullptr : &references[i];
       ++row;
       result.flights.push_back(judge_flight(expected, result_of(row), reference, row, seeds[i]));
     }
@@ -148,7 +154,8 @@ std::size_t CampaignMatrix::count(CellState state) const {
 
 int CampaignMatrix::exit_code() const {
   if (count(CellState::kMissed) > 0) return kExitLimitsMissed;
-  const bool is_clear = count(CellState::kNoVerdict) == 0 && flown_otherwise.empty();
+  const bool is_clear =
+      count(CellState::kNoVerdict) == 0 && without_failure.empty() && flown_otherwise.empty();
   return is_clear ? kExitPassed : kExitInvalid;
 }
 

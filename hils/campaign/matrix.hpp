@@ -47,17 +47,18 @@ struct CellResult {
 struct CampaignMatrix {
   Campaign campaign;
   std::vector<CellResult> cells;
-  std::vector<std::string> without_failure{};  ///< sentences on flights without one that failed
+  std::vector<std::string> without_failure{};  ///< sentences on those that did not pass
   std::set<std::size_t> flown_otherwise{};     ///< rows that were another flight when flown again
 
   /// @param results  of rows 1 to the last; row 0 where one was not flown. After the cells' come
-  ///                 those without a failure: a flight that is the same has seen none.
+  ///                 those without a failure: a flight that is the same has seen none, and one that
+  ///                 has none to compare with has no verdict.
   static CampaignMatrix of(Campaign campaign, const std::vector<RowResult>& results);
   /// Nothing where the failure does not strike in that phase.
   const CellResult* find(std::size_t failure, std::size_t phase) const;
   std::size_t count(CellState state) const;
   /// 0: all as expected; 1: a cell missed; 3: none did, and one has no verdict or was another
-  /// flight when it was flown again.
+  /// flight when it was flown again, or a flight without a failure did not pass.
   int exit_code() const;
 };
 

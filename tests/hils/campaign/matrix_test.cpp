@@ -34,6 +34,7 @@ RowResult row(std::size_t number, bool up, std::optional<double> detected_s = 0.
   RowResult result;
   result.row = number;
   result.outcome = up ? RowOutcome::kPassed : RowOutcome::kFailed;
+  result.run_sha256 = "run " + std::to_string(number);
   result.strike = StrikeResponse{.strike_s = 20,
                                  .detected_s = detected_s,
                                  .detected_by = "'<b>'",
@@ -46,9 +47,10 @@ RowResult row(std::size_t number, bool up, std::optional<double> detected_s = 0.
   return result;
 }
 
+/// The last two are those without a failure.
 std::vector<RowResult> all_up() {
   std::vector<RowResult> rows;
-  for (std::size_t i = 1; i <= 8; ++i) rows.push_back(row(i, true));
+  for (std::size_t i = 1; i <= 10; ++i) rows.push_back(row(i, true));
   return rows;
 }
 
@@ -90,7 +92,7 @@ TEST(CampaignMatrix, WithoutAVerdictItEndsWithThreeUnlessACellMissed) {
   rows[0] = row_without_figures(RowOutcome::kHung, "no result after 9 s");
   rows[0].row = 1;
   rows[4].strike.reset();  // the failure never struck
-  rows.pop_back();         // not flown
+  rows[7] = RowResult{};   // not flown
   CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
   EXPECT_EQ(matrix.exit_code(), 3);
   EXPECT_EQ(matrix.count(CellState::kNoVerdict), 3U);
@@ -122,16 +124,51 @@ TEST(CampaignMatrix, AStrikeAfterTheFlightHasNoVerdictAndNoFigures) {
 
 TEST(CampaignMatrix, AFlightLikeThatWithoutAFailureHasNoVerdict) {
   std::vector<RowResult> rows = all_up();
-  rows.push_back(row(9, true));
-  rows.push_back(row(10, false));
-  for (RowResult& each : rows) each.run_sha256 = "run " + std::to_string(each.row);
   rows[0].run_sha256 = rows[8].run_sha256;  // gps_lost, hover, seed 1
   rows[3].run_sha256 = rows[8].run_sha256;  // of another seed
   const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
   EXPECT_EQ(matrix.find(0, 0)->shown().no_verdict.find("never acted"), 0U);
   EXPECT_EQ(matrix.count(CellState::kNoVerdict), 1U);
   EXPECT_EQ(matrix.exit_code(), 3);
+}
+
+TEST(CampaignMatrix, WithoutAFlightToCompareWithThereIsNoVerdict) {
+  std::vector<RowResult> rows = all_up();
+  rows[9] = row_without_figures(RowOutcome::kDied, "ended by signal 9");
+  rows[9].row = 10;
+  CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  EXPECT_EQ(matrix.exit_code(), 3);
+  EXPECT_EQ(matrix.count(CellState::kNoVerdict), 4U);
+  EXPECT_EQ(matrix.find(0, 0)->as_expected(), 1U) << "seed 1 can be compared";
+  EXPECT_NE(matrix.find(0, 0)->shown().no_verdict.find("is not known"), std::string::npos);
+  EXPECT_NE(campaign_text(matrix).find("without a failure, seed 2: died"), std::string::npos);
+
+  Campaign unrecorded = campaign();
+  for (CampaignFailure& each : unrecorded.failures) {
+    if (each.failure->needs == FailureNeeds::kNothing) each.failure = find_failure("ground_lost");
+  }
+  matrix = CampaignMatrix::of(unrecorded, rows);
+  EXPECT_EQ(matrix.count(CellState::kAsExpected), 4U);
+  EXPECT_EQ(matrix.exit_code(), 3);
+}
+
+TEST(CampaignMatrix, AFlightThatFailsByItselfIsNoPass) {
+  std::vector<RowResult> rows = all_up();
+  rows[9] = row(10, false);
+  const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  EXPECT_EQ(matrix.count(CellState::kAsExpected), 4U);
+  EXPECT_EQ(matrix.exit_code(), 3);
   EXPECT_NE(campaign_text(matrix).find("without a failure, seed 2: failed"), std::string::npos);
+}
+
+TEST(CampaignMatrix, AFlightWithoutAFailureThatWasNotFlownIsSaid) {
+  std::vector<RowResult> rows = all_up();
+  rows.pop_back();
+  const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  EXPECT_EQ(matrix.count(CellState::kNoVerdict), 4U);
+  EXPECT_EQ(matrix.exit_code(), 3);
+  EXPECT_NE(campaign_text(matrix).find("without a failure, seed 2: it has not been flown"),
+            std::string::npos);
 }
 
 TEST(CampaignMatrix, AnotherFlightWhenFlownAgainIsSaid) {
