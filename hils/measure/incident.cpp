@@ -25,16 +25,8 @@ constexpr double kNear_m = 0.5;
 /// More than rotors or gusts can do: what slows a vehicle like this is solid. 6 g.
 constexpr double kImpact_m_s2 = 60.0;
 constexpr double kLeastExtent_m = 1.0;
-/// Half of what idling rotors have.
-constexpr double kTurning_rad_s = 50.0;
 
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
-
-/// Angle between the vehicle's axis and the vertical.
-double tilt_deg(const Pose& pose) {
-  const double upright = std::cos(pose.roll_rad) * std::cos(pose.pitch_rad);
-  return std::acos(std::clamp(upright, -1.0, 1.0)) * 180 / M_PI;
-}
 
 /// Farthest place of the plan from the start.
 double extent_m(const std::vector<Stage>& stages) {
@@ -151,6 +143,11 @@ Place place_in(StepKind kind, Place before) {
 }
 
 }  // namespace
+
+double tilt_deg(const Pose& pose) {
+  const double upright = std::cos(pose.roll_rad) * std::cos(pose.pitch_rad);
+  return std::acos(std::clamp(upright, -1.0, 1.0)) * 180 / M_PI;
+}
 
 std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
                                      std::span<const PoseSample> truth, double from_s) {

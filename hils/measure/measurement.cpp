@@ -176,7 +176,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.responses = step_responses(record.stages, truth);
   figures.truth_samples = truth.size();
   figures.incidents = find_incidents(record.stages, truth);
-  figures.strike = read_strike_response(record, scenario.steps, truth);
+  figures.strike = read_strike_response(record, scenario.steps, scenario.faults.vehicle, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);
   measure_stream(scenario, record, figures);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "base/time/clock.hpp"
 #include "casd/station/vehicle_state.hpp"
@@ -19,6 +20,7 @@
 #include "mavlink/common/sys_status.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
 
@@ -31,8 +33,6 @@ namespace {
 constexpr double kInAir_m = 0.5;
 constexpr double kDown_m = 0.3;
 constexpr double kStill_m_s = 0.2;
-/// Half of what idling rotors have.
-constexpr double kTurning_rad_s = 50.0;
 /// A HEARTBEAT tells of what happened since the one before.
 constexpr double kHeartbeat_s = 1.0;
 
@@ -125,12 +125,6 @@ class TaleReader {
 Eigen::Vector3d place(const PoseSample& sample, const PoseSample& start) {
   return {sample.pose.x_m - start.pose.x_m, sample.pose.y_m - start.pose.y_m,
           sample.pose.z_m - start.pose.z_m};
-}
-
-/// Angle between the vehicle's axis and the vertical.
-double tilt_deg(const Pose& pose) {
-  const double upright = std::cos(pose.roll_rad) * std::cos(pose.pitch_rad);
-  return std::acos(std::clamp(upright, -1.0, 1.0)) * 180 / M_PI;
 }
 
 /// The lines between the places of a plan, from the start to the landing.
@@ -264,7 +258,8 @@ Contact look_at_motion(const StrikeEvidence& evidence, StrikeResponse& response)
     if (seconds(sample) >= contact.first_s()) continue;
     response.peak_tilt_deg = std::max(response.peak_tilt_deg, tilt_deg(sample.pose));
     turned |= has_turning_rotor(sample);
-    response.terminated |= turned && !has_turning_rotor(sample) && p.z() > kInAir_m;
+    response.terminated |=
+        !evidence.stops_rotors && turned && !has_turning_rotor(sample) && p.z() > kInAir_m;
   }
   const Eigen::Vector3d end = place(last, start);
   const double speed = std::hypot(last.v_m_s[0], last.v_m_s[1], last.v_m_s[2]);
@@ -278,6 +273,19 @@ Contact look_at_motion(const StrikeEvidence& evidence, StrikeResponse& response)
 bool is_in_air(const StrikeEvidence& evidence, double time_s) {
   const auto before = between(evidence.truth, 0, microseconds(time_s) + 1);
   return !before.empty() && place(before.back(), evidence.truth.front()).z() > kInAir_m;
+}
+
+/// When the flight of a vehicle that was struck in the air was over: its plan, or it was disarmed
+/// on the ground.
+double flight_end_s(const StrikeEvidence& evidence) {
+  if (evidence.stages.empty() || !is_in_air(evidence, evidence.strike_s)) return kNever_s;
+  const auto landed =
+      std::ranges::find_if(evidence.tale.armed, [&evidence](const ArmedChange& change) {
+        return !change.armed && change.time_s >= evidence.strike_s &&
+               !is_in_air(evidence, change.time_s);
+      });
+  return std::min(base::to_seconds(evidence.stages.back().end),
+                  landed == evidence.tale.armed.end() ? kNever_s : landed->time_s);
 }
 
 /// Whether the vehicle had landed and was disarmed, and no step would arm it again.
@@ -319,6 +327,17 @@ bool tried_to_arm(const StrikeEvidence& evidence) {
   });
 }
 
+/// Whether a fault of this name takes the rotors' speed by physics.
+bool stops_rotors(std::span<const VehicleFault> faults, const std::string& name) {
+  std::size_t number = 0;
+  return std::ranges::any_of(faults, [&](const VehicleFault& fault) {
+    const sim::FaultSpec spec = sim::parse_fault(fault.script, ++number);
+    return spec.name == name && (std::holds_alternative<sim::RotorFault>(spec.kind) ||
+                                 std::holds_alternative<sim::SwapFault>(spec.kind) ||
+                                 std::holds_alternative<sim::VoltageFault>(spec.kind));
+  });
+}
+
 void note(const StrikeEvidence& evidence, const VehicleSign& sign, StrikeResponse& response) {
   const double after_s = sign.time_s - evidence.strike_s;
   if (!response.detected_s || after_s < *response.detected_s) {
@@ -350,7 +369,8 @@ StrikeResponse strike_response(const StrikeEvidence& evidence) {
   response.tried_to_arm = tried_to_arm(evidence);
   const Contact contact = look_at_motion(evidence, response);
   const double until_s =
-      std::min(contact.impact_s, evidence.end_s ? *evidence.end_s + kHeartbeat_s : kNever_s);
+      std::min({contact.impact_s, evidence.end_s ? *evidence.end_s + kHeartbeat_s : kNever_s,
+                flight_end_s(evidence)});
   for (const VehicleSign& sign : evidence.tale.signs) {
     if (sign.time_s < evidence.strike_s || sign.time_s > until_s) continue;
     note(evidence, sign, response);
@@ -375,6 +395,7 @@ StrikeResponse strike_response(const StrikeEvidence& evidence) {
 
 std::optional<StrikeResponse> read_strike_response(const RunRecord& record,
                                                    std::span<const FlightStep> steps,
+                                                   std::span<const VehicleFault> faults,
                                                    std::span<const PoseSample> truth) {
   const auto first = std::ranges::min_element(record.faults, {}, &BenchFaultScript::Span::begin);
   if (first == record.faults.end()) return std::nullopt;
@@ -388,6 +409,7 @@ std::optional<StrikeResponse> read_strike_response(const RunRecord& record,
   return strike_response({.strike_s = base::to_seconds(first->begin),
                           .end_s = end_s,
                           .fault = first->name,
+                          .stops_rotors = stops_rotors(faults, first->name),
                           .stages = stages,
                           .steps = steps,
                           .completed = record.flight_failure.empty(),

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
 #include "hils/flight/incident_kind.hpp"
 #include "hils/measure/tracking.hpp"
@@ -36,7 +37,8 @@ struct StrikeResponse {
   std::string detected_by{};
   std::optional<double> reacted_s{};       ///< first mode that a failsafe chose, or rotors stopped
   std::string reaction{};                  ///< that mode: "LAND", "RTL", "terminated"
-  bool terminated = false;                 ///< the vehicle stopped its rotors itself
+  bool terminated = false;                 ///< the vehicle stopped its rotors itself; of faults
+                                           ///< of rotors or the battery: it said so
   bool completed = false;                  ///< the flight was flown to its end
   std::optional<IncidentKind> incident{};  ///< the first one from then on
   bool crashed = false;  ///< it hit something, turned over, flew away or fell at the end
@@ -70,19 +72,23 @@ struct StrikeEvidence {
   double strike_s = 0;
   std::optional<double> end_s{};  ///< of the fault; nothing: it lasts to the end
   std::string fault{};
+  bool stops_rotors = false;  ///< the fault does, by physics: standing rotors are no answer to it
   std::span<const Stage> stages{};  ///< with the one that was under way at the end
   std::span<const FlightStep> steps{};
   bool completed = false;
   std::span<const PoseSample> truth{};
   VehicleTale tale{};
 };
-/// Signs count until the first impact, or one HEARTBEAT after the fault's end.
+/// Signs count until the first impact, or one HEARTBEAT after the fault's end, or the end of the
+/// flight: of its last step, or disarmed on the ground; of a strike on the ground after that, too.
 StrikeResponse strike_response(const StrikeEvidence& evidence);
 
 /// The response to the first fault of a flight; nothing when none struck.
-/// @param steps  of the vehicle
+/// @param steps   of the vehicle
+/// @param faults  that its plugin plays
 std::optional<StrikeResponse> read_strike_response(const RunRecord& record,
                                                    std::span<const FlightStep> steps,
+                                                   std::span<const VehicleFault> faults,
                                                    std::span<const PoseSample> truth);
 
 }  // namespace cas::hils

@@ -72,6 +72,7 @@ class Struck : public testing::Test {
     return strike_response({.strike_s = strike_s_,
                             .end_s = end_s_,
                             .fault = "test",
+                            .stops_rotors = stops_rotors_,
                             .stages = stages_,
                             .steps = steps_,
                             .completed = completed_,
@@ -82,6 +83,7 @@ class Struck : public testing::Test {
   std::vector<FlightStep> steps_;
   std::vector<Stage> stages_;
   bool completed_ = true;
+  bool stops_rotors_ = false;
   double strike_s_ = 10;
   std::optional<double> end_s_;
 };
@@ -211,6 +213,22 @@ TEST_F(Struck, SignsCountUntilAHeartbeatAfterTheFaultsEnd) {
   EXPECT_TRUE(response([](double, PoseSample&) {}, 30, sign_at(13.1)).detected_s);
 }
 
+TEST_F(Struck, SignsCountUntilTheEndOfTheFlight) {
+  const auto told_at = [this](double time_s) {
+    return response([](double, PoseSample&) {}, 30,
+                    {.signs = {{.time_s = time_s, .what = "'Low battery'"}},
+                     .armed = {{.time_s = 1, .armed = true}, {.time_s = 27, .armed = false}}})
+        .detected_s.has_value();
+  };
+  EXPECT_TRUE(told_at(24.9));
+  EXPECT_FALSE(told_at(25.1)) << "the last step is done";
+  add(StepKind::kDisarm, 25, 29);
+  EXPECT_TRUE(told_at(26.9));
+  EXPECT_FALSE(told_at(27.1)) << "it is disarmed";
+  strike_s_ = 0.5;
+  EXPECT_TRUE(told_at(27.1)) << "struck on the ground";
+}
+
 /// Falls from 10 m at 11 s and lies on its side from 12.43 s on.
 void fall(double t, PoseSample& sample) {
   if (t <= 11) return;
@@ -243,6 +261,11 @@ TEST_F(Struck, RotorsThatStandStillInTheAirNeedNoWord) {
   EXPECT_TRUE(response(stop_at(11.5)).terminated);
   EXPECT_FALSE(response(stop_at(12.6)).terminated) << "on the ground";
   EXPECT_FALSE(response(fall).terminated) << "they were not seen to turn";
+  stops_rotors_ = true;
+  EXPECT_FALSE(response(stop_at(11.5)).terminated) << "the fault did";
+  const VehicleTale said{.signs = {},
+                         .armed = {{.time_s = 1, .armed = true}, {.time_s = 12, .armed = false}}};
+  EXPECT_TRUE(response(stop_at(11.5), 30, said).terminated);
 }
 
 TEST_F(Struck, ABounceAfterTheFallIsNotTheAir) {
