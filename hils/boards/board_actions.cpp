@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <optional>
+#include <string>
 
 #include "base/time/clock.hpp"
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_hook.hpp"
+#include "hils/run/run_places.hpp"
 
 namespace cas::hils {
 
@@ -101,8 +104,11 @@ void BoardActions::hook(HookKind kind, const std::filesystem::path& file) {
   const auto device = find_device(board_, list_.by_id).value_or(std::filesystem::path());
   const HookCommand command =
       hook_command(board_, kind, folder, hook_variables(board_, device, file));
-  run_hook(supervisor_, command, folder,
-           logs_ / fmt::format("{}_{}.log", board_.name, to_string(kind)));
+  const std::string name = fmt::format("{}_{}.log", board_.name, to_string(kind));
+  std::filesystem::path log = logs_ / name;
+  std::optional<RunDirectory> scratch;
+  if (logs_.empty() || !std::ofstream(log, std::ios::app)) log = scratch.emplace().path() / name;
+  run_hook(supervisor_, command, folder, log);
 }
 
 void BoardActions::refuse_armed(const BoardFacts& facts) const {

@@ -18,7 +18,8 @@ enum class Absence { kFails, kWaits };
 /// What is done to a board by whoever holds it.
 class BoardActions {
  public:
-  /// @param logs  folder for the output of hooks; all outlive it
+  /// @param logs  folder for the output of hooks; where it is empty or cannot be written to, their
+  ///              output goes when they end. All outlive it
   BoardActions(Supervisor& supervisor, const BoardList& list, const Board& board,
                std::filesystem::path logs)
       : supervisor_(supervisor), list_(list), board_(board), logs_(std::move(logs)) {}

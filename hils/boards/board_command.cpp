@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -139,16 +140,26 @@ int hold(BoardLock lock, const Board& board, const std::vector<std::string>& com
   return kExitPassed;
 }
 
+/// Behind a sentence: the processes that hold the board, as far as they can be seen.
+std::string seen_holders(const Board& board, const fs::path& folder) {
+  const std::vector<std::string> seen = who_has_locked(board, folder);
+  if (seen.empty()) return ": what holds the board is another user's or another container's";
+  return fmt::format("; what holds the board is {}", fmt::join(seen, ", "));
+}
+
 /// Refuses to end a process that the lock's file names and that does not hold it, as far as can be
 /// seen: others may write to the file, and numbers of processes are used again.
-void refuse_wrong_process(const Board& board, const fs::path& folder, const LockHolder& holder) {
+void refuse_wrong_process(const Board& board, const fs::path& folder, const LockState& state) {
+  if (!state.heirs.empty()) {
+    throw BoardError(kExitBoardBusy,
+                     fmt::format("board '{}': {}; end that", board.name, to_words(state)));
+  }
   const fs::path file = lock_file(folder, board);
-  if (!descriptors_of(holder.pid, file).empty()) return;
-  throw BoardError(kExitBoardBusy,
-                   fmt::format("board '{}': process {} does not have {} open, as far as can be "
-                               "seen: it is another user's or another container's, or it has ended "
-                               "and left the board to what it started (fuser -v {})",
-                               board.name, holder.pid, file.string(), file.string()));
+  if (!descriptors_of(state.holder->pid, file).empty()) return;
+  throw BoardError(
+      kExitBoardBusy,
+      fmt::format("board '{}': process {} does not have {} open, as far as can be seen{}",
+                  board.name, state.holder->pid, file.string(), seen_holders(board, folder)));
 }
 
 /// Waits until this lock has ended. @throws BoardError
@@ -173,13 +184,17 @@ LockState wait_for_end(const Board& board, const fs::path& folder, const LockHol
 int release(const Board& board, const fs::path& folder, bool force) {
   LockState state = look_at_lock(board, folder);
   if (state.held) {
-    if (!state.holder || (!force && !state.holder->in_background)) {
+    if (!state.holder) {
+      throw BoardError(kExitBoardBusy, fmt::format("board '{}' is at work: {}{}", board.name,
+                                                   to_words(state), seen_holders(board, folder)));
+    }
+    if (!force && !state.holder->in_background && state.heirs.empty()) {
       throw BoardError(kExitBoardBusy,
-                       fmt::format("board '{}' is at work: {}{}", board.name, to_words(state),
-                                   state.holder ? "; --force ends that program" : ""));
+                       fmt::format("board '{}' is at work: {}; --force ends that program",
+                                   board.name, to_words(state)));
     }
     const LockHolder holder = *state.holder;
-    refuse_wrong_process(board, folder, holder);
+    refuse_wrong_process(board, folder, state);
     if (::kill(holder.pid, SIGTERM) != 0) {
       throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} is not yours to end: {}",
                                                    board.name, holder.pid, to_words(state)));
@@ -315,18 +330,22 @@ int BoardCommand::run() const {
     return flags.names ? show_names(list) : show_list(list, flags.json);
   }
   Board board = list.board(flags.name);
-  const fs::path folder = lock_folder(list);
-  if (flags.unlock->parsed()) return release(board, folder, flags.force);
+  if (flags.unlock->parsed()) return release(board, lock_folder(list), flags.force);
 
   const std::string verb = "hils board " + flags.board->get_subcommands().front()->get_name();
   const std::string command = fmt::format("{}", fmt::join(flags.command, " "));
   const std::string purpose = flags.purpose.empty() ? command : flags.purpose;
   const bool emergency = flags.power->parsed() && flags.power_state == "off";
+  if (emergency && !flags.wait.empty()) {
+    throw base::ConfigError("power off waits for nobody: it takes no --wait");
+  }
+  fs::path folder;  // none where the emergency stop has to do without
   std::optional<BoardLock> lock;
   try {
+    folder = lock_folder(list);
     lock.emplace(board, folder, purpose.empty() ? verb : verb + ": " + purpose,
                  parse_wait(flags.wait));
-  } catch (const BoardError& error) {
+  } catch (const std::exception& error) {
     if (!emergency) throw;
     fmt::print(stderr, "hils: {}; its power is cut all the same\n", error.what());
   }

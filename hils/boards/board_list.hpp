@@ -58,7 +58,7 @@ bool is_hexadecimal(std::string_view commit);
 /// boards.yaml.
 struct BoardList {
   std::filesystem::path file;
-  std::filesystem::path lock_folder;                  ///< empty: in the user's runtime folder
+  std::filesystem::path lock_folder;                  ///< empty: the user's own in /var/tmp
   std::filesystem::path by_id = "/dev/serial/by-id";  ///< udev's links
   std::vector<Board> boards;
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <pwd.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,7 +24,6 @@
 
 #include "base/error.hpp"
 #include "base/os/file_lock.hpp"
-#include "base/rpc/local_port.hpp"
 #include "hils/boards/board_error.hpp"
 
 namespace cas::hils {
@@ -86,6 +86,14 @@ bool take_shared_lock(int fd) {
 void free_file_lock(int fd) {
   struct flock lock = base::whole_file(F_UNLCK);
   ::fcntl(fd, F_OFD_SETLK, &lock);
+}
+
+/// Whether a file is still what its path names: its folder may be cleared away while one waits.
+bool is_in_place(int fd, const fs::path& file) {
+  struct stat own {};
+  struct stat there {};
+  return ::fstat(fd, &own) == 0 && ::stat(file.c_str(), &there) == 0 &&
+         own.st_dev == there.st_dev && own.st_ino == there.st_ino;
 }
 
 /// Whether a guest is at work.
@@ -184,6 +192,32 @@ void wait_for(int lock, int guests, const Board& board, const fs::path& folder,
   }
 }
 
+/// Whether a process has a file open by which its lock was taken, as far as can be seen: one that
+/// waits for the lock has it open, too.
+bool has_locked(pid_t process, const fs::path& file) {
+  return std::ranges::any_of(descriptors_of(process, file), [process](int fd) {
+    std::ifstream in(fmt::format("/proc/{}/fdinfo/{}", process, fd));
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    return text.find("\nlock:") != std::string::npos;
+  });
+}
+
+/// As the kernel knows it, without what would disturb a terminal.
+std::string name_of(pid_t process) {
+  std::string name;
+  std::ifstream in(fmt::format("/proc/{}/comm", process));
+  std::getline(in, name);
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
+  return name;
+}
+
+std::string left_words(const LockState& state) {
+  return fmt::format("process {} of {} has ended; what it started holds it since {}: {}",
+                     state.holder->pid, state.holder->user, state.holder->since,
+                     fmt::join(state.heirs, ", "));
+}
+
 }  // namespace
 
 std::string holder_setting() {
@@ -211,9 +245,36 @@ std::vector<int> descriptors_of(pid_t process, const fs::path& file) {
   return found;
 }
 
+std::vector<std::string> who_has_locked(const Board& board, const fs::path& folder) {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (fs::directory_iterator at("/proc", error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    const pid_t process = std::atoi(at->path().filename().c_str());
+    if (process <= 0) continue;
+    const bool holds = has_locked(process, lock_file(folder, board)) ||
+                       has_locked(process, guests_file(folder, board));
+    if (holds) found.push_back(fmt::format("process {} ({})", process, name_of(process)));
+  }
+  return found;
+}
+
+fs::path own_lock_folder(const fs::path& parent) {
+  const fs::path folder = parent / fmt::format("cas-boards-{}", ::getuid());
+  ::mkdir(folder.c_str(), 0700);
+  struct stat status {};
+  const bool there = ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
+  if (!there || status.st_uid != ::getuid() || (status.st_mode & 077) != 0) {
+    throw base::ConfigError(folder.string() +
+                            " is no private folder of yours (mode 0700); give boards.yaml a "
+                            "lock_folder");
+  }
+  return folder;
+}
+
 fs::path lock_folder(const BoardList& list) {
-  const fs::path folder =
-      list.lock_folder.empty() ? base::rpc::make_runtime_folder() / "boards" : list.lock_folder;
+  if (list.lock_folder.empty()) return own_lock_folder("/var/tmp");
+  const fs::path& folder = list.lock_folder;
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw base::ConfigError(folder.string() + ": cannot be made: " + error.message());
@@ -229,14 +290,17 @@ LockState look_at_lock(const Board& board, const fs::path& folder) {
   if (state.held) state.holder = read_holder(file);
   state.has_guests = is_shared(guests_file(folder, board));
   state.held = state.held || state.has_guests;
+  const bool gone = state.holder && ::kill(state.holder->pid, 0) != 0 && errno == ESRCH;
+  if (gone) state.heirs = who_has_locked(board, folder);
   return state;
 }
 
 std::string to_words(const LockState& state) {
   if (!state.held) return state.waiting == 0 ? "it is free" : "it goes to who waits for it";
-  std::string words = state.holder       ? "it is held by " + to_words(*state.holder)
-                      : state.has_guests ? "it is in use below a lock that has ended"
-                                         : "it is held by a program that has just taken it";
+  std::string words = !state.heirs.empty() ? left_words(state)
+                      : state.holder       ? "it is held by " + to_words(*state.holder)
+                      : state.has_guests   ? "it is in use below a lock that has ended"
+                                           : "it is held by a program that has just taken it";
   if (state.waiting > 0) words += fmt::format("; {} in the queue", state.waiting);
   return words;
 }
@@ -244,13 +308,17 @@ std::string to_words(const LockState& state) {
 BoardLock::BoardLock(const Board& board, const fs::path& folder, const std::string& purpose,
                      std::optional<base::Duration> wait) {
   if (become_guest(board, folder)) return;
-  lock_ = open_for_lock(lock_file(folder, board));
-  const base::Descriptor guests = open_for_lock(guests_file(folder, board));
-  if (wait) {
-    wait_for(lock_.get(), guests.get(), board, folder, *wait);
-  } else if (look_at_lock(board, folder).waiting > 0 || !take_both(lock_.get(), guests.get())) {
-    refuse(board, look_at_lock(board, folder), "");
-  }
+  base::Descriptor guests;
+  do {
+    lock_ = open_for_lock(lock_file(folder, board));
+    guests = open_for_lock(guests_file(folder, board));
+    if (wait) {
+      wait_for(lock_.get(), guests.get(), board, folder, *wait);
+    } else if (look_at_lock(board, folder).waiting > 0 || !take_both(lock_.get(), guests.get())) {
+      refuse(board, look_at_lock(board, folder), "");
+    }
+  } while (!is_in_place(lock_.get(), lock_file(folder, board)) ||
+           !is_in_place(guests.get(), guests_file(folder, board)));
   holder_ = {.pid = ::getpid(),
              .user = user_name(),
              .since = utc_now(),

@@ -14,8 +14,12 @@
 
 namespace cas::hils {
 
-/// Where the locks are: the list's `lock_folder`, else `boards` in the user's runtime folder; made
-/// where it is missing. @throws base::ConfigError
+/// The user's own folder for locks in another one, made with mode 0700 where it is missing.
+/// @throws base::ConfigError where it is somebody else's, or others may look into it
+std::filesystem::path own_lock_folder(const std::filesystem::path& parent);
+
+/// Where the locks are: the list's `lock_folder`, else the user's own in /var/tmp, which no
+/// environment moves and no logout clears; made where it is missing. @throws base::ConfigError
 std::filesystem::path lock_folder(const BoardList& list);
 
 /// "CAS_BOARD_HOLDER=TOKENS": for programs that may use what this one holds, or may use itself.
@@ -28,11 +32,16 @@ std::filesystem::path lock_file(const std::filesystem::path& folder, const Board
 /// are not this user's to see, or the number is of another container.
 std::vector<int> descriptors_of(pid_t process, const std::filesystem::path& file);
 
+/// Processes that hold a board or use it below a lock, as far as this user can see them:
+/// "process 12 (make)".
+std::vector<std::string> who_has_locked(const Board& board, const std::filesystem::path& folder);
+
 /// Who has a board, at this moment.
 struct LockState {
   bool held = false;
   bool has_guests = false;             ///< a program uses it below a lock
   std::optional<LockHolder> holder{};  ///< nothing where it has not said so yet
+  std::vector<std::string> heirs{};    ///< the holder has ended: what has its lock
   std::size_t waiting = 0;             ///< programs in the queue
 };
 LockState look_at_lock(const Board& board, const std::filesystem::path& folder);
@@ -48,8 +57,8 @@ std::string to_words(const LockState& state);
 ///   NAME.lock    exclusive: the holder, with what it gave the descriptor to
 ///   NAME.guests  shared: guests; exclusive, for a moment: who takes NAME.lock
 ///
-/// Who waits has a ticket in a queue, which goes with it, too;
-/// the first who came is the first to get the board.
+/// A waiter has a ticket in a queue; the kernel frees it when the waiter ends. The first who came
+/// is the first to get the board.
 class BoardLock {
  public:
   /// @param wait  how long to stand in the queue; nothing: not at all

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -231,6 +232,30 @@ TEST(BoardProgram, CutsThePowerOfABoardThatSomebodyHolds) {
   EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
 }
 
+TEST(BoardProgram, CutsThePowerOfABoardWhateverIsWrongWithItsLock) {
+  const BoardShelf shelf;
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  const ShelfAnswer waits = shelf.board({"power", "off", "a", "--wait"});
+  EXPECT_EQ(waits.code, kUsage) << waits.text;
+  EXPECT_TRUE(listed(shelf).at("present"));
+  const std::filesystem::path folder = shelf.folder / "runtime/boards";
+  const auto power_off_is_done = [&] {
+    EXPECT_EQ(shelf.board({"power", "on", "a"}).code, kUsage);
+    const ShelfAnswer off = shelf.board({"power", "off", "a"});
+    EXPECT_EQ(off.code, 0) << off.text;
+    EXPECT_SAYS(off, "its power is cut all the same");
+    std::filesystem::remove_all(folder);
+    EXPECT_FALSE(listed(shelf).at("present"));
+  };
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "SN1.lock");  // cannot be opened for writing
+  power_off_is_done();
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  std::filesystem::remove_all(folder);
+  shelf.folder.write("runtime/boards", "no folder");
+  power_off_is_done();
+}
+
 TEST(BoardProgram, FreesTheBoardOfAHolderThatWasKilled) {
   const BoardShelf shelf;
   ASSERT_EQ(shelf.board({"lock", "a"}).code, 0);
@@ -261,7 +286,9 @@ TEST(BoardProgram, HoldsABoardAsLongAsAnythingBelowTheLockRuns) {
   EXPECT_EQ(shelf.board({"power", "on", "a"}).code, kBusy);
   const ShelfAnswer forced = shelf.board({"unlock", "a", "--force"});
   EXPECT_EQ(forced.code, kBusy) << forced.text;
-  EXPECT_SAYS(forced, "left the board to what it started");
+  EXPECT_SAYS(forced, " has ended; what it started holds it since ");
+  EXPECT_SAYS(forced, " (sh); end that");
+  EXPECT_SAYS(shelf.board({"list"}), " has ended; what it started holds it since ");
   shelf.folder.write("go", "-");
   EXPECT_TRUE(wait_until([&] { return !listed(shelf).at("held").get<bool>(); }));
 }
@@ -314,6 +341,7 @@ TEST(BoardProgram, EndsNoProcessThatALockFileOnlyNames) {
   const ShelfAnswer unlock = shelf.board({"unlock", "a", "--force"});
   EXPECT_EQ(unlock.code, kBusy) << unlock.text;
   EXPECT_SAYS(unlock, "does not have " + file + " open");
+  EXPECT_SAYS(unlock, " (hils)");
   EXPECT_EQ(::kill(bystander.pid(), 0), 0);
   std::ofstream(file) << text;
   EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);

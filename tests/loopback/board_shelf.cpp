@@ -71,7 +71,7 @@ void make_program(const fs::path& file) {
 }  // namespace
 
 BoardShelf::BoardShelf(const std::vector<std::string>& boards) {
-  std::string list = "schema: 1\nby_id: by-id\nboards:\n";
+  std::string list = "schema: 1\nby_id: by-id\nlock_folder: runtime/boards\nboards:\n";
   for (const std::string& board : boards) {
     const std::size_t space = std::min(board.find(' '), board.size());
     const std::string& name = names_.emplace_back(board.substr(0, space));

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/boards/board_lock.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "base/error.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::hils {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(LockFolder, IsOneForAUserWhateverTheEnvironmentSays) {
+  const test::TemporaryFolder runtime;
+  ::setenv("CAS_RUNTIME_DIR", runtime.path().c_str(), 1);
+  ::setenv("XDG_RUNTIME_DIR", runtime.path().c_str(), 1);
+  EXPECT_EQ(lock_folder({}).string(), "/var/tmp/cas-boards-" + std::to_string(::getuid()));
+  BoardList list;
+  list.lock_folder = runtime / "locks";
+  EXPECT_EQ(lock_folder(list).string(), (runtime / "locks").string());
+  EXPECT_TRUE(fs::is_directory(runtime / "locks"));
+}
+
+TEST(LockFolder, IsTheUsersAlone) {
+  const test::TemporaryFolder parent;
+  const fs::path folder = own_lock_folder(parent.path());
+  EXPECT_EQ(fs::status(folder).permissions(), fs::perms::owner_all);
+  EXPECT_EQ(own_lock_folder(parent.path()).string(), folder.string());
+  fs::permissions(folder, fs::perms(0755));
+  EXPECT_THROW(own_lock_folder(parent.path()), base::ConfigError);
+  fs::remove(folder);
+  fs::create_directory_symlink(parent.path(), folder);
+  EXPECT_THROW(own_lock_folder(parent.path()), base::ConfigError);
+}
+
+TEST(BoardLock, IsThatOfTheFileThatIsThereThoughOneWaitedForAnother) {
+  const test::TemporaryFolder folder;
+  const Board board{.name = "a", .serial = "SN1"};
+  std::optional<BoardLock> first;
+  first.emplace(board, folder.path(), "first", std::nullopt);
+  ::unsetenv("CAS_BOARD_HOLDER");  // the second is no guest of the first
+  std::optional<BoardLock> second;
+  std::thread waiter(
+      [&] { second.emplace(board, folder.path(), "second", std::chrono::minutes(5)); });
+  EXPECT_TRUE(test::wait_until([&] { return look_at_lock(board, folder.path()).waiting == 1; }));
+  fs::remove(lock_file(folder.path(), board));
+  first.reset();
+  waiter.join();
+  const LockState state = look_at_lock(board, folder.path());
+  ASSERT_TRUE(state.holder);
+  EXPECT_EQ(state.holder->purpose, "second");
+  ::unsetenv("CAS_BOARD_HOLDER");
+}
+
+}  // namespace
+}  // namespace cas::hils
