@@ -287,7 +287,8 @@ TEST(BoardProgram, HoldsABoardAsLongAsAnythingBelowTheLockRuns) {
   const ShelfAnswer forced = shelf.board({"unlock", "a", "--force"});
   EXPECT_EQ(forced.code, kBusy) << forced.text;
   EXPECT_SAYS(forced, " has ended; what it started holds it since ");
-  EXPECT_SAYS(forced, " (sh); end that");
+  EXPECT_SAYS(forced, " (sh)");
+  EXPECT_SAYS(forced, "; end that");
   EXPECT_SAYS(shelf.board({"list"}), " has ended; what it started holds it since ");
   shelf.folder.write("go", "-");
   EXPECT_TRUE(wait_until([&] { return !listed(shelf).at("held").get<bool>(); }));
