@@ -34,8 +34,9 @@ inline std::size_t edit_distance(std::string_view from, std::string_view to) {
 }
 
 /// The known word that was most likely meant: at most a third of its letters differ, or it is the
-/// only one that begins so. Words of over 64 letters are not compared, and no more than the first
-/// 4096 known ones: the cost is bounded whatever is asked.
+/// only one that begins so, or lacks no more than a part before or behind an underscore: "z" of
+/// "z_m", "share" of "thrust_share". Words of over 64 letters are not compared, and no more than
+/// the first 4096 known ones: the cost is bounded whatever is asked.
 /// @param known  a range of strings or string views
 /// @return empty: none is near
 template <class Words>
@@ -46,8 +47,10 @@ std::string nearest_word(std::string_view word, const Words& known) {
   if (word.empty() || word.size() > kLongest) return {};
   std::string_view nearest;
   std::string_view beginning;
+  std::string_view part;
   std::size_t least = 0;
   std::size_t begin_so = 0;
+  std::size_t have_part = 0;
   std::size_t seen = 0;
   for (const auto& each_word : known) {
     const std::string_view each(each_word);
@@ -55,6 +58,10 @@ std::string nearest_word(std::string_view word, const Words& known) {
     if (each.starts_with(word)) {
       beginning = each;
       ++begin_so;
+    }
+    if (each.starts_with(std::string(word) + '_') || each.ends_with('_' + std::string(word))) {
+      part = each;
+      ++have_part;
     }
     const std::size_t most = std::max<std::size_t>(1, each.size() / 3);
     if (each.size() > kLongest || each.size() > word.size() + most) continue;
@@ -65,6 +72,7 @@ std::string nearest_word(std::string_view word, const Words& known) {
     least = distance;
   }
   if (!nearest.empty()) return std::string(nearest);
+  if (have_part == 1) return std::string(part);
   const bool says_enough = word.size() >= kLeastBeginning && begin_so == 1;
   return says_enough ? std::string(beginning) : std::string();
 }

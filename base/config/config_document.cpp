@@ -96,6 +96,17 @@ void emit(YAML::Emitter& out, const ConfigTree& tree) {
   }
 }
 
+/// @param line  from 1
+bool indents_with_tab(std::string_view text, int line) {
+  for (int i = 1; i < line; ++i) {
+    const std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) return false;
+    text.remove_prefix(end + 1);
+  }
+  const std::string_view blank = text.substr(0, text.find_first_not_of(" \t"));
+  return line > 0 && blank.find('\t') != std::string_view::npos;
+}
+
 }  // namespace
 
 const ConfigTree* ConfigTree::find(std::string_view key) const {
@@ -118,7 +129,16 @@ std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
     }
     if (!documents.empty()) builder.build(documents[0], document->root, "", 0);
   } catch (const YAML::Exception& error) {
-    builder.fail(line_of(error.mark), "", "is not YAML: " + error.msg);
+    const int line = line_of(error.mark);
+    for (const int tabbed : {line, line - 1}) {
+      if (!indents_with_tab(text, tabbed)) continue;
+      builder.fail(tabbed, "", "is not YAML: a tab is in the indentation; YAML takes spaces alone");
+    }
+    const bool no_end = error.msg.find("end of map not found") != std::string::npos ||
+                        error.msg.find("end of sequence not found") != std::string::npos;
+    builder.fail(line, "",
+                 "is not YAML: " + error.msg +
+                     (no_end ? "; perhaps indented differently from the line above" : ""));
   }
   return document;
 }

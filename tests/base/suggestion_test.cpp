@@ -50,5 +50,12 @@ TEST(Suggestion, TakesViewsAndLeavesShortWordsAlone) {
   EXPECT_EQ(nearest_word("x", kWords), "") << "every letter would have to change";
 }
 
+TEST(Suggestion, KnowsAWordByItsPartBeforeOrBehindAnUnderscore) {
+  EXPECT_EQ(nearest_word("z", std::vector<std::string>{"x_m", "y_m", "z_m", "yaw_rad"}), "z_m");
+  EXPECT_EQ(nearest_word("share", std::vector<std::string>{"number", "stop", "thrust_share"}),
+            "thrust_share");
+  EXPECT_EQ(nearest_word("m", std::vector<std::string>{"x_m", "y_m"}), "") << "it may be either";
+}
+
 }  // namespace
 }  // namespace cas::base

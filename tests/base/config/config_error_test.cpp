@@ -59,7 +59,11 @@ INSTANTIATE_TEST_SUITE_P(
                     ErrorCase{"OpenList", "a: [1, 2\n", kJustParse,
                               "t.yaml:2: is not YAML: end of sequence flow not found"},
                     ErrorCase{"Tab", "a:\n\tb: 1\n", kJustParse,
-                              "t.yaml:2: is not YAML: illegal map value"}),
+                              "t.yaml:2: is not YAML: a tab is in the indentation; YAML takes "
+                              "spaces alone"},
+                    ErrorCase{"OtherIndentation", "a:\n  b: 1\n c: 2\n", kJustParse,
+                              "t.yaml:3: is not YAML: end of map not found; perhaps indented "
+                              "differently from the line above"}),
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
