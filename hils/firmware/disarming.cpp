@@ -3,11 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
-
-#include "casd/packet/intervention.hpp"
-
 namespace cas::hils {
 namespace {
 
@@ -19,36 +14,6 @@ constexpr double kEarly_s = 1.5;
 constexpr double kLate_s = 3;
 
 constexpr const char* kStays = "; hils does not arm it again";
-
-bool has_vehicle_do(const OutsideCall& call) {
-  if (call.method.starts_with("vehicle.")) return is_act(call);
-  if (call.method != "param.set") return false;
-  const auto params = nlohmann::json::parse(call.params, nullptr, false);
-  return !params.is_object() || casd::is_of_disarming(params.value("name", ""));
-}
-
-/// The call or act that counts most: one that disarms before all others.
-std::string first_hand(const OutsideHands& hands) {
-  const auto disarm = std::ranges::find_if(hands.calls, may_disarm);
-  const auto call =
-      disarm != hands.calls.end() ? disarm : std::ranges::find_if(hands.calls, has_vehicle_do);
-  if (call != hands.calls.end() && (call == disarm || hands.acts.empty())) {
-    const bool is_plain = call->method == "vehicle.disarm" || call->params == "{}";
-    return fmt::format("{} called {}{}", call->client, call->method,
-                       is_plain ? "" : " " + call->params);
-  }
-  if (hands.acts.empty()) return {};
-  const auto stop = std::ranges::find_if(hands.acts, &HeardAct::disarms);
-  const HeardAct& act = stop == hands.acts.end() ? hands.acts.front() : *stop;
-  return fmt::format("{}: {}", act.by, act.what);
-}
-
-std::string forgotten_words(const OutsideHands& hands) {
-  return fmt::format(
-      "casd has forgotten {} calls of its command port, so it is not known whether "
-      "somebody disarmed the vehicle",
-      hands.forgotten_calls);
-}
 
 /// How the disarming went by the vehicle itself; empty: it was its own.
 std::string doubt(const Disarming& disarming) {
@@ -68,16 +33,12 @@ std::string doubt(const Disarming& disarming) {
 
 }  // namespace
 
-std::string arm_fault(const OutsideHands& hands) {
-  if (std::ranges::any_of(hands.acts, &HeardAct::disarms) ||
-      std::ranges::any_of(hands.calls, may_disarm)) {
-    return fmt::format(
-        "somebody disarmed the vehicle, or may have, before hils armed it ({}); hils does not arm "
-        "it",
-        first_hand(hands));
-  }
-  if (hands.forgotten_calls > 0) return forgotten_words(hands) + "; hils does not arm it";
-  return {};
+bool is_own_end(bool gave_disarm, std::string_view words) {
+  if (words.ends_with("by landing")) return true;
+  // The second is PX4 v1.11's.
+  const bool by_command =
+      words.ends_with("by external command") || words.ends_with("by Arm/Disarm component command");
+  return gave_disarm && (words.empty() || by_command);
 }
 
 std::string rearm_fault(const Disarming& disarming) {
@@ -97,11 +58,6 @@ std::string rearm_fault(const Disarming& disarming) {
                        disarming.armed_again + 1, kStays);
   }
   return {};
-}
-
-std::string hands_words(const OutsideHands& hands) {
-  const std::string who = first_hand(hands);
-  return who.empty() ? std::string() : " (" + who + ")";
 }
 
 }  // namespace cas::hils

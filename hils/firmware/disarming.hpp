@@ -1,27 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
+#include <string_view>
 
-#include "hils/flight/flight_plan.hpp"
-#include "hils/measure/flight_changes.hpp"
+#include "hils/programs/outside_hands.hpp"
 
 namespace cas::hils {
 
-/// What others than hils had the vehicle do: calls of casd's command port, and what casd heard of
-/// ground stations.
-struct OutsideHands {
-  std::vector<OutsideCall> calls{};
-  std::vector<HeardAct> acts{};
-  std::uint64_t forgotten_calls = 0;  ///< older ones, which casd does not know any more
-};
-
-/// Why a vehicle is not armed for the first time: somebody has disarmed it, or tried to, or may
-/// have. Empty: nobody has.
-std::string arm_fault(const OutsideHands& hands);
+/// Whether the disarming after a disarm step was that step's, or the autopilot's own after landing.
+/// @param gave_disarm  hils did, it was accepted, and nobody has armed the vehicle since
+/// @param words  what the vehicle said of its newest disarming; empty: nothing
+bool is_own_end(bool gave_disarm, std::string_view words);
 
 /// What is known of a vehicle that hils armed, that has not taken off and is armed no more.
 struct Disarming {
@@ -44,9 +35,5 @@ inline constexpr int kMostRearmings = 2;
 /// COM_DISARM_PRFLT ("auto preflight disarming"); of ArduPilot, which gives no reason, the time
 /// since the arming must be its DISARM_DELAY. What is not known counts as a person.
 std::string rearm_fault(const Disarming& disarming);
-
-/// " (255/190 on link gcs: command 400 (disarm))" for the sentence of a flight that failed; empty:
-/// nobody else had a hand in it.
-std::string hands_words(const OutsideHands& hands);
 
 }  // namespace cas::hils

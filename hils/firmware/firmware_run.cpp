@@ -203,6 +203,8 @@ class FirmwarePilot {
 
   void note_arming(base::SimTime now, const VehicleReport& vehicle) {
     if (vehicle.armed) disarmed_at_.reset();
+    if (vehicle.armed && !armed_before_) gave_disarm_ = false;  // somebody has armed it since
+    armed_before_ = vehicle.armed;
     if (vehicle.armed && !was_armed_) armed_at_ = now;
     if (was_armed_ && seen_armed_ && !vehicle.armed && !disarmed_at_) disarmed_at_ = now;
     was_armed_ = was_armed_ || vehicle.armed;
@@ -214,8 +216,7 @@ class FirmwarePilot {
   bool has_ended_flight() {
     const auto since = plan_.stages() | std::views::drop(stages_when_armed_);
     const auto disarms = [](const Stage& stage) { return stage.step.kind == StepKind::kDisarm; };
-    return std::ranges::any_of(since, disarms) &&
-           (gave_disarm_ || disarm_words().ends_with("by landing"));
+    return std::ranges::any_of(since, disarms) && is_own_end(gave_disarm_, disarm_words());
   }
 
   /// The next arming is as the first one.
@@ -255,12 +256,9 @@ class FirmwarePilot {
 
   /// What comes later than this look keeps casd from arming.
   OutsideHands outside_hands() {
-    const VehicleReport vehicle = vehicle_report(casd_);
-    acts_so_far_ = vehicle.acts_so_far;
-    const Json journal = casd_.call("casd.journal", Json::object());
-    return {.calls = outside_calls(journal, own_calls_),
-            .acts = vehicle.acts,
-            .forgotten_calls = journal.at("forgotten").get<std::uint64_t>()};
+    OutsideHands hands = hils::outside_hands(casd_, own_calls_);
+    acts_so_far_ = hands.acts_so_far;
+    return hands;
   }
 
   Disarming disarming() {
@@ -406,7 +404,8 @@ class FirmwarePilot {
   int armed_again_ = 0;
   std::uint64_t acts_so_far_ = 0;
   std::size_t stages_when_armed_ = 0;  ///< the last time
-  bool gave_disarm_ = false;           ///< since then, and it was accepted
+  bool gave_disarm_ = false;           ///< since the newest arming, and it was accepted
+  bool armed_before_ = false;          ///< at the look before
   base::SimTime armed_at_;
   base::RunTime armed_wall_{};  ///< the same by this machine's clock
   std::optional<base::SimTime> disarmed_at_;

@@ -151,6 +151,21 @@ std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
   }
 }
 
+// The state first: what comes after it keeps casd from arming, and what waits for an answer does,
+// so that the journal need not have it yet.
+OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle) {
+  const VehicleReport report = vehicle_report(casd, vehicle);
+  const Json journal = casd.call("casd.journal", Json::object());
+  std::vector<OutsideCall> calls = outside_calls(journal, own);
+  std::erase_if(calls, [vehicle](const OutsideCall& call) {
+    return vehicle && call.system != 0 && call.system != *vehicle;
+  });
+  return {.calls = std::move(calls),
+          .acts = report.acts,
+          .forgotten_calls = journal.at("forgotten").get<std::uint64_t>(),
+          .acts_so_far = report.acts_so_far};
+}
+
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own) {
   return outside_calls(casd.call("casd.journal", Json::object()), own);
 }

@@ -12,6 +12,7 @@
 #include "hils/flight/flight_plan.hpp"
 #include "hils/flight/flight_step.hpp"
 #include "hils/measure/flight_changes.hpp"
+#include "hils/programs/outside_hands.hpp"
 
 namespace cas::hils {
 
@@ -30,6 +31,10 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {})
 std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
                  AskedVehicle vehicle = {}, CallList* asked = nullptr,
                  std::optional<std::uint64_t> acts_so_far = {});
+
+/// What others than hils have had the vehicle do, for the arming that comes next.
+/// @param own  what hils asked
+OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle = {});
 
 /// What others than hils had casd do (casd.journal). @param own  what hils asked
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own);

@@ -108,6 +108,7 @@ class RealtimePilot {
  private:
   base::SimTime simulated_time();
   void look();
+  OutsideHands hands_at(std::size_t vehicle);
   std::string give(const FleetPlan::Command& command);
   void show(base::SimTime now);
   void tell_phase();
@@ -129,9 +130,11 @@ class RealtimePilot {
   base::rpc::Client simulator_;
   std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
   fcu::LineConfig line_;                   ///< as it is without faults
+  std::vector<std::uint8_t> systems_;      ///< of the vehicles
   std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
   CallList own_calls_;
-  std::vector<OutsideCall> outside_calls_;  ///< what others asked of casd
+  std::vector<OutsideCall> outside_calls_;          ///< what others asked of a casd that was ended
+  std::vector<std::vector<HeardAct>> acts_before_;  ///< of each vehicle, likewise
   FleetPlan plan_;
   BenchFaultScript faults_;
   Progress progress_;
@@ -159,10 +162,12 @@ RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
       simulator_(address(places.simulator_control())),
       casd_(address(places.command_port)),
       line_(line_of(request)),
+      systems_(request.scenario.systems()),
+      acts_before_(request.scenario.vehicles.size()),
       plan_(request.scenario),
       faults_(request.scenario.faults.bench),
       vehicles_(request.scenario.vehicles.size()) {
-  for (const std::uint8_t system : request.scenario.systems()) {
+  for (const std::uint8_t system : systems_) {
     asked_.push_back(request.scenario.flies_several() ? AskedVehicle(system) : std::nullopt);
   }
 }
@@ -182,6 +187,7 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
     if (plan_.ended()) break;
     show(now);
     for (const FleetPlan::Command& command : commands) {
+      if (plan_.ended()) break;
       const std::string refusal = give(command);
       plan_.on_outcome(command.vehicle, simulated_time(), refusal);
     }
@@ -197,6 +203,10 @@ void RealtimePilot::keep_outside_calls() {
   const std::vector<OutsideCall> calls = read_outside_calls(*casd_, own_calls_);
   outside_calls_.insert(outside_calls_.end(), calls.begin(), calls.end());
   own_calls_.clear();
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    const std::vector<HeardAct> acts = vehicle_report(*casd_, asked_[i]).acts;
+    acts_before_[i].insert(acts_before_[i].end(), acts.begin(), acts.end());
+  }
 }
 
 /// Up to now, at casd, the simulator and the page.
@@ -274,10 +284,31 @@ void RealtimePilot::tell_phase() {
   simulator_.call("sim.phase", {{"name", phase_}});
 }
 
+/// Since the run began, also by a casd that a fault has ended.
+OutsideHands RealtimePilot::hands_at(std::size_t vehicle) {
+  OutsideHands hands = outside_hands(*casd_, own_calls_, asked_[vehicle]);
+  const std::uint8_t system = systems_[vehicle];
+  for (const OutsideCall& call : outside_calls_) {
+    if (call.system == 0 || call.system == system) hands.calls.push_back(call);
+  }
+  for (const HeardAct& act : acts_before_[vehicle]) hands.acts.push_back(act);
+  return hands;
+}
+
 /// @return why the vehicle refused, or nothing
 std::string RealtimePilot::give(const FleetPlan::Command& command) {
   if (!casd_) return "casd is away";
-  return hils::give(*casd_, command.step, false, asked_[command.vehicle], &own_calls_);
+  const std::size_t i = command.vehicle;
+  std::optional<std::uint64_t> acts_so_far;
+  if (command.step.kind == StepKind::kArm) {
+    const OutsideHands hands = hands_at(i);
+    if (const std::string fault = arm_fault(hands); !fault.empty()) {
+      plan_.fail(i, fault);
+      return fault;
+    }
+    acts_so_far = hands.acts_so_far;
+  }
+  return hils::give(*casd_, command.step, false, asked_[i], &own_calls_, acts_so_far);
 }
 
 /// A run that somebody paused waits for ever: says who, and goes on when casweb has ended

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hils/flight/flight_plan.hpp"
@@ -29,6 +30,9 @@ class FleetPlan {
   std::vector<Command> update(base::SimTime now, std::span<const VehicleReport> vehicles);
   /// A vehicle's answer to its last command, as FlightPlan takes it.
   void on_outcome(std::size_t vehicle, base::SimTime now, const std::string& refusal);
+
+  /// A vehicle's flight cannot go on for a reason that its plan does not see.
+  void fail(std::size_t vehicle, std::string why) { plans_[vehicle].fail(std::move(why)); }
 
   /// Every vehicle is through, or one of them cannot go on.
   bool ended() const;

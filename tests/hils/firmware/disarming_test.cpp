@@ -123,6 +123,8 @@ TEST(Disarming, BeforeTheFirstArmingKeepsTheVehicleDisarmed) {
         call("vehicle.command", R"({"command":400,"params":[null]})"),
         call("vehicle.command", R"({"command":400,"params":[0.4]})"),
         call("vehicle.command", R"({"command":185,"params":[1]})"),
+        call("vehicle.command", R"({"command":218,"params":[153,0]})"),
+        call("vehicle.command", R"({"command":218,"params":[31,2]})"),
         call("vehicle.command", "null")}) {
     EXPECT_NE(arm_fault({.calls = {disarm}, .acts = {}}), "") << disarm.method << disarm.params;
   }
@@ -131,6 +133,20 @@ TEST(Disarming, BeforeTheFirstArmingKeepsTheVehicleDisarmed) {
                        .acts = {}}),
             "");
   EXPECT_NE(arm_fault({.calls = {}, .acts = {}, .forgotten_calls = 1}), "");
+}
+
+TEST(Disarming, AfterADisarmStepIsThatSteps) {
+  EXPECT_TRUE(is_own_end(true, ""));
+  EXPECT_TRUE(is_own_end(true, "Disarmed by external command"));
+  EXPECT_TRUE(is_own_end(true, "DISARMED by Arm/Disarm component command"));
+  EXPECT_TRUE(is_own_end(false, "Disarmed by landing"));
+}
+
+TEST(Disarming, AfterADisarmStepByATransmitterIsAPersons) {
+  EXPECT_FALSE(is_own_end(true, "Disarmed by RC"));
+  EXPECT_FALSE(is_own_end(true, "Disarmed by kill switch"));
+  EXPECT_FALSE(is_own_end(false, "Disarmed by external command")) << "armed after hils's disarm";
+  EXPECT_FALSE(is_own_end(false, ""));
 }
 
 TEST(Disarming, NamesWhoHadAHandInIt) {
