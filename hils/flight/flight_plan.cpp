@@ -20,6 +20,16 @@ constexpr double kNearM = 0.5;
 constexpr double kSlowMS = 0.4;
 constexpr base::Duration kStillFor = seconds(1);
 
+/// "step 6, 'corner3' (goto)"; the end of a trajectory, which no scenario names, has its number.
+std::string words_for(std::size_t index, const std::vector<FlightStep>& steps) {
+  const FlightStep& step = steps[index];
+  const auto behind = std::ranges::count_if(
+      steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(index) + 1,
+      [](const FlightStep& each) { return each.kind != StepKind::kEndTrajectory; });
+  const std::string name = step.name.empty() ? "" : ", '" + step.name + "'";
+  return "step " + std::to_string(behind) + name + " (" + std::string(to_string(step.kind)) + ")";
+}
+
 }  // namespace
 
 Motion VehicleReport::estimate() const {
@@ -50,7 +60,7 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
       phase_ = Phase::kWaiting;
     }
     if ((airborne_ && !vehicle.armed && vehicle.heard) || (disarmed && lifted_off_)) {
-      failure_ = std::string(kDisarmedDuring) + std::string(to_string(step.kind));
+      failure_ = std::string(kDisarmedDuring) + words_for(current_, steps_);
       break;
     }
     if (!begun_) break;
@@ -71,7 +81,8 @@ void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
                      step.kind == StepKind::kStandBy;
   const bool flying_it = timed && phase_ == Phase::kWaiting;
   if (phase_ == Phase::kCommanding || flying_it || now - step_begin_ <= step.timeout) return;
-  failure_ = std::string(to_string(step.kind)) + " was not done within " +
+  failure_ = words_for(current_, steps_) + (step.name.empty() ? "" : ",") +
+             " was not done within " +
              std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
   if (!vehicle.heard) failure_ += ": the vehicle was not heard";
   if (!last_refusal_.empty()) failure_ += ": " + last_refusal_;

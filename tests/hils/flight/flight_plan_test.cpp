@@ -48,7 +48,7 @@ TEST(FlightPlan, FailsWithTheLastRefusalWhenTheTimeIsOver) {
   ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
   plan.on_outcome(at(milliseconds(9500)), "estimator not ready");
   plan.update(at(milliseconds(10'100)), on_ground());
-  EXPECT_EQ(plan.failure(), "arm was not done within 10 s: estimator not ready");
+  EXPECT_EQ(plan.failure(), "step 1 (arm) was not done within 10 s: estimator not ready");
 }
 
 TEST(FlightPlan, TakesTheVehicleThroughAllSteps) {
@@ -100,7 +100,7 @@ TEST(FlightPlan, FailsWhenTheVehicleDisarmsInTheAir) {
   plan.update(at(seconds(1)), hovering());
   plan.update(at(seconds(2)), hovering());
   plan.update(at(seconds(3)), on_ground());
-  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during hold");
+  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during step 2 (hold)");
 }
 
 FlightStep wait_until(const std::string& text) {
@@ -122,7 +122,19 @@ TEST(FlightPlan, FailsWhenTheConditionIsNeverMet) {
   FlightPlan plan({wait_until("altitude > 50")});
   plan.update(at(seconds(0)), hovering());
   plan.update(at(milliseconds(10'100)), hovering());
-  EXPECT_EQ(plan.failure(), "wait_until was not done within 10 s");
+  EXPECT_EQ(plan.failure(), "step 1 (wait_until) was not done within 10 s");
+}
+
+TEST(FlightPlan, NamesTheStepThatFailedAsTheScenarioCountsIt) {
+  FlightPlan plan({{.kind = StepKind::kEndTrajectory},
+                   {.kind = StepKind::kHold},
+                   {.kind = StepKind::kGoto, .name = "corner3", .timeout = seconds(1)}});
+  plan.update(at(seconds(0)), hovering());
+  plan.on_outcome(at(seconds(0)), "");
+  plan.update(at(seconds(0)), hovering());
+  plan.on_outcome(at(seconds(0)), "");
+  plan.update(at(seconds(2)), hovering());
+  EXPECT_EQ(plan.failure(), "step 2, 'corner3' (goto), was not done within 1 s");
 }
 
 TEST(FlightPlan, CountsATrajectoryFromTheVehiclesAnswer) {
@@ -169,7 +181,7 @@ TEST(FlightPlan, SaysWhatStockFirmwareLackedForItsPosition) {
   vehicle.position_lack = "the GPS has no fix yet";
   plan.update(at(seconds(0)), vehicle);
   plan.update(at(milliseconds(10'100)), vehicle);
-  EXPECT_EQ(plan.failure(), "arm was not done within 10 s: the GPS has no fix yet");
+  EXPECT_EQ(plan.failure(), "step 1 (arm) was not done within 10 s: the GPS has no fix yet");
 }
 
 // PX4 v1.12.0: armed 1.5 s after its start it refused to take off, and disarmed after 8 s.
@@ -261,7 +273,7 @@ TEST(FlightPlan, DoesNotArmAgainWhatLiftedOffAndWasDisarmedBetweenTwoLooks) {
   plan.on_outcome(at(seconds(5)), "");
   VehicleReport fallen{.heard = true, .has_position = true};
   for (int s = 6; s < 20; ++s) EXPECT_FALSE(plan.update(at(seconds(s)), fallen));
-  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during takeoff");
+  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during step 2 (takeoff)");
 }
 
 TEST(FlightPlan, EndsWhereATakeoffHadBegunAndTheVehicleIsDisarmed) {
@@ -271,7 +283,7 @@ TEST(FlightPlan, EndsWhereATakeoffHadBegunAndTheVehicleIsDisarmed) {
   climbing.on_ground = false;
   plan.update(at(seconds(2)), climbing);
   EXPECT_FALSE(plan.update(at(seconds(5)), on_ground()));
-  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during takeoff");
+  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during step 2 (takeoff)");
 }
 
 TEST(FlightPlan, LeavesStockFirmwareTheTimeToDisarmItself) {
