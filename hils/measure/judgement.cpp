@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -17,6 +18,11 @@ using Checks = std::vector<LimitCheck>;
 using Kind = LimitCheck::Kind;
 using Sense = LimitCheck::Sense;
 using NamedRate = std::pair<std::string_view, const RateFigures*>;
+
+LimitCheck rms_check(std::string_view what, std::string_view axis) {
+  return {.what = fmt::format("RMS error of the {}, {}", what, axis),
+          .unit = axis == "yaw_rad" ? "rad" : "m"};
+}
 
 /// Marks the check as missed, for the reason that the sentence gives.
 LimitCheck missed(LimitCheck check, std::string sentence) {
@@ -231,6 +237,21 @@ void check_most(std::string_view what, const char* unit, const StepResponse& res
                     : fmt::format("step '{}' ends before there is a {}", response.name, what));
 }
 
+void add_unjudged_response(const std::string& name, const ResponseLimits& limits, Checks& checks) {
+  const auto add = [&](std::string_view what, const char* unit, std::optional<double> bound) {
+    if (!bound) return;
+    checks.push_back({.what = fmt::format("{} of step '{}'", what, name),
+                      .unit = unit,
+                      .digits = 3,
+                      .bound = bound,
+                      .found = "not flown",
+                      .judged = false});
+  };
+  add("rise time", "s", limits.rise_s);
+  add("overshoot", "%", limits.overshoot_pct);
+  add("settling time", "s", limits.settling_s);
+}
+
 void check_responses(const std::vector<StepResponse>& responses,
                      const std::map<std::string, ResponseLimits>& limits, Checks& checks) {
   for (const auto& [name, limit] : limits) {
@@ -239,8 +260,10 @@ void check_responses(const std::vector<StepResponse>& responses,
       checks.push_back(
           missed({.what = fmt::format("step '{}'", name), .found = "not flown", .wanted = "flown"},
                  fmt::format("step '{}' was not flown", name)));
+      add_unjudged_response(name, limit, checks);
       continue;
     }
+    checks.push_back({.what = fmt::format("step '{}'", name), .found = "flown", .wanted = "flown"});
     check_most("rise time", "s", *found, found->rise_s, limit.rise_s, checks);
     check_most("overshoot", "%", *found, found->overshoot_pct, limit.overshoot_pct, checks);
     check_most("settling time", "s", *found, found->settling_s, limit.settling_s, checks);
@@ -293,10 +316,23 @@ void check_latency(const DelayFigures& loop, const Limits& limits, Checks& check
                           loop.p99, *limits.latency_p99_us));
 }
 
+/// The measured step was not reached: there is nothing to judge, and the limits stand there all the
+/// same.
+void add_unjudged_rms(std::string_view what, const std::map<std::string, double>& limits,
+                      Checks& checks) {
+  for (const auto& [axis, limit] : limits) {
+    LimitCheck check = rms_check(what, axis);
+    check.bound = limit;
+    check.found = "not reached";
+    check.judged = false;
+    checks.push_back(std::move(check));
+  }
+}
+
 Checks flight_checks(const Measurement& figures, const Limits& limits) {
   Checks checks;
+  check_incidents(figures.incidents, limits, checks);  // first: a crash is why it was not flown
   check_flown(figures, checks);
-  check_incidents(figures.incidents, limits, checks);
   for (const auto& [name, rate] : named_rates(figures.rates)) {
     check_rate(name, *rate, limits, checks);
   }
@@ -305,6 +341,23 @@ Checks flight_checks(const Measurement& figures, const Limits& limits) {
   if (figures.over_hold) {
     check_rms("true position", figures.rms, limits.rms, checks);
     check_rms("estimate", figures.rms_estimate, limits.rms_estimate, checks);
+  } else {
+    add_unjudged_rms("true position", limits.rms, checks);
+    add_unjudged_rms("estimate", limits.rms_estimate, checks);
+  }
+  return checks;
+}
+
+Checks fault_checks(const std::vector<FaultThatNeverBegan>& faults) {
+  Checks checks;
+  for (const FaultThatNeverBegan& fault : faults) {
+    checks.push_back(missed({.kind = Kind::kValidity,
+                             .what = fmt::format("fault '{}'", fault.name),
+                             .found = "never began",
+                             .wanted = "begins"},
+                            fmt::format("fault '{}' never began: {}", fault.name,
+                                        fault.by_time ? "the flight ended before its time"
+                                                      : "its condition never came true")));
   }
   return checks;
 }
@@ -338,11 +391,10 @@ void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
       {"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
   for (const auto& [axis, limit] : limits) {
     const double value = values.at(axis);
-    add_bounded(checks,
-                {.what = fmt::format("RMS error of the {}, {}", what, axis),
-                 .unit = axis == "yaw_rad" ? "rad" : "m",
-                 .value = value,
-                 .bound = limit},
+    LimitCheck check = rms_check(what, axis);
+    check.value = value;
+    check.bound = limit;
+    add_bounded(checks, std::move(check),
                 fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what, axis,
                             value, limit));
   }
@@ -360,12 +412,22 @@ Verdict judge(const Measurement& figures, const Limits& limits) {
   verdict.failures = sentences_of(verdict.checks);
   verdict.valid = verdict.failures.empty();
   Checks flight = flight_checks(figures, limits);
+  Checks faults = fault_checks(figures.never_began);
+  bool without_its_faults = false;
   if (verdict.valid) {
     verdict.failures = sentences_of(flight);
-    verdict.passed = verdict.failures.empty();
+    // A flight that failed may have ended before them.
+    without_its_faults = verdict.failures.empty() && !faults.empty();
+    verdict.valid = !without_its_faults;
+    verdict.passed = verdict.failures.empty() && verdict.valid;
+    std::ranges::copy(sentences_of(faults), std::back_inserter(verdict.failures));
+  }
+  for (LimitCheck& check : faults) {
+    check.judged = without_its_faults;
+    verdict.checks.push_back(std::move(check));
   }
   for (LimitCheck& check : flight) {
-    check.judged = verdict.valid;
+    check.judged = check.judged && verdict.valid;
     verdict.checks.push_back(std::move(check));
   }
   return verdict;

@@ -9,6 +9,7 @@
 #include "hils/measure/tracking.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
 
@@ -151,6 +152,30 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
   figures.reading_spread_us = reading_spread_us(figures.paths);
 }
 
+/// Faults that the scenario has for this vehicle less those that the record has. Those that are
+/// named alike are counted.
+std::vector<FaultThatNeverBegan> never_began(const Scenario& scenario, const RunRecord& record) {
+  const VehicleNames names = scenario.names();
+  const auto vehicle =
+      static_cast<std::size_t>(std::ranges::find(names, record.vehicle) - names.begin());
+  std::vector<FaultThatNeverBegan> faults;
+  for (const BenchFault& fault : scenario.faults.bench) {
+    if (!fault.is_everybodys() && fault.vehicle != vehicle) continue;
+    faults.push_back({.name = fault.name, .by_time = fault.at.has_value()});
+  }
+  std::size_t number = 0;  // as the vehicle's plugin counts them
+  for (const VehicleFault& fault : scenario.faults.vehicle) {
+    if (fault.vehicle.value_or(vehicle) != vehicle) continue;
+    faults.push_back({.name = sim::parse_fault(fault.script, ++number).name,
+                      .by_time = fault.script.has("at_s")});
+  }
+  for (const BenchFaultScript::Span& span : record.faults) {
+    const auto begun = std::ranges::find(faults, span.name, &FaultThatNeverBegan::name);
+    if (begun != faults.end()) faults.erase(begun);
+  }
+  return faults;
+}
+
 }  // namespace
 
 Measurement measure(const RunRequest& request, const RunRecord& record) {
@@ -169,13 +194,17 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.from_device = record.from_device;
   figures.lost_by_sequence = record.lost_by_sequence;
   figures.stages = record.stages;
+  figures.under_way = record.under_way;
   figures.faults = record.faults;
+  figures.never_began = never_began(scenario, record);
   figures.changes = flight_changes(record, casd::GainMap::shipped(), scenario.ground_station);
   figures.plugins = read_plugin_figures(record.plugin_figures, record.vehicle);
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   figures.responses = step_responses(record.stages, truth);
   figures.truth_samples = truth.size();
-  figures.incidents = find_incidents(record.stages, truth);
+  std::vector<Stage> flown = record.stages;
+  if (record.under_way) flown.push_back(*record.under_way);
+  figures.incidents = find_incidents(flown, truth);
   figures.strike = read_strike_response(record, scenario.steps, scenario.faults.vehicle, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);

@@ -34,6 +34,12 @@ struct MeterReadings {
   double controls_hz = 0;
 };
 
+/// A fault of the scenario that did not begin in the whole run.
+struct FaultThatNeverBegan {
+  std::string name;
+  bool by_time = false;  ///< it has a time, not a condition
+};
+
 /// The figures of one vehicle of a run.
 struct Measurement {
   std::string scenario;
@@ -48,7 +54,8 @@ struct Measurement {
   double wall_s = 0;
   std::vector<std::pair<std::string, double>> cpu_s;
   std::vector<Stage> stages;
-  std::size_t truth_samples = 0;  ///< of the whole flight
+  std::optional<Stage> under_way;  ///< the step that was not done when the flight ended
+  std::size_t truth_samples = 0;   ///< of the whole flight
 
   StreamWindow window;     ///< of rates and delays
   bool over_hold = false;  ///< the window is the measured hold, else all that there was
@@ -64,7 +71,8 @@ struct Measurement {
   double handover_p99_us = 0;    ///< slowest hop between two programs of the bench; 0: not measured
   double reading_spread_us = 0;  ///< p99 less p50 of HIL_SENSOR from casd to the controller's read
   std::optional<double> cpu_pressure;
-  std::vector<BenchFaultScript::Span> faults;   ///< of the bench
+  std::vector<BenchFaultScript::Span> faults;  ///< of the bench
+  std::vector<FaultThatNeverBegan> never_began;
   std::optional<StrikeResponse> strike;         ///< how the vehicle took the first fault
   std::vector<Incident> incidents;              ///< crashes and their kin, in the order of time
   FlightChanges changes;                        ///< parameters, and who acted from outside

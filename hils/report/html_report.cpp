@@ -174,11 +174,14 @@ void add_hops(HtmlPage& page, const Measurement& figures) {
 }
 
 void add_faults(HtmlPage& page, const Measurement& figures) {
-  if (figures.faults.empty()) return;
+  if (figures.faults.empty() && figures.never_began.empty()) return;
   Rows rows{{"Fault", "begin s", "end s"}};
   for (const auto& fault : figures.faults) {
     rows.push_back({fault.name, fixed(base::to_seconds(fault.begin), 2),
                     fault.end ? fixed(base::to_seconds(*fault.end), 2) : "-"});
+  }
+  for (const FaultThatNeverBegan& fault : figures.never_began) {
+    rows.push_back({fault.name, "never", "-"});
   }
   page.table("Faults", rows);
 }

@@ -229,13 +229,20 @@ Json response_json(const StepResponse& response) {
           {"integrated_error_m_s", response.integrated_error}};
 }
 
-Json stages_json(const std::vector<Stage>& stages) {
+Json stage_json(const Stage& stage) {
+  return {{"step", to_string(stage.step.kind)},
+          {"name", phase_of(stage.step)},
+          {"begin_s", base::to_seconds(stage.begin)},
+          {"end_s", base::to_seconds(stage.end)}};
+}
+
+/// Steps of the flight; the last one may not have been finished.
+Json stages_json(const Measurement& figures) {
   Json list = Json::array();
-  for (const Stage& stage : stages) {
-    list.push_back({{"step", to_string(stage.step.kind)},
-                    {"name", phase_of(stage.step)},
-                    {"begin_s", base::to_seconds(stage.begin)},
-                    {"end_s", base::to_seconds(stage.end)}});
+  for (const Stage& stage : figures.stages) list.push_back(stage_json(stage));
+  if (figures.under_way) {
+    list.push_back(stage_json(*figures.under_way));
+    list.back()["finished"] = false;
   }
   return list;
 }
@@ -305,6 +312,10 @@ void add_figures(const Measurement& figures, Json& summary) {
   for (const PathAccount& path : figures.paths) summary["paths"].push_back(path_json(path));
   summary["faults"] = Json::array();
   for (const auto& fault : figures.faults) summary["faults"].push_back(fault_json(fault));
+  for (const FaultThatNeverBegan& fault : figures.never_began) {
+    summary["faults"].push_back(
+        {{"name", fault.name}, {"begin_s", nullptr}, {"end_s", nullptr}, {"began", "never"}});
+  }
   summary["incidents"] = Json::array();
   for (const Incident& incident : figures.incidents) {
     summary["incidents"].push_back(
@@ -317,7 +328,7 @@ void add_figures(const Measurement& figures, Json& summary) {
   }
   summary["rms"] = rms_json(figures.rms);
   summary["rms_estimate"] = rms_json(figures.rms_estimate);
-  summary["stages"] = stages_json(figures.stages);
+  summary["stages"] = stages_json(figures);
   summary["plugins"] = plugins_json(figures.plugins);
 }
 

@@ -147,6 +147,69 @@ TEST(Judgement, JudgesNoLimitOfARunThatDoesNotCount) {
   EXPECT_NE(find(verdict, "RMS error of the true position, z_m"), nullptr);
 }
 
+TEST(Judgement, AFaultThatNeverBeganLeavesAGoodFlightWithoutAVerdict) {
+  Measurement figures = good();
+  figures.never_began = {{.name = "no GPS"}, {.name = "late", .by_time = true}};
+  const Verdict verdict = judge(figures, hover_limits());
+  EXPECT_EQ(verdict.exit_code(), kExitInvalid);
+  EXPECT_EQ(verdict.failures, (std::vector<std::string>{
+                                  "fault 'no GPS' never began: its condition never came true",
+                                  "fault 'late' never began: the flight ended before its time"}));
+  const auto json = nlohmann::json::parse(summary_json(figures, verdict));
+  EXPECT_EQ(json.at("faults").at(0).at("name"), "no GPS");
+  EXPECT_EQ(json.at("faults").at(0).at("began"), "never");
+}
+
+TEST(Judgement, AFaultThatNeverBeganIsARemarkOnAFlightThatFailed) {
+  Measurement figures = good();
+  figures.never_began = {{.name = "no GPS"}};
+  figures.rms->z_m = 0.2;
+  const Verdict verdict = judge(figures, hover_limits());
+  EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
+  ASSERT_EQ(verdict.failures.size(), 2U);
+  EXPECT_EQ(verdict.failures.back(), "fault 'no GPS' never began: its condition never came true");
+  const LimitCheck* fault = find(verdict, "fault 'no GPS'");
+  ASSERT_NE(fault, nullptr);
+  EXPECT_FALSE(fault->judged);
+}
+
+TEST(Judgement, ACrashStandsBeforeTheStepThatWasNotDone) {
+  Measurement figures = good();
+  figures.flight_failure = "step 6, 'corner3' (goto), was not done within 1 s";
+  figures.incidents = {{IncidentKind::kCrash, 23.4, "hit the ground at 9.5 m/s"}};
+  const Verdict verdict = judge(figures, hover_limits());
+  ASSERT_EQ(verdict.failures.size(), 2U);
+  EXPECT_EQ(verdict.failures.front(), "the vehicle hit the ground at 9.5 m/s");
+}
+
+TEST(Judgement, NamesTheLimitsOfAMeasuredStepThatWasNotReached) {
+  Limits limits = hover_limits();
+  limits.responses["north"].rise_s = 2;
+  Measurement figures = good();
+  figures.over_hold = false;
+  figures.flight_failure = "step 3 (goto) was not done within 1 s";
+  figures.rms.reset();
+  const Verdict verdict = judge(figures, limits);
+  for (const char* const what :
+       {"RMS error of the true position, z_m", "rise time of step 'north'"}) {
+    const LimitCheck* check = find(verdict, what);
+    ASSERT_NE(check, nullptr) << what;
+    EXPECT_FALSE(check->judged) << what;
+    EXPECT_TRUE(check->bound) << what;
+  }
+}
+
+TEST(Judgement, TheStepUnderWayAtTheEndIsAmongTheStages) {
+  Measurement figures = good();
+  figures.stages.emplace_back().step.name = "corner1";
+  figures.under_way.emplace().step.name = "corner2";
+  const auto stages = nlohmann::json::parse(summary_json(figures, judge(figures, {}))).at("stages");
+  ASSERT_EQ(stages.size(), 2U);
+  EXPECT_FALSE(stages.at(0).contains("finished"));
+  EXPECT_EQ(stages.at(1).at("name"), "corner2");
+  EXPECT_EQ(stages.at(1).at("finished"), false);
+}
+
 TEST(Judgement, AnUnmeasuredDelayMeetsNoLimit) {
   Limits limits = hover_limits();
   limits.latency_p99_us = 5000;

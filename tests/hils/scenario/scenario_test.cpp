@@ -51,6 +51,17 @@ class ScenarioFile : public testing::Test {
        std::to_string(::getpid()) + ".yaml");
 };
 
+TEST_F(ScenarioFile, RefusesAFaultThatAsksForAnUnknownStep) {
+  for (const char* const effect : {"for_s: 1, drop: gps", "for_s: 1, unplug: fcu"}) {
+    const std::string error =
+        error_of(kHead + kFlight + "faults:\n  - {name: x, when: phase == hodl, " + effect + "}\n");
+    EXPECT_NE(error.find(".yaml:11"), std::string::npos) << error;
+    EXPECT_NE(error.find("faults[0].when: the scenario has no step 'hodl'; did you mean 'hold'?"),
+              std::string::npos)
+        << error;
+  }
+}
+
 TEST_F(ScenarioFile, ReadsStepsInOrder) {
   const Scenario scenario = Scenario::load(write(std::string(kHead) + kFlight));
   ASSERT_EQ(scenario.steps.size(), 4U);
