@@ -157,19 +157,36 @@ void prepare_boards(const std::vector<FcuChoice>& fcus, const RunFlags& flags, R
   }
 }
 
+/// @throws base::ConfigError
+void make_results_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw base::ConfigError("--out: " + folder.string() + " cannot be created: " + error.message());
+  }
+}
+
 int run(const RunFlags& flags) {
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
   if (FirmwareScenario::is(file)) {
     refuse_flags_of_our_controller(flags);
-    return fly_firmware(FirmwareScenario::load(file), std::filesystem::absolute(flags.out));
+    const FirmwareScenario scenario = FirmwareScenario::load(file);
+    make_results_folder(std::filesystem::absolute(flags.out));
+    return fly_firmware(scenario, std::filesystem::absolute(flags.out));
   }
   RunRequest request;
   request.scenario = Scenario::load(file);
   request.architecture = flags.architecture.empty() ? request.scenario.architecture
                                                     : parse_architecture(flags.architecture);
-  request.lockstep =
-      flags.lockstep && !flags.on_virtual_clock && request.architecture != Architecture::kDirect;
+  request.lockstep = flags.lockstep;
+  if (request.lockstep &&
+      (flags.on_virtual_clock || request.architecture == Architecture::kDirect)) {
+    throw base::ConfigError(
+        "--lockstep: a run on the virtual clock (" +
+        std::string(flags.on_virtual_clock ? "--virtual" : "architecture direct") +
+        ") has no programs to keep in step");
+  }
   request.seed = flags.seed.value_or(request.scenario.seed);
   const std::vector<FcuChoice> fcus = parse_fcu_words(flags.fcus, request.scenario.names());
   if (!fcus.empty() && request.lockstep) {
@@ -192,7 +209,7 @@ int run(const RunFlags& flags) {
   if (flags.web) request.live = &live.emplace();
   request.announced = true;
   request.out = std::filesystem::absolute(flags.out);
-  std::filesystem::create_directories(request.out);
+  make_results_folder(request.out);
   remove_verdict(request.out);
   std::optional<FlightBoards> boards;
   prepare_boards(fcus, flags, request, boards);
@@ -234,7 +251,7 @@ ComparisonPlan make_plan(const CompareFlags& flags) {
 int compare(const CompareFlags& flags) {
   const ComparisonPlan plan = make_plan(flags);
   const std::filesystem::path out = std::filesystem::absolute(flags.out);
-  std::filesystem::create_directories(out / "plots");
+  make_results_folder(out / "plots");
   const base::RunTime begin = base::steady_now();
   const std::vector<VariantResult> results = run_comparison(plan, out, flags.keep);
   const double wall_s = base::to_seconds(base::steady_now() - begin);

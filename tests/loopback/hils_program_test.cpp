@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,28 @@ TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
             std::string::npos);
   EXPECT_NE(refused("14550", {}).find("--gcs '14550' is none of udp:PORT"), std::string::npos);
   EXPECT_NE(refused("udp:0", {}).find("no port from 1 to 65535"), std::string::npos);
+}
+
+TEST(HilsProgram, RefusesLockstepOnTheVirtualClock) {
+  const TemporaryFolder folder;
+  const std::string hover = source_dir() + "/config/scenarios/hover.yaml";
+  for (const std::vector<std::string>& flags :
+       {std::vector<std::string>{"--virtual"}, {"--architecture", "direct"}}) {
+    std::vector<std::string> arguments{hover, "--out", folder / "out", "--lockstep"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const std::string text = refusal(arguments);
+    EXPECT_NE(text.find("--lockstep: a run on the virtual clock"), std::string::npos) << text;
+  }
+}
+
+TEST(HilsProgram, SaysWhereTheResultsCannotBe) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a_file") << "x";
+  const std::string hover = source_dir() + "/config/scenarios/hover.yaml";
+  const std::string text = refusal({hover, "--virtual", "--out", folder / "a_file"});
+  EXPECT_NE(text.find("hils: --out: " + std::string(folder / "a_file") + " cannot be created: "),
+            std::string::npos)
+      << text;
 }
 
 TEST(HilsProgram, RefusesWhatMeansNothingToStockFirmware) {
