@@ -2,6 +2,7 @@
 #include "casd/casctl/session/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <string>
 #include <utility>
 
 namespace cas::casctl {
@@ -13,7 +14,12 @@ Argument Argument::expected(int least, int most) const {
 }
 
 Argument Argument::in_range(double low, double high) const {
-  return Argument(option_->check(CLI::Range(low, high)));
+  const auto is_number = [](const std::string& word) {
+    double number = 0;
+    return CLI::detail::lexical_cast(word, number) ? std::string()
+                                                   : "'" + word + "' is not a number";
+  };
+  return Argument(option_->check(is_number)->check(CLI::Range(low, high)));
 }
 
 Argument Argument::not_negative() const { return Argument(option_->check(CLI::NonNegativeNumber)); }

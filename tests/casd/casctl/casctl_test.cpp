@@ -195,6 +195,12 @@ TEST_F(CasctlTest, EndsWithOneWhereAModeIsAcceptedAndNotTaken) {
       << ended.out;
 }
 
+TEST_F(CasctlTest, SaysOfAWordThatItIsNotANumber) {
+  const Ended ended = casctl("takeoff two");
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_NE(ended.out.find("ALT: 'two' is not a number"), std::string::npos) << ended.out;
+}
+
 TEST_F(CasctlTest, SaysWhatAMisspeltVerbOrOptionMayHaveMeant) {
   const Ended verb = casctl("stauts");
   EXPECT_EQ(verb.code, 2);
