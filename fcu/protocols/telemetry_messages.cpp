@@ -391,8 +391,7 @@ void send_autopilot_version(const Report& r) {
   AutopilotVersion m;
   m.capabilities = C::kMissionInt | C::kParamFloat | C::kCommandInt | C::kParamEncodeBytewise |
                    C::kSetAttitudeTarget | C::kSetPositionTargetLocalNed |
-                   C::kSetPositionTargetGlobalInt | C::kFlightTermination | C::kMavlink2 |
-                   C::kFtp;
+                   C::kSetPositionTargetGlobalInt | C::kFlightTermination | C::kMavlink2 | C::kFtp;
   // major, minor, patch, FIRMWARE_VERSION_TYPE_OFFICIAL: a release that ground stations know the
   // modes and parameters of.
   m.flight_sw_version = 1U << 24U | 15U << 16U | 0U << 8U | 255U;
