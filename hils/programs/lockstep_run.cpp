@@ -93,6 +93,7 @@ class LockstepPilot {
     record.simulated_s = base::to_seconds(now_);
     record.flight_failure = plan_.failure();
     record.stages = plan_.stages();
+    record.under_way = plan_.under_way(now_);
     record.hold = plan_.measured();
     record.outside_calls = read_outside_calls(casd_, own_calls_);
     for (OutsideCall& call : read_simulator_calls(simulator_, {})) {

@@ -231,15 +231,16 @@ void RealtimePilot::show_page(base::SimTime now) {
 }
 
 void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
-  const double simulated_s = base::to_seconds(simulated_time());
+  const base::SimTime now = simulated_time();
   const std::vector<OutsideCall> calls = calls_of_others();
   if (live_ != nullptr) live_->show_calls(calls);
   for (std::size_t i = 0; i < records.size(); ++i) {
     RunRecord& record = records[i];
     record.log_clock = log_clock;
-    record.simulated_s = simulated_s;
+    record.simulated_s = base::to_seconds(now);
     record.flight_failure = plan_.failure_of(i);
     record.stages = plan_.plan(i).stages();
+    record.under_way = plan_.plan(i).under_way(now);
     record.hold = plan_.plan(i).measured();
     record.faults = faults_.history_of(i);
     record.outside_calls = calls;
