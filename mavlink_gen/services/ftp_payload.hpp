@@ -46,7 +46,8 @@ struct FtpPayload {
   }
   /// The number in the first four bytes: a length, a checksum.
   std::uint32_t number() const {
-    return data[0] | data[1] << 8U | data[2] << 16U | static_cast<std::uint32_t>(data[3]) << 24U;
+    return std::uint32_t{data[0]} | std::uint32_t{data[1]} << 8U | std::uint32_t{data[2]} << 16U |
+           std::uint32_t{data[3]} << 24U;
   }
   /// @param bytes  at most kFtpDataBytes; more is cut off
   void set_bytes(std::span<const std::uint8_t> bytes) {
