@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <ranges>
+#include <span>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
@@ -214,7 +214,7 @@ class FirmwarePilot {
   /// Whether a disarm step is over since the newest arming, and it is known that hils disarmed the
   /// vehicle, or that it did so itself after landing.
   bool has_ended_flight() {
-    const auto since = plan_.stages() | std::views::drop(stages_when_armed_);
+    const auto since = std::span(plan_.stages()).subspan(stages_when_armed_);
     const auto disarms = [](const Stage& stage) { return stage.step.kind == StepKind::kDisarm; };
     return std::ranges::any_of(since, disarms) && is_own_end(gave_disarm_, disarm_words());
   }
