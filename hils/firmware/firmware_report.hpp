@@ -3,8 +3,9 @@
 
 #include <string>
 
-#include "hils/firmware/firmware_run.hpp"
+#include "hils/firmware/firmware_figures.hpp"
 #include "hils/firmware/firmware_scenario.hpp"
+#include "hils/measure/judgement.hpp"
 
 namespace cas::hils {
 

@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "hils/firmware/firmware_run.hpp"
+#include "hils/firmware/firmware_figures.hpp"
+#include "hils/firmware/firmware_pilot.hpp"
+#include "hils/firmware/firmware_verdict.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "hils/firmware/firmware_scenario.hpp"
+#include "hils/firmware/pty_cable.hpp"
+#include "hils/programs/supervisor.hpp"
+
+namespace cas::hils {
+
+/// casd, hilsim and the firmware as programs, in this order, so that the firmware finds its peers.
+class FirmwareBench {
+ public:
+  FirmwareBench(const FirmwareScenario& scenario, const FirmwarePlaces& places);
+
+  void start();
+  /// The exit code of the firmware says nothing about the flight.
+  void stop();
+
+  Supervisor& supervisor() { return supervisor_; }
+  /// Bytes that the serial line lost because a program did not read them.
+  std::uint64_t lost_bytes() const { return cable_ ? cable_->lost_bytes() : 0; }
+
+ private:
+  ChildProcess::Options options(const std::string& name, std::vector<std::string> arguments) const;
+  ChildProcess::Options firmware_options() const;
+
+  const FirmwareScenario& scenario_;
+  const FirmwarePlaces& places_;
+  Supervisor supervisor_;
+  std::optional<PtyCable> cable_;
+  ChildProcess* casd_ = nullptr;
+  ChildProcess* hilsim_ = nullptr;
+  ChildProcess* firmware_ = nullptr;
+};
+
+}  // namespace cas::hils

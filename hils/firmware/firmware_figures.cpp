@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/firmware_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+
+namespace cas::hils {
+namespace {
+
+using nlohmann::json;
+
+std::int64_t microseconds(base::SimTime t) {
+  return std::chrono::duration_cast<std::chrono::microseconds>(t.time_since_epoch()).count();
+}
+
+/// About the mean of the measured hold: where a stock estimator's origin lies is not known so well.
+std::optional<RmsFigures> rms_of_hold(const std::vector<Stage>& stages,
+                                      std::span<const PoseSample> truth) {
+  for (const Stage& stage : stages) {
+    if (!stage.step.measure) continue;
+    const auto held = between(truth, microseconds(stage.begin), microseconds(stage.end));
+    if (held.empty()) return std::nullopt;
+    Pose mean;
+    double sines = 0;
+    double cosines = 0;
+    const auto count = static_cast<double>(held.size());
+    for (const PoseSample& sample : held) {
+      mean.x_m += sample.pose.x_m / count;
+      mean.y_m += sample.pose.y_m / count;
+      mean.z_m += sample.pose.z_m / count;
+      sines += std::sin(sample.pose.yaw_rad);
+      cosines += std::cos(sample.pose.yaw_rad);
+    }
+    mean.yaw_rad = std::atan2(sines, cosines);
+    return rms_about(held, [&mean](std::int64_t) { return mean; });
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures) {
+  try {
+    const std::vector<PoseSample> samples = read_truth(truth);
+    if (samples.empty()) {
+      figures.unwatched = truth.string() + " is empty";
+    } else {
+      figures.incidents = find_incidents(figures.stages, samples);
+      figures.rms = rms_of_hold(figures.stages, samples);
+    }
+  } catch (const base::ConfigError& error) {
+    figures.unwatched = error.what();
+  }
+}
+
+void add_estimate(const std::filesystem::path& truth, const std::filesystem::path& tlog,
+                  FirmwareFigures& figures) {
+  try {
+    const std::vector<PoseSample> estimate = read_estimate(tlog, figures.system, figures.log_clock);
+    figures.rms_estimate = estimate_error(figures.stages, read_truth(truth), estimate);
+  } catch (const base::ConfigError&) {
+    figures.rms_estimate.reset();  // a limit on it is missed
+  }
+}
+
+std::optional<RmsFigures> estimate_error(const std::vector<Stage>& stages,
+                                         std::span<const PoseSample> truth,
+                                         std::span<const PoseSample> estimate) {
+  const auto takeoff = std::ranges::find(stages, StepKind::kTakeoff,
+                                         [](const Stage& stage) { return stage.step.kind; });
+  const auto hold = std::ranges::find_if(stages, [](const Stage& s) { return s.step.measure; });
+  if (takeoff == stages.end() || hold == stages.end() || truth.empty()) return std::nullopt;
+  const auto true_at = [truth](std::int64_t time_us) {
+    const auto next = std::ranges::lower_bound(truth, time_us, {}, &PoseSample::time_us);
+    return next == truth.end() ? truth.back().pose : next->pose;
+  };
+  const std::int64_t off_us = microseconds(takeoff->begin);
+  const auto standing = between(estimate, off_us - 1'000'000, off_us);
+  const auto held = between(estimate, microseconds(hold->begin), microseconds(hold->end));
+  if (standing.empty() || held.empty()) return std::nullopt;
+  Pose origin;
+  const auto count = static_cast<double>(standing.size());
+  for (const PoseSample& sample : standing) {
+    const Pose pose = true_at(sample.time_us);
+    origin.x_m += (sample.pose.x_m - pose.x_m) / count;
+    origin.y_m += (sample.pose.y_m - pose.y_m) / count;
+    origin.z_m += (sample.pose.z_m - pose.z_m) / count;
+  }
+  return rms_about(held, [&](std::int64_t time_us) {
+    Pose pose = true_at(time_us);
+    pose.x_m += origin.x_m;
+    pose.y_m += origin.y_m;
+    pose.z_m += origin.z_m;
+    return pose;
+  });
+}
+
+std::optional<double> slowest_hop_us(const json& hops) {
+  std::optional<double> slowest;
+  for (const json& link : hops) {
+    for (const json& route : link.value("routes", json::array())) {
+      slowest = std::max(slowest.value_or(0), route.value("p99", 0.0));
+    }
+  }
+  return slowest;
+}
+
+void add_losses(const json& links, FirmwareFigures& figures) {
+  for (const json& link : links) {
+    for (const json& count : link.at("tx").at("dropped")) {
+      figures.dropped += count.get<std::uint64_t>();
+    }
+    figures.lost += link.at("rx").at("lost").get<std::uint64_t>();
+  }
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hils/flight/bench_fault.hpp"
+#include "hils/flight/flight_plan.hpp"
+#include "hils/measure/incident.hpp"
+#include "hils/measure/tracking.hpp"
+
+namespace cas::hils {
+
+/// Figures of a flight of stock firmware.
+struct FirmwareFigures {
+  std::vector<Stage> stages;
+  std::string flight_failure;     ///< a sentence; empty when every step was done
+  std::string version;            ///< of the firmware; empty: it did not tell
+  int looks = 0;                  ///< at the true position during the measured hold
+  double height_error_m = 0;      ///< of its mean
+  double drift_m = 0;             ///< farthest from where the hold began, horizontal
+  std::optional<RmsFigures> rms;  ///< of the true position about its mean in the measured hold
+  /// Of the estimate against the truth in it, by what both were on the ground before takeoff.
+  std::optional<RmsFigures> rms_estimate;
+  std::map<std::string, double> rates_hz;      ///< of the vehicle's messages in the hold, simulated
+  std::vector<BenchFaultScript::Span> faults;  ///< as they went
+  double wall_s = 0;
+  std::string messages = "[]";  ///< message.list of casd at the flight's end: rates, counts, gaps
+  std::string hops = "[]";      ///< link.latency of casd: from one link's read to another's write
+  double simulated_s = 0;
+  double real_time_factor = 0;
+  std::uint8_t system = 1;          ///< the vehicle's
+  ClockMap log_clock;               ///< clock of the flight log -> simulated time
+  std::vector<Incident> incidents;  ///< by the true flight
+  std::string unwatched;            ///< why nobody could look for incidents; empty: somebody did
+  std::uint64_t dropped = 0;        ///< packets, by casd at all its links until the flight's end
+  std::uint64_t lost = 0;  ///< packets, by the gaps in the sequence numbers that casd heard
+};
+
+/// Looks into the true flight, truth.csv: incidents, and how still the measured hold was.
+void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures);
+/// Adds the figures of the estimate in the flight log; nothing where there is none to read.
+void add_estimate(const std::filesystem::path& truth, const std::filesystem::path& tlog,
+                  FirmwareFigures& figures);
+/// How far the estimate was from the truth in the measured hold; nothing without one of the two.
+/// Places and height count from the last second before takeoff, because a stock estimator's origin
+/// lies a little off; the heading counts as it is.
+std::optional<RmsFigures> estimate_error(const std::vector<Stage>& stages,
+                                         std::span<const PoseSample> truth,
+                                         std::span<const PoseSample> estimate);
+/// The slowest way through casd for 99 % of its packets (link.latency), us; nothing: none was
+/// timed.
+std::optional<double> slowest_hop_us(const nlohmann::json& hops);
+/// Takes over what casd's counters say (link.list).
+void add_losses(const nlohmann::json& links, FirmwareFigures& figures);
+
+}  // namespace cas::hils

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/firmware_verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace cas::hils {
+namespace {
+
+using nlohmann::json;
+
+json rms_json(const RmsFigures& rms) {
+  return {{"x_m", rms.x_m}, {"y_m", rms.y_m}, {"z_m", rms.z_m}, {"yaw_rad", rms.yaw_rad}};
+}
+
+LimitCheck check(const char* what, const std::string& wanted, const std::string& missed) {
+  return {.what = what,
+          .found = missed.empty() ? wanted : missed,
+          .wanted = wanted,
+          .kept = missed.empty(),
+          .sentence = missed};
+}
+
+/// A figure of the measured hold. @param bounded  its name, unit, digits, sense and bound
+LimitCheck check(LimitCheck bounded, std::optional<double> value) {
+  bounded.value = value;
+  const std::optional<double> margin = bounded.margin();
+  bounded.kept = margin && *margin >= 0;
+  if (!margin) {
+    bounded.sentence = fmt::format("{} was not measured: the hold was not reached", bounded.what);
+  } else if (!bounded.kept) {
+    bounded.sentence = fmt::format("{0} {1:.{4}f} {3}, limit {2:.{4}f} {3}", bounded.what, *value,
+                                   *bounded.bound, bounded.unit, bounded.digits);
+  }
+  return bounded;
+}
+
+/// What a scenario asks of links and messages.
+void check_links(const FirmwareScenario& scenario, const FirmwareFigures& figures,
+                 std::vector<LimitCheck>& checks) {
+  if (scenario.hop_p99_us) {
+    checks.push_back(check({.what = "slowest way through casd, 99 %",
+                            .unit = "us",
+                            .digits = 0,
+                            .bound = scenario.hop_p99_us},
+                           slowest_hop_us(json::parse(figures.hops))));
+  }
+  for (const auto& [name, least_hz] : scenario.rates_hz) {
+    std::optional<double> rate;
+    if (!figures.rates_hz.empty()) {
+      const auto found = figures.rates_hz.find(name);
+      rate = found == figures.rates_hz.end() ? 0 : found->second;
+    }
+    checks.push_back(check({.what = "rate of " + name,
+                            .unit = "Hz",
+                            .digits = 1,
+                            .sense = LimitCheck::Sense::kAtLeast,
+                            .bound = least_hz},
+                           rate));
+  }
+}
+
+}  // namespace
+
+Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) {
+  Verdict verdict;
+  verdict.valid = true;
+  std::vector<LimitCheck>& checks = verdict.checks;
+  const auto measured = [&figures](double value) {
+    return figures.looks > 0 ? std::optional(value) : std::nullopt;
+  };
+  checks.push_back(check("flight", "every step was done", figures.flight_failure));
+  if (scenario.height_error_m) {
+    checks.push_back(
+        check({.what = "height error", .unit = "m", .digits = 2, .bound = scenario.height_error_m},
+              measured(figures.height_error_m)));
+  }
+  if (scenario.drift_m) {
+    checks.push_back(check({.what = "drift", .unit = "m", .digits = 2, .bound = scenario.drift_m},
+                           measured(figures.drift_m)));
+  }
+  check_rms("true position", figures.rms, scenario.rms, checks);
+  check_rms("estimate", figures.rms_estimate, scenario.rms_estimate, checks);
+  check_links(scenario, figures, checks);
+  std::string incidents;
+  for (const Incident& incident : figures.incidents) {
+    incidents += (incidents.empty() ? "the vehicle " : "; it ") + incident.what;
+  }
+  checks.push_back(check("incidents", "none", incidents));
+  checks.push_back(check(
+      "true flight", "recorded",
+      figures.unwatched.empty() ? "" : "the true flight was not recorded: " + figures.unwatched));
+  for (const LimitCheck& each : checks) {
+    if (!each.kept) verdict.failures.push_back(each.sentence);
+  }
+  verdict.passed = verdict.failures.empty();
+  return verdict;
+}
+
+json firmware_summary(const FirmwareScenario& scenario, const FirmwareFigures& figures,
+                      const Verdict& verdict) {
+  json all{{"schema", 1},
+           {"scenario", scenario.name},
+           {"firmware", figures.version},
+           {"passed", verdict.passed},
+           {"missed", verdict.failures},
+           {"height_error_m", figures.height_error_m},
+           {"drift_m", figures.drift_m},
+           {"simulated_s", figures.simulated_s},
+           {"wall_s", figures.wall_s},
+           {"real_time_factor", figures.real_time_factor},
+           {"dropped", figures.dropped},
+           {"lost", figures.lost},
+           {"messages", json::parse(figures.messages)},
+           {"hops_us", json::parse(figures.hops)},
+           {"rates_hz", figures.rates_hz},
+           {"faults", json::array()},
+           {"incidents", json::array()},
+           {"stages", json::array()}};
+  if (figures.rms) all["rms"] = rms_json(*figures.rms);
+  if (figures.rms_estimate) all["rms_estimate"] = rms_json(*figures.rms_estimate);
+  for (const BenchFaultScript::Span& fault : figures.faults) {
+    json& entry = all["faults"].emplace_back();
+    entry = {{"name", fault.name}, {"begin_s", base::to_seconds(fault.begin)}};
+    if (fault.end) entry["end_s"] = base::to_seconds(*fault.end);
+  }
+  for (const Incident& incident : figures.incidents) {
+    all["incidents"].push_back(
+        {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
+  }
+  for (const Stage& stage : figures.stages) {
+    all["stages"].push_back({{"step", to_string(stage.step.kind)},
+                             {"begin_s", base::to_seconds(stage.begin)},
+                             {"end_s", base::to_seconds(stage.end)}});
+  }
+  return all;
+}
+
+}  // namespace cas::hils
