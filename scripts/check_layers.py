@@ -52,7 +52,7 @@ MAVLINK = {"mavlink_gen/runtime", "dialect"}
 SERVICES = {"mavlink_gen/services"}
 PROGRAM = {"base/cli", "CLI11"}  # what reads a command line
 API = BASE | {"libsim/api", "Eigen"}
-PLUGIN = API | {"plugins/common"}
+PLUGIN = API | {"plugins/common", "nlohmann"}
 EVERYTHING = None
 
 # Rooms of a program, from the ground floor up: a folder includes what its row allows, and no row allows

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -95,13 +96,11 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
 
   std::string stats_json() const override {
     const ServoClock::Counts& counts = clock_.counts();
-    const auto entry = [](const char* key, std::uint64_t value) {
-      return std::string(",\"") + key + "\":" + std::to_string(value);
-    };
-    return "{\"endpoint\":\"" + link_->endpoint() + "\",\"peer\":\"" + link_->peer() + "\"" +
-           entry("packets", counts.packets) + entry("repeated", counts.repeated) +
-           entry("skipped", counts.skipped) + entry("restarts", counts.restarts) +
-           entry("bad_packets", bad_packets_) + entry("send_errors", send_errors_) + "}";
+    return nlohmann::ordered_json{{"endpoint", link_->endpoint()}, {"peer", link_->peer()},
+                                  {"packets", counts.packets},     {"repeated", counts.repeated},
+                                  {"skipped", counts.skipped},     {"restarts", counts.restarts},
+                                  {"bad_packets", bad_packets_},   {"send_errors", send_errors_}}
+        .dump();
   }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -14,6 +14,7 @@
 #include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/rounding.hpp"
 #include "plugins/fault/fault_spec.hpp"
 #include "plugins/fault/sensor_tap.hpp"
 
@@ -68,16 +69,14 @@ class FaultPlugin final : public Plugin {
   }
 
   std::string stats_json() const override {
-    std::string text = "{\"events\":[";
+    using Json = nlohmann::ordered_json;
+    Json events = Json::array();
     for (const FaultEvent& event : events_) {
-      char time[32];
-      std::snprintf(time, sizeof time, "%.6f", base::to_seconds(event.time));
-      if (text.back() == '}') text += ',';
-      text += std::string("{\"time_s\":") + time + ",\"fault\":\"" +
-              escaped(schedule_.faults()[event.fault].name) + "\",\"event\":\"" +
-              (event.begins ? "begin" : "end") + "\"}";
+      events.push_back({{"time_s", six_decimals(base::to_seconds(event.time))},
+                        {"fault", shown(schedule_.faults()[event.fault].name)},
+                        {"event", event.begins ? "begin" : "end"}});
     }
-    return text + "]}";
+    return Json{{"events", std::move(events)}}.dump();
   }
 
  private:
@@ -86,13 +85,10 @@ class FaultPlugin final : public Plugin {
     std::apply([&](auto&... tap) { (action(tap), ...); }, taps_);
   }
 
-  static std::string escaped(const std::string& name) {
-    std::string text;
-    for (const char c : name) {
-      if (c == '"' || c == '\\') text += '\\';
-      text += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-    }
-    return text;
+  static std::string shown(std::string name) {
+    std::ranges::replace_if(
+        name, [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+    return name;
   }
 
   /// Intercepts the topics that a fault is about, and no other.

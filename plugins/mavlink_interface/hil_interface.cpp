@@ -2,6 +2,7 @@
 #include "plugins/mavlink_interface/hil_interface.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -11,6 +12,7 @@ namespace cas::sim {
 
 namespace mv = mavlink::common;
 
+using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr std::size_t kMostWaiting = 32;  ///< messages of plugins in one step
@@ -51,14 +53,13 @@ std::uint64_t MessageCounts::of(std::uint32_t id) const {
   return found == counts_.end() ? 0 : found->second;
 }
 
-std::string MessageCounts::json() const {
-  std::string text = "{";
+Json MessageCounts::json() const {
+  Json counts = Json::object();
   for (const auto& [id, count] : counts_) {
     const mav::MessageInfo* info = mav::public_table().find(id);
-    const std::string name = info ? std::string(info->name) : std::to_string(id);
-    text += (text.size() > 1 ? ",\"" : "\"") + name + "\":" + std::to_string(count);
+    counts[info ? std::string(info->name) : std::to_string(id)] = count;
   }
-  return text + "}";
+  return counts;
 }
 
 HilInterface::HilInterface(const HilInterfaceParams& params, HilPort& port,
@@ -213,18 +214,21 @@ std::optional<MotorCommand> HilInterface::take_command(base::SimTime now) {
   return MotorCommand{};  // disarmed, zeros
 }
 
-std::string HilInterface::stats_json() const {
+Json HilInterface::figures() const {
   const auto& parser = parser_.stats();
-  const auto entry = [](const char* key, std::uint64_t value) {
-    return std::string(",\"") + key + "\":" + std::to_string(value);
-  };
-  return "{\"endpoint\":\"" + port_.endpoint() + "\",\"sent\":" + sent_.json() +
-         ",\"received\":" + received_.json() + entry("crc_errors", parser.crc_errors) +
-         entry("sequence_gaps", sequences_.lost()) + entry("unknown_ids", parser.unknown_ids) +
-         entry("skipped_bytes", parser.skipped_bytes) +
-         entry("overwritten_commands", overwritten_commands_) +
-         entry("actuator_timeouts", actuator_timeouts_) +
-         ",\"in_step\":" + (in_step_ ? "true" : "false") + ",\"port\":" + port_.stats_json() + "}";
+  Json port = Json::object();
+  port_.add_figures(port);
+  return {{"endpoint", port_.endpoint()},
+          {"sent", sent_.json()},
+          {"received", received_.json()},
+          {"crc_errors", parser.crc_errors},
+          {"sequence_gaps", sequences_.lost()},
+          {"unknown_ids", parser.unknown_ids},
+          {"skipped_bytes", parser.skipped_bytes},
+          {"overwritten_commands", overwritten_commands_},
+          {"actuator_timeouts", actuator_timeouts_},
+          {"in_step", in_step_},
+          {"port", std::move(port)}};
 }
 
 }  // namespace cas::sim

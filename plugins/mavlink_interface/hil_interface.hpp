@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -57,7 +59,7 @@ class MessageCounts {
  public:
   void add(std::uint32_t id);
   std::uint64_t of(std::uint32_t id) const;
-  std::string json() const;  ///< {"HIL_SENSOR":500,...}
+  nlohmann::ordered_json json() const;  ///< {"HIL_SENSOR":500,...}
 
  private:
   std::vector<std::pair<std::uint32_t, std::uint64_t>> counts_;
@@ -108,7 +110,7 @@ class HilInterface {
   const MessageCounts& sent() const { return sent_; }
   const MessageCounts& received() const { return received_; }
   std::uint64_t actuator_timeouts() const { return actuator_timeouts_; }
-  std::string stats_json() const;
+  nlohmann::ordered_json figures() const;
 
  private:
   /// A message that waits for the next flush().

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 
@@ -32,7 +33,8 @@ class HilPort {
   virtual std::uint64_t peers() const { return 1; }
   virtual bool connected() const { return true; }
   virtual std::string endpoint() const = 0;  ///< "udp 127.0.0.1:14560"
-  virtual std::string stats_json() const { return "{}"; }
+  /// Its counters, for the figures of a run.
+  virtual void add_figures(nlohmann::ordered_json& /*figures*/) const {}
 };
 
 }  // namespace cas::sim

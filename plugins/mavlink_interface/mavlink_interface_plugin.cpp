@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -134,11 +135,12 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   }
 
   std::string stats_json() const override {
-    std::string text = interface_->stats_json();
-    if (plugins_.empty()) return text;
-    text.back() = ',';
-    return text + "\"plugins\":" + messages_.json() +
-           ",\"too_many_in_a_step\":" + std::to_string(too_many_) + "}";
+    nlohmann::ordered_json figures = interface_->figures();
+    if (!plugins_.empty()) {
+      figures["plugins"] = messages_.json();
+      figures["too_many_in_a_step"] = too_many_;
+    }
+    return figures.dump();
   }
 
  private:

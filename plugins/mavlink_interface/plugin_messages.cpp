@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -104,19 +105,18 @@ std::uint64_t PluginMessages::refused() const {
   return sum;
 }
 
-std::string PluginMessages::json() const {
-  std::string text = "{";
+nlohmann::ordered_json PluginMessages::json() const {
+  using Json = nlohmann::ordered_json;
+  Json plugins = Json::object();
   for (const Sender& sender : senders_) {
-    text += (text.size() > 1 ? ",\"" : "\"") + sender.plugin + "\":{\"declares\":[";
-    for (const Declared& declared : sender.declared) {
-      if (text.back() != '[') text += ',';
-      text += "\"" + std::string(declared.info->name) + "\"";
-    }
-    text += "],\"undeclared\":" + std::to_string(sender.refused[kUndeclared]) +
-            ",\"wrong_size\":" + std::to_string(sender.refused[kWrongSize]) +
-            ",\"too_often\":" + std::to_string(sender.refused[kTooOften]) + "}";
+    Json declares = Json::array();
+    for (const Declared& declared : sender.declared) declares.push_back(declared.info->name);
+    plugins[sender.plugin] = {{"declares", std::move(declares)},
+                              {"undeclared", sender.refused[kUndeclared]},
+                              {"wrong_size", sender.refused[kWrongSize]},
+                              {"too_often", sender.refused[kTooOften]}};
   }
-  return text + "}";
+  return plugins;
 }
 
 }  // namespace cas::sim

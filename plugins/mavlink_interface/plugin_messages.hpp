@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,7 +40,7 @@ class PluginMessages {
   void reset();
   std::uint64_t refused() const;
   /// {"battery":{"declares":["BATTERY_STATUS"],"undeclared":0,"wrong_size":0,"too_often":0}}
-  std::string json() const;
+  nlohmann::ordered_json json() const;
 
  private:
   enum Reason : std::size_t { kUndeclared, kWrongSize, kTooOften, kReasons };

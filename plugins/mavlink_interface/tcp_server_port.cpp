@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "base/os/log.hpp"
@@ -110,12 +111,12 @@ bool TcpServerPort::wait(base::Duration timeout) {
 
 std::string TcpServerPort::endpoint() const { return "tcp " + bound_address(listener_); }
 
-std::string TcpServerPort::stats_json() const {
-  return "{\"connections\":" + std::to_string(connections_) +
-         ",\"connected\":" + (connected() ? "true" : "false") +
-         ",\"sent_packets\":" + std::to_string(sent_packets_) +
-         ",\"queue_full\":" + std::to_string(queue_full_) +
-         ",\"without_peer\":" + std::to_string(without_peer_) + "}";
+void TcpServerPort::add_figures(nlohmann::ordered_json& figures) const {
+  figures["connections"] = connections_;
+  figures["connected"] = connected();
+  figures["sent_packets"] = sent_packets_;
+  figures["queue_full"] = queue_full_;
+  figures["without_peer"] = without_peer_;
 }
 
 }  // namespace cas::sim

@@ -31,7 +31,7 @@ class TcpServerPort final : public HilPort {
   std::uint64_t peers() const override { return connections_; }
   bool connected() const override { return client_ >= 0; }
   std::string endpoint() const override;
-  std::string stats_json() const override;
+  void add_figures(nlohmann::ordered_json& figures) const override;
 
  private:
   void accept_client();

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/os/command_port.hpp"
@@ -165,14 +166,14 @@ bool UdpPort::wait(base::Duration timeout) {
 
 std::string UdpPort::endpoint() const { return "udp " + bound_address(socket_); }
 
-std::string UdpPort::stats_json() const {
-  const auto entry = [](const char* key, std::uint64_t value) {
-    return std::string(",\"") + key + "\":" + std::to_string(value);
-  };
-  return "{\"sent_datagrams\":" + std::to_string(sent_datagrams_) +
-         entry("received_datagrams", received_datagrams_) + entry("queue_full", queue_full_) +
-         entry("send_errors", send_errors_) + entry("without_peer", without_peer_) +
-         entry("foreign_datagrams", foreign_) + entry("cut_datagrams", cut_) + "}";
+void UdpPort::add_figures(nlohmann::ordered_json& figures) const {
+  figures["sent_datagrams"] = sent_datagrams_;
+  figures["received_datagrams"] = received_datagrams_;
+  figures["queue_full"] = queue_full_;
+  figures["send_errors"] = send_errors_;
+  figures["without_peer"] = without_peer_;
+  figures["foreign_datagrams"] = foreign_;
+  figures["cut_datagrams"] = cut_;
 }
 
 }  // namespace cas::sim

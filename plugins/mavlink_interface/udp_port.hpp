@@ -29,7 +29,7 @@ class UdpPort final : public HilPort {
   bool wait(base::Duration timeout) override;
   base::RunTime now() const override { return base::steady_now(); }
   std::string endpoint() const override;
-  std::string stats_json() const override;
+  void add_figures(nlohmann::ordered_json& figures) const override;
 
  private:
   struct Batch;  // buffers of one recvmmsg

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/rounding.hpp"
 #include "plugins/motor/battery_model.hpp"
 #include "plugins/motor/body_drag.hpp"
 #include "plugins/motor/esc_delay.hpp"
@@ -94,14 +96,16 @@ class MotorPlugin final : public Plugin {
   }
 
   std::string stats_json() const override {
-    std::string json;
+    nlohmann::ordered_json figures;
     if (battery_) {
-      json = "\"battery_v\":" + std::to_string(battery_->voltage_v()) +
-             ",\"battery_charge\":" + std::to_string(battery_->charge());
+      figures["battery_v"] = six_decimals(battery_->voltage_v());
+      figures["battery_charge"] = six_decimals(battery_->charge());
     }
-    if (!strikes_.empty())
-      json += (json.empty() ? "" : ",") + ("\"rotor_strikes\":" + strikes_json());
-    return json.empty() ? json : "{" + json + "}";
+    for (const Strike& strike : strikes_) {
+      figures["rotor_strikes"].push_back(
+          {{"rotor", strike.rotor + 1}, {"time_s", six_decimals(base::to_seconds(strike.time))}});
+    }
+    return figures.is_null() ? "" : figures.dump();
   }
 
  private:
@@ -135,15 +139,6 @@ class MotorPlugin final : public Plugin {
       base::log::warn(name_ + ": rotor " + std::to_string(i + 1) + " touched something at " +
                       std::to_string(base::to_seconds(step.time)) + " s and stopped");
     }
-  }
-
-  std::string strikes_json() const {
-    std::string json = "[";
-    for (const Strike& strike : strikes_) {
-      json += (json.size() > 1 ? ",{" : "{") + ("\"rotor\":" + std::to_string(strike.rotor + 1)) +
-              ",\"time_s\":" + std::to_string(base::to_seconds(strike.time)) + "}";
-    }
-    return json + "]";
   }
 
   /// Speeds that the controller asks for from now on.

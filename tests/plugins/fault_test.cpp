@@ -312,8 +312,8 @@ TEST_F(FaultyVehicle, BeginsOnAStateAndEndsOnAnother) {
   EXPECT_EQ(pressures_.size(), 15U);
   const std::string stats = plugin_->stats_json();
   EXPECT_EQ(stats,
-            "{\"events\":[{\"time_s\":0.100000,\"fault\":\"high\",\"event\":\"begin\"},"
-            "{\"time_s\":0.200000,\"fault\":\"high\",\"event\":\"end\"}]}");
+            "{\"events\":[{\"time_s\":0.1,\"fault\":\"high\",\"event\":\"begin\"},"
+            "{\"time_s\":0.2,\"fault\":\"high\",\"event\":\"end\"}]}");
 }
 
 TEST_F(FaultyVehicle, KnowsThePhaseOfTheFlight) {
