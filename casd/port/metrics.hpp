@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// What the metrics are made of.
+/// Input of the metrics.
 struct MetricsSource {
   double uptime_s = 0;
   std::size_t clients = 0;
