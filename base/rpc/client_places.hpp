@@ -36,7 +36,7 @@ struct PlaceHolder {
 
 /// What becomes of a new client.
 struct PlaceDecision {
-  std::string refusal{};                   ///< why it gets no place; empty: it gets one
+  std::optional<std::string> refusal{};    ///< why it gets no place; nothing: it gets one
   std::optional<std::size_t> displaced{};  ///< the holder that must go for it
 };
 

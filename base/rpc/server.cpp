@@ -45,13 +45,13 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
           if (const auto self = weak.lock()) self->on_closed(closed);
         });
     session->authorised = needs_no_token(session->origin());
-    const std::string fault = make_place(*session);
-    if (!fault.empty() && without_place() >= kRefusedAtOnce) {
+    const std::optional<std::string> fault = make_place(*session);
+    if (fault && without_place() >= kRefusedAtOnce) {
       ++refusals[Refusal::kNoPlace];
       return;  // closes it
     }
     sessions.push_back(session);
-    if (!fault.empty()) return session->refuse(Refusal::kNoPlace, fault);
+    if (fault) return session->refuse(Refusal::kNoPlace, *fault);
     session->start();
   }
 
@@ -65,8 +65,8 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
   }
 
   /// Clients that are being turned away hold no place.
-  /// @return why there is no place for a client; empty when there is one now
-  std::string make_place(const Session& client) {
+  /// @return why there is no place for a client; nothing when there is one now
+  std::optional<std::string> make_place(const Session& client) {
     std::vector<std::shared_ptr<Session>> held;
     std::vector<PlaceHolder> holders;
     for (const auto& session : sessions) {
