@@ -10,8 +10,8 @@
 
 namespace cas::hils {
 
-/// What others than hils had the vehicle do: calls of casd's command port, and what casd heard of
-/// ground stations.
+/// Acts on the vehicle by others than hils: calls of casd's command port, and ground stations seen
+/// by casd.
 struct OutsideHands {
   std::vector<OutsideCall> calls{};
   std::vector<HeardAct> acts{};
@@ -19,17 +19,17 @@ struct OutsideHands {
   std::uint64_t acts_so_far = 0;      ///< what comes later than this keeps casd from arming
 };
 
-/// Why a vehicle is not armed: somebody has disarmed it, or tried to, or may have. Empty: nobody
-/// has.
+/// Why a vehicle is not armed: somebody has disarmed it, or tried to, or may have. Empty: no
+/// objection.
 std::string arm_fault(const OutsideHands& hands);
 
-/// The call or act that counts most, one that disarms before all others: "unix:uid 1000 called
-/// vehicle.disarm". Empty: nobody else had the vehicle do anything.
+/// The most important call or act, those that disarm first: "unix:uid 1000 called vehicle.disarm".
+/// Empty: there was none.
 std::string first_hand(const OutsideHands& hands);
 /// That casd does not know all calls any more, as a sentence.
 std::string forgotten_words(const OutsideHands& hands);
-/// " (255/190 on link gcs: command 400 (disarm))" for the sentence of a flight that failed; empty:
-/// nobody else had a hand in it.
+/// " (255/190 on link gcs: command 400 (disarm))" for the message of a failed flight; empty: no act
+/// of others.
 std::string hands_words(const OutsideHands& hands);
 
 }  // namespace cas::hils
