@@ -92,7 +92,7 @@ LAYERS = {
 
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>
-    "plugins/mavlink_interface": PLUGIN | MAVLINK | {"Asio"},
+    "plugins/mavlink_interface": PLUGIN | MAVLINK | SERVICES | {"Asio"},
 
     "casd/packet": BASE | MAVLINK | SERVICES,
     "casd/routing": BASE | MAVLINK | SERVICES | rooms("casd", "packet"),

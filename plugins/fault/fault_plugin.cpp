@@ -132,9 +132,11 @@ class FaultPlugin final : public Plugin {
     }
     if (blows_) gust_ = bus.advertise<GustCommand>(context.topic("gust"));
     if (by_hand_) {
-      orders_ = bus.subscribe<FaultOrder>(
-          context.topic(std::string(kFaultOrders)),
-          [this](const FaultOrder& order) { take_order(order); }, Need::kOptional);
+      const auto take = [this](const FaultOrder& order) { take_order(order); };
+      orders_ = bus.subscribe<FaultOrder>(context.topic(std::string(kFaultOrders)), take,
+                                          Need::kOptional);
+      station_orders_ = bus.subscribe<FaultOrder>(context.topic(std::string(kStationFaultOrders)),
+                                                  take, Need::kOptional);
     }
     command_ = bus.subscribe<MotorCommand>(
         context.topic("motor_command"),
@@ -145,11 +147,11 @@ class FaultPlugin final : public Plugin {
         Need::kOptional);
   }
 
-  /// Between two steps, not in one. @throws base::ConfigError to whoever orders
+  /// Not while the schedule is being updated. @throws base::ConfigError to whoever orders
   void take_order(const FaultOrder& order) {
-    const std::size_t number = schedule_.faults().size() + 1;
-    FaultSpec fault =
-        parse_fault(base::ConfigNode::parse(order.script.data(), "fault by hand"), number);
+    const auto script = base::ConfigNode::parse(order.script.data(), "fault by hand");
+    if (const auto end = script.find("end")) return schedule_.end(end->as<std::string>());
+    FaultSpec fault = parse_fault(script, schedule_.faults().size() + 1);
     check_rotor(fault);
     if (std::holds_alternative<GustCommand>(fault.kind) && !gust_.has_subscribers()) {
       throw base::ConfigError("no gust can blow: the vehicle has no plugin wind");
@@ -329,6 +331,7 @@ class FaultPlugin final : public Plugin {
   Subscription rotor_speeds_;
   Subscription phase_topic_;
   Subscription orders_;
+  Subscription station_orders_;
 };
 
 }  // namespace

@@ -77,11 +77,35 @@ SensorFault parse_change(const ConfigNode& node, SensorEffect effect,
   node.fail("needs " + known);
 }
 
-/// `freeze: imu` and `drop: imu` name the sensor only.
-SensorFault parse_silence(const ConfigNode& node, SensorEffect effect) {
+/// `freeze: imu`, or {sensor: imu, field: angular_rate}: one part of the sample alone.
+SensorFault parse_freeze(const ConfigNode& node) {
   SensorFault fault;
-  fault.effect = effect;
-  fault.topic = parse_topic(node);
+  fault.effect = SensorEffect::kFreeze;
+  fault.topic = parse_topic(node.is_map() ? node.at("sensor") : node);
+  if (!node.is_map()) return fault;
+  const ConfigNode field = node.at("field");
+  const auto word = field.as<std::string>();
+  std::string known;
+  for (const FieldName& entry : kFields) {
+    if (entry.topic != fault.topic) continue;
+    if (word == entry.name) fault.only = entry.field;
+    known += (known.empty() ? "" : " or ") + std::string(entry.name);
+  }
+  if (!fault.only) field.fail("must be " + known);
+  return fault;
+}
+
+/// `drop: imu`, or {sensor: imu, share: 0.5}, by chance, or {sensor: imu, all_but: 10}: each tenth
+/// sample passes.
+SensorFault parse_drop(const ConfigNode& node) {
+  constexpr int kMost = 100'000;
+  SensorFault fault;
+  fault.effect = SensorEffect::kDrop;
+  fault.topic = parse_topic(node.is_map() ? node.at("sensor") : node);
+  if (!node.is_map()) return fault;
+  if (node.has("share") == node.has("all_but")) node.fail("needs share or all_but, not both");
+  fault.drop_share = node.get_in("share", 1, 0, 1);
+  fault.all_but = base::get_whole_in<int>(node, "all_but", 0, 2, kMost);
   return fault;
 }
 
@@ -231,8 +255,8 @@ FaultKind parse_kind(const ConfigNode& node) {
     if (kind) child->fail("is a second effect; give each its own entry");
     kind = parse(*child);
   };
-  offer("freeze", [](const ConfigNode& n) { return parse_silence(n, SensorEffect::kFreeze); });
-  offer("drop", [](const ConfigNode& n) { return parse_silence(n, SensorEffect::kDrop); });
+  offer("freeze", parse_freeze);
+  offer("drop", parse_drop);
   offer("delay", parse_delay);
   offer("bias", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kBias); });
   offer("scale", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kScale); });
@@ -334,6 +358,14 @@ void FaultSchedule::add(FaultSpec fault) {
   faults_.push_back(std::move(fault));
   states_.push_back(State::kWaiting);
   since_.emplace_back();
+}
+
+void FaultSchedule::end(const std::string& name) {
+  for (std::size_t i = scripted_; i < faults_.size(); ++i) {
+    if (faults_[i].name != name) continue;
+    if (states_[i] == State::kWaiting) states_[i] = State::kOver;
+    if (states_[i] == State::kActive) states_[i] = State::kEnding;
+  }
 }
 
 bool FaultSchedule::begins(const FaultSpec& fault, base::SimTime now, const Facts& facts) {

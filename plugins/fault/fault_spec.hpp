@@ -64,6 +64,9 @@ struct SensorFault {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< SI; factor for kScale, deviation for kNoise
   base::Duration delay{};
   BiasDriver driver = BiasDriver::kOne;                ///< of kBias
+  std::optional<SampleField> only;                     ///< of kFreeze: the rest goes on
+  double drop_share = 1;                               ///< of kDrop: probability for each sample
+  int all_but = 0;                                     ///< of kDrop: each n-th passes; 0: none
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< of kTurn: what is read, of what is
   FixReport fix{};                                     ///< of kFix
 };
@@ -132,7 +135,8 @@ class FaultSchedule {
         states_[i] = State::kActive;
         since_[i] = now;
         on_event(FaultEvent{now, i, true});
-      } else if (states_[i] == State::kActive && ends(i, now, facts)) {
+      } else if (states_[i] == State::kEnding ||
+                 (states_[i] == State::kActive && ends(i, now, facts))) {
         states_[i] = State::kOver;
         on_event(FaultEvent{now, i, false});
       }
@@ -144,12 +148,14 @@ class FaultSchedule {
   void reserve(std::size_t further);
   /// One more. @throws base::ConfigError when the room is used up
   void add(FaultSpec fault);
+  /// Ends those of that name that were added, with the next update().
+  void end(const std::string& name);
 
   const std::vector<FaultSpec>& faults() const { return faults_; }
   bool is_active(std::size_t fault) const { return states_[fault] == State::kActive; }
 
  private:
-  enum class State : std::uint8_t { kWaiting, kActive, kOver };
+  enum class State : std::uint8_t { kWaiting, kActive, kEnding, kOver };
 
   static bool begins(const FaultSpec& fault, base::SimTime now, const Facts& facts);
   bool ends(std::size_t fault, base::SimTime now, const Facts& facts) const;

@@ -97,7 +97,7 @@ class SensorTap {
     power_share_ = power_share;
     dynamic_pressure_pa_ = dynamic_pressure_pa;
   }
-  void begin(const SensorFault& fault) { active_.push_back({&fault, now_}); }
+  void begin(const SensorFault& fault) { active_.push_back({&fault, now_, 0}); }
   void end(const SensorFault& fault) {
     std::erase_if(active_, [&fault](const Active& each) { return each.fault == &fault; });
   }
@@ -115,23 +115,23 @@ class SensorTap {
   struct Active {
     const SensorFault* fault;
     base::SimTime since;
+    int samples = 0;  ///< so far, counted up to all_but
   };
 
   void on_publish(const Sample& sample) {
     Sample spoiled = sample;
     bool dropped = false;
     base::Duration delay{};
-    for (const auto& [fault, since] : active_) {
+    for (auto& [fault, since, samples] : active_) {
       switch (fault->effect) {
         case SensorEffect::kDrop:
-          dropped = true;
+          dropped |= drops(*fault, samples);
           break;
         case SensorEffect::kDelay:
           delay = std::max(delay, fault->delay);
           break;
         case SensorEffect::kFreeze:
-          if (last_) spoiled = *last_;
-          spoiled.time = sample.time;  // a stuck sensor is still read at its rate
+          freeze(spoiled, *fault);
           break;
         default:
           change(spoiled, *fault, since);
@@ -144,6 +144,27 @@ class SensorTap {
     } else {
       interceptor_.deliver(spoiled);
     }
+  }
+
+  /// Whether a sample does not pass. @param samples  of this fault so far
+  bool drops(const SensorFault& fault, int& samples) {
+    if (fault.all_but > 0) {
+      samples = samples % fault.all_but + 1;
+      return samples != fault.all_but;
+    }
+    return fault.drop_share >= 1 || random_->uniform() < fault.drop_share;
+  }
+
+  /// A stuck sensor is still read at its rate: the stamp goes on.
+  void freeze(Sample& sample, const SensorFault& fault) const {
+    if (!last_) return;
+    const base::SimTime time = sample.time;
+    if (fault.only) {
+      access_.write(sample, *fault.only, access_.read(*last_, *fault.only));
+    } else {
+      sample = *last_;
+    }
+    sample.time = time;
   }
 
   void change(Sample& sample, const SensorFault& fault, base::SimTime since) {

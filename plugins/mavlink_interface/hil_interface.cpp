@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mavlink/common/command_long.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
@@ -11,11 +12,18 @@
 namespace cas::sim {
 
 namespace mv = mavlink::common;
-
 using Json = nlohmann::ordered_json;
+
 namespace {
 
 constexpr std::size_t kMostWaiting = 32;  ///< messages of plugins in one step
+constexpr std::size_t kMostAnswers = 16;  ///< commands in one step
+constexpr float kMostToken = 1 << 24;     ///< whole numbers that a float tells apart
+
+/// As a whole number; 0 for what is not one.
+std::int32_t token_of(float number) {
+  return number >= 0 && number <= kMostToken ? static_cast<std::int32_t>(number) : 0;
+}
 
 /// Packs a payload as an unsigned MAVLink 2 packet, trailing zeros cut. @return bytes written
 std::size_t encode_payload(const mav::MessageInfo& info, const MavlinkMessage& message,
@@ -81,6 +89,8 @@ HilInterface::HilInterface(const HilInterfaceParams& params, HilPort& port,
 void HilInterface::flush(base::SimTime now) {
   look_for_new_peer();
   send_heartbeat(now);
+  for (const mv::CommandAck& answer : answers_) send(answer);
+  answers_.clear();
   // Slow sensors first, so that the answer to HIL_SENSOR knows them.
   send_messages();
   if (battery_) send(to_battery_status(*battery_));
@@ -185,7 +195,27 @@ void HilInterface::on_packet(const mav::PacketView& packet, base::RunTime at) {
     on_controls(*controls, to_motor_command(*controls, params_.scales), at);
   } else if (const auto outputs = mav::decode<mv::HilActuatorControls>(packet)) {
     on_controls(*outputs, to_motor_command(*outputs), at);
+  } else {
+    on_command(packet);
   }
+}
+
+/// MAV_CMD_INJECT_FAILURE. Its parameter 7 comes back as result_param2, so that the asker can tell
+/// a late answer from the next one.
+void HilInterface::on_command(const mav::PacketView& packet) {
+  const auto command = mav::decode<mv::CommandLong>(packet);
+  if (!command || command->command != mv::MavCmd::kInjectFailure) return;
+  if (mav::Source{command->target_system, command->target_component} != params_.self) return;
+  if (answers_.size() == kMostAnswers) return;  // asked again, they are answered
+  mv::CommandAck answer;
+  answer.command = command->command;
+  const auto failure = mav::services::failure_command(packet);
+  answer.result = mv::MavResult::kUnsupported;
+  if (failure && failure->order && on_failure_) answer.result = on_failure_(*failure->order);
+  answer.result_param2 = token_of(command->param7);
+  answer.target_system = packet.source.system;
+  answer.target_component = packet.source.component;
+  answers_.push_back(answer);
 }
 
 template <class Controls>

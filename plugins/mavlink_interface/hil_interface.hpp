@@ -18,11 +18,14 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/mavlink_message.hpp"
 #include "libsim/api/messages.hpp"
+#include "mavlink/common/command_ack.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"
+#include "mavlink_gen/services/failure_order.hpp"
+#include "plugins/mavlink_interface/failure_map.hpp"
 #include "plugins/mavlink_interface/hil_port.hpp"
 
 namespace cas::sim {
@@ -76,18 +79,27 @@ class HilInterface {
   HilInterface(const HilInterface&) = delete;
   HilInterface& operator=(const HilInterface&) = delete;
 
-  void on_imu(const ImuSample& sample) { imu_ = sample; }
-  void on_gps(const GpsSample& sample) { gps_ = sample; }
-  void on_magnetometer(const MagnetometerSample& sample) { magnetometer_ = sample; }
-  void on_barometer(const BarometerSample& sample) { barometer_ = sample; }
+  void on_imu(const ImuSample& sample) { take(imu_, sample, kPartImu); }
+  void on_gps(const GpsSample& sample) { take(gps_, sample, kPartGps); }
+  void on_magnetometer(const MagnetometerSample& sample) {
+    take(magnetometer_, sample, kPartMagnetometer);
+  }
+  void on_barometer(const BarometerSample& sample) { take(barometer_, sample, kPartBarometer); }
   void on_airspeed(const AirspeedSample& sample) { airspeed_ = sample; }
-  void on_range(const RangeSample& sample) { range_ = sample; }
+  void on_range(const RangeSample& sample) { take(range_, sample, kPartRangefinder); }
   void on_battery(const BatterySample& sample) { battery_ = sample; }
   /// A message of a plugin, for the next flush(). @return false when too many wait already
   bool on_message(const mav::MessageInfo& info, const MavlinkMessage& message);
 
-  /// Sends what is new: HEARTBEAT when due, messages of plugins, BATTERY_STATUS, DISTANCE_SENSOR,
-  /// HIL_GPS, HIL_SENSOR (with each IMU sample).
+  /// Takes in MAV_CMD_INJECT_FAILURE that is addressed to the simulator itself, and says what came
+  /// of it. Without one nothing can fail.
+  using OnFailure = std::function<mavlink::common::MavResult(const mav::services::FailureOrder&)>;
+  void on_failure(OnFailure callback) { on_failure_ = std::move(callback); }
+  /// VehiclePart of the sensors that have spoken.
+  std::uint8_t sensors() const { return sensors_; }
+
+  /// Sends what is new: HEARTBEAT when due, answers to commands, messages of plugins,
+  /// BATTERY_STATUS, DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU sample).
   void flush(base::SimTime now);
 
   /// Reads what the port has.
@@ -119,6 +131,11 @@ class HilInterface {
     MavlinkMessage message;
   };
 
+  template <class Sample>
+  void take(std::optional<Sample>& newest, const Sample& sample, VehiclePart part) {
+    newest = sample;
+    sensors_ |= part;
+  }
   template <class Message>
   bool send(const Message& message);
   bool send_packet(std::uint32_t id, std::size_t size);
@@ -129,6 +146,7 @@ class HilInterface {
   void send_gps();
   void send_sensor();
   void on_packet(const mav::PacketView& packet, base::RunTime at);
+  void on_command(const mav::PacketView& packet);
   template <class Controls>
   void on_controls(const Controls& controls, const MotorCommand& command, base::RunTime at);
 
@@ -151,7 +169,10 @@ class HilInterface {
   std::optional<RangeSample> range_;
   std::optional<BatterySample> battery_;
   std::vector<Waiting> waiting_;
-  mavlink::common::HilSensor sensor_;  // keeps the last value of what is not new
+  std::uint8_t sensors_ = 0;
+  OnFailure on_failure_;
+  std::vector<mavlink::common::CommandAck> answers_;  // wait for the next flush()
+  mavlink::common::HilSensor sensor_;                 // keeps the last value of what is not new
 
   // In.
   mav::PacketParser parser_;

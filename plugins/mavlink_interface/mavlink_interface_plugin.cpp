@@ -11,11 +11,14 @@
 #include <vector>
 
 #include "base/config/config_whole.hpp"
+#include "base/error.hpp"
 #include "base/measure/ledger.hpp"
 #include "base/os/log.hpp"
+#include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"
+#include "plugins/mavlink_interface/failure_map.hpp"
 #include "plugins/mavlink_interface/hil_interface.hpp"
 #include "plugins/mavlink_interface/plugin_messages.hpp"
 #include "plugins/mavlink_interface/tcp_server_port.hpp"
@@ -85,6 +88,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     subscribe(context);
     listen_to_plugins(context);
     command_ = context.bus().advertise<MotorCommand>(context.topic("motor_command"));
+    rotors_ = context.vehicle().rotor_count();
+    faults_ = context.bus().advertise<FaultOrder>(context.topic(std::string(kStationFaultOrders)));
     context.set_lockstep_peer(*this);
   }
 
@@ -147,6 +152,37 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   void begin() {
     if (!ledger_file_.empty()) ledger_.emplace();
     interface_ = std::make_unique<HilInterface>(params_, *port_, ledger_ ? &*ledger_ : nullptr);
+    interface_->on_failure(
+        [this](const mav::services::FailureOrder& failure) { return inject(failure); });
+  }
+
+  /// Hands a ground station's failure to plugin `fault`.
+  mavlink::common::MavResult inject(const mav::services::FailureOrder& failure) {
+    using mavlink::common::MavResult;
+    const std::string words = "MAV_CMD_INJECT_FAILURE '" + to_words(failure) + "'";
+    const auto orders =
+        fault_orders(failure, {.sensors = interface_->sensors(), .rotors = rotors_});
+    if (!orders) {
+      base::log::warn(words + ": this vehicle has no such physical failure");
+      return MavResult::kUnsupported;
+    }
+    if (!faults_.has_subscribers()) {
+      base::log::warn(words + ": the vehicle has no plugin fault with by_hand");
+      return MavResult::kUnsupported;
+    }
+    try {
+      for (const std::string& script : *orders) {
+        FaultOrder order;
+        CAS_CHECK(script.size() < order.script.size());
+        std::ranges::copy(script, order.script.begin());
+        faults_.publish(order);
+      }
+    } catch (const base::ConfigError& error) {  // more than one run takes
+      base::log::warn(words + ": " + error.what());
+      return MavResult::kFailed;
+    }
+    base::log::info(words + ": ordered");
+    return MavResult::kAccepted;
   }
 
   template <class Sample>
@@ -198,6 +234,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   Subscription range_;
   Subscription battery_;
   Publisher<MotorCommand> command_;
+  Publisher<FaultOrder> faults_;
+  int rotors_ = 0;
   base::SimTime now_{};
   PluginMessages messages_;
   std::vector<Subscription> plugins_;  ///< to what they send of their own accord

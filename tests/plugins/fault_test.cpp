@@ -396,6 +396,55 @@ TEST_F(FaultyVehicle, TakesFaultsByHandAndForgetsThemAtAReset) {
   EXPECT_TRUE(health.thrust_share.isOnes()) << "the same run as without a hand";
 }
 
+TEST_F(FaultyVehicle, EndsWhatWasOrderedByItsName) {
+  const auto orders = harness_.bus.advertise<FaultOrder>("iris0/station_fault_order");
+  const auto order = [&orders](const std::string& script) {
+    FaultOrder message;
+    std::ranges::copy(script, message.script.begin());
+    orders.publish(message);
+  };
+  start("{by_hand: true, faults: [{name: weak, at_s: 0, rotor: {number: 1, thrust_share: 0.8}}]}");
+  PropulsionHealth health;
+  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
+      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  order("{name: weak, at_s: 0, rotor: {number: 3, thrust_share: 0.6}}");
+  order("{name: weaker, at_s: 0, rotor: {number: 2, thrust_share: 0.5}}");
+  run(milliseconds(20));
+  EXPECT_DOUBLE_EQ(health.thrust_share[2], 0.6);
+  order("{end: weak}");
+  run(milliseconds(20));
+  EXPECT_DOUBLE_EQ(health.thrust_share[2], 1);
+  EXPECT_DOUBLE_EQ(health.thrust_share[0], 0.8) << "the configuration's own goes on";
+  EXPECT_DOUBLE_EQ(health.thrust_share[1], 0.5);
+  order("{name: late, at_s: 0, rotor: {number: 4, stop: true}}");
+  order("{end: late}");  // before it began
+  order("{end: nothing}");
+  run(milliseconds(20));
+  EXPECT_DOUBLE_EQ(health.speed_share[3], 1);
+}
+
+TEST_F(FaultyVehicle, DropsSamplesByChanceAndByCount) {
+  start(
+      "{faults: [{at_s: 0.2, for_s: 0.4, drop: {sensor: barometer, share: 0.5}}, "
+      "{at_s: 1, for_s: 0.4, drop: {sensor: barometer, all_but: 4}}]}");
+  const auto samples_of = [this](base::Duration time) {
+    const std::size_t before = pressures_.size();
+    run(time);
+    return pressures_.size() - before;
+  };
+  const std::size_t all = samples_of(milliseconds(180));
+  ASSERT_GE(all, 9U);
+  run(milliseconds(40));
+  const std::size_t by_chance = samples_of(milliseconds(360));
+  EXPECT_GT(by_chance, 0U);
+  EXPECT_LT(by_chance, 2 * all);
+  run(milliseconds(420));
+  run(milliseconds(40));
+  const std::size_t by_count = samples_of(milliseconds(320));
+  EXPECT_GE(by_count, 320 * all / 180 / 4 - 1);
+  EXPECT_LE(by_count, 320 * all / 180 / 4 + 1);
+}
+
 TEST_F(FaultyVehicle, BreaksTheSameWayAfterReset) {
   start("{faults: [{at_s: 0.05, noise: {sensor: barometer, pressure_pa: 50}}]}");
   run(milliseconds(400));

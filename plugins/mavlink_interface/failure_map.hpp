@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mavlink_gen/services/failure_order.hpp"
+
+namespace cas::sim {
+
+/// Parts of a vehicle that a failure may need, as bits.
+enum VehiclePart : std::uint8_t {
+  kPartImu = 1U << 0U,
+  kPartGps = 1U << 1U,
+  kPartMagnetometer = 1U << 2U,
+  kPartBarometer = 1U << 3U,
+  kPartRangefinder = 1U << 4U,
+};
+
+/// What a vehicle has that can fail.
+struct VehicleParts {
+  std::uint8_t sensors = 0;  ///< VehiclePart of those that have spoken
+  int rotors = 0;
+};
+
+/// Orders for plugin `fault` (libsim/api/fault_order.hpp) that make a MAVLink failure physical:
+/// first the end of what was injected there before, then, unless it is FAILURE_TYPE_OK, the new.
+///
+/// One table holds every unit and type; they act as the failures of a campaign do
+/// (docs/campaign.md). Gyro and accelerometer are one chip, whose samples come together: single
+/// ones stick or read wrong, but do not fall silent.
+/// @return nothing: there is no such physical failure, or the vehicle has no such part
+std::optional<std::vector<std::string>> fault_orders(const mav::services::FailureOrder& failure,
+                                                     const VehicleParts& parts);
+
+}  // namespace cas::sim
