@@ -80,6 +80,74 @@ class TestScript(Script):
         self.assertIn("--no-tests=error", self.run_script("test", FAILS="").stdout)
 
 
+class BuildScript(Script):
+    """scripts/build: what the build says about the page stands on the terminal, too."""
+
+    def test_a_page_that_was_left_out_is_told(self):
+        self.write("bin/cmake", "#!/bin/sh\ntest \"$1\" = --preset && exit\n"
+                                "echo '[1/2] page'; echo 'page: left out, no registry'; echo '[2/2] hils'\n")
+        done = self.run_script("build", "release")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("\npage: left out, no registry\n", done.stdout)
+
+
+class PageBuild(Script):
+    """web/page/build with an npm that ends as the test says, and a node that writes a page."""
+
+    NPM_9 = ("npm WARN old\nnpm ERR! code SELF_SIGNED_CERT_IN_CHAIN\nnpm ERR! errno SELF_SIGNED_CERT_IN_CHAIN\n"
+             "npm ERR! request to https://registry/lit failed, reason: self-signed certificate\n\n"
+             "npm ERR! A complete log of this run can be found in:\n")
+    NPM_11 = ("npm error code ENOTFOUND\nnpm error syscall getaddrinfo\nnpm error errno ENOTFOUND\n"
+              "npm error network request to https://registry/lit failed, reason: getaddrinfo ENOTFOUND registry\n"
+              "npm error network This is a problem related to network connectivity.\n")
+
+    def setUp(self):
+        super().setUp()
+        self.work, self.page = self.tree / "work", self.tree / "page"
+        self.write("bin/node", "#!/bin/sh\nmkdir -p \"$2\" && echo whole >\"$2/index.html\"\n")
+
+    def build(self, *words, says="", code=1):
+        self.write("says", says)
+        self.write("bin/npm", f"#!/bin/sh\ncat {self.tree / 'says'}\ntest {code} = 0 || exit {code}\n"
+                              "mkdir -p node_modules/.bin && ln -sf /bin/true node_modules/.bin/tsc\n")
+        path = f"{self.tree / 'bin'}:{os.environ['PATH']}"
+        return subprocess.run([str(ROOT / "web" / "page" / "build"), self.work, self.page, *words], text=True,
+                              capture_output=True, timeout=100, env=dict(os.environ, PATH=path))
+
+    def left_out(self):
+        return (self.page / "left_out.txt").read_text()
+
+    def test_the_cause_is_named(self):
+        for says, code, cause in ((self.NPM_9, 1, "request to https://registry/lit failed, reason: self-signed certificate ("),
+                                  (self.NPM_11, 1, "network request to https://registry/lit failed, reason: getaddrinfo"),
+                                  ("", 137, "exit code 137"), (self.NPM_9, 124, "did not end within four minutes")):
+            with self.subTest(cause):
+                done = self.build(says=says, code=code)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn("page: left out, npm cannot install its packages: ", done.stdout)
+                self.assertIn(cause, done.stdout)
+                self.assertIn(cause, self.left_out())
+                (self.work / "npm.failed").unlink()
+
+    def test_within_the_hour_npm_is_not_asked_and_the_cause_is_said_again(self):
+        self.build(says=self.NPM_9)
+        self.assertIn("self-signed certificate", self.build(code=0).stdout)
+        self.assertFalse((self.page / "index.html").exists())
+
+    def test_packages_are_not_made_without_it(self):
+        done = self.build("must", says=self.NPM_11)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("getaddrinfo ENOTFOUND", done.stdout)
+
+    def test_a_page_that_was_built_has_no_cause(self):
+        self.build(says=self.NPM_9)
+        (self.work / "npm.failed").unlink()
+        done = self.build(code=0)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue((self.page / "index.html").exists())
+        self.assertFalse((self.page / "left_out.txt").exists())
+
+
 class BenchMavlink(Script):
     def code(self, **figures):
         names = {"encode_hil_sensor": 1.0, "receive_hil_sensor": 1.0, "receive_mixed": 1.0,
