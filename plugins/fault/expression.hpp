@@ -9,7 +9,7 @@
 
 namespace cas::sim {
 
-/// What a condition may ask about.
+/// Variables of a condition.
 enum class Fact : std::uint8_t {
   kTime,      ///< s
   kAltitude,  ///< m above the world's origin
