@@ -152,7 +152,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/measure": rooms("hils", "flight scenario run"),
     "hils/report": rooms("hils", "measure run"),
     "hils/ulog": rooms("hils", "measure run"),
-    "hils/replay": rooms("hils", "scenario run measure programs"),
+    "hils/replay": rooms("hils", "scenario run measure ulog programs"),
     "hils/programs": rooms("hils", "flight scenario run measure"),
     "hils/boards": rooms("hils", "flight run measure report programs"),
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),

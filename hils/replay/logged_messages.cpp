@@ -15,7 +15,7 @@
 #include "base/error.hpp"
 #include "casd/port/message_decoder.hpp"
 #include "casd/tlog/tlog_packets.hpp"
-#include "hils/measure/column.hpp"
+#include "hils/replay/logged_series.hpp"
 #include "mavlink/common/extended_sys_state.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/statustext.hpp"
@@ -30,45 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSeriesPeriod_s = 0.0475;  // 20 Hz, with room for a stamp that jitters
-constexpr double kTimeStep_s = 0.001;
 constexpr std::size_t kMostElements = 8;  // of an array
-
-/// One number of a message over time.
-struct Series {
-  std::string unit;
-  std::vector<double> values;
-};
-
-/// One message over time.
-struct Logged {
-  std::map<std::int64_t, int> per_second;
-  std::vector<double> times_s;
-  std::vector<std::pair<std::string, Series>> fields;
-  double next_s = 0;
-
-  void add(const std::string& name, const std::string& unit, double value) {
-    const auto found = std::ranges::find(fields, name, &std::pair<std::string, Series>::first);
-    if (found != fields.end()) {
-      found->second.values.push_back(value);
-    } else {
-      fields.push_back({name, {.unit = unit, .values = {value}}});
-    }
-  }
-};
-
-/// Five figures of the largest value: finer than any plot shows; whole numbers stay whole.
-double step_of(const std::vector<double>& values) {
-  double most = 0;
-  bool whole = true;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    most = std::max(most, std::abs(value));
-    whole = whole && value == std::floor(value);
-  }
-  if (whole || most == 0) return 1;
-  return std::pow(10.0, std::floor(std::log10(most)) - 4);
-}
 
 void for_each_packet(const std::filesystem::path& tlog,
                      const std::function<void(std::int64_t, const mav::PacketView&)>& use) {
@@ -121,17 +83,13 @@ class Listener {
     on_text(t_s, packet);
     const mav::MessageInfo* info = mavlink::common::table().find(packet.message_id);
     if (info == nullptr) return;
-    Logged& logged = messages_[std::string(info->name)];
-    ++logged.per_second[static_cast<std::int64_t>(std::floor(t_s))];
-    if (t_s < logged.next_s) return;
-    logged.next_s = t_s + kSeriesPeriod_s;
-    logged.times_s.push_back(t_s);
-    add_fields(packet, logged);
+    LoggedSeries& logged = messages_[std::string(info->name)];
+    if (logged.take(t_s)) add_fields(packet, logged);
   }
 
   Json json() const {
     Json messages = Json::array();
-    for (const auto& [name, logged] : messages_) messages.push_back(message_json(name, logged));
+    for (const auto& [name, logged] : messages_) messages.push_back(logged.json(name));
     return {{"messages", std::move(messages)},
             {"texts", texts_},
             {"states", states_},
@@ -139,7 +97,7 @@ class Listener {
   }
 
  private:
-  void add_fields(const mav::PacketView& packet, Logged& logged) {
+  void add_fields(const mav::PacketView& packet, LoggedSeries& logged) {
     for (const auto& field : decoder_.fields(packet.message_id, packet.payload)) {
       const auto name = field["name"].get<std::string>();
       if (name.starts_with("time_")) continue;
@@ -182,25 +140,8 @@ class Listener {
     if (whole) texts_.push_back({t_s, static_cast<int>(whole->severity), whole->text});
   }
 
-  static Json message_json(const std::string& name, const Logged& logged) {
-    Json rates = Json::array();
-    for (const auto& [second, count] : logged.per_second) rates.push_back({second, count});
-    Json fields = Json::array();
-    for (const auto& [field, series] : logged.fields) {
-      if (series.values.size() != logged.times_s.size()) continue;  // an array that grew
-      Json entry{{"name", field}};
-      if (!series.unit.empty()) entry["unit"] = series.unit;
-      entry["values"] = column_json(series.values, step_of(series.values));
-      fields.push_back(std::move(entry));
-    }
-    return {{"name", name},
-            {"rates", std::move(rates)},
-            {"t", column_json(logged.times_s, kTimeStep_s)},
-            {"fields", std::move(fields)}};
-  }
-
   casd::MessageDecoder decoder_;
-  std::map<std::string, Logged> messages_;
+  std::map<std::string, LoggedSeries> messages_;
   Json texts_ = Json::array();
   Json states_ = Json::array();
   std::array<std::uint32_t, 3> state_{};

@@ -21,9 +21,10 @@ namespace fs = std::filesystem;
 /// The gzipped record of a run's folder or of a flight log.
 std::string record_of(const fs::path& source) {
   if (source.extension() == ".tlog") return gzip(tlog_record(source));
+  if (source.extension() == ".ulg") return gzip(ulog_record(source));
   if (!fs::is_directory(source)) {
     throw base::ConfigError(source.string() +
-                            ": neither the folder of a run nor a flight log (.tlog)");
+                            ": neither the folder of a run nor a flight log (.tlog, .ulg)");
   }
   const fs::path file = record_file(source);
   const auto record = base::read_file(file);
@@ -60,7 +61,7 @@ ReplayCommand::ReplayCommand(CLI::App& app) {
   command
       ->add_option(
           "SOURCE", sources_,
-          "Folder of a run or a flight log (.tlog); a second one is shown beside the first")
+          "Folder of a run or a flight log (.tlog, .ulg); a second one is shown beside the first")
       ->required()
       ->expected(1, 2);
   command->add_option("--out", out_, "File for the page (of one folder: its replay.html)");

@@ -14,6 +14,8 @@
 
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
+#include "base/read_file.hpp"
+#include "base/rpc/base64.hpp"
 #include "base/time/clock.hpp"
 #include "hils/measure/check_json.hpp"
 #include "hils/measure/column.hpp"
@@ -21,6 +23,7 @@
 #include "hils/programs/composition.hpp"
 #include "hils/replay/hop_record.hpp"
 #include "hils/replay/logged_messages.hpp"
+#include "hils/replay/ulog_messages.hpp"
 #include "libsim/core/load/model_loader.hpp"
 
 namespace cas::hils {
@@ -283,6 +286,18 @@ std::string replay_record(const RunRequest& request, const RunResult& run) {
                {{"HIL_SENSOR", request.scenario.rates.sensor_hz},
                 {"HIL_GPS", request.scenario.rates.gps_hz},
                 {"HIL_CONTROLS", request.scenario.rates.controls_hz},
+/// The record of a log alone. @param vehicle  what the log has of it
+std::string log_record(const std::filesystem::path& file, const Json& vehicle) {
+  Json named{{"name", file.stem().string()}};
+  named.update(vehicle);
+  return dump({{"format", kFormat},
+               {"cas", CAS_VERSION},
+               {"name", file.filename().string()},
+               {"duration_s", named["log"]["duration_s"]},
+               {"controller", named.value("controller", "")},
+               {"vehicles", Json::array({named})}});
+}
+
                 {"HIL_ACTUATOR_CONTROLS", request.scenario.rates.controls_hz}}},
               {"line", line_json(request)},
               {"controller", controllers(request)},
@@ -300,14 +315,17 @@ std::string replay_record(const RunRequest& request, const RunResult& run) {
 std::string tlog_record(const std::filesystem::path& tlog) {
   const std::uint8_t system = first_autopilot(tlog);
   if (system == 0) throw base::ConfigError(tlog.string() + ": no autopilot is in this log");
-  Json log = logged_messages(tlog, system, {});
-  const Json duration_s = log["duration_s"];
-  const Json vehicle{{"name", tlog.stem().string()}, {"system", system}, {"log", std::move(log)}};
-  return dump({{"format", kFormat},
-               {"cas", CAS_VERSION},
-               {"name", tlog.filename().string()},
-               {"duration_s", duration_s},
-               {"vehicles", Json::array({vehicle})}});
+  return log_record(tlog, {{"system", system}, {"log", logged_messages(tlog, system, {})}});
+}
+
+std::string ulog_record(const std::filesystem::path& ulog) {
+  const auto bytes = base::read_file(ulog);
+  if (!bytes) throw base::ConfigError("cannot read " + ulog.string());
+  try {
+    return log_record(ulog, ulog_messages(*bytes));
+  } catch (const base::ConfigError& error) {
+    throw base::ConfigError(ulog.string() + ": " + error.what());
+  }
 }
 
 }  // namespace cas::hils

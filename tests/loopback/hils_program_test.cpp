@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "tests/hils/ulog/ulog_bytes.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -203,4 +205,36 @@ TEST(HilsProgram, FindsPluginsInAFolderOfTheirOwn) {
 }
 
 }  // namespace
+/// What `hils replay` says, where the page is a frame for records, and its exit code.
+std::pair<int, std::string> replayed(const TemporaryFolder& folder, const std::string& source) {
+  folder.write("web/index.html", "-");
+  folder.write("web/replay.html", "<body><!--RECORDS--></body>");
+  ChildProcess hils({"/usr/bin/env", "CAS_WEB_PATH=" + (folder / "web").string(),
+                     binary_dir() + "/bin/hils", "replay", source, "--out", folder / "page.html"});
+  const int code = hils.wait_exit().value_or(-1);
+  return {code, hils.output()};
+}
+
+TEST(HilsProgram, ReplaysAVehiclesOwnLog) {
+  const TemporaryFolder folder;
+  UlogBytes log;
+  log.format("vehicle_land_detected:uint64_t timestamp;bool landed;")
+      .subscribe(0, "vehicle_land_detected")
+      .data(0, 2'000'000, "\x01");
+  const auto [code, output] = replayed(folder, folder.write("own.ulg", log.bytes()));
+  EXPECT_EQ(code, 0) << output;
+  EXPECT_NE(output.find("Replay: "), std::string::npos) << output;
+  EXPECT_NE(TemporaryFolder::read(folder / "page.html").find("class=\"record\""),
+            std::string::npos);
+}
+
+TEST(HilsProgram, RefusesALogThatIsNone) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("bad.ulg", "no log");
+  const auto [code, output] = replayed(folder, file);
+  EXPECT_EQ(code, kExitUsage);
+  EXPECT_EQ(output, "hils: " + file + ": this is no ULog: it does not begin as one\n");
+  EXPECT_FALSE(std::filesystem::exists(folder / "page.html"));
+}
+
 }  // namespace cas::test

@@ -22,7 +22,10 @@ interface RecordHop {
 interface RecordLog {
   messages: {name: string; rates: [number, number][]; t: Column; fields: {name: string; unit?: string; values: Column}[]}[];
   texts: [number, number, string][];
-  states: [number, number, number, number][];
+  /** Moment, MAV_MODE_FLAG, mode as HEARTBEAT's number or a word, MAV_LANDED_STATE. */
+  states: [number, number, number | string, number][];
+  /** Whose own log it is; of telemetry the HEARTBEATs say it. */
+  autopilot?: string;
   duration_s: number;
 }
 
@@ -118,7 +121,8 @@ const kCopterModes = [
 ];
 
 /** The mode's word; its number where the autopilot is not known. */
-export function modeName(autopilot: string | undefined, custom: number): string {
+export function modeName(autopilot: string | undefined, custom: number | string): string {
+  if (typeof custom === 'string') return custom;
   if (autopilot === 'ArduPilot') return kCopterModes[custom] || `mode ${custom}`;
   if (autopilot !== 'PX4') return `mode ${custom}`;
   const main = (custom >> 16) & 0xff;
@@ -153,7 +157,7 @@ export class VehicleRecord {
       fields: new Map(message.fields.map((field) => [field.name, {unit: field.unit, values: decode(field.values)}])),
     }));
     const autopilots = this.message('HEARTBEAT')?.fields.get('autopilot')?.values ?? [];
-    this.autopilot = kAutopilots[autopilots.find((value) => value in kAutopilots) ?? -1];
+    this.autopilot = raw.log?.autopilot ?? kAutopilots[autopilots.find((value) => value in kAutopilots) ?? -1];
     if (this.truth) {
       const {t, roll, pitch, yaw, x, y, z} = this.truth as Record<string, Float64Array>;
       for (let i = 0; i < t!.length; ++i) {
@@ -170,6 +174,17 @@ export class VehicleRecord {
 
   message(name: string): DecodedMessage | undefined {
     return this.messages.find((message) => message.name === name);
+  }
+
+  /** What the vehicle says of itself, by telemetry or in its own log: fields of one name. */
+  private get status(): DecodedMessage | undefined {
+    return this.message('HEARTBEAT') ?? this.message('vehicle_status');
+  }
+  private get position(): DecodedMessage | undefined {
+    return this.message('LOCAL_POSITION_NED') ?? this.message('vehicle_local_position');
+  }
+  private get attitude(): DecodedMessage | undefined {
+    return this.message('ATTITUDE') ?? this.message('vehicle_attitude');
   }
 
   /** The true motion at a moment; nothing without truth. */
@@ -213,13 +228,13 @@ export class VehicleRecord {
       result.mode = modeName(this.autopilot, state[2]);
       result.landed = kLanded[state[3]];
     }
-    const heartbeat = this.message('HEARTBEAT');
+    const heartbeat = this.status;
     if (heartbeat) {
       const i = indexAt(heartbeat.t, t);
       if (i >= 0) result.heartbeat_age_s = t - heartbeat.t[i]!;
     }
-    const local = this.message('LOCAL_POSITION_NED');
-    const attitude = this.message('ATTITUDE');
+    const local = this.position;
+    const attitude = this.attitude;
     const i = local ? indexAt(local.t, t) : -1;
     const at = (message: DecodedMessage, name: string) => {
       const field = message.fields.get(name);
@@ -289,8 +304,8 @@ export class VehicleRecord {
   }
 
   private ofEstimate(part: string): Series | undefined {
-    const local = this.message('LOCAL_POSITION_NED');
-    const attitude = this.message('ATTITUDE');
+    const local = this.position;
+    const attitude = this.attitude;
     const shifted = (name: string, sign: number, offset: number) => {
       const field = local?.fields.get(name);
       return field ? {t: local!.t, v: field.values.map((value) => sign * value + offset)} : undefined;
@@ -472,7 +487,7 @@ export class RunRecord {
     for (const event of raw.events ?? []) {
       const change = event.kind === 'parameter' ? ` ${fixed(event.before, 3)} → ${fixed(event.after, 3)}` : '';
       list.push({
-        t_s: event.t_s, kind: event.kind, severity: event.kind === 'incident' ? 2 : 6,
+        t_s: event.t_s, kind: event.kind, severity: event.kind === 'incident' ? 2 : event.kind === 'loss' ? 4 : 6,
         text: event.text + change, by: event.by,
       });
     }

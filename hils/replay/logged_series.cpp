@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/replay/logged_series.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "hils/measure/column.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kTimeStep_s = 0.001;
+
+/// A power of ten with so many figures of a value.
+double figures_of(double value, int figures) {
+  return std::pow(10.0, std::floor(std::log10(value)) - (figures - 1));
+}
+
+/// Five figures of the largest value: finer than any plot shows; whole numbers stay whole.
+double step_of(const std::vector<double>& values, bool fine) {
+  double most = 0;
+  bool whole = true;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    most = std::max(most, std::abs(value));
+    whole = whole && value == std::floor(value);
+  }
+  if (whole || most == 0) return 1;
+  const double step = figures_of(most, 5);
+  if (!fine) return step;
+  double low = most;
+  double high = -most;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  constexpr int kDoubleFigures = 14;
+  if (high <= low) return step;
+  return std::clamp(figures_of(high - low, 4), figures_of(most, kDoubleFigures), step);
+}
+
+}  // namespace
+
+bool LoggedSeries::take(double t_s) {
+  ++per_second_[static_cast<std::int64_t>(std::floor(t_s))];
+  if (t_s < next_s_) return false;
+  next_s_ = t_s + period_s_;
+  times_s_.push_back(t_s);
+  expected_ = 0;
+  return true;
+}
+
+void LoggedSeries::add(std::string_view name, std::string_view unit, double value, bool fine) {
+  auto field = fields_.begin() + static_cast<std::ptrdiff_t>(expected_);
+  if (field == fields_.end() || field->name != name) {
+    field = std::ranges::find(fields_, name, &Field::name);
+    if (field == fields_.end()) {
+      field = fields_.insert(fields_.end(), {std::string(name), std::string(unit), fine, {}});
+    }
+  }
+  field->values.push_back(value);
+  expected_ = static_cast<std::size_t>(field - fields_.begin()) + 1;
+}
+
+Json LoggedSeries::json(const std::string& name) const {
+  Json rates = Json::array();
+  for (const auto& [second, count] : per_second_) rates.push_back({second, count});
+  Json fields = Json::array();
+  for (const Field& field : fields_) {
+    if (field.values.size() != times_s_.size()) continue;  // an array that grew
+    Json entry{{"name", field.name}};
+    if (!field.unit.empty()) entry["unit"] = field.unit;
+    entry["values"] = column_json(field.values, step_of(field.values, field.fine));
+    fields.push_back(std::move(entry));
+  }
+  return {{"name", name},
+          {"rates", std::move(rates)},
+          {"t", column_json(times_s_, kTimeStep_s)},
+          {"fields", std::move(fields)}};
+}
+
+}  // namespace cas::hils

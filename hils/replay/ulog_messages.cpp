@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/replay/ulog_messages.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "base/earth/frames.hpp"
+#include "base/error.hpp"
+#include "hils/measure/check_json.hpp"
+#include "hils/replay/logged_series.hpp"
+#include "hils/ulog/read_ulog.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What the page draws the vehicle from; their numbers always come at 20 Hz.
+const std::set<std::string, std::less<>> kDrawn{"vehicle_local_position", "vehicle_attitude",
+                                                "vehicle_status"};
+
+/// vehicle_status.nav_state in words.
+std::string mode_word(int nav_state) {
+  constexpr std::array<std::string_view, 23> kWords{"MANUAL",
+                                                    "ALTCTL",
+                                                    "POSCTL",
+                                                    "MISSION",
+                                                    "HOLD",
+                                                    "RTL",
+                                                    "SLOW",
+                                                    "",
+                                                    "",
+                                                    "",
+                                                    "ACRO",
+                                                    "",
+                                                    "DESCEND",
+                                                    "TERMINATION",
+                                                    "OFFBOARD",
+                                                    "STABILIZED",
+                                                    "",
+                                                    "TAKEOFF",
+                                                    "LAND",
+                                                    "FOLLOW",
+                                                    "PRECLAND",
+                                                    "ORBIT",
+                                                    "VTOL_TAKEOFF"};
+  const auto i = static_cast<std::size_t>(nav_state);
+  if (i < kWords.size() && !kWords[i].empty()) return std::string(kWords[i]);
+  return "nav state " + std::to_string(nav_state);
+}
+
+/// Time since the begin of a log, s. A stamp from before it, of something that was published
+/// earlier, is 0.
+class UlogTime {
+ public:
+  void start(std::uint64_t time_us) { start_us_ = time_us; }
+
+  /// Nothing for a stamp that is wrong: over a day after all before it.
+  std::optional<double> of(std::uint64_t time_us) {
+    constexpr std::uint64_t kDayUs = 86'400'000'000;
+    const std::uint64_t us = time_us > start_us_ ? time_us - start_us_ : 0;
+    if (us > newest_us_ && us - newest_us_ > kDayUs) return std::nullopt;
+    newest_us_ = std::max(newest_us_, us);
+    return 1e-6 * static_cast<double>(us);
+  }
+  double newest_s() const { return 1e-6 * static_cast<double>(newest_us_); }
+
+ private:
+  std::uint64_t start_us_ = 0;
+  std::uint64_t newest_us_ = 0;
+};
+
+/// A number that the page lists: no text, no further time, and the first ones of an array.
+bool is_shown(const UlogField& field) {
+  constexpr std::size_t kMostElements = 16;
+  if (field.type == UlogField::Type::kChar) return false;
+  const std::size_t dot = field.name.rfind('.');
+  const std::string_view last =
+      std::string_view(field.name).substr(dot == std::string::npos ? 0 : dot + 1);
+  if (last.starts_with("timestamp")) return false;
+  for (std::size_t at = field.name.find('['); at != std::string::npos;
+       at = field.name.find('[', at + 1)) {
+    std::size_t i = 0;
+    std::from_chars(field.name.data() + at + 1, field.name.data() + field.name.size(), i);
+    if (i >= kMostElements) return false;
+  }
+  return true;
+}
+
+/// First reading: how long the log is, and how many numbers there are at 20 Hz.
+class Sizes final : public UlogListener {
+ public:
+  void on_start(std::uint64_t time_us) override { time_.start(time_us); }
+  void on_message(const UlogSeries& series, std::uint64_t time_us, std::string_view) override {
+    if (!time_.of(time_us)) return;
+    auto& [messages, fields] = series_[series.name];
+    ++messages;
+    if (messages == 1) {
+      fields = static_cast<double>(std::ranges::count_if(series.fields, is_shown));
+    }
+  }
+
+  bool empty() const { return series_.empty(); }
+
+  /// Of the numbers that nothing is drawn from: seldom enough that the page can hold them.
+  double period_s(std::size_t most_numbers) const {
+    const auto most = static_cast<double>(most_numbers);
+    double drawn = 0;
+    double others = 0;
+    for (const auto& [name, size] : series_) {
+      const double at_20_hz = time_.newest_s() / kSeriesPeriod_s + 1;
+      const double numbers = size.fields * std::min(size.messages, at_20_hz);
+      (kDrawn.contains(name) ? drawn : others) += numbers;
+    }
+    const double room = std::max(most - drawn, most / 4);
+    return kSeriesPeriod_s * std::max(1.0, others / room);
+  }
+
+ private:
+  struct Size {
+    double messages = 0;
+    double fields = 0;
+  };
+
+  UlogTime time_;
+  std::map<std::string, Size, std::less<>> series_;
+};
+
+/// Second reading: puts together what the page shows.
+class Contents final : public UlogListener {
+ public:
+  explicit Contents(double period_s) : period_s_(period_s) {}
+
+  void on_start(std::uint64_t time_us) override { time_.start(time_us); }
+
+  void on_text_fact(std::string_view name, std::string_view value) override {
+    if (name == "ver_hw") controller_ = value;
+  }
+
+  void on_parameter(const UlogValue& parameter) override {
+    const auto [known, is_new] = parameters_.try_emplace(parameter.name, parameter.value);
+    if (is_new || known->second == parameter.value) return;
+    events_.push_back({{"t_s", time_.newest_s()},
+                       {"kind", "parameter"},
+                       {"text", parameter.name},
+                       {"before", number_or_null(known->second)},
+                       {"after", number_or_null(parameter.value)}});
+    known->second = parameter.value;
+  }
+
+  void on_message(const UlogSeries& series, std::uint64_t time_us,
+                  std::string_view bytes) override {
+    const auto t_s = time_.of(time_us);
+    if (!t_s) return;
+    on_state(*t_s, series, bytes);
+    auto logged = messages_.find(series.name);
+    if (logged == messages_.end()) {
+      const double period_s = kDrawn.contains(series.name) ? kSeriesPeriod_s : period_s_;
+      logged = messages_.emplace(series.name, LoggedSeries(period_s)).first;
+    }
+    if (logged->second.take(*t_s)) add_fields(series, bytes, logged->second);
+  }
+
+  void on_sentence(std::uint64_t time_us, int severity, std::string_view text) override {
+    const auto t_s = time_.of(time_us);
+    if (!t_s) return;
+    text = text.substr(0, text.find_last_not_of(std::string_view("\t\n\0 ", 4)) + 1);
+    texts_.push_back({*t_s, severity, text});
+  }
+
+  void on_dropout(int duration_ms) override { missing_[second()].dropped_ms += duration_ms; }
+  void on_damage(std::size_t bytes) override { missing_[second()].damaged_bytes += bytes; }
+
+  Json take() {
+    for (const auto& [second, missing] : missing_) tell(second, missing);
+    Json messages = Json::array();
+    for (const auto& [name, logged] : messages_) messages.push_back(logged.json(name));
+    Json log{{"messages", std::move(messages)},
+             {"texts", std::move(texts_)},
+             {"states", std::move(states_)},
+             {"autopilot", "PX4"},
+             {"duration_s", time_.newest_s()}};
+    return {{"system", system()},
+            {"controller", controller_},
+            {"log", std::move(log)},
+            {"events", std::move(events_)}};
+  }
+
+ private:
+  /// What the log lacks within a second.
+  struct Missing {
+    int dropped_ms = 0;
+    std::size_t damaged_bytes = 0;
+  };
+  /// Armed, in HIL, mode, landed.
+  using State = std::tuple<bool, bool, int, std::optional<bool>>;
+
+  static std::optional<double> number(const UlogSeries& series, std::string_view bytes,
+                                      std::string_view field) {
+    const auto found = std::ranges::find(series.fields, field, &UlogField::name);
+    if (found == series.fields.end()) return std::nullopt;
+    return ulog_number(*found, bytes);
+  }
+
+  static void add_fields(const UlogSeries& series, std::string_view bytes, LoggedSeries& logged) {
+    for (const UlogField& field : series.fields) {
+      if (!is_shown(field)) continue;
+      logged.add(field.name, "", ulog_number(field, bytes), field.type == UlogField::Type::kDouble);
+    }
+    const auto q = std::ranges::find(series.fields, "q[0]", &UlogField::name);
+    if (series.fields.end() - q < 4 || (q + 3)->name != "q[3]") return;
+    const Eigen::Quaterniond q_ND(ulog_number(q[0], bytes), ulog_number(q[1], bytes),
+                                  ulog_number(q[2], bytes), ulog_number(q[3], bytes));
+    const Eigen::Vector3d rpy = base::euler_rpy(q_ND);
+    logged.add("roll", "rad", rpy.x());
+    logged.add("pitch", "rad", rpy.y());
+    logged.add("yaw", "rad", rpy.z());
+  }
+
+  void on_state(double t_s, const UlogSeries& series, std::string_view bytes) {
+    constexpr int kHilEnabled = 32;  // of MAV_MODE_FLAG, which the page reads
+    constexpr int kSafetyArmed = 128;
+    if (series.name == "vehicle_status") {
+      constexpr double kArmed = 2;  // ARMING_STATE_ARMED
+      auto& [armed, in_hil, mode, landed] = now_;
+      armed = number(series, bytes, "arming_state") == kArmed;
+      in_hil = number(series, bytes, "hil_state").value_or(0) != 0;
+      mode = static_cast<int>(number(series, bytes, "nav_state").value_or(-1));
+      system_ = number(series, bytes, "system_id").value_or(0);
+      heard_ = true;
+    } else if (series.name == "vehicle_land_detected") {
+      std::get<3>(now_) = number(series, bytes, "landed").value_or(0) != 0;
+    }
+    if (!heard_ || told_ == now_) return;
+    told_ = now_;
+    const auto& [armed, in_hil, mode, landed] = now_;
+    const int flags = (armed ? kSafetyArmed : 0) + (in_hil ? kHilEnabled : 0);
+    const int landed_state = !landed ? 0 : *landed ? 1 : 2;  // MAV_LANDED_STATE
+    states_.push_back({t_s, flags, mode_word(mode), landed_state});
+  }
+
+  /// By its status, or by its parameter.
+  int system() const {
+    const auto parameter = parameters_.find("MAV_SYS_ID");
+    const double by_parameter = parameter == parameters_.end() ? 0 : parameter->second;
+    const double system = system_ != 0 ? system_ : by_parameter;
+    return system >= 1 && system <= 255 ? static_cast<int>(system) : 1;
+  }
+
+  std::int64_t second() const { return static_cast<std::int64_t>(std::floor(time_.newest_s())); }
+
+  void tell(std::int64_t second, const Missing& missing) {
+    const auto add = [&](const std::string& text) {
+      events_.push_back({{"t_s", second}, {"kind", "loss"}, {"text", text}});
+    };
+    if (missing.dropped_ms > 0) {
+      add("the log lacks " + std::to_string(missing.dropped_ms) + " ms");
+    }
+    if (missing.damaged_bytes > 0) {
+      add(std::to_string(missing.damaged_bytes) + " bytes of the log are damaged");
+    }
+  }
+
+  double period_s_;
+  UlogTime time_;
+  std::string controller_;
+  std::map<std::string, LoggedSeries, std::less<>> messages_;
+  std::map<std::string, double, std::less<>> parameters_;
+  std::map<std::int64_t, Missing> missing_;  // by second
+  Json events_ = Json::array();
+  Json texts_ = Json::array();
+  Json states_ = Json::array();
+  State now_{};
+  std::optional<State> told_;
+  bool heard_ = false;
+  double system_ = 0;
+};
+
+}  // namespace
+
+Json ulog_messages(std::string_view bytes, std::size_t most_numbers) {
+  Sizes sizes;
+  read_ulog(bytes, sizes);
+  if (sizes.empty()) throw base::ConfigError("no message is in this log");
+  Contents contents(sizes.period_s(most_numbers));
+  read_ulog(bytes, contents);
+  return contents.take();
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <string_view>
+
+namespace cas::hils {
+
+/// What a vehicle's own log, in PX4's ULog format, has for the page:
+///
+///   log:    as logged_messages() gives it, with each topic as a message. A state's mode is a word.
+///           Where a topic has the attitude `q`, its `roll`, `pitch` and `yaw` are there, too
+///   events: parameters that changed, and what the log lacks
+///   system: the vehicle's
+///   controller: its hardware, "PX4_FMU_V5X"; empty where the log does not say
+///
+/// Numbers come at 20 Hz. Time counts from the begin of the log.
+///
+/// @param most_numbers  that the page can hold; of a longer log those that nothing is drawn from
+///                      come less often
+/// @throws base::ConfigError when it cannot be read, or has no messages
+nlohmann::ordered_json ulog_messages(std::string_view bytes, std::size_t most_numbers = 3'000'000);
+
+}  // namespace cas::hils
