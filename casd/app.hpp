@@ -27,7 +27,7 @@ class App {
 
   /// Opens the command port. @throws base::ConfigError
   void listen();
-  /// Runs until it is stopped.
+  /// Runs until told to end.
   void run();
 
  private:

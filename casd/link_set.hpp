@@ -31,13 +31,13 @@ class LinkSet {
 
   /// Opens everything.
   void start();
-  /// Closes everything and drops unfinished work.
+  /// Closes everything; what was begun is not finished.
   void stop();
-  /// Puts another topology in force. Links without changes keep running and lose nothing. All
-  /// or nothing: @throws base::ConfigError if it changes a key that needs a restart,
-  /// std::exception if its links cannot be made (no descriptors, no threads); then the old
-  /// topology stays in force with all its links @return the removed links; new ones may reuse
-  /// their numbers
+  /// Puts another topology in force. Links whose configuration has not changed keep running and
+  /// lose nothing. All or nothing: @throws base::ConfigError when it asks for what only a restart
+  /// can change, std::exception when its links cannot be made (no descriptors, no threads); then
+  /// the old topology stays in force with all its links
+  /// @return the links that are gone; new ones may have their numbers
   LinkMask reload(Topology topology);
 
   const Topology& topology() const { return topology_; }
@@ -78,7 +78,7 @@ class LinkSet {
   };
 
   std::set<std::string> unchanged(const Topology& topology) const;
-  /// Makes the new links beside those `kept`. If it throws, nothing has changed.
+  /// Makes what is new, beside the links `kept`. What throws leaves everything as it was.
   Change prepare(const Topology& topology, const std::set<std::string>& kept);
   Opening make_opening(const Topology& topology, const LinkConfig& config, LinkId id,
                        const SigningKeys& keys);

@@ -47,7 +47,7 @@ struct FlightControllerStats {
 ///              others     --> command, parameter, mission protocol, setpoints
 ///   tick:      streams, heartbeat, time-outs, failsafes
 ///
-/// Flies on HIL_SENSOR and HIL_GPS only. Not for use from several threads at once.
+/// Flies on HIL_SENSOR and HIL_GPS alone. Not for use from several threads at once.
 class FlightController {
  public:
   FlightController(const FcuConfig& config, PacketSink send);
@@ -62,8 +62,8 @@ class FlightController {
   void on_bytes(std::span<const std::uint8_t> bytes, const PacketClock& now_of);
   /// One intact packet.
   void on_packet(const mav::PacketView& packet, base::RunTime now);
-  /// Runs everything that is due by time. Each HIL_SENSOR does so, too; call it at least every 20
-  /// ms for times without HIL_SENSOR.
+  /// Runs everything that time alone makes due. Each HIL_SENSOR does it too; call it at least every
+  /// 20 ms for the time when none come.
   void tick(base::RunTime now);
 
   void set_hil_observer(HilObserver observer);

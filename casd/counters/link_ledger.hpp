@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// Fate of one HIL packet at a link. (message_id, time_usec) identifies the packet everywhere.
+/// What happened to one HIL packet at a link. (message_id, time_usec) is its identity everywhere.
 struct LinkLedgerEntry {
   std::uint32_t message_id = 0;
   DropCause cause{};            ///< of a dropped one
@@ -20,9 +20,9 @@ struct LinkLedgerEntry {
   std::int64_t at_ns = 0;       ///< RunTime
 };
 
-/// Records each HIL packet that was received from a link, sent over it, or dropped before it.
-/// Writers of one kind exclude each other, but not writers of another kind, so each kind has its
-/// own list. Read the lists only while the link is idle.
+/// Remembers each HIL packet that came from a link, was sent over it or dropped on the way to it.
+/// The three are written in places that exclude each other only among their own kind, so each has a
+/// list of its own; they are read when the link is at rest.
 class LinkLedger {
  public:
   void received(const PacketInfo& info) {

@@ -10,7 +10,7 @@ namespace {
 // A line that takes nothing so long loses the packet.
 constexpr base::Duration kPatience = std::chrono::seconds(1);
 constexpr base::Duration kStep = std::chrono::milliseconds(100);
-// A stalled line may have room, and must be polled.
+// A line that stands still may have room, and must be looked at.
 constexpr base::Duration kLook = std::chrono::milliseconds(2);
 
 // The wait for the line takes the place of sensor gap and slack.

@@ -46,7 +46,7 @@ class Ingress {
   /// One packet that is known to be whole.
   void take_packet(const mav::PacketView& packet, base::RunTime now, PeerId peer = {},
                    base::Duration waited = {});
-  /// One packet of casd's own station, only for the vehicle at the end of these paths.
+  /// One packet of casd's own station for the vehicle at the end of these paths alone.
   void take_addressed(const mav::PacketView& packet, std::span<const Path> to, base::RunTime now);
   /// Hands the collected packets over: after each read.
   void deliver(base::RunTime now);
@@ -68,7 +68,7 @@ class Ingress {
         });
     count_parser(parser, before);
   }
-  /// Counts only correctly signed packets as received.
+  /// Only what is signed as it should be counts as received.
   template <class OnPacket>
   void admit(const mav::PacketView& packet, OnPacket& on_packet) {
     if (!signing_) return on_packet(packet);

@@ -13,7 +13,7 @@
 
 namespace cas::casd {
 
-/// The wake-up conditions of a thread: descriptors and the earliest due time.
+/// What a thread waits for: descriptors and the earliest moment at which something is due.
 class PollSet {
  public:
   static constexpr base::RunTime kNever = base::RunTime::max();
@@ -39,15 +39,15 @@ class PollSet {
 };
 
 /// One communication path: opens itself, reads packets into the router, reopens itself after every
-/// error. All calls except port() run on the thread of its loop and never block.
+/// trouble. All calls but those of port() come on the thread of its loop and never block.
 class Link {
  public:
   virtual ~Link() = default;
-  /// Adds its wake-up conditions.
+  /// Names what it waits for.
   virtual void watch(PollSet& set, base::RunTime now) = 0;
   /// Reads, writes, opens: whatever is due.
   virtual void serve(const PollSet& set, base::RunTime now) = 0;
-  /// Number of valid packets received; on the thread of the loop.
+  /// Packets that came and were taken for such, on the thread of the loop.
   virtual std::uint64_t received() const = 0;
   /// Where other links hand over packets for this one; from any thread.
   virtual std::shared_ptr<PacketPort> port() = 0;

@@ -47,11 +47,11 @@ class Backoff {
   base::Duration delay_ = times_.first;
 };
 
-/// Options of a link's sending side. @param signing  empty:
-/// none
+/// What a link's sending side is held to.
+/// @param signing  empty: none
 TxPortOptions tx_port_options(const LinkConfig& config, std::shared_ptr<LinkSigning> signing = {});
 
-/// Arguments for making a link.
+/// What a link is made from.
 struct LinkContext {
   LinkId id = kNoLink;
   LinkConfig config;
@@ -64,7 +64,7 @@ struct LinkContext {
   RetryTimes retry = {};
 };
 
-/// Common part of all link types: state, back-off, once-a-second chores.
+/// What every kind of link does alike: state, back-off, the once-a-second chores.
 class LinkCore {
  public:
   explicit LinkCore(LinkContext context);

@@ -124,11 +124,11 @@ void LinkLoop::wait(base::RunTime now) {
   } else {
     in_trouble_ = false;
   }
-  // Clears only a signal that was seen: one raised meanwhile is for the next turn.
+  // Only what was seen: a signal that is being raised just now is for the next turn.
   if ((entries.front().revents & POLLIN) != 0) signal_.lower();
 }
 
-// Only the signal ends the pause early: another thread needs this one.
+// Only the signal ends it early: somebody wants something of this thread.
 void LinkLoop::rest_until(base::RunTime end, base::RunTime now) {
   pollfd signal{signal_.descriptor(), POLLIN, 0};
   const timespec timeout = until(end, now);

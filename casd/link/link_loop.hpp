@@ -18,22 +18,22 @@
 
 namespace cas::casd {
 
-/// Batches the reads of a thread during a flood.
+/// How often a thread looks at its links while they are flooded.
 ///
-/// Up to kBusyPackets a millisecond, each packet is forwarded on arrival. Above that rate the
-/// thread reads once per kPause: each system call then reads, routes and writes several packets
-/// instead of one, and a sender does not pay for a wake-up of this thread with every packet.
-/// Network cards moderate interrupts in the same way. A HIL link of 500 Hz, and a lockstep run that
-/// waits for each answer, stay far below the limit. kPause was tuned with the closed loop of
-/// scripts/bench_router: at half of it a PTY still delivers few packets per read; a longer pause
-/// adds delay and gains little.
+/// Up to kBusyPackets a millisecond each packet is forwarded the moment it comes. What brings more
+/// is looked at once in kPause: then several packets are read, routed and written with a system
+/// call each time instead of one each, and who sends does not pay for waking this thread with every
+/// packet. Network cards moderate their interrupts in the same way. A HIL link of 500 Hz, and a
+/// lockstep run that waits for each answer, stay far below. kPause was chosen with the closed loop
+/// of scripts/bench_router: with half of it a PTY still brings few packets at a look, a longer one
+/// delays more and gains little.
 class LookPace {
  public:
   static constexpr std::uint64_t kBusyPackets = 50;  ///< in kSpan
   static constexpr base::Duration kSpan = std::chrono::milliseconds(1);
   static constexpr base::Duration kPause = std::chrono::microseconds(150);
 
-  /// @param received  packets received so far on all links of the thread
+  /// @param received  packets that have come so far, all links of the thread together
   void looked(base::RunTime now, std::uint64_t received) {
     last_look_ = now;
     const base::Duration elapsed = now - span_begin_;
@@ -61,7 +61,7 @@ class WakeSignal {
   WakeSignal();
   /// From any thread.
   void raise();
-  /// Called by the woken thread before it checks for work.
+  /// By the thread that was woken, before it looks at what there is to do.
   void lower();
   int descriptor() const { return event_.get(); }
 
@@ -76,7 +76,7 @@ class WakeSignal {
 ///   watch: what does each link wait for? --> (LookPace) --> ppoll --> serve each link --+
 ///     ^---------------------------------------------------------------------------------+
 ///
-/// LookPace: a short pause in a flood; it ends when something is due or the signal is raised.
+/// LookPace: a moment's rest in a flood; it ends when something is due or the signal is raised.
 class LinkLoop {
  public:
   LinkLoop(std::string name, base::ThreadOptions scheduling);
@@ -95,7 +95,7 @@ class LinkLoop {
   void remove(const Link* link);
   /// Runs `task` on the loop's thread; returns when it has run.
   void run_on_loop(const std::function<void()>& task);
-  /// Makes the loop re-read its links' wake-up conditions. No effect on the loop's own thread.
+  /// Makes the loop look again at what its links wait for. Does nothing on the loop's own thread.
   void wake();
   /// Whether the thread has turned within `patience`, and a nudge so that it can: ask regularly.
   bool answers(base::RunTime now, base::Duration patience);

@@ -8,10 +8,10 @@
 namespace cas::casd {
 namespace {
 
-// Duration of a standstill before the driver's bytes are flushed, commands included: by then their
-// senders have repeated them.
+// How long a line stands still before what its driver holds is thrown away, commands too: who sent
+// them has long sent them again.
 constexpr base::Duration kFlushAfter = std::chrono::seconds(1);
-// A stalled line is checked again after a sixteenth of its standstill so far.
+// A line that stands still is looked at after a sixteenth of the time that it has stood so far.
 constexpr int kLookDivisor = 16;
 constexpr base::Duration kShortestLook = std::chrono::milliseconds(1);
 constexpr base::Duration kLongestLook = std::chrono::milliseconds(50);

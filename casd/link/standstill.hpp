@@ -5,10 +5,10 @@
 
 namespace cas::casd {
 
-/// Detects a stalled line, one that accepts no more bytes, and decides the reaction. Pure.
+/// How long a line has taken nothing of what it was given, and what is to be done about it. Pure.
 ///
-/// A check costs system calls: after progress a line is not checked for half of the patience, and
-/// counts as stalled after one and a half times the patience.
+/// A look at the line costs system calls: one that has just taken something is left in peace for
+/// half of the patience, and is seen to stand still after one and a half times the patience.
 class Standstill {
  public:
   /// @param patience  longest that a line that lives leaves something unread
@@ -19,19 +19,19 @@ class Standstill {
   void given(base::RunTime now) {
     if (since_ == base::RunTime{}) since_ = now;
   }
-  /// Whether a check of the line begins now: bytes written from here on count.
+  /// Whether the look at the line begins now: what it was given counts from here on.
   bool look_begins(base::RunTime now);
-  /// Whether the last progress is so recent that no check is needed.
+  /// Whether it took something so little time ago that nobody looks.
   bool rests(base::RunTime now) const { return now < rest_until_; }
-  /// The line has made progress. @return whether its driver had been flushed meanwhile
+  /// It has taken what it was given. @return whether its driver had been emptied meanwhile
   bool ended(base::RunTime now);
   /// Whether it was given something that it has not been seen to take.
   bool pending() const { return since_ != base::RunTime{}; }
   base::Duration lasts(base::RunTime now) const { return now - since_; }
 
-  /// Whether to flush the driver's bytes now: once per standstill.
+  /// Whether what the driver holds is to be thrown away: once in a standstill.
   bool flush_is_due(base::RunTime now);
-  /// Whether to nudge the driver now: at growing intervals.
+  /// Whether the driver is to be nudged: after ever longer times.
   bool nudge_is_due(base::RunTime now);
   /// When to look at the line again.
   base::RunTime next_look(base::RunTime now) const;

@@ -11,12 +11,12 @@
 
 namespace cas::casd {
 
-/// Lockstep: the clock of casd's own station, taken from the HIL_SENSOR stream that passes through
-/// casd.
+/// Lockstep: the time that casd's own station runs on, taken from the HIL_SENSOR stream that
+/// passes.
 ///
-/// Every 50 ms of stream time the stream is held while the station has its turn (retries,
-/// heartbeats), so that the station's packets always fall between the same two sensor messages,
-/// whatever the load of the machine.
+/// Each 50 ms of it the stream is held while the station has its turn (retries, heartbeats), so
+/// that what the station sends of itself always stands between the same two sensor messages,
+/// however busy the machine is.
 ///
 ///   HIL_SENSOR -> turn due? -- yes --> what came before goes out --> the station's turn --+
 ///                    | no                                                                 |

@@ -31,8 +31,8 @@ void DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
     if (ports[link]) ports[link]->deliver(by_link_[link], now);
     by_link_[link].clear();
   };
-  // casd's own station first: in lockstep it must have all packets from before an answer when the
-  // simulator continues.
+  // casd's own station first: in lockstep it has heard all that came before an answer when the
+  // simulator goes on.
   if ((touched_ & bit(kLocalLink)) != 0) hand_over(kLocalLink);
   for (LinkMask left = touched_ & ~bit(kLocalLink); left != 0; left &= left - 1) {
     hand_over(static_cast<std::size_t>(std::countr_zero(left)));

@@ -21,8 +21,8 @@ namespace cas::casd {
 /// The ports of all links, by slot: an immutable snapshot.
 using PortTable = std::array<std::shared_ptr<PacketPort>, kMaxLinks>;
 
-/// Packets of one read, sorted by destination, so that each destination gets them in one call.
-/// Bytes are contiguous, so a run of packets to one link is one write.
+/// Packets that one read brought, sorted by destination, so that each destination gets them in one
+/// call. Bytes lie end to end, so a run of packets to one link is one write.
 class DeliveryBatch {
  public:
   DeliveryBatch();
@@ -31,7 +31,7 @@ class DeliveryBatch {
   bool full() const { return infos_.size() == kMaxPackets; }
   bool empty() const { return infos_.empty(); }
   void add(const PacketInfo& info, std::span<const std::uint8_t> bytes, LinkMask to);
-  /// Delivers all packets and clears the batch.
+  /// Hands everything over and starts anew.
   void deliver(const PortTable& ports, base::RunTime now);
 
  private:
@@ -43,7 +43,7 @@ class DeliveryBatch {
   LinkMask touched_ = 0;
 };
 
-/// Shared by all links: the router that decides, the ports that take packets, the log.
+/// What all links share: the router that decides, the ports that take packets, the log.
 class Switchboard {
  public:
   explicit Switchboard(std::shared_ptr<const RoutingPlan> plan, base::Duration route_lifetime);

@@ -15,8 +15,8 @@ namespace {
 
 std::int64_t ns(base::RunTime time) { return time.time_since_epoch().count(); }
 
-// Largest batch from the queue: it can no longer be overtaken, so it is limited to one write of a
-// PTY or a socket.
+// Most that is taken from the queue at once: it can no longer be overtaken, so it stays at what a
+// PTY or a socket takes in one go.
 constexpr std::size_t kBatchBytes = 4096;
 constexpr std::size_t kBatchPackets = 64;
 
@@ -96,7 +96,7 @@ void TxPort::drop_all(DropCause cause, base::RunTime now) {
   counters_->tx.queued.set(0);
 }
 
-// Limits to the line's rate or to the cap, whichever is less.
+// Held to the line's rate, to the cap, or to what is less.
 void TxPort::pace(bool has_rate) {
   const double line = has_rate ? options_.line_bytes_s : 0;
   const double cap = options_.cap_bytes_s;

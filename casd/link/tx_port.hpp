@@ -28,18 +28,18 @@ struct TxPortOptions {
   std::shared_ptr<LinkSigning> signing = {};  ///< may be empty
 };
 
-/// The sending side of a link: one writer, the line's pacer, and the queue of packets that wait for
-/// them. The derived class decides whether a thread writes at once or waits for the line:
-/// DirectTxPort, BlockingTxPort.
+/// The sending side of a link: one writer, the pacer of the line behind it, and the queue of
+/// packets that wait for both. Whether a thread writes at once or waits for the line is decided by
+/// the class derived from it: DirectTxPort, BlockingTxPort.
 ///
-/// It reads no clock: time is an argument, and the writer reports when a write returned. So the
-/// bench on the virtual clock uses the same classes.
+/// It reads no clock: time is an argument, and the writer says when a write was over. So the bench
+/// on the virtual clock sends with these classes, too.
 ///
-/// Written bytes can still age in the driver, or in the terminal of a reader that has stopped. So a
-/// stalled line gets no more packets until it moves again.
+/// What was written can still grow old in the driver, or in the terminal of a reader that has
+/// stopped. So a line that stands still gets nothing more until it moves again.
 ///
-/// Two locks: `writer_mutex_` guards the writing state (descriptor, partly written packet, pacer)
-/// and is held during the system call; `queue_mutex_` guards the queue and is held for a copy only.
+/// Two locks: `writer_mutex_` guards what writes (descriptor, begun packet, pacer) and is held
+/// during the system call; `queue_mutex_` guards the queue and is held for a copy only.
 class TxPort : public PacketPort {
  public:
   // The link's thread only:
@@ -47,9 +47,9 @@ class TxPort : public PacketPort {
   /// Starts writing to a newly opened descriptor; what was queued for the old one is dropped.
   /// @param has_rate  whether the line behind it has the rate of the options
   void attach(std::unique_ptr<PacketWriter> writer, base::RunTime now, bool has_rate = true);
-  /// The descriptor is closed; waiting packets are dropped.
+  /// The descriptor is gone; what waits is dropped.
   void detach(base::RunTime now, DropCause cause = DropCause::kClosed);
-  /// Writes waiting packets, as far as descriptor and pacer allow.
+  /// Writes what waits, as far as descriptor and pacer allow.
   virtual void carry_on(base::RunTime now) = 0;
   /// The descriptor took no more: wait for POLLOUT, then carry_on().
   bool wants_room() const { return busy_.load(std::memory_order_relaxed); }
@@ -81,11 +81,11 @@ class TxPort : public PacketPort {
   void drop_all(DropCause cause, base::RunTime now) CAS_REQUIRES(writer_mutex_);
   /// Makes the link's thread call carry_on() when the descriptor takes bytes again.
   void wait_for_room(base::RunTime now) CAS_REQUIRES(writer_mutex_);
-  /// Whether the other side has made no progress for longer than a HIL packet's lifetime although
-  /// bytes were written. Further bytes would only age where they can no longer be dropped.
+  /// Whether the other side has made no way for longer than a HIL packet is worth sending, although
+  /// it was given something. What is written then would only grow old where nobody can drop it.
   bool stands_still(base::RunTime now) CAS_REQUIRES(writer_mutex_);
   base::Duration patience(base::RunTime now) const CAS_REQUIRES(writer_mutex_);
-  /// Handles a stalled line. @return time of the next check
+  /// Cares for a line that stands still. @return when to look at it again
   base::RunTime tend_still_line(base::RunTime now) CAS_REQUIRES(writer_mutex_);
   /// Of packets that one read brought, those that are worth sending, in their order; good until the
   /// next call.

@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// Priority class of a packet on a link that cannot carry everything.
+/// What a packet is to a link that cannot carry everything.
 enum class TrafficClass : std::uint8_t {
   kCommand,    ///< commands, parameters, missions, file transfer, heartbeats, time: never lost
   kHil,        ///< the HIL loop's sensor and actuator packets: worthless when late
@@ -44,13 +44,13 @@ struct Path {
   friend bool operator==(const Path&, const Path&) = default;
 };
 
-/// Source of a packet. The links of one group are redundant paths to the same senders.
+/// Where a packet came from. The links of one group are redundant ways to the same senders.
 struct Origin {
   Path path;
   std::int8_t group = -1;  ///< of the link; -1: none
 };
 
-/// Properties of a packet for the router and the queues, without its bytes.
+/// What the router and the queues need to know of a packet, without its bytes.
 struct PacketInfo {
   std::uint32_t message_id = 0;
   mav::Source source;
@@ -70,7 +70,7 @@ struct PacketInfo {
 /// time_usec of HIL_SENSOR, HIL_GPS and the two controls; nothing for other packets.
 std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet);
 
-/// Reads the addresses from the payload as received (a field cut off with trailing zeros is 0).
+/// Reads the addresses from the payload as it came (a field cut off with trailing zeros is 0).
 PacketInfo inspect(const mav::PacketView& packet, const mav::MessageTable& table);
 
 }  // namespace cas::casd

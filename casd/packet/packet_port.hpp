@@ -22,7 +22,7 @@ class PacketPort {
   virtual void deliver(std::span<const PacketRef> packets, base::RunTime now) = 0;
 };
 
-/// Result of an attempt to write packets.
+/// What became of an attempt to write packets.
 struct WriteResult {
   std::size_t packets = 0;       ///< done with: gone as a whole, or unsignable
   std::size_t part_of_next = 0;  ///< bytes of the next one that are gone too (streams)
@@ -46,20 +46,20 @@ class PacketWriter {
   virtual std::size_t added_bytes() const { return 0; }
   /// Bytes that were written and have not left this machine; 0 where the driver cannot tell.
   virtual std::size_t unsent() const { return 0; }
-  /// Whether the other side has made progress since the last call: it has read written bytes, or
-  /// some of them have left this machine. True if this cannot be known.
+  /// Whether the other side has made way since the last call: it has read what was written, or some
+  /// of it has left this machine. True where nobody can tell.
   virtual bool moved() { return true; }
   /// Whether moved() counts bytes and so misses nothing; else a read of the other side may go
   /// unseen.
   virtual bool counts_moves() const { return false; }
-  /// Announces whether moved() will be called next; if not, its measurements may be skipped. At
-  /// first it will be. Bytes read before a check begins do not count.
+  /// Whether moved() is asked next; while it is not, what it would look at may be left alone. At
+  /// first it is; what was read before a look begins does not count.
   virtual void watch(bool /*on*/) {}
-  /// Restarts a line that only seems to be stalled; called at the end of a packet.
+  /// Makes a line move again that only seems to stand still: at the end of a packet.
   virtual void nudge() {}
-  /// Flushes the driver's unsent bytes. @return false: the driver still holds them
+  /// Throws away what the driver still holds. @return false: it holds it still
   virtual bool flush() { return false; }
-  /// Descriptor to poll when it takes no more.
+  /// What to wait on when it takes no more.
   virtual int descriptor() const = 0;
 };
 

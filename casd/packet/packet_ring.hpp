@@ -10,7 +10,7 @@
 
 namespace cas::casd {
 
-/// A waiting packet with its properties.
+/// A packet that waits, with what is known of it.
 struct QueuedPacket {
   PacketInfo info;
   std::span<const std::uint8_t> bytes;

@@ -46,7 +46,7 @@ bool replaces(const ManualControl& newer, const ManualControl& older) {
   return newer.buttons == older.buttons && newer.buttons2 == older.buttons2;
 }
 
-/// A set bit of a type mask means that a field is ignored.
+/// The bits of a type mask tell what is to be ignored.
 template <class Target>
 bool names_as_much(const Target& newer, const Target& older) {
   return (static_cast<unsigned>(newer.type_mask) & ~static_cast<unsigned>(older.type_mask)) == 0;

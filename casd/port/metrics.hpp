@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// Input of the metrics.
+/// What the metrics are made of.
 struct MetricsSource {
   double uptime_s = 0;
   std::size_t clients = 0;

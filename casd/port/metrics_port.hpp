@@ -10,19 +10,19 @@
 
 namespace cas::casd {
 
-/// A small HTTP server that answers GET /metrics on its own low-priority thread. It holds no lock
-/// of the packet path: the figures are copied.
+/// A small HTTP server that answers GET /metrics, on a thread of its own that stands behind
+/// others. It holds no lock that packets pass: the figures come as a copy.
 ///
 ///   client --GET--> metrics thread --ask, 4 times a second at most--> who has the figures
 ///          <--page--              <--copy of them--
-/// Clients, connections per second and their time are limited, so that none can block it; all
-/// requests within a quarter of a second get the same page.
+///
+/// Few clients at a time and in a second, each with a deadline, so that none can hold it; all who
 /// ask within a quarter of a second get the same page.
 class MetricsPort {
  public:
   /// Takes the figures, from any thread.
   using Take = std::function<void(MetricsSource)>;
-  /// Requests the figures, which arrive now or later; called on the thread of the port.
+  /// Asks for the figures, which come now or later; called on the thread of the port.
   using Ask = std::function<void(Take)>;
 
   explicit MetricsPort(Ask ask);

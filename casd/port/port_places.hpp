@@ -28,9 +28,9 @@ std::vector<CommandSocket> command_sockets(const CommandPortConfig& port, std::u
 /// Says in the log why casd has no socket in the runtime folder.
 void warn_not_found(const std::string& reason);
 
-/// The token that TCP clients must send: the configured file, or a file in systemd's
-/// $STATE_DIRECTORY, or in the runtime folder; created if missing. @return empty if no client needs
-/// one @throws base::ConfigError
+/// The token that TCP clients must give: the file as configured, in systemd's $STATE_DIRECTORY
+/// where there is one, or in the runtime folder; made where it is missing. @return empty when
+/// nobody needs one @throws base::ConfigError
 std::filesystem::path command_token(const CommandPortConfig& port);
 
 }  // namespace cas::casd

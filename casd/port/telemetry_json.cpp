@@ -128,7 +128,7 @@ json battery_status_battery(const Source<BatteryStatus>& from, base::RunTime now
       {"age_s", from.age_s(now)}};
 }
 
-/// SYS_STATUS usually reports the battery; otherwise BATTERY_STATUS.
+/// SYS_STATUS tells the battery most often; BATTERY_STATUS where it does not.
 json battery(const VehicleState& vehicle, base::RunTime now) {
   const Source<SysStatus> often(vehicle.sys_status());
   const bool told = often.came && is_told(often.message.voltage_battery);

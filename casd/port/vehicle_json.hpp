@@ -15,23 +15,23 @@ namespace cas::casd {
 /// Name of a link in the topology.
 using LinkName = std::function<std::string(LinkId)>;
 
-/// A vehicle as listed by casd.status. @param link_name  of the link that its HEARTBEATs come
-/// from
+/// A vehicle as casd.status lists it.
+/// @param link_name  of the link that its HEARTBEATs come from
 nlohmann::json summary_json(const VehicleState& vehicle, const LinkName& link_name,
                             base::RunTime now);
 
-/// `at_s` of an answer: a time of casd's receive clock. Alone it has no meaning; with `age_s` it
-/// allows comparing the time of a packet with that of another answer.
+/// `at_s` of an answer: a moment of the clock by which casd hears vehicles. It says nothing by
+/// itself; what was heard `age_s` before one moment can be compared with another moment.
 double moment_s(base::RunTime now);
 
 /// MAV_STATE of the HEARTBEAT in words: "standby", "active".
 std::string_view state_word(mavlink::common::MavState state);
 
-/// The answer of vehicle.state: the summary, and the known attitude, position and home.
+/// The answer of vehicle.state: the summary, and what of attitude, place and home is known.
 nlohmann::json state_json(const VehicleState& vehicle, const LinkName& link_name,
                           base::RunTime now);
 
-/// Other senders' acts on a vehicle, as listed by vehicle.state.
+/// What others had a vehicle do, as vehicle.state lists it.
 nlohmann::json interventions_json(const Interventions& interventions, const LinkName& link_name,
                                   base::RunTime now);
 

@@ -24,7 +24,7 @@ struct VehicleHooks {
   std::function<base::RunTime()> now;
   /// Name of a link in the topology.
   std::function<std::string(LinkId)> link_name;
-  /// Takes one line of the audit log: client, call and result.
+  /// Takes one line of the audit log: who asked what and what came of it.
   std::function<void(const std::string&)> audit;
   /// The moment by the clock of a recording, in microseconds since 1970.
   std::function<std::int64_t()> unix_us{};
@@ -63,7 +63,7 @@ class VehicleMethods {
                        std::function<GainValues(CallParams&)> values_of);
   void add_param_methods();
   void add_journal_method();
-  /// Sticks come many times a second: only the first call of a series is logged.
+  /// Sticks come many times a second: only the first of a stretch leaves a line.
   bool is_more_of_sticks(const std::string& name, base::RunTime now);
   /// Audited methods change the vehicle.
   void add(const std::string& name, bool audited, Parse parse, Answer answer);

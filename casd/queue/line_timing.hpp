@@ -9,9 +9,9 @@
 
 namespace cas::casd {
 
-/// Predicts when a line of limited rate has sent all written bytes, so that no more is written than
-/// it carries: waiting packets can then still be selected, replaced or dropped in our queue instead
-/// of ageing in the kernel's.
+/// Knows when a line of limited rate is through with what it was given, so that no more is handed
+/// over than it carries: what waits can then still be chosen, replaced or dropped in our queue
+/// instead of ageing in the kernel's.
 ///
 /// A serial line carries baud / 10 bytes a second (start and stop bit); it is paced at 98 % of
 /// that, so that a difference between two clocks never accumulates.

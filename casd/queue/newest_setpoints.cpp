@@ -25,7 +25,7 @@ void NewestSetpoints::push(const PacketInfo& info, std::span<const std::uint8_t>
     }
   }
   if (waiting_.size() == kMaxWaiting) make_room(info, on_drop);
-  // Keeps the order: no packet may follow a newer one.
+  // Nothing may come out behind what is newer.
   if (something_stays || place > waiting_.size()) place = waiting_.size();
   waiting_.insert(waiting_.begin() + static_cast<std::ptrdiff_t>(place),
                   Waiting{info, {bytes.begin(), bytes.end()}});

@@ -17,7 +17,7 @@ namespace cas::casd {
 /// replaces, so that streams take turns whatever their rates are.
 class NewestSetpoints {
  public:
-  /// More would be invented senders: they affect only their own receiving link.
+  /// More would be invented senders: they cost the way that they came over, and no other.
   static constexpr std::size_t kMaxWaiting = 128;
   using OnDrop = std::function<void(const PacketInfo&, DropCause)>;
 

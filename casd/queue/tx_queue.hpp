@@ -36,7 +36,7 @@ struct TxQueueOptions {
   friend bool operator==(const TxQueueOptions&, const TxQueueOptions&) = default;
 };
 
-/// Packets waiting for a link, by class; each class has its own memory.
+/// Packets that wait for a link, by class, each class with memory of its own.
 ///
 ///   command    FIFO; a new one is refused only when the class is full; never dropped once in
 ///   hil        FIFO; dropped only when it could no longer arrive within its age limit (or, as the
@@ -46,7 +46,7 @@ struct TxQueueOptions {
 ///   telemetry  goes when nothing else waits; old ones make room for new ones
 ///
 /// Command, hil, gps and setpoint share the line by bytes, 4 : 8 : 2 : 4 while all of them wait
-/// (fair queueing by virtual time): no class starves another, and the least served goes first.
+/// (fair queueing by virtual time): none starves another, and who has waited little goes first.
 class TxQueue {
  public:
   using OnDrop = std::function<void(const PacketInfo&, DropCause)>;

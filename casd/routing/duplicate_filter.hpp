@@ -14,20 +14,20 @@
 
 namespace cas::casd {
 
-/// Finds packets that arrive a second time over another link of the same group (redundant paths). A
-/// packet repeated on the same link is not a duplicate: its sender repeated it. May be called from
-/// several threads.
+/// Finds packets that come a second time over another link of the same group (redundant paths).
+/// A packet that comes again over the same link is not a duplicate: its sender repeated it.
+/// May be called from several threads.
 ///
-/// Each sender has its own memory, indexed by the packet's sequence number, so that neither
-/// other senders nor the sender's next packets displace an entry: a second copy is found up to 8
-/// x 256 packets later. With too many senders, the one silent for longest is displaced. Two
-/// packets are equal if their size and a 64-bit hash of all bytes agree; the hash uses a secret
-/// key.
+/// Each sender has memory of its own, in which a packet's sequence number says where to look, so
+/// that neither other senders nor its own next packets push an entry out: a second copy is found up
+/// to 8 x 256 packets later. Of many senders the one that fell silent first makes room. Two
+/// packets are the same when size and 64 bits of hash over all bytes agree, with a key that nobody
+/// outside knows.
 class DuplicateFilter {
  public:
   static constexpr std::size_t kMaxSenders = 64;
 
-  /// @param window  longest delay of the second copy
+  /// @param window  how much later the second copy may come
   explicit DuplicateFilter(base::Duration window);
 
   /// @return true when another link brought this packet within the window

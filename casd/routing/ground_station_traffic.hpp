@@ -10,8 +10,8 @@ namespace cas::casd {
 
 /// The messages that ground stations send (`accept: {traffic: ground_station}`), in rising order:
 /// commands, parameters, missions, sticks and setpoints, files, logs, corrections for the receiver.
-/// It excludes the messages of vehicles, their sensors and simulators: HIL_*, positions measured
-/// elsewhere, telemetry.
+/// Not what vehicles, their sensors and simulators say: HIL_*, positions measured elsewhere,
+/// telemetry.
 std::span<const std::uint32_t> ground_station_messages();
 
 /// Whether a ground station may have sent it: one of ground_station_messages(), and no vehicle's

@@ -13,11 +13,11 @@
 
 namespace cas::casd {
 
-/// Learns the links of each system and component, and forgets those that fall silent.
+/// Learns on which links each system and component was heard, and forgets those that fall silent.
 ///
 /// `learn` and `expire` for one link belong to one thread at a time; `links_to` may be called from
 /// any thread. Two links may hear the same system and component (simulator and controller may share
-/// an id): an addressed packet then goes to both, except to its source link.
+/// an id): an addressed packet then goes to both, apart from where it came from.
 class RouteTable {
  public:
   /// @param lifetime  silence after which a route is forgotten
@@ -25,7 +25,7 @@ class RouteTable {
 
   /// Notes that `link` hears `source`. @return false when the link has too many ids already
   bool learn(LinkId link, mav::Source source, base::RunTime now);
-  /// Forgets ids that `link` has not heard for the lifetime. @return number of ids forgotten
+  /// Forgets what `link` has not heard for the lifetime. @return how many ids were forgotten
   int expire(LinkId link, base::RunTime now);
   /// Forgets all that was heard on `link`.
   void forget(LinkId link);

@@ -85,7 +85,7 @@ Route Router::on_addressed(const mav::PacketView& packet, std::span<const Path> 
   return route;
 }
 
-/// The links of these paths. A link of a group represents all of them: the station hears only the
+/// The links of these paths. A link of a group stands for all of them: the station hears only the
 /// first copy of a packet, so it cannot know which of them lead to the vehicle.
 LinkMask Router::with_groups(std::span<const Path> to) {
   const RoutingPlan& plan = plan_for(kLocalLink);

@@ -26,7 +26,7 @@ struct RoutingPlan {
   /// For each link, the links that never get its packets: its group. Without a group that is the
   /// link itself; a server link whose peers may talk to each other excludes none.
   std::array<LinkMask, kMaxLinks> never_back{};
-  /// Group number per link, -1: none. Of packets that enter a group twice, one copy passes.
+  /// Group number per link, -1: none. Packets that come twice into a group go on once.
   std::array<std::int8_t, kMaxLinks> group;
   LinkMask pass_unknown = 0;  ///< links from which packets with unknown message ids go on
 
@@ -51,8 +51,8 @@ inline constexpr int kDecisions = 5;
 /// "forwarded", "duplicate", ...
 std::string_view to_string(Route::Decision decision);
 
-/// Decides the destinations of each packet by the MAVLink routing guide and the rules of the
-/// topology. It moves no bytes and reads no clock.
+/// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It
+/// moves no bytes and reads no clock.
 ///
 /// `on_packet`, `tick` and `forget` for one link belong to one thread at a time; different links
 /// may run on different threads. `replace` may come from any thread.
@@ -73,7 +73,7 @@ class Router {
   Route on_addressed(const mav::PacketView& packet, std::span<const Path> to, base::RunTime now);
   /// Once a second for each link: forgets routes that fell silent.
   void tick(LinkId link, base::RunTime now);
-  /// The link is removed; forgets it and the ids heard on it.
+  /// The link is gone for good, and what was heard on it.
   void forget(LinkId link);
   /// Puts new rules in force. Links take them over at their next packet.
   void replace(std::shared_ptr<const RoutingPlan> plan);
@@ -83,7 +83,7 @@ class Router {
   const RouteTable& routes() const { return routes_; }
 
  private:
-  // State of one link's thread.
+  // What one link's thread has for itself.
   struct alignas(64) PerLink {
     std::shared_ptr<const RoutingPlan> plan;
     std::uint64_t generation = 0;

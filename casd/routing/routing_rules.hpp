@@ -14,11 +14,11 @@
 
 namespace cas::casd {
 
-/// Filter of a link's incoming packets before routing (`accept` of a link). The default passes
-/// everything.
+/// What a link takes in at all (`accept` of a link), before any route is asked. Nothing by default
+/// is left out.
 struct AcceptRule {
   bool read_only = false;  ///< takes in nothing: its peers may only listen
-  /// Only ground station traffic (`traffic`), and `messages` in addition.
+  /// Only what ground stations say (`traffic`), and `messages` besides.
   bool ground_station = false;
   std::vector<std::uint32_t> messages{};      ///< only these; empty: all
   std::vector<std::uint8_t> systems{};        ///< only of these senders; empty: all
@@ -38,8 +38,8 @@ struct RateRule {
   friend bool operator==(const RateRule&, const RateRule&) = default;
 };
 
-/// Packets that may pass from one link to another ([HILS] Sect. 3.3, "forward status"): all that
-/// are not blocked; with an allow list, only those on it.
+/// What may go from one link to another ([HILS] Sect. 3.3, "forward status"). Everything that is
+/// not blocked passes; where an allow list is given, only what it names.
 struct ForwardRule {
   LinkId from = kNoLink;
   LinkId to = kNoLink;
@@ -104,9 +104,9 @@ class ForwardRules {
   std::array<ForwardTable, kMaxLinks> tables_;
 };
 
-/// Applies the rate rules of one source link. `max_hz` passes a packet when its slot on a grid of
-/// that rate has come (so 50 of 500 a second are evenly spaced, whatever the jitter); `every`
-/// passes each n-th packet, including the first.
+/// Applies the rate rules of one source link. `max_hz` lets a packet pass when its turn on a grid
+/// of that rate has come (so 50 of 500 a second come out evenly, whatever the jitter); `every`
+/// lets each n-th pass, the first one included.
 class RateLimiter {
  public:
   RateLimiter() = default;

@@ -14,16 +14,16 @@
 namespace cas::casd {
 namespace {
 
-/// Signs packets and passes them to the next writer. A packet that was not taken is signed again at
-/// its next turn: its time must not precede packets sent meanwhile. A packet whose checksum matches
-/// no message cannot be signed: it is named in the result and not written.
+/// Signs packets and hands them to the writer behind it. A packet that was not taken is signed
+/// again at its next turn: its time must not lie behind what was sent meanwhile. One whose checksum
+/// fits no message cannot be signed: it is named in the result and not written.
 class SigningWriter final : public PacketWriter {
  public:
   SigningWriter(std::unique_ptr<PacketWriter> writer, std::shared_ptr<PacketSigner> signer,
                 std::uint8_t link_id);
 
   WriteResult write(std::span<const PacketRef> packets) override;
-  /// The caller's tail has no signature; the tail of the signed packet is written.
+  /// The caller's rest has no signature; what is written is the rest of the signed packet.
   WriteResult write_rest(std::span<const std::uint8_t> bytes) override;
   void spoil_rest() override {
     if (!rest_.empty()) rest_.back() ^= 0xFFU;  // of the signature

@@ -17,8 +17,8 @@
 
 namespace cas::casd {
 
-/// Signatures on one link: verifies and strips them on received packets, and signs sent
-/// packets.
+/// What one link does with signatures: it verifies and takes off those that come in, and signs what
+/// goes out.
 ///
 ///   peer --signed--> verify --> strip --> router ...        router --> queue --> sign --> peer
 class LinkSigning {
@@ -26,12 +26,12 @@ class LinkSigning {
   LinkSigning(const SigningConfig& config, std::shared_ptr<PacketSigner> signer,
               std::shared_ptr<LinkCounters> counters);
 
-  /// Verifies a received packet; on the link's thread. @return the packet without signature, valid
-  /// until the next call; nothing if it is refused
+  /// Judges a packet that came in; on the link's thread.
+  /// @return the packet without signature, valid until the next call; nothing when it is refused
   std::optional<mav::PacketView> admit(const mav::PacketView& packet);
 
-  /// Wraps `writer` so that packets are signed when written: queues reorder packets, and signature
-  /// times must rise. Without signing, returns `writer` unchanged.
+  /// Signs what `writer` will write, at the last moment: queues put packets in another order, and
+  /// signatures must have rising times. Without signing it is given back as it is.
   std::unique_ptr<PacketWriter> wrap(std::unique_ptr<PacketWriter> writer) const;
 
  private:

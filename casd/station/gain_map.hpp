@@ -16,7 +16,7 @@ class ConfigNode;
 
 namespace cas::casd {
 
-/// Gains of one control loop; unset ones stay unchanged.
+/// Gains of one control loop; those not given are left alone.
 struct GainValues {
   std::optional<double> p;
   std::optional<double> i;

@@ -10,7 +10,7 @@
 
 namespace cas::casd {
 
-// Forward declarations of the station's parts.
+// What the station is made of, by its names alone.
 using mav::services::arm_command;
 using mav::services::arming_checks;
 using mav::services::ArmingChecks;

@@ -28,16 +28,16 @@ struct Rival {
   base::RunTime at{};  ///< of its newest HEARTBEAT
 };
 
-/// State that one vehicle has reported, and the paths to it. Pure.
+/// What one vehicle has said about itself, and over which ways. Pure.
 ///
-/// A vehicle is an autopilot at one place: a link, or one peer of a server link. The links of a
-/// group are one place, with at most one peer on each link.
+/// A vehicle is an autopilot at one place: a link, and on a server link one peer of it. The links
+/// of a group are one place, with at most one peer on each link.
 class VehicleState final : public mav::services::VehicleState {
  public:
   VehicleState(mav::Source source, const Origin& origin, base::RunTime now)
       : mav::services::VehicleState(source, now), group_(origin.group), ways_{{origin.path, now}} {}
 
-  /// Whether a packet with this source is from the vehicle's place.
+  /// Whether a packet from there comes from this vehicle's place.
   bool is_at(const Origin& from, base::RunTime now) const;
   /// Takes in one packet of this vehicle's autopilot, from its place.
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
@@ -55,7 +55,7 @@ class VehicleState final : public mav::services::VehicleState {
   /// The rival that spoke last, unless it is silent by now.
   std::optional<Rival> rival(base::RunTime now) const;
 
-  /// HOME_POSITION, or home derived from GLOBAL_POSITION_INT and LOCAL_POSITION_NED.
+  /// HOME_POSITION, or what GLOBAL_POSITION_INT and LOCAL_POSITION_NED together imply.
   std::optional<HomeAmsl> home() const;
 
  private:

@@ -21,13 +21,13 @@
 
 namespace cas::casd {
 
-/// Interventions on a vehicle. The record outlives the vehicle's other state.
+/// Who had a hand in a vehicle. It outlives what else is known of it.
 struct Hands {
   Interventions interventions;     ///< of others than casd's own station
   std::uint64_t arm_requests = 0;  ///< to arm and to disarm, of all: the newest counts
   std::uint64_t disarms = 0;       ///< of them all, those that disarm or end the flight
 
-  /// Grows with each request to disarm, and with each new kind of act by others.
+  /// Grows with each request to disarm, and each act of somebody who did not do it before.
   std::uint64_t acts_so_far() const { return disarms + interventions.kinds(); }
 };
 
@@ -47,7 +47,7 @@ struct KnownVehicle {
   CommandExchange commands;
   ParamExchange params;
   std::uint64_t texts_seen = 0;
-  /// Value of MIS_TAKEOFF_ALT before a takeoff changed it.
+  /// What MIS_TAKEOFF_ALT was before a takeoff wrote it.
   std::optional<double> takeoff_height_before;
   base::RunTime takeoff_height_written{};
   bool putting_back = false;                              ///< the same, on its way
@@ -62,9 +62,9 @@ struct KnownVehicle {
 /// "vehicle 1".
 std::string vehicle_text(const VehicleState& state);
 
-/// Identifies vehicles: autopilots (link or group, peer, system, component) that send HEARTBEAT. A
-/// second autopilot with a vehicle's system id is its rival. Entries are bounded per link, and
-/// expire after silence. Pure.
+/// Who is a vehicle: an autopilot (link or group, peer, system, component) that sends HEARTBEAT.
+/// A second autopilot with a vehicle's system id is its rival. What is known is bounded by link,
+/// and forgotten after silence. Pure.
 class VehicleTable {
  public:
   using Make = std::function<std::unique_ptr<KnownVehicle>(VehicleState)>;
@@ -83,13 +83,13 @@ class VehicleTable {
   /// Takes in a packet. HEARTBEATs make vehicles, and rivals of them.
   /// @return the vehicle whose autopilot sent it, from its place; nullptr: none
   KnownVehicle* track(const Origin& from, const mav::PacketView& packet, base::RunTime now);
-  /// Reports rivals that have disappeared, and removes silent vehicles.
+  /// Tells of rivals that are gone, and forgets who is silent.
   void tick(base::RunTime now);
-  /// These links are removed; forgets vehicles heard on them only.
+  /// These links are gone for good: vehicles that were heard on them alone are forgotten.
   void forget(LinkMask links);
 
   KnownVehicle* find(std::uint8_t system) const;
-  /// Interventions on vehicles of this id so far, including forgotten ones.
+  /// Who had a hand in the vehicles of this id so far, also in one that is forgotten by now.
   Hands& hands(std::uint8_t system) { return hands_[system]; }
   const Hands& hands(std::uint8_t system) const { return hands_[system]; }
   const Vehicles& all() const { return vehicles_; }

@@ -12,7 +12,7 @@ namespace cas::casd {
 /// last one has disarmed. Pure.
 class ArmedWindow {
  public:
-  /// The time after the disarming shows its reason, and how the vehicle came to rest.
+  /// What follows the disarming is of interest, too: why, and how it came to rest.
   static constexpr base::Duration kAfter = std::chrono::seconds(1);
 
   /// @return whether it is open

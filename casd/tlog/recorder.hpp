@@ -29,10 +29,10 @@ class Recorder {
   /// `writer` outlives it.
   Recorder(TlogWriter& writer, TlogConfig config);
 
-  /// Applies the configuration of the start. @throws base::ConfigError
+  /// What the configuration asks for from the start. @throws base::ConfigError
   void begin();
-  /// Starts a requested recording and ends the current one, without waiting for the disk. @param
-  /// name  empty: the date only. @throws base::ConfigError if it is not a file name
+  /// A recording on request; one under way ends. Waits for no disk.
+  /// @param name  empty: its date alone. @throws base::ConfigError when it is no name for a file
   void start(const std::string& name, const TlogRotation& rotation, TlogWriter::Done done);
   /// Ends the recording; the next arming begins another one where the configuration says so. Waits
   /// for no disk.

@@ -31,8 +31,8 @@ struct TlogRotation {
 /// Packets in whole records that lie end to end. Bytes that are no record count as one.
 std::size_t count_tlog_records(std::span<const std::uint8_t> records);
 
-/// The files of one recording: NAME.tlog, NAME.1.tlog, NAME.2.tlog ... in one folder. Each is a
-/// complete log, no record spans two files, and none overwrites an existing file.
+/// The files of one recording: NAME.tlog, NAME.1.tlog, NAME.2.tlog ... in one folder. Each is a log
+/// of its own: no record lies across two of them, and none of them was there before.
 class TlogFiles {
  public:
   struct Options {

@@ -28,7 +28,7 @@ base::Descriptor open_folder(const std::filesystem::path& path) {
 
 std::string mib(std::uint64_t bytes) { return std::to_string(bytes / (1024 * 1024)) + " MiB"; }
 
-/// Size of a folder's .tlog files.
+/// What the .tlog files of a folder take.
 std::uint64_t recorded_bytes(const std::filesystem::path& path) {
   const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir(path.c_str()), &::closedir);
   std::uint64_t sum = 0;

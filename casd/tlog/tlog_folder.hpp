@@ -9,7 +9,7 @@
 
 namespace cas::casd {
 
-/// Limits of recordings. 0: no limit.
+/// What recordings may take. Zeros: as much as they like.
 struct TlogLimits {
   std::uint64_t free_space_min_bytes = 0;  ///< what stays free on the file system
   std::uint64_t max_bytes = 0;             ///< all recordings in the folder together
@@ -17,7 +17,7 @@ struct TlogLimits {
   friend bool operator==(const TlogLimits&, const TlogLimits&) = default;
 };
 
-/// Free space of a folder's file system and size of its recordings.
+/// What a folder's file system has and its recordings take.
 struct TlogSpace {
   std::uint64_t free_bytes = 0;
   std::uint64_t used_bytes = 0;
@@ -26,8 +26,8 @@ struct TlogSpace {
 /// Why `more` bytes must not be recorded, as a clause; empty: they may. Pure.
 std::string lack_of_room(const TlogLimits& limits, const TlogSpace& space, std::uint64_t more);
 
-/// The folder of recordings: the operations that need the file system. Files are created in it by
-/// name only, never over another file or through a symlink.
+/// The folder that recordings go into: the part of them that only a file system can answer. Files
+/// are made in it by their names alone, never over another file and never through a symlink.
 class TlogFolder {
  public:
   TlogFolder() = default;
@@ -35,13 +35,13 @@ class TlogFolder {
   explicit TlogFolder(std::filesystem::path path);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Creates a file, and its folder if only the last path element is missing. @return nothing with
-  /// errno set, EEXIST if the name is taken
+  /// Makes a file, and the folder where it alone is missing. @return nothing with errno set, EEXIST
+  /// where something has that name
   base::Descriptor make(const std::string& name) const;
   /// Removes a file or symlink of that name. @return false with errno set
   bool remove(const std::string& name) const;
-  /// Free space (unlimited if unknown); with `scan` also the size of all its .tlog
-  /// files.
+  /// What is free (where nobody can tell, everything); with `scan` what all its .tlog files take,
+  /// too.
   TlogSpace look(bool scan) const;
 
  private:

@@ -12,8 +12,8 @@
 namespace cas::casd {
 namespace {
 
-/// Room below a limit that a paused recording needs before it resumes, so that it does not pause
-/// again with the next packet.
+/// What must fit below a limit before a paused recording goes on, so that it does not stop again
+/// with the next packet.
 constexpr std::size_t kRoomToGoOn = 256 * 1024;
 constexpr base::Duration kScanPeriod = std::chrono::seconds(1);
 

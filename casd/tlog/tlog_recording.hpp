@@ -31,8 +31,8 @@ class TlogRecording {
 
   /// @throws base::ConfigError when the first file cannot be made
   void begin(Options options, base::RunTime now);
-  /// Writes these whole records, as far as the disk takes them. @return number of packets now in
-  /// the files; the others are lost
+  /// Writes what the disk takes of these whole records.
+  /// @return how many packets are in the files now; those that are not are lost
   std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
   void end() { files_.close(); }
 

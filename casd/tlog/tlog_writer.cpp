@@ -14,10 +14,10 @@ namespace {
 
 // Written at the latest after this: a log survives a crash but for the last moments.
 constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
-// A larger step back means another clock: one that was set back, or a restarted simulation.
+// Who is later than this has another clock: one that was set back, or a simulation begun anew.
 constexpr std::uint64_t kClockStep_us = 1'000'000;
 
-/// For orders without a waiting caller.
+/// For what nobody waits for.
 void tell_nobody(const std::string&, const TlogStatus&) {}
 
 }  // namespace
@@ -50,7 +50,7 @@ void TlogWriter::start(TlogRecording::Options options) {
   }
 }
 
-// Started early: a lack of threads must show before a vehicle arms.
+// Nobody may find out only when a vehicle arms that the machine has no thread left.
 void TlogWriter::start_thread() {
   if (thread_.joinable()) return;
   try {
@@ -146,8 +146,8 @@ std::uint64_t TlogWriter::stamp_of(base::RunTime now) {
   return newest_us_;
 }
 
-/// Origin of the stamps. After a step back of the wall clock, kept packets would have later stamps
-/// than the following ones.
+/// What the stamps are made from. When the wall clock was set back, what was kept
+/// would lie behind what is to come.
 void TlogWriter::set_zero(base::RunTime now) {
   const std::int64_t before = unix_minus_run_ns_;
   const auto unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -246,7 +246,7 @@ void TlogWriter::begin_recording(Order order, bool newest, base::RunTime now) {
   order.done(fault, status);
 }
 
-/// Ends the recording, unless another recording or an end was ordered meanwhile.
+/// Nothing is recorded, unless somebody has ordered another recording or an end meanwhile.
 void TlogWriter::begin_failed() {
   const base::MutexLock lock(mutex_);
   if (!orders_.empty() || !active()) return;

@@ -20,7 +20,7 @@
 
 namespace cas::casd {
 
-/// Status of the current recording, or else of the last one.
+/// What is said about a recording: of the one under way, or else of the last one.
 struct TlogStatus {
   bool active = false;         ///< begun and not ended; a pause does not end it
   std::filesystem::path file;  ///< empty: none yet
@@ -31,12 +31,12 @@ struct TlogStatus {
   std::uint64_t bytes = 0;     ///< in its files
 };
 
-/// Writes packets into a telemetry log in the format of ground stations: for each packet the time
-/// as an 8-byte big-endian number of microseconds since 1970, then the packet as received.
+/// Writes packets into a telemetry log as ground stations read it: for each packet the time as an
+/// 8-byte big-endian number of microseconds since 1970, then the packet as it came.
 ///
-/// `record` only copies into memory; a separate thread creates, writes and closes the files, so
-/// that a hanging disk delays no other thread. Packets that the disk cannot take (it is full or too
-/// slow) are left out of the log and counted.
+/// `record` only copies into memory; a thread of its own makes, writes and closes the files, so
+/// that a disk that hangs keeps nobody else waiting. What the disk does not take (it is full or too
+/// slow) is left out of the log and counted.
 ///
 ///   link threads --record()---> waiting_ --every 200 ms--+
 ///   main ---------begin, end--> orders_ -----at once-----+--> recording_ --> disk
@@ -45,7 +45,7 @@ class TlogWriter {
  public:
   /// Stamp of stream time zero in a log made in lockstep: 2026-01-01T00:00:00Z.
   static constexpr std::chrono::seconds kStreamEpoch{1'767'225'600};
-  /// In stand-by, packets of at least this duration are kept in memory.
+  /// While it stands by, the packets of at least this long are kept in memory.
   static constexpr base::Duration kKeptBefore = std::chrono::seconds(1);
 
   TlogWriter() = default;
@@ -59,33 +59,33 @@ class TlogWriter {
   /// @param status  of the recording that began or ended
   using Done = std::function<void(const std::string& fault, const TlogStatus& status)>;
 
-  /// Begins a recording and ends the previous one, without waiting for the disk. It starts with the
-  /// packets kept in stand-by. If its file cannot be created, only the previous recording has
-  /// ended. @throws base::ConfigError if its thread cannot be started
+  /// Begins a recording and ends the one before, without waiting for the disk. It begins with what
+  /// was kept while it stood by. Where its file cannot be made, nothing has changed but that the
+  /// recording before has ended. @throws base::ConfigError when no thread to write it can be made
   void start(TlogRecording::Options options, Done done);
   /// The same, and waits for the disk. @throws base::ConfigError also when its file cannot be made
   void start(TlogRecording::Options options);
   /// From now on the newest packets are kept while nothing is recorded, for the next start().
   /// @throws base::ConfigError when the machine has no thread for it
   void stand_by();
-  /// Time of day at run time zero for later logs, if run time is not a clock of this machine
-  /// (lockstep); otherwise logs have the actual time of day.
+  /// The time of day at run time zero of the logs to come, where run time is no clock of this
+  /// machine (lockstep); else the logs have the time of day as it is.
   void set_epoch(std::chrono::nanoseconds since_1970) { epoch_ = since_1970; }
-  /// Ends the recording: writes the remaining packets and closes, without waiting.
+  /// Ends the recording: writes what is left and closes, without waiting for it.
   void stop(Done done);
   /// The same, and waits until the disk has it.
   void stop();
   bool active() const { return phase_.load(std::memory_order_relaxed) == Phase::kRecording; }
-  /// Whether record() has any effect; otherwise callers may skip it.
+  /// Whether record() does anything; what it does not want need not be brought to it.
   bool listens() const { return phase_.load(std::memory_order_relaxed) != Phase::kOff; }
   TlogStatus status(base::RunTime now) const;
 
-  /// From any thread; no effect without a recording or stand-by.
+  /// From any thread; does nothing while nothing is recorded and it does not stand by.
   void record(std::span<const std::uint8_t> packet, base::RunTime now);
 
  private:
   enum class Phase : std::uint8_t { kOff, kStandby, kRecording };
-  /// Bound of the waiting, the stand-by and the end-of-recording buffers together.
+  /// What waits, what was kept before, and what the ends of recordings wait with stay below this.
   static constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
 
   /// Packets on their way to the disk.
@@ -121,7 +121,7 @@ class TlogWriter {
   bool stands_by_ CAS_GUARDED_BY(mutex_) = false;
   std::condition_variable_any more_;
   std::vector<std::uint8_t> waiting_ CAS_GUARDED_BY(mutex_);
-  /// Packets before `waiting_`, in stand-by.
+  /// The stretch before `waiting_`, while it stands by.
   std::vector<std::uint8_t> before_ CAS_GUARDED_BY(mutex_);
   base::RunTime stretch_began_ CAS_GUARDED_BY(mutex_);
   std::uint64_t overflowed_ CAS_GUARDED_BY(mutex_) = 0;

@@ -11,7 +11,7 @@
 
 namespace cas::casd {
 
-/// Meaning of an endpoint without an explicit direction.
+/// What an endpoint without a direction of its own means.
 enum class EndpointUse : std::uint8_t {
   kPlain,   ///< mavlink-router: HOST:PORT is listened on
   kMaster,  ///< MAVProxy's --master: HOST:PORT and udp:HOST:PORT are listened on
@@ -33,12 +33,12 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse
 /// Whether a word of the command line is meant as an endpoint and not as a file.
 bool is_endpoint(std::string_view text);
 
-/// Text of a topology file with these links: routes all to all, but without a simulator's sensor
-/// data, which would fly a vehicle in HIL; a bench needs its own topology. Links without a name are
-/// named after their type. `command_port` < 0: the default port.
+/// A topology of these links, as a file's text: all to all, but no simulator's sensor data, which
+/// would fly a vehicle in HIL; a bench has a topology of its own. Links without a name get one of
+/// their type. `command_port` < 0: the usual one.
 std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port = -1);
 
-/// Messages that only a simulator sends to a vehicle in HIL.
+/// What only a simulator says to a vehicle in HIL.
 inline constexpr std::array<std::string_view, 6> kSimulatorMessages{
     "HIL_SENSOR",           "HIL_GPS",          "HIL_STATE",
     "HIL_STATE_QUATERNION", "HIL_OPTICAL_FLOW", "HIL_RC_INPUTS_RAW"};
@@ -46,7 +46,7 @@ inline constexpr std::array<std::string_view, 6> kSimulatorMessages{
 /// In double quotes, whatever it holds.
 std::string yaml_string(const std::string& text);
 
-/// "- {name: ..., type: ..., ...}": the result of `parse_endpoint`, as an entry of `links`.
+/// "- {name: ..., type: ..., ...}": what `parse_endpoint` sets, as an entry of `links`.
 std::string link_entry(const LinkConfig& link);
 
 }  // namespace cas::casd

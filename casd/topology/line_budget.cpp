@@ -20,7 +20,7 @@ struct ExpectedRate {
   bool from_simulator;
 };
 
-// Traffic of a HIL run on the controller's line; each vehicle counts once.
+// What a HIL run sends over the controller's line; each vehicle counts once.
 constexpr std::array kExpected{
     ExpectedRate{0, 1, true},             // HEARTBEAT
     ExpectedRate{kHilSensor, 500, true},  // HIL_SENSOR

@@ -17,7 +17,7 @@ struct LineLoad {
   double bytes_s() const { return hz * packet_bytes; }
 };
 
-/// Expected traffic of the routes on a serial line, and whether it can carry that.
+/// What the routes can be expected to send over a serial line, and whether it can carry that.
 struct LineBudget {
   std::string link;
   unsigned baud = 0;            ///< 0: limited by a cap alone
@@ -33,16 +33,16 @@ struct LineBudget {
 };
 
 /// The budget of each link with a limited rate. Expected rates are those of a HIL run ([HILS] Table
-/// 4: 500 Hz HIL_SENSOR, 5 Hz HIL_GPS; 400 Hz controls), reduced by the routes' rate rules. If no
-/// route to a line names these streams, routes without an allow list are assumed to send them:
-/// sensors from a socket, controls from another line.
+/// 4: 500 Hz HIL_SENSOR, 5 Hz HIL_GPS; 400 Hz controls), thinned out by the routes' rate rules.
+/// Where no route to a line names the streams, those without an allow list are taken to send them:
+/// sensors when they come from a socket, controls when they come from another line.
 std::vector<LineBudget> line_budgets(const Topology& topology);
 
 /// A sentence for each line that cannot carry its load, with the HIL_SENSOR rate and the baud rate
 /// that would fit.
 std::vector<std::string> line_budget_warnings(const Topology& topology);
 
-/// The budgets as text, stream by stream: printed by `casd --check`.
+/// The budgets in words, stream by stream: what `casd --check` prints.
 std::string describe(const std::vector<LineBudget>& budgets);
 
 }  // namespace cas::casd

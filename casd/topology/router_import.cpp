@@ -55,7 +55,7 @@ struct Section {
 
 using Ids = std::set<std::uint32_t>;
 
-/// Filters of one endpoint, as far as a route can express them.
+/// What one endpoint lets in and out, as far as a route says it.
 struct Filters {
   Ids allow_messages_out, block_messages_out, block_messages_in;
   Ids allow_systems_out, block_systems_out;
@@ -85,7 +85,7 @@ class Import {
     throw base::ConfigError(file_ + ":" + std::to_string(line) + ": " + sentence);
   }
 
-  /// Text of the file must not control a terminal or end a comment.
+  /// What stands in the file must not give a terminal orders, nor end a comment.
   void note(int line, std::string sentence) {
     for (char& c : sentence) {
       if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) c = '?';
@@ -118,7 +118,7 @@ class Import {
                                     false};
   }
 
-  /// A repeated section continues the first one; names have any case.
+  /// A section that comes again goes on; names have any case.
   void open_section(const std::string& kind, const std::string& name, int line) {
     const auto same = [&](const Section& each) {
       return each.kind == kind && lower(each.name) == lower(name);

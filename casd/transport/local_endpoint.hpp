@@ -21,15 +21,15 @@ class LocalEndpoint final : public PacketPort {
  public:
   LocalEndpoint(Switchboard& switchboard, mav::Source self);
 
-  /// From any link's thread: queues packets for casd, broadcasts, and other senders' acts on a
-  /// vehicle.
+  /// From any link's thread: queues what is for casd or for everybody, and what others have a
+  /// vehicle do.
   void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
 
   // casd's main thread:
 
   /// Becomes readable when packets wait.
   int descriptor() const { return signal_.descriptor(); }
-  /// Passes the waiting packets to the station.
+  /// Gives the station what waits.
   void dispatch(Station& station, base::RunTime now);
   /// Sends a packet of the station. Anything but one whole packet is refused.
   /// @param to  paths to the one vehicle that it is for; empty: it goes where its target was heard

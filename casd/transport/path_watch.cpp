@@ -24,7 +24,7 @@ void PathWatch::arm() {
     if (folder == folder.parent_path()) return;
     missing.push_back(folder);
   }
-  // Changes before the parent was watched caused no event.
+  // What came before its parent was watched made no event.
   while (!missing.empty() && watch(missing.back())) missing.pop_back();
 }
 

@@ -15,10 +15,10 @@ class PathWatch {
  public:
   explicit PathWatch(std::filesystem::path path) : path_(std::move(path)) {}
 
-  /// Watches first, then calls `look`: a change during an unsuccessful `look` is reported, too. So
-  /// no change is missed between a look and the wait for the next change.
-  /// @param look  whether the device exists; if so, the watch ends @return result of
-  /// `look`
+  /// Watches, then looks: a change that comes while `look` runs in vain is told, too. So nothing is
+  /// missed between a look and the wait for the next change.
+  /// @param look  whether the device is there; then the watch ends
+  /// @return what it said
   template <class Look>
   bool found_by(Look&& look) {
     arm();
@@ -28,7 +28,7 @@ class PathWatch {
   }
   /// To wait for POLLIN on; -1 when nothing is watched, or it cannot watch.
   int descriptor() const { return watches_.empty() ? -1 : inotify_.get(); }
-  /// Clears the changes so far. @return true if there were any
+  /// Forgets the changes so far. @return true when there were any
   bool take_changes();
 
  private:

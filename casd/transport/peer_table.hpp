@@ -32,14 +32,14 @@ class PeerTable {
                                   base::RunTime now);
   /// Slot and serial number of a peer that is present.
   PeerId id(std::uint8_t peer) const { return {peer, peers_[peer].serial}; }
-  /// Records a packet from the peer.
+  /// A packet came from the peer.
   void heard(std::uint8_t peer, mav::Source source, base::RunTime now);
   /// Forgets silent peers. @return how many
   int expire(base::RunTime now);
   void clear();
 
-  /// Destinations of a packet: all peers or those that announced the target, never its sender. A
-  /// packet for a single peer (`to_serial`) goes to no other.
+  /// Peers that are to get this packet: all or those that announced the target, never its sender.
+  /// A packet for one peer alone (`to_serial`) goes to no other.
   /// @param own  the link that the peers are on
   LinkMask for_packet(const PacketInfo& info, LinkId own) const;
 

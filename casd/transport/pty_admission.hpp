@@ -20,9 +20,9 @@ struct TerminalUser {
 std::optional<TerminalUser> find_terminal_user(std::uint64_t device,
                                                const std::filesystem::path& proc = "/proc");
 
-/// Why casd must neither write to the open pseudo-terminal `slave` nor change its settings; empty
-/// if it may. It may if a running program offers it under `device` (base::PtyLock), or, with
-/// `unlocked`, if it is not the terminal of a session.
+/// Why nothing may be written to the open pseudo-terminal `slave`, nor its settings be changed;
+/// empty when it may. It may if a program that runs offers it under `device` (base::PtyLock), or
+/// with `unlocked` if nobody works at it.
 std::string pty_refusal(int slave, const std::string& device, bool unlocked,
                         const std::filesystem::path& proc = "/proc");
 

@@ -165,8 +165,8 @@ void SerialLink::read(base::RunTime now) {
   close(count == 0 ? "hung up" : error_text(errno), now);
 }
 
-// Reads the available bytes one by one, and waits on the line for the rest of a begun packet: as
-// single-threaded programs do (MAVLink's own C examples among them).
+// What has come, byte by byte, and the rest of a packet that has begun, waiting for the line: how
+// programs with one thread read (MAVLink's own C examples among them).
 void SerialLink::read_blocking(base::RunTime now) {
   bool waited = false;
   do {

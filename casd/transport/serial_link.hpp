@@ -11,8 +11,8 @@
 
 namespace cas::casd {
 
-/// A serial line, or a PTY. If the device disappears, the link waits for its path to return, by
-/// back-off and by watching the folder; packets waiting for the old line are dropped.
+/// A serial line, or a PTY. When the device goes away the link waits for its path to come back, by
+/// back-off and by watching the folder; packets that waited for the old line are dropped.
 class SerialLink final : public Link {
  public:
   explicit SerialLink(LinkContext context);

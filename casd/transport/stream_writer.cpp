@@ -160,8 +160,8 @@ bool StreamWriter::driver_moved() {
   return moved;
 }
 
-// A zero begins no packet: every receiver skips it. If the result is in doubt, another one is sent;
-// a line with nothing but doubtful results counts as moving.
+// A zero begins no packet: every receiver skips it. Where it is in doubt, another one tells; a line
+// that leaves nothing but doubt is believed to move.
 void StreamWriter::nudge() {
   constexpr int kMost = 5;
   const std::uint8_t zero = 0;

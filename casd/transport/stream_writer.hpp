@@ -13,23 +13,23 @@
 
 namespace cas::casd {
 
-/// Detects whether the program at the other end of a pseudo-terminal reads.
+/// Tells whether the program at the other end of a pseudo-terminal reads.
 ///
-/// Linux does not report how many bytes that program has left unread. But each of its reads that
-/// leaves no more than 128 bytes wakes waiting writers even if there was room: an edge of EPOLLOUT.
-/// A write of our own causes such an edge, too, which is cleared at once. On a busy machine the
-/// reader often runs before that, and its edge is cleared with ours: so a write that took long is
-/// in doubt, and counts as read.
+/// Linux has no count of what that program has not read. But each of its reads that leaves no more
+/// than 128 bytes wakes those who wait to write, though there was room all the time: an edge of
+/// EPOLLOUT. A write of our own makes one, too, which is taken away at once. On a busy machine the
+/// reader often runs before that, and its edge goes with ours: a write that took its time is in
+/// doubt, and counts as read.
 class ReaderWatch {
  public:
   explicit ReaderWatch(int fd);
-  /// Turns detection on or off: each check costs system calls. Turning it on clears earlier edges.
+  /// Looks, or not: each look costs system calls. Beginning it forgets what was before.
   void watch(bool on);
   /// Something was written, in so long a time.
   void wrote(base::Duration took);
   /// Whether something was read since the last call, or is in doubt.
   bool has_read();
-  /// Whether any read was seen. Until then nobody has read, or this kernel does not show it.
+  /// Whether a read was seen at all. Until then nobody has read, or this kernel does not tell.
   bool tells() const { return tells_; }
   /// Whether writes since the last call of take_doubt() or has_read() are in doubt.
   bool in_doubt() const { return in_doubt_; }

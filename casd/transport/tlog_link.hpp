@@ -8,8 +8,8 @@
 
 namespace cas::casd {
 
-/// Plays a telemetry log as if its packets arrived now, with the recorded timing. It accepts no
-/// packets.
+/// Plays a telemetry log as if its packets came in now, in the rhythm in which they were recorded.
+/// Nothing can be sent to it.
 class TlogLink final : public Link {
  public:
   explicit TlogLink(LinkContext context);

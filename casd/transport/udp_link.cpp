@@ -93,8 +93,8 @@ SocketAddress source_towards(const SocketAddress& remote, int fd, const std::str
   return source;
 }
 
-/// Sends each packet to its peers. A packet that the socket does not take at once is lost for that
-/// peer and counted: a queue per peer would only hold old packets.
+/// Sends each packet to the peers that are to have it. What the socket does not take at once is
+/// lost for that peer and counted: a queue per peer would only hold old packets.
 class UdpServerWriter final : public PacketWriter {
  public:
   UdpServerWriter(base::Descriptor descriptor, LinkId own, std::shared_ptr<SharedPeers> peers,
@@ -221,7 +221,7 @@ void UdpLink::open(base::RunTime now) {
   core_.went_up(endpoint);
 }
 
-// Addresses are resolved at each opening: they may change.
+// Addresses are looked up anew at each opening: names may move.
 bool UdpLink::look_up(base::RunTime now) {
   using enum AddressLookup::State;
   if (!looking_up_) {

@@ -14,7 +14,7 @@ namespace cas::casd {
 
 /// UDP to one fixed remote: a simulator, a ground station, a broadcast or multicast group.
 ///
-/// For a single host the socket is connected: the kernel passes only that host's datagrams.
+/// To a single host the socket is connected, so the kernel lets in only what that host sends.
 class UdpLink final : public Link {
  public:
   explicit UdpLink(LinkContext context);
@@ -54,8 +54,8 @@ struct SharedPeers {
   PeerTable table;
 };
 
-/// UDP on one port for many: each sender becomes a peer and receives packets until it falls silent.
-/// Also serves as `udp` without a remote: then the newest sender is the only peer.
+/// UDP on one port for many: who sends a packet here becomes a peer and gets packets until it falls
+/// silent. Also serves as `udp` without a remote: then the newest sender is the one peer.
 class UdpServerLink final : public Link {
  public:
   explicit UdpServerLink(LinkContext context);

@@ -29,8 +29,8 @@ bool refuses_segmentation(int error) {
 // The answer to an earlier packet, which no socket took. This one was not even tried.
 bool concerns_earlier_packet(int error) { return error == ECONNREFUSED; }
 
-// The peer's error, not the socket's: it does not listen or is unreachable now. The packet is lost,
-// as any UDP packet may be; the next one is tried normally.
+// The peer's trouble, not the socket's: it does not listen or cannot be reached now. The
+// packet is lost as UDP packets are, the next one is tried as ever.
 bool concerns_peer_only(int error) {
   switch (error) {
     case ECONNREFUSED:
@@ -59,8 +59,8 @@ iovec part_of(const PacketRef& packet) {
   return {const_cast<std::uint8_t*>(packet.bytes.data()), packet.bytes.size()};
 }
 
-// Room for some 2700 small datagrams: a flood while a thread is not scheduled. It is read faster
-// than any sender fills it, so nothing in it ages.
+// Room for some 2700 small datagrams: what a flood brings while a thread is not scheduled. It is
+// emptied faster than any sender fills it, so nothing in it grows old.
 constexpr int kReceiveBuffer_bytes = 2 * 1024 * 1024;
 
 base::Duration as_duration(const timespec& time) {

@@ -24,18 +24,18 @@ class DatagramReader {
  public:
   static constexpr std::size_t kBatch = 32;
   static constexpr std::size_t kMaxDatagram = 4096;
-  /// A shorter wait in the socket is normal scheduling, and not reported.
+  /// A shorter wait in the socket is the machine's, and not told.
   static constexpr base::Duration kPrompt = std::chrono::milliseconds(5);
 
   DatagramReader();
-  /// @return number of datagrams; 0: none waits; -1 with errno: the socket is unusable
+  /// @return how many came; 0: none waits; -1 with errno: the socket is of no more use
   int read(int fd);
   std::span<const std::uint8_t> datagram(std::size_t index) const;
   const sockaddr_storage& sender(std::size_t index) const { return senders_[index]; }
   socklen_t sender_size(std::size_t index) const { return messages_[index].msg_hdr.msg_namelen; }
-  /// Time of the datagram in the socket, by the kernel's stamp; 0 if all came promptly. The stamp
-  /// is wall-clock time: a step back of that clock makes the waiting datagrams look young, a step
-  /// ahead ages them by at most the time since the socket was last empty.
+  /// How long the datagram lay in the socket, by the kernel's stamp; 0 when all came promptly. The
+  /// stamp is wall-clock time: a step back of that clock makes what lies in the socket just then
+  /// young, a step ahead ages it by no more than the time since the socket was last empty.
   base::Duration waited(std::size_t index) const {
     return late_ ? wait_of(index) : base::Duration{};
   }

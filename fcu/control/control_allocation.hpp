@@ -14,13 +14,13 @@ namespace cas::fcu {
 using RotorSet = std::uint32_t;
 inline bool has(RotorSet set, int rotor) { return (set >> static_cast<unsigned>(rotor) & 1U) != 0; }
 
-/// Demand of the controller.
+/// What the controller wants of the rotors.
 struct ControlDemand {
   Eigen::Vector4d u = Eigen::Vector4d::Zero();         ///< U1 (N), U2, U3, U4 (N m)
   Eigen::Vector2d side_D_n = Eigen::Vector2d::Zero();  ///< force along Dx and Dy, N
 };
 
-/// Input for the matrices of ControlAllocation.
+/// What ControlAllocation computes its matrices from.
 struct AllocationSetup {
   /// A servo that turns a rotor's axis. The rotor's omega^2 then has two parts, both of which act
   /// linearly: omega^2 cos(tilt) in the column of the rotor, omega^2 sin(tilt) in a further one.
@@ -45,7 +45,7 @@ struct AllocationSetup {
   static AllocationSetup of(const base::Vehicle& vehicle, RotorSet lost = 0);
 };
 
-/// Computes rotor speeds for thrust, moments and sideways force of any number of rotors anywhere.
+/// Finds rotor speeds for thrust, moments and sideways force, for any number and place of rotors.
 ///
 /// Three nested weighted pseudo-inverses, each computed once: of (U1, U2, U3); with U4; with the
 /// forces along Dx and Dy, as far as the rotors give them independently. A pseudo-inverse minimises

@@ -52,8 +52,8 @@ class ControlCascade {
   const AttitudeSetpoint& attitude_setpoint() const { return attitude_setpoint_; }
   const Eigen::Vector3d& rate_setpoint() const { return rate_setpoint_; }
   const Mixer& mixer() const { return mixer_; }
-  /// The rotor detected as lost since the last call, if any. While the rotors are stopped only
-  /// those of ControlParams::rotors_lost count as lost.
+  /// The rotor that was found to be lost since the last call, if any. While the rotors are stopped
+  /// nothing is known to be lost but what ControlParams::rotors_lost says.
   std::optional<RotorLoss> take_loss() { return std::exchange(loss_, std::nullopt); }
   /// Thrust that carries the vehicle, N, as the gains' hover thrust says.
   double hover_thrust_n() const { return params_.hover_thrust * u1_max_; }

@@ -12,12 +12,12 @@
 
 namespace cas::fcu {
 
-/// Actuator of an autopilot output.
+/// What an output of the autopilot drives.
 enum class OutputKind : std::uint8_t { kNothing, kMotor, kServo };
 
-/// Limits U1..U4 to the rotors' range: roll and pitch have priority, then thrust, yaw last.
+/// Brings U1..U4 within what the rotors can do: roll and pitch first, then thrust, yaw last.
 ///
-/// Roll and pitch are kept in full as long as the range between slowest and fastest rotor suffices;
+/// Roll and pitch are kept whole as long as the span between slowest and fastest rotor suffices;
 /// thrust moves as far as they need (on the ground only downwards); yaw gets the rest.
 ///
 /// Four upright equal rotors are the quadrotor of [HILS]: the inverse of its Eq. (3), 4 x 4, as the
@@ -48,8 +48,8 @@ class Mixer {
   /// way.
   double side_force_n() const { return side_force_n_; }
 
-  /// Excludes exactly the rotors in `lost`; others are used again. @return false if the remaining
-  /// ones cannot carry the vehicle: then nothing has changed
+  /// Leaves out rotors that are lost, those left out before included: what is not in `lost` is
+  /// used again. @return false where the others cannot carry the vehicle: nothing has changed then
   bool set_lost(RotorSet lost);
   RotorSet lost() const { return lost_; }
 

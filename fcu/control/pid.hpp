@@ -21,9 +21,9 @@ struct Saturation {
   bool down = false;
 };
 
-/// u = p e + integral(i e) - d dm/dt. The derivative acts on the measurement, so that a setpoint
-/// step causes no kick. The integrator stops at actuator saturation, and absorbs the jump of the
-/// output when the other gains change.
+/// u = p e + integral(i e) - d dm/dt. The derivative is that of the measurement, so that a step of
+/// the setpoint gives no kick. The integrator stops where the actuator has stopped, and takes up
+/// what a change of the other gains would make the output jump by.
 class Pid {
  public:
   /// Gains for the next update().

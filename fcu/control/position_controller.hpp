@@ -68,8 +68,8 @@ struct ThrustSetpoint {
   Eigen::Vector2d cut_N = Eigen::Vector2d::Zero();  ///< horizontal force not given, N
 };
 
-/// Force m (a - g) as a direction for -Dz and a magnitude. At limited thrust, height has priority
-/// over horizontal acceleration.
+/// Force m (a - g) as a direction for -Dz and a magnitude. When thrust runs out, height comes
+/// before horizontal acceleration.
 /// @param a_N        wanted acceleration, m/s^2
 /// @param mass_kg    m
 /// @param gravity    m/s^2, positive

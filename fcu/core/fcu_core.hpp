@@ -21,7 +21,7 @@
 
 namespace cas::fcu {
 
-/// The sources of stick input.
+/// Whom the vehicle may be flown by.
 struct PilotInput {
   struct Heard {
     Sticks sticks;
@@ -31,7 +31,7 @@ struct PilotInput {
   Heard radio;           ///< HIL_RC_INPUTS_RAW, RC_CHANNELS_OVERRIDE
 
   bool seen() const { return manual_control.at || radio.at; }
-  /// Sticks of the currently active source; nothing if there is none.
+  /// Of the pilot who is heard now; nothing when there is none.
   std::optional<Sticks> sticks(const FlightParams& params, base::RunTime now) const;
 };
 
@@ -48,12 +48,12 @@ struct VibrationMeter {
   }
 };
 
-/// The battery used by the controller: from its simulator's BATTERY_STATUS. Until one arrives it is
-/// simulated, as by PX4 in HIL: full at start, falling linearly while armed, never below a floor. A
-/// measured battery without further reports is unknown.
+/// The battery that the controller flies by: what a BATTERY_STATUS of its simulator says. Until one
+/// comes it makes one up, as PX4 does in HIL: full at start, falling linearly while armed, never
+/// below a floor. One that has been measured and is no longer told of is unknown.
 class Battery {
  public:
-  /// Measurements of a power module.
+  /// What a power module measures.
   struct Reading {
     double voltage_v = 0;
     int cells = 1;            ///< that the voltage is told of; 1: the pack as a whole
@@ -147,11 +147,11 @@ struct FcuCore {
 
   /// Passes changed parameters on to the parts that use them.
   void apply_params();
-  /// Input of a flight mode.
+  /// What a flight mode sees now.
   TaskContext context(base::RunTime now, double dt) const;
   ArmingInput arming_input(base::RunTime now) const;
   FailsafeInput failsafe_input(base::RunTime now) const;
-  /// Clears the estimate and restarts, as at start-up.
+  /// Forgets the estimate and begins anew, as at start.
   void restart_estimate();
   /// Sets home to the present position.
   void set_home_here();

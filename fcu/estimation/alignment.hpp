@@ -19,8 +19,8 @@ class Alignment {
 
   /// Enough samples for a heading.
   bool has_heading() const;
-  /// Whether the average is long enough. Without a heading (no field, or unknown position) the tilt
-  /// alone takes longer, to wait for a compass that starts late.
+  /// The average is long enough. Without a heading (no field, or the place on earth is unknown) the
+  /// tilt alone takes longer, so that a compass that starts late is still waited for.
   bool complete(bool heading_usable) const;
 
   /// Attitude of D in N; the heading is 0 when `with_heading` is not set.

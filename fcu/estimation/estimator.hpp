@@ -149,7 +149,7 @@ class Estimator {
   bool origin_given_ = false;
   bool origin_final_ = false;
   FusionHealth gps_position_, gps_velocity_, baro_, mag_;
-  /// Rejected velocities in a row before a report: more than those after which a jump is accepted.
+  /// Rejected velocities in a row that are told of: more than those after which a blow is believed.
   static constexpr int kContradictions = 8;
   int velocity_rejections_ = 0;
   base::SimTime first_rejected_;  ///< of those: time, place and sum

@@ -9,8 +9,8 @@
 
 namespace cas::fcu {
 
-/// Stores changes of velocity and position, so that a late measurement can be compared with the
-/// state at its own time. Corrections in between do not affect it.
+/// Remembers by how much velocity and position changed, so that a measurement that comes late can
+/// be compared with the state it was taken in. Corrections made in between do not disturb it.
 class MotionHistory {
  public:
   /// How the state at an earlier time differs from the newest one.

@@ -6,14 +6,14 @@
 
 namespace cas::fcu {
 
-/// Detects a receiver that repeats its last fix.
+/// Tells a receiver that repeats its last fix from one that measures.
 ///
-/// A fix with an unchanged stamp is a repetition. So is a fix with exactly the same position and
-/// velocity, if the receiver showed noise at rest or the vehicle moves. A receiver without noise
-/// (some simulators) may repeat fixes at rest.
+/// A fix whose stamp stands still is a repetition. So is one whose position and velocity repeat to
+/// the digit, where that cannot be: the receiver showed noise while it stood still, or the vehicle
+/// moves. A receiver without noise (some simulators) may repeat at rest.
 class RepeatedFixes {
  public:
-  /// Latitude, longitude, altitude and velocity as received, in units of the message.
+  /// Latitude, longitude, altitude and velocity as they came, in units of the message.
   using Digits = std::array<std::int32_t, 6>;
   struct Fix {
     std::uint64_t time_usec = 0;  ///< 0: without a stamp
@@ -36,7 +36,7 @@ class RepeatedFixes {
     return left_out_ == 0;
   }
 
-  /// Whether the last fixes were repetitions.
+  /// Nothing new came with the last fixes.
   bool frozen() const { return left_out_ >= kTold; }
 
  private:

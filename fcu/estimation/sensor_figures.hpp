@@ -16,8 +16,8 @@ struct SensorRates {
   double baro_hz = 50;
 };
 
-/// Figures of a sensor set (config/sensors/*.yaml): the estimator uses them like an engineer uses a
-/// data sheet.
+/// What a sensor set (config/sensors/*.yaml) says of its parts: the estimator assumes it as an
+/// engineer assumes a data sheet.
 struct SensorFigures {
   SensorRates rates;
   EstimatorParams params;  ///< noise, walks and initial uncertainties filled in

@@ -57,7 +57,7 @@ class SensorHealth {
     on_sample(kGps, velocity_N, now);
     return true;
   }
-  /// A new simulation: its receiver restarts.
+  /// A new simulation: its receiver starts anew.
   void forget_fixes() { fixes_ = {}; }
 
   bool alive(Sensor sensor, base::RunTime now) const {

@@ -110,7 +110,7 @@ class Commander {
                          double thrust_ratio);
   /// The estimate was moved by this much.
   void on_position_reset(const Eigen::Vector3d& by_N);
-  /// Loss of gyro and accelerometer: the control step that would notice it may never run.
+  /// No gyro and accelerometer: the control step that would notice may not come.
   void on_sensors_lost(const std::string& what);
 
   bool armed() const { return armed_; }

@@ -40,8 +40,8 @@ struct FailsafeDecision {
   bool warning_only = false;
 };
 
-/// Monitors sensors, position, pilot, ground station, companion, battery and attitude while armed,
-/// and reports the action once per event. PX4's parameters select the actions.
+/// Watches for lost sensors, position, pilot, ground station, companion, battery and attitude while
+/// armed, and says once per event what to do. Actions are chosen by PX4's parameters.
 class Failsafe {
  public:
   /// @param dt  s since the last call

@@ -22,7 +22,7 @@ struct Sticks {
   double throttle = 0.5;
 };
 
-/// Input of a flight mode at one control step.
+/// What a flight mode sees at one control step.
 struct TaskContext {
   EstimatorState estimate;
   double yaw_rad = 0;  ///< estimated heading
@@ -44,7 +44,7 @@ class FlightTask {
   virtual ~FlightTask() = default;
   /// Takes over from whatever flew before.
   virtual void activate(const TaskContext& context) = 0;
-  /// Setpoint of this control step.
+  /// What to follow in this control step.
   virtual ControlSetpoint update(const TaskContext& context) = 0;
   /// The estimate was moved by this much, m.
   virtual void shift(const Eigen::Vector3d& by_N) { static_cast<void>(by_N); }
@@ -71,7 +71,7 @@ class HoldTask final : public FlightTask {
   void go_to(const Eigen::Vector3d& p_N, double yaw_rad, double speed_m_s);
   /// Flies a pattern about the present target until the next go_to.
   void fly_pattern(PatternShape shape, double size_m, double speed_m_s, double period_s);
-  /// Holds the vehicle's present place (the end of another task).
+  /// Stays at a place that the vehicle is at (the end of what another task did).
   void settle(const Eigen::Vector3d& p_N, double yaw_rad);
   const Eigen::Vector3d& target() const { return mover_.target(); }
 
@@ -162,8 +162,8 @@ class ManualTask final : public FlightTask {
   double yaw_rad_ = 0;
 };
 
-/// Follows setpoints that a companion streams: trajectories or attitudes. A stream that stops is a
-/// failsafe; the last setpoint is held until then.
+/// Follows what a companion streams: trajectory setpoints or attitudes. A stream that falls silent
+/// is a failsafe; the last setpoint is held until then.
 class OffboardTask final : public FlightTask {
  public:
   /// Takes a setpoint; given again and again, before the mode can be entered and while it lasts.

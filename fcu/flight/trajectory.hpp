@@ -45,7 +45,7 @@ class Mover {
   const Eigen::Vector3d& position() const { return p_N_; }
   /// Of the setpoint now, rad.
   double yaw() const { return yaw_; }
-  /// The setpoint has reached the target.
+  /// The setpoint stands at the target.
   bool arrived() const;
 
  private:
@@ -69,7 +69,7 @@ enum class PatternShape { kNone = 0, kCircle = 1, kFigureEight = 2, kSteps = 3 }
 ///
 /// kCircle: radius `size`, speed `speed`. kFigureEight: Gerono's lemniscate, `size` from the centre
 /// to each end, greatest speed `speed`. kSteps: `size` forth and back along north every `period`.
-/// Circle and eight start from rest and take `kStart_s` to accelerate.
+/// Circle and eight start from rest and take `kStart_s` to come up to speed.
 class Pattern {
  public:
   Pattern(PatternShape shape, double size_m, double speed_m_s, double period_s)

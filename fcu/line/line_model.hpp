@@ -46,19 +46,19 @@ struct LineConfig {
   static LineConfig parse(const base::ConfigNode& node);
 };
 
-/// Result of receiving a byte with a UART of another bit time (8N1): it samples the middle of each
-/// of its own bits, counted from the start bit's edge. The line is assumed idle after the byte.
+/// What a UART with another bit time makes of a byte (8N1): it looks at the middle of each of its
+/// own bits, counted from the start bit's edge. The line is taken to be idle behind the byte.
 ///
 /// @param ratio  receiver's bit time over the sender's
-/// @return nothing if its stop bit is wrong: a framing error, which loses the byte
+/// @return nothing when its stop bit is not one: a framing error, by which the byte is lost
 std::optional<std::uint8_t> read_at_other_rate(std::uint8_t sent, double ratio);
 
 /// One direction of a serial line as a function of time: it never reads a clock.
 ///
-/// Every byte is done at max(now, done) + 10/baud: an idle line accumulates no credit. Then come
+/// Every byte is done at max(now, done) + 10/baud: an idle line saves up no credit. Then come
 /// delay, jitter, batching, stalls, bit errors and losses as configured; bytes never overtake each
-/// other. A write that waits to be overtaken by the next one waits 50 ms at most. Same seed and
-/// same calls give the same bytes at the same times.
+/// other. A write that waits for the next one to pass waits 50 ms at most. Same seed and same calls
+/// give the same bytes at the same times.
 ///
 ///   write --> send buffer --> byte clock --> errors, delay --> receive FIFO --> read
 class LineModel {
@@ -107,7 +107,7 @@ class LineModel {
     bool wakes = false;  ///< last byte of a write, or the trigger level within it
   };
 
-  /// A write that the next one shall overtake.
+  /// A write that the next one is to pass.
   struct Held {
     std::vector<std::uint8_t> bytes;
     bool twice = false;
@@ -160,7 +160,7 @@ class EmulatorLine {
   /// The reader has stopped: further packets are dropped while `held`.
   void hold(bool held) { held_ = held; }
 
-  /// Next arrival at either end, or next room for waiting bytes.
+  /// When something arrives at either end, or room appears for what waits to come up.
   std::optional<base::RunTime> next_event(base::RunTime now) const;
 
   void configure(const LineConfig& config);

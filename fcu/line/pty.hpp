@@ -8,12 +8,12 @@
 
 namespace cas::fcu {
 
-/// A pseudo-terminal as a serial port, offered under a stable symlink.
+/// A pseudo-terminal that stands for a serial port, offered under a symlink that stays the same.
 ///
-/// Raw from the start, so that nothing is echoed to the peer; one slave is kept open, so that the
-/// master never reads EIO when the peer closes; the symlink is replaced by rename, so that it
-/// always has a target; a lock beside it keeps other programs off the name, and shows whoever opens
-/// the symlink that it still leads to this pseudo-terminal (base::PtyLock).
+/// Raw from birth, so that nothing is echoed to the peer; one slave is kept open, so that the
+/// master never reads EIO when the peer goes; the symlink is replaced by rename, so that it always
+/// points to something; a lock beside it keeps a second program off the same name, and tells who
+/// opens the symlink that it still stands for this pseudo-terminal (base::PtyLock).
 class Pty {
  public:
   /// @param link  symlink to offer the slave under; its folder is made

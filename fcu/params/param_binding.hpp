@@ -7,8 +7,8 @@
 
 namespace cas::fcu {
 
-/// Limits and times of the modes and failsafes. Thrust is relative to full thrust, battery to full
-/// charge; actions, inputs and shapes have the numbers of their parameters.
+/// Limits and times of the modes and failsafes. Thrusts are shares of full thrust, batteries of
+/// full charge; actions, inputs and shapes are numbered as the parameters that they come from.
 struct FlightParams {
   double takeoff_altitude_m = 2.5;
   double takeoff_speed_m_s = 1.2;

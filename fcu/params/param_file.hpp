@@ -7,8 +7,8 @@
 
 namespace cas::fcu {
 
-/// Keeps "NAME VALUE" lines in a file that survives a torn write (base::write_file), with the
-/// previous version in FILE.bak; a checksum in the last line shows whether the file is complete.
+/// Keeps "NAME VALUE" lines in a file that survives a torn write (base::write_file), with the one
+/// before kept as FILE.bak; a last line tells whether it is whole.
 class ParamFile {
  public:
   explicit ParamFile(std::filesystem::path file) : file_(std::move(file)) {}

@@ -17,7 +17,7 @@ namespace cas::fcu {
 /// From HIL_SENSOR and HIL_GPS to the estimator; says when a control step is due.
 class SensorInput {
  public:
-  /// Its consumers and its inputs. All outlive it.
+  /// What it feeds, and what it goes by. All outlive it.
   struct View {
     Estimator& estimator;
     ControlCascade& cascade;
@@ -43,7 +43,7 @@ class SensorInput {
 
   std::uint64_t stale() const { return stale_; }
   std::uint64_t missed_controls() const { return missed_controls_; }
-  /// Delay of the sensor messages relative to the promptest one.
+  /// How much later than the promptest one the sensor messages came.
   const base::Histogram& age() const { return age_; }
 
  private:
@@ -64,8 +64,8 @@ class SensorInput {
   base::Histogram age_;
 };
 
-/// State of battery 0 from BATTERY_STATUS; nothing for another battery, or without voltage or
-/// remaining charge.
+/// What BATTERY_STATUS says of battery 0; nothing for another battery, and without a voltage or the
+/// charge that is left.
 std::optional<Battery::Reading> battery_reading(const mavlink::common::BatteryStatus& m);
 
 /// An answer to the simulator.

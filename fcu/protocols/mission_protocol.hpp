@@ -17,8 +17,8 @@
 
 namespace cas::fcu {
 
-/// The mission protocol: upload (requests the items one by one, and missing ones again), download,
-/// clear, current. No fences and rally points: uploads are refused.
+/// The mission protocol: upload (we ask for the items one by one, again when they do not come),
+/// download, clear, current. Fences and rally points: none, and none are taken.
 class MissionProtocol {
  public:
   static constexpr std::size_t kMaxItems = 500;

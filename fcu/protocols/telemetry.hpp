@@ -16,7 +16,7 @@ class Telemetry {
   /// Both outlive it.
   Telemetry(const FcuCore& core, Outbox& outbox);
 
-  /// Sends the messages that are due.
+  /// Sends what is due.
   void update(base::RunTime now);
   enum class Sent {
     kSent,

@@ -14,22 +14,22 @@
 
 namespace cas::hils {
 
-/// The user's own folder for locks below another one, created with mode 0700 if missing.
-/// @throws base::ConfigError if it belongs to another user, or is accessible to others
+/// The user's own folder for locks in another one, made with mode 0700 where it is missing.
+/// @throws base::ConfigError where it is somebody else's, or others may look into it
 std::filesystem::path own_lock_folder(const std::filesystem::path& parent);
 
 /// Where the locks are: the list's `lock_folder`, else the user's own in /var/tmp, which no
 /// environment moves and no logout clears; made where it is missing. @throws base::ConfigError
 std::filesystem::path lock_folder(const BoardList& list);
 
-/// "CAS_BOARD_HOLDER=TOKENS": for programs that may use this program's boards, or its holder's.
+/// "CAS_BOARD_HOLDER=TOKENS": for programs that may use what this one holds, or may use itself.
 std::string holder_setting();
 
 /// The file that is locked.
 std::filesystem::path lock_file(const std::filesystem::path& folder, const Board& board);
 
-/// Descriptors of a process that refer to this file, also inherited ones; none if its descriptors
-/// are not visible to this user, or the number is of another container.
+/// Descriptors of a process that are this file, however it came by them; none where its descriptors
+/// are not this user's to see, or the number is of another container.
 std::vector<int> descriptors_of(pid_t process, const std::filesystem::path& file);
 
 /// Processes that hold a board or use it below a lock, as far as this user can see them:
@@ -49,19 +49,19 @@ LockState look_at_lock(const Board& board, const std::filesystem::path& folder);
 /// "it is held by process 12 of ann since ...: hils run hover.yaml; 2 wait for it".
 std::string to_words(const LockState& state);
 
-/// The lock of one board: a file lock, which the kernel releases when the holder ends, however it
-/// ends. The file names the holder; its token is put into this program's environment, in
-/// CAS_BOARD_HOLDER, so that child programs may use the board. Such a guest holds a shared lock on
-/// a second file: nobody else gets the board while a guest works, even after the holder has ended.
+/// The lock of one board: that of a file, which the kernel frees when the holder ends, however it
+/// ends. The file says who holds it; its token is put into this program's environment, in
+/// CAS_BOARD_HOLDER, so that what it starts may use the board. Such a guest holds a shared lock on
+/// a second file: nobody takes the board while one is at work, even where the lock around it ended.
 ///
-///   NAME.lock    exclusive: the holder, and children with its descriptor
-///   NAME.guests  shared: guests; exclusive, for a moment: a program that takes NAME.lock
+///   NAME.lock    exclusive: the holder, with what it gave the descriptor to
+///   NAME.guests  shared: guests; exclusive, for a moment: who takes NAME.lock
 ///
-/// A waiter has a ticket in a queue; the kernel releases it when the waiter ends. First come,
-/// first served.
+/// A waiter has a ticket in a queue; the kernel frees it when the waiter ends. The first who came
+/// is the first to get the board.
 class BoardLock {
  public:
-  /// @param wait  longest time in the queue; nothing: do not wait
+  /// @param wait  how long to stand in the queue; nothing: not at all
   /// @throws BoardError (kExitBoardBusy), base::ConfigError
   BoardLock(const Board& board, const std::filesystem::path& folder, const std::string& purpose,
             std::optional<base::Duration> wait);
@@ -71,11 +71,11 @@ class BoardLock {
 
   /// Used below a lock that CAS_BOARD_HOLDER names.
   bool is_guest() const { return !lock_; }
-  /// Descriptor for a child that shall also hold the board; -1 for a guest.
+  /// What a child inherits that shall hold the board, too; -1 of a guest.
   int descriptor() const { return lock_.get(); }
   /// A child in the background that has inherited the descriptor holds the board from now on.
   void hand_over(pid_t child);
-  /// A process with the inherited descriptor holds the board until it ends; the file still names
+  /// Whoever has inherited the descriptor holds the board until it ends; the file goes on to name
   /// this process.
   void leave_to_heirs() { handed_over_ = true; }
 

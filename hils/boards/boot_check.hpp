@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// Observations of a board through casd.
+/// What can be seen of a board through casd.
 struct BoardFacts {
   std::filesystem::path device{};  ///< empty: the board is not there
   bool link_up = false;
@@ -33,14 +33,14 @@ std::string commit_text(const std::array<std::uint8_t, 8>& custom_version,
 /// Whether version `said` is the one that is wanted: "1.15" wants any 1.15.x. Pure.
 bool is_version(std::string_view said, std::string_view wanted);
 
-/// Whether commit `said` may be the wanted one: they agree over their common length, at least seven
-/// digits if the wanted one has that many. Firmware reports only the first digits. Pure.
+/// Whether commit `said` may be the one that is wanted: they agree as far as both go, for seven
+/// digits at least where that many are wanted. A firmware says the beginning alone. Pure.
 bool is_commit(std::string_view said, std::string_view wanted);
 
 /// Whether there is nothing more to wait for: it has been heard, and has said its version. Pure.
 bool has_booted(const BoardFacts& facts);
 
-/// Judgement of a boot.
+/// What is said of a boot.
 struct BootVerdict {
   ExitCode code = kExitPassed;  ///< or kExitBoardAbsent, kExitNoBoot
   std::string sentence;

@@ -17,18 +17,18 @@ struct ForegroundCommand {
   int kept = -1;                           ///< descriptor that it and what it starts inherit
 };
 
-/// Runs a command on this program's terminal, if any, in its own process group, and waits for it:
-/// the command receives the terminal's keys; SIGTERM, SIGHUP, SIGINT and SIGQUIT to this program go
-/// to the whole group. The command dies with this program.
+/// Runs a command on this program's terminal, where it has one, in a process group of its own, and
+/// waits for it: the terminal's keys are the command's; SIGTERM, SIGHUP, SIGINT and SIGQUIT to this
+/// program go to the whole group. The command dies with this program.
 /// @return its exit code; 128 + signal; 127 when it cannot be started
-/// @throws base::ConfigError if no process can be started or its end cannot be observed
+/// @throws base::ConfigError when no process can be made or its end cannot be seen
 int run_in_foreground(const ForegroundCommand& command);
 
 /// Becomes a process without a terminal, in the background. @return its number in the parent, 0 in
 /// the child @throws base::ConfigError
 int go_to_background();
 
-/// Waits for SIGTERM, SIGINT or SIGHUP, or until the time is over.
+/// Waits until this process is told to end (SIGTERM, SIGINT, SIGHUP), or until the time is over.
 void wait_to_be_ended(base::Duration most);
 
 }  // namespace cas::hils

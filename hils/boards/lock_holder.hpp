@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// The holder of a board, from the lock's file.
+/// Who holds a board, as the lock's file tells.
 struct LockHolder {
   pid_t pid = 0;
   std::string user;
@@ -39,8 +39,8 @@ bool names_token(const char* variable, std::string_view token);
 /// @param at_ns  since 1970
 std::string ticket_name(std::int64_t at_ns, pid_t pid);
 
-/// Number of tickets in the queue before this one. Pure. @param alive  names of tickets whose
-/// waiters still exist
+/// How many tickets of the queue stand before this one. Pure.
+/// @param alive  names of tickets whose waiters are still there
 std::size_t places_before(const std::vector<std::string>& alive, std::string_view own);
 
 }  // namespace cas::hils

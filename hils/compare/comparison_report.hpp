@@ -16,7 +16,7 @@ std::string comparison_headline(const ComparisonPlan& plan);
 /// others are not.
 std::string validity_words(const VariantResult& result);
 
-/// Format of tables: Markdown, or aligned columns for a terminal.
+/// What tables look like: those of a page, or aligned columns for a terminal.
 enum class TableStyle { kMarkdown, kAligned };
 
 /// For files, docs and the terminal: each table with the rows of [HILS] beside ours where it has

@@ -24,14 +24,14 @@ struct Column {
   Figure figure;
 };
 
-/// Columns of one table.
+/// Columns that stand in one table.
 struct ColumnGroup {
   std::string key;
   std::string title;
   std::vector<Column> columns;
 };
 
-/// All tables of a comparison: Tables 4 and 5 of [HILS] first, then further figures.
+/// All tables of a comparison: Tables 4 and 5 of [HILS] first, then what it left out.
 const std::vector<ColumnGroup>& comparison_groups();
 
 /// Mean and interval over the valid runs that have the figure.

@@ -9,12 +9,12 @@
 
 namespace cas::hils {
 
-/// Whether the vehicle was disarmed by its disarm step, or by its autopilot after landing.
-/// @param gave_disarm  hils sent it, it was accepted, and nobody has armed the vehicle since
-/// @param words  the vehicle's text on its newest disarming; empty: none
+/// Whether the disarming after a disarm step was that step's, or the autopilot's own after landing.
+/// @param gave_disarm  hils did, it was accepted, and nobody has armed the vehicle since
+/// @param words  what the vehicle said of its newest disarming; empty: nothing
 bool is_own_end(bool gave_disarm, std::string_view words);
 
-/// Facts about a vehicle that hils armed, that did not take off and is now disarmed.
+/// What is known of a vehicle that hils armed, that has not taken off and is armed no more.
 struct Disarming {
   OutsideHands hands{};             ///< since the run began
   std::string autopilot{};          ///< "PX4", "ArduPilot", "other"
@@ -30,10 +30,10 @@ inline constexpr int kMostRearmings = 2;
 
 /// Why a vehicle is not armed again; empty: its autopilot has disarmed itself on the ground.
 ///
-/// A vehicle that a person disarms stays disarmed. So the autopilot must be known as the cause:
-/// nobody else commanded the vehicle, it never left the ground, and PX4 reports its
-/// COM_DISARM_PRFLT ("auto preflight disarming"); ArduPilot gives no reason, so the time since the
-/// arming must equal its DISARM_DELAY. An unknown cause counts as a person.
+/// What a person disarms stays disarmed. So it must be known that the autopilot did it: nobody else
+/// had the vehicle do anything, it never left the ground, and PX4 says that this was its
+/// COM_DISARM_PRFLT ("auto preflight disarming"); of ArduPilot, which gives no reason, the time
+/// since the arming must be its DISARM_DELAY. What is not known counts as a person.
 std::string rearm_fault(const Disarming& disarming);
 
 }  // namespace cas::hils

@@ -9,13 +9,13 @@
 
 namespace cas::hils {
 
-/// Why a firmware of this version is refused; empty: it is not. @param version  empty: not reported
+/// Why a firmware of this version is not flown; empty: it may be. @param version  empty: not told
 std::string version_fault(const Firmware& wanted, const std::string& version);
 /// Why a flight does not wait for its vehicle any longer; empty: it speaks.
 std::string silence_fault(const VehicleReport& vehicle);
 
-/// Flies the steps of a scenario through casd with running programs, and records the true position.
-/// @return the flight's data before its recordings are read
+/// Flies the steps of a scenario through casd once its programs run, and looks at the true
+/// position. @return what is known of the flight before its recordings are read
 FirmwareFigures pilot_firmware(const FirmwareScenario& scenario, const FirmwarePlaces& places,
                                Supervisor& supervisor);
 

@@ -9,8 +9,8 @@
 
 namespace cas::hils {
 
-/// The report of a flight of stock firmware as a self-contained HTML file: verdict, checks, truth
-/// and estimate over time, rates and delays at casd, the configuration.
+/// The report of a flight of stock firmware as a self-contained HTML file: the verdict, what it was
+/// held to, truth and estimate over time, rates and delays that casd saw, the configuration.
 std::string firmware_report(const FirmwareScenario& scenario, const FirmwarePlaces& places,
                             const FirmwareFigures& figures, const Verdict& verdict);
 

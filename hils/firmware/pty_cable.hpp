@@ -25,7 +25,7 @@ class PtyCable {
   PtyCable(const PtyCable&) = delete;
   PtyCable& operator=(const PtyCable&) = delete;
 
-  /// Number of discarded bytes so far, both directions. From any thread.
+  /// Bytes that were thrown away so far, of both directions. From any thread.
   std::uint64_t lost_bytes() const { return lost_; }
 
  private:

@@ -17,8 +17,8 @@
 
 namespace cas::hils {
 
-/// Wake-up delay of a thread on a machine of the virtual clock: log-normal, given by its median and
-/// its 99th percentile. Both zero: no delay.
+/// How late a thread goes on after what it waited for, on a machine of the virtual clock:
+/// log-normal, given by its median and its 99th percentile. Both zero: at once.
 struct WakeUpFigures {
   double p50_us = 0;
   double p99_us = 0;
@@ -38,8 +38,8 @@ struct RestartFault {};
 struct FloodFault {
   double packets_hz = 0;
 };
-/// No packets from the ground, neither from the ground station nor from casd's own. On the virtual
-/// clock.
+/// Nothing comes from the ground any more: neither the ground station nor casd's own. On the
+/// virtual clock.
 struct SilenceFault {};
 /// The threads of casd wake up this late: others have the processor. On the virtual clock.
 struct StarveFault {
@@ -50,7 +50,7 @@ struct ReloadFault {};
 using BenchFaultKind = std::variant<LineFault, UnplugFault, RestartFault, FloodFault, SilenceFault,
                                     StarveFault, ReloadFault>;
 
-/// A fault of the bench, not of the vehicle: its begin, duration and effect.
+/// A fault of the bench, not of the vehicle: when it begins, how long it lasts, what it does.
 struct BenchFault {
   std::string name;
   std::size_t vehicle = 0;  ///< whom its condition asks, and whose line it is
@@ -59,7 +59,7 @@ struct BenchFault {
   base::Duration lasting{};
   BenchFaultKind kind;
 
-  /// Faults of casd or of the ground station affect all vehicles.
+  /// What is wrong with casd or on the ground hits every vehicle.
   bool is_everybodys() const;
 };
 
@@ -100,7 +100,7 @@ class BenchFaultScript {
   void add(BenchFault fault);
   /// One more, which has been begun by hand.
   void add_begun(BenchFault fault, base::SimTime now);
-  /// Faults that begin or end now. The pointers stay valid until the next add().
+  /// What begins or ends now. The faults that it points to stay until the next add().
   std::vector<Event> update(base::SimTime now, std::span<const VehicleReport> vehicles,
                             std::string_view phase);
 

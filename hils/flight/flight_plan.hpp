@@ -15,7 +15,7 @@
 
 namespace cas::hils {
 
-/// Acts on the vehicle by others than hils, as seen by casd.
+/// What somebody beside hils had the vehicle do, as casd heard it.
 struct HeardAct {
   std::string by;    ///< "255/190 on link gcs"
   std::string what;  ///< "command 400 (disarm)"
@@ -25,7 +25,7 @@ struct HeardAct {
 /// How the failure of a flight begins whose vehicle is armed no more.
 inline constexpr std::string_view kDisarmedDuring = "the vehicle was disarmed during ";
 
-/// casd's knowledge of the vehicle.
+/// What casd knows of the vehicle.
 struct VehicleReport {
   bool heard = false;          ///< its HEARTBEAT has come
   double heartbeat_age_s = 0;  ///< of the newest, by casd's clock
@@ -63,32 +63,32 @@ struct Stage {
   double reference_yaw_rad = 0;
 };
 
-/// Behaviour of stock firmware that our controller does not have.
+/// What stock firmware does and our controller does not.
 struct FirmwareHabits {
   /// It accepts arming before it can take off, and disarms itself on the ground (PX4 v1.12.0 after
-  /// 8 s, ArduCopter 4.5.6 after 10 s), whether it has refused the takeoff or just accepted it. So
-  /// it is armed once it has its position, and armed again if it disarms before it lifts off; the
-  /// caller checks first who disarmed it (rearm_fault()).
+  /// 8 s, ArduCopter 4.5.6 after 10 s), whether it has refused the takeoff or accepted it a moment
+  /// before. So it is armed once it has its position, and again where it is armed no more and has
+  /// not lifted off: whoever gives the command asks first who disarmed it (rearm_fault()).
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
 };
 
-/// Takes a vehicle through the steps of a scenario: decides which command is due and when a step is
-/// done. It sends no command and reads no clock. FleetPlan synchronises several of them.
+/// Takes a vehicle through the steps of a scenario. It says which command is to be given and when
+/// a step is done; it gives none itself and reads no clock. FleetPlan keeps several in step.
 ///
 ///   update() -> command -> on_outcome() -> update() until the step's condition holds -> next step
 class FlightPlan {
  public:
-  /// `others_through` of a single vehicle.
+  /// `others_through` of a vehicle that flies alone.
   static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
 
   /// @param start_yaw_rad  heading of the vehicle at the start, kept until a step sets another
   explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0,
                       FirmwareHabits habits = {});
 
-  /// Evaluates the vehicle's state. @return the step whose command is due now, if any
-  /// @param others_through  steps that all other vehicles have finished: the next one may begin
+  /// Looks at the vehicle. @return the step whose command is to be given now, if any
+  /// @param others_through  so many steps the other vehicles are through with: the next one begins
   std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle,
                                    std::size_t others_through = kNobody);
   /// The vehicle's answer to the last command: `refusal` is empty when it was accepted. A refused
@@ -101,7 +101,7 @@ class FlightPlan {
   /// Steps that it has in all.
   std::size_t size() const { return steps_.size(); }
   bool begun() const { return begun_; }
-  /// Steps that other vehicles need not wait for: finished ones, and one in which it stands by.
+  /// Steps that other vehicles need not wait for: those done, and one in which it stands by.
   std::size_t through() const { return current_ + (stands_by() ? 1 : 0); }
   bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
   /// Why the flight cannot go on; empty as long as it can.

@@ -80,7 +80,7 @@ struct FlightStep {
   std::optional<Condition> until{};                      ///< wait_until
 };
 
-/// The step's name, or by default its word.
+/// The step's name, or the word for what it is.
 std::string_view phase_of(const FlightStep& step);
 /// Whether the step sends the vehicle a command.
 bool is_command(StepKind kind);
@@ -98,7 +98,7 @@ bool is_command(StepKind kind);
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
                                      const VehicleNames& names = only_vehicle());
 
-/// The flight from one vehicle's view: it stands by in the steps of others.
+/// The flight as one vehicle sees it: in the steps of others it stands by.
 std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight);
 
 }  // namespace cas::hils

@@ -8,7 +8,7 @@
 
 namespace cas::hils {
 
-/// Events that fail a flight whatever its limits.
+/// What no flight may do, whatever its limits.
 enum class IncidentKind {
   kGround,    ///< touched the ground in a step that is flown in the air
   kCrash,     ///< hit something faster than a landing

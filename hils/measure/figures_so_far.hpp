@@ -14,18 +14,18 @@
 
 namespace cas::hils {
 
-/// Limits of a vehicle that can be evaluated during the flight: its errors from the reference in
-/// the measured step so far. Packets and delays need the programs' finished ledgers, responses and
-/// incidents the finished flight.
+/// What can be said of a vehicle's limits while it flies: its errors from the reference over the
+/// measured step, up to now. Packets and delays are known when the programs have written their
+/// ledgers, responses and incidents when the flight is over.
 class FiguresSoFar {
  public:
-  /// Adds one sample of the vehicle; only those in the measured step count, each moment once, and
-  /// each estimate once while it is fresh. Everything restarts if simulated time goes back. @param
-  /// stage  the current step
+  /// One look at the vehicle; only those in the measured step count, each moment once, and each
+  /// estimate once while it is fresh. All begins anew where simulated time goes back.
+  /// @param stage  the step under way
   void add(const Stage& stage, base::SimTime now, const VehicleReport& vehicle);
 
-  /// The limits on the flight, in the order and with the names of judge(); those not known yet have
-  /// a bound but no value. Figures without a bound are left out.
+  /// The limits on the flight as judge() has them, in its order and by its names; those that cannot
+  /// be told yet have a bound and no value. What bounds no figure is left out.
   std::vector<LimitCheck> checks(const Limits& limits) const;
 
  private:

@@ -35,8 +35,8 @@ struct OutsideCall {
 /// Methods of casd's command port that were called, with their parameters as JSON.
 using CallList = std::vector<std::pair<std::string, std::string>>;
 
-/// The calls in an answer of casd.journal or sim.journal that hils did not make. Each entry of
-/// `own` removes one call. @param port  name of the port, for messages
+/// The calls in an answer of casd.journal or sim.journal that are not in `own`, what hils asked.
+/// Each of its own takes out one call. @param port  where they were asked, for people
 std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own,
                                        const std::string& port = "casd's command port");
 
@@ -65,12 +65,12 @@ struct OutsideAct {
   std::uint64_t times = 1;
 };
 
-/// Events of a flight that are not part of its plan.
+/// What the plan of a flight does not say.
 struct FlightChanges {
   std::vector<ParameterChange> parameters;
   std::vector<OutsideAct> acts;
 
-  /// Whether the flight had input from outside the scenario.
+  /// Whether somebody beside the scenario had a hand in the flight.
   bool from_outside() const;
 };
 

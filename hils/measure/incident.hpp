@@ -11,14 +11,14 @@
 
 namespace cas::hils {
 
-/// A landing of PX4 descends at 0.7 m/s (MPC_LAND_SPEED); landing gear of this size takes 1 to 2.
+/// A landing of PX4 comes down at 0.7 m/s (MPC_LAND_SPEED); landing gear of this size takes 1 to 2.
 inline constexpr double kCrashSpeed_m_s = 3.0;
 /// Beyond it little lift is left (cos 75 degrees = 0.26), and no step asks for it: controllers are
 /// limited to 45 (MPC_TILTMAX_AIR).
 inline constexpr double kMostTilt_deg = 75.0;
 /// The extent is the farthest place of the plan from the start, at least 1 m.
 inline constexpr double kFarthestExtents = 10.0;
-/// A rotor above this speed is turning: half the speed of an idling rotor.
+/// A rotor that is faster turns: half of what idling rotors have.
 inline constexpr double kTurning_rad_s = 50.0;
 
 /// Angle between the vehicle's axis and the vertical.
@@ -30,12 +30,12 @@ struct Incident {
   std::string what;   ///< a sentence without a full stop
 };
 
-/// The first incident of each kind in a flight, from its first step to the end of the record. The
-/// ground is at the height of the start: over terrain only kCrash reports a contact.
+/// The first incident of each kind in a flight, from its first step to the end of the record.
+/// Ground is where the vehicle stood at the start: over terrain only kCrash tells of a touch.
 ///
-/// @param stages  the flight's stages
-/// @param truth   in order of time
-/// @param from_s  earlier samples are ignored
+/// @param stages  the flight as it went
+/// @param truth   in the order of time
+/// @param from_s  what came earlier is left out
 std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
                                      std::span<const PoseSample> truth, double from_s = 0);
 

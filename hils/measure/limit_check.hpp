@@ -6,7 +6,7 @@
 
 namespace cas::hils {
 
-/// One check of a run: a bound on a figure, or an event that must not happen.
+/// One thing that a run is held to: a bound on a figure, or something that must not happen.
 struct LimitCheck {
   enum class Kind {
     kValidity,  ///< whether the run counts

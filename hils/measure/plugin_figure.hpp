@@ -25,8 +25,8 @@ struct PluginFigure {
   std::vector<std::pair<double, double>> points;  ///< of a series: s of simulated time, value
 };
 
-/// The figures of one vehicle from plugin_figures.json of a run; empty without that file. @throws
-/// base::ConfigError if the file does not have the simulator's format
+/// The figures of one vehicle from plugin_figures.json of a run; empty when there is no such file.
+/// @throws base::ConfigError when the file is not what the simulator writes
 std::vector<PluginFigure> read_plugin_figures(const std::filesystem::path& file,
                                               const std::string& vehicle);
 

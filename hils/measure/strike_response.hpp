@@ -16,7 +16,7 @@ namespace cas::hils {
 
 struct RunRecord;
 
-/// A report of a vehicle that shows the detection of a fault, or the reaction to it.
+/// Something that a vehicle told by which it showed that a fault was noticed, or acted on.
 struct VehicleSign {
   double time_s = 0;  ///< simulated
   std::string what;   ///< "STATUSTEXT 'Position lost: descending'", "health: GPS", "LAND"
@@ -56,18 +56,18 @@ struct ArmedChange {
   bool armed = false;
 };
 
-/// A vehicle's reports during a flight, in order of time.
+/// What a vehicle told in a flight, in the order of time.
 struct VehicleTale {
-  /// STATUSTEXTs of severity warning or worse that refuse no command; a cleared health flag of
-  /// SYS_STATUS (that of the arming checks on the ground only); MAV_STATE critical or worse.
-  /// HEARTBEATs come once a second, so a reaction is known up to 1 s late.
+  /// STATUSTEXTs of warnings and worse that refuse no command; a health flag of SYS_STATUS that
+  /// falls (that of the arming checks on the ground alone); MAV_STATE critical or worse. HEARTBEATs
+  /// come each second, so that a reaction is known up to 1 s late.
   std::vector<VehicleSign> signs;
   std::vector<ArmedChange> armed;
 };
 /// Reads the flight log of a run.
 VehicleTale read_vehicle_tale(const RunRecord& record);
 
-/// Input of the response.
+/// What the response is made of.
 struct StrikeEvidence {
   double strike_s = 0;
   std::optional<double> end_s{};  ///< of the fault; nothing: it lasts to the end

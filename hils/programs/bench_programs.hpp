@@ -20,7 +20,7 @@ class BenchPrograms {
   /// stream. @throws RunStopped, base::ConfigError
   /// @param paused  the simulator waits at time zero
   void start(bool paused = false);
-  /// Stops the simulator first, so that its packets still arrive. @throws RunStopped on bad ends
+  /// The simulator first, so that what it sent still arrives. @throws RunStopped on bad ends
   void stop();
 
   /// A fault: casd is gone at once.

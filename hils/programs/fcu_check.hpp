@@ -11,7 +11,7 @@
 
 namespace cas::hils {
 
-/// Observations of a flight controller on a serial port before the flight.
+/// What can be seen of a flight controller on a serial port before it is flown.
 struct FcuFacts {
   std::string device{};
   std::optional<std::uint8_t> system{};  ///< that it must have; nothing: any

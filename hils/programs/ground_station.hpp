@@ -21,9 +21,9 @@ namespace cas::hils {
 /// How often the ground station of an experiment loads the parameter list.
 inline constexpr base::Duration kParameterListPeriod = std::chrono::seconds(20);
 
-/// The traffic of a connected ground station during an experiment: a heartbeat each second,
-/// centred sticks (MANUAL_CONTROL) for each vehicle 25 times a second, the whole parameter list on
-/// the first packet of a vehicle and again every `list_period`. Pure: time and bytes are
+/// The traffic of a ground station that is connected during an experiment: a heartbeat each second,
+/// centred sticks (MANUAL_CONTROL) for each vehicle 25 times a second, the whole parameter list
+/// when it meets a vehicle and again every `list_period`. Pure: time and bytes come in as
 /// arguments.
 class GroundStation {
  public:
@@ -36,7 +36,7 @@ class GroundStation {
   /// Call it at least every `kTickPeriod`.
   void tick(base::RunTime now);
 
-  /// Sends this many additional packets a second, to the vehicles in turn; 0: none.
+  /// Sends so many packets a second besides, to the vehicles in turn; 0: none.
   void flood(double packets_hz) { flood_ = base::RateGate(packets_hz); }
   /// Sends nothing from now on, or again.
   void silence(bool silent) { silent_ = silent; }
@@ -65,7 +65,7 @@ class GroundStation {
   base::RunTime next_heartbeat_{};
 };
 
-/// A GroundStation on its own UDP socket and thread, for runs in real time.
+/// A GroundStation on a UDP socket of its own, with a thread, for runs in real time.
 class GroundStationThread {
  public:
   /// Binds 127.0.0.1 with a free port; sends to the peer that wrote last. @throws base::ConfigError
@@ -74,7 +74,7 @@ class GroundStationThread {
   GroundStationThread(const GroundStationThread&) = delete;
   GroundStationThread& operator=(const GroundStationThread&) = delete;
 
-  /// Sends this many additional packets a second, as GroundStation does; 0: none.
+  /// Sends so many packets a second besides, as GroundStation does; 0: none.
   void flood(double packets_hz) { flood_hz_ = packets_hz; }
   std::uint16_t port() const { return port_; }
 

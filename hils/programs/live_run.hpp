@@ -26,9 +26,9 @@
 
 namespace cas::hils {
 
-/// A run shown in a browser: casweb, and the port on which casweb gets references, limits and the
-/// verdict, and requests faults by hand. It outlives the programs of the run, so that the verdict
-/// reaches the page.
+/// A run that people watch in a browser: casweb beside it, and the port on which casweb is told
+/// references, limits and the verdict, and hands over faults by hand. It outlives the programs of
+/// the run, so that the verdict reaches the page.
 class LiveRun {
  public:
   LiveRun();
@@ -44,12 +44,12 @@ class LiveRun {
   /// @param start_m  where the vehicles stood at first: north, east, up
   void look(base::SimTime now, const FleetPlan& plan, std::span<const VehicleReport> vehicles,
             std::span<const Eigen::Vector3d> start_m);
-  /// Starts a fault of a line. @throws base::rpc::CallError, base::ConfigError
+  /// What begins a fault of a line. @throws base::rpc::CallError, base::ConfigError
   using BeginFault = std::function<void(const BenchFault& fault)>;
-  /// Starts the faults requested since the last call, and answers the requests.
+  /// Begins the faults that were asked for since the last look, and answers who asked.
   void play_faults(base::SimTime now, std::span<const VehicleReport> vehicles,
                    BenchFaultScript& faults, base::rpc::Client& simulator, const BeginFault& begin);
-  /// Whether the acts of others on the run are due to be reported again.
+  /// Whether it is time to say again what others have done to the run.
   bool wants_calls() const { return port_ && base::steady_now() >= next_calls_; }
   void show_calls(const std::vector<OutsideCall>& calls);
   /// The flight is over, and is judged.
@@ -57,17 +57,17 @@ class LiveRun {
     if (port_) port_->end_faults();
   }
   void tell(const RunResult& result);
-  /// The run ends without a verdict. No effect if the page already has the end.
+  /// The run ends without a verdict. Nothing where the page has been told how it ended.
   void tell_end(const std::string& sentence);
 
-  /// casweb was running and has ended: no page can resume a paused run.
+  /// casweb was there and has ended: no page can resume what one has paused.
   bool page_has_ended() const;
   /// Has the simulation go on.
   void resume(base::rpc::Client& simulator);
 
   /// Faults by hand, as acts of others.
   const std::vector<OutsideCall>& calls() const { return calls_; }
-  /// Calls to the simulator made for them.
+  /// What it asked of the simulator for them.
   const CallList& simulator_calls() const { return simulator_calls_; }
 
  private:

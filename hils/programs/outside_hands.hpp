@@ -10,8 +10,8 @@
 
 namespace cas::hils {
 
-/// Acts on the vehicle by others than hils: calls of casd's command port, and ground stations seen
-/// by casd.
+/// What others than hils had the vehicle do: calls of casd's command port, and what casd heard of
+/// ground stations.
 struct OutsideHands {
   std::vector<OutsideCall> calls{};
   std::vector<HeardAct> acts{};
@@ -19,17 +19,17 @@ struct OutsideHands {
   std::uint64_t acts_so_far = 0;      ///< what comes later than this keeps casd from arming
 };
 
-/// Why a vehicle is not armed: somebody has disarmed it, or tried to, or may have. Empty: no
-/// objection.
+/// Why a vehicle is not armed: somebody has disarmed it, or tried to, or may have. Empty: nobody
+/// has.
 std::string arm_fault(const OutsideHands& hands);
 
-/// The most important call or act, those that disarm first: "unix:uid 1000 called vehicle.disarm".
-/// Empty: there was none.
+/// The call or act that counts most, one that disarms before all others: "unix:uid 1000 called
+/// vehicle.disarm". Empty: nobody else had the vehicle do anything.
 std::string first_hand(const OutsideHands& hands);
 /// That casd does not know all calls any more, as a sentence.
 std::string forgotten_words(const OutsideHands& hands);
-/// " (255/190 on link gcs: command 400 (disarm))" for the message of a failed flight; empty: no act
-/// of others.
+/// " (255/190 on link gcs: command 400 (disarm))" for the sentence of a flight that failed; empty:
+/// nobody else had a hand in it.
 std::string hands_words(const OutsideHands& hands);
 
 }  // namespace cas::hils

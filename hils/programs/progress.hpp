@@ -14,10 +14,10 @@ namespace cas::hils {
 /// How a run keeps to the clock: "1.00x", after late steps "1.00x, 3 late".
 std::string pace_words(double real_time_factor, std::optional<std::uint64_t> late_steps = {});
 
-/// The current step, the pace of the run, the vehicle's estimated position (north, east, up in m),
-/// and the state of the stream in words; as many of these, from the left, as fit.
+/// The step under way, how the run keeps to the clock, where the vehicle takes itself to be (north,
+/// east, up in m), and how the stream does in words; of these from the left what fits.
 ///
-/// @param columns  longest line, in characters
+/// @param columns  most characters that the line may have
 std::string progress_line(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
                           const std::string& pace, const std::string& stream, std::size_t columns);
 
@@ -25,8 +25,8 @@ std::string progress_line(base::SimTime now, const FlightPlan& plan, const Vehic
 std::string plain_progress_line(base::SimTime now, const FlightPlan& plan,
                                 const VehicleReport& vehicle, const std::string& pace);
 
-/// A status line on a terminal, rewritten during the run. If standard error is not a terminal, a
-/// new line every ten seconds, the first after two.
+/// One line on a terminal that is rewritten while the run goes on. Where standard error is no
+/// terminal a line of its own every ten seconds, the first after two.
 class Progress {
  public:
   Progress();

@@ -11,8 +11,8 @@
 
 namespace cas::hils {
 
-/// The Unix socket on which a run publishes its state and takes faults by hand; casweb is its
-/// client. A separate thread serves it from the last published state.
+/// The Unix socket on which a run says what it flies, and takes faults by hand; casweb asks there.
+/// A thread of its own serves it from what the run has shown last.
 ///
 ///   run.reference, run.status, fault.list   what was shown
 ///   fault.inject                            waits until the run takes it and answers
@@ -21,7 +21,7 @@ class RunPort {
  public:
   using Json = base::rpc::Json;
 
-  /// A requested fault.
+  /// Somebody wants a fault.
   struct FaultCall {
     std::string params;  ///< JSON
     base::rpc::Reply reply;
@@ -36,13 +36,13 @@ class RunPort {
   /// The answer of a method from now on.
   void show(const std::string& method, Json answer);
   void publish(const std::string& topic, Json params);
-  /// Faults requested since the last call; each needs an answer.
+  /// Faults that were asked for since the last look; each is to be answered.
   std::vector<FaultCall> take_faults();
   void answer(const FaultCall& call, Json result);
   void refuse(const FaultCall& call, int code, std::string sentence);
   /// From now on no fault is taken: those asked for are refused.
   void end_faults();
-  /// Publishes the verdict and waits, at most two seconds, until its receiver has forwarded it.
+  /// Publishes the verdict and waits until who hears it has passed it on, for two seconds at most.
   void tell_verdict(Json verdict);
 
  private:

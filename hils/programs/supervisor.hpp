@@ -26,11 +26,11 @@ class RunStopped : public std::runtime_error {
   bool interrupted_;
 };
 
-/// Starts the programs of a run and monitors them.
+/// Starts the programs of a run and watches over them.
 ///
 /// A thread waits on the pidfds and on SIGINT and SIGTERM (blocked in every thread, read from a
-/// signalfd). On any of these it ends all programs: their connections close, and `check()` gives
-/// the reason.
+/// signalfd). When one of them comes, it ends all programs: their connections close, and
+/// `check()` says why.
 class Supervisor {
  public:
   /// Blocks SIGINT, SIGTERM and SIGHUP for the process: construct before other threads start.
@@ -45,7 +45,7 @@ class Supervisor {
 
   /// Throws RunStopped when the run has been stopped.
   void check() const;
-  /// Waits for `time` or until the run is stopped. @throws RunStopped
+  /// Waits for `time` or until the run is stopped, whichever comes first. @throws RunStopped
   void wait(base::Duration time);
 
   /// Ends one program in good order: SIGTERM, then SIGKILL after `patience`. Its end is expected

@@ -7,7 +7,7 @@
 
 namespace cas::hils {
 
-/// Figures of each hop from the ledgers of a run, for the page's link diagram:
+/// What the ledgers of a run say of each hop, for the page's link diagram:
 ///
 ///   hops:  one from point to point ("sim>casd"), with a bin for each second of simulated time:
 ///          packets that left, that arrived, and the median and 99 % of their delays, us

@@ -6,7 +6,7 @@
 
 namespace cas::hils {
 
-/// Alignment of cells in all columns but the first, which is left-aligned.
+/// Where cells stand in the columns behind the first one, which is left-aligned.
 enum class Cells { kLeft, kRight };
 
 /// A table for a terminal: columns as wide as their longest cell, two spaces apart. Widths are

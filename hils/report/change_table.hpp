@@ -10,13 +10,13 @@
 
 namespace cas::hils {
 
-/// Sentence below the verdict of a run with input from outside the scenario.
+/// Below the verdict of a run in whose flight somebody had a hand.
 inline constexpr std::string_view kOutsideNote =
     "Somebody acted from outside in this flight: it is not the scenario alone.";
 
-/// Heading and a row for each: time, author, parameter and its loop, old -> new.
+/// A heading and a row for each: when, by whom, which parameter of which loop, old -> new.
 std::vector<std::vector<std::string>> parameter_rows(const FlightChanges& changes);
-/// Heading and a row for each: time, author, act, count.
+/// A heading and a row for each: when, by whom, what, how often.
 std::vector<std::vector<std::string>> act_rows(const FlightChanges& changes);
 
 /// Both in aligned columns, below the note; empty where nothing was changed.

@@ -7,12 +7,12 @@
 
 namespace cas::hils {
 
-/// Type of a flight, by its steps: "hover", "step responses", "figure eight", "circle" or "flight
-/// from place to place"; with faults the suffix "with faults".
+/// What kind of flight it was, by its steps: "hover", "step responses", "figure eight", "circle" or
+/// "flight from place to place"; "with faults" behind it where there were any.
 std::string experiment_of(const Measurement& figures);
 
-/// The measured step: "hover", "hold" (after a flight to other places), "step response 'after'",
-/// "circle 'name'"; "whole flight" if the measured step was not reached.
+/// What was measured: "hover", "hold" (after a flight to other places), "step response 'after'",
+/// "circle 'name'"; "whole flight" where the measured step was not reached.
 std::string measured_part(const Measurement& figures);
 
 /// Whether the vehicle was to stay where it was while it was measured, as in Table 5 of [HILS].

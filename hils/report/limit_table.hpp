@@ -8,9 +8,9 @@
 
 namespace cas::hils {
 
-/// A table of a run's checks: name, value, bound, margin and result; headings first. The
-/// margin is the distance from the bound, negative beyond it, also as a share of the
-/// bound.
+/// A table of what a run was held to: name, value, bound, margin and whether it was kept; headings
+/// first. The margin is how far the value is from the bound, negative beyond it, with its share of
+/// the bound.
 std::vector<std::vector<std::string>> limit_rows(const std::vector<LimitCheck>& checks);
 
 }  // namespace cas::hils

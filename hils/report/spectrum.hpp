@@ -15,10 +15,10 @@ struct Spectrum {
 
 /// Amplitude spectrum of samples at even distances: a sine of amplitude A reads A at its frequency.
 ///
-/// Segments of some 3 s, each overlapping half of the previous one, less their mean, through a Hann
+/// Segments of some 3 s, each overlapping half of the one before, less their mean, through a Hann
 /// window and a fast Fourier transform; the root mean square of their amplitudes (Welch's method).
-/// The noise level depends on the resolution. Frequencies beyond half of the sample rate are
-/// aliased.
+/// The level of noise depends on the resolution. What the samples carry beyond half of their rate
+/// appears folded below it.
 ///
 /// @return empty with fewer than 16 samples
 Spectrum amplitude_spectrum(std::span<const double> samples, double rate_hz);

@@ -13,15 +13,15 @@
 
 namespace cas::hils {
 
-/// Takes the vehicles of a scenario through its steps together: a step begins for all at the same
-/// moment, when all have finished the previous one. A single vehicle is a fleet, too.
+/// Takes the vehicles of a scenario through its steps together: a step begins for all of them at
+/// the same moment, when each is through with the one before. One vehicle alone is a fleet, too.
 ///
 ///   update() -> commands -> on_outcome() of each -> update() ...
 class FleetPlan {
  public:
   explicit FleetPlan(const Scenario& scenario);
 
-  /// A command that is due now.
+  /// A command that is to be given now.
   struct Command {
     std::size_t vehicle = 0;
     FlightStep step;

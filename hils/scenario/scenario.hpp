@@ -49,7 +49,7 @@ struct ScenarioWorld {
   bool ignore_missing = false;
 };
 
-/// A vehicle's place at the start of a run, as in a world: x east and y north of home, z of its
+/// Where a vehicle stands when a run begins, as in a world: x east and y north of home, z of its
 /// lowest point.
 struct VehiclePose {
   double x_m = 0;

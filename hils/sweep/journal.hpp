@@ -8,13 +8,13 @@
 
 namespace cas::hils {
 
-/// Finished runs of one runner, a line for each run. Each line is on the disk before the next run
-/// begins, so that a killed process or a power failure loses only the current runs; a torn last
-/// line is removed when the journal is opened again.
+/// What one runner has flown, a line for each run. Each line is on the disk before the next run's
+/// begins, so that a killed process or a power failure costs only the runs under way; what is torn
+/// at the end is cut off when the journal is opened again.
 class Journal {
  public:
-  /// Opens it for this process only, and creates it if missing. @throws base::ConfigError also if
-  /// another process has it
+  /// Opens it for this process alone, and makes it where there is none.
+  /// @throws base::ConfigError also when another process has it
   explicit Journal(const std::filesystem::path& file);
   /// @throws base::ConfigError when it cannot be written; then the run counts as not flown
   void append(const RowResult& result);

@@ -32,7 +32,7 @@ inline bool is_broken(RowOutcome outcome) {
   return outcome == RowOutcome::kDied || outcome == RowOutcome::kHung;
 }
 
-/// Cost and host of a run: not part of any comparison.
+/// What a run cost, and where: outside every comparison.
 struct MachineFigures {
   double wall_s = 0;
   double cpu_s = 0;

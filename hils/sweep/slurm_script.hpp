@@ -21,8 +21,8 @@ struct SlurmArray {
   std::string partition{};             ///< empty: the cluster's default
 };
 
-/// Number of chunks for `rows` runs, so that each takes about `chunk_minutes`: at least 1, at most
-/// one per row and 1000 (Slurm's default MaxArraySize is 1001).
+/// How many chunks `rows` runs are cut into, so that each takes about `chunk_minutes`: at least 1,
+/// at most one a row and 1000 (Slurm's MaxArraySize is 1001 where nobody has changed it).
 std::size_t slurm_chunks(std::size_t rows, double seconds_a_run, std::size_t jobs,
                          double chunk_minutes);
 

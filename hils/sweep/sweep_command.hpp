@@ -20,8 +20,8 @@ class SweepCommand {
 
   /// Whether the command line asks for it.
   bool parsed() const;
-  /// Executes the command line. @return exit code @throws RunStopped, base::ConfigError,
-  /// std::runtime_error
+  /// Does what the command line says. @return exit code
+  /// @throws RunStopped, base::ConfigError, std::runtime_error
   int run() const;
 
  private:

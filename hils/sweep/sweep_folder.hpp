@@ -24,7 +24,7 @@ struct Chunk {
   std::string name() const;  ///< "chunk_2_of_3"
 };
 
-/// The folder of a sweep: the study as planned, its table, the finished runs.
+/// The folder of a sweep: the study as it was planned, its table, what has been flown.
 ///
 ///   study.yaml, scenario.yaml, vehicle_*.yaml   frozen when it was planned
 ///   table.csv, plan.json                        the runs; what the folder is
@@ -67,14 +67,14 @@ struct SweepFolder {
   /// Row `row`, from 1. @throws base::ConfigError when there is no such row
   const TableRow& row(std::size_t row) const;
 
-  /// Calls `visit` for each line of each journal, in the order of their names and lines, without
-  /// torn lines. A later line of a row replaces an earlier one, except that a broken run does not
-  /// replace a complete one.
+  /// Calls `visit` for each line of each journal, in the order of their names and lines; torn lines
+  /// are left out. A later line of a row stands for it, but that of a run that broke for none of a
+  /// run that did not.
   void for_each_result(const std::function<void(RowResult&&)>& visit) const;
-  /// The valid result of each row from `first` to before `last`; row 0 if there is none.
+  /// The result that stands for each row from `first` to before `last`; row 0 where there is none.
   std::vector<RowResult> results(std::size_t first, std::size_t last) const;
 
-  /// CSV of rows with a result: table and figures, and their cost.
+  /// CSV of rows with a result: table and figures, and what they cost.
   std::string results_csv(const std::vector<RowResult>& results) const;
   std::string machine_csv_of(const std::vector<RowResult>& results) const;
 };

@@ -11,7 +11,7 @@
 
 namespace cas::hils {
 
-/// Optional parts of a sweep's page.
+/// What a page on a sweep shows besides the sweep.
 struct SweepPage {
   std::vector<std::pair<std::string, std::string>> maps{};  ///< parameters of maps asked for
   const SweepView* before = nullptr;       ///< the sweep that this one is compared with

@@ -17,11 +17,11 @@ struct ShareInterval {
 /// as often as `confidence` says. All of [0, 1] where there are no trials.
 ShareInterval clopper_pearson(std::size_t successes, std::size_t trials, double confidence = 0.95);
 
-/// Only the lower end, one-sided at `confidence`.
+/// The lower end alone, one-sided at `confidence`.
 double clopper_pearson_low(std::size_t successes, std::size_t trials, double confidence);
 
-/// Fisher's exact test, two-sided: the probability of shares at least as different as `a` of
-/// `a_trials` and `b` of `b_trials` from the same odds. 1 if one has no trials.
+/// Fisher's exact test, two-sided: how likely shares at least as different as `a` of `a_trials` and
+/// `b` of `b_trials` are when both come from the same odds. 1 where one has no trials.
 double fisher_exact(std::size_t a, std::size_t a_trials, std::size_t b, std::size_t b_trials);
 
 /// Spearman's rank correlation of pairs (x[i], y[i]); ties have the mean of their ranks. Pairs with

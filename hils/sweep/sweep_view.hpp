@@ -13,7 +13,7 @@
 
 namespace cas::hils {
 
-/// A sweep with its finished runs, for tables and pages.
+/// A sweep with what has been flown of it, as tables and pages look at it.
 struct SweepView {
   SweepFolder sweep;
   std::vector<RowResult> results;  ///< results[i] is row i + 1; row 0 where it has not been flown
@@ -48,8 +48,8 @@ struct ShareChange {
   double change() const { return after.share() - before.share(); }
 };
 
-/// Changes from one sweep to another: the shares of all runs (stays up, passed), then of each bin
-/// of each common parameter, the most significant change first.
+/// What changed from one sweep to another: the shares of all runs (stays up, passed), then of each
+/// bin of each parameter that both have, the most certain change first.
 std::vector<ShareChange> compare_sweeps(const SweepView& before, const SweepView& after);
 
 /// Rows that stayed up before and do not now, and the other way round; empty where the tables are

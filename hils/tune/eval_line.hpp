@@ -12,10 +12,10 @@
 
 namespace cas::hils {
 
-/// Schema of the lines of `hils eval`, shown by --describe.
+/// Schema of the lines of `hils eval`, told by --describe.
 inline constexpr int kEvalSchema = 1;
 
-/// One line of input: {"id": any, "parameters": {NAME: value, ...}, "seed": 1}.
+/// One line that comes in: {"id": any, "parameters": {NAME: value, ...}, "seed": 1}.
 struct EvalRequest {
   std::string id = "null";                                        ///< JSON, given back as it came
   std::vector<std::pair<std::string, std::string>> parameters{};  ///< name, YAML
@@ -33,8 +33,8 @@ std::string eval_answer(const EvalRequest& request, const RowResult& result,
                         const std::vector<std::string>& figures);
 /// {"id": ..., "error": "..."} and a line break.
 std::string eval_error(const EvalRequest& request, const std::string& sentence);
-/// Description of requests and answers, on one line: {"schema": 1, "parameters": [{"name", "keys",
-/// "values" or "least" and "most" with "log"}], "figures": [...]}.
+/// What may be asked and what is answered, on one line: {"schema": 1, "parameters": [{"name",
+/// "keys", "values" or "least" and "most" with "log"}], "figures": [...]}.
 std::string eval_description(const Study& study, const std::vector<std::string>& figures);
 
 }  // namespace cas::hils

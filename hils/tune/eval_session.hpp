@@ -14,10 +14,10 @@ struct EvalOptions {
   bool describe = false;          ///< says what may be asked, and ends
 };
 
-/// Reads requests from standard input, one per line, and answers each with one line on standard
-/// output, until the input ends and all are answered.
-/// @return exit code @throws base::ConfigError if the study is wrong, RunStopped on SIGINT and
-/// SIGTERM, std::runtime_error if the output is closed
+/// Reads requests from standard input, a line each, and answers each with one line on standard
+/// output, until the input ends and all has been answered.
+/// @return exit code @throws base::ConfigError where the study is wrong, RunStopped on SIGINT and
+/// SIGTERM, std::runtime_error when nobody reads the answers
 int eval_lines(const EvalOptions& options);
 
 }  // namespace cas::hils

@@ -22,7 +22,7 @@ struct Verification {
   double after = 0;
 };
 
-/// Result of a tuning.
+/// What a tuning found.
 struct TuneResult {
   std::vector<Candidate> candidates;  ///< [0]: before; then in the order in which they were made
   std::vector<std::size_t> front;     ///< indices

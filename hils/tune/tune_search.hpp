@@ -17,7 +17,7 @@ enum class SearchMethod {
 /// Points of the unit cube.
 using UnitPoints = std::vector<std::vector<double>>;
 
-/// The search space and method.
+/// What is searched, and how.
 struct SearchPlan {
   SearchMethod method = SearchMethod::kNsga2;
   std::size_t generations = 10;
@@ -32,9 +32,9 @@ using FlyPoints = std::function<std::vector<std::vector<double>>(const UnitPoint
 /// Whether this build has a library that searches.
 bool has_search();
 
-/// Generates points and has them flown: with NSGA-II a generation at once, with CMA-ES one by one.
-/// The same plan and fitness give the same points. Exceptions of `fly` pass through. @throws
-/// base::ConfigError if this build has no library for it, with how to get one
+/// Makes points and has them flown: with NSGA-II a generation at once, with CMA-ES one after the
+/// other. The same plan and fitness give the same points. What `fly` throws comes out.
+/// @throws base::ConfigError where this build has no library for it, with how to get one
 void search(const SearchPlan& plan, const FlyPoints& fly);
 
 }  // namespace cas::hils

@@ -16,7 +16,7 @@
 
 namespace cas::hils {
 
-/// Figure of a scenario with a delay ramp, in addition to those of a sweep's table.
+/// Figure of a scenario with a delay ramp, besides those of a sweep's table.
 inline constexpr std::string_view kDelayMargin = "delay_margin_us";
 
 /// A scenario that each candidate flies.
@@ -38,29 +38,29 @@ struct TuneParameter {
   double place() const;
 };
 
-/// A figure over some scenarios: the mean over the seeds of each (of several figures the root of
-/// the sum of their squares), then the worst scenario.
+/// What is measured over some scenarios: the mean over the seeds of each, of several figures the
+/// root of the sum of their squares; then the worst of the scenarios.
 struct TuneFigure {
   std::string name;
   std::vector<std::string> figures;
   std::vector<std::size_t> in;  ///< indices of the scenarios
 };
 
-/// A figure to minimise.
+/// What shall become small.
 struct Objective {
   TuneFigure figure;
   double weight =
       1;  ///< in the sum by which one candidate is chosen, of shares of the value before
 };
 
-/// A constraint. Exactly one bound; `before` is the result of the original values.
+/// What must hold. Exactly one bound; `before` stands for the value of the flights before.
 struct Guard {
   TuneFigure figure;
   bool at_least = true;           ///< else at most
   std::optional<double> bound{};  ///< nothing: the value before
 };
 
-/// Contents of a study of `hils tune` (config/tunings/*.yaml). Keys are the members' names.
+/// What a study of `hils tune` says (config/studies/tune_*.yaml). Keys are the members' names.
 struct TuneStudy {
   std::string name;
   std::string description;

@@ -33,18 +33,18 @@ class LockstepPeer {
   /// Blocks until every control that is due for sensors sent up to `time` has arrived.
   /// @return false on timeout or when interrupted: the runner then steps on and counts it
   virtual bool wait_for_controls(base::SimTime time, base::Duration timeout) = 0;
-  /// Whether there is a peer to wait for. If not (a flight controller that boots on the simulator's
-  /// clock, or has gone), the simulation follows the wall clock.
+  /// Whether there is somebody to wait for. While there is not (a flight controller that boots on
+  /// the simulator's clock, or has gone), the simulation goes by the wall clock.
   virtual bool in_step() const { return true; }
-  /// The wait timed out and the simulation steps on: the pending answer is no longer expected.
+  /// The wait has lasted too long and the simulation steps on: what was due is due no more.
   virtual void give_up() {}
-  /// Whether the newest message has been answered: nothing is in flight. Lockstep pauses at such
-  /// moments.
+  /// Whether the newest of what was sent has been answered: nothing is on its way. A pause in
+  /// lockstep is taken at such a moment.
   virtual bool settled() const { return true; }
 };
 
-/// The arguments of `configure`; valid during that call only, except for objects returned by
-/// value.
+/// What a plugin is given in `configure`; valid during that call only, apart from what it returns
+/// by value.
 class PluginContext {
  public:
   virtual ~PluginContext() = default;
@@ -108,13 +108,13 @@ class Plugin {
   virtual void post_step(const StepInfo&, const World&) {}
   /// Back to time zero with the same seed.
   virtual void reset() = 0;
-  /// The run has ended normally: write final output.
+  /// The run has ended in good order: write what is to be written.
   virtual void finish() {}
   /// Figures for `--stats` and `sim.stats`: one JSON object as text, or nothing.
   virtual std::string stats_json() const { return {}; }
 };
 
-/// Result of a plugin library's entry point. Plain data, readable by any build.
+/// What the entry point of a plugin library returns. Plain data, so that any build can read it.
 struct PluginDescriptor {
   std::size_t struct_size;   ///< sizeof(PluginDescriptor) in the plugin's build
   const char* name;          ///< as in CAS_PLUGIN, and lib<name>.so
@@ -124,7 +124,7 @@ struct PluginDescriptor {
 };
 
 /// Compiler, C++ ABI, Eigen alignment and sanitizer, which must agree between host and plugin, and
-/// the version of the plugin API: a host accepts only plugins of its own version.
+/// the version of what plugins see: a host takes plugins of its own version.
 #define CAS_STRINGIZE_(x) #x
 #define CAS_STRINGIZE(x) CAS_STRINGIZE_(x)
 #if defined(__clang__)

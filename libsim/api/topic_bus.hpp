@@ -15,7 +15,7 @@ namespace cas::sim {
 
 namespace detail {
 
-/// One topic: its declared type and its subscribers in order of subscription.
+/// One topic: its declared type and its subscribers in the order in which they came.
 struct Topic {
   std::string name;
   std::string type;
@@ -48,15 +48,15 @@ class Publisher {
     if (topic_->interceptor) return topic_->interceptor(&value);
     topic_->deliver(&value);
   }
-  /// Whether there are subscribers; without them a value need not be computed.
+  /// Whether anybody listens: what nobody hears need not be computed.
   bool has_subscribers() const { return topic_ && !topic_->subscribers.empty(); }
 
  private:
   std::shared_ptr<detail::Topic> topic_;
 };
 
-/// Intercepts a topic between its publisher and its subscribers (faults, recorded data): only the
-/// interceptor gets the messages, and delivers any, at any time.
+/// Stands between the publisher of one topic and its subscribers (faults, recorded data): what is
+/// published reaches nobody but the interceptor, which delivers what it wants, when it wants.
 template <class T>
 class Interceptor {
  public:
@@ -146,7 +146,7 @@ class TopicBus {
   /// Ends the wiring: from now on advertise(), subscribe() and intercept() throw.
   void freeze() { frozen_ = true; }
 
-  /// Topics with subscribers but without a publisher: worth a line in the log.
+  /// Topics that somebody needs and nobody publishes: worth a line in the log.
   std::vector<std::string> unpublished() const {
     std::vector<std::string> names;
     for (const auto& [name, topic] : topics_) {

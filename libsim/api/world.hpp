@@ -62,7 +62,7 @@ class ForceModel {
   virtual void limit(std::span<double>) const {}
 };
 
-/// The plugins' view of the world. `pre_step` gets it mutable, `post_step` const.
+/// What plugins may see and touch. `pre_step` gets it mutable, `post_step` const.
 class World {
  public:
   virtual ~World() = default;
@@ -105,8 +105,8 @@ class World {
     return false;
   }
 
-  /// The world's own uniform magnetic field in W, gauss; nothing: the Earth's field
-  /// applies.
+  /// The magnetic field in W, gauss, where the world has one of its own that is the same
+  /// everywhere; nothing: it is the Earth's.
   virtual std::optional<Eigen::Vector3d> magnetic_field_W() const { return std::nullopt; }
 
   /// The air by altitude above mean sea level.

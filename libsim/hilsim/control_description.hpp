@@ -7,7 +7,7 @@
 
 namespace cas::sim {
 
-/// Description of the methods of hilsim's control socket, for `rpc.discover`.
+/// What the methods of hilsim's control socket are, for `rpc.discover`.
 ///
 /// @param version  of hilsim
 base::rpc::Description control_description(std::string version);

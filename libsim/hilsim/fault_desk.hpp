@@ -11,7 +11,7 @@
 
 namespace cas::sim {
 
-/// Passes faults that are requested during the flight to the plugins `fault`.
+/// Hands faults that somebody orders while vehicles fly to their plugins `fault`.
 class FaultDesk {
  public:
   /// Before the runner starts: afterwards nothing is wired.

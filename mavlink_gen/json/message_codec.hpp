@@ -18,27 +18,27 @@
 
 namespace cas::mav::services {
 
-/// A JSON number with the shortest digits of its float: 0.1, not 0.100000001; whole numbers without
-/// a fraction, null if not finite.
+/// A number of JSON that reads as the float that it was: 0.1, not 0.100000001; whole ones without a
+/// fraction, null for what is not finite.
 nlohmann::json number_json(double value);
 
-/// Messages to JSON and back, using dialects known at run time: the project's dialect, and loaded
-/// MAVLink XML, so that custom messages need no rebuild.
+/// Messages to JSON and back, by what is known of them at run time: the project's dialect, and
+/// MAVLink XML that was read, so that a laboratory's own messages need no rebuild.
 class MessageCodec {
  public:
   /// Knows the project's dialect.
   MessageCodec();
-  /// Adds the messages of a loaded dialect (xml::load_dialect()); they take precedence over earlier
-  /// ones.
+  /// Adds the messages of a dialect that was read (xml::load_dialect()); they go before those known
+  /// so far.
   void add(const xml::Dialect& dialect);
 
   /// {"message": "ATTITUDE", "time_boot_ms": 5, "roll": 0.1, ...}: enums by name, flags joined by
   /// '|', numbers without a name as they are, NaN and infinity as null: the form of write_json().
   /// Null for an unknown message.
   nlohmann::ordered_json to_json(const PacketView& packet) const;
-  /// The packet of such an object, MAVLink 2 and unsigned. Missing fields are zero, the dialect's
-  /// version is filled in, null is NaN; an enum may be a number, too. @throws std::invalid_argument
-  /// with a sentence about the error
+  /// The packet that such an object stands for, MAVLink 2 and unsigned. Fields that it leaves out
+  /// are zero, the dialect's version is filled in, null is NaN; an enum may be a number, too.
+  /// @throws std::invalid_argument with a sentence about what is wrong
   PacketBuffer from_json(const nlohmann::ordered_json& object, Source source,
                          std::uint8_t sequence) const;
 

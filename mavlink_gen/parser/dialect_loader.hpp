@@ -15,8 +15,8 @@ inline constexpr std::size_t kMaxFileBytes = 64U << 20U;
 
 /// Reads a dialect file with all it includes, checks it and merges it.
 ///
-/// Included files come first, each once, however often it is named. Enums of one name are merged.
-/// Errors of the input cause no exception; nothing is evaluated or fetched.
+/// Included files come first, each once, however often it is named. Enums of one name become one.
+/// Whatever the input: no exception for its faults, nothing evaluated, nothing fetched.
 /// @return nothing when an error was reported
 std::optional<Dialect> load_dialect(const std::filesystem::path& file, Diagnostics& diagnostics);
 

@@ -20,15 +20,15 @@ std::string prose(std::string_view text);
 /// The text in quotation marks, for diagnostics.
 std::string quoted(std::string_view text);
 
-/// Reads the common parts of a dialect file's elements, and reports violations of the
-/// schema.
+/// Reads what the elements of a dialect file have in common, and reports what the schema does not
+/// allow.
 class ElementReader final {
  public:
   using Names = std::span<const std::string_view>;
 
   explicit ElementReader(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Whether `child` is allowed in `parent`; an error with a suggestion if not.
+  /// Whether `child` may stand in `parent`; an error with a suggestion if not.
   bool expect_child(const Element& parent, const Element& child, Names allowed);
 
   /// Warns of each attribute that is not among the allowed ones.

@@ -26,7 +26,7 @@ struct VehicleCommand {
   std::optional<Place> place{};
 };
 
-/// "MAV_CMD 400 (arm or disarm)": a command's readable name.
+/// "MAV_CMD 400 (arm or disarm)": what people call a command.
 std::string describe(mavlink::common::MavCmd id);
 /// "denied", "temporarily rejected", ...
 std::string describe(mavlink::common::MavResult result);
@@ -45,7 +45,7 @@ VehicleCommand interval_command(std::uint32_t message_id, double period_us);
 
 /// Whether a command may start motors.
 bool spins(const VehicleCommand& command);
-/// Whether a command disarms or ends the flight, or may do so: PX4 rounds parameters to 0 or 1.
+/// Whether a command disarms or ends the flight, or may do so: PX4 rounds what is to be 0 or 1.
 bool stops(const VehicleCommand& command);
 
 }  // namespace cas::mav::services

@@ -23,13 +23,13 @@ struct FtpTiming {
   Duration answer_timeout = std::chrono::milliseconds(300);
   Duration checksum_timeout = std::chrono::seconds(2);  ///< a server reads the whole file for one
   int tries = 6;
-  /// An incomplete transfer is abandoned after this time, even while data arrives.
+  /// A transfer that is not whole by then is given up, however much still comes.
   Duration whole_timeout = std::chrono::hours(1);
   std::uint32_t max_file_bytes = 256U << 20U;
   std::size_t max_entries = 8192;  ///< of a folder
 };
 
-/// Result of a file transfer; of a failed one the data received so far.
+/// What a file transfer has brought; of one that failed, what came until then.
 struct FtpResult {
   std::vector<FtpEntry> entries{};    ///< of list()
   std::vector<std::uint8_t> bytes{};  ///< of download() and upload(); those that are missing are 0
@@ -46,9 +46,9 @@ struct FtpOddities {
 /// The file transfer protocol (https://mavlink.io/en/services/ftp.html) with one vehicle, from the
 /// ground station's side. One transfer at a time. Every wait has a deadline and a bound on tries.
 ///
-/// A download is OpenFileRO, then bursts; ReadFile requests lost parts. A server without bursts is
-/// read piece by piece; after a restart of the server the file is opened again. At the end the file
-/// is closed and its checksum compared, if the server can compute one.
+/// A download is OpenFileRO, then bursts; what got lost is asked for by ReadFile. A server without
+/// bursts is read piece by piece; one that has restarted meanwhile has the file opened again. At
+/// the end the file is closed and its checksum compared, where the server can compute one.
 class FtpExchange {
  public:
   using Message = mavlink::common::FileTransferProtocol;
@@ -62,14 +62,14 @@ class FtpExchange {
   explicit FtpExchange(Send send, FtpTiming timing = {}, std::uint16_t first_number = 0)
       : send_(std::move(send)), timing_(timing), seq_(first_number) {}
 
-  /// Contents of a folder. Names that would lead out of it are left out.
+  /// What a folder has. Names that would lead out of it are left out.
   void list(const std::string& path, Time now, Done done);
   void download(const std::string& path, Time now, Done done);
   /// Creates the file, or replaces it.
   void upload(const std::string& path, std::vector<std::uint8_t> bytes, Time now, Done done);
   void remove(const std::string& path, Time now, Done done);
-  /// Closes open files at the server, also those of other clients at servers that follow the
-  /// standard; FtpServer closes only yours. Files left open by a crashed client prevent others from
+  /// Closes what is open at the server, of other clients too at servers that follow the standard;
+  /// FtpServer closes only yours. Files that a client which crashed has left open keep others from
   /// opening any.
   void reset(Time now, Done done);
 

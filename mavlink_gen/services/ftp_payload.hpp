@@ -12,7 +12,7 @@
 #include "mavlink/common/enums.hpp"
 #include "mavlink/common/file_transfer_protocol.hpp"
 
-// The payload of FILE_TRANSFER_PROTOCOL (https://mavlink.io/en/services/ftp.html).
+// What FILE_TRANSFER_PROTOCOL carries (https://mavlink.io/en/services/ftp.html).
 namespace cas::mav::services {
 
 inline constexpr std::size_t kFtpDataBytes = 239;
@@ -66,12 +66,12 @@ struct FtpPayload {
 
 /// The message of a payload, without its addressee.
 mavlink::common::FileTransferProtocol ftp_message(const FtpPayload& payload);
-/// The payload of a message. `size` is as received: more than kFtpDataBytes is the sender's
-/// error.
+/// The payload of a message. `size` is as it came: more than kFtpDataBytes is a fault of the
+/// sender.
 FtpPayload ftp_payload(const mavlink::common::FileTransferProtocol& message);
 
 /// MAVLink's CRC-32 (https://mavlink.io/en/crc.html): zlib's polynomial, from 0, without the
-/// inversion at the end. @param crc  of the preceding bytes
+/// inversion at the end. @param crc  of what came before
 std::uint32_t ftp_crc32(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0);
 
 /// A file or folder in a folder.

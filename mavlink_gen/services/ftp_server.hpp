@@ -27,10 +27,10 @@ class FtpStore {
   virtual FtpFailure list(const std::string& folder, std::vector<FtpEntry>& entries) = 0;
   /// The length of a file.
   virtual FtpFailure length(const std::string& path, std::uint32_t& bytes) = 0;
-  /// @param out  destination; shortened to the available bytes, at the file's end to none
+  /// @param out  where to; shortened to what there is, at the file's end to nothing
   virtual FtpFailure read(const std::string& path, std::uint32_t offset,
                           std::span<std::uint8_t>& out) = 0;
-  /// Creates a file of length 0; truncates an existing one.
+  /// Makes a file of length 0; one that is there loses what it has.
   virtual FtpFailure create(const std::string& path) = 0;
   virtual FtpFailure write(const std::string& path, std::uint32_t offset,
                            std::span<const std::uint8_t> bytes) = 0;
@@ -54,21 +54,21 @@ class ReadOnlyFtpStore : public FtpStore {
 struct FtpServerLimits {
   /// All packets together; 0: answers at once, and of a burst one packet with each update().
   double bytes_per_s = 0;
-  /// Size of one packet of a burst or a list: shorter packets delay others less on a slow line. A
-  /// read request gets its requested size.
+  /// In one packet of a burst or a list: shorter packets let others through on a slow line. A
+  /// request to read gets what it asks for.
   std::size_t piece_bytes = kFtpDataBytes;
   std::size_t sessions = 4;
   Duration idle_after = std::chrono::seconds(30);  ///< then another client may have the session
-  /// Length of a burst, after which the client asks for more. If its pieces are shorter than
-  /// requested, a burst continues to the end of the file: some clients take its end for the file's.
+  /// After which the client asks for more. A burst of pieces that are shorter than what was asked
+  /// for goes on to the end of the file: some clients take its end for the file's.
   std::size_t burst_packets = 256;
 };
 
 /// The vehicle's side of the file transfer protocol (https://mavlink.io/en/services/ftp.html):
 /// lists, reads, writes and removes files of a store. Answers and bursts share one pace, answers
 /// first; checksums of large files are computed in parts. Clients have their own sessions; a
-/// request repeated within 5 s gets the same answer again. Not supported: creating folders,
-/// renaming and truncating files.
+/// request that comes again within 5 s gets the same answer again. Folders are not made, files are
+/// not renamed or cut.
 class FtpServer {
  public:
   using Message = mavlink::common::FileTransferProtocol;
@@ -78,9 +78,9 @@ class FtpServer {
   FtpServer(FtpStore& store, Send send, FtpServerLimits limits = {})
       : store_(store), send_(std::move(send)), limits_(limits) {}
 
-  /// @param from  the requesting client
+  /// @param from  who asks
   void on_request(const Message& message, Source from, Time now);
-  /// Sends due packets; call it every few milliseconds.
+  /// Sends what is due; call it every few milliseconds.
   void update(Time now);
   /// Requests that no room was left for; their senders ask again.
   std::uint64_t dropped() const { return dropped_; }

@@ -32,7 +32,7 @@ class MessageMemory {
     found->second.at = now;
   }
 
-  /// @return nullptr if there was none
+  /// @return nullptr when none came
   const Kept* find(std::uint32_t message_id) const {
     const auto found = kept_.find(message_id);
     return found == kept_.end() ? nullptr : &found->second;

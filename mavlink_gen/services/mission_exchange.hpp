@@ -23,11 +23,11 @@
 
 namespace cas::mav::services {
 
-/// Times of repeated requests and of giving up in a mission's transfer.
+/// When what a mission's transfer waits for is asked for again and given up.
 struct MissionTiming {
   Duration answer_timeout = std::chrono::milliseconds(700);
   int tries = 5;
-  /// An incomplete transfer is abandoned after this time, even while data arrives.
+  /// A transfer that is not whole by then is given up, however much still comes.
   Duration whole_timeout = std::chrono::seconds(120);
 };
 
@@ -45,14 +45,14 @@ class MissionExchange {
                    mavlink::common::MissionRequestList, mavlink::common::MissionRequestInt,
                    mavlink::common::MissionAck, mavlink::common::MissionClearAll>;
   using Send = std::function<void(const Message&)>;
-  /// Called once, at the end of the transfer, with the received or sent items.
+  /// Called once, when the transfer has ended, with the items that came or went.
   using Done = std::function<void(const Outcome&, const Items&)>;
   using Type = mavlink::common::MavMissionType;
 
   explicit MissionExchange(Send send, MissionTiming timing = {})
       : send_(std::move(send)), timing_(timing) {}
 
-  /// Replaces the vehicle's mission by these items, numbered in their order.
+  /// Replaces what the vehicle has by these items, which are numbered as they stand.
   void upload(Items items, Time now, Done done, Type type = Type::kMission);
   void download(Time now, Done done, Type type = Type::kMission);
   void clear(Time now, Done done, Type type = Type::kMission);

@@ -56,16 +56,16 @@ struct ParamTiming {
   int tries = 5;
   /// A list with gaps asks for at most this many missing ones at a time.
   std::size_t missing_at_once = 10;
-  /// An incomplete list is abandoned after this time, even while data arrives.
+  /// A list that is not whole by then is given up, however much still comes.
   Duration list_timeout = std::chrono::seconds(120);
 };
 
 /// The parameter protocol (https://mavlink.io/en/services/parameter.html) with one vehicle.
 ///
-/// Every wait has a deadline and a limit of tries, and the number of parameters is limited to the
-/// most that any autopilot has: a faulty vehicle costs a bounded time and memory. The value in a
-/// vehicle's answer is compared with the requested one: a vehicle that clamps or refuses answers
-/// with its current value.
+/// Every wait has a deadline and a bound on tries, and no more parameters are held than any
+/// autopilot has: a vehicle that talks nonsense, or for ever, costs a bounded time and memory. A
+/// value that the vehicle answers is compared with the one asked for: a vehicle that clamps or
+/// refuses answers with what is in force.
 class ParamExchange {
  public:
   using Message = std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,

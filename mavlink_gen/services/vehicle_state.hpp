@@ -28,7 +28,7 @@
 
 namespace cas::mav::services {
 
-/// The newest message of a kind and its time of arrival.
+/// The newest message of a kind and when it came.
 template <class M>
 struct Heard {
   M message{};
@@ -54,15 +54,15 @@ class StatusTextJoiner {
   std::string text_;
 };
 
-/// A vehicle is silent after this long without HEARTBEAT.
+/// A vehicle is silent when no HEARTBEAT has come for this long.
 inline constexpr Duration kVehicleTimeout = std::chrono::seconds(3);
 
 /// EKF_STATUS_REPORT, a message of ArduPilot's dialect.
 inline constexpr std::uint32_t kEkfStatusReport = 193;
 
-/// State reported by one vehicle. Pure: packets and times are arguments. The caller
-/// passes this vehicle's packets only; is_vehicle() tells which HEARTBEATs are a
-/// vehicle's.
+/// What one vehicle has said about itself. Pure: packets and times come in as arguments.
+/// Packets of other senders must be left out, and which HEARTBEATs are a vehicle's says
+/// is_vehicle().
 class VehicleState {
  public:
   VehicleState(Source source, Time now) : source_(source), heard_at_(now) {}
@@ -76,21 +76,21 @@ class VehicleState {
   bool armed() const;
   /// Whether its newest HEARTBEAT says that it flies a simulation.
   bool hil() const;
-  /// Whether a recent HEARTBEAT lacked the HIL flag: of two autopilots behind one router or on one
-  /// group of links, both are heard here.
+  /// Whether a HEARTBEAT without the HIL flag came lately: of two autopilots behind one router or
+  /// on one group of links, each is heard here.
   bool denied_hil(Time now) const;
   std::string mode() const;
-  /// Whether it is a PX4 in a mode that needs sticks.
+  /// Whether it is a PX4 in a mode that flies by somebody's sticks.
   bool waits_for_sticks() const;
   const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
   Duration heartbeat_age(Time now) const { return now - heartbeat_.at; }
   /// The vehicle's own clock, by the newest packet that carries it: time since it was started.
   std::optional<Duration> boot_time() const { return boot_time_; }
-  /// Time of its last detected restart, by its clock or after silence: earlier reports may be from
-  /// before the restart.
+  /// When it was last seen to begin anew, by its clock or after silence: what it told before may be
+  /// of another start.
   Time restarted_at() const { return restarted_at_; }
-  /// Whether a report of that time is still valid: since this start, and within the last 5 s or the
-  /// last 10 of its HEARTBEATs, which follow its own clock.
+  /// Whether what it said then still tells of it: since this start, and within the last 5 s or the
+  /// last 10 of its HEARTBEATs, which go by its own clock.
   bool is_recent(Time said, Time now) const;
   /// When a HEARTBEAT last said that it is armed.
   std::optional<Time> armed_at() const { return armed_at_; }
@@ -122,15 +122,15 @@ class VehicleState {
   /// The newest packet of each message that was taken in.
   const MessageMemory& messages() const { return messages_; }
   const std::optional<Heard<mavlink::common::HomePosition>>& told_home() const { return home_; }
-  /// Height above home in m, from the newest report, and the time of that report.
+  /// Height above home in m, from the newest of what the vehicle tells, and when it told it.
   std::optional<Heard<double>> altitude() const;
   ParamEncoding param_encoding() const;
-  /// "1.12.0", from AUTOPILOT_VERSION; empty if not reported.
+  /// "1.12.0", by AUTOPILOT_VERSION; empty while the vehicle has not told it.
   std::string firmware_version() const;
 
   /// The newest whole status texts, oldest first, at most ten.
   const std::deque<StatusText>& status_texts() const { return status_texts_; }
-  /// Number of complete status texts so far; a change means a new one.
+  /// Counts every whole status text: who compares two values knows whether one came.
   std::uint64_t status_text_count() const { return status_text_count_; }
 
  private:
@@ -165,24 +165,24 @@ class VehicleState {
   std::uint64_t status_text_count_ = 0;
 };
 
-/// Result of a vehicle's own arming checks (SYS_STATUS, MAV_SYS_STATUS_PREARM_CHECK).
+/// What a vehicle's own arming checks say (SYS_STATUS, MAV_SYS_STATUS_PREARM_CHECK).
 enum class ArmingChecks { kUnknown, kPass, kFail };
-/// kUnknown without a recent SYS_STATUS.
+/// kUnknown while no fresh SYS_STATUS tells of them.
 ArmingChecks arming_checks(const VehicleState& vehicle, Time now);
 
-/// What a vehicle lacks for a takeoff with position control, in words; empty: nothing, or its type
-/// of autopilot does not report it. Stock firmware accepts arming before that, refuses to take off
-/// and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
+/// What a vehicle would need before it can take off by its position, in words; empty: nothing, or
+/// its autopilot is of a kind that does not tell. Stock firmware accepts arming before that,
+/// refuses to take off and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
 ///
-/// It relies on the estimator's report: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of
-/// ArduPilot; without either, on a GPS fix. HOME_POSITION is also required. Old reports do not
-/// count.
+/// The estimator's own word counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot; where
+/// neither comes, a fix of the GPS. Beside it HOME_POSITION must have come. What is not recent does
+/// not count.
 std::string position_lack(const VehicleState& vehicle, Time now);
 
-/// Reasons not to fly, in words, as reported by the vehicle: missing or unhealthy required sensors
-/// (SYS_STATUS), and recent reasons of its own checks ("Preflight Fail: ...", "PreArm: ...").
-/// Reports from before its last arming do not count. Empty: none.
-/// @param texts_before  number of status texts before a request: those do not count
+/// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or
+/// unhealthy (SYS_STATUS), and recent reasons of its own checks ("Preflight Fail: ...",
+/// "PreArm: ..."). What it said before it was last armed is over. Empty: none.
+/// @param texts_before  how many status texts had come before a request: those do not count
 std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
                                     std::uint64_t texts_before = 0);
 

@@ -12,8 +12,8 @@
 
 namespace cas::sim {
 
-/// The UDP socket for ArduPilot's SITL. Answers go to the source of the last datagram: the firmware
-/// has a new port after each start.
+/// The UDP socket that ArduPilot's SITL sends to. Answers go to wherever the last datagram came
+/// from: the firmware's port is a new one after each start.
 class JsonLink {
  public:
   /// @throws std::system_error when the address cannot be bound

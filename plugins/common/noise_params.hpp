@@ -12,7 +12,7 @@
 /// per sample (`gyro_stddev_deg_s`) or a density (`gyro_density_deg_s_per_sqrt_hz`), never both.
 namespace cas::sim {
 
-/// Name and unit of a measured quantity as in keys, with the factor to SI.
+/// Name and unit of a measured quantity as they stand in keys, with the factor to SI.
 struct Quantity {
   std::string name;  ///< "gyro_", or "" where the block has one quantity
   std::string unit;  ///< "deg_s"

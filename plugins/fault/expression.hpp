@@ -9,7 +9,7 @@
 
 namespace cas::sim {
 
-/// Variables of a condition.
+/// What a condition may ask about.
 enum class Fact : std::uint8_t {
   kTime,      ///< s
   kAltitude,  ///< m above the world's origin

@@ -19,14 +19,14 @@ enum VehiclePart : std::uint8_t {
   kPartRangefinder = 1U << 4U,
 };
 
-/// Parts of a vehicle that can fail.
+/// What a vehicle has that can fail.
 struct VehicleParts {
   std::uint8_t sensors = 0;  ///< VehiclePart of those that have spoken
   int rotors = 0;
 };
 
-/// Orders for plugin `fault` (libsim/api/fault_order.hpp) that realise a MAVLink failure: first the
-/// end of the failure injected before, then, unless it is FAILURE_TYPE_OK, the new one.
+/// Orders for plugin `fault` (libsim/api/fault_order.hpp) that make a MAVLink failure physical:
+/// first the end of what was injected there before, then, unless it is FAILURE_TYPE_OK, the new.
 ///
 /// One table holds every unit and type; they act as the failures of a campaign do
 /// (docs/campaign.md). Gyro and accelerometer are one chip, whose samples come together: single

@@ -36,9 +36,9 @@ void fill(mavlink::common::HilSensor& packet, const BarometerSample& sample);
 /// Differential pressure (hPa), flagged as updated.
 void fill(mavlink::common::HilSensor& packet, const AirspeedSample& sample);
 
-/// Degrees * 1e7, mm, cm/s, cm (eph, epv: read by PX4, [HILS] has no such fields), centidegrees.
-/// Without a fix, position and velocity are zero and speed and course unknown (65535). A position
-/// or velocity that is not finite counts as no fix.
+/// Degrees * 1e7, mm, cm/s, cm (eph, epv: what PX4 reads, [HILS] has no such fields), centidegrees.
+/// Without a fix, place and velocity are zero and speed and course unknown (65535). A place or
+/// velocity that is not finite is no fix.
 mavlink::common::HilGps to_hil_gps(const GpsSample& sample);
 
 /// Centimetres; a reading without a surface, or one that is not a number, says so by its quality.
@@ -51,10 +51,10 @@ mavlink::common::BatteryStatus to_battery_status(const BatterySample& sample);
 mavlink::common::Heartbeat simulator_heartbeat();
 
 /// U1..U4 from throttle, roll, pitch and yaw with the vehicle's full scales; armed by mode bit 128.
-/// Fields are clamped to their ranges; a value that is not finite counts as 0.
+/// Fields are held to their ranges; what is not a number counts as 0.
 MotorCommand to_motor_command(const mavlink::common::HilControls& packet,
                               const base::ControlScales& scales);
-/// Outputs 1..16 from controls[0..15], clamped to -1..1; armed by mode bit 128.
+/// Outputs 1..16 from controls[0..15], held to -1..1; armed by mode bit 128.
 MotorCommand to_motor_command(const mavlink::common::HilActuatorControls& packet);
 
 }  // namespace cas::sim

@@ -44,8 +44,8 @@ class RotorModel final : public ForceModel {
   /// Share of its thrust and torque that each rotor still gives (damaged blades), 0..1.
   void set_effectiveness(const base::RotorVector& share) { copy(share, effectiveness_); }
 
-  /// Stops a rotor at once and permanently, as after an impact; its angular momentum goes into the
-  /// other body.
+  /// Stops a rotor at once and for good, as one that hits something; its spin goes into what it
+  /// hit.
   void stop(std::size_t rotor) { stopped_[rotor] = true; }
   bool is_stopped(std::size_t rotor) const { return stopped_[rotor]; }
   void release_all() { stopped_.fill(false); }
@@ -72,7 +72,7 @@ class RotorModel final : public ForceModel {
     double air_density_kg_m3;
     double height_m;  // of the centre of gravity
   };
-  /// Data of one rotor that a step reads together.
+  /// One rotor, what a step reads close together.
   struct Hub {
     Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ();

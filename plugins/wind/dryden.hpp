@@ -16,7 +16,7 @@ struct DrydenScales {
   double sigma_vertical_m_s = 0;    ///< sigma_w
 
   /// @param w20_m_s   wind at 20 ft: 7.7 light, 15.4 moderate, 23.1 severe
-  /// @param height_m  above ground; clamped to 10..1000 ft, where the formulas are valid
+  /// @param height_m  above ground; held to 10..1000 ft, where the formulas hold
   static DrydenScales at(double w20_m_s, double height_m);
 };
 

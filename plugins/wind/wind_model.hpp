@@ -72,7 +72,7 @@ class WindModel {
   void start(const GustCommand& gust);
   /// Air velocity in N for the step that begins at `now`.
   /// @param v_N  vehicle's velocity over ground, m/s
-  /// @param field_N  additional air velocity at its place: of the world, of a grid
+  /// @param field_N  air velocity besides, at its place: of the world, of a grid
   Eigen::Vector3d advance_N(base::SimTime now, double dt, double height_m,
                             const Eigen::Vector3d& v_N,
                             const Eigen::Vector3d& field_N = Eigen::Vector3d::Zero());

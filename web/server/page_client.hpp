@@ -25,7 +25,7 @@ struct PageAccess {
   bool read_only = false;
 };
 
-/// One watched message: the request, and the samples not yet sent.
+/// One watched message: what was asked for, and the samples that have not been sent.
 struct ValueWatch {
   std::string link;
   std::string message;
@@ -38,7 +38,7 @@ struct ValueWatch {
   std::uint64_t seen = 0;              ///< count of the packet sampled last
 };
 
-/// One page behind its socket: its calls, its watches, and its rights. No socket in it.
+/// One page behind its socket: its calls, what it watches, and what it may do. No socket in it.
 class PageClient final : public base::rpc::Peer, public std::enable_shared_from_this<PageClient> {
  public:
   using Text = std::shared_ptr<const std::string>;
@@ -48,7 +48,7 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
     std::function<void()> refuse_token;  ///< closes with 4403, after a while
   };
 
-  /// @param host  the page's own address, "127.0.0.1:5791": proofs are valid for it only
+  /// @param host  where the page was opened, "127.0.0.1:5791": proofs hold for this place alone
   PageClient(PageHub& hub, const PageAccess& access, const std::string& host, Socket socket);
   ~PageClient() override;
 
@@ -63,7 +63,7 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
   /// Sends a frame that several pages get.
   void send(const Text& text) { socket_.send(text); }
 
-  /// Whether an available snapshot of the topic should be sent to this page.
+  /// Whether a snapshot of the topic that is there now is to be sent to this page.
   bool wants(const std::string& topic, base::RunTime now) const;
   /// Whether the page waits for one, now or soon.
   bool waits(const std::string& topic) const;

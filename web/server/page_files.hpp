@@ -17,7 +17,7 @@ struct PageFile {
   bool immutable = false;  ///< its name has a hash of what is in it
 };
 
-/// The built page, read once: later requests look up names, never paths.
+/// The built page, read once: what is asked for later is found by its name, never by a path.
 class PageFiles {
  public:
   /// @param folder  nothing: a page that says that none was built

@@ -16,12 +16,12 @@ namespace cas::web {
 
 class PageClient;
 
-/// Shared by all pages: the connections to casd, hilsim and the run of hils, samples of each topic,
-/// events.
+/// What all pages share: the connections to casd, hilsim and the run of hils, samples of each
+/// topic, events.
 ///
 ///   page waits for a topic --> timer of its rate --> one question --> snapshot to all that wait
 ///
-/// A topic without a waiting page is not queried. Everything on the thread of `io`.
+/// A topic for which no page waits is not asked for. Everything on the thread of `io`.
 class PageHub {
  public:
   struct Config {
@@ -30,7 +30,7 @@ class PageHub {
     Upstream::Find find_hils{};  ///< empty: no run is shown
   };
 
-  /// Shared by all its receivers.
+  /// Shared by all to whom they are sent.
   using Bytes = std::shared_ptr<const std::string>;
   using TakeMesh = std::function<void(const Bytes& bytes)>;
 
@@ -47,14 +47,14 @@ class PageHub {
   /// The run of hils that is shown; nullptr where none is.
   Upstream* hils();
 
-  /// After its hello, a page gets events and its topics, until it is gone.
+  /// A page that has said hello gets events and what it waits for, until it is gone.
   void add(const std::shared_ptr<PageClient>& client);
   /// Highest rate of a topic, Hz; nothing for one that there is not.
   std::optional<double> rate_of(const std::string& topic) const;
   /// Some page waits for this topic.
   void on_wanted(const std::string& topic);
 
-  /// Answer to `hello`, except for the page's own part.
+  /// Answer to `hello`, but for what is the page's own.
   base::rpc::Json greeting() const;
   /// Answer to `bench.status`.
   base::rpc::Json bench_status() const;

@@ -11,7 +11,7 @@
 
 namespace cas::sim {
 
-/// The lowest surface of a world: a vehicle below it falls for ever.
+/// The lowest thing of a world: who is below it falls for ever.
 class CAS_SIM_EXPORT Floor {
  public:
   Floor() = default;

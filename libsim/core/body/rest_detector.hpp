@@ -7,11 +7,11 @@
 
 namespace cas::sim {
 
-/// Detects when a body in contact has come to rest, and when its loads have changed enough to run
-/// the contact solver again. In between it is held still: it cannot creep and costs nothing.
+/// Tells when a body in contact has come to rest, and when what acts on it has changed enough to
+/// ask the contact solver again. In between it is held still: it cannot creep and costs nothing.
 class RestDetector {
  public:
-  /// @param weight_n, radius_m  of the body: scales of a significant change
+  /// @param weight_n, radius_m  of the body: scales of what counts as a change
   RestDetector(double weight_n, double radius_m)
       : force_change_(kChange * weight_n), torque_change_(kChange * weight_n * radius_m) {}
 
@@ -27,13 +27,13 @@ class RestDetector {
     }
   }
   bool at_rest() const { return quiet_s_ >= kQuiet; }
-  /// True if `wrench` is close to the one at which the body came to rest.
+  /// True when `wrench` is near enough to the one under which the body came to rest.
   bool same(const Wrench& wrench) const {
     return (wrench.force_B - reference_.force_B).squaredNorm() <= force_change_ * force_change_ &&
            (wrench.torque_B - reference_.torque_B).squaredNorm() <= torque_change_ * torque_change_;
   }
   void wake() { quiet_s_ = 0; }
-  /// At rest for one step only: the touching body still moves.
+  /// At rest but for one step: what it touches still moves.
   void almost() { quiet_s_ = std::min(quiet_s_, 0.99 * kQuiet); }
 
  private:

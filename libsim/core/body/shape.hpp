@@ -40,10 +40,10 @@ struct Plane {};
 struct Mesh {
   std::shared_ptr<const TriangleMesh> triangles;
 };
-/// Types of shape.
+/// What a shape may be.
 using Geometry = std::variant<Box, Sphere, Cylinder, Plane, Mesh>;
 
-/// Surface properties of a shape; a contact has the smaller friction of the two.
+/// How a shape feels to what touches it; a contact takes the smaller friction of the two.
 struct Surface {
   /// Coulomb coefficient; 1 is the default of the SDF specification.
   double friction = 1.0;

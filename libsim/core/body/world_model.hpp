@@ -14,7 +14,7 @@
 
 namespace cas::sim {
 
-/// A world without its vehicles: its obstacles and its fields.
+/// A world without its vehicles: what stands in it and what acts in it.
 struct WorldModel {
   std::string name;
   Eigen::Vector3d gravity_W = Eigen::Vector3d::Zero();

@@ -8,10 +8,10 @@
 
 namespace cas::sim {
 
-/// Features of a <world> element that this simulator does not support: one sentence each,
-/// "FILE:LINE: who: what". Of many of one kind the first three are listed and the others counted.
-/// Features without effect on the motion are not listed: values equal to the simulated ones,
-/// pictures, lights, the window.
+/// What a <world> element says and this simulator does not do: one sentence each, "FILE:LINE: who:
+/// what". Of many of one kind the first three are named and the others counted. What changes
+/// nothing is no omission: a value equal to the one that is simulated, pictures, lights, the
+/// window.
 std::vector<std::string> sdf_omissions(const sdf::ElementPtr& world);
 
 /// "FILE:LINE" of an element.

@@ -10,9 +10,9 @@
 
 namespace cas::sim {
 
-/// Entry of libcas_sim_sdf.so: fills `model` from the first world of an SDF file, see
-/// load_sdf_world() of world_loader.hpp. It is a separate library because libsdformat
-/// compiles eighty regular expressions at every program start, and most flights read no SDF
+/// What libcas_sim_sdf.so is opened for: fills `model` from the first world of an SDF file, as
+/// load_sdf_world() of world_loader.hpp says. libsdformat has a library of its own because it
+/// compiles eighty regular expressions whenever a program starts, and most flights read no SDF
 /// file.
 /// @throws base::ConfigError
 extern "C" CAS_SIM_EXPORT void cas_load_sdf_world(

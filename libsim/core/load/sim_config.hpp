@@ -16,7 +16,7 @@
 
 namespace cas::sim {
 
-/// The event that the simulation waits for before a step.
+/// What the simulation waits for before a step.
 enum class PaceMode {
   kRealtime,  ///< the wall clock
   kLockstep,  ///< the controls that are due
@@ -44,7 +44,7 @@ struct PaceConfig {
   std::optional<int> cpu_dma_latency_us{};  ///< base::CpuLatencyRequest
 };
 
-/// Treatment of a model or mesh that cannot be found.
+/// What becomes of a world that names a model or mesh which is nowhere to be found.
 enum class Missing {
   kError,   ///< it is refused
   kIgnore,  ///< it is flown in without them, with a warning for each
@@ -58,7 +58,7 @@ struct WorldConfig {
   bool ground = true;  ///< a horizontal plane at z = 0
 };
 
-/// Start of a vehicle in W: its lowest point is z_m above z = 0.
+/// Where a vehicle starts, in W: its lowest point stands z_m above z = 0.
 struct StartPose {
   double x_m = 0;
   double y_m = 0;
@@ -79,7 +79,7 @@ struct VehicleConfig {
   std::vector<PluginConfig> plugins;
 };
 
-/// Everything that defines a run, read from a hilsim configuration file.
+/// Everything that makes one run what it is, read from a hilsim configuration file.
 struct CAS_SIM_EXPORT SimConfig {
   static constexpr int kSchema = 1;
 
@@ -97,7 +97,7 @@ struct CAS_SIM_EXPORT SimConfig {
   static SimConfig parse(const base::ConfigNode& root);
 };
 
-/// Settings outside the world: set by flags.
+/// What is not part of the world: set by flags.
 struct SimOptions {
   std::filesystem::path output_dir = ".";
   std::vector<std::filesystem::path>

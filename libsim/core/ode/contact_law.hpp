@@ -19,11 +19,11 @@ struct ContactSpring {
   }
 };
 
-/// Default spring of a whole patch of contacts: a mass on a spring of 90 rad/s damped by 0.7 of the
-/// critical. It sinks by g / w^2 = 1.2 mm under its weight, meets the ground at 1 m/s with at most
-/// 2 z w v = 126 m/s^2 (12.8 g) and leaves it at a sixth of that. Scaled by the effective mass of
-/// the patch, so that small and large vehicles land alike, and so do a level and a tilted one: an
-/// edge that touches first stops only a share of the mass, and turns the rest.
+/// Spring that a whole patch of contacts has where no file says otherwise: a mass on a spring of
+/// 90 rad/s damped by 0.7 of the critical. It sinks by g / w^2 = 1.2 mm under its weight, meets the
+/// ground at 1 m/s with at most 2 z w v = 126 m/s^2 (12.8 g) and leaves it at a sixth of that.
+/// Scaled by the mass that the patch feels, so that small and large vehicles land alike, and so do
+/// a level and a tilted one: an edge that comes first has only a share of the mass to stop, and
 /// turns the rest.
 inline constexpr double kPatchFrequency = 90.0;  // rad/s
 inline constexpr double kPatchDampingRatio = 0.7;

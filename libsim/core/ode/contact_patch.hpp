@@ -31,13 +31,13 @@ inline constexpr std::size_t kMostOfPatch = 5;
 /// Most points that are kept of all patches together.
 inline constexpr std::size_t kMostContacts = 16;
 
-/// Removes contacts with internal edges: where triangles continue a surface, a body lying on it
-/// overlaps the next triangle by a sliver and would be pushed sideways, along the shortest way out
-/// of that single triangle. Such a point's normal differs from its triangle's, while another
-/// point's equals its own, and the two triangles face the same way within 40 degrees.
+/// Takes out contacts with edges that are none: where triangles continue a surface, a body that
+/// lies on it overlaps the next one by a sliver and would be pushed back sideways, along the
+/// shortest way out of that triangle alone. Such a point's normal is not its triangle's, while
+/// another point's is, and the two triangles face the same way within 40 degrees.
 CAS_SIM_EXPORT void drop_inner_edges(std::vector<ContactPoint>& points);
 
-/// Selects the contacts that carry a body: the outermost of each patch.
+/// Chooses those contacts that carry a body: the outermost of each patch.
 ///
 /// Points of one kind whose normals differ by less than 15 degrees are one patch. Of a patch are
 /// kept, in its plane, the point farthest from its middle, the one farthest from that, and on each

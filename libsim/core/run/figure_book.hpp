@@ -25,9 +25,9 @@ struct FigureSpec {
   FigureKind kind = FigureKind::kSeries;
 };
 
-/// A figure and its published values. A curve keeps at most `kMostPoints`, at first 20 ms apart;
-/// when it is full, every second point is removed and the distance doubles: it always spans the
-/// whole run.
+/// A figure and what was published of it. A curve keeps at most `kMostPoints`, at first 20 ms
+/// apart; when it is full, every second point stays and the distance doubles: it spans the run
+/// whatever its length.
 class CAS_SIM_EXPORT FigureRecord {
  public:
   static constexpr std::size_t kMostPoints = 20'000;
@@ -66,7 +66,7 @@ class CAS_SIM_EXPORT FigureBook {
   /// Opens a record and wires its topic. @throws base::ConfigError for a name or unit that cannot
   /// be shown, a name that the plugin has given before, and beyond kMostOfAPlugin
   Publisher<FigureSample> add(TopicBus& bus, FigureSpec spec);
-  /// Clears the published values.
+  /// Forgets what was published.
   void reset();
 
   bool empty() const { return records_.empty(); }

@@ -13,7 +13,7 @@
 
 namespace cas::sim {
 
-/// Settings common to all plugins of a run.
+/// What is the same for every plugin of a run.
 struct PluginSurroundings {
   TopicBus& bus;
   SimWorld& world;
@@ -58,7 +58,7 @@ class PluginHost {
 
   const std::vector<PluginInstance>& plugins() const { return plugins_; }
   const std::vector<LockstepPeer*>& peers() const { return peers_; }
-  /// The plugins' figures.
+  /// What the plugins report of themselves.
   const FigureBook& figures() const { return figures_; }
 
  private:

@@ -26,8 +26,8 @@ class CAS_SIM_EXPORT PluginLoader {
   /// @param first_dirs  searched before CAS_PLUGIN_PATH and the folder that belongs to this library
   explicit PluginLoader(std::vector<std::filesystem::path> first_dirs);
 
-  /// Finds lib<name>.so, opens it once, checks its descriptor and creates a plugin. @throws
-  /// base::ConfigError with the file and the error
+  /// Finds lib<name>.so, opens it once, checks its descriptor and creates a plugin.
+  /// @throws base::ConfigError that says what is wrong with which file
   PluginPtr create(const std::string& name);
   /// The MAVLink messages that the plugin declares, by name or id; empty when it declares none.
   /// @throws base::ConfigError as create(), and for a declaration that cannot be one

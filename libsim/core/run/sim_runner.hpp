@@ -59,18 +59,18 @@ class CAS_SIM_EXPORT SimRunner {
   std::uint64_t steps() const;
   const World& world() const;
   const SimConfig& config() const;
-  /// The world's obstacles; never changes.
+  /// What stands in the world; never changes.
   const WorldModel& world_model() const;
   /// Of each vehicle, index = VehicleId; they never change.
   const std::vector<VehicleModel>& vehicle_models() const;
   std::vector<std::string> vehicle_names() const;  ///< index = VehicleId
-  /// Lockstep: waits for the controls that are due, then returns whether nothing is in flight
-  /// between simulator and controllers. True in the other modes, and after a wait that timed
-  /// out.
+  /// Lockstep: waits for the controls that are due, then tells whether nothing is on its way
+  /// between simulator and controllers. True at any time in the other modes, and when the wait was
+  /// in vain.
   bool settled();
   /// Steps that went on without the controls they waited for (lockstep).
   std::uint64_t lockstep_timeouts() const;
-  /// Whether all peers that lockstep waits for are present.
+  /// Whether everybody who is to be waited for in lockstep is there.
   bool peers_in_step() const;
   std::vector<PluginFigures> plugin_figures() const;
 
