@@ -128,7 +128,7 @@ ControlAllocation::ControlAllocation(const AllocationSetup& setup, RotorSet lost
 void ControlAllocation::invert(const RotorVector& scale) {
   const Index columns = wrench_D_.cols();
   const Index rotors = low_.size();
-  // Servos serve yaw and sideways force only: continuous demands wear out a tail servo.
+  // Servos are for yaw and the sides: what is asked of a tail each moment wears it out.
   RotorVector upright = scale;
   upright.tail(columns - rotors).setZero();
   const Inversion lift = pseudo_inverse(wrench_D_.topRows(3), upright);
@@ -325,7 +325,7 @@ double ControlAllocation::largest_part(const RotorVector& base, const RotorVecto
   return std::clamp(part, 0.0, 1.0);
 }
 
-/// Speeds and tilts within the limits, and the resulting force and moments.
+/// Speeds and tilts within the limits, and what they give.
 void ControlAllocation::hold_limits(RotorVector& x, MixerResult& result) const {
   const Index rotors = low_.size();
   result.omega_sq = x.head(rotors).cwiseMax(low_).cwiseMin(high_);

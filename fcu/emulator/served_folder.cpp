@@ -39,7 +39,7 @@ class OpenFile {
  public:
   explicit OpenFile(const std::optional<fs::path>& file) {
     if (!file) return;
-    // If the file was replaced meanwhile, do not follow a link and do not block.
+    // What has taken the file's place meanwhile is not followed, and not waited for.
     fd_ = ::open(file->c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
     if (fd_ < 0 || ::fstat(fd_, &status_) != 0) {
       failure_ = failed(errno);

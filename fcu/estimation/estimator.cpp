@@ -144,7 +144,7 @@ void Estimator::predict(const ImuInput& imu) {
   // Covariance: one sample's noise acts over the whole step.
   const Vector3d q_theta = (params_.gyro_noise_rad_s * dt).cwiseAbs2();
   Vector3d q_velocity = (params_.accel_noise_m_s2 * dt).cwiseAbs2();
-  // An acceleration beyond the rotors' range is an impact, of which one sample is a rough measure.
+  // Beyond what rotors can do lies an impact, which one sample tells but roughly.
   const double impact = imu.accel_D.norm() - kFlightForce_g * params_.gravity_m_s2;
   if (impact > 0) q_velocity.array() += impact * impact * dt * dt;
   covariance_.predict(R_ND, f_N, dt, q_theta, q_velocity);

@@ -103,7 +103,7 @@ FailsafeDecision Failsafe::position(const FailsafeInput& in, FlightMode mode, bo
   if (first_time(lost, position_lost_)) {
     return change(FlightMode::kLand, "Position lost: descending");
   }
-  // One of the two was wrong all the time, and it is unknown which.
+  // One of the two was wrong all the time, and nothing tells which.
   const std::uint64_t before = position_resets_.value_or(in.position_resets);
   position_resets_ = in.position_resets;
   if (in.position_resets == before || !flying) return {};

@@ -153,7 +153,7 @@ ControlSetpoint LandTask::update(const TaskContext& context) {
   }
   ControlSetpoint out;
   out.trajectory = setpoint;
-  // At any height: an estimate that is wrong by metres must not tip a vehicle on the ground.
+  // At any height: an estimate that is wrong by metres must not tip what stands already.
   out.tilt_limit_rad = p.land_tilt_rad;
   return out;
 }

@@ -26,7 +26,7 @@ bool is_relative(MavFrame frame) {
   return frame == MavFrame::kGlobalRelativeAlt || frame == MavFrame::kGlobalRelativeAltInt;
 }
 
-/// The place named by a command, in N; missing coordinates are NaN.
+/// The place a command names, in N; what it leaves out is NaN.
 Vector3d place_of(const Command& command, const FcuCore& core) {
   Vector3d p_N = unset3();
   const auto& projection = core.estimator.projection();

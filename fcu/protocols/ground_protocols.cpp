@@ -136,9 +136,9 @@ void on_attitude_target(const SetAttitudeTarget& m, double full_n, OffboardTask&
   offboard.on_attitude(setpoint, now);
 }
 
-// Bulk data uses half of the bandwidth beside the HIL stream. Files are sent in bursts of pieces
-// that delay a packet of the HIL stream by a millisecond at most, but pieces never get so small
-// that headers dominate.
+// What comes in bulk goes by half of the bandwidth that the HIL stream leaves, and files in bursts
+// of pieces that hold up a packet of the HIL stream for a millisecond at most, down to pieces that
+// are worth their headers.
 
 constexpr double kFileHeaderBytes = 27;
 
@@ -154,7 +154,7 @@ base::Duration param_interval(const LineConfig& line) {
   return base::from_seconds(kParamValueBytes / bulk_rate(line, kParamValueBytes));
 }
 
-/// Size of a message on the line.
+/// What a message takes of the line.
 std::size_t packet_bytes(const FileTransferProtocol& message) {
   std::array<std::uint8_t, mav::kMaxPacketBytes> packet{};
   return mav::encode(message, {}, 0, packet);

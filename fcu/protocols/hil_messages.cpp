@@ -118,7 +118,7 @@ bool SensorInput::is_new(const HilGps& m, const GpsInput& fix, RunTime now) {
 void SensorInput::on_gps(const HilGps& m, RunTime now) {
   to_.readings.gps = m;
   GpsInput fix;
-  // By arrival only the receiver's usual delay is known; otherwise the message's stamp shows it.
+  // By arrival only the receiver's usual delay is known; by the message its own stamp tells it.
   fix.time = to_.params.stamp_by_arrival
                  ? SimTime(now - to_.start) - base::from_seconds(to_.estimator.params().gps_delay_s)
                  : base::from_time_usec(m.time_usec);

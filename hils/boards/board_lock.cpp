@@ -103,7 +103,7 @@ bool is_shared(const fs::path& guests) {
   return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type == F_RDLCK;
 }
 
-/// Takes a board without a holder or a guest.
+/// Takes a board that nobody holds and no guest uses.
 bool take_both(int lock, int guests) {
   if (!base::take_file_lock(lock)) return false;
   if (base::take_file_lock(guests)) return true;
@@ -202,7 +202,7 @@ bool has_locked(pid_t process, const fs::path& file) {
   });
 }
 
-/// The kernel's name of a process, without characters that would disturb a terminal.
+/// As the kernel knows it, without what would disturb a terminal.
 std::string name_of(pid_t process) {
   std::string name;
   std::ifstream in(fmt::format("/proc/{}/comm", process));
@@ -331,7 +331,7 @@ BoardLock::BoardLock(const Board& board, const fs::path& folder, const std::stri
            (any ? std::string(others) + "," + holder_.token : holder_.token).c_str(), 1);
 }
 
-/// A guest's child processes do not hold the board: a hook may leave a program behind.
+/// What a guest starts does not hold the board: a hook may leave a program behind.
 bool BoardLock::become_guest(const Board& board, const fs::path& folder) {
   const fs::path file = lock_file(folder, board);
   const auto is_invited = [&] {
@@ -340,7 +340,7 @@ bool BoardLock::become_guest(const Board& board, const fs::path& folder) {
   };
   if (!is_invited()) return false;
   guest_ = open_for_lock(guests_file(folder, board));
-  // The holder may have ended meanwhile; after the second lock nobody else gets the board.
+  // The holder may have ended meanwhile; nobody takes the board once the second lock is there.
   if (!take_shared_lock(guest_.get()) || !is_invited()) {
     guest_.reset();
     return false;
@@ -353,7 +353,7 @@ bool BoardLock::become_guest(const Board& board, const fs::path& folder) {
 
 BoardLock::~BoardLock() {
   if (!lock_ || handed_over_) return;
-  // A failure is harmless: without the lock the text is ignored.
+  // Should it fail, the text does no harm: without the lock nobody believes it.
   [[maybe_unused]] const int result = ::ftruncate(lock_.get(), 0);
 }
 

@@ -76,7 +76,7 @@ class Job {
     if (pid_ < 0) fail("cannot start a process for flights");
     if (pid_ == 0) ::_exit(fly_share(batch, first, fly, result_bytes, out.get()));
   }
-  /// Ends the process if it was not waited for.
+  /// Ends the process when nobody has waited for it.
   ~Job() {
     if (pid_ <= 0) return;
     ::kill(pid_, SIGKILL);

@@ -70,8 +70,8 @@ std::optional<std::string_view> bench_key(const ConfigNode& node) {
   return std::nullopt;
 }
 
-/// Parses with the plugin's own parser, for its errors. An unknown fault may be a misspelt fault of
-/// the bench.
+/// The plugin's own reading, for its errors. What it does not know may be a fault of the bench,
+/// misspelt.
 void read_as_plugin(const ConfigNode& node, std::size_t number) {
   try {
     sim::parse_fault(node, number);

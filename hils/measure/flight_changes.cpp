@@ -67,7 +67,7 @@ std::string name_of(const std::array<char, n>& id) {
   return name;
 }
 
-/// Reads a flight log together with the calls of the command port.
+/// Goes through a flight log and what was asked at the command port.
 class ChangeReader {
  public:
   ChangeReader(const RunRecord& record, const casd::GainMap& gains, bool own_station)
@@ -90,7 +90,7 @@ class ChangeReader {
       if (tunes && call.accepted) continue;  // where it changed a value, the log has it
       const std::string params = call.params == "{}" ? "" : " " + call.params;
       const std::string what = call.method + params + (call.accepted ? "" : ", refused");
-      // Acts on the simulator count at any time: after a reset simulated time is early again.
+      // What was done to the simulator counts whenever it was: after a reset it is early again.
       call.sim_s ? keep_act(*call.sim_s, port_words(call), what)
                  : add_act(call.log_us, port_words(call), what);
     }
@@ -154,7 +154,7 @@ class ChangeReader {
     changes_.parameters.push_back(std::move(change));
   }
 
-  /// The call that had casd set a parameter at about this time.
+  /// What somebody had casd set at about this time.
   const OutsideCall* call_for(std::int64_t log_us, const std::string& name, double value) const {
     for (const OutsideCall& call : record_.outside_calls) {
       if (call.system != record_.system || std::abs(call.log_us - log_us) > kLongest_us) continue;
@@ -213,7 +213,7 @@ class ChangeReader {
   void add_act(std::int64_t log_us, const std::string& by, const std::string& what) {
     const double time_s = seconds(log_us);
     if (record_.stages.empty() || time_s < base::to_seconds(record_.stages.front().begin)) return;
-    // A failed step is no stage: an act of others may have made it fail.
+    // The step that failed is no stage: perhaps it failed for what somebody did meanwhile.
     const bool completed = record_.flight_failure.empty();
     if (completed && time_s > base::to_seconds(record_.stages.back().end)) return;
     keep_act(time_s, by, what);

@@ -20,7 +20,7 @@ namespace {
 
 /// Lower than this above where it stood, a vehicle touches the ground.
 constexpr double kTouch_m = 0.02;
-/// A contact below this height is with the ground: a vehicle that falls on its arm is that high.
+/// What is hit lower than this is the ground: a vehicle that falls on its arm is that high.
 constexpr double kNear_m = 0.5;
 /// More than rotors or gusts can do: what slows a vehicle like this is solid. 6 g.
 constexpr double kImpact_m_s2 = 60.0;
@@ -83,7 +83,7 @@ class Watch {
     }
   }
 
-  /// A vehicle falling at the end of the record will hit the ground.
+  /// What falls when the record ends hits the ground where nobody looks any more.
   void look_at_end(const PoseSample& last, std::string_view step) {
     const double sink_m_s = -last.v_m_s[2];
     if (sink_m_s <= kCrashSpeed_m_s) return;
@@ -98,8 +98,8 @@ class Watch {
   static double seconds(const PoseSample& sample) {
     return static_cast<double>(sample.time_us) * 1e-6;
   }
-  /// A struck rotor stops from one sample to the next while others turn: a rotor that is switched
-  /// off runs down with its lag, and disarming stops all of them.
+  /// A rotor that turned stands still from one sample to the next while others turn: its lag leaves
+  /// one that is switched off turning for longer, and what is disarmed stops as a whole.
   static std::optional<std::size_t> struck_rotor(const PoseSample& before, const PoseSample& now) {
     const auto turns = [](double omega_rad_s) { return omega_rad_s > 0; };
     if (std::ranges::none_of(now.omega_rad_s, turns)) return std::nullopt;
@@ -158,7 +158,7 @@ std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const Stage& stage = stages[i];
     place = place_in(stage.step.kind, place);
-    // Events between two steps, and after the last one, belong to the step before.
+    // What comes between two steps, and after the last one, belongs to the one before.
     const std::int64_t until = i + 1 < stages.size() ? microseconds(stages[i + 1].begin)
                                                      : std::numeric_limits<std::int64_t>::max();
     for (const PoseSample& sample : between(truth, microseconds(stage.begin), until)) {

@@ -35,8 +35,8 @@ Moments moments(std::span<const base::LedgerEntry> ledger, Direction direction,
   return found;
 }
 
-/// A stream that begins within the window has its rate from then on: earlier packets are not
-/// missing. GPS begins up to a fifth of a second late by its own rate.
+/// A stream that begins within the window has its rate from then on: what was not sent before is
+/// not missed. GPS begins up to a fifth of a second late by its own rate.
 constexpr std::uint64_t kLatestBeginUsec = 500'000;
 
 bool begins_late(const Moments& sent, StreamWindow window) {

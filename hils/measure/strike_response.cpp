@@ -33,7 +33,7 @@ namespace {
 constexpr double kInAir_m = 0.5;
 constexpr double kDown_m = 0.3;
 constexpr double kStill_m_s = 0.2;
-/// A HEARTBEAT reports events since the previous one.
+/// A HEARTBEAT tells of what happened since the one before.
 constexpr double kHeartbeat_s = 1.0;
 
 struct HealthFlag {
@@ -54,13 +54,13 @@ constexpr std::array<HealthFlag, 12> kHealthFlags{
      {MavSysStatusSensor::kBattery, "battery"},
      {MavSysStatusSensor::kPrearmCheck, "arming checks"}}};
 
-/// Whether a text answers a command, and does not itself report a fault.
+/// Whether a text answers a command, and tells nothing of a fault by itself.
 bool refuses_command(std::string_view text) {
   return text.starts_with("Arm: ") || text.find(" denied") != std::string_view::npos ||
          text.find(" refused") != std::string_view::npos;
 }
 
-/// Reads a flight log and collects the vehicle's reports.
+/// Goes through a flight log and notes what the vehicle told.
 class TaleReader {
  public:
   explicit TaleReader(const RunRecord& record) : record_(record) {}

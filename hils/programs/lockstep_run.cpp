@@ -29,7 +29,7 @@ using std::chrono::seconds;
 constexpr base::Duration kCallPatience = seconds(120);
 /// Stream time between two looks at the vehicle.
 constexpr base::Duration kLookPeriod = milliseconds(50);
-/// The stream continues for this long after the flight, so that no packet is in flight at its end.
+/// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = seconds(1);
 constexpr int kRequestMessage = 512;  ///< MAV_CMD_REQUEST_MESSAGE
 constexpr int kHomePosition = 242;
@@ -60,7 +60,7 @@ VehicleReport to_report(const Json& status) {
   return report;
 }
 
-/// Flies the plan: reads the state and gives commands while simulated time is stopped.
+/// Flies the plan: reads the state and gives commands while simulated time stands still.
 ///
 ///   run_until(next look) -> fcu.status -> plan -> command, acknowledged -> run_until ...
 class LockstepPilot {

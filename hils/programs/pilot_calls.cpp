@@ -16,7 +16,7 @@ Eigen::Vector3d vector_of(const Json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
-/// The newest of the vehicle's texts on a disarming: PX4 v1.11 says DISARMED.
+/// The newest of the vehicle's texts that tells of a disarming: PX4 v1.11 says DISARMED.
 void add_disarm_words(const Json& state, VehicleReport& report) {
   for (const Json& said : state.value("statustexts", Json::array())) {
     const std::string text = said.value("text", "");
@@ -151,8 +151,8 @@ std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
   }
 }
 
-// The state first: casd refuses to arm after later acts and while requests are pending, so the
-// journal need not contain these yet.
+// The state first: what comes after it keeps casd from arming, and what waits for an answer does,
+// so that the journal need not have it yet.
 OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle) {
   const VehicleReport report = vehicle_report(casd, vehicle);
   const Json journal = casd.call("casd.journal", Json::object());

@@ -40,7 +40,7 @@ using std::chrono::seconds;
 
 constexpr base::Duration kPollPeriod = milliseconds(50);
 constexpr base::Duration kStreamLook = seconds(1);
-/// The stream continues for this long after the flight, so that no packet is in flight at its end.
+/// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = seconds(1);
 
 std::int64_t log_clock_us() {
@@ -221,7 +221,7 @@ std::vector<OutsideCall> RealtimePilot::calls_of_others() {
   return calls;
 }
 
-/// Updates the page, if any, and takes faults from it.
+/// Where somebody looks: tells what the page shows, and takes the faults that it orders.
 void RealtimePilot::show_page(base::SimTime now) {
   if (live_ == nullptr || plan_.ended()) return;
   if (live_->wants_calls()) live_->show_calls(calls_of_others());
@@ -312,7 +312,7 @@ std::string RealtimePilot::give(const FleetPlan::Command& command) {
   return hils::give(*casd_, command.step, false, asked_[i], &own_calls_, acts_so_far);
 }
 
-/// A paused run waits for ever: says who paused it, and resumes if casweb has ended
+/// A run that somebody paused waits for ever: says who, and goes on when casweb has ended
 /// meanwhile.
 void RealtimePilot::watch_pause() {
   if (!paused_) {

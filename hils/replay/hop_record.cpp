@@ -121,7 +121,7 @@ Hops hops_of(const RunRecord& record) {
   return hops;
 }
 
-/// Figures of one second of a hop.
+/// What one second of a hop comes to.
 struct Bin {
   std::uint64_t left = 0;
   std::uint64_t arrived = 0;
@@ -141,7 +141,7 @@ std::map<std::uint64_t, Bin> bins_of(const Stretch& stretch) {
   return bins;
 }
 
-/// Tenths of a microsecond exceed the resolution of every clock here.
+/// Tenths of a microsecond are more than any clock here tells.
 double rounded_us(double us) { return std::round(us * 10) / 10; }
 
 /// [second, left, arrived, median us, 99 % us]

@@ -42,8 +42,8 @@ void for_each_packet(const std::filesystem::path& tlog,
   }
 }
 
-/// Time of a log since its begin, or simulated time if its clock is known. It never goes back, and
-/// ignores wrong stamps: more than a day from the previous one.
+/// Time of a log since its begin, or of the simulation where its clock is known. It never goes
+/// back, and stands still where a stamp is wrong: over a day from the one before it.
 class LogTime {
  public:
   explicit LogTime(const ClockMap& clock) : clock_(clock) {}
@@ -74,7 +74,7 @@ class LogTime {
   std::int64_t now_us_ = 0;
 };
 
-/// Collects a vehicle's messages.
+/// Puts together what a vehicle says.
 class Listener {
  public:
   void on_packet(double t_s, const mav::PacketView& packet) {

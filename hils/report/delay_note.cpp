@@ -8,7 +8,7 @@ namespace cas::hils {
 
 namespace {
 
-/// Below the value that is printed as zero microseconds.
+/// Below what is written as zero microseconds.
 bool is_negative(const DelayFigures& delay) {
   constexpr double kRoundsToZero_us = -0.5;
   return std::min({delay.p50, delay.p90, delay.p99, delay.max}) < kRoundsToZero_us;

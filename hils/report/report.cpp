@@ -360,8 +360,8 @@ struct JunitCases {
   }
 };
 
-/// A case for the verdict and one for each check, with the same names in every
-/// run.
+/// A case for the verdict and one for each thing that a run is held to, under the same names
+/// whatever comes out.
 std::string junit_suite(const std::string& name, double wall_s, const Verdict& verdict) {
   JunitCases cases{.suite = escape_xml(name)};
   if (verdict.passed) {

@@ -25,7 +25,7 @@ constexpr std::array kOutcomes{RowOutcome::kPassed,  RowOutcome::kFailed,  RowOu
                                RowOutcome::kStopped, RowOutcome::kRefused, RowOutcome::kDied,
                                RowOutcome::kHung};
 
-/// Collects figures with their names, so that both are in one place.
+/// Collects figures under their names, so that both stand in one place.
 struct Figures {
   void add(const std::string& name, double value) {
     names.push_back(prefix + name);
@@ -151,7 +151,7 @@ std::string number_field(double value) {
   return std::isfinite(value) ? fmt::format("{}", value == 0 ? 0.0 : value) : std::string();
 }
 
-/// A value that is not finite becomes null, so that the line can be read again.
+/// What is no number is null, so that the line is read again.
 Json number_json(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
 }

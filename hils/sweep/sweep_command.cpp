@@ -406,7 +406,7 @@ int SweepCommand::run() const {
                             .chunks = chunks,
                             .missing = missing_chunks(sweep, chunks),
                             .jobs = flags.jobs,
-                            // Four times the estimate, for slower nodes.
+                            // Four times what it takes, for slower nodes.
                             .minutes = static_cast<std::size_t>(std::ceil(chunk_s / 15)) + 5,
                             .partition = flags.partition});
     }

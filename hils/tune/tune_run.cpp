@@ -23,7 +23,7 @@ bool stayed_up(const RowResult& result) {
   return result.figures.size() > kUpFigure && result.figures[kUpFigure] == 1;
 }
 
-/// Flies candidates and measures the study's figures.
+/// Flies candidates and measures what the study asks for.
 class Evaluator {
  public:
   Evaluator(const TuneStudy& study, TuneFlights& flights) : study_(study), flights_(flights) {}
@@ -52,7 +52,7 @@ class Evaluator {
     const std::vector<TuneFlight> wanted = flights_of(before.values);
     const std::vector<RowResult> results = flights_.fly(wanted);
     for (std::size_t i = 0; i < results.size(); ++i) {
-      // A delay may make a flight invalid, but its end is still known.
+      // A delay may make a flight invalid, and its end is known all the same.
       const bool ramp = study_.scenarios[wanted[i].scenario].delay_ramp.has_value();
       if (ramp ? results[i].figures.empty() : !is_judged(results[i].outcome)) {
         throw base::ConfigError("with the values before, " + told(wanted[i], results[i]));

@@ -42,9 +42,9 @@ using Row = std::vector<double>;
 class Track {
  public:
   virtual ~Track() = default;
-  /// Time of the next record; nothing at the end.
+  /// Time of what comes next; nothing at the end.
   virtual std::optional<SimTime> next() const = 0;
-  /// Writes it and advances.
+  /// Writes it and goes on.
   virtual void write_next() = 0;
 };
 
@@ -91,7 +91,7 @@ class CsvTrack final : public Track {
   std::optional<SimTime> time_;
 };
 
-/// The flight log: the vehicle's messages, at the simulated time of their arrival at casd.
+/// The flight log: what the vehicle said, at the simulated time at which casd heard it.
 class TlogTrack final : public Track {
  public:
   TlogTrack(const RunRecord& record, sim::UlogFile& file, std::span<const sim::UlogParam> params)
@@ -119,7 +119,7 @@ class TlogTrack final : public Track {
     entry_ = log_.next();
     if (!entry_) return;
     const std::int64_t us = clock_.to_sim_us(static_cast<std::int64_t>(entry_->unix_us));
-    // Time stays monotonic with a wall clock set back, or a log that begins before the simulation.
+    // A wall clock that is set back, or a log that begins before the simulation: time goes on.
     time_ = std::max(time_, SimTime(std::chrono::microseconds(us)));
   }
 
@@ -214,7 +214,7 @@ void write_rangefinder(sim::UlogFile& file, SimTime time, const Row& row) {
         UlogRecord(time).put_float(row[1]).put(row[2] > 0 ? kUnknown : std::int8_t{0}));
 }
 
-/// Initial parameters of the emulated controller; empty for a real one, whose file is unknown.
+/// What the emulated controller began with; empty for a real one, whose file nobody has.
 std::vector<sim::UlogParam> initial_params(const RunRequest& request, std::size_t vehicle,
                                            const VehiclePlaces& places) {
   std::vector<sim::UlogParam> params;

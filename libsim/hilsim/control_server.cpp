@@ -73,7 +73,7 @@ std::optional<double> number_of(const Json& params, const char* key) {
 struct ControlServer::Impl {
   explicit Impl(SimLoop& loop_in) : loop(loop_in) {}
 
-  /// Passes `order` to the loop's thread, and its answer back to this one.
+  /// Carries `order` to the loop's thread, and what it answers back to this one.
   void carry(Reply reply, std::function<void(std::function<void()> done)> order) {
     loop.post([this, reply = std::move(reply), order = std::move(order)] {
       order([this, reply] { answer(reply, status_report(loop)); });
@@ -84,7 +84,7 @@ struct ControlServer::Impl {
     asio::post(io, [reply, result = std::move(result)] { reply.result(result); });
   }
 
-  /// On the loop's thread: records acts on the run for sim.journal.
+  /// On the loop's thread: keeps for sim.journal what somebody does to the run.
   void note(const std::string& client, const std::string& method,
             const Json& params = Json::object()) {
     Json call{{"unix_us", unix_us()},
@@ -216,7 +216,7 @@ struct ControlServer::Impl {
     });
   }
 
-  /// Made once the runner has started, which the loop's first order shows.
+  /// Made once the runner has started, which the loop's first order tells.
   void with_scene(const Reply& reply, std::function<void(const Scene&)> use) {
     if (scene) return use(*scene);
     loop.post([this, reply, use = std::move(use)] {

@@ -86,7 +86,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   }
 
   void reset() override {
-    // For a firmware that keeps running, time must not go back.
+    // For a firmware that goes on, time does not turn back.
     epoch_ += newest_.time_since_epoch();
     newest_ = {};
     clock_ = ServoClock(step_);

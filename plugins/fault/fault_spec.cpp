@@ -124,7 +124,7 @@ SensorFault parse_clip(const ConfigNode& node) {
   return fault;
 }
 
-/// Magnetic field of the rotors' supply current, relative to that in a hover.
+/// Magnetic field of the current that feeds the rotors, at what they take in a hover.
 SensorFault parse_current(const ConfigNode& node) {
   SensorFault fault = parse_change(node, SensorEffect::kBias, BiasDriver::kPower);
   if (fault.topic != SensorTopic::kMagnetometer) node.at("sensor").fail("must be magnetometer");

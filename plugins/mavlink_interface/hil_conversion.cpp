@@ -24,7 +24,7 @@ constexpr double kPascalPerHectopascal = 100.0;
 
 float to_float(double value) { return static_cast<float>(value); }
 
-/// Rounds and clamps to the wire type; 0 for NaN.
+/// Rounds and keeps within the wire type; 0 for what is not a number.
 template <class Integer>
 Integer to_wire(double value) {
   if (std::isnan(value)) return 0;
@@ -33,7 +33,7 @@ Integer to_wire(double value) {
   return static_cast<Integer>(std::clamp(std::round(value), kLow, kHigh));
 }
 
-/// As to_wire, but NaN, and only NaN, becomes the value for unknown.
+/// As to_wire, but the value that stands for unknown is for what is not a number, and only for it.
 std::uint16_t to_known16(double value) {
   if (std::isnan(value)) return kUnknown16;
   return std::min<std::uint16_t>(to_wire<std::uint16_t>(value), kUnknown16 - 1);

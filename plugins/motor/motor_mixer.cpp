@@ -9,7 +9,7 @@
 namespace cas::sim {
 namespace {
 
-/// The numbers of a command from `first` on; missing and non-finite ones count as 0.
+/// The numbers of a command from `first` on; what is not finite or not there counts as 0.
 double value_of(const ActuatorValues& values, Eigen::Index index) {
   if (index >= values.size() || !std::isfinite(values[index])) return 0.0;
   return values[index];

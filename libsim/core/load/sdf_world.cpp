@@ -43,7 +43,7 @@ Eigen::Isometry3d to_eigen(const ignition::math::Pose3d& pose) {
   return X;
 }
 
-/// Pose of a part in its parent; an unresolvable one is used as written in the file.
+/// Pose of a part in its parent; an unresolvable one stands in the file as it is.
 template <class Part>
 Eigen::Isometry3d pose_of(const Part& part) {
   ignition::math::Pose3d pose = part.RawPose();
@@ -80,7 +80,7 @@ std::string place_of_error(const sdf::Error& error, const fs::path& file) {
          (error.LineNumber() ? ":" + std::to_string(*error.LineNumber()) : "");
 }
 
-/// A child that is in the file, not one made up by libsdformat.
+/// A child that stands in the file, not one that libsdformat makes up.
 sdf::ElementPtr set_child(const sdf::ElementPtr& element, const std::string& name) {
   if (!element || !element->HasElement(name)) return nullptr;
   sdf::ElementPtr found = element->GetElement(name);
@@ -99,7 +99,7 @@ std::string uri_in(const std::string& message) {
   return message.substr(begin + 4, end - begin - 4);
 }
 
-/// Turns the DOM into a WorldModel; lists unsupported features.
+/// Turns the DOM into a WorldModel; names what it leaves out.
 class Translator {
  public:
   Translator(const fs::path& file, const std::vector<fs::path>& model_path)

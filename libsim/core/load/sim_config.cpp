@@ -19,7 +19,7 @@ namespace {
 
 using base::ConfigNode;
 
-/// The value of a word; the error lists the words.
+/// The value that a word stands for; the error lists the words.
 template <class T, std::size_t N>
 T one_of(const ConfigNode& node, const std::array<std::pair<std::string_view, T>, N>& words) {
   const auto word = node.as<std::string>();
@@ -109,7 +109,7 @@ void check_blocks(const ConfigNode& sensors, const std::vector<PluginConfig>& pl
   }
 }
 
-/// A plugin's own keys, followed by those of the sensor set.
+/// A plugin's own keys, behind them what the sensor set says of it.
 PluginConfig parse_plugin(const ConfigNode& node, const ConfigNode& sensors) {
   PluginConfig plugin;
   plugin.plugin = node.require<std::string>("plugin");

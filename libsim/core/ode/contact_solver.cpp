@@ -92,7 +92,7 @@ class OdeLibrary {
   static inline int users_ = 0;
 };
 
-/// Owner of a geom; the geom points to it.
+/// What a geom belongs to; pointed to by the geom.
 struct Owner {
   std::ptrdiff_t body = -1;  // -1: the world
   std::size_t surface = 0;   // its number
@@ -259,8 +259,8 @@ struct ContactSolver::Impl {
     }
   }
 
-  /// Whether the body has the same contacts as when they were computed: no point of it has moved,
-  /// or on a flat mesh only along that.
+  /// Whether the body touches what it touched when its contacts were looked for: no point of it
+  /// has moved, or on a flat mesh none but along that.
   static bool touches_the_same(const Body& body) {
     const Eigen::Vector3d moved = from_ode(dBodyGetPosition(body.id)) - body.p_WB;
     const Eigen::Vector3d turned = 2.0 * (attitude(body.id) * body.q_WB.conjugate()).vec();

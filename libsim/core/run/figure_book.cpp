@@ -54,7 +54,7 @@ std::string quoted(std::string_view text) {
   return result + '"';
 }
 
-/// The shortest text that reads back as the same number; JSON has none for non-finite values.
+/// The shortest text that is read as the same number; JSON has none for what is not finite.
 std::string number(double value) {
   if (!std::isfinite(value)) return "null";
   std::array<char, 32> text{};

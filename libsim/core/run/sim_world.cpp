@@ -192,7 +192,7 @@ void SimWorld::choose_modes(double h) {
   }
 }
 
-/// Advances the forces of a held body. @return whether it stays at rest under them
+/// Advances the forces of a held body and tells whether they are still those it rests under.
 bool SimWorld::stays_held(VehicleBody& body, double h) {
   body.applied = integrate_forces(body.state, body.forces, body.environment, body.extra, h);
   body.has_applied = true;
