@@ -203,7 +203,7 @@ std::string comparison_html(const ComparisonPlan& plan, const std::vector<Varian
     page.table("Paired differences by seed: mean and 95 % interval", transposed(pairs));
   }
   page.heading("First seed");
-  for (const auto& [name, plot] : comparison_plots(results)) page.figure(to_svg(plot));
+  for (const auto& [name, plot] : comparison_plots(results)) page.plot(plot);
   return page.finish();
 }
 

@@ -85,7 +85,7 @@ void add_plots(HtmlPage& page, const FirmwarePlaces& places, const FirmwareFigur
         plot.marks.push_back(
             {.x = base::to_seconds(fault.begin), .text = fault.name, .fault = true});
       }
-      page.figure(to_svg(plot));
+      page.plot(plot);
     }
   } catch (const base::ConfigError& error) {
     page.paragraph(error.what());

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "base/enum_words.hpp"
-#include "hils/report/plot.hpp"
+#include "hils/report/plot_data.hpp"
 
 namespace cas::hils {
 
@@ -142,16 +142,19 @@ void HtmlPage::links(const std::vector<std::pair<std::string, std::string>>& lis
 
 void HtmlPage::figure(const std::string& svg) { body_ += "<figure>" + svg + "</figure>\n"; }
 
+void HtmlPage::plot(const Plot& plot) { figure(to_svg(plot) + plot_block(plot)); }
+
 void HtmlPage::folded(const std::string& summary, const std::string& text) {
   body_ += "<details><summary>" + escape_xml(summary) + "</summary><pre>" + escape_xml(text) +
            "</pre></details>\n";
 }
 
 std::string HtmlPage::finish() const {
-  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>" +
-         escape_xml(title_) + "</title><style>" + std::string(kStyle) +
-         "</style></head>\n<body><main>\n" + body_ + "</main></body></html>\n";
+  return with_plot_script(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>" +
+      escape_xml(title_) + "</title><style>" + std::string(kStyle) +
+      "</style></head>\n<body><main>\n" + body_ + "</main></body></html>\n");
 }
 
 }  // namespace cas::hils

@@ -6,10 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "hils/report/plot.hpp"
+
 namespace cas::hils {
 
-/// Builds one self-contained HTML file for screen and paper: no script, no other file. Dark where
-/// the reader prefers it, and readable from 500 pixels of width.
+/// Builds one self-contained HTML file for screen and paper, which needs no other file and reads
+/// without a script: with one its plots can be zoomed (plot_data.hpp). Dark where the reader
+/// prefers it, and readable from 500 pixels of width.
 class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);
@@ -44,8 +47,9 @@ class HtmlPage {
               const std::vector<std::vector<Cell>>& rows);
   /// A list of links, each an address and its text.
   void links(const std::vector<std::pair<std::string, std::string>>& list);
-  /// An SVG element.
+  /// A drawing that stays one: an SVG element.
   void figure(const std::string& svg);
+  void plot(const Plot& plot);
   /// A text that is shown on demand: a configuration file.
   void folded(const std::string& summary, const std::string& text);
 

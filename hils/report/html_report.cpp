@@ -17,7 +17,6 @@
 #include "hils/report/limit_table.hpp"
 #include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
-#include "hils/report/plot_data.hpp"
 #include "hils/report/plugin_section.hpp"
 #include "hils/report/report.hpp"
 
@@ -248,13 +247,13 @@ void add_vehicle(HtmlPage& page, const std::string& who, const Measurement& figu
   add_rms(page, figures);
   add_faults(page, figures);
   for (const auto& [name, plot] : plots) {
-    if (!is_of_plugin(name)) page.figure(to_svg(plot) + plot_block(plot));
+    if (!is_of_plugin(name)) page.plot(plot);
   }
   if (figures.plugins.empty()) return;
   page.heading(who + "Plugins");
   add_plugin_tables(page, figures.plugins);
   for (const auto& [name, plot] : plots) {
-    if (is_of_plugin(name)) page.figure(to_svg(plot) + plot_block(plot));
+    if (is_of_plugin(name)) page.plot(plot);
   }
 }
 
@@ -280,7 +279,7 @@ std::string html_report(const RunResult& run, const std::vector<NamedPlots>& plo
   for (const std::filesystem::path& file : config_files) {
     page.folded(file.filename().string(), base::read_file(file).value_or(""));
   }
-  return with_plot_script(page.finish());
+  return page.finish();
 }
 
 }  // namespace cas::hils

@@ -305,7 +305,9 @@ class Canvas {
     const auto end = std::back_inserter(path);
     double previous_y = 0;
     for (const auto& [x, y] : thinned(series)) {
-      if (path.empty()) {
+      if (series.dots) {
+        fmt::format_to(end, FMT_COMPILE("M{:.1f} {:.1f}h0"), x, y);
+      } else if (path.empty()) {
         fmt::format_to(end, FMT_COMPILE("M{:.1f} {:.1f}"), x, y);
       } else if (series.steps) {
         fmt::format_to(end, FMT_COMPILE("H{:.1f}V{:.1f}"), x, y);
@@ -315,8 +317,9 @@ class Canvas {
       previous_y = y;
     }
     if (series.steps && !path.empty()) path += fmt::format("V{:.1f}", previous_y);
-    out_ += fmt::format("<path d=\"{}\" fill=\"none\" stroke-width=\"1.4\" {}/>\n", path,
-                        line_style(series, index));
+    out_ +=
+        fmt::format("<path d=\"{}\" fill=\"none\" stroke-width=\"{}\" {}/>\n", path,
+                    series.dots ? "7\" stroke-linecap=\"round" : "1.4", line_style(series, index));
   }
 
   void marks() {

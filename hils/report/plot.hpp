@@ -13,6 +13,7 @@ struct Series {
   std::vector<std::pair<double, double>> points{};  ///< x ascending, unless scales are equal
   bool dashed = false;                              ///< for references
   bool steps = false;                               ///< for counts and histograms
+  bool dots = false;                                ///< points without a line between them
 };
 
 /// A moment that is marked across a plot (a fault, the begin of a step).

@@ -97,11 +97,8 @@ Json curve_json(const Series& series, const Plot& plot) {
   for (std::size_t i = 0; i < y.size(); ++i) {
     if (!std::isfinite(y[i])) y_column["d"][i] = nullptr;
   }
-  return {{"name", series.name},
-          {"dashed", series.dashed},
-          {"steps", series.steps},
-          {"x", column(x, plot.log_x)},
-          {"y", std::move(y_column)}};
+  return {{"name", series.name}, {"dashed", series.dashed},    {"steps", series.steps},
+          {"dots", series.dots}, {"x", column(x, plot.log_x)}, {"y", std::move(y_column)}};
 }
 
 std::string content_of(const std::filesystem::path& file) {

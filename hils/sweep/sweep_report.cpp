@@ -233,7 +233,7 @@ void add_distributions(const SweepView& view, HtmlPage& html) {
     if (!plot) continue;
     if (!any) html.heading("Distributions");
     any = true;
-    html.figure(to_svg(*plot));
+    html.plot(*plot);
   }
 }
 

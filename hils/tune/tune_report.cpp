@@ -107,13 +107,10 @@ Plot front_plot(const TuneStudy& study, const TuneResult& result, std::size_t x,
   }
   std::ranges::sort(front.points);
   plot.series.push_back(std::move(front));
-  // A short dash at each of the two that are compared.
   for (const auto& [name, index] : {std::pair<const char*, std::size_t>{"before", 0},
                                     std::pair<const char*, std::size_t>{"after", result.best}}) {
     const std::vector<double>& at = result.candidates[index].objectives;
-    const double width = 0.002 * std::abs(at[x]);
-    plot.series.push_back(
-        {.name = name, .points = {{at[x] - width, at[y]}, {at[x] + width, at[y]}}, .dashed = true});
+    plot.series.push_back({.name = name, .points = {{at[x], at[y]}}, .dots = true});
   }
   return plot;
 }
@@ -179,7 +176,7 @@ std::string tune_html(const TuneStudy& study, const TuneResult& result,
     page.table(verification_line(result), verification_rows(result));
   }
   if (!steps.empty()) page.heading("Step responses");
-  for (const Plot& plot : steps) page.figure(to_svg(plot));
+  for (const Plot& plot : steps) page.plot(plot);
   if (!result.front.empty() && study.objectives.size() > 1) {
     page.heading("Front");
     page.paragraph(fmt::format(
@@ -187,7 +184,7 @@ std::string tune_html(const TuneStudy& study, const TuneResult& result,
         "front.csv. candidates.csv has all of them.",
         result.front.size(), result.candidates.size()));
     for (std::size_t y = 1; y < study.objectives.size(); ++y) {
-      page.figure(to_svg(front_plot(study, result, 0, y)));
+      page.plot(front_plot(study, result, 0, y));
     }
   }
   page.heading("Flights");

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "hils/report/html_page.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -100,6 +101,18 @@ TEST_F(PlotData, AReportWithPlotsHasTheScriptOnce) {
   const std::string html = with_plot_script("<body>" + plot_block(plot) + "</body>");
   EXPECT_NE(html.find("<script>draw();</script>\n</body>"), std::string::npos) << html;
   EXPECT_EQ(with_plot_script("<body></body>"), "<body></body>") << "nothing to draw";
+}
+
+TEST_F(PlotData, EachPageOfHilsHasItsPlotsAsDrawingsAndForTheScript) {
+  HtmlPage page("sweep");
+  Plot plot{.y_label = "y"};
+  plot.series.push_back({.name = "best", .points = {{1, 2}}, .dots = true});
+  page.plot(plot);
+  const std::string html = page.finish();
+  EXPECT_NE(html.find("<figure><svg"), std::string::npos) << html;
+  EXPECT_NE(html.find("<script type=\"application/json\" class=\"plot\">"), std::string::npos);
+  EXPECT_NE(html.find("<script>draw();</script>\n</body>"), std::string::npos);
+  EXPECT_EQ(data_of(plot)["series"][0]["dots"], true);
 }
 
 TEST_F(PlotData, MapsAndPagesThatWereNotBuiltLeaveTheDrawing) {

@@ -159,5 +159,11 @@ TEST(Plot, HasColoursForReadersWhoPreferTheDark) {
   EXPECT_NE(svg.find("class=\"c0\""), std::string::npos);
 }
 
+TEST(Plot, DrawsDotsWithoutALine) {
+  const std::string svg = to_svg({.series = {{.points = {{0, 0}, {1, 1}}, .dots = true}}});
+  EXPECT_NE(svg.find("stroke-linecap=\"round\""), std::string::npos) << svg;
+  EXPECT_EQ(std::count(svg.begin(), svg.end(), 'L'), 0) << svg;
+}
+
 }  // namespace
 }  // namespace cas::hils

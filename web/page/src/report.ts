@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// report.html: each drawing that has its numbers beside it becomes a plot: zoom by dragging, one cursor over all that have the
-// same x axis, curves that can be hidden, and the distance between two points that were clicked. Without a script the
-// drawings stay.
+// The plots of what hils leaves (report.html, comparison.html, sweep.html, tune.html): each drawing that has its numbers
+// beside it becomes a plot: zoom by dragging, one cursor over all that have the same x axis, curves that can be hidden, and
+// the distance between two points that were clicked. Without a script the drawings stay.
 import 'uplot/dist/uPlot.min.css';
 import './report.css';
 import uPlot from 'uplot';
@@ -13,6 +13,8 @@ interface Curve {
   name: string;
   dashed?: boolean;
   steps?: boolean;
+  /** Points without a line between them. */
+  dots?: boolean;
   x: Column;
   y: Column;
 }
@@ -92,8 +94,9 @@ function makePlot(figure: HTMLElement, data: PlotData): uPlot {
     },
     axes: [{...axis, label: data.x_label, size: 34, labelSize: 18}, {...axis, label: data.y_label, size: 62, labelSize: 18}],
     series: [{label: data.x_label}, ...data.series.map((curve, i) => ({
-      label: curve.name || data.y_label, stroke: colours[i], width: 1.4, dash: curve.dashed ? [5, 4] : undefined, points: {show: false}, spanGaps: false,
-      paths: curve.steps ? uPlot.paths.stepped!({align: 1}) : undefined,
+      label: curve.name || data.y_label, stroke: colours[i], width: 1.4, dash: curve.dashed ? [5, 4] : undefined, spanGaps: false,
+      points: curve.dots ? {show: true, size: 8, fill: colours[i]} : {show: false},
+      paths: curve.dots ? () => null : curve.steps ? uPlot.paths.stepped!({align: 1}) : undefined,
     }))],
     hooks: {
       drawClear: [(u) => drawMarks(u, data)],
