@@ -69,7 +69,7 @@ int generate(const Options& options) {
     if (!dialect) return kInputErrors;
     if (!options.only.empty()) {
       const auto problem = gen::keep_only(*dialect, options.only);
-      if (!problem.empty()) return complain(problem, kInputErrors);
+      if (problem) return complain(*problem, kInputErrors);
     }
     const auto name = gen::namespace_of(options.name.empty() ? dialect->name : options.name);
     auto headers = gen::write_cpp(*dialect, name);
@@ -88,8 +88,9 @@ int generate(const Options& options) {
   if (options.with_runtime) {
     files.insert(gen::runtime_files().begin(), gen::runtime_files().end());
   }
-  const auto problem = gen::write_files(options.out, files);
-  if (!problem.empty()) return complain(problem, kCannotWrite);
+  if (const auto problem = gen::write_files(options.out, files)) {
+    return complain(*problem, kCannotWrite);
+  }
   if (!options.stamp.empty() && !std::ofstream(options.stamp).put('\n')) {
     return complain("cannot write " + options.stamp, kCannotWrite);
   }
@@ -131,7 +132,7 @@ int render(const Options& options, std::string (*write)(const xml::Dialect&)) {
   }
   const std::filesystem::path out(options.out);
   const auto problem = gen::write_files(out.parent_path(), {{out.filename().string(), text}});
-  return problem.empty() ? kDone : complain(problem, kCannotWrite);
+  return problem ? complain(*problem, kCannotWrite) : kDone;
 }
 
 int run(int argc, char** argv) {

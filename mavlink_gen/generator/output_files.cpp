@@ -28,7 +28,7 @@ bool write_aside(const fs::path& path, const std::string& text) {
 
 }  // namespace
 
-std::string write_files(const std::filesystem::path& folder, const Files& files) {
+std::optional<std::string> write_files(const std::filesystem::path& folder, const Files& files) {
   std::error_code error;
   std::set<fs::path> made;
   for (const auto& [name, text] : files) {
@@ -47,7 +47,7 @@ std::string write_files(const std::filesystem::path& folder, const Files& files)
     fs::rename(aside, path, error);
     if (error) return "cannot replace " + path.string() + ": " + error.message();
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace cas::mav::gen

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace cas::mav::gen {
@@ -12,7 +13,7 @@ using Files = std::map<std::string, std::string>;
 
 /// Writes the files. One whose text is already there is not touched; the others are written beside
 /// their place and renamed into it, so nobody ever sees half a file.
-/// @return empty, or a sentence that says what could not be written
-std::string write_files(const std::filesystem::path& folder, const Files& files);
+/// @return a sentence that says what could not be written; nothing: all is
+std::optional<std::string> write_files(const std::filesystem::path& folder, const Files& files);
 
 }  // namespace cas::mav::gen

@@ -21,7 +21,8 @@ void use_enum(const xml::Dialect& dialect, std::string_view name, std::set<std::
 
 }  // namespace
 
-std::string keep_only(xml::Dialect& dialect, const std::vector<std::string>& messages) {
+std::optional<std::string> keep_only(xml::Dialect& dialect,
+                                     const std::vector<std::string>& messages) {
   const std::set<std::string> wanted(messages.begin(), messages.end());
   for (const auto& name : wanted) {
     if (dialect.find_message(name) != nullptr) continue;
@@ -36,7 +37,7 @@ std::string keep_only(xml::Dialect& dialect, const std::vector<std::string>& mes
     for (const auto& field : message.fields) use_enum(dialect, field.enum_name, used);
   }
   std::erase_if(dialect.enums, [&](const xml::Enum& item) { return !used.contains(item.name); });
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace cas::mav::gen

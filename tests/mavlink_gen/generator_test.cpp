@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -88,21 +89,21 @@ TEST(Naming, PascalCaseKeepsDigitsApart) {
 TEST(OutputFiles, UnchangedFilesAreNotTouched) {
   const TemporaryFolder folder;
   const gen::Files files{{"a/b.hpp", "text"}};
-  ASSERT_EQ(gen::write_files(folder.path(), files), "");
+  ASSERT_EQ(gen::write_files(folder.path(), files), std::nullopt);
   const auto time_of = [&] {
     struct stat status {};
     ::stat((folder.path() / "a/b.hpp").c_str(), &status);
     return std::pair(status.st_ino, status.st_mtim.tv_nsec);
   };
   const auto before = time_of();
-  ASSERT_EQ(gen::write_files(folder.path(), files), "");
+  ASSERT_EQ(gen::write_files(folder.path(), files), std::nullopt);
   EXPECT_EQ(time_of(), before);
-  ASSERT_EQ(gen::write_files(folder.path(), {{"a/b.hpp", "other"}}), "");
+  ASSERT_EQ(gen::write_files(folder.path(), {{"a/b.hpp", "other"}}), std::nullopt);
   EXPECT_EQ(TemporaryFolder::read(folder.path() / "a/b.hpp"), "other");
 }
 
 TEST(OutputFiles, FolderThatCannotBeMadeIsASentence) {
-  EXPECT_NE(gen::write_files("/proc/no/such", {{"a", "b"}}), "");
+  EXPECT_NE(gen::write_files("/proc/no/such", {{"a", "b"}}), std::nullopt);
 }
 
 TEST(CppWriter, SameInputGivesTheSameBytes) {
@@ -111,14 +112,14 @@ TEST(CppWriter, SameInputGivesTheSameBytes) {
 
 TEST(Subset, KeepsTheMessagesNamedAndWhatTheyUse) {
   auto dialect = load(kCommon);
-  ASSERT_EQ(gen::keep_only(dialect, {"HEARTBEAT", "COMMAND_LONG"}), "");
+  ASSERT_EQ(gen::keep_only(dialect, {"HEARTBEAT", "COMMAND_LONG"}), std::nullopt);
   EXPECT_EQ(dialect.messages.size(), 2U);
   EXPECT_NE(dialect.find_enum("MAV_TYPE"), nullptr);
   EXPECT_NE(dialect.find_enum("MAV_CMD"), nullptr);
   EXPECT_NE(dialect.find_enum("MAV_VTOL_STATE"), nullptr) << "a parameter of a command uses it";
   EXPECT_EQ(dialect.find_enum("MAV_SEVERITY"), nullptr);
-  EXPECT_NE(gen::keep_only(dialect, {"HEARTBEET"}).find("did you mean HEARTBEAT?"),
-            std::string::npos);
+  EXPECT_THAT(gen::keep_only(dialect, {"HEARTBEET"}),
+              testing::Optional(testing::HasSubstr("did you mean HEARTBEAT?")));
 }
 
 TEST(Json, HoldsEveryFactOfTheDialect) {
