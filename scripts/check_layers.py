@@ -131,7 +131,8 @@ LAYERS = {
     "fcu/flight": BASE | MAVLINK | rooms("fcu", "estimation control params") | {"Eigen"},
     "fcu/core":
         BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen"},
-    "fcu/protocols": BASE | MAVLINK | SERVICES | rooms("fcu", "core flight params") | {"Eigen"},
+    "fcu/protocols":
+        BASE | MAVLINK | SERVICES | rooms("fcu", "core estimation flight params") | {"Eigen"},
     "fcu": BASE | MAVLINK | rooms("fcu", "core flight protocols") | {"Eigen"},
     "fcu/emulator":
         BASE | MAVLINK | SERVICES | RPC | PROGRAM | rooms("fcu", "core line params")

@@ -5,6 +5,7 @@
 
 #include "base/time/clock.hpp"
 #include "fcu/protocols/flight_commands.hpp"
+#include "fcu/protocols/gyro_calibration.hpp"
 #include "fcu/protocols/telemetry.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
@@ -15,42 +16,11 @@ namespace cas::fcu {
 
 struct FcuCore;
 
-/// MAV_CMD_PREFLIGHT_CALIBRATION for the gyro: the estimate begins anew at rest, and its biases
-/// with it. It takes seconds, so it is answered IN_PROGRESS until it has succeeded, failed or been
-/// cancelled.
-class GyroCalibration {
- public:
-  using Result = mavlink::common::MavResult;
-
-  explicit GyroCalibration(FcuCore& core) : core_(core) {}
-
-  struct Progress {
-    Command command;  ///< the one that began it
-    Result result{};
-    int percent = 0;
-  };
-
-  /// Begins or cancels. UNSUPPORTED for other calibrations than the gyro's.
-  Result on_command(const Command& command, base::RunTime now);
-  /// Progress to report to the sender of the running command, if any.
-  std::optional<Progress> update(base::RunTime now);
-
- private:
-  std::optional<Progress> end(Result result);
-
-  FcuCore& core_;
-  std::optional<Command> running_;
-  bool cancelled_ = false;
-  base::RunTime begin_;
-  base::RunTime told_;
-};
-
 /// Carries out commands and acknowledges each one. A repetition of a command whose answer was lost
 /// (`confirmation` above 0) gets the same answer again and does nothing twice.
 class CommandHandler {
  public:
-  CommandHandler(FcuCore& core, Telemetry& telemetry)
-      : core_(core), telemetry_(telemetry), calibration_(core) {}
+  CommandHandler(FcuCore& core, Telemetry& telemetry);
 
   void on_long(const mavlink::common::CommandLong& m, mav::Source from, int version,
                base::RunTime now);
