@@ -316,17 +316,17 @@ struct App::Impl {
     figures.set_decoder(std::move(decoder));
   }
 
-  /// @return why not; empty when the new topology is in force
-  std::string reload() {
+  /// @return why not; nothing when the new topology is in force
+  std::optional<std::string> reload() {
     base::notify("RELOADING=1");
-    std::string trouble;
+    std::optional<std::string> trouble;
     try {
       put_in_force(load_again());
       warn_of_narrow_lines();
       base::log::info("topology reloaded");
     } catch (const std::exception& error) {  // no descriptors or threads for it, for one
       trouble = error.what();
-      base::log::error("topology not reloaded, the old one stays in force: " + trouble);
+      base::log::error("topology not reloaded, the old one stays in force: " + *trouble);
     }
     figures.set_last_reload({.at = base::steady_now(), .trouble = trouble});
     settle_deadline = base::steady_now() + kSettlePatience;

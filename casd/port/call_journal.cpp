@@ -12,7 +12,9 @@ using nlohmann::json;
 
 void CallJournal::add(Call call) {
   if (call.params.size() > kMostParamsBytes) call.params.clear();
-  if (call.refusal.size() > kMostRefusalBytes) call.refusal.resize(kMostRefusalBytes);
+  if (call.refusal && call.refusal->size() > kMostRefusalBytes) {
+    call.refusal->resize(kMostRefusalBytes);
+  }
   calls_.push_back(std::move(call));
   if (calls_.size() <= kMost) return;
   calls_.pop_front();
@@ -29,7 +31,7 @@ json CallJournal::answer() const {
                {"params", json::parse(call.params, nullptr, false)},
                {"vehicle", call.system}};
     if (entry["params"].is_discarded()) entry["params"] = nullptr;
-    if (!call.refusal.empty()) entry["refusal"] = call.refusal;
+    if (call.refusal) entry["refusal"] = *call.refusal;
     if (call.times > 1) entry["times"] = call.times;
     calls.push_back(std::move(entry));
   }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "base/time/clock.hpp"
@@ -25,7 +26,7 @@ class CallJournal {
     std::string method{};
     std::string params{};  ///< JSON
     std::uint8_t system = 0;
-    std::string refusal{};  ///< empty: it was done
+    std::optional<std::string> refusal{};  ///< nothing: it was done
     std::uint64_t times = 1;
   };
 

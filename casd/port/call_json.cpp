@@ -16,12 +16,12 @@ using mavlink::common::MavSeverity;
 using mavlink::common::MavType;
 using nlohmann::json;
 
-std::string answer_call(const json& params, const base::rpc::Reply& reply,
-                        const std::function<void(CallParams&)>& body) {
+std::optional<std::string> answer_call(const json& params, const base::rpc::Reply& reply,
+                                       const std::function<void(CallParams&)>& body) {
   try {
     CallParams reader(params);
     body(reader);
-    return "";
+    return std::nullopt;
   } catch (const BadParams& error) {
     reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
     return error.what();

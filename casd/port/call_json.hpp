@@ -61,9 +61,9 @@ class CallParams {
 
 /// Reads the parameters of a call for `body`, which answers it. What is wrong with them, or refused
 /// by a base::ConfigError, is answered as an error.
-/// @return that sentence; empty: `body` came to its end
-std::string answer_call(const nlohmann::json& params, const base::rpc::Reply& reply,
-                        const std::function<void(CallParams&)>& body);
+/// @return that sentence; nothing: `body` came to its end
+std::optional<std::string> answer_call(const nlohmann::json& params, const base::rpc::Reply& reply,
+                                       const std::function<void(CallParams&)>& body);
 
 /// "ACCEPTED", "DENIED", ...: the MAV_RESULT names without their prefix.
 std::string result_word(mavlink::common::MavResult result);

@@ -39,9 +39,9 @@ void start_log(Recorder& recorder, CallParams& params, TlogWriter::Done done) {
   rotation.max_age = base::from_seconds(at_least("rotate_minutes", 0.001) * 60);
   rotation.keep = static_cast<int>(params.optional_integer("keep", 0, 1'000'000).value_or(0));
   params.finish();
-  if (const std::string fault = tlog_name_fault(name); !name.empty() && !fault.empty()) {
-    throw BadParams("\"file\" " + fault + ": it is a name in " + recorder.config().folder.string() +
-                    ", the folder for recordings");
+  if (const auto fault = tlog_name_fault(name); fault && !name.empty()) {
+    throw BadParams("\"file\" " + *fault + ": it is a name in " +
+                    recorder.config().folder.string() + ", the folder for recordings");
   }
   recorder.start(name, rotation, std::move(done));
 }
@@ -56,9 +56,9 @@ void add_method(base::rpc::Server& server, const std::string& name, bool audited
   server.add_method(
       name,
       [name, audited, body](const json& params, const Reply& reply) {
-        const std::string fault =
+        const auto fault =
             answer_call(params, reply, [&](CallParams& reader) { reply.result(body(reader)); });
-        if (audited) audit(reply, name, fault.empty() ? "done" : fault);
+        if (audited) audit(reply, name, fault.value_or("done"));
       },
       audited ? kWeightOfChange : 1);
 }
@@ -80,9 +80,9 @@ void add_log_method(base::rpc::Server& server, const std::string& name, const Da
             audit(reply, name, fault.empty() ? "done" : fault);
           });
         };
-        const std::string fault =
+        const auto fault =
             answer_call(params, reply, [&](CallParams& reader) { body(reader, done); });
-        if (!fault.empty()) audit(reply, name, fault);
+        if (fault) audit(reply, name, *fault);
       },
       kWeightOfChange);
 }
@@ -105,8 +105,7 @@ json recording_json(const TlogStatus& status) {
 void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
   add_method(server, "casd.reload", true, [reload = hooks.reload](CallParams& params) {
     params.finish();
-    const std::string trouble = reload();
-    if (!trouble.empty()) throw base::ConfigError(trouble);
+    if (const auto trouble = reload()) throw base::ConfigError(*trouble);
     return json{{"reloaded", true}};
   });
   Recorder& recorder = hooks.recorder;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "base/rpc/server.hpp"
@@ -12,8 +13,8 @@ namespace cas::casd {
 
 /// What the methods of the daemon act on.
 struct DaemonHooks {
-  /// Reads the topology again. @return why not; empty when it is in force
-  std::function<std::string()> reload;
+  /// Reads the topology again. @return why not; nothing when it is in force
+  std::function<std::optional<std::string>()> reload;
   Recorder& recorder;
   /// Runs work on the server's thread; from any thread.
   std::function<void(std::function<void()> work)> post;

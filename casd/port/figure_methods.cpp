@@ -63,8 +63,8 @@ json signing_json(const LinkStatus& link, base::RunTime now, mav::SigningTime cl
 
 /// What became of the last reload.
 json reload_json(const ReloadReport& reload, base::RunTime now) {
-  json entry{{"accepted", reload.trouble.empty()}, {"age_s", base::to_seconds(now - reload.at)}};
-  if (!reload.trouble.empty()) entry["reason"] = reload.trouble;
+  json entry{{"accepted", !reload.trouble}, {"age_s", base::to_seconds(now - reload.at)}};
+  if (reload.trouble) entry["reason"] = *reload.trouble;
   return entry;
 }
 

@@ -50,7 +50,7 @@ struct FiguresSource {
 /// What became of a reload.
 struct ReloadReport {
   base::RunTime at{};
-  std::string trouble;  ///< why it was refused; empty: it is in force
+  std::optional<std::string> trouble;  ///< why it was refused; nothing: it is in force
 };
 
 /// The methods of the command port about casd itself: casd.status, link.*, message.* and

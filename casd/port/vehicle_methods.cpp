@@ -161,14 +161,14 @@ void VehicleMethods::run(const std::string& name, bool audited, const Parse& par
                          const Answer& answer, const json& params, const Reply& reply) {
   Action action;
   std::optional<std::uint8_t> asked;
-  const std::string fault = answer_call(params, reply, [&](CallParams& reader) {
+  const auto fault = answer_call(params, reply, [&](CallParams& reader) {
     if (const auto vehicle = reader.optional_integer("vehicle", 1, 255)) {
       asked = static_cast<std::uint8_t>(*vehicle);
     }
     action = parse(reader);
     reader.finish();
   });
-  if (!fault.empty()) return;
+  if (fault) return;
   const auto resolved = commander_.resolve(asked);
   if (const auto* why = std::get_if<Outcome>(&resolved)) {
     if (audited) audit(reply.client, name, params, asked.value_or(0), *why);
@@ -224,7 +224,7 @@ void VehicleMethods::audit(const std::string& client, const std::string& name, c
                 .method = name,
                 .params = asked,
                 .system = system,
-                .refusal = outcome.ok() ? "" : outcome.message});
+                .refusal = outcome.ok() ? std::nullopt : std::optional(outcome.message)});
 }
 
 void VehicleMethods::publish_text(const VehicleState& vehicle, const StatusText& text) {

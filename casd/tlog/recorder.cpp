@@ -33,9 +33,9 @@ void Recorder::begin() {
 }
 
 void Recorder::start(const std::string& name, const TlogRotation& rotation, TlogWriter::Done done) {
-  if (const std::string fault = tlog_name_fault(name); !name.empty() && !fault.empty()) {
+  if (const auto fault = tlog_name_fault(name); fault && !name.empty()) {
     throw base::ConfigError("a recording has a name in " + config_.folder.string() +
-                            ", and this one " + fault);
+                            ", and this one " + *fault);
   }
   of_flight_ = false;
   writer_.start(options(name, rotation), std::move(done));

@@ -14,13 +14,13 @@ bool is_unprintable(char c) { return static_cast<unsigned char>(c) < 0x20 || c =
 
 }  // namespace
 
-std::string tlog_name_fault(std::string_view name) {
+std::optional<std::string> tlog_name_fault(std::string_view name) {
   if (name.empty()) return "is empty";
   if (name.size() > kLongestName) return "has more than 100 characters";
   if (name.front() == '.') return "begins with a dot";
   if (name.find('/') != name.npos) return "has a slash";
   if (std::any_of(name.begin(), name.end(), is_unprintable)) return "has unprintable characters";
-  return "";
+  return std::nullopt;
 }
 
 std::string_view bare_tlog_name(std::string_view name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,9 +10,9 @@ namespace cas::casd {
 
 inline constexpr std::string_view kTlogExtension = ".tlog";
 
-/// Why a word cannot name a recording, as the end of a sentence; empty: it can. A name stands for a
-/// file in one folder, so it leads nowhere else: no slash, no leading dot, nothing unprintable.
-std::string tlog_name_fault(std::string_view name);
+/// Why a word cannot name a recording, as the end of a sentence; nothing: it can. A name stands for
+/// a file in one folder, so it leads nowhere else: no slash, no leading dot, nothing unprintable.
+std::optional<std::string> tlog_name_fault(std::string_view name);
 
 /// "NAME" for "NAME" and "NAME.tlog".
 std::string_view bare_tlog_name(std::string_view name);

@@ -55,9 +55,8 @@ struct UnixSocket : Text {
 struct TlogName : Text {
   static void read(const ConfigNode& node, std::string& name) {
     Text::read(node, name);
-    const std::string fault = tlog_name_fault(name);
-    if (!fault.empty()) {
-      node.fail("'" + name + "' " + fault + "; it is a name, and its folder is `folder`");
+    if (const auto fault = tlog_name_fault(name)) {
+      node.fail("'" + name + "' " + *fault + "; it is a name, and its folder is `folder`");
     }
   }
 };

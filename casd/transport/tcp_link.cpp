@@ -227,9 +227,8 @@ void TcpServerLink::serve(const PollSet& set, base::RunTime now) {
     return;
   }
   for (std::size_t i = clients_.size(); i-- > 0;) {
-    const std::string trouble =
-        serve_client(*clients_[i], set.revents(clients_[i]->poll_entry), now);
-    if (!trouble.empty()) remove(i, trouble);
+    const auto trouble = serve_client(*clients_[i], set.revents(clients_[i]->poll_entry), now);
+    if (trouble) remove(i, *trouble);
   }
   if ((set.revents(poll_entry_) & POLLIN) != 0) accept(now);
   if (!core_.second_due(now)) return;
@@ -292,18 +291,19 @@ void TcpServerLink::accept(base::RunTime now) {
   base::log::info("link " + core_.config().name + ": " + name + " connected");
 }
 
-std::string TcpServerLink::serve_client(Client& client, short events, base::RunTime now) {
+std::optional<std::string> TcpServerLink::serve_client(Client& client, short events,
+                                                       base::RunTime now) {
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
-    if (std::string trouble = read(client, now); !trouble.empty()) return trouble;
+    if (auto trouble = read(client, now)) return trouble;
   }
   if (client.port->broken()) return "connection lost";
   if ((events & POLLOUT) != 0 || client.port->due() <= now) client.port->carry_on(now);
   const auto stuck = client.port->stuck_since();
   if (stuck && now - *stuck > kStallPatience) return kStopped;
-  return {};
+  return std::nullopt;
 }
 
-std::string TcpServerLink::read(Client& client, base::RunTime now) {
+std::optional<std::string> TcpServerLink::read(Client& client, base::RunTime now) {
   const ssize_t count = ::recv(client.fd, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
   if (count > 0) {
     const std::span bytes(buffer_.data(), static_cast<std::size_t>(count));
@@ -312,10 +312,10 @@ std::string TcpServerLink::read(Client& client, base::RunTime now) {
       core_.ingress().take_packet(packet, now, {client.slot, client.serial});
     });
     core_.ingress().deliver(now);
-    return {};
+    return std::nullopt;
   }
-  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return {};
-  return count == 0 ? "closed" : error_text(errno);
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;
+  return count == 0 ? std::string("closed") : error_text(errno);
 }
 
 void TcpServerLink::remove(std::size_t index, const std::string& reason) {

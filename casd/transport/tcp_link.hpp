@@ -3,8 +3,10 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <shared_mutex>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/os/descriptor.hpp"
@@ -96,9 +98,9 @@ class TcpServerLink final : public Link {
 
   void listen(base::RunTime now);
   void accept(base::RunTime now);
-  /// @return why the client is to be closed, empty: it stays
-  std::string serve_client(Client& client, short events, base::RunTime now);
-  std::string read(Client& client, base::RunTime now);
+  /// @return why the client is to be closed; nothing: it stays
+  std::optional<std::string> serve_client(Client& client, short events, base::RunTime now);
+  std::optional<std::string> read(Client& client, base::RunTime now);
   void remove(std::size_t index, const std::string& reason);
 
   LinkCore core_;
