@@ -12,6 +12,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
+#include "base/read_file.hpp"
 #include "base/time/clock.hpp"
 
 namespace cas::hils {
@@ -53,7 +54,7 @@ WebView::WebView(const RunPlaces& places, const Supervisor& supervisor) {
     return;
   }
   fmt::print(stderr, "Page: {}\n", address_words(address_file(places)));
-  if (!base::web_dir()) fmt::print(stderr, "hils: CAS was built without the page (docs/web.md)\n");
+  if (!base::web_dir()) fmt::print(stderr, "hils: {}\n", built_without_page());
 }
 
 bool WebView::start(const RunPlaces& places, const Supervisor& supervisor,
@@ -88,6 +89,16 @@ bool WebView::start(const RunPlaces& places, const Supervisor& supervisor,
     ::poll(entries, 2, kPoll_ms);
   }
   return true;
+}
+
+std::string built_without_page(const std::filesystem::path& page_folder) {
+  const auto cause = base::read_file(page_folder / "left_out.txt");
+  return "CAS was built without the page" +
+         (cause ? ": " + cause->substr(0, cause->find('\n')) : std::string()) + " (docs/web.md)";
+}
+
+std::string built_without_page() {
+  return built_without_page(own_program().parent_path() / "../share/cas/web");
 }
 
 }  // namespace cas::hils

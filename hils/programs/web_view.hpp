@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -9,6 +10,12 @@
 #include "hils/run/run_places.hpp"
 
 namespace cas::hils {
+
+/// "CAS was built without the page: CAUSE (docs/web.md)", with the cause that the build left where
+/// the page would be, if it left one.
+std::string built_without_page(const std::filesystem::path& page_folder);
+/// That of this program, in the build tree and in an installation.
+std::string built_without_page();
 
 /// casweb beside a run, which shows it in a browser. A run does not end with it: nobody flies by
 /// it.

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/read_file.hpp"
 #include "base/rpc/base64.hpp"
+#include "hils/programs/web_view.hpp"
 
 namespace cas::hils {
 
@@ -20,7 +21,7 @@ constexpr std::string_view kPlace = "<!--RECORDS-->";
 std::filesystem::path template_file() {
   const auto folder = base::web_dir();
   if (!folder || !std::filesystem::exists(*folder / "replay.html")) {
-    throw base::ConfigError(std::string(why_no_page()));
+    throw base::ConfigError(why_no_page());
   }
   return *folder / "replay.html";
 }
@@ -81,9 +82,7 @@ bool has_page() {
   return folder && std::filesystem::exists(*folder / "replay.html");
 }
 
-std::string_view why_no_page() {
-  return "no replay.html: CAS was built without the page (docs/web.md)";
-}
+std::string why_no_page() { return "no replay.html: " + built_without_page(); }
 
 std::filesystem::path record_file(const std::filesystem::path& out) {
   return out / "run" / "record.json.gz";

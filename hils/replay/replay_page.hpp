@@ -24,8 +24,8 @@ std::string replay_page(std::span<const std::string> records);
 
 /// Whether replay_page() has a page to put records into.
 bool has_page();
-/// Why there is none: a sentence.
-std::string_view why_no_page();
+/// Why there is none: a sentence, with the cause that the build left.
+std::string why_no_page();
 
 /// Where a run's folder has its record.
 std::filesystem::path record_file(const std::filesystem::path& out);

@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/measure/column.hpp"
+#include "hils/programs/web_view.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -53,6 +54,14 @@ TEST(ReplayPage, HasTheRecordsInTheirPlace) {
   EXPECT_EQ(replay_page(records),
             "<body><script type=\"application/octet-stream\" class=\"record\">Zm9v</script>\n"
             "<script type=\"application/octet-stream\" class=\"record\">Zg==</script>\n</body>");
+}
+
+TEST(ReplayPage, ThatWasNotBuiltHasTheCauseThatTheBuildLeft) {
+  const cas::test::TemporaryFolder folder;
+  EXPECT_EQ(built_without_page(folder.path()), "CAS was built without the page (docs/web.md)");
+  base::write_file(folder.path() / "left_out.txt", "npm cannot install: no network\n");
+  EXPECT_EQ(built_without_page(folder.path()),
+            "CAS was built without the page: npm cannot install: no network (docs/web.md)");
 }
 
 TEST(ReplayPage, OfAnotherMakeIsRefused) {
