@@ -62,7 +62,7 @@ std::string slurm_script(const SlurmArray& array) {
   text += fmt::format("#SBATCH --array={}\n", slurm_ranges(array.missing));
   text += fmt::format("#SBATCH --cpus-per-task={}\n", array.jobs);
   text += fmt::format("#SBATCH --time={}\n", array.minutes);
-  text += fmt::format("#SBATCH --output=\"{}/%a.log\"\n", array.logs.string());
+  text += fmt::format("#SBATCH --output=\"{}/%A_%a.log\"\n", array.logs.string());
   if (!array.partition.empty()) text += fmt::format("#SBATCH --partition={}\n", array.partition);
   text += fmt::format(
       "exec {} sweep run {} --chunk \"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} "

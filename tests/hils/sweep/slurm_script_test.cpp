@@ -34,7 +34,7 @@ TEST(SlurmScript, IsOneArrayOfChunks) {
             "#SBATCH --array=3-4\n"
             "#SBATCH --cpus-per-task=2\n"
             "#SBATCH --time=45\n"
-            "#SBATCH --output=\"/home/o'neil/sweep/slurm/%a.log\"\n"
+            "#SBATCH --output=\"/home/o'neil/sweep/slurm/%A_%a.log\"\n"
             "#SBATCH --partition=long\n"
             "exec '/opt/cas/bin/hils' sweep run '/home/o'\\''neil/sweep' "
             "--chunk \"$SLURM_ARRAY_TASK_ID/40\" --jobs 2 --scratch \"${TMPDIR:-/tmp}\"\n");
