@@ -25,6 +25,7 @@
 #include "hils/replay/logged_messages.hpp"
 #include "hils/replay/ulog_messages.hpp"
 #include "libsim/core/load/model_loader.hpp"
+#include "libsim/core/load/visuals.hpp"
 
 namespace cas::hils {
 
@@ -130,8 +131,8 @@ Json part_json(const sim::Shape& shape) {
   } else if (const auto* cylinder = std::get_if<sim::Cylinder>(&shape.geometry)) {
     part = {
         {"shape", "cylinder"}, {"radius_m", cylinder->radius_m}, {"length_m", cylinder->length_m}};
-  } else {
-    return nullptr;
+  } else if (std::holds_alternative<sim::Mesh>(shape.geometry)) {
+    part = {{"shape", "mesh"}};
   }
   const Eigen::Quaterniond q(shape.pose.rotation());
   part["p"] = vector_json(shape.pose.translation());
@@ -139,13 +140,30 @@ Json part_json(const sim::Shape& shape) {
   return part;
 }
 
-/// The vehicle as sim.scene describes it: collision shapes and rotors.
-Json scene_json(const base::Vehicle& vehicle) {
+/// Its shapes; a mesh is named by its place in `meshes`.
+Json parts_json(const std::vector<sim::Shape>& shapes, Json& meshes) {
   Json parts = Json::array();
-  if (!vehicle.urdf.empty()) {
-    for (const sim::Shape& shape : sim::load_vehicle_model(vehicle.urdf).shapes) {
-      if (Json part = part_json(shape); !part.is_null()) parts.push_back(std::move(part));
+  for (const sim::Shape& shape : shapes) {
+    Json part = part_json(shape);
+    if (const auto* mesh = std::get_if<sim::Mesh>(&shape.geometry)) {
+      part["mesh"] = std::to_string(meshes.size());
+      meshes.push_back(base::rpc::to_base64(sim::mesh_bytes(*mesh->triangles)));
     }
+    if (part.contains("shape")) parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+/// The vehicle as sim.scene describes it: shapes, small meshes, rotors.
+Json scene_json(const base::Vehicle& vehicle) {
+  constexpr std::size_t kMostTriangles = 10'000;  // a third of a megabyte when it is compressed
+  Json parts = Json::array();
+  Json visuals = Json::array();
+  Json meshes = Json::array();
+  if (!vehicle.urdf.empty()) {
+    const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf);
+    parts = parts_json(model.shapes, meshes);
+    visuals = parts_json(sim::load_visuals(model, kMostTriangles), meshes);
   }
   Json rotors = Json::array();
   for (const base::Rotor& rotor : vehicle.rotors) {
@@ -156,10 +174,9 @@ Json scene_json(const base::Vehicle& vehicle) {
                       {"k_f", rotor.params.thrust_coefficient},
                       {"omega_max_rad_s", rotor.params.omega_max_rad_s}});
   }
-  return {{"name", vehicle.name},
-          {"mass_kg", vehicle.mass_kg},
-          {"parts", std::move(parts)},
-          {"rotors", std::move(rotors)}};
+  return {{"name", vehicle.name},        {"mass_kg", vehicle.mass_kg},
+          {"parts", std::move(parts)},   {"visuals", std::move(visuals)},
+          {"meshes", std::move(meshes)}, {"rotors", std::move(rotors)}};
 }
 
 Json stages_json(const RunRecord& record) {
@@ -269,6 +286,18 @@ std::string controllers(const RunRequest& request) {
   return all;
 }
 
+/// The record of a log alone. @param vehicle  what the log has of it
+std::string log_record(const std::filesystem::path& file, const Json& vehicle) {
+  Json named{{"name", file.stem().string()}};
+  named.update(vehicle);
+  return dump({{"format", kFormat},
+               {"cas", CAS_VERSION},
+               {"name", file.filename().string()},
+               {"duration_s", named["log"]["duration_s"]},
+               {"controller", named.value("controller", "")},
+               {"vehicles", Json::array({named})}});
+}
+
 }  // namespace
 
 std::string replay_record(const RunRequest& request, const RunResult& run) {
@@ -286,18 +315,6 @@ std::string replay_record(const RunRequest& request, const RunResult& run) {
                {{"HIL_SENSOR", request.scenario.rates.sensor_hz},
                 {"HIL_GPS", request.scenario.rates.gps_hz},
                 {"HIL_CONTROLS", request.scenario.rates.controls_hz},
-/// The record of a log alone. @param vehicle  what the log has of it
-std::string log_record(const std::filesystem::path& file, const Json& vehicle) {
-  Json named{{"name", file.stem().string()}};
-  named.update(vehicle);
-  return dump({{"format", kFormat},
-               {"cas", CAS_VERSION},
-               {"name", file.filename().string()},
-               {"duration_s", named["log"]["duration_s"]},
-               {"controller", named.value("controller", "")},
-               {"vehicles", Json::array({named})}});
-}
-
                 {"HIL_ACTUATOR_CONTROLS", request.scenario.rates.controls_hz}}},
               {"line", line_json(request)},
               {"controller", controllers(request)},

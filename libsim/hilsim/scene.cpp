@@ -2,8 +2,6 @@
 #include "libsim/hilsim/scene.hpp"
 
 #include <Eigen/Geometry>
-#include <bit>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <type_traits>
@@ -13,6 +11,7 @@
 #include "base/config/axes.hpp"
 #include "libsim/core/body/world_model.hpp"
 #include "libsim/core/load/model_loader.hpp"
+#include "libsim/core/load/visuals.hpp"
 #include "libsim/hilsim/round_json.hpp"
 #include "mavlink_gen/runtime/sha256.hpp"
 
@@ -24,6 +23,7 @@ using Json = nlohmann::json;
 
 constexpr double kLength = 1e-4;  // m, what a picture may be off by
 constexpr double kTurn = 1e-6;
+constexpr std::size_t kMostTriangles = 500'000;  // of a vehicle, that a browser still turns
 
 std::string sha256_hex(std::string_view bytes) {
   constexpr const char* kDigits = "0123456789abcdef";
@@ -37,29 +37,6 @@ std::string sha256_hex(std::string_view bytes) {
     text += kDigits[byte & 0xFU];
   }
   return text;
-}
-
-template <class Number>
-void append(std::string& bytes, Number value) {
-  static_assert(std::endian::native == std::endian::little && sizeof(Number) == 4);
-  char raw[sizeof value];
-  std::memcpy(raw, &value, sizeof value);
-  bytes.append(raw, sizeof raw);
-}
-
-/// As Scene::mesh() has them.
-std::string mesh_bytes(const TriangleMesh& mesh) {
-  std::string bytes;
-  bytes.reserve(8 + 12 * (mesh.vertices.size() + mesh.triangles.size()));
-  append(bytes, static_cast<std::uint32_t>(mesh.vertices.size()));
-  append(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
-  for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    for (const double coordinate : vertex) append(bytes, static_cast<float>(coordinate));
-  }
-  for (const auto& triangle : mesh.triangles) {
-    for (const std::uint32_t index : triangle) append(bytes, index);
-  }
-  return bytes;
 }
 
 /// Writes shapes, and keeps the meshes that they name.
@@ -97,7 +74,7 @@ class ShapeWriter {
   }
   void add(Json& part, const Plane&) { part["shape"] = "plane"; }
   void add(Json& part, const Mesh& mesh) {
-    std::string& hash = hashes_[mesh.triangles.get()];  // shapes share meshes
+    std::string& hash = hashes_[mesh.triangles];  // shapes share meshes
     if (hash.empty()) {
       std::string bytes = mesh_bytes(*mesh.triangles);
       hash = sha256_hex(bytes);
@@ -108,7 +85,7 @@ class ShapeWriter {
   }
 
   std::map<std::string, std::string>& meshes_;
-  std::map<const TriangleMesh*, std::string> hashes_;
+  std::map<std::shared_ptr<const TriangleMesh>, std::string> hashes_;
 };
 
 Json rotors_json(const base::Vehicle& vehicle) {
@@ -160,6 +137,7 @@ Scene::Scene(const SimRunner& runner) {
                                  {"system", vehicle.vehicle.system_id},
                                  {"mass_kg", model.mass.mass_kg()},
                                  {"parts", shapes.list(model.shapes)},
+                                 {"visuals", shapes.list(load_visuals(model, kMostTriangles))},
                                  {"rotors", rotors_json(vehicle.vehicle)},
                                  {"rays", rays_json(vehicle)}});
   }

@@ -24,8 +24,7 @@ class Scene {
   Scene& operator=(const Scene&) = delete;
 
   const nlohmann::json& json() const { return *json_; }
-  /// The bytes of a mesh, nullptr for an unknown hash. Little-endian: counts of vertices and of
-  /// triangles (uint32), vertices (float32 x, y, z, m), triangles (uint32 indices).
+  /// mesh_bytes() of a mesh, nullptr for an unknown hash.
   const std::string* mesh(const std::string& hash) const;
 
  private:

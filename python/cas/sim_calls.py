@@ -90,11 +90,12 @@ SceneRotor = TypedDict("SceneRotor", {
 SceneVehicle = TypedDict("SceneVehicle", {
     "mass_kg": float,
     "name": str,
-    "parts": List[ScenePart],
+    "parts": List[ScenePart],  # what touches the ground
     "rays": List[SceneRay],
     "rotors": List[SceneRotor],
     "system": int,
     "type": str,  # the vehicle file's name
+    "visuals": List[ScenePart],  # of its model without the rotors; none where no mesh is among them
 })
 Scene = TypedDict("Scene", {
     "frame": str,  # W

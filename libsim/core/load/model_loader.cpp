@@ -6,6 +6,9 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "base/config/sdf_model.hpp"
 #include "base/config/xml_tree.hpp"
@@ -22,10 +25,24 @@ namespace {
   throw base::ConfigError(file.string() + ": " + sentence);
 }
 
+Eigen::Vector3d size_of(const Geometry& geometry) {
+  if (const auto* box = std::get_if<Box>(&geometry)) return box->size_m;
+  if (const auto* ball = std::get_if<Sphere>(&geometry)) {
+    return Eigen::Vector3d::Constant(ball->radius_m);
+  }
+  const auto& cylinder = std::get<Cylinder>(geometry);
+  return {cylinder.radius_m, cylinder.radius_m, cylinder.length_m};
+}
+
+bool has_extent(const Geometry& geometry) {
+  const Eigen::Vector3d size_m = size_of(geometry);
+  return size_m.allFinite() && (size_m.array() > 0).all();
+}
+
 /// The contact solver knows no body without extent.
 void check_size(const std::filesystem::path& file, const std::string& link,
-                const Eigen::Vector3d& size_m) {
-  if (size_m.allFinite() && (size_m.array() > 0).all()) return;
+                const Geometry& geometry) {
+  if (has_extent(geometry)) return;
   fail(file, "link '" + link + "': a <collision> geometry has a size that is not above 0");
 }
 
@@ -65,6 +82,25 @@ Eigen::Isometry3d to_eigen(const urdf::Pose& pose) {
   return X;
 }
 
+/// Nothing for a mesh.
+std::optional<Geometry> solid_of(const urdf::Geometry& geometry) {
+  switch (geometry.type) {
+    case urdf::Geometry::BOX: {
+      const auto& dim = static_cast<const urdf::Box&>(geometry).dim;
+      return Box{{dim.x, dim.y, dim.z}};
+    }
+    case urdf::Geometry::SPHERE:
+      return Sphere{static_cast<const urdf::Sphere&>(geometry).radius};
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
+      return Cylinder{cylinder.radius, cylinder.length};
+    }
+    case urdf::Geometry::MESH:
+      break;
+  }
+  return std::nullopt;
+}
+
 /// Mass, first moment and inertia about the root's origin, summed over links.
 struct MassSum {
   double mass = 0;
@@ -99,6 +135,7 @@ class Assembler {
   void visit(const urdf::Link& link, const Eigen::Isometry3d& X_RL) {
     add_mass(link, X_RL);
     for (const auto& collision : link.collision_array) add_shape(link, *collision, X_RL);
+    for (const auto& visual : link.visual_array) add_visual(link, *visual, X_RL);
     for (const auto& joint : link.child_joints) {
       const Eigen::Isometry3d X_RJ = X_RL * to_eigen(joint->parent_to_joint_origin_transform);
       note_joint(*joint, X_RJ);
@@ -145,6 +182,7 @@ class Assembler {
     model_.mass = MassProperties(sum_.mass, inertia);
     model_.cog_in_root_m = cog;
     for (Shape& shape : model_.shapes) shape.pose.translation() -= cog;
+    for (Visual& visual : model_.visuals) visual.pose.translation() -= cog;
     for (ModelRotor& rotor : model_.rotors) rotor.position_B_m -= cog;
   }
 
@@ -154,28 +192,11 @@ class Assembler {
     Shape shape;
     shape.name = link.name;
     shape.pose = X_RL * to_eigen(collision.origin);
-    switch (collision.geometry->type) {
-      case urdf::Geometry::BOX: {
-        const auto& dim = static_cast<const urdf::Box&>(*collision.geometry).dim;
-        check_size(file_, link.name, {dim.x, dim.y, dim.z});
-        shape.geometry = Box{{dim.x, dim.y, dim.z}};
-        break;
-      }
-      case urdf::Geometry::SPHERE: {
-        const double radius = static_cast<const urdf::Sphere&>(*collision.geometry).radius;
-        check_size(file_, link.name, Eigen::Vector3d::Constant(radius));
-        shape.geometry = Sphere{radius};
-        break;
-      }
-      case urdf::Geometry::CYLINDER: {
-        const auto& cylinder = static_cast<const urdf::Cylinder&>(*collision.geometry);
-        check_size(file_, link.name, {cylinder.radius, cylinder.radius, cylinder.length});
-        shape.geometry = Cylinder{cylinder.radius, cylinder.length};
-        break;
-      }
-      case urdf::Geometry::MESH:
-        take_mesh_as_box(link, static_cast<const urdf::Mesh&>(*collision.geometry), shape);
-        break;
+    if (const auto solid = solid_of(*collision.geometry)) {
+      check_size(file_, link.name, *solid);
+      shape.geometry = *solid;
+    } else {
+      take_mesh_as_box(link, static_cast<const urdf::Mesh&>(*collision.geometry), shape);
     }
     model_.shapes.push_back(std::move(shape));
   }
@@ -186,6 +207,23 @@ class Assembler {
       fail(file_, "link '" + link.name + "': mesh '" + mesh.filename + "' is nowhere to be found");
     }
     take_as_box(load_mesh(*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}), shape);
+  }
+
+  /// What cannot be drawn is left out: the flight does not need it.
+  void add_visual(const urdf::Link& link, const urdf::Visual& visual,
+                  const Eigen::Isometry3d& X_RL) {
+    const bool turns = link.parent_joint && link.parent_joint->type == urdf::Joint::CONTINUOUS;
+    if (!visual.geometry || turns) return;
+    const Eigen::Isometry3d X_RV = X_RL * to_eigen(visual.origin);
+    if (const auto solid = solid_of(*visual.geometry)) {
+      if (has_extent(*solid)) model_.visuals.push_back({link.name, *solid, X_RV});
+      return;
+    }
+    const auto& mesh = static_cast<const urdf::Mesh&>(*visual.geometry);
+    const auto found = find_package_file(mesh.filename, file_.parent_path());
+    if (!found) return;
+    const MeshFile form{*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}};
+    model_.visuals.push_back({link.name, form, X_RV});
   }
 
   void warn(const std::string& sentence) {
@@ -213,16 +251,21 @@ class SdfShapes {
     model_.name = sdf_.name();
     model_.mass = MassProperties(body.mass_kg, body.inertia_B_kg_m2);
     model_.cog_in_root_m = body.cog_R_m;
+    std::set<std::string> turning;
     for (const base::ModelLink& link : body.links) {
-      if (link.axis_R) model_.rotors.push_back({link.name, body.position_B_m(link), *link.axis_R});
+      if (!link.axis_R) continue;
+      turning.insert(link.name);
+      model_.rotors.push_back({link.name, body.position_B_m(link), *link.axis_R});
     }
     for (const base::SdfLink& link : sdf_.links()) {
       for (const base::XmlElement& child : link.element->children) {
         if (child.name == "collision") take_collision(child, link);
+        if (child.name == "visual" && !turning.contains(link.name)) take_visual(child, link);
       }
     }
     require_shapes(file_, model_);
     for (Shape& shape : model_.shapes) shape.pose.pretranslate(-body.cog_R_m);
+    for (Visual& visual : model_.visuals) visual.pose.pretranslate(-body.cog_R_m);
     return std::move(model_);
   }
 
@@ -234,17 +277,9 @@ class SdfShapes {
     shape.name = link.name;
     shape.pose = sdf_.pose_of(collision, link);
     const base::XmlElement& form = geometry->children.front();
-    if (form.name == "box") {
-      shape.geometry = Box{sdf_.vector(part(form, "size"))};
-      check_size(file_, link.name, std::get<Box>(shape.geometry).size_m);
-    } else if (form.name == "sphere") {
-      shape.geometry = Sphere{sdf_.number(part(form, "radius"))};
-      check_size(file_, link.name,
-                 Eigen::Vector3d::Constant(std::get<Sphere>(shape.geometry).radius_m));
-    } else if (form.name == "cylinder") {
-      const Cylinder cylinder{sdf_.number(part(form, "radius")), sdf_.number(part(form, "length"))};
-      shape.geometry = cylinder;
-      check_size(file_, link.name, {cylinder.radius_m, cylinder.radius_m, cylinder.length_m});
+    if (const auto solid = solid_of(form)) {
+      check_size(file_, link.name, *solid);
+      shape.geometry = *solid;
     } else if (form.name == "mesh") {
       take_mesh(form, shape);
     } else {
@@ -259,12 +294,42 @@ class SdfShapes {
 
   void take_mesh(const base::XmlElement& mesh, Shape& shape) {
     const base::XmlElement& uri = part(mesh, "uri");
-    const auto found = find_model_file(uri.text, file_.parent_path(), {});
+    const auto found = find_mesh(mesh);
     if (!found) sdf_.fail(uri, "mesh '" + uri.text + "' is nowhere to be found");
-    const base::XmlElement* const scale = mesh.child("scale");
-    take_as_box(load_mesh(*found, scale != nullptr ? sdf_.vector(*scale)
-                                                   : Eigen::Vector3d(Eigen::Vector3d::Ones())),
-                shape);
+    take_as_box(load_mesh(found->path, found->scale), shape);
+  }
+
+  std::optional<MeshFile> find_mesh(const base::XmlElement& mesh) const {
+    auto found = find_model_file(part(mesh, "uri").text, file_.parent_path(), {});
+    if (!found) return std::nullopt;
+    MeshFile file{.path = *std::move(found)};
+    if (const base::XmlElement* const scale = mesh.child("scale")) file.scale = sdf_.vector(*scale);
+    return file;
+  }
+
+  /// Nothing for a form that is none of them.
+  std::optional<Geometry> solid_of(const base::XmlElement& form) const {
+    if (form.name == "box") return Box{sdf_.vector(part(form, "size"))};
+    if (form.name == "sphere") return Sphere{sdf_.number(part(form, "radius"))};
+    if (form.name == "cylinder") {
+      return Cylinder{sdf_.number(part(form, "radius")), sdf_.number(part(form, "length"))};
+    }
+    return std::nullopt;
+  }
+
+  /// What cannot be drawn is left out: the flight does not need it.
+  void take_visual(const base::XmlElement& visual, const base::SdfLink& link) try {
+    const base::XmlElement* const geometry = visual.child("geometry");
+    if (geometry == nullptr || geometry->children.empty()) return;
+    const base::XmlElement& form = geometry->children.front();
+    const Eigen::Isometry3d X_RV = sdf_.pose_of(visual, link);
+    if (const auto solid = solid_of(form)) {
+      if (has_extent(*solid)) model_.visuals.push_back({link.name, *solid, X_RV});
+    } else if (form.name == "mesh") {
+      if (const auto mesh = find_mesh(form)) model_.visuals.push_back({link.name, *mesh, X_RV});
+    }
+  } catch (const base::ConfigError&) {
+    // a size that is no number, say
   }
 
   const base::XmlElement& part(const base::XmlElement& form, std::string_view name) const {

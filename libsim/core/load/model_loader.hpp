@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "libsim/core/body/rigid_body.hpp"
@@ -19,13 +20,27 @@ struct ModelRotor {
   Eigen::Vector3d axis_B;        ///< unit
 };
 
+/// A mesh that was found, but not read.
+struct MeshFile {
+  std::filesystem::path path;
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+};
+
+/// What a picture of the vehicle shows: a <visual>.
+struct Visual {
+  std::string name;  ///< of its link
+  std::variant<Geometry, MeshFile> form;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+};
+
 /// A vehicle as one rigid body: B has its origin in the centre of gravity and the axes of a URDF's
 /// root link or of an SDF's model, which are forward, left, up.
 struct VehicleModel {
   std::string name;
   MassProperties mass;
   Eigen::Vector3d cog_in_root_m = Eigen::Vector3d::Zero();
-  std::vector<Shape> shapes;  ///< poses in B; meshes as their bounding boxes
+  std::vector<Shape> shapes;    ///< poses in B; meshes as their bounding boxes
+  std::vector<Visual> visuals;  ///< poses in B; without those of rotors, which turn
   std::vector<ModelRotor> rotors;
   std::vector<std::string> warnings;  ///< one sentence each: what was mended or left out
 };

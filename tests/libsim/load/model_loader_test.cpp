@@ -8,6 +8,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
+#include "libsim/core/load/visuals.hpp"
 #include "libsim/core/load/world_loader.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -145,6 +146,55 @@ TEST_F(ModelLoader, ReadsASolidWorksExport) {
   const Box& box = std::get<Box>(model.shapes.at(0).geometry);
   EXPECT_LT((box.size_m - Eigen::Vector3d(0.2, 0.4, 0.05)).norm(), 1e-7);
   EXPECT_NEAR(model.shapes[0].pose.translation().y(), -0.025, 1e-7);
+}
+
+constexpr const char* kTriangle =
+    "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+    "endfacet\nendsolid s\n";
+
+std::string visual(const std::string& geometry) {
+  return "<visual><origin xyz='0 0 0.5'/><geometry>" + geometry + "</geometry></visual>";
+}
+
+TEST_F(ModelLoader, AVehicleIsDrawnByItsMeshesWithoutItsRotors) {
+  folder_.write("frame.stl", kTriangle);
+  const std::string box = visual("<box size='0.1 0.2 0.3'/>");
+  const std::string mesh = visual("<mesh filename='frame.stl' scale='0.1 0.1 0.1'/>");
+  const VehicleModel model = load(
+      link("base", inertial(1, "0 0 0.2", "0 0 0", kBall) + kCollision + mesh + box +
+                       visual("<mesh filename='nowhere.stl'/>") + visual("<sphere radius='0'/>")) +
+      link("prop", visual("<box size='1 1 1'/>")) + joint("continuous", "prop", "0.2 0.2 0"));
+  const std::vector<Shape> shapes = load_visuals(model, 1);
+  ASSERT_EQ(shapes.size(), 2U);
+  const Mesh& drawn = std::get<Mesh>(shapes[0].geometry);
+  EXPECT_TRUE(drawn.triangles->vertices.at(1).isApprox(Eigen::Vector3d(0.1, 0, 0), 1e-6));
+  EXPECT_NEAR(shapes[0].pose.translation().z(), 0.3, 1e-9) << "about the centre of gravity";
+  EXPECT_TRUE(std::get<Box>(shapes[1].geometry).size_m.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
+  EXPECT_THAT(load_visuals(model, 0), IsEmpty()) << "too many triangles";
+
+  folder_.write("frame.stl", "no mesh");
+  EXPECT_THAT(load_visuals(model, 1), IsEmpty()) << "a stand-in is drawn, and the vehicle flies";
+  const VehicleModel plain =
+      load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision + box));
+  EXPECT_THAT(load_visuals(plain, 1), IsEmpty()) << "nothing that the stand-in does not show";
+}
+
+TEST_F(ModelLoader, AnSdfModelIsDrawnByItsMeshes) {
+  folder_.write("frame.stl", kTriangle);
+  const auto model_with = [&](const std::string& visual) {
+    return load_vehicle_model(folder_.write(
+        "v.sdf",
+        "<sdf version='1.9'><model name='m'><link name='base'><inertial><mass>1</mass><inertia>"
+        "<ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>"
+        "<collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision>"
+        "<visual name='v'><geometry>" +
+            visual + "</geometry></visual></link></model></sdf>"));
+  };
+  const VehicleModel model = model_with("<mesh><uri>frame.stl</uri><scale>2 2 2</scale></mesh>");
+  const std::vector<Shape> shapes = load_visuals(model, 1);
+  ASSERT_EQ(shapes.size(), 1U);
+  EXPECT_EQ(std::get<Mesh>(shapes[0].geometry).triangles->vertices.at(1).x(), 2);
+  EXPECT_THAT(model_with("<box><size>wide</size></box>").visuals, IsEmpty());
 }
 
 TEST_F(ModelLoader, OtherMovingJointsAreTakenAsFixed) {

@@ -27,6 +27,10 @@ export interface SceneVehicle {
   system?: number;
   mass_kg?: number;
   parts?: Part[];
+  /** Of its own model, without the rotors; where it has no mesh a stand-in is drawn. */
+  visuals?: Part[];
+  /** Of a record: triangles in base 64, which its parts name by their place. */
+  meshes?: string[];
   rotors: SceneRotor[];
   rays?: {name: string; p_B: Vec3; dir_B: Vec3; max_m: number}[];
 }

@@ -69,6 +69,8 @@ type SeriesOf = (vehicle: number, key: string) => Series | undefined;
 
 interface Craft {
   group: Group;
+  /** All but the rotors: goes where the vehicle has meshes of its own. */
+  standIn: Group;
   discs: {fill: MeshBasicMaterial; blades: Group; arrow: Group; k_f: number; omegaMax: number; spin: number; angle: number}[];
 }
 
@@ -109,6 +111,8 @@ function armOf(scene: SceneVehicle): number {
 /** The stand-in: arms to the real hubs, discs of the real radius, the nose marked. */
 function makeCraft(scene: SceneVehicle): Craft {
   const group = new Group();
+  const standIn = new Group();
+  group.add(standIn);
   const arm = armOf(scene);
   const body = new MeshLambertMaterial({color: hex('t3')});
   const dark = new MeshLambertMaterial({color: hex('t2')});
@@ -116,7 +120,7 @@ function makeCraft(scene: SceneVehicle): Craft {
   const add = (geometry: BufferGeometry, material: MeshLambertMaterial, x: number, y: number, z: number) => {
     const mesh = new Mesh(geometry, material);
     mesh.position.set(x, y, z);
-    group.add(mesh);
+    standIn.add(mesh);
   };
   add(new BoxGeometry(0.9 * arm, 0.42 * arm, 0.22 * arm), body, 0, 0, 0);
   add(new BoxGeometry(0.26 * arm, 0.3 * arm, 0.1 * arm), nose, 0.42 * arm, 0, 0.1 * arm);
@@ -126,7 +130,7 @@ function makeCraft(scene: SceneVehicle): Craft {
       const leg = new Mesh(new CylinderGeometry(0.016 * arm, 0.016 * arm, 0.42 * arm), dark);
       leg.rotation.x = Math.PI / 2 + side * 0.35;
       leg.position.set(x * arm, side * 0.36 * arm, -0.24 * arm);
-      group.add(leg);
+      standIn.add(leg);
     }
   }
   const discs = scene.rotors.map((rotor) => {
@@ -136,7 +140,7 @@ function makeCraft(scene: SceneVehicle): Craft {
       const strut = new Mesh(new CylinderGeometry(0.045 * arm, 0.045 * arm, length), dark);
       strut.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), hub.clone().normalize());
       strut.position.copy(hub).multiplyScalar(0.5);
-      group.add(strut);
+      standIn.add(strut);
     }
     const front = rotor.p_B[0] > 0.01;
     const tint = hex(front ? 'acc' : 't2');
@@ -166,7 +170,7 @@ function makeCraft(scene: SceneVehicle): Craft {
     group.add(disc);
     return {fill, blades, arrow, k_f: rotor.k_f, omegaMax: rotor.omega_max_rad_s, spin: rotor.spin, angle: 0};
   });
-  return {group, discs};
+  return {group, standIn, discs};
 }
 
 /** The vehicle as dashed wire. */
@@ -196,6 +200,25 @@ function makePart(part: Part, material: MeshLambertMaterial): Object3D | null {
     return new Group().add(mesh);
   }
   return null;
+}
+
+/** Triangles as docs/web_protocol.md has them: of a record the record's own, else by their hash; null where there are none. */
+async function loadTriangles(mesh: string, own?: string[]): Promise<BufferGeometry | null> {
+  const packed = own?.[Number(mesh)];
+  let bytes: ArrayBuffer;
+  if (packed !== undefined) {
+    bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0)).buffer;
+  } else {
+    const answer = await fetch(`/mesh/${mesh.replace('sha256:', '')}`).catch(() => null);
+    if (!answer?.ok) return null;
+    bytes = await answer.arrayBuffer();
+  }
+  const [vertices, triangles] = new Uint32Array(bytes, 0, 2) as unknown as [number, number];
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(new Float32Array(bytes, 8, vertices * 3), 3));
+  geometry.setIndex(new BufferAttribute(new Uint32Array(bytes, 8 + vertices * 12, triangles * 3), 1));
+  geometry.computeVertexNormals();
+  return geometry;
 }
 
 /** Ring with a cross: where the vehicle is to be. */
@@ -283,6 +306,11 @@ export class View3D {
     this.controls.maxDistance = 400;
   }
 
+  /** Vehicles that are drawn by meshes of their own. */
+  get ownMeshes(): number {
+    return this.crafts.filter((craft) => !craft.standIn.visible).length;
+  }
+
   /** Numbers of the compiled shader programs. */
   get programs(): number[] {
     return (this.renderer.info.programs ?? []).map((program) => (program as unknown as {id: number}).id);
@@ -361,6 +389,7 @@ export class View3D {
     this.addWorld(bench);
     this.crafts = bench.vehicles.map((vehicle) => makeCraft(vehicle.scene ?? kUnknown));
     for (const {group} of this.crafts) this.scene.add(group);
+    bench.vehicles.forEach((vehicle, i) => void this.addVisuals(vehicle.scene, this.crafts[i]!));
     const own = bench.vehicle?.scene ?? kUnknown;
     this.ghost = makeGhost(own, 'est');
     this.besideGhost = bench.beside.length > 0 ? makeGhost(own, 't2') : undefined;
@@ -436,20 +465,31 @@ export class View3D {
     }
   }
 
-  /** Triangles by their hash, as docs/web_protocol.md has them. */
   private async addMesh(part: Part, material: MeshLambertMaterial): Promise<void> {
     const scene = this.scene;
-    const answer = await fetch(`/mesh/${part.mesh!.replace('sha256:', '')}`).catch(() => null);
-    if (!answer?.ok) return;
-    const bytes = await answer.arrayBuffer();
-    const [vertices, triangles] = new Uint32Array(bytes, 0, 2) as unknown as [number, number];
-    const geometry = new BufferGeometry();
-    geometry.setAttribute('position', new BufferAttribute(new Float32Array(bytes, 8, vertices * 3), 3));
-    geometry.setIndex(new BufferAttribute(new Uint32Array(bytes, 8 + vertices * 12, triangles * 3), 1));
-    geometry.computeVertexNormals();
+    const geometry = await loadTriangles(part.mesh!);
+    if (!geometry) return;
     const mesh = new Mesh(geometry, material);
     place(mesh, part.p, part.q);
     scene.add(mesh);
+    this.meshes++;
+  }
+
+  /** Puts a vehicle's own shapes in the place of its stand-in, once all of them are here. */
+  private async addVisuals(scene: SceneVehicle | undefined, craft: Craft): Promise<void> {
+    if (!scene?.visuals?.length) return;
+    const material = new MeshLambertMaterial({color: hex('t3'), side: DoubleSide});
+    const own = new Group();
+    for (const part of scene.visuals) {
+      const geometry = part.shape === 'mesh' ? await loadTriangles(part.mesh ?? '', scene.meshes) : null;
+      const shape = geometry ? new Mesh(geometry, material) : makePart(part, material);
+      if (!shape) return;  // the stand-in stays
+      const holder = new Group().add(shape);
+      place(holder, part.p, part.q);
+      own.add(holder);
+    }
+    craft.standIn.visible = false;  // kept: its materials keep their programs
+    craft.group.add(own);
     this.meshes++;
   }
 

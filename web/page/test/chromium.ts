@@ -40,6 +40,7 @@ export interface SceneHook {
   touched?: string[];
   faults: string[];
   programs3d?: number[];
+  ownMeshes: number;
   messages: number;
   question?: string;
   refusal: string;

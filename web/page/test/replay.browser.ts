@@ -116,6 +116,50 @@ test('a flight log alone is drawn at its estimate', async () => {
   await page.close();
 });
 
+test('a vehicle\'s own log is drawn at its estimate', async () => {
+  const whole = makeRecord('own.ulg');
+  const {name, system, log} = whole.vehicles[0]!;
+  const topics: Record<string, string> = {
+    HEARTBEAT: 'vehicle_status', LOCAL_POSITION_NED: 'vehicle_local_position', ATTITUDE: 'vehicle_attitude',
+  };
+  const own = {
+    ...log!, autopilot: 'PX4', states: log!.states.map(([t, flags, , landed]): [number, number, string, number] => [t, flags, 'POSCTL', landed]),
+    messages: log!.messages.map((message) => ({...message, name: topics[message.name] ?? message.name})),
+  };
+  const events = [{t_s: 12, kind: 'loss' as const, text: 'the log lacks 40 ms'}];
+  const {page, errors} = await open(replay('ulg', [pack({
+    format: 1, name: whole.name, duration_s: whole.duration_s, controller: 'PX4_FMU_V5X', vehicles: [{name, system, log: own, events}],
+  })]));
+  const now = await until(page, 'a picture', (scene) => scene.frames > 0);
+  assert.equal(now.drawn, 'estimate');
+  await page.getByText('POSCTL').first().waitFor();
+  await page.getByRole('tab', {name: 'Log'}).first().click();
+  await page.getByRole('button', {name: /the log lacks 40 ms/}).first().click();
+  assert.equal((await scene(page)).time_s, 12);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test('a vehicle with meshes of its own is drawn by them, whatever the theme', async () => {
+  const corner = Buffer.concat([Buffer.from(Uint32Array.of(3, 1).buffer), Buffer.from(Float32Array.of(0, 0, 0, 0.3, 0, 0, 0, 0.3, 0).buffer),
+    Buffer.from(Uint32Array.of(0, 1, 2).buffer)]);
+  const record = makeRecord('meshes');
+  Object.assign(record.vehicles[0]!.scene!, {
+    visuals: [
+      {shape: 'mesh', mesh: '0', p: [0, 0, 0.1], q: [1, 0, 0, 0]},
+      {shape: 'box', size_m: [0.1, 0.1, 0.1], p: [0, 0, 0], q: [1, 0, 0, 0]},
+    ],
+    meshes: [corner.toString('base64')],
+  });
+  const {page, errors} = await open(replay('meshes', [pack(record)]));
+  await until(page, 'its meshes', (now) => now.frames > 0 && now.ownMeshes === 1);
+  const before = await scene(page);
+  await page.keyboard.press('Shift+T');
+  await until(page, 'the other theme', (now) => now.theme !== before.theme && now.frames > before.frames && now.ownMeshes === 1);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
 test('a damaged record is a sentence', async () => {
   const {page} = await open(replay('damaged', ['AAAA']));
   await page.getByText('The record cannot be read').waitFor();
