@@ -48,7 +48,9 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures) {
     if (samples.empty()) {
       figures.unwatched = truth.string() + " is empty";
     } else {
-      figures.incidents = find_incidents(figures.stages, samples);
+      std::vector<Stage> flown = figures.stages;
+      if (figures.under_way) flown.push_back(*figures.under_way);
+      figures.incidents = find_incidents(flown, samples);
       figures.rms = rms_of_hold(figures.stages, samples);
     }
   } catch (const base::ConfigError& error) {

@@ -13,6 +13,7 @@
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
 #include "hils/measure/incident.hpp"
+#include "hils/measure/never_began.hpp"
 #include "hils/measure/tracking.hpp"
 
 namespace cas::hils {
@@ -20,16 +21,18 @@ namespace cas::hils {
 /// Figures of a flight of stock firmware.
 struct FirmwareFigures {
   std::vector<Stage> stages;
-  std::string flight_failure;     ///< a sentence; empty when every step was done
-  std::string version;            ///< of the firmware; empty: it did not tell
-  int looks = 0;                  ///< at the true position during the measured hold
-  double height_error_m = 0;      ///< of its mean
-  double drift_m = 0;             ///< farthest from where the hold began, horizontal
-  std::optional<RmsFigures> rms;  ///< of the true position about its mean in the measured hold
+  std::optional<Stage> under_way;  ///< the step that was not done when the flight ended
+  std::string flight_failure;      ///< a sentence; empty when every step was done
+  std::string version;             ///< of the firmware; empty: it did not tell
+  int looks = 0;                   ///< at the true position during the measured hold
+  double height_error_m = 0;       ///< of its mean
+  double drift_m = 0;              ///< farthest from where the hold began, horizontal
+  std::optional<RmsFigures> rms;   ///< of the true position about its mean in the measured hold
   /// Of the estimate against the truth in it, by what both were on the ground before takeoff.
   std::optional<RmsFigures> rms_estimate;
   std::map<std::string, double> rates_hz;      ///< of the vehicle's messages in the hold, simulated
   std::vector<BenchFaultScript::Span> faults;  ///< as they went
+  std::vector<FaultThatNeverBegan> never_began;
   double wall_s = 0;
   std::string messages = "[]";  ///< message.list of casd at the flight's end: rates, counts, gaps
   std::string hops = "[]";      ///< link.latency of casd: from one link's read to another's write

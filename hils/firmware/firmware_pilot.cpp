@@ -73,6 +73,7 @@ class FirmwarePilot {
       }
     }
     tell_phase();
+    figures_.under_way = plan_.under_way(look());
     figures_.stages = plan_.stages();
     figures_.flight_failure = plan_.failure();
     if (plan_.failure().starts_with(kDisarmedDuring)) {

@@ -10,9 +10,9 @@
 
 #include "base/error.hpp"
 #include "hils/report/html_page.hpp"
-#include "hils/report/limit_table.hpp"
 #include "hils/report/report.hpp"
 #include "hils/report/run_plots.hpp"
+#include "hils/report/verdict_section.hpp"
 
 namespace cas::hils {
 namespace {
@@ -23,17 +23,11 @@ using Rows = std::vector<std::vector<std::string>>;
 void add_verdict(HtmlPage& page, const FirmwareScenario& scenario, const FirmwareFigures& figures,
                  const Verdict& verdict) {
   const std::string firmware = figures.version.empty() ? "" : "firmware v" + figures.version + ", ";
-  page.verdict(verdict.passed ? HtmlPage::Mood::kGood : HtmlPage::Mood::kBad,
-               verdict.passed ? "Passed" : "Failed",
-               fmt::format("{}, {}{:.1f} s simulated at {:.2f} x real time", scenario.name,
-                           firmware, figures.simulated_s, figures.real_time_factor),
-               verdict.failures);
+  add_verdict(page, verdict,
+              fmt::format("{}, {}{:.1f} s simulated at {:.2f} x real time", scenario.name, firmware,
+                          figures.simulated_s, figures.real_time_factor));
   page.heading("What it was held to");
-  std::vector<HtmlPage::Row> looks;
-  for (const LimitCheck& check : verdict.checks) {
-    looks.push_back(check.kept ? HtmlPage::Row::kPlain : HtmlPage::Row::kMissed);
-  }
-  page.table("Limits", limit_rows(verdict.checks), looks);
+  add_limits(page, "Limits", verdict);
 }
 
 std::vector<std::string> rms_row(const std::string& name, const std::optional<RmsFigures>& rms) {
@@ -50,11 +44,14 @@ void add_flight(HtmlPage& page, const FirmwareFigures& figures) {
                      fmt::format("{:.2f}", base::to_seconds(stage.end))});
   }
   page.table("Steps, on simulated time", steps);
-  if (!figures.faults.empty()) {
+  if (!figures.faults.empty() || !figures.never_began.empty()) {
     Rows faults{{"Fault", "Begin, s", "End, s"}};
     for (const BenchFaultScript::Span& fault : figures.faults) {
       faults.push_back({fault.name, fmt::format("{:.2f}", base::to_seconds(fault.begin)),
                         fault.end ? fmt::format("{:.2f}", base::to_seconds(*fault.end)) : "-"});
+    }
+    for (const FaultThatNeverBegan& fault : figures.never_began) {
+      faults.push_back({fault.name, "never", "-"});
     }
     page.table("Faults, as they went", faults);
   }

@@ -88,6 +88,8 @@ int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& 
   add_truth(places.truth_csv(), figures);
   add_estimate(places.truth_csv(), places.flight_tlog(), figures);
   figures.faults = vehicle_faults(places.simulator_stats(), scenario.vehicle);
+  figures.never_began =
+      faults_that_never_began({.bench = {}, .vehicle = scenario.faults}, 0, figures.faults);
 
   const Verdict verdict = judge(scenario, figures);
   base::write_file(out / "summary.json",

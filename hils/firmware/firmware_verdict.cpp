@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace cas::hils {
 namespace {
@@ -16,6 +19,12 @@ json rms_json(const RmsFigures& rms) {
   return {{"x_m", rms.x_m}, {"y_m", rms.y_m}, {"z_m", rms.z_m}, {"yaw_rad", rms.yaw_rad}};
 }
 
+json stage_json(const Stage& stage) {
+  return {{"step", to_string(stage.step.kind)},
+          {"begin_s", base::to_seconds(stage.begin)},
+          {"end_s", base::to_seconds(stage.end)}};
+}
+
 LimitCheck check(const char* what, const std::string& wanted, const std::string& missed) {
   return {.what = what,
           .found = missed.empty() ? wanted : missed,
@@ -24,17 +33,18 @@ LimitCheck check(const char* what, const std::string& wanted, const std::string&
           .sentence = missed};
 }
 
-/// A figure of the measured hold. @param bounded  its name, unit, digits, sense and bound
-LimitCheck check(LimitCheck bounded, std::optional<double> value) {
+/// A figure of the flight. One that a flight broke off before is not judged.
+/// @param bounded  its name, unit, digits, sense and bound
+LimitCheck check(LimitCheck bounded, std::optional<double> value, const FirmwareFigures& figures) {
   bounded.value = value;
+  bounded.judged = value || figures.flight_failure.empty();
   const std::optional<double> margin = bounded.margin();
-  bounded.kept = margin && *margin >= 0;
-  if (!margin) {
-    bounded.sentence = fmt::format("{} was not measured: the hold was not reached", bounded.what);
-  } else if (!bounded.kept) {
-    bounded.sentence = fmt::format("{0} {1:.{4}f} {3}, limit {2:.{4}f} {3}", bounded.what, *value,
-                                   *bounded.bound, bounded.unit, bounded.digits);
-  }
+  bounded.kept = !bounded.judged || (margin && *margin >= 0);
+  if (!margin) bounded.found = bounded.judged ? "not measured" : "not reached";
+  if (bounded.kept) return bounded;
+  bounded.sentence = margin ? fmt::format("{0} {1:.{4}f} {3}, limit {2:.{4}f} {3}", bounded.what,
+                                          *value, *bounded.bound, bounded.unit, bounded.digits)
+                            : bounded.what + " was not measured";
   return bounded;
 }
 
@@ -46,7 +56,7 @@ void check_links(const FirmwareScenario& scenario, const FirmwareFigures& figure
                             .unit = "us",
                             .digits = 0,
                             .bound = scenario.hop_p99_us},
-                           slowest_hop_us(json::parse(figures.hops))));
+                           slowest_hop_us(json::parse(figures.hops)), figures));
   }
   for (const auto& [name, least_hz] : scenario.rates_hz) {
     std::optional<double> rate;
@@ -59,31 +69,32 @@ void check_links(const FirmwareScenario& scenario, const FirmwareFigures& figure
                             .digits = 1,
                             .sense = LimitCheck::Sense::kAtLeast,
                             .bound = least_hz},
-                           rate));
+                           rate, figures));
   }
 }
 
 }  // namespace
 
 Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) {
-  Verdict verdict;
-  verdict.valid = true;
-  std::vector<LimitCheck>& checks = verdict.checks;
+  std::vector<LimitCheck> checks;
   const auto measured = [&figures](double value) {
     return figures.looks > 0 ? std::optional(value) : std::nullopt;
   };
+  const bool held =
+      figures.flight_failure.empty() ||
+      std::ranges::any_of(figures.stages, [](const Stage& stage) { return stage.step.measure; });
   checks.push_back(check("flight", "every step was done", figures.flight_failure));
   if (scenario.height_error_m) {
     checks.push_back(
         check({.what = "height error", .unit = "m", .digits = 2, .bound = scenario.height_error_m},
-              measured(figures.height_error_m)));
+              measured(figures.height_error_m), figures));
   }
   if (scenario.drift_m) {
     checks.push_back(check({.what = "drift", .unit = "m", .digits = 2, .bound = scenario.drift_m},
-                           measured(figures.drift_m)));
+                           measured(figures.drift_m), figures));
   }
-  check_rms("true position", figures.rms, scenario.rms, checks);
-  check_rms("estimate", figures.rms_estimate, scenario.rms_estimate, checks);
+  check_rms("true position", figures.rms, scenario.rms, held, checks);
+  check_rms("estimate", figures.rms_estimate, scenario.rms_estimate, held, checks);
   check_links(scenario, figures, checks);
   std::string incidents;
   for (const Incident& incident : figures.incidents) {
@@ -93,11 +104,7 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
   checks.push_back(check(
       "true flight", "recorded",
       figures.unwatched.empty() ? "" : "the true flight was not recorded: " + figures.unwatched));
-  for (const LimitCheck& each : checks) {
-    if (!each.kept) verdict.failures.push_back(each.sentence);
-  }
-  verdict.passed = verdict.failures.empty();
-  return verdict;
+  return verdict_on({}, std::move(checks), figures.never_began);
 }
 
 json firmware_summary(const FirmwareScenario& scenario, const FirmwareFigures& figures,
@@ -127,14 +134,18 @@ json firmware_summary(const FirmwareScenario& scenario, const FirmwareFigures& f
     entry = {{"name", fault.name}, {"begin_s", base::to_seconds(fault.begin)}};
     if (fault.end) entry["end_s"] = base::to_seconds(*fault.end);
   }
+  for (const FaultThatNeverBegan& fault : figures.never_began) {
+    all["faults"].push_back(
+        {{"name", fault.name}, {"begin_s", nullptr}, {"end_s", nullptr}, {"began", "never"}});
+  }
   for (const Incident& incident : figures.incidents) {
     all["incidents"].push_back(
         {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
   }
-  for (const Stage& stage : figures.stages) {
-    all["stages"].push_back({{"step", to_string(stage.step.kind)},
-                             {"begin_s", base::to_seconds(stage.begin)},
-                             {"end_s", base::to_seconds(stage.end)}});
+  for (const Stage& stage : figures.stages) all["stages"].push_back(stage_json(stage));
+  if (figures.under_way) {
+    all["stages"].push_back(stage_json(*figures.under_way));
+    all["stages"].back()["finished"] = false;
   }
   return all;
 }

@@ -338,13 +338,8 @@ Checks flight_checks(const Measurement& figures, const Limits& limits) {
   }
   check_latency(figures.sensor_to_control, limits, checks);
   check_responses(figures.responses, limits.responses, checks);
-  if (figures.over_hold) {
-    check_rms("true position", figures.rms, limits.rms, checks);
-    check_rms("estimate", figures.rms_estimate, limits.rms_estimate, checks);
-  } else {
-    add_unjudged_rms("true position", limits.rms, checks);
-    add_unjudged_rms("estimate", limits.rms_estimate, checks);
-  }
+  check_rms("true position", figures.rms, limits.rms, figures.over_hold, checks);
+  check_rms("estimate", figures.rms_estimate, limits.rms_estimate, figures.over_hold, checks);
   return checks;
 }
 
@@ -378,8 +373,10 @@ std::vector<std::string> sentences_of(const Checks& checks) {
 }  // namespace
 
 void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
-               const std::map<std::string, double>& limits, std::vector<LimitCheck>& checks) {
+               const std::map<std::string, double>& limits, bool reached,
+               std::vector<LimitCheck>& checks) {
   if (limits.empty()) return;
+  if (!reached) return add_unjudged_rms(what, limits, checks);
   if (!rms || rms->samples == 0) {
     checks.push_back(missed({.what = fmt::format("RMS error of the {}", what),
                              .found = "none recorded",
@@ -406,17 +403,14 @@ double most_late_ms(const Measurement& figures) {
   return 1e3 / (hz > 0 ? hz : kSlowest_hz);
 }
 
-Verdict judge(const Measurement& figures, const Limits& limits) {
-  Verdict verdict;
-  verdict.checks = validity_checks(figures);
-  verdict.failures = sentences_of(verdict.checks);
+Verdict verdict_on(Checks validity, Checks flight,
+                   const std::vector<FaultThatNeverBegan>& never_began) {
+  Verdict verdict{.failures = sentences_of(validity), .checks = std::move(validity)};
   verdict.valid = verdict.failures.empty();
-  Checks flight = flight_checks(figures, limits);
-  Checks faults = fault_checks(figures.never_began);
+  Checks faults = fault_checks(never_began);
   bool without_its_faults = false;
   if (verdict.valid) {
     verdict.failures = sentences_of(flight);
-    // A flight that failed may have ended before them.
     without_its_faults = verdict.failures.empty() && !faults.empty();
     verdict.valid = !without_its_faults;
     verdict.passed = verdict.failures.empty() && verdict.valid;
@@ -431,6 +425,10 @@ Verdict judge(const Measurement& figures, const Limits& limits) {
     verdict.checks.push_back(std::move(check));
   }
   return verdict;
+}
+
+Verdict judge(const Measurement& figures, const Limits& limits) {
+  return verdict_on(validity_checks(figures), flight_checks(figures, limits), figures.never_began);
 }
 
 }  // namespace cas::hils

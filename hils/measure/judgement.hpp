@@ -49,9 +49,18 @@ inline constexpr double kMostStallMs = 50.0;
 /// was due. At 500 Hz these 2 ms cost a rate loop that crosses over at 40 rad/s 5 degrees of phase.
 double most_late_ms(const Measurement& figures);
 
-/// Holds RMS errors to bounds by axis. @param what  "true position"
+/// Holds RMS errors to bounds by axis.
+/// @param what     "true position"
+/// @param reached  whether the flight came to its measured step; else the bounds are not judged
 void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
-               const std::map<std::string, double>& limits, std::vector<LimitCheck>& checks);
+               const std::map<std::string, double>& limits, bool reached,
+               std::vector<LimitCheck>& checks);
+
+/// The verdict on a run. A flight that would have passed has none when a fault never began; one
+/// that failed may have ended before its faults, so those are remarks.
+/// @param validity  whether the run counts; the flight of one that does not is not judged
+Verdict verdict_on(std::vector<LimitCheck> validity, std::vector<LimitCheck> flight,
+                   const std::vector<FaultThatNeverBegan>& never_began);
 
 /// Judges a run: first whether it is valid, then the flight and the limits.
 Verdict judge(const Measurement& figures, const Limits& limits);

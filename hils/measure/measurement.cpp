@@ -9,7 +9,6 @@
 #include "hils/measure/tracking.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
-#include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
 
@@ -152,28 +151,10 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
   figures.reading_spread_us = reading_spread_us(figures.paths);
 }
 
-/// Faults that the scenario has for this vehicle less those that the record has. Those that are
-/// named alike are counted.
-std::vector<FaultThatNeverBegan> never_began(const Scenario& scenario, const RunRecord& record) {
+/// Place of the record's vehicle among the scenario's.
+std::size_t vehicle_number(const Scenario& scenario, const RunRecord& record) {
   const VehicleNames names = scenario.names();
-  const auto vehicle =
-      static_cast<std::size_t>(std::ranges::find(names, record.vehicle) - names.begin());
-  std::vector<FaultThatNeverBegan> faults;
-  for (const BenchFault& fault : scenario.faults.bench) {
-    if (!fault.is_everybodys() && fault.vehicle != vehicle) continue;
-    faults.push_back({.name = fault.name, .by_time = fault.at.has_value()});
-  }
-  std::size_t number = 0;  // as the vehicle's plugin counts them
-  for (const VehicleFault& fault : scenario.faults.vehicle) {
-    if (fault.vehicle.value_or(vehicle) != vehicle) continue;
-    faults.push_back({.name = sim::parse_fault(fault.script, ++number).name,
-                      .by_time = fault.script.has("at_s")});
-  }
-  for (const BenchFaultScript::Span& span : record.faults) {
-    const auto begun = std::ranges::find(faults, span.name, &FaultThatNeverBegan::name);
-    if (begun != faults.end()) faults.erase(begun);
-  }
-  return faults;
+  return static_cast<std::size_t>(std::ranges::find(names, record.vehicle) - names.begin());
 }
 
 }  // namespace
@@ -196,7 +177,8 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.stages = record.stages;
   figures.under_way = record.under_way;
   figures.faults = record.faults;
-  figures.never_began = never_began(scenario, record);
+  figures.never_began =
+      faults_that_never_began(scenario.faults, vehicle_number(scenario, record), record.faults);
   figures.changes = flight_changes(record, casd::GainMap::shipped(), scenario.ground_station);
   figures.plugins = read_plugin_figures(record.plugin_figures, record.vehicle);
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);

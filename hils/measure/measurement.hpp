@@ -10,6 +10,7 @@
 #include "hils/flight/flight_plan.hpp"
 #include "hils/measure/flight_changes.hpp"
 #include "hils/measure/incident.hpp"
+#include "hils/measure/never_began.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/plugin_figure.hpp"
 #include "hils/measure/run_record.hpp"
@@ -32,12 +33,6 @@ struct MeterReadings {
   double sensor_hz = 0;
   double gps_hz = 0;
   double controls_hz = 0;
-};
-
-/// A fault of the scenario that did not begin in the whole run.
-struct FaultThatNeverBegan {
-  std::string name;
-  bool by_time = false;  ///< it has a time, not a condition
 };
 
 /// The figures of one vehicle of a run.

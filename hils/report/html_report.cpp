@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
-#include <algorithm>
 #include <optional>
 #include <thread>
 
@@ -14,11 +13,11 @@
 #include "hils/report/delay_note.hpp"
 #include "hils/report/experiment.hpp"
 #include "hils/report/html_page.hpp"
-#include "hils/report/limit_table.hpp"
 #include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
 #include "hils/report/plugin_section.hpp"
 #include "hils/report/report.hpp"
+#include "hils/report/verdict_section.hpp"
 
 namespace cas::hils {
 
@@ -26,15 +25,7 @@ namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-std::string word_of(const Verdict& verdict) {
-  if (!verdict.valid) return "Not valid";
-  return verdict.passed ? "Passed" : "Failed";
-}
-
 void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verdict) {
-  const auto mood = !verdict.valid   ? HtmlPage::Mood::kNeutral
-                    : verdict.passed ? HtmlPage::Mood::kGood
-                                     : HtmlPage::Mood::kBad;
   const std::string pace =
       figures.virtual_clock
           ? fmt::format("{:.1f} s on the virtual clock in {:.2f} s", figures.simulated_s,
@@ -43,25 +34,14 @@ void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verd
                 "real-time factor {:.4f}, longest stall {:.1f} ms, 99 % less than {:.1f} ms late",
                 figures.pace.real_time_factor, figures.pace.worst_stall_ms,
                 figures.pace.late_p99_ms);
-  page.verdict(mood, word_of(verdict),
-               fmt::format("{}, {}, seed {}; {}", figures.scenario, title_of(figures.architecture),
-                           figures.seed, pace),
-               verdict.failures);
+  add_verdict(page, verdict,
+              fmt::format("{}, {}, seed {}; {}", figures.scenario, title_of(figures.architecture),
+                          figures.seed, pace));
 }
 
 /// What the run was held to, in front of all figures.
 void add_limits(HtmlPage& page, const std::string& who, const VehicleResult& vehicle) {
-  std::vector<LimitCheck> checks = vehicle.verdict.checks;  // what decided comes first
-  std::stable_partition(checks.begin(), checks.end(), [&vehicle](const LimitCheck& check) {
-    return check.judged && (check.kind == LimitCheck::Kind::kFlight) == vehicle.verdict.valid;
-  });
-  std::vector<HtmlPage::Row> looks;
-  for (const LimitCheck& check : checks) {
-    looks.push_back(!check.judged ? HtmlPage::Row::kQuiet
-                    : check.kept  ? HtmlPage::Row::kPlain
-                                  : HtmlPage::Row::kMissed);
-  }
-  page.table(who + "Limits", limit_rows(checks), looks);
+  add_limits(page, who + "Limits", vehicle.verdict);
   if (vehicle.figures.virtual_clock) {
     page.paragraph("Nothing is asked of the machine: time was computed, not waited for.");
   }
@@ -227,7 +207,7 @@ void add_overview(HtmlPage& page, const RunResult& run) {
   for (const VehicleResult& vehicle : run.vehicles) {
     const StreamFigures& rates = vehicle.figures.rates;
     const std::optional<RmsFigures>& rms = vehicle.figures.rms;
-    rows.push_back({vehicle.figures.vehicle, word_of(vehicle.verdict),
+    rows.push_back({vehicle.figures.vehicle, title_of(vehicle.verdict),
                     fmt::format("{}", rates.sensor.lost), fmt::format("{}", rates.gps.lost),
                     fmt::format("{}", rates.controls.lost), rms_text(rms, &RmsFigures::x_m),
                     rms_text(rms, &RmsFigures::y_m), rms_text(rms, &RmsFigures::z_m)});

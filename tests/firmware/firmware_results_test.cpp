@@ -42,6 +42,18 @@ TEST_F(FirmwareResults, MissALimitThatTheFlightDoesNotKeep) {
   EXPECT_EQ(summary().at("missed").size(), 2U);
 }
 
+TEST_F(FirmwareResults, HaveNoVerdictWhereAFaultNeverBegan) {
+  start("obedient", R"(faults:
+  - {name: late, at_s: 80000, drop: gps, for_s: 1}
+  - {name: high, when: altitude > 500, drop: gps, for_s: 1}
+)");
+  EXPECT_EQ(fly(), 3) << output();
+  EXPECT_TRUE(says("fault 'late' never began: the flight ended before its time")) << output();
+  EXPECT_TRUE(says("fault 'high' never began: its condition never came true")) << output();
+  EXPECT_EQ(summary().at("faults").at(1).at("began"), "never");
+  EXPECT_NE(left("report.html").find("Not valid"), std::string::npos);
+}
+
 TEST_F(FirmwareResults, OfAnEarlierRunDoNotOutliveOneThatStops) {
   constexpr std::array kFiles{"summary.json", "junit.xml", "report.html", "replay.html"};
   for (const char* file : kFiles) folder_.write(std::string("out/") + file, "passed");

@@ -362,6 +362,45 @@ TEST(FirmwareFlight, ThatNobodyRecordedHasFailed) {
        {folder.path() / "none.csv", folder.write("empty.csv", "t,x\n")}) {
     FirmwareFigures figures = flown();
     add_truth(file, figures);
+TEST(FirmwareFlight, ThatBrokeOffDoesNotJudgeTheLimitsItDidNotReach) {
+  FirmwareScenario scenario;
+  scenario.drift_m = 1;
+  scenario.rms = {{"z_m", 0.1}};
+  scenario.rms_estimate = {{"z_m", 0.1}};
+  scenario.rates_hz = {{"ATTITUDE", 20}};
+  scenario.hop_p99_us = 500;
+  FirmwareFigures figures = flown();
+  figures.flight_failure = "step 2 (takeoff) was not done within 60 s";
+  figures.under_way = figures.stages.back();
+  const Verdict verdict = judge(scenario, figures);
+  EXPECT_EQ(verdict.failures, std::vector<std::string>{figures.flight_failure});
+  EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
+  int not_reached = 0;
+  for (const LimitCheck& each : verdict.checks) {
+    if (each.judged) continue;
+    ++not_reached;
+    EXPECT_TRUE(each.bound) << each.what;
+    EXPECT_EQ(each.found, "not reached") << each.what;
+  }
+  EXPECT_EQ(not_reached, 5);
+  const auto stages = firmware_summary(scenario, figures, verdict).at("stages");
+  EXPECT_EQ(stages.back().at("finished"), false);
+}
+
+TEST(FirmwareFlight, WithoutItsFaultHasNoVerdictWhereItWouldHavePassed) {
+  FirmwareFigures figures = flown();
+  figures.never_began = {{.name = "squall"}};
+  const Verdict verdict = judge({}, figures);
+  EXPECT_EQ(verdict.exit_code(), kExitInvalid);
+  EXPECT_EQ(verdict.failures,
+            std::vector<std::string>{"fault 'squall' never began: its condition never came true"});
+  EXPECT_EQ(firmware_summary({}, figures, verdict).at("faults").at(0).at("began"), "never");
+  figures.flight_failure = "arm: refused";
+  const Verdict failed = judge({}, figures);
+  EXPECT_EQ(failed.exit_code(), kExitLimitsMissed);
+  EXPECT_EQ(failed.failures.front(), "arm: refused");
+}
+
     const std::vector<std::string> missed = failures({}, figures);
     ASSERT_EQ(missed.size(), 1U) << file;
     EXPECT_EQ(missed[0].find("the true flight was not recorded: "), 0U) << missed[0];
