@@ -13,6 +13,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "hils/flight/phase_check.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -253,6 +254,7 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
     auto plugins = vehicle.at("plugins").items();
     plugins.insert(plugins.end(), scenario.plugins.begin(), scenario.plugins.end());
     check_gusts(plugins, {.bench = {}, .vehicle = scenario.faults});
+    check_fault_phases(root.at("faults"), scenario.steps);
   }
   if (const auto limits = root.find("limits")) {
     scenario.height_error_m = limit(*limits, "height_error_m");

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/suggestion.hpp"
+#include "hils/flight/phase_check.hpp"
 
 namespace cas::hils {
 
@@ -174,6 +175,14 @@ FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains,
   return step;
 }
 
+/// A wait_until asks for steps that the flight has. @throws base::ConfigError
+void check_conditions(const base::ConfigNode& steps, const std::vector<FlightStep>& flight) {
+  for (const base::ConfigNode& node : steps.items()) {
+    if (!node.is_map() || !node.has("wait_until")) continue;
+    check_phases(node.at("wait_until").at("condition"), flight);
+  }
+}
+
 /// The step itself, or `stand by` for a vehicle that it does not name. The phase stays the same.
 FlightStep as_seen_by(std::size_t vehicle, const FlightStep& step) {
   if (!step.vehicle || *step.vehicle == vehicle) return step;
@@ -307,6 +316,7 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
     flight.push_back(end);
   }
   for (const FlightRehearsal& rehearsal : rehearsals) rehearsal.finish(steps);
+  check_conditions(steps, flight);
   return flight;
 }
 

@@ -24,4 +24,12 @@ void check_phases(const base::ConfigNode& node, const std::vector<FlightStep>& s
   }
 }
 
+void check_fault_phases(const base::ConfigNode& faults, const std::vector<FlightStep>& steps) {
+  for (const base::ConfigNode& fault : faults.items()) {
+    for (const char* const key : {"when", "until"}) {
+      if (const auto condition = fault.find(key)) check_phases(*condition, steps);
+    }
+  }
+}
+
 }  // namespace cas::hils

@@ -14,4 +14,7 @@ namespace cas::hils {
 /// @throws base::ConfigError for another word, with the step that was meant where one is near
 void check_phases(const base::ConfigNode& node, const std::vector<FlightStep>& steps);
 
+/// Checks so the conditions `when` and `until` of a list of faults. @throws base::ConfigError
+void check_fault_phases(const base::ConfigNode& faults, const std::vector<FlightStep>& steps);
+
 }  // namespace cas::hils

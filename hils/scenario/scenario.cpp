@@ -224,15 +224,6 @@ void check_integrator(const base::ConfigNode& root, const Scenario& scenario) {
   }
 }
 
-/// Faults ask for steps that the flight has. @throws base::ConfigError
-void check_conditions(const base::ConfigNode& faults, const std::vector<FlightStep>& steps) {
-  for (const base::ConfigNode& fault : faults.items()) {
-    for (const char* const key : {"when", "until"}) {
-      if (const auto condition = fault.find(key)) check_phases(*condition, steps);
-    }
-  }
-}
-
 }  // namespace
 
 std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key) {
@@ -358,7 +349,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   if (root.has("faults")) {
     scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
     check_gusts(scenario.plugins, scenario.faults);
-    check_conditions(root.at("faults"), scenario.steps);
+    check_fault_phases(root.at("faults"), scenario.steps);
   }
   if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"), scenario.steps);
   parse_vehicle_limits(root, scenario.steps, scenario.vehicles);

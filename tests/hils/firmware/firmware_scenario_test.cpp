@@ -123,6 +123,12 @@ TEST(FirmwareScenario, RefusesWhatMeansNothingToIt) {
             std::string::npos);
 }
 
+TEST(FirmwareScenario, RefusesAFaultThatAsksForAnUnknownStep) {
+  EXPECT_NE(refusal_of("faults:\n  - {when: phase == hodl, drop: gps, for_s: 1}")
+                .find("faults[0].when: the scenario has no step 'hodl'; did you mean 'hold'?"),
+            std::string::npos);
+}
+
 TEST(FirmwareScenario, RefusesARateOfNoMessage) {
   const test::TemporaryFolder folder;
   const auto file = changed(folder, "drift_m: 1.5}", "drift_m: 1.5, rates_hz: {ATTITUTE: 10}}");
@@ -356,12 +362,6 @@ TEST(FirmwareFlight, IsJudgedUnderTheSameNamesWhateverComesOut) {
   EXPECT_EQ(names(), good);
 }
 
-TEST(FirmwareFlight, ThatNobodyRecordedHasFailed) {
-  const test::TemporaryFolder folder;
-  for (const std::filesystem::path& file :
-       {folder.path() / "none.csv", folder.write("empty.csv", "t,x\n")}) {
-    FirmwareFigures figures = flown();
-    add_truth(file, figures);
 TEST(FirmwareFlight, ThatBrokeOffDoesNotJudgeTheLimitsItDidNotReach) {
   FirmwareScenario scenario;
   scenario.drift_m = 1;
@@ -401,6 +401,12 @@ TEST(FirmwareFlight, WithoutItsFaultHasNoVerdictWhereItWouldHavePassed) {
   EXPECT_EQ(failed.failures.front(), "arm: refused");
 }
 
+TEST(FirmwareFlight, ThatNobodyRecordedHasFailed) {
+  const test::TemporaryFolder folder;
+  for (const std::filesystem::path& file :
+       {folder.path() / "none.csv", folder.write("empty.csv", "t,x\n")}) {
+    FirmwareFigures figures = flown();
+    add_truth(file, figures);
     const std::vector<std::string> missed = failures({}, figures);
     ASSERT_EQ(missed.size(), 1U) << file;
     EXPECT_EQ(missed[0].find("the true flight was not recorded: "), 0U) << missed[0];

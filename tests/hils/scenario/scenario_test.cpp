@@ -182,6 +182,12 @@ INSTANTIATE_TEST_SUITE_P(
                     ":6: faults[0].gust: a gust needs 'plugin: wind'"},
         BadScenario{"WaitForNothing", "steps: [arm, {wait_until: {timeout_s: 3}}]\n",
                     "wait_until needs a condition"},
+        BadScenario{
+            "WaitForAnUnknownStep",
+            "steps: [arm, {takeoff: {altitude_m: 3}}, {wait_until: {condition: altitude > "
+            "2 and phase == hodl}}, {hold: {duration_s: 1, measure: true}}, land]\n",
+            ":5: steps[2].wait_until.condition: the scenario has no step 'hodl'; did you mean "
+            "'hold'?"},
         BadScenario{"UnknownFact", "steps: [arm, {wait_until: {condition: depth > 3}}]\n",
                     "'depth' is no number"},
         BadScenario{"UnknownKeyOfAStep",
