@@ -21,6 +21,7 @@ function report(broken = ''): string {
     x_label: 'simulated time, s', y_label: 'north, m', series: [
       {name: 'reference', dashed: true, x: {k: 1, d: [0, 1, 1, 1, 1]}, y: {k: 0.1, d: [0, 0, 10, 0, 0]}},
       {name: 'truth', x: {k: 0.5, d: [0, 1, 1, 1, 1, 1, 1, 1, 1]}, y: {k: 0.1, d: [0, 1, 2, 2, 2, 2, 1, 0, 0]}},
+      {name: 'best', dots: true, x: {k: 1, d: [2]}, y: {k: 0.1, d: [5]}},
     ],
     marks: [{x: 2, text: 'gust', fault: true}], shaded: [1, 3],
   };
