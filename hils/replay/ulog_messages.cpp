@@ -67,20 +67,47 @@ class UlogTime {
  public:
   void start(std::uint64_t time_us) { start_us_ = time_us; }
 
-  /// Nothing for a stamp that is wrong: over a day after all before it.
-  std::optional<double> of(std::uint64_t time_us) {
-    constexpr std::uint64_t kDayUs = 86'400'000'000;
+  /// Nothing for a stamp that is wrong: a topic may have one of an earlier flight. Only where two
+  /// say so, or one goes on from there, has time made a leap.
+  std::optional<double> of(std::uint64_t time_us, std::string_view series) {
     const std::uint64_t us = time_us > start_us_ ? time_us - start_us_ : 0;
-    if (us > newest_us_ && us - newest_us_ > kDayUs) return std::nullopt;
+    if (us > newest_us_ && us - newest_us_ > kGapUs && !confirms_leap(us, series)) {
+      leap_us_ = us;
+      leap_of_ = series;
+      return std::nullopt;
+    }
     newest_us_ = std::max(newest_us_, us);
     return 1e-6 * static_cast<double>(us);
   }
   double newest_s() const { return 1e-6 * static_cast<double>(newest_us_); }
 
  private:
+  static constexpr std::uint64_t kGapUs = 10'000'000;
+
+  bool confirms_leap(std::uint64_t us, std::string_view series) const {
+    if (leap_of_.empty()) return false;
+    if (leap_of_ == series) return us > leap_us_;
+    return std::max(us, leap_us_) - std::min(us, leap_us_) <= kGapUs;
+  }
+
   std::uint64_t start_us_ = 0;
   std::uint64_t newest_us_ = 0;
+  std::uint64_t leap_us_ = 0;  // that awaits another
+  std::string leap_of_;
 };
+
+/// A sentence without the colours of a terminal, and without what may stand at its end.
+std::string plain(std::string_view text) {
+  std::string kept;
+  while (!text.empty()) {
+    const std::size_t escape = std::min(text.find("\x1b["), text.size());
+    kept += text.substr(0, escape);
+    const std::size_t end = text.find('m', escape);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  kept.resize(kept.find_last_not_of(std::string_view("\t\n\0 ", 4)) + 1);
+  return kept;
+}
 
 /// A number that the page lists: no text, no further time, and the first ones of an array.
 bool is_shown(const UlogField& field) {
@@ -104,7 +131,7 @@ class Sizes final : public UlogListener {
  public:
   void on_start(std::uint64_t time_us) override { time_.start(time_us); }
   void on_message(const UlogSeries& series, std::uint64_t time_us, std::string_view) override {
-    if (!time_.of(time_us)) return;
+    if (!time_.of(time_us, series.name)) return;
     auto& [messages, fields] = series_[series.name];
     ++messages;
     if (messages == 1) {
@@ -162,7 +189,7 @@ class Contents final : public UlogListener {
 
   void on_message(const UlogSeries& series, std::uint64_t time_us,
                   std::string_view bytes) override {
-    const auto t_s = time_.of(time_us);
+    const auto t_s = time_.of(time_us, series.name);
     if (!t_s) return;
     on_state(*t_s, series, bytes);
     auto logged = messages_.find(series.name);
@@ -174,10 +201,8 @@ class Contents final : public UlogListener {
   }
 
   void on_sentence(std::uint64_t time_us, int severity, std::string_view text) override {
-    const auto t_s = time_.of(time_us);
-    if (!t_s) return;
-    text = text.substr(0, text.find_last_not_of(std::string_view("\t\n\0 ", 4)) + 1);
-    texts_.push_back({*t_s, severity, text});
+    const auto t_s = time_.of(time_us, "sentence");
+    if (t_s) texts_.push_back({*t_s, severity, plain(text)});
   }
 
   void on_dropout(int duration_ms) override { missing_[second()].dropped_ms += duration_ms; }

@@ -122,12 +122,28 @@ TEST(ReplayUlog, MarksDropoutsDamageAndChangedParameters) {
             R"({"t_s":2,"kind":"loss","text":"20 bytes of the log are damaged"}])");
 }
 
-TEST(ReplayUlog, OneWrongStampAddsNoTime) {
+TEST(ReplayUlog, OneWrongStampAddsNoTimeButAGapDoes) {
   UlogBytes bytes = log();
+  const std::uint64_t of_earlier_flight = kStart + 1174 * kSecond;
   bytes.data(1, kStart + kSecond, "\x01")
       .data(1, UINT64_MAX, "\x01")
+      .data(3, of_earlier_flight, place(0))
+      .data(3, of_earlier_flight, place(0))
       .data(1, kStart + 2 * kSecond, "\x01");
   EXPECT_EQ(ulog_messages(bytes.bytes())["log"]["duration_s"], 2.0);
+  UlogBytes two = bytes;
+  two.data(1, kStart + 60 * kSecond, "\x01").data(0, kStart + 61 * kSecond, status(1, 4));
+  EXPECT_EQ(ulog_messages(two.bytes())["log"]["duration_s"], 61.0);
+  bytes.data(1, kStart + 60 * kSecond, "\x01").data(1, kStart + 80 * kSecond, "\x01");
+  EXPECT_EQ(ulog_messages(bytes.bytes())["log"]["duration_s"], 80.0);
+}
+
+TEST(ReplayUlog, SentencesHaveNoColours) {
+  UlogBytes bytes = log();
+  bytes.data(1, kStart, "\x01").sentence('6', kStart, "[commander] \x1b[32mReady\x1b[0m\n");
+  bytes.sentence('6', kStart, "cut \x1b[3");
+  EXPECT_EQ(ulog_messages(bytes.bytes())["log"]["texts"].dump(),
+            R"([[0.0,6,"[commander] Ready"],[0.0,6,"cut"]])");
 }
 
 TEST(ReplayUlog, ThinsWhatWouldBeTooMuchButNotWhatIsDrawn) {
