@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -24,98 +23,13 @@
 #include "casd/station/gain_map.hpp"
 #include "casd/topology/endpoint_notation.hpp"
 #include "casd/topology/injection.hpp"
-#include "casd/topology/line_budget.hpp"
 #include "casd/topology/router_import.hpp"
 #include "casd/topology/topology.hpp"
 #include "casd/topology/topology_reference.hpp"
-#include "mavlink_gen/runtime/public_table.hpp"
+#include "casd/topology/topology_text.hpp"
 
 namespace cas::casd {
 namespace {
-
-std::string message_word(std::uint32_t id) {
-  const mav::MessageInfo* known = mav::public_table().find(id);
-  return known == nullptr ? std::to_string(id) : std::string(known->name);
-}
-
-/// ", blocks A B" for a list that is not empty.
-template <class List, class Word>
-std::string listed(std::string_view what, const List& list, Word word) {
-  if (list.empty()) return {};
-  std::string text = ", " + std::string(what);
-  for (const auto& each : list) text += " " + word(each);
-  return text;
-}
-
-std::string where(const LinkConfig& link) {
-  std::string text;
-  if (!link.local.empty()) text += " at " + link.local;
-  if (!link.remote.empty()) text += " to " + link.remote;
-  if (!link.device.empty()) text += " " + link.device;
-  if (link.baud > 0) {
-    text += " at " + std::to_string(link.baud) + " baud" + (link.pace ? ", paced" : ", not paced");
-  }
-  if (!link.file.empty()) text += " " + link.file.string();
-  return text;
-}
-
-std::string link_line(const LinkConfig& link) {
-  const auto number = [](auto id) { return std::to_string(id); };
-  std::string text = "  " + link.name + ": " + std::string(to_string(link.type)) + where(link);
-  if (!link.group.empty()) text += ", group " + link.group;
-  if (link.unlocked_pty) text += ", asks no lock of a pseudo-terminal";
-  if (link.accept.read_only) text += ", read-only";
-  if (link.accept.ground_station) text += ", accepts what ground stations say";
-  text += listed(link.accept.ground_station ? "and" : "accepts only", link.accept.messages,
-                 message_word);
-  text += listed("accepts only systems", link.accept.systems, number);
-  text += listed("refuses systems", link.accept.block_systems, number);
-  if (link.signing) {
-    text += std::string(link.signing->verify ? ", verifies" : "") +
-            (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();
-  }
-  return text + "\n";
-}
-
-std::string route_line(const RouteConfig& route) {
-  const auto number = [](auto id) { return std::to_string(id); };
-  const ForwardRule& rule = route.rule;
-  std::string text;
-  if (rule.allow) {
-    text += rule.allow->empty() ? ", nothing" : listed("only", *rule.allow, message_word);
-  }
-  text += listed("not", rule.block, message_word);
-  text += listed("only systems", rule.allow_systems, number);
-  text += listed("not systems", rule.block_systems, number);
-  text += listed("only components", rule.allow_components, number);
-  text += listed("not components", rule.block_components, number);
-  text += listed("thinned out", rule.rates,
-                 [](const RateRule& rate) { return message_word(rate.message_id); });
-  return "  " + route.from + " -> " + route.to +
-         (text.empty() ? ": everything" : ": " + text.substr(2)) + "\n";
-}
-
-std::string command_port_text(const CommandPortConfig& port) {
-  std::string text = port.address + ":" + std::to_string(port.port);
-  text += port.loopback_without_token ? " (no token from this machine)" : " (with a token)";
-  if (port.unix_path && !port.unix_path->empty()) text += ", unix " + port.unix_path->string();
-  return text;
-}
-
-/// What a topology comes to, for people: links, routes with their filters, and whether each line
-/// carries what can be expected on it.
-std::string topology_text(const Topology& topology) {
-  std::string text = "system " + std::to_string(topology.self.system) + "/" +
-                     std::to_string(topology.self.component) + ", threads " +
-                     std::string(to_string(topology.threads)) + ", command port " +
-                     command_port_text(topology.command_port) + "\nlinks\n";
-  for (const LinkConfig& link : topology.links) text += link_line(link);
-  text += "routes\n";
-  for (const RouteConfig& route : topology.routes) text += route_line(route);
-  const std::vector<LineBudget> budgets = line_budgets(topology);
-  if (!budgets.empty()) text += "expected load of the lines\n";
-  return text + describe(budgets);
-}
 
 /// Reads the other files that a topology names (token, keys, dialect, gains). @throws
 /// base::ConfigError

@@ -40,10 +40,19 @@ std::uint32_t parse_message(const base::ConfigNode& node, const std::string& tex
   return known->id;
 }
 
+std::string message_word(std::uint32_t id) {
+  const mav::MessageInfo* known = mav::public_table().find(id);
+  return known == nullptr ? std::to_string(id) : std::string(known->name);
+}
+
 void Messages::read(const base::ConfigNode& node, std::vector<std::uint32_t>& ids) {
   for (const base::ConfigNode& entry : one_or_many(node)) {
     ids.push_back(parse_message(entry, entry.as<std::string>()));
   }
+}
+
+std::string Messages::text(const std::vector<std::uint32_t>& ids) {
+  return joined(ids, message_word);
 }
 
 void Ids::read(const base::ConfigNode& node, std::vector<std::uint8_t>& ids) {
@@ -52,6 +61,10 @@ void Ids::read(const base::ConfigNode& node, std::vector<std::uint8_t>& ids) {
     if (id < 0 || id > 255) entry.fail(std::to_string(id) + " is not an id (0..255)");
     ids.push_back(static_cast<std::uint8_t>(id));
   }
+}
+
+std::string Ids::text(const std::vector<std::uint8_t>& ids) {
+  return joined(ids, [](std::uint8_t id) { return std::to_string(id); });
 }
 
 }  // namespace cas::casd

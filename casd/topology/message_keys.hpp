@@ -16,10 +16,21 @@ std::vector<base::ConfigNode> one_or_many(const base::ConfigNode& node);
 /// One message by its name or its number; `node` is named in the error. @throws base::ConfigError
 std::uint32_t parse_message(const base::ConfigNode& node, const std::string& text);
 
+/// Its name; the number of one that no public dialect has.
+std::string message_word(std::uint32_t id);
+
+/// The words of a list, "none" for an empty one.
+template <class List, class Word>
+std::string joined(const List& list, Word word) {
+  std::string text;
+  for (const auto& each : list) text.append(text.empty() ? "" : " ").append(word(each));
+  return text.empty() ? "none" : text;
+}
+
 /// Kind of a key: one message or a list of them, by name or by number.
 struct Messages {
   static void read(const base::ConfigNode& node, std::vector<std::uint32_t>& ids);
-  static std::string text(const std::vector<std::uint32_t>& /*none*/) { return "none"; }
+  static std::string text(const std::vector<std::uint32_t>& ids);
   static std::string values() { return "names or numbers"; }
   static std::array<std::string, 2> samples() { return {"[HEARTBEAT]", "[ATTITUDE]"}; }
 };
@@ -27,7 +38,7 @@ struct Messages {
 /// Kind of a key: one system or component id, or a list of them.
 struct Ids {
   static void read(const base::ConfigNode& node, std::vector<std::uint8_t>& ids);
-  static std::string text(const std::vector<std::uint8_t>& /*none*/) { return "none"; }
+  static std::string text(const std::vector<std::uint8_t>& ids);
   static std::string values() { return "0 to 255, one or a list"; }
   static std::array<std::string, 2> samples() { return {"[1]", "[2]"}; }
 };

@@ -233,7 +233,9 @@ struct RatesOf : base::Block<RateRule, decltype(kRateKeys)> {
       }
     }
   }
-  static std::string text(const std::vector<RateRule>& /*none*/) { return "none"; }
+  static std::string text(const std::vector<RateRule>& rates) {
+    return joined(rates, [](const RateRule& rate) { return message_word(rate.message_id); });
+  }
   static std::string values() { return "message -> `max_hz`, or a block"; }
   static std::array<std::string, 2> samples() { return {"{HEARTBEAT: 1}", "{HEARTBEAT: 2}"}; }
 };
@@ -245,16 +247,30 @@ constexpr std::tuple kRouteKeys{
     base::required(key<&RouteConfig::to>("to", kLinks, "where they go")),
 };
 
+/// A key with the words that stand before its value in `casd --check`.
+template <class Key>
+struct Told : Key {
+  std::string_view words;
+};
+template <class Key>
+constexpr Told<Key> told(std::string_view words, const Key& key) {
+  return {key, words};
+}
+
 constexpr std::tuple kRuleKeys{
-    key<&ForwardRule::allow>("allow", Messages{}, "these messages alone", "all"),
-    key<&ForwardRule::block>("block", Messages{}, "not these messages"),
-    key<&ForwardRule::allow_systems>("allow_systems", Ids{}, "these systems (of the sender) alone",
-                                     "all"),
-    key<&ForwardRule::block_systems>("block_systems", Ids{}, "not these systems"),
-    key<&ForwardRule::allow_components>("allow_components", Ids{},
-                                        "these components (of the sender) alone", "all"),
-    key<&ForwardRule::block_components>("block_components", Ids{}, "not these components"),
-    key<&ForwardRule::rates>("rates", RatesOf{{kRateKeys}}, "thins messages out"),
+    told("only", key<&ForwardRule::allow>("allow", Messages{}, "these messages alone", "all")),
+    told("not", key<&ForwardRule::block>("block", Messages{}, "not these messages")),
+    told("only systems", key<&ForwardRule::allow_systems>(
+                             "allow_systems", Ids{}, "these systems (of the sender) alone", "all")),
+    told("not systems",
+         key<&ForwardRule::block_systems>("block_systems", Ids{}, "not these systems")),
+    told("only components",
+         key<&ForwardRule::allow_components>("allow_components", Ids{},
+                                             "these components (of the sender) alone", "all")),
+    told("not components",
+         key<&ForwardRule::block_components>("block_components", Ids{}, "not these components")),
+    told("thinned out",
+         key<&ForwardRule::rates>("rates", RatesOf{{kRateKeys}}, "thins messages out")),
 };
 
 std::string listed(const std::vector<LinkConfig>& links) {
@@ -434,6 +450,23 @@ void refuse_restart_keys(const Topology& in_force, const Topology& next,
   if (keys.empty()) return;
   if (const auto node = root.find(keys.front())) node->fail("takes a restart");
   root.fail(keys.front() + ": takes a restart");  // the key was taken out
+}
+
+std::string rule_text(const ForwardRule& rule) {
+  std::string text;
+  base::for_each_key(kRuleKeys, [&](const auto& each) {
+    const auto tell = [&](const auto& list) {
+      if (!text.empty()) text += ", ";
+      text += list.empty() ? "nothing" : std::string(each.words) + " " + each.kind.text(list);
+    };
+    const auto& value = each.of(rule);
+    if constexpr (requires { *value; }) {  // an empty `allow` lets nothing pass
+      if (value) tell(*value);
+    } else if (!value.empty()) {
+      tell(value);
+    }
+  });
+  return text.empty() ? "everything" : text;
 }
 
 std::vector<base::KeyRow> restart_rows() {

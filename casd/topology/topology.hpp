@@ -110,6 +110,9 @@ std::vector<std::string> restart_keys(const Topology& in_force, const Topology& 
 void refuse_restart_keys(const Topology& in_force, const Topology& next,
                          const base::ConfigNode& root);
 
+/// A route's filters as `casd --check` tells them: "only HIL_SENSOR, not systems 2".
+std::string rule_text(const ForwardRule& rule);
+
 /// Keys of a topology that a restart alone changes.
 std::vector<base::KeyRow> restart_rows();
 /// Keys that a reload puts in force.

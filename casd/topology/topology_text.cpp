@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/topology_text.hpp"
+
+#include <string_view>
+#include <vector>
+
+#include "casd/topology/line_budget.hpp"
+#include "casd/topology/message_keys.hpp"
+
+namespace cas::casd {
+namespace {
+
+/// ", refuses systems 1 2" for a list that is not empty. @tparam Kind  of its key
+template <class Kind, class List>
+std::string listed(std::string_view what, const List& list) {
+  return list.empty() ? "" : ", " + std::string(what) + " " + Kind::text(list);
+}
+
+std::string where(const LinkConfig& link) {
+  std::string text;
+  if (!link.local.empty()) text += " at " + link.local;
+  if (!link.remote.empty()) text += " to " + link.remote;
+  if (!link.device.empty()) text += " " + link.device;
+  if (link.baud > 0) {
+    text += " at " + std::to_string(link.baud) + " baud" + (link.pace ? ", paced" : ", not paced");
+  }
+  if (!link.file.empty()) text += " " + link.file.string();
+  return text;
+}
+
+std::string link_line(const LinkConfig& link) {
+  std::string text = "  " + link.name + ": " + std::string(to_string(link.type)) + where(link);
+  if (!link.group.empty()) text += ", group " + link.group;
+  if (link.unlocked_pty) text += ", asks no lock of a pseudo-terminal";
+  if (link.accept.read_only) text += ", read-only";
+  if (link.accept.ground_station) text += ", accepts what ground stations say";
+  text +=
+      listed<Messages>(link.accept.ground_station ? "and" : "accepts only", link.accept.messages);
+  text += listed<Ids>("accepts only systems", link.accept.systems);
+  text += listed<Ids>("refuses systems", link.accept.block_systems);
+  if (link.signing) {
+    text += std::string(link.signing->verify ? ", verifies" : "") +
+            (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();
+  }
+  return text + "\n";
+}
+
+std::string command_port_text(const CommandPortConfig& port) {
+  std::string text = port.address + ":" + std::to_string(port.port);
+  text += port.loopback_without_token ? " (no token from this machine)" : " (with a token)";
+  if (port.unix_path && !port.unix_path->empty()) text += ", unix " + port.unix_path->string();
+  return text;
+}
+
+}  // namespace
+
+std::string topology_text(const Topology& topology) {
+  std::string text = "system " + std::to_string(topology.self.system) + "/" +
+                     std::to_string(topology.self.component) + ", threads " +
+                     std::string(to_string(topology.threads)) + ", command port " +
+                     command_port_text(topology.command_port) + "\nlinks\n";
+  for (const LinkConfig& link : topology.links) text += link_line(link);
+  text += "routes\n";
+  for (const RouteConfig& route : topology.routes) {
+    text += "  " + route.from + " -> " + route.to + ": " + rule_text(route.rule) + "\n";
+  }
+  const std::vector<LineBudget> budgets = line_budgets(topology);
+  if (!budgets.empty()) text += "expected load of the lines\n";
+  return text + describe(budgets);
+}
+
+}  // namespace cas::casd
