@@ -133,7 +133,26 @@ void parse_params(const base::ConfigNode& body, FlightStep& step) {
   if (step.params.empty()) body.fail("a setparam step names at least one parameter");
 }
 
+/// Keys without which the step means nothing, where there are several.
+std::vector<std::string_view> needed_keys(const base::ConfigNode& body, StepKind kind) {
+  if (kind == StepKind::kGoto) return {"north_m", "east_m", "up_m"};
+  if (kind != StepKind::kTrajectory) return {};
+  const auto shape = body.find("shape");
+  const bool is_step = shape && shape->as<std::string>() == "step";
+  if (!shape || is_step) return {"shape", "size_m", "duration_s"};
+  return {"shape", "size_m", "duration_s", "speed_m_s"};
+}
+
+/// Names all the keys that a step lacks. Of a single one ConfigNode::at() knows which was meant.
+void check_keys(const base::ConfigNode& body, StepKind kind) {
+  std::vector<std::string_view> missing = needed_keys(body, kind);
+  std::erase_if(missing, [&body](std::string_view key) { return body.has(key); });
+  if (missing.size() < 2) return;
+  body.fail(fmt::format("keys are missing: '{}'", fmt::join(missing, "', '")));
+}
+
 void parse_body(const base::ConfigNode& body, const VehicleNames& names, FlightStep& step) {
+  check_keys(body, step.kind);
   step.vehicle = parse_vehicle_key(body, names);
   if (step.kind == StepKind::kTakeoff) step.altitude_m = body.require_in("altitude_m", 0.5, 1000);
   if (step.kind == StepKind::kGoto) parse_goto(body, step);

@@ -180,6 +180,13 @@ INSTANTIATE_TEST_SUITE_P(
                     "true}}, land]\nfaults: [{at_s: 1, gust: {amplitude_m_s: [3, 0, 0], length_m: "
                     "20}}]\n",
                     ":6: faults[0].gust: a gust needs 'plugin: wind'"},
+        BadScenario{"StepWithoutItsKeys",
+                    "steps: [arm, {takeoff: {altitude_m: 3}}, {goto: {east_m: 1}}, land]\n",
+                    ":5: steps[2].goto: keys are missing: 'north_m', 'up_m'"},
+        BadScenario{"StepWithoutOneKey",
+                    "steps: [arm, {takeoff: {altitude_m: 3}}, {goto: {north_m: 1, eats_m: 1, up_m: "
+                    "3}}, land]\n",
+                    "steps[2].goto: key 'east_m' is missing; did you mean it by 'eats_m'"},
         BadScenario{"WaitForNothing", "steps: [arm, {wait_until: {timeout_s: 3}}]\n",
                     "wait_until needs a condition"},
         BadScenario{
