@@ -157,15 +157,6 @@ void prepare_boards(const std::vector<FcuChoice>& fcus, const RunFlags& flags, R
   }
 }
 
-/// @throws base::ConfigError
-void make_results_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    throw base::ConfigError("--out: " + folder.string() + " cannot be created: " + error.message());
-  }
-}
-
 int run(const RunFlags& flags) {
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
@@ -251,7 +242,8 @@ ComparisonPlan make_plan(const CompareFlags& flags) {
 int compare(const CompareFlags& flags) {
   const ComparisonPlan plan = make_plan(flags);
   const std::filesystem::path out = std::filesystem::absolute(flags.out);
-  make_results_folder(out / "plots");
+  make_results_folder(out);
+  std::filesystem::create_directories(out / "plots");
   const base::RunTime begin = base::steady_now();
   const std::vector<VariantResult> results = run_comparison(plan, out, flags.keep);
   const double wall_s = base::to_seconds(base::steady_now() - begin);

@@ -19,6 +19,8 @@
 #include "hils/campaign/catalogue.hpp"
 #include "hils/campaign/matrix.hpp"
 #include "hils/measure/judgement.hpp"
+#include "hils/report/results_folder.hpp"
+#include "hils/report/report.hpp"
 #include "hils/sweep/row_again.hpp"
 #include "hils/sweep/sweep_folder.hpp"
 #include "hils/sweep/sweep_runner.hpp"
@@ -51,6 +53,7 @@ SweepFolder plan_of(const Campaign& campaign, const fs::path& out) {
                             "seeds were changed; its flights stay as they are: choose another "
                             "folder");
   }
+  make_results_folder(out);
   fs::create_directories(study.parent_path());
   base::write_file(study, text);
   return SweepFolder::plan(study, out, campaign.folder);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/report/results_folder.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <system_error>
 #include <vector>
@@ -38,6 +41,19 @@ std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
 }
 
 }  // namespace
+
+void make_results_folder(const std::filesystem::path& folder) {
+  const auto refuse = [&folder](const char* what, const std::error_code& why) {
+    throw base::ConfigError("--out: " + folder.string() + " cannot be " + what + ": " +
+                            why.message());
+  };
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) refuse("created", error);
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    refuse("written to", {errno, std::generic_category()});
+  }
+}
 
 void remove_verdict(const std::filesystem::path& folder) {
   for (const char* name :

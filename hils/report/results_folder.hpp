@@ -8,6 +8,9 @@
 
 namespace cas::hils {
 
+/// Makes the folder that --out names, which this user can write in. @throws base::ConfigError
+void make_results_folder(const std::filesystem::path& folder);
+
 /// Removes the verdict of an earlier run from a folder, and the report, the replay and the figures
 /// of the simulator that tell of it: a run that dies leaves none. @throws base::ConfigError
 void remove_verdict(const std::filesystem::path& folder);

@@ -13,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "hils/report/results_folder.hpp"
 #include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
@@ -154,7 +155,7 @@ SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder
                             ": holds the study or its scenario, which the sweep would write over: "
                             "choose another folder");
   }
-  fs::create_directories(sweep.path);
+  make_results_folder(sweep.path);
   write_scenario(Study::scenario_of(study_file), sweep.study.settings, sweep.study_folder,
                  sweep.path, {"vehicle"});
   const Scenario scenario = Scenario::load(sweep.scenario());

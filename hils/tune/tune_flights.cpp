@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/report/results_folder.hpp"
 
 namespace cas::hils {
 
@@ -36,7 +37,7 @@ std::string hash_of(const std::vector<std::string>& names) {
 /// Whether somebody has files in a folder that no tuning began. One that was ended before it had
 /// its study.yaml has these.
 bool is_foreign(const fs::path& folder) {
-  if (!fs::exists(folder)) return false;
+  if (!fs::is_directory(folder)) return false;
   return std::ranges::any_of(fs::directory_iterator(folder), [](const auto& entry) {
     const fs::path name = entry.path().filename();
     return name != "journal" && name != "scenarios";
@@ -76,6 +77,7 @@ void TuneFlights::prepare(const fs::path& study_file) {
     throw base::ConfigError(folder_.string() +
                             ": is not empty and holds no tuning: choose another folder");
   }
+  make_results_folder(folder_);
   fs::create_directories(folder_ / "journal");
   for (std::size_t i = 0; i < scenarios_.size(); ++i) {
     const TuneScenario& own = scenarios_[i];

@@ -18,13 +18,18 @@ namespace {
 
 constexpr int kExitUsage = 2;
 
-/// What `hils run` says against these arguments.
-std::string refusal(const std::vector<std::string>& arguments) {
-  std::vector<std::string> command{cas::test::binary_dir() + "/bin/hils", "run"};
-  command.insert(command.end(), arguments.begin(), arguments.end());
-  ChildProcess hils(command);
+/// What hils says against these arguments.
+std::string refusal_of(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), cas::test::binary_dir() + "/bin/hils");
+  ChildProcess hils(arguments);
   EXPECT_EQ(hils.wait_exit(), kExitUsage) << hils.output();
   return hils.output();
+}
+
+/// What `hils run` says against them.
+std::string refusal(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "run");
+  return refusal_of(std::move(arguments));
 }
 
 TEST(HilsProgram, TakesTheLastOfTwoFoldersForTheResults) {
@@ -72,15 +77,28 @@ TEST(HilsProgram, RefusesLockstepOnTheVirtualClock) {
   }
 }
 
-TEST(HilsProgram, SaysWhereTheResultsCannotBe) {
+class ResultsOf : public testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(ResultsOf, CannotBeWhereAFileIs) {
   const TemporaryFolder folder;
   std::ofstream(folder / "a_file") << "x";
-  const std::string hover = source_dir() + "/config/scenarios/hover.yaml";
-  const std::string text = refusal({hover, "--virtual", "--out", folder / "a_file"});
-  EXPECT_NE(text.find("hils: --out: " + std::string(folder / "a_file") + " cannot be created: "),
-            std::string::npos)
-      << text;
+  for (const char* const name : {"a_file", "a_file/below"}) {
+    const std::string out = folder / name;
+    std::vector<std::string> arguments = GetParam();
+    arguments[1] = source_dir() + "/config/" + arguments[1];
+    arguments.insert(arguments.end(), {"--out", out});
+    const std::string text = refusal_of(arguments);
+    EXPECT_NE(text.find("hils: --out: " + out + " cannot be created: "), std::string::npos) << text;
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Verbs, ResultsOf,
+    testing::Values(std::vector<std::string>{"run", "scenarios/hover.yaml", "--virtual"},
+                    std::vector<std::string>{"campaign", "campaigns/iris_paper.yaml"},
+                    std::vector<std::string>{"sweep", "studies/hover_envelope.yaml"},
+                    std::vector<std::string>{"tune", "tunings/iris_paper.yaml"}),
+    [](const auto& test) { return test.param.front(); });
 
 TEST(HilsProgram, RefusesWhatMeansNothingToStockFirmware) {
   const TemporaryFolder folder;
@@ -187,24 +205,6 @@ TEST(HilsProgram, ARunThatDiesLeavesNoVerdictOfTheOneBefore) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out/junit.xml")) << hils.output();
 }
 
-/// A plugin from a folder of its own flies, and its figures are in the run's folder.
-TEST(HilsProgram, FindsPluginsInAFolderOfTheirOwn) {
-  const TemporaryFolder folder;
-  const std::string scenario =
-      short_flight(folder, "architecture: tcas\nplugins:\n  - {plugin: fake_listener}");
-  const std::vector<std::string> run{scenario, "--virtual", "--out", folder / "out"};
-  EXPECT_NE(refusal(run).find("fake_listener"), std::string::npos);
-  std::vector<std::string> with_folder = run;
-  with_folder.insert(with_folder.end(), {"--plugin-dir", binary_dir() + "/tests/fake_plugins"});
-  EXPECT_NE(refusal({scenario, "--virtual", "--out", folder / "out", "--plugin-dir", "/nowhere"})
-                .find("--plugin-dir /nowhere: no such folder"),
-            std::string::npos);
-  with_folder.insert(with_folder.begin(), {binary_dir() + "/bin/hils", "run"});
-  ChildProcess hils(with_folder);
-  EXPECT_EQ(hils.wait_exit(), 0) << hils.output();
-}
-
-}  // namespace
 /// What `hils replay` says, where the page is a frame for records, and its exit code.
 std::pair<int, std::string> replayed(const TemporaryFolder& folder, const std::string& source) {
   folder.write("web/index.html", "-");
@@ -237,4 +237,22 @@ TEST(HilsProgram, RefusesALogThatIsNone) {
   EXPECT_FALSE(std::filesystem::exists(folder / "page.html"));
 }
 
+/// A plugin from a folder of its own flies, and its figures are in the run's folder.
+TEST(HilsProgram, FindsPluginsInAFolderOfTheirOwn) {
+  const TemporaryFolder folder;
+  const std::string scenario =
+      short_flight(folder, "architecture: tcas\nplugins:\n  - {plugin: fake_listener}");
+  const std::vector<std::string> run{scenario, "--virtual", "--out", folder / "out"};
+  EXPECT_NE(refusal(run).find("fake_listener"), std::string::npos);
+  std::vector<std::string> with_folder = run;
+  with_folder.insert(with_folder.end(), {"--plugin-dir", binary_dir() + "/tests/fake_plugins"});
+  EXPECT_NE(refusal({scenario, "--virtual", "--out", folder / "out", "--plugin-dir", "/nowhere"})
+                .find("--plugin-dir /nowhere: no such folder"),
+            std::string::npos);
+  with_folder.insert(with_folder.begin(), {binary_dir() + "/bin/hils", "run"});
+  ChildProcess hils(with_folder);
+  EXPECT_EQ(hils.wait_exit(), 0) << hils.output();
+}
+
+}  // namespace
 }  // namespace cas::test
