@@ -14,6 +14,7 @@
 
 #include "base/error.hpp"
 #include "base/os/descriptor.hpp"
+#include "hils/programs/child_process.hpp"
 
 namespace cas::hils {
 
@@ -26,13 +27,6 @@ sigset_t set_of(std::initializer_list<int> signals) {
   ::sigemptyset(&set);
   for (const int signal : signals) ::sigaddset(&set, signal);
   return set;
-}
-
-std::vector<char*> pointers(std::vector<std::string>& strings) {
-  std::vector<char*> result;
-  for (std::string& text : strings) result.push_back(text.data());
-  result.push_back(nullptr);
-  return result;
 }
 
 /// The terminal whose foreground this program has, if it has one. SIGTTOU must be blocked.
@@ -65,7 +59,7 @@ class Terminal {
   for (std::string& variable : command.environment) ::putenv(variable.data());
   if (command.kept >= 0) ::fcntl(command.kept, F_SETFD, 0);
   if (!command.folder.empty() && ::chdir(command.folder.c_str()) != 0) ::_exit(kExecFailed);
-  ::execvp(command.arguments.front().c_str(), pointers(command.arguments).data());
+  ::execvp(command.arguments.front().c_str(), exec_words(command.arguments).data());
   std::fprintf(stderr, "hils: %s cannot be started\n", command.arguments.front().c_str());
   ::_exit(kExecFailed);
 }

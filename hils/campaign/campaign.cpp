@@ -8,18 +8,17 @@
 #include <cctype>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string_view>
 
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/suggestion.hpp"
+#include "hils/flight/phase_check.hpp"
 #include "hils/run/run_places.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/study.hpp"
 #include "hils/sweep/sweep_folder.hpp"
-#include "plugins/fault/expression.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
@@ -42,27 +41,12 @@ std::string parse_line(const base::ConfigNode& root, const char* key, const std:
   return text;
 }
 
-/// A condition is about steps of the scenario. @throws base::ConfigError
-void check_condition(const base::ConfigNode& node, const std::string& when,
-                     const Scenario& scenario) {
-  std::vector<std::string_view> known{"done"};
-  for (const FlightStep& step : scenario.steps) known.push_back(phase_of(step));
-  try {
-    for (const std::string& word : sim::Expression::parse(when).phases()) {
-      if (std::ranges::find(known, word) != known.end()) continue;
-      node.fail("the scenario has no step '" + word + "'" + base::did_you_mean(word, known));
-    }
-  } catch (const std::invalid_argument& error) {
-    node.fail(error.what());
-  }
-}
-
 std::vector<CampaignPhase> parse_phases(const base::ConfigNode& map, const Scenario& scenario) {
   std::vector<CampaignPhase> phases;
   for (const auto& [name, node] : map.entries()) {
     check_name(node, name);
     phases.push_back({.name = name, .when = node.as<std::string>()});
-    check_condition(node, phases.back().when, scenario);
+    check_phases(node, scenario.steps);
   }
   if (phases.empty()) map.fail("names at least one phase, such as 'hover: phase == hover'");
   return phases;

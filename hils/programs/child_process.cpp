@@ -63,13 +63,6 @@ std::vector<std::string> environment_with(const std::string& notify_socket,
   return variables;
 }
 
-std::vector<char*> pointers(std::vector<std::string>& strings) {
-  std::vector<char*> result;
-  for (std::string& text : strings) result.push_back(text.data());
-  result.push_back(nullptr);
-  return result;
-}
-
 /// The child's side between fork and exec: calls that are safe there only.
 [[noreturn]] void become(char* const* argv, char* const* envp, const char* cwd, int log_fd,
                          pid_t parent) {
@@ -111,14 +104,21 @@ ExitStatus to_exit_status(int status, const rusage& usage) {
 
 }  // namespace
 
+std::vector<char*> exec_words(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
 ChildProcess::ChildProcess(Options options) : options_(std::move(options)) {
   const bool notifies = !options_.notify_socket.empty();
   if (notifies) notify_ = open_notify_socket(options_.notify_socket);
   std::vector<std::string> environment =
       environment_with(options_.notify_socket.string(), options_.environment);
   ready_ = !notifies || !options_.says_ready;
-  const std::vector<char*> argv = pointers(options_.arguments);
-  const std::vector<char*> envp = pointers(environment);
+  const std::vector<char*> argv = exec_words(options_.arguments);
+  const std::vector<char*> envp = exec_words(environment);
   const base::Descriptor log(
       ::open(options_.log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_APPEND, 0644));
   if (!log) fail("cannot write " + options_.log_file.string());

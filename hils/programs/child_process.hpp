@@ -73,6 +73,10 @@ class ChildProcess {
   std::optional<ExitStatus> exit_;
 };
 
+/// The words of a command or an environment as exec() takes them, nullptr behind the last. They
+/// point into `words`.
+std::vector<char*> exec_words(std::vector<std::string>& words);
+
 /// Path that starts the running program again, also after its file was replaced.
 inline constexpr const char* kSameProgram = "/proc/self/exe";
 /// Where the running program lies, for commands that are printed or written.
