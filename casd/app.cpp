@@ -33,9 +33,11 @@
 #include "casd/port/metrics_port.hpp"
 #include "casd/port/port_places.hpp"
 #include "casd/port/vehicle_methods.hpp"
+#include "casd/station/failure_desk.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/line_budget.hpp"
+#include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::casd {
 namespace {
@@ -122,6 +124,23 @@ void write_stats(const std::filesystem::path& file, const FigureMethods& figures
   }
 }
 
+/// casd's own station: failures go to the simulator, all else to the commander.
+class OwnStation final : public Station {
+ public:
+  OwnStation(VehicleCommander& commander, FailureDesk& failures)
+      : commander_(commander), failures_(failures) {}
+
+  void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override {
+    const auto verdict = failures_.on_packet(from, packet, base::steady_now());
+    if (verdict != FailureDesk::Verdict::kRefused) commander_.on_packet(from, packet, now);
+  }
+  void tick(base::RunTime now) override { commander_.tick(now); }
+
+ private:
+  VehicleCommander& commander_;
+  FailureDesk& failures_;
+};
+
 }  // namespace
 
 /// Everything here runs on the thread of `io`, apart from the links.
@@ -134,6 +153,7 @@ struct App::Impl {
                   [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
                     links.local().send(packet, to, base::steady_now());
                   }),
+        failures(links.topology().self, commander, failure_hooks()),
         recorder(links.tlog(), links.topology().log),
         vehicle_methods(
             server, commander, load_gains(links.topology()),
@@ -148,10 +168,41 @@ struct App::Impl {
     }
     figures.set_memory([this](const MessageTaps::Key& key) { return remembered(key); });
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
+    commander.on_failure([this](std::uint8_t system, const VehicleCommand& command, Done done) {
+      failures.inject(system, command, base::steady_now(), std::move(done));
+    });
     add_daemon_methods(
         server, {.reload = [this] { return reload(); },
                  .recorder = recorder,
                  .post = [this](std::function<void()> work) { asio::post(io, std::move(work)); }});
+  }
+
+  FailureHooks failure_hooks() {
+    return {.send =
+                [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
+                  links.local().send(packet, to, base::steady_now());
+                },
+            .permits = [this](LinkId id) { return may_inject(link_name(id)); },
+            .link_name = [this](LinkId id) { return link_name(id); },
+            .hil_doubt =
+                [this](std::uint8_t system) { return commander.hil_doubt(system, station_now()); },
+            .simulator = [this](std::uint8_t system) { return simulator_of(system); },
+            .audit = [](const std::string& line) { base::log::info("audit: " + line); }};
+  }
+
+  bool may_inject(const std::string& link) const {
+    const std::vector<LinkConfig>& all = links.topology().links;
+    const auto found = std::ranges::find(all, link, &LinkConfig::name);
+    return found != all.end() && found->inject_failures;
+  }
+
+  /// Whose HIL_SENSOR goes to the vehicle's link.
+  std::optional<Simulator> simulator_of(std::uint8_t system) const {
+    const VehicleState* const vehicle = commander.find(system);
+    if (vehicle == nullptr) return std::nullopt;
+    const auto sender = links.figures().sender_of(mavlink::common::HilSensor::kId, vehicle->link());
+    if (!sender) return std::nullopt;
+    return Simulator{.source = sender->first, .path = {.link = sender->second}};
   }
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
@@ -194,7 +245,7 @@ struct App::Impl {
 
   /// Gives the station what has come for it.
   void hear(base::RunTime now) {
-    links.local().dispatch(commander, now);
+    links.local().dispatch(station, now);
     recorder.on_vehicles(commander.any_armed(now), now);
   }
 
@@ -310,6 +361,7 @@ struct App::Impl {
     // A new link may have the number of one that is gone: its packets are another vehicle's.
     hear(station_now());
     commander.forget(gone);
+    failures.forget(gone);
     const CommandingConfig& commanding = links.topology().commanding;
     commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil);
     vehicle_methods.set_gains(std::move(gains));
@@ -349,6 +401,7 @@ struct App::Impl {
       if (error) return;
       const base::RunTime now = base::steady_now();
       commander.tick(now);
+      failures.tick(now);
       recorder.on_vehicles(commander.any_armed(now), now);
       do_tick();
     });
@@ -360,6 +413,7 @@ struct App::Impl {
     tick_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
       commander.wall_tick(base::steady_now());
+      failures.tick(base::steady_now());
       do_wall_tick();
     });
   }
@@ -424,6 +478,8 @@ struct App::Impl {
   base::rpc::Server server;
   mutable LinkSet links;
   VehicleCommander commander;
+  FailureDesk failures;
+  OwnStation station{commander, failures};
   Recorder recorder;
   VehicleMethods vehicle_methods;
   FigureMethods figures;

@@ -254,6 +254,28 @@ std::string LinkFigures::name(LinkId id) const {
   return found == links_.end() ? "" : found->second->name;
 }
 
+std::optional<std::pair<mav::Source, LinkId>> LinkFigures::sender_of(std::uint32_t message_id,
+                                                                     LinkId to) const {
+  const auto receiver = links_.find(to);
+  if (receiver == links_.end()) return std::nullopt;
+  std::optional<MessageCounters::Entry> newest;
+  receiver->second->tx.messages.for_each([&](const MessageCounters::Entry& entry) {
+    if (entry.message_id != message_id) return;
+    if (!newest || entry.last > newest->last) newest = entry;
+  });
+  if (!newest) return std::nullopt;
+  constexpr base::Duration kStretch = std::chrono::seconds(5);
+  std::vector<LinkId> heard_on;
+  for (const auto& [id, link] : links_) {
+    link->rx.messages.for_each([&, from = id](const MessageCounters::Entry& entry) {
+      if (entry.message_id != message_id || entry.source != newest->source) return;
+      if (newest->last - entry.last < kStretch) heard_on.push_back(from);
+    });
+  }
+  if (heard_on.size() != 1) return std::nullopt;
+  return std::pair{newest->source, heard_on.front()};
+}
+
 std::vector<LinkStatus> LinkFigures::links() const {
   std::vector<LinkStatus> all;
   for (const auto& [id, link] : links_) {

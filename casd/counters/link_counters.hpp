@@ -279,6 +279,10 @@ class LinkFigures {
   std::vector<LinkStatus> links() const;
   /// Of a link; empty: there is none with this id.
   std::string name(LinkId id) const;
+  /// Who sends a message to a link: the newest sender of it, and the link that it is heard on.
+  /// Nothing: it was never sent there, or came over several links at the same time.
+  std::optional<std::pair<mav::Source, LinkId>> sender_of(std::uint32_t message_id,
+                                                          LinkId to) const;
   /// @param link  only of this one; nothing: all
   /// @param most  no more than these many
   std::vector<MessageStatus> messages(base::RunTime now,

@@ -35,12 +35,16 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   if (!admit_packet(packet, now)) return;
   Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   route.info.waited = waited;
+  const bool first = route.decision != Route::Decision::kDuplicate;
+  if (first && is_failure(packet)) {
+    route.to = bit(kLocalLink);
+    route.thinned = 0;
+    route.decision = Route::Decision::kForward;
+  }
   account(route, packet, now);
   // What others have a vehicle do, and its answers to stations that casd does not know or does not
   // serve, casd's station hears too: it shall not undo it.
-  if (route.decision != Route::Decision::kDuplicate && may_be_act(packet.message_id)) {
-    route.to |= bit(kLocalLink);
-  }
+  if (first && may_be_act(packet.message_id)) route.to |= bit(kLocalLink);
   if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
 }
 

@@ -10,6 +10,7 @@
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/services/command.hpp"
+#include "mavlink_gen/services/failure_order.hpp"
 
 namespace cas::casd {
 
@@ -83,7 +84,16 @@ bool only_asks(MavCmd command) {
   return std::ranges::find(kQuestions, command) != kQuestions.end();
 }
 
+bool is_failure(const mav::PacketView& packet) {
+  return mav::services::failure_command(packet).has_value();
+}
+
 std::optional<Act> act_of(const mav::PacketView& packet) {
+  if (const auto failure = mav::services::failure_command(packet)) {
+    const std::string words = failure->order ? to_words(*failure->order) : "none";
+    return Act{.what = with_word(MavCmd::kInjectFailure, "failure " + words),
+               .target = failure->target};
+  }
   if (const auto command = mav::decode<CommandLong>(packet)) return act_of_command(*command);
   if (const auto placed = mav::decode<CommandInt>(packet)) return act_of_command(*placed);
   if (const auto set = mav::decode<ParamSet>(packet)) {

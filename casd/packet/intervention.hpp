@@ -33,6 +33,9 @@ std::optional<Act> act_of(const mavlink::common::CommandAck& answer);
 bool is_of_disarming(std::string_view parameter);
 /// Whether a command only asks for something to be said.
 bool only_asks(mavlink::common::MavCmd command);
+/// Whether a packet is MAV_CMD_INJECT_FAILURE: it is for the simulator, by way of casd's own
+/// station, and no vehicle gets it.
+bool is_failure(const mav::PacketView& packet);
 /// Whether a message may be an act or the answer to one, by its id alone.
 bool may_be_act(std::uint32_t message_id);
 

@@ -304,42 +304,58 @@ void VehicleCommander::start_spinning(std::uint8_t system, const VehicleCommand&
                           });
 }
 
+/// That another autopilot has the vehicle's system id.
+std::optional<std::string> VehicleCommander::rival_words(const VehicleState& state,
+                                                         base::RunTime now) const {
+  const std::optional<Rival> rival = state.rival(now);
+  if (!rival) return std::nullopt;
+  return vehicle_text(state) + " is not alone: another autopilot with its system id (" +
+         std::to_string(rival->source.system) + "/" + std::to_string(rival->source.component) +
+         ") speaks on " + table_.place(state, *rival) +
+         "; give one of them another id, or, where both links lead to one vehicle, put them into "
+         "one group";
+}
+
+/// Why its HEARTBEATs do not say that the vehicle flies a simulation.
+std::optional<std::string> VehicleCommander::not_in_hil(const VehicleState& state,
+                                                        base::RunTime now) {
+  const base::Duration silence = state.heartbeat_age(now);
+  if (silence > kVehicleTimeout) {
+    return vehicle_text(state) + " has sent no HEARTBEAT for " +
+           std::to_string(static_cast<int>(base::to_seconds(silence))) +
+           " s, so casd cannot tell whether it is in HIL mode";
+  }
+  if (!state.hil()) return vehicle_text(state) + " does not say that it is in HIL mode";
+  if (state.denied_hil(now)) {
+    return vehicle_text(state) + " said within the last 3 s that it is not in HIL mode";
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> VehicleCommander::hil_doubt(std::uint8_t system,
+                                                       base::RunTime now) const {
+  const VehicleState* const state = find(system);
+  if (state == nullptr) return "no vehicle " + std::to_string(system) + " has been heard";
+  const std::optional<std::string> rival = rival_words(*state, now);
+  return rival ? rival : not_in_hil(*state, now);
+}
+
 /// Real propellers may spin: why the vehicle may not be armed, unless its HEARTBEATs, and only
 /// its, say that it flies a simulation, or request and configuration both consent to one that does
 /// not.
 std::optional<Outcome> VehicleCommander::interlock(const VehicleState& state, bool not_hil,
                                                    base::RunTime now) const {
-  const auto locked = [&](const std::string& why) {
-    return failure(OutcomeKind::kInterlock, vehicle_text(state) + why);
-  };
   // No consent tells which of two is meant.
-  if (const std::optional<Rival> rival = state.rival(now)) {
-    return locked(" is not alone: another autopilot with its system id (" +
-                  std::to_string(rival->source.system) + "/" +
-                  std::to_string(rival->source.component) + ") speaks on " +
-                  table_.place(state, *rival) +
-                  "; give one of them another id, or, where both links lead to one vehicle, put "
-                  "them into one group");
-  }
+  if (const auto rival = rival_words(state, now)) return failure(OutcomeKind::kInterlock, *rival);
   if (not_hil && options_.allow_not_hil) return std::nullopt;
-  std::string why;
-  if (state.heartbeat_age(now) > kVehicleTimeout) {
-    why = " has sent no HEARTBEAT for " +
-          std::to_string(static_cast<int>(base::to_seconds(state.heartbeat_age(now)))) +
-          " s, so casd cannot tell whether it is in HIL mode";
-  } else if (!state.hil()) {
-    why = " does not say that it is in HIL mode: real propellers may spin";
-  } else if (state.denied_hil(now)) {
-    why = " said within the last 3 s that it is not in HIL mode: real propellers may spin";
-  } else {
-    return std::nullopt;
-  }
-  constexpr const char* kRemedy =
-      "; put it in HIL mode (PX4: SYS_HITL 1 and a restart), or, for a firmware that runs in "
-      "software and never says so, allow it: commanding.allow_not_hil: true and --not-hil";
-  why += not_hil ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
-                 : kRemedy;
-  return locked(why);
+  std::optional<std::string> why = not_in_hil(state, now);
+  if (!why) return std::nullopt;
+  if (state.heartbeat_age(now) <= kVehicleTimeout) *why += ": real propellers may spin";
+  *why += not_hil ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
+                  : "; put it in HIL mode (PX4: SYS_HITL 1 and a restart), or, for a firmware that "
+                    "runs in software and never says so, allow it: commanding.allow_not_hil: true "
+                    "and --not-hil";
+  return failure(OutcomeKind::kInterlock, *why);
 }
 
 /// Answers `done` and returns true when the interlock holds.
@@ -414,6 +430,9 @@ void VehicleCommander::command(std::uint8_t system, const VehicleCommand& comman
   now_ = now;
   KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
+  if (command.id == MavCmd::kInjectFailure && on_failure_) {
+    return on_failure_(system, command, std::move(done));
+  }
   Hands& hands = table_.hands(system);
   if (stops(command)) ++hands.disarms;
   if (stops(command) || command.id == MavCmd::kComponentArmDisarm) ++hands.arm_requests;

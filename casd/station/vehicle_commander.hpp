@@ -75,6 +75,10 @@ class VehicleCommander final : public Station {
   /// what was accepted and does not show ends all the same.
   void wall_tick(base::RunTime wall);
   void on_text(OnText callback) { on_text_ = std::move(callback); }
+  /// Takes MAV_CMD_INJECT_FAILURE that command() is to send: no vehicle gets it.
+  void on_failure(std::function<void(std::uint8_t system, const VehicleCommand&, Done)> callback) {
+    on_failure_ = std::move(callback);
+  }
   /// Called with a sentence when a second autopilot with a vehicle's id appears or falls silent.
   void on_notice(std::function<void(const std::string&)> callback) {
     table_.on_notice(std::move(callback));
@@ -97,6 +101,10 @@ class VehicleCommander final : public Station {
   std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const {
     return table_.resolve(asked);
   }
+
+  /// Why a vehicle is not known to be in HIL, in a sentence; nothing: its HEARTBEATs, and only its,
+  /// say so.
+  std::optional<std::string> hil_doubt(std::uint8_t system, base::RunTime now) const;
 
   struct ArmOptions {
     bool force = false;    ///< skip the vehicle's own checks
@@ -186,6 +194,8 @@ class VehicleCommander final : public Station {
   void start_takeoff(KnownVehicle& vehicle, const VehicleCommand& command, std::uint64_t disarms,
                      base::RunTime now, Done done);
   Done explained(const KnownVehicle& vehicle, Done done);
+  std::optional<std::string> rival_words(const VehicleState& state, base::RunTime now) const;
+  static std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime now);
   std::optional<Outcome> interlock(const VehicleState& state, bool not_hil,
                                    base::RunTime now) const;
   bool interlocked(const KnownVehicle& vehicle, bool not_hil, base::RunTime now,
@@ -201,6 +211,7 @@ class VehicleCommander final : public Station {
   SendPacket send_;
   mav::Encoder encoder_;
   OnText on_text_;
+  std::function<void(std::uint8_t, const VehicleCommand&, Done)> on_failure_;
   VehicleTable table_;
   std::optional<base::RunTime> next_beat_;
   base::RunTime now_{};

@@ -204,6 +204,10 @@ constexpr std::tuple kCommonKeys{
     key<&LinkConfig::group>("group", Text{}, "redundant paths share the name of a group"),
     key<&LinkConfig::accept>("accept", Accept{{kAcceptKeys}},
                              "what the link takes in at all; see below"),
+    key<&LinkConfig::inject_failures>(
+        "inject_failures", Flag{},
+        "stations here may have failures strike in the simulator "
+        "([MAV_CMD_INJECT_FAILURE](campaign.md#failures-injected-by-a-ground-station))"),
     key<&LinkConfig::signing>("signing", block<SigningConfig>(kSigningKeys, check_signing),
                               "MAVLink 2 signing of this link; see below"),
     key<&LinkConfig::queue>("queue", block<TxQueueOptions>(kQueueKeys),

@@ -62,9 +62,10 @@ struct LinkConfig {
   bool repeat = false;  ///< from the start again at its end
 
   // all
-  double max_bytes_s = 0;     ///< cap on what is sent; 0: none
-  bool pass_unknown = false;  ///< let packets with unknown message ids pass
-  std::string group;          ///< redundant paths share a group name
+  double max_bytes_s = 0;        ///< cap on what is sent; 0: none
+  bool pass_unknown = false;     ///< let packets with unknown message ids pass
+  std::string group;             ///< redundant paths share a group name
+  bool inject_failures = false;  ///< stations here may have failures strike in the simulator
   AcceptRule accept;
   std::optional<SigningConfig> signing;
   TxQueueOptions queue;

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/station/failure_desk.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mavlink/common/command_ack.hpp"
+#include "mavlink/common/statustext.hpp"
+#include "mavlink_gen/services/address.hpp"
+#include "mavlink_gen/services/vehicle_heartbeat.hpp"
+
+namespace cas::casd {
+namespace {
+
+using mav::services::FailureOrder;
+using mavlink::common::CommandAck;
+using mavlink::common::MavCmd;
+using mavlink::common::MavResult;
+using mavlink::common::MavSeverity;
+using mavlink::common::Statustext;
+
+constexpr std::int32_t kMostToken = 1 << 24;  // whole numbers that a float tells apart
+constexpr auto kStretch = std::chrono::minutes(1);
+constexpr int kMostRefusals = 20;  // that leave a line in one stretch
+
+/// A refusal. @param text  for a STATUSTEXT, behind "casd: " @param more  for the audit besides
+Outcome refused(MavResult result, std::string text, const std::string& more = {}) {
+  Outcome outcome = failure(OutcomeKind::kRefused, std::move(text));
+  outcome.result = result;
+  if (!more.empty()) outcome.status_texts.push_back(more);
+  return outcome;
+}
+
+/// What the simulator answered.
+Outcome outcome_of(MavResult result) {
+  switch (result) {
+    case MavResult::kAccepted: {
+      Outcome outcome;
+      outcome.result = result;
+      return outcome;
+    }
+    case MavResult::kUnsupported:
+      return refused(result, "the simulator has no such failure",
+                     "its log says whether the unit, its kind of failure, or plugin fault with "
+                     "by_hand is missing");
+    default:
+      return refused(result, "the simulator refused the failure", "its log says why");
+  }
+}
+
+std::string sentence(const Outcome& outcome) {
+  std::string text = outcome.message;
+  for (const std::string& more : outcome.status_texts) text += ": " + more;
+  return text;
+}
+
+std::string ids(mav::Source source) {
+  return std::to_string(source.system) + "/" + std::to_string(source.component);
+}
+
+}  // namespace
+
+FailureDesk::FailureDesk(mav::Source self, const VehicleCommander& commander, FailureHooks hooks)
+    : encoder_(self), commander_(commander), hooks_(std::move(hooks)) {}
+
+FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::PacketView& packet,
+                                            base::RunTime now) {
+  if (packet.message_id == CommandAck::kId) on_ack(from, packet, now);
+  const auto command = mav::services::failure_command(packet);
+  if (!command) return Verdict::kNotOurs;
+  const mav::Source target = command->target;
+  std::optional<std::uint8_t> asked;
+  if (target.system != 0) asked = target.system;
+  const auto resolved = commander_.resolve(asked);
+  const auto* const known = std::get_if<std::uint8_t>(&resolved);
+  const std::uint8_t system = known == nullptr ? target.system : *known;
+  const std::optional<FailureOrder>& order = command->order;
+  if (order && is_repetition(from, packet, system, *order)) return Verdict::kRefused;
+
+  const mav::Source vehicle{system,
+                            target.component != 0 ? target.component : mav::services::kAutopilot};
+  const std::string line = ids(packet.source) + " on link " + hooks_.link_name(from.path.link) +
+                           " MAV_CMD_INJECT_FAILURE" +
+                           (order ? " '" + to_words(*order) + "'" : "") + " vehicle " +
+                           std::to_string(system) + ": ";
+  const Done done = [this, to = from.path, asker = packet.source, vehicle, line,
+                     now](const Outcome& outcome) {
+    leave_line(line + (outcome.ok() ? "accepted" : sentence(outcome)), outcome.ok(), now);
+    answer(to, asker, vehicle, outcome);
+  };
+  std::optional<Outcome> why;
+  if (!hooks_.permits(from.path.link)) {
+    why = refused(MavResult::kDenied, "this link may not inject failures",
+                  "inject_failures: true of the link permits it");
+  } else if (!order) {
+    why = refused(MavResult::kDenied, "unit, type or instance is no number");
+  } else if (known == nullptr) {
+    why = refused(MavResult::kDenied, "there is no such vehicle",
+                  std::get<Outcome>(resolved).message);
+  } else {
+    why = refusal(system);
+  }
+  if (why) {
+    done(*why);
+    return Verdict::kRefused;
+  }
+  add(system, {.order = *order, .done = done, .by = packet.source, .link = from.path.link}, now);
+  return Verdict::kTaken;
+}
+
+void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now,
+                         Done done) {
+  const auto& params = command.params;
+  const auto order = mav::services::failure_order(params[0], params[1], params[2]);
+  if (!order) {
+    return done(failure(OutcomeKind::kInvalid,
+                        "unit, type and instance of a failure are whole numbers from 0 to 255"));
+  }
+  const Done told = [done = std::move(done)](const Outcome& outcome) {
+    Outcome whole = outcome;
+    if (!outcome.ok()) whole.message = sentence(outcome);
+    whole.status_texts.clear();
+    done(whole);
+  };
+  if (const auto why = refusal(system)) return told(*why);
+  add(system, {.order = *order, .done = told}, now);
+}
+
+/// Why a vehicle gets no failure at all.
+std::optional<Outcome> FailureDesk::refusal(std::uint8_t system) const {
+  if (const auto doubt = hooks_.hil_doubt(system)) {
+    Outcome why = refused(MavResult::kDenied, "the vehicle is not known to be in HIL", *doubt);
+    why.kind = OutcomeKind::kInterlock;
+    return why;
+  }
+  if (!hooks_.simulator(system)) {
+    return refused(MavResult::kUnsupported, "no simulator feeds this vehicle",
+                   "no HIL_SENSOR, or that of several links, comes to it through casd");
+  }
+  return std::nullopt;
+}
+
+/// A station that has no answer yet asks again.
+bool FailureDesk::is_repetition(const Origin& from, const mav::PacketView& packet,
+                                std::uint8_t system, const FailureOrder& order) const {
+  const auto found = waiting_.find(system);
+  return found != waiting_.end() && std::ranges::any_of(found->second, [&](const Request& request) {
+           return request.by == packet.source && request.link == from.path.link &&
+                  request.order == order;
+         });
+}
+
+void FailureDesk::add(std::uint8_t system, Request request, base::RunTime now) {
+  std::deque<Request>& waiting = waiting_[system];
+  if (waiting.size() == kMostWaiting) {
+    return request.done(refused(MavResult::kTemporarilyRejected, "too many failures wait"));
+  }
+  waiting.push_back(std::move(request));
+  if (waiting.size() == 1) send_first(system, now);
+}
+
+void FailureDesk::send_first(std::uint8_t system, base::RunTime now) {
+  // Much can change while it waits.
+  if (const auto why = refusal(system)) return finish(system, *why, now);
+  Request& request = waiting_.at(system).front();
+  request.simulator = *hooks_.simulator(system);
+  request.token = token_ = token_ % kMostToken + 1;
+  request.deadline = now + kPatience;
+  auto command = mav::services::command_of(request.order, request.simulator.source);
+  command.param7 = static_cast<float>(request.token);
+  hooks_.send(encoder_(command), {&request.simulator.path, 1});
+}
+
+void FailureDesk::on_ack(const Origin& from, const mav::PacketView& packet, base::RunTime now) {
+  const auto ack = mav::decode<CommandAck>(packet);
+  if (!ack || ack->command != MavCmd::kInjectFailure) return;
+  if (!mav::services::is_for(*ack, encoder_.source())) return;
+  for (const auto& [system, waiting] : waiting_) {
+    if (waiting.empty()) continue;
+    const Request& request = waiting.front();
+    if (request.token != ack->result_param2 || request.simulator.source != packet.source ||
+        request.simulator.path.link != from.path.link) {
+      continue;
+    }
+    return finish(system, outcome_of(ack->result), now);
+  }
+}
+
+void FailureDesk::tick(base::RunTime now) {
+  for (auto& [system, waiting] : waiting_) {
+    if (waiting.empty() || now < waiting.front().deadline) continue;
+    finish(system,
+           refused(MavResult::kFailed, "the simulator does not answer",
+                   "it is paused, or not hilsim; a paused one acts when it goes on"),
+           now);
+  }
+}
+
+/// The request under way has ended; the next one is sent.
+void FailureDesk::finish(std::uint8_t system, const Outcome& outcome, base::RunTime now) {
+  std::deque<Request>& waiting = waiting_.at(system);
+  const Request request = std::move(waiting.front());
+  waiting.pop_front();
+  request.done(outcome);
+  if (!waiting.empty() && waiting.front().token == 0) send_first(system, now);
+}
+
+void FailureDesk::forget(LinkMask links) {
+  for (auto& [system, waiting] : waiting_) {
+    for (Request& request : waiting) {
+      if (request.link != kNoLink && (links & bit(request.link)) != 0) {
+        request.done = [](const Outcome&) {};
+      }
+    }
+  }
+}
+
+/// COMMAND_ACK, and for a refusal STATUSTEXT, from the vehicle's ids.
+void FailureDesk::answer(const Path& to, mav::Source asker, mav::Source vehicle,
+                         const Outcome& outcome) {
+  if (!outcome.ok()) {
+    Statustext text;
+    text.severity = MavSeverity::kWarning;
+    mav::set_text(text.text, "casd: " + outcome.message);
+    send_as(vehicle, text, to);
+  }
+  CommandAck ack = mav::services::addressed(CommandAck{}, asker);
+  ack.command = MavCmd::kInjectFailure;
+  ack.result = *outcome.result;
+  send_as(vehicle, ack, to);
+}
+
+template <class M>
+void FailureDesk::send_as(mav::Source source, const M& message, const Path& to) {
+  mav::PacketBuffer packet;
+  packet.size = mav::encode(message, source, sequence_++, packet.bytes);
+  hooks_.send({packet.bytes.data(), packet.size}, {&to, 1});
+}
+
+/// Whoever floods with what is refused leaves few lines.
+void FailureDesk::leave_line(const std::string& line, bool accepted, base::RunTime now) {
+  if (!accepted) {
+    if (now - refusals_since_ > kStretch) {
+      refusals_since_ = now;
+      refusals_ = 0;
+    }
+    if (++refusals_ > kMostRefusals) return;
+  }
+  hooks_.audit(line);
+}
+
+}  // namespace cas::casd

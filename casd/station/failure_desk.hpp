@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/station/vehicle_commander.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+#include "mavlink_gen/services/failure_order.hpp"
+
+namespace cas::casd {
+
+/// A simulator whose sensor data goes to a vehicle.
+struct Simulator {
+  mav::Source source;
+  Path path;
+};
+
+/// What a FailureDesk asks of the rest of casd.
+struct FailureHooks {
+  SendPacket send{};
+  /// Whether the topology lets stations on this link inject failures.
+  std::function<bool(LinkId)> permits{};
+  std::function<std::string(LinkId)> link_name{};
+  /// Why a vehicle is not known to be in HIL; nothing: it is.
+  std::function<std::optional<std::string>(std::uint8_t system)> hil_doubt{};
+  /// The simulator that feeds a vehicle; nothing: none does through casd.
+  std::function<std::optional<Simulator>(std::uint8_t system)> simulator{};
+  /// Takes one line of the audit log.
+  std::function<void(const std::string&)> audit{};
+};
+
+/// Takes MAV_CMD_INJECT_FAILURE out of what stations say to vehicles, and has the failure strike in
+/// the vehicle's simulator. Vehicles never get the command.
+///
+///   station --> on_packet --> permitted? in HIL? --> simulator --> COMMAND_ACK --> station
+///
+/// The answer bears the vehicle's ids, because ground stations wait for it from there; a refusal
+/// says why in a STATUSTEXT besides. One failure of a vehicle is under way at a time, the others
+/// wait. Pure: the time comes in as an argument, that of this machine's clock, also in lockstep.
+class FailureDesk {
+ public:
+  static constexpr base::Duration kPatience = std::chrono::seconds(1);
+  static constexpr std::size_t kMostWaiting = 16;  ///< of one vehicle
+
+  /// @param commander  knows the vehicles; outlives this object
+  FailureDesk(mav::Source self, const VehicleCommander& commander, FailureHooks hooks);
+
+  /// What is to be done with a packet that the station hears.
+  enum class Verdict : std::uint8_t {
+    kNotOurs,  ///< it is about something else
+    kRefused,  ///< nothing came of it: the station shall not take it for an act of somebody
+    kTaken     ///< it is on its way to the simulator
+  };
+  Verdict on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
+  /// The same command from the command port.
+  void inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
+  /// Gives up on simulators that do not answer: several times a second.
+  void tick(base::RunTime now);
+  /// These links are gone for good: nobody there is answered any more.
+  void forget(LinkMask links);
+
+ private:
+  struct Request {
+    mav::services::FailureOrder order;
+    Done done;
+    mav::Source by{};        ///< who asked; system 0: the command port
+    LinkId link = kNoLink;   ///< where it is
+    Simulator simulator{};   ///< of the one that is under way
+    std::int32_t token = 0;  ///< the same; 0: not sent yet
+    base::RunTime deadline{};
+  };
+
+  bool is_repetition(const Origin& from, const mav::PacketView& packet, std::uint8_t system,
+                     const mav::services::FailureOrder& order) const;
+  std::optional<Outcome> refusal(std::uint8_t system) const;
+  void add(std::uint8_t system, Request request, base::RunTime now);
+  void send_first(std::uint8_t system, base::RunTime now);
+  void finish(std::uint8_t system, const Outcome& outcome, base::RunTime now);
+  void on_ack(const Origin& from, const mav::PacketView& packet, base::RunTime now);
+  void answer(const Path& to, mav::Source asker, mav::Source vehicle, const Outcome& outcome);
+  void leave_line(const std::string& line, bool accepted, base::RunTime now);
+  template <class M>
+  void send_as(mav::Source source, const M& message, const Path& to);
+
+  mav::Encoder encoder_;
+  const VehicleCommander& commander_;
+  FailureHooks hooks_;
+  std::map<std::uint8_t, std::deque<Request>> waiting_;  ///< by system; the first is under way
+  std::int32_t token_ = 0;
+  std::uint8_t sequence_ = 0;  ///< of packets in a vehicle's name
+  base::RunTime refusals_since_{};
+  int refusals_ = 0;
+};
+
+}  // namespace cas::casd
