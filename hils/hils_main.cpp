@@ -64,6 +64,7 @@ struct RunFlags {
   std::string wait;
   std::string out;
   std::string ground_station;
+  bool inject_failures = false;
   std::vector<std::string> plugin_dirs;
   bool on_virtual_clock = false;
   bool lockstep = false;
@@ -188,6 +189,7 @@ int run(const RunFlags& flags) {
   }
   if (!flags.ground_station.empty()) {
     request.station = StationEndpoint::parse(flags.ground_station);
+    request.station->inject_failures = flags.inject_failures;
     if (flags.on_virtual_clock || request.architecture == Architecture::kDirect) {
       throw base::ConfigError("--gcs: a ground station cannot join a run on the virtual clock");
     }
@@ -355,10 +357,16 @@ int main(int argc, char** argv) {
                       "The list of boards (CAS_BOARDS, ./boards.yaml, ~/.config/cas/boards.yaml, "
                       "/etc/cas/boards.yaml)");
   add_wait(*command, flags.wait);
-  command->add_option("--gcs", flags.ground_station,
-                      "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
-                      "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
-                      "TYPE:HOST:PORT. In real time only");
+  CLI::Option* const station = command->add_option(
+      "--gcs", flags.ground_station,
+      "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
+      "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
+      "TYPE:HOST:PORT. In real time only");
+  command
+      ->add_flag("--inject-failures", flags.inject_failures,
+                 "Lets that ground station inject failures (MAV_CMD_INJECT_FAILURE), which strike "
+                 "in the simulator")
+      ->needs(station);
   command->add_flag("--web", flags.web,
                     "Show the run in a browser: starts casweb and prints the address");
   command->add_option("--plugin-dir", flags.plugin_dirs,

@@ -116,6 +116,7 @@ YAML::Node ground_link(const RunRequest& request, const std::string& name,
   for (const std::uint8_t vehicle : request.scenario.systems()) {
     link["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
   }
+  if (station.inject_failures) link["inject_failures"] = true;
   return link;
 }
 
@@ -301,7 +302,9 @@ YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Trans
   for (const base::ConfigNode& further : scenario.plugins) {
     plugins.push_back(further_plugin(further));
   }
-  if (const auto faults = fault_plugin(scenario, vehicle, request.live != nullptr)) {
+  const bool by_hand =
+      request.live != nullptr || (request.station && request.station->inject_failures);
+  if (const auto faults = fault_plugin(scenario, vehicle, by_hand)) {
     plugins.push_back(*faults);
   }
   plugins.push_back(interface_plugin(scenario, vehicle, transport, places));

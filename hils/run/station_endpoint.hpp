@@ -9,6 +9,7 @@ namespace cas::hils {
 struct StationEndpoint {
   std::string type;     ///< of casd's link: udp, udp_server or tcp_server
   std::string address;  ///< "HOST:PORT": where the station listens (udp), or casd does (servers)
+  bool inject_failures = false;  ///< it may have failures strike in the simulator
 
   /// Takes "TYPE:PORT", which is at 127.0.0.1, or "TYPE:HOST:PORT". @throws base::ConfigError
   static StationEndpoint parse(const std::string& text);

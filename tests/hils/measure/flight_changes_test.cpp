@@ -159,6 +159,19 @@ TEST_F(FlightChangesTest, ATrajectorysOwnParametersAreLeftOut) {
   EXPECT_TRUE(read().parameters.empty());
 }
 
+TEST_F(FlightChangesTest, AFailureThatAStationInjectsIsAnAct) {
+  CommandLong gps_off;
+  gps_off.target_system = 1;
+  gps_off.command = MavCmd::kInjectFailure;
+  gps_off.param1 = 4;
+  gps_off.param2 = 1;
+  say(30, ground_, gps_off);
+  const FlightChanges changes = read();
+  ASSERT_EQ(changes.acts.size(), 1U);
+  EXPECT_EQ(changes.acts[0].what, "command 420 (failure gps off)");
+  EXPECT_TRUE(changes.from_outside());
+}
+
 TEST_F(FlightChangesTest, CommandsOfOthersDuringTheFlightAreActs) {
   CommandLong land;
   land.target_system = 1;
