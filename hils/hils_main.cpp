@@ -217,6 +217,7 @@ int run(const RunFlags& flags) {
   fmt::print("{}\nResults: {}\n", text_report(result), flags.out);
   std::fflush(stdout);
   leave_replay(request, result, flags.out);
+  boards->fetch_logs(request.out, request.scenario.names());
   return result.verdict.exit_code();
 }
 

@@ -84,6 +84,19 @@ BoardFacts BoardActions::reboot(bool hard) {
   return boot(Absence::kWaits);
 }
 
+BoardFacts BoardActions::restart() {
+  const auto& hooks = board_.hooks;
+  if (hooks.contains(HookKind::kPowerOn) && hooks.contains(HookKind::kPowerOff)) {
+    return power_cycle(true);
+  }
+  if (hooks.contains(HookKind::kReset)) {
+    restart_by_hook();
+    return boot(Absence::kWaits);
+  }
+  disarm_in_hil();
+  return reboot(false);
+}
+
 BoardFacts BoardActions::power_on() {
   hook(HookKind::kPowerOn);
   return boot(Absence::kWaits);
@@ -133,6 +146,17 @@ BoardFacts BoardActions::first_look() {
   }
   if (!facts.link_up) throw BoardError(kExitBoardAbsent, judge_boot(facts, board_).sentence);
   return facts;
+}
+
+void BoardActions::disarm_in_hil() {
+  const BoardFacts facts = first_look();
+  if (!facts.armed || !facts.hil) return;
+  BoardSession session(supervisor_, board_, facts.device);
+  const base::RunTime begin = base::steady_now();
+  while (!session.look().heard && base::steady_now() - begin < kHeartbeatPatience) {
+    supervisor_.wait(kLook);
+  }
+  session.disarm();
 }
 
 /// Returns once the board has gone: its port is away, or its clock begins again.

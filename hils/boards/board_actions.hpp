@@ -33,6 +33,9 @@ class BoardActions {
   BoardFacts flash(const std::filesystem::path& file);
   /// By its own command; by the hook `reset` where it is silent, or `hard` is set.
   BoardFacts reboot(bool hard);
+  /// Begins a flight anew, whatever the one before has left: by its power where hooks switch it, by
+  /// hook `reset`, else by its command; an armed one that is in HIL is disarmed for that.
+  BoardFacts restart();
   BoardFacts power_on();
   /// @param force  also of a board that is armed, or whose port another program has
   BoardFacts power_cycle(bool force);
@@ -42,6 +45,7 @@ class BoardActions {
   void hook(HookKind kind, const std::filesystem::path& file = {});
   void refuse_armed(const BoardFacts& facts) const;
   BoardFacts first_look();
+  void disarm_in_hil();
   void restart_by_command();
   void restart_by_hook();
   void want_silence();

@@ -25,6 +25,7 @@
 #include "hils/boards/board_hook.hpp"
 #include "hils/boards/board_list.hpp"
 #include "hils/boards/board_lock.hpp"
+#include "hils/boards/board_log.hpp"
 #include "hils/boards/foreground.hpp"
 #include "hils/report/aligned_table.hpp"
 
@@ -41,6 +42,7 @@ struct BoardCommand::Flags {
   CLI::App* flash = nullptr;
   CLI::App* reboot = nullptr;
   CLI::App* power = nullptr;
+  CLI::App* log = nullptr;
   CLI::App* console = nullptr;
 
   std::string boards;
@@ -214,6 +216,20 @@ fs::path firmware_file(const std::string& given) {
   return fs::absolute(given);
 }
 
+/// @param given  file; empty: named after the board @throws BoardError, base::ConfigError
+void fetch_log(Supervisor& supervisor, const BoardList& list, const Board& board,
+               const std::string& given) {
+  if (!board.log) {
+    throw base::ConfigError(
+        fmt::format("{}: board '{}' has no `log`, which says where its logs are",
+                    list.file.string(), board.name));
+  }
+  const fs::path file = fs::absolute(given.empty() ? board.name + ".ulg" : given);
+  const FetchedLog fetched = fetch_newest_log(supervisor, board, list.by_id, file);
+  if (!fetched.done) throw BoardError(kExitBoardFailed, fetched.sentence);
+  fmt::print("{}\n", fetched.sentence);
+}
+
 void power(BoardActions& actions, const std::string& state, bool force) {
   if (state == "on") actions.power_on();
   if (state == "off") actions.power_off();
@@ -252,9 +268,13 @@ std::string misread_wait(std::span<const std::string_view> words) {
 
 base::cli::WordsByCommand board_words() {
   const base::cli::ArgumentWords names{.command = "hils board list --names"};
-  return {{"board lock", names},    {"board unlock", names},
-          {"board flash", names},   {"board reboot", names},
-          {"board console", names}, {"board power", {.known = {"on", "off", "cycle"}}}};
+  return {{"board lock", names},
+          {"board unlock", names},
+          {"board flash", names},
+          {"board reboot", names},
+          {"board console", names},
+          {"board log", names},
+          {"board power", {.known = {"on", "off", "cycle"}}}};
 }
 
 BoardCommand::BoardCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
@@ -315,6 +335,10 @@ BoardCommand::BoardCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
                         "cycle: also a board that is armed, or whose port another program has");
   add_wait(*flags.power, flags.wait);
 
+  flags.log = verb_of_one("log", "Fetch the newest log of a board, as key `log` of its entry says");
+  flags.log->add_option("FILE", flags.file, "Where to (NAME.ulg)");
+  add_wait(*flags.log, flags.wait);
+
   flags.console = verb_of_one("console", "Run the hook `console` on this terminal");
   add_wait(*flags.console, flags.wait);
 }
@@ -373,6 +397,8 @@ int BoardCommand::run() const {
   BoardActions actions(supervisor, list, board, folder);
   if (flags.flash->parsed()) {
     actions.flash(firmware_file(flags.file));
+  } else if (flags.log->parsed()) {
+    fetch_log(supervisor, list, board, flags.file);
   } else if (flags.reboot->parsed()) {
     actions.reboot(flags.hard);
   } else {

@@ -62,6 +62,18 @@ Calibration parse_calibration(const base::ConfigNode& node) {
   node.fail("'" + word + "' is none of unknown, done, missing");
 }
 
+BoardLog parse_log(const base::ConfigNode& node) {
+  constexpr double kLargestMib = 1024;
+  constexpr double kLongest_s = 3600;
+  BoardLog log{.folder = node.require<std::string>("folder")};
+  while (log.folder.ends_with('/')) log.folder.pop_back();
+  if (log.folder.empty()) node.at("folder").fail("names a folder below the board's root");
+  log.largest_mib = node.get_in("largest_mib", log.largest_mib, 0.001, kLargestMib);
+  log.timeout =
+      base::from_seconds(node.get_in("timeout_s", base::to_seconds(log.timeout), 1, kLongest_s));
+  return log;
+}
+
 /// Text, also where YAML takes it for a number: firmware: 1.15.
 std::string text_of(const base::ConfigNode& node, std::string_view key) {
   return node.get<std::string>(key, "");
@@ -92,6 +104,7 @@ Board parse_board(const std::string& name, const base::ConfigNode& node) {
       node.get_in("boot_timeout_s", base::to_seconds(board.boot_timeout), 1, kLongestBoot_s));
   board.off_time =
       base::from_seconds(node.get_in("off_time_s", base::to_seconds(board.off_time), 0, 60));
+  if (const auto log = node.find("log")) board.log = parse_log(*log);
   if (const auto hooks = node.find("hooks")) board.hooks = parse_hooks(*hooks);
   return board;
 }

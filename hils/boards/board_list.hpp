@@ -33,6 +33,13 @@ struct BoardHook {
 enum class Calibration { kUnknown, kDone, kMissing };
 std::string_view to_string(Calibration state);
 
+/// How the newest log is fetched from a board after a flight.
+struct BoardLog {
+  std::string folder{};     ///< on the board, without a slash at its end
+  double largest_mib = 64;  ///< of a log that is fetched
+  base::Duration timeout = std::chrono::seconds(120);
+};
+
 /// One flight controller of the bench.
 struct Board {
   std::string name{};
@@ -46,6 +53,7 @@ struct Board {
   Calibration calibration = Calibration::kUnknown;
   base::Duration boot_timeout = std::chrono::seconds(30);
   base::Duration off_time = std::chrono::seconds(2);  ///< without power in a power cycle
+  std::optional<BoardLog> log{};                      ///< nothing: it is not fetched
   std::map<HookKind, BoardHook> hooks{};
 
   /// What it is known by on any list: its serial number, else its path.

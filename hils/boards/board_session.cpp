@@ -29,20 +29,26 @@ constexpr base::Duration kStopPatience = std::chrono::seconds(5);
 
 /// JSON is YAML, too.
 std::string topology(const Board& board, const std::filesystem::path& device,
-                     const RunDirectory& folder) {
-  return Json{{"schema", 1},
-              {"command_port",
-               {{"address", "127.0.0.1"},
-                {"port", 0},
-                {"unix", folder.command_socket().string()},
-                {"token_file", (folder.path() / "casd.token").string()}}},
-              {"links", Json::array({{{"name", kLink},
-                                      {"type", "serial"},
-                                      {"device", device.string()},
-                                      {"baud", board.baud},
-                                      {"unlocked_pty", true}}})},
-              {"commanding", {{"heartbeat_hz", 1}}}}
-      .dump();
+                     std::uint16_t peer_port, const RunDirectory& folder) {
+  Json json{{"schema", 1},
+            {"command_port",
+             {{"address", "127.0.0.1"},
+              {"port", 0},
+              {"unix", folder.command_socket().string()},
+              {"token_file", (folder.path() / "casd.token").string()}}},
+            {"links", Json::array({{{"name", kLink},
+                                    {"type", "serial"},
+                                    {"device", device.string()},
+                                    {"baud", board.baud},
+                                    {"unlocked_pty", true}}})},
+            {"commanding", {{"heartbeat_hz", 1}}}};
+  if (peer_port != 0) {
+    json["links"].push_back(
+        {{"name", "peer"}, {"type", "udp"}, {"remote", fmt::format("127.0.0.1:{}", peer_port)}});
+    json["routes"] =
+        Json::array({{{"from", kLink}, {"to", "peer"}}, {{"from", "peer"}, {"to", kLink}}});
+  }
+  return json.dump();
 }
 
 /// The field of a message as `message.value` answers; null when it is not there.
@@ -57,10 +63,10 @@ Json field_of(const Json& answer, const char* name) {
 }  // namespace
 
 struct BoardSession::Impl {
-  Impl(Supervisor& owner, const Board& its, std::filesystem::path path)
+  Impl(Supervisor& owner, const Board& its, std::filesystem::path path, std::uint16_t peer_port)
       : supervisor(owner), board(its), device(std::move(path)) {
     const std::filesystem::path config = folder.path() / "casd.yaml";
-    base::write_file(config, topology(board, device, folder), base::Durability::kCache);
+    base::write_file(config, topology(board, device, peer_port, folder), base::Durability::kCache);
     casd = &supervisor.start({.name = "casd",
                               .arguments = {(own_program().parent_path() / "casd").string(),
                                             config.string(), "--name", board.name},
@@ -100,8 +106,9 @@ struct BoardSession::Impl {
   int component = 0;
 };
 
-BoardSession::BoardSession(Supervisor& supervisor, const Board& board, std::filesystem::path device)
-    : impl_(std::make_unique<Impl>(supervisor, board, std::move(device))) {}
+BoardSession::BoardSession(Supervisor& supervisor, const Board& board, std::filesystem::path device,
+                           std::uint16_t peer_port)
+    : impl_(std::make_unique<Impl>(supervisor, board, std::move(device), peer_port)) {}
 BoardSession::~BoardSession() = default;
 
 const std::filesystem::path& BoardSession::device() const { return impl_->device; }
@@ -144,6 +151,15 @@ std::optional<double> BoardSession::uptime_s() {
   const Json boot_ms = field_of(impl_->message("SYSTEM_TIME"), "time_boot_ms");
   if (!boot_ms.is_number()) return std::nullopt;
   return 1e-3 * boot_ms.get<double>();
+}
+
+void BoardSession::disarm() {
+  try {
+    impl_->client->call("vehicle.disarm", {{"force", true}});
+  } catch (const base::rpc::CallError& error) {
+    throw BoardError(kExitBoardFailed, fmt::format("board '{}' is armed and did not disarm: {}",
+                                                   impl_->board.name, error.what()));
+  }
 }
 
 void BoardSession::reboot() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,8 +16,11 @@ namespace cas::hils {
 /// board from before.
 class BoardSession {
  public:
+  /// @param peer_port  UDP port of this machine to which all packets are passed on, and from which
+  ///                   they are; 0: none
   /// @throws RunStopped, base::ConfigError
-  BoardSession(Supervisor& supervisor, const Board& board, std::filesystem::path device);
+  BoardSession(Supervisor& supervisor, const Board& board, std::filesystem::path device,
+               std::uint16_t peer_port = 0);
   ~BoardSession();
   BoardSession(const BoardSession&) = delete;
   BoardSession& operator=(const BoardSession&) = delete;
@@ -29,6 +33,8 @@ class BoardSession {
   /// Time since the board began, s, as SYSTEM_TIME says; nothing while none has come. The first
   /// call begins to look.
   std::optional<double> uptime_s();
+  /// Has it disarm, in the air, too. @throws BoardError (kExitBoardFailed) when it refuses
+  void disarm();
   /// Has the board restart. @throws BoardError (kExitBoardFailed) when it refuses or is silent
   void reboot();
 

@@ -12,6 +12,7 @@
 #include "hils/boards/board_actions.hpp"
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_error.hpp"
+#include "hils/boards/board_log.hpp"
 
 namespace cas::hils {
 
@@ -124,6 +125,18 @@ const Board* FlightBoards::board_at(const fs::path& port) const {
   return found == list_->boards.end() ? nullptr : &*found;
 }
 
+void FlightBoards::restart(const fs::path& logs, std::optional<unsigned> baud) const {
+  Supervisor supervisor;
+  for (const auto& [vehicle, board] : boards_) {
+    BoardActions(supervisor, *list_, *board, logs).restart();
+  }
+  const BoardList none;
+  for (const auto& [vehicle, port] : ports_) {
+    const Board board{.name = port, .device = port, .baud = baud.value_or(FcuDevice{}.baud)};
+    BoardActions(supervisor, none, board, logs).restart();
+  }
+}
+
 std::map<std::size_t, FcuDevice> FlightBoards::prepare(const fs::path& out,
                                                        const VehicleNames& vehicles,
                                                        std::optional<unsigned> baud) const {
@@ -147,6 +160,28 @@ std::map<std::size_t, FcuDevice> FlightBoards::prepare(const fs::path& out,
   }
   base::write_file(out / "boards.json", all.dump(2) + "\n", base::Durability::kCache);
   return devices;
+}
+
+void FlightBoards::fetch_logs(const fs::path& out, const VehicleNames& vehicles) const {
+  std::optional<Supervisor> supervisor;
+  for (const auto& [vehicle, board] : boards_) {
+    if (!board->log) continue;
+    if (!supervisor) supervisor.emplace();
+    const fs::path folder = vehicles.size() > 1 ? out / vehicles.at(vehicle) : out;
+    std::error_code ignored;
+    fs::create_directories(folder, ignored);
+    fs::remove(folder / "board.ulg", ignored);  // that of a flight before
+    fmt::print(stderr, "{}\n",
+               fetch_newest_log(*supervisor, *board, list_->by_id, folder / "board.ulg").sentence);
+  }
+}
+
+std::string FlightBoards::missing_port() const {
+  const auto found = std::ranges::find_if(ports_, [](const auto& port) {
+    std::error_code error;
+    return !fs::exists(port.second, error);
+  });
+  return found == ports_.end() ? std::string() : found->second + ": there is no such port";
 }
 
 std::map<std::size_t, std::string> FlightBoards::absences() const {

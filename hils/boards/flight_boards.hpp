@@ -52,6 +52,9 @@ class FlightBoards {
   FlightBoards(const FlightBoards&) = delete;
   FlightBoards& operator=(const FlightBoards&) = delete;
 
+  /// Has each controller begin anew, before another flight. @throws BoardError, RunStopped
+  void restart(const std::filesystem::path& logs, std::optional<unsigned> baud) const;
+
   /// Waits until each board has booted the firmware that is expected, and notes in
   /// `out`/boards.json which boards these are.
   /// @return the controllers, by vehicle @throws BoardError, RunStopped, base::ConfigError
@@ -59,6 +62,12 @@ class FlightBoards {
                                            const VehicleNames& vehicles,
                                            std::optional<unsigned> baud) const;
 
+  /// Fetches the newest log of each board whose `log` says so into `out`: board.ulg or, of several
+  /// vehicles, VEHICLE/board.ulg. What came of it is said on standard error. @throws RunStopped
+  void fetch_logs(const std::filesystem::path& out, const VehicleNames& vehicles) const;
+
+  /// A sentence on a port, given by its path, that is not there; empty: all are.
+  std::string missing_port() const;
   /// A sentence for each board that is gone, after a flight; by vehicle.
   std::map<std::size_t, std::string> absences() const;
 
