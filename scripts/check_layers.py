@@ -159,10 +159,10 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
     "hils/firmware": rooms("hils", "flight scenario run measure report replay programs"),
     "hils/compare": rooms("hils", "run measure report programs virtual"),
-    "hils/sweep": rooms("hils", "flight scenario run measure report programs virtual"),
+    "hils/sweep": rooms("hils", "flight scenario run measure report programs boards virtual"),
     "hils/env": rooms("hils", "sweep"),
     "hils/tune": rooms("hils", "flight scenario measure report programs sweep"),
-    "hils/campaign": rooms("hils", "flight scenario run measure report sweep"),
+    "hils/campaign": rooms("hils", "flight scenario run measure report ulog replay programs boards sweep"),
     "hils/figures": rooms("hils", "measure report programs virtual"),
     "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards virtual firmware compare sweep tune campaign"),
 }.items()}

@@ -173,9 +173,25 @@ Scenario scenario_of(const base::ConfigNode& root, const Campaign& campaign) {
   }
 }
 
+/// Leaves the failures of these names alone. @throws base::ConfigError
+void choose_failures(Campaign& campaign, const std::vector<std::string>& only,
+                     const std::filesystem::path& file) {
+  if (only.empty()) return;
+  std::vector<std::string_view> known;
+  for (const CampaignFailure& each : campaign.failures) known.push_back(each.name);
+  for (const std::string& name : only) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    throw base::ConfigError("--only: " + file.string() + " has no failure '" + name + "'" +
+                            base::did_you_mean(name, known));
+  }
+  std::erase_if(campaign.failures, [&](const CampaignFailure& each) {
+    return std::ranges::find(only, each.name) == only.end();
+  });
+}
+
 }  // namespace
 
-Campaign Campaign::load(const std::filesystem::path& file) {
+Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice& choice) {
   const base::ConfigNode root = base::ConfigNode::load(file);
   if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
   Campaign campaign;
@@ -208,6 +224,11 @@ Campaign Campaign::load(const std::filesystem::path& file) {
     check_failure(node, campaign, scenario, vehicle);
   }
   root.reject_unused();
+  choose_failures(campaign, choice.only, file);
+  campaign.controllers = choice.controllers;
+  if (campaign.is_on_boards() && campaign.architecture == Architecture::kDirect) {
+    campaign.architecture = Architecture::kTcas;  // direct has no line at whose end a board is
+  }
   if (cells_of(campaign).empty()) root.at("failures").fail("has nothing that can be flown");
   return campaign;
 }
@@ -216,7 +237,7 @@ std::vector<CampaignCell> cells_of(const Campaign& campaign) {
   std::vector<CampaignCell> cells;
   for (std::size_t i = 0; i < campaign.failures.size(); ++i) {
     const CampaignFailure& failure = campaign.failures[i];
-    if (failure.failure->needs != FailureNeeds::kNothing) continue;
+    if (!obstacle(*failure.failure, campaign.is_on_boards()).empty()) continue;
     for (std::size_t j = 0; j < campaign.phases.size(); ++j) {
       if (failure.expected.contains(campaign.phases[j].name)) cells.push_back({i, j});
     }
@@ -244,8 +265,13 @@ std::string study_of(const Campaign& campaign) {
   study["vary"].push_back(cell);
   YAML::Emitter text;
   text << study;
-  return fmt::format("# Made by hils campaign: a row's faults are one failure in one phase.\n{}\n",
-                     text.c_str());
+  const std::string where =
+      campaign.is_on_boards()
+          ? fmt::format("# In real time, --fcu {}.\n", fmt::join(campaign.controllers, " --fcu "))
+          : std::string();
+  return fmt::format(
+      "# Made by hils campaign: a row's faults are one failure in one phase.\n{}{}\n", where,
+      text.c_str());
 }
 
 }  // namespace cas::hils

@@ -29,6 +29,12 @@ struct CampaignFailure {
   std::map<std::string, std::vector<Expectation>> expected{};  ///< by phase; none: it is not flown
 };
 
+/// What of a campaign is flown, and by whom.
+struct CampaignChoice {
+  std::vector<std::string> controllers{};  ///< of `--fcu`: flown in real time with these
+  std::vector<std::string> only{};         ///< names of failures; empty: all
+};
+
 /// What a campaign file (config/campaigns/*.yaml) says. Keys are the members' names.
 struct Campaign {
   std::string name;
@@ -41,9 +47,12 @@ struct Campaign {
   double deadline_s = 300;
   std::vector<std::pair<std::string, std::string>> settings{};  ///< as a study's `set`
   std::vector<CampaignFailure> failures{};
+  std::vector<std::string> controllers{};  ///< as the choice has them; empty: the virtual clock
 
+  /// In real time, with boards.
+  bool is_on_boards() const { return !controllers.empty(); }
   /// Reads and checks a campaign file and its scenario. @throws base::ConfigError
-  static Campaign load(const std::filesystem::path& file);
+  static Campaign load(const std::filesystem::path& file, const CampaignChoice& choice = {});
 };
 
 /// A failure in a phase.

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -14,6 +15,10 @@
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "hils/boards/board_command.hpp"
+#include "hils/boards/board_error.hpp"
+#include "hils/boards/flight_boards.hpp"
+#include "hils/campaign/board_flight.hpp"
 #include "hils/campaign/campaign.hpp"
 #include "hils/campaign/campaign_report.hpp"
 #include "hils/campaign/catalogue.hpp"
@@ -33,7 +38,13 @@ struct CampaignCommand::Flags {
   CLI::App* campaign = nullptr;
   std::string file;
   std::string out;
-  std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
+  std::optional<std::size_t> jobs;
+  std::vector<std::string> fcus;  ///< as parse_fcu_words() takes them
+  std::optional<unsigned> fcu_baud;
+  std::string boards;
+  std::string wait;
+  std::vector<std::string> only;
+  std::string task;  ///< folder of a flight that this process is for
   bool list = false;
   bool markdown = false;
   bool plan = false;
@@ -59,6 +70,14 @@ SweepFolder plan_of(const Campaign& campaign, const fs::path& out) {
   return SweepFolder::plan(study, out, campaign.folder);
 }
 
+/// The same, and says how much that is.
+SweepFolder announced_plan_of(const Campaign& campaign, const fs::path& out) {
+  SweepFolder sweep = plan_of(campaign, out);
+  fmt::print("{}: {} failures, {} flights in {}\n", campaign.name, campaign.failures.size(),
+             sweep.table.rows.size(), (sweep.path / "table.csv").string());
+  return sweep;
+}
+
 /// Rows of the flights that the cells lead to, those of cells that are not as expected first.
 std::vector<std::size_t> shown_rows(const CampaignMatrix& matrix, std::size_t most) {
   std::vector<std::size_t> rows;
@@ -78,6 +97,62 @@ void write_results(const CampaignMatrix& matrix, const SweepFolder& sweep) {
   base::write_file(sweep.path / "campaign.html", campaign_html(matrix, sweep.path / "again"));
 }
 
+/// @throws base::ConfigError
+void refuse_flags_of_the_virtual_clock(bool plan, const std::optional<std::size_t>& jobs) {
+  if (plan) {
+    throw base::ConfigError("--plan: a campaign with boards is flown by 'hils campaign' itself");
+  }
+  if (jobs.value_or(1) > 1) {
+    throw base::ConfigError("--jobs: with boards there is one flight at a time");
+  }
+}
+
+struct BoardCampaignOptions {
+  std::string file;  ///< the campaign's, as its user names it
+  fs::path out;
+  std::optional<base::Duration> wait;
+  bool retry = false;
+};
+
+/// Takes the boards. @throws BoardError with a report, base::ConfigError
+void hold_boards(const Campaign& campaign, const CampaignControllers& controllers,
+                 const BoardCampaignOptions& options, std::optional<FlightBoards>& held) {
+  try {
+    held.emplace(parse_fcu_words(controllers.words, Scenario::load(campaign.scenario).names()),
+                 controllers.boards, "hils campaign " + options.file, options.wait);
+  } catch (const BoardError& error) {
+    fs::create_directories(options.out);
+    base::write_file(options.out / "junit.xml", junit_report("hils.campaign." + campaign.name, 0,
+                                                             Verdict{.failures = {error.what()}}));
+    throw;
+  }
+}
+
+/// Holds the boards until the last flight has ended. What one of them stops is reported as far as
+/// it has come. @throws BoardError, RunStopped, base::ConfigError
+int fly_on_boards(const Campaign& campaign, const CampaignControllers& controllers,
+                  const BoardCampaignOptions& options) {
+  std::optional<FlightBoards> held;
+  hold_boards(campaign, controllers, options, held);
+  const SweepFolder sweep = announced_plan_of(campaign, options.out);
+  controllers.save(sweep.path);
+  const auto report = [&](const std::string& stopped) {
+    CampaignMatrix matrix =
+        CampaignMatrix::of(campaign, sweep.results(1, sweep.table.rows.size() + 1));
+    matrix.stopped = stopped;
+    write_results(matrix, sweep);
+    fmt::print("{}\nResults: {}\n", campaign_text(matrix), sweep.path.string());
+    return matrix.exit_code();
+  };
+  try {
+    run_sweep(sweep, {.jobs = 1, .retry = options.retry, .on_boards = true});
+  } catch (const BoardError& error) {
+    report(error.what());
+    throw;
+  }
+  return report({});
+}
+
 }  // namespace
 
 CampaignCommand::CampaignCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
@@ -90,6 +165,20 @@ CampaignCommand::CampaignCommand(CLI::App& app) : flags_(std::make_unique<Flags>
   flags.campaign->add_option("--jobs", flags.jobs, "Flights at once (as many as processors)")
       ->check(base::cli::whole_number)
       ->check(CLI::Range(1, 4096));
+  flags.campaign
+      ->add_option("--only", flags.only, "Fly these failures of the campaign alone: NAME,NAME")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  flags.campaign
+      ->add_option("--fcu", flags.fcus,
+                   "Fly in real time, one flight after the other, with a board of boards.yaml or "
+                   "the controller at the path of a serial port, which is held to the end")
+      ->allow_extra_args(false);
+  flags.campaign->add_option("--fcu-baud", flags.fcu_baud,
+                             "Baud rate of that port (the board's, or 921600)");
+  flags.campaign->add_option("--boards", flags.boards, "The list of boards, as of 'hils run'");
+  add_wait(*flags.campaign, flags.wait);
+  flags.campaign->add_option("--fly", flags.task)->group("");  // of the runner, for its processes
   flags.campaign->add_flag("--plan", flags.plan,
                            "Write the table of flights and fly nothing: 'hils sweep run' flies it");
   flags.campaign
@@ -112,20 +201,31 @@ int CampaignCommand::run() const {
     fmt::print("{}", flags.markdown ? catalogue_markdown() : catalogue_text());
     return kExitPassed;
   }
+  if (!flags.task.empty()) return fly_board_row(flags.task);
   if (flags.file.empty() || flags.out.empty()) {
     throw base::ConfigError("campaign takes CAMPAIGN.yaml and --out DIR, or --list");
   }
   const fs::path out = fs::absolute(flags.out);
-  const Campaign campaign = Campaign::load(base::find_config(flags.file));
-  const SweepFolder sweep = plan_of(campaign, out);
-  fmt::print("{}: {} failures, {} flights in {}\n", campaign.name, campaign.failures.size(),
-             sweep.table.rows.size(), (sweep.path / "table.csv").string());
+  const Campaign campaign = Campaign::load(base::find_config(flags.file),
+                                           {.controllers = flags.fcus, .only = flags.only});
+  const std::size_t jobs = flags.jobs.value_or(std::max(1U, std::thread::hardware_concurrency()));
+  if (campaign.is_on_boards()) {
+    refuse_flags_of_the_virtual_clock(flags.plan, flags.jobs);
+    return fly_on_boards(
+        campaign,
+        {.words = flags.fcus, .boards = find_board_list(flags.boards), .baud = flags.fcu_baud},
+        {.file = flags.file, .out = out, .wait = parse_wait(flags.wait), .retry = flags.retry});
+  }
+  if (flags.fcu_baud || !flags.boards.empty() || !flags.wait.empty()) {
+    throw base::ConfigError("--fcu-baud, --boards and --wait belong to --fcu");
+  }
+  const SweepFolder sweep = announced_plan_of(campaign, out);
   if (flags.plan) return kExitPassed;
-  run_sweep(sweep, {.jobs = flags.jobs, .retry = flags.retry});
+  run_sweep(sweep, {.jobs = jobs, .retry = flags.retry});
   const std::vector<RowResult> results = sweep.results(1, sweep.table.rows.size() + 1);
   CampaignMatrix matrix = CampaignMatrix::of(campaign, results);
   write_results(matrix, sweep);
-  for (const std::size_t row : fly_again(sweep, shown_rows(matrix, flags.replays), flags.jobs)) {
+  for (const std::size_t row : fly_again(sweep, shown_rows(matrix, flags.replays), jobs)) {
     if (flew_otherwise(sweep, results[row - 1])) matrix.flown_otherwise.insert(row);
   }
   write_results(matrix, sweep);  // with links to the replays

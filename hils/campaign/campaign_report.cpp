@@ -23,8 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kNeedsPrograms = "needs casd as a program";
-
 std::string_view word_of(CellState state) {
   switch (state) {
     case CellState::kAsExpected:
@@ -97,20 +95,26 @@ std::string cell_cause(const CellResult& cell) {
   return cause;
 }
 
+std::string_view obstacle(const CampaignMatrix& matrix, const CampaignFailure& failure) {
+  return hils::obstacle(*failure.failure, matrix.campaign.is_on_boards());
+}
+
 /// Failures that were not flown at all.
-std::vector<std::string> not_flown(const CampaignMatrix& matrix) {
-  std::vector<std::string> names;
+std::vector<const CampaignFailure*> not_flown(const CampaignMatrix& matrix) {
+  std::vector<const CampaignFailure*> failures;
   for (const CampaignFailure& failure : matrix.campaign.failures) {
-    if (failure.failure->needs != FailureNeeds::kNothing) names.push_back(failure.name);
+    if (!obstacle(matrix, failure).empty()) failures.push_back(&failure);
   }
-  return names;
+  return failures;
 }
 
 /// What is to be said beside the matrix.
 std::vector<std::string> remarks(const CampaignMatrix& matrix) {
   std::vector<std::string> sentences;
-  for (const std::string& name : not_flown(matrix)) {
-    sentences.push_back(name + ": not flown; it " + kNeedsPrograms);
+  if (!matrix.stopped.empty()) sentences.push_back("ended early: " + matrix.stopped);
+  for (const CampaignFailure* failure : not_flown(matrix)) {
+    sentences.push_back(
+        fmt::format("{}: not flown; it {}", failure->name, obstacle(matrix, *failure)));
   }
   std::ranges::copy(matrix.without_failure, std::back_inserter(sentences));
   for (const std::size_t row : matrix.flown_otherwise) {
@@ -167,8 +171,11 @@ void add_matrix(const CampaignMatrix& matrix, const fs::path& again, HtmlPage& h
       if (const CellResult* cell = matrix.find(i, j)) {
         row.push_back(html_cell(*cell, again));
       } else {
-        const bool needs = failure.failure->needs != FailureNeeds::kNothing;
-        row.push_back({.text = needs ? kNeedsPrograms : "-"});
+        const std::string_view why = obstacle(matrix, failure);
+        const bool strikes = failure.expected.contains(matrix.campaign.phases[j].name);
+        row.push_back(strikes && !why.empty()
+                          ? HtmlPage::Cell{.text = "not flown", .detail = std::string(why)}
+                          : HtmlPage::Cell{.text = "-"});
       }
     }
   }
@@ -270,7 +277,9 @@ std::string campaign_text(const CampaignMatrix& matrix) {
     row.push_back(matrix.campaign.failures[i].name);
     for (std::size_t j = 0; j < matrix.campaign.phases.size(); ++j) {
       const CellResult* cell = matrix.find(i, j);
-      row.push_back(cell != nullptr ? cell_word(*cell) : "-");
+      const CampaignFailure& failure = matrix.campaign.failures[i];
+      const bool strikes = failure.expected.contains(matrix.campaign.phases[j].name);
+      row.push_back(cell != nullptr ? cell_word(*cell) : strikes ? "not flown" : "-");
     }
   }
   std::string text = fmt::format("{}: {}\n\n{}\n", matrix.campaign.name, headline(matrix),
@@ -316,18 +325,25 @@ std::string campaign_junit(const CampaignMatrix& matrix) {
     const char* tag = state == CellState::kMissed ? "failure" : "error";
     cases += fmt::format("><{} message=\"{}\"/></testcase>\n", tag, escape_xml(cell_cause(cell)));
   }
-  const std::vector<std::string> left_out = not_flown(matrix);
-  for (const std::string& name : left_out) {
+  const std::vector<const CampaignFailure*> left_out = not_flown(matrix);
+  for (const CampaignFailure* failure : left_out) {
     cases += fmt::format(
         "  <testcase classname=\"{}.{}\" name=\"all phases\" time=\"0\"><skipped message=\"it "
         "{}\"/></testcase>\n",
-        suite, escape_xml(name), kNeedsPrograms);
+        suite, escape_xml(failure->name), obstacle(matrix, *failure));
+  }
+  const std::size_t stopped = matrix.stopped.empty() ? 0 : 1;
+  if (stopped > 0) {
+    cases += fmt::format(
+        "  <testcase classname=\"{}\" name=\"board\" time=\"0\"><error "
+        "message=\"{}\"/></testcase>\n",
+        suite, escape_xml(matrix.stopped));
   }
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
       "failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n{}</testsuite>\n",
-      suite, matrix.cells.size() + left_out.size(), matrix.count(CellState::kMissed),
-      matrix.count(CellState::kNoVerdict), left_out.size(), cases);
+      suite, matrix.cells.size() + left_out.size() + stopped, matrix.count(CellState::kMissed),
+      matrix.count(CellState::kNoVerdict) + stopped, left_out.size(), cases);
 }
 
 std::string campaign_json(const CampaignMatrix& matrix) {
@@ -336,10 +352,15 @@ std::string campaign_json(const CampaignMatrix& matrix) {
             {"cells_as_expected", matrix.count(CellState::kAsExpected)},
             {"cells_missed", matrix.count(CellState::kMissed)},
             {"cells_without_verdict", matrix.count(CellState::kNoVerdict)},
-            {"not_flown", not_flown(matrix)},
+            {"not_flown", Json::array()},
+            {"controllers", matrix.campaign.controllers},
+            {"stopped", matrix.stopped},
             {"without_failure", matrix.without_failure},
             {"flown_otherwise", matrix.flown_otherwise},
             {"cells", Json::array()}};
+  for (const CampaignFailure* failure : not_flown(matrix)) {
+    json["not_flown"].push_back(failure->name);
+  }
   for (const CellResult& cell : matrix.cells) {
     Json own{{"failure", failure_of(matrix, cell).name},
              {"kind", failure_of(matrix, cell).failure->name},

@@ -296,7 +296,8 @@ std::vector<Failure> link_failures() {
        .source = kLine,
        .parameters = {},
        .effects = {"unplug: fcu"},
-       .of_bench = true},
+       .of_bench = true,
+       .needs = FailureNeeds::kLineModel},
       {.name = "line_loss",
        .part = "line",
        .meaning = "Packets are lost",
@@ -304,7 +305,8 @@ std::vector<Failure> link_failures() {
        .source = kLine,
        .parameters = {{"share", 0.3, 0, 1}},
        .effects = {"line: {packet_loss: $share}"},
-       .of_bench = true},
+       .of_bench = true,
+       .needs = FailureNeeds::kLineModel},
       {.name = "line_bytes_lost",
        .part = "line",
        .meaning = "Bytes are lost in bursts, as by a loose contact",
@@ -313,7 +315,8 @@ std::vector<Failure> link_failures() {
        .source = kLine,
        .parameters = {{"begin", 0.002, 0, 1}},
        .effects = {"line: {burst_begin: $begin, burst_end: 0.05, burst_loss: 1}"},
-       .of_bench = true},
+       .of_bench = true,
+       .needs = FailureNeeds::kLineModel},
       {.name = "line_bits_flipped",
        .part = "line",
        .meaning = "Bits are flipped by interference",
@@ -321,7 +324,8 @@ std::vector<Failure> link_failures() {
        .source = kLine,
        .parameters = {{"rate", 5e-4, 0, 0.5}},
        .effects = {"line: {bit_error_rate: $rate}"},
-       .of_bench = true},
+       .of_bench = true,
+       .needs = FailureNeeds::kLineModel},
       {.name = "line_latency",
        .part = "line",
        .meaning = "The line is slow, as over a radio",
@@ -329,7 +333,8 @@ std::vector<Failure> link_failures() {
        .source = kLine,
        .parameters = {{"us", 40000, 0, 5e6}},
        .effects = {"line: {extra_delay_us: $us}"},
-       .of_bench = true},
+       .of_bench = true,
+       .needs = FailureNeeds::kLineModel},
       {.name = "line_baud_mismatch",
        .part = "line",
        .meaning = "The receiver is set to another baud rate",
@@ -338,7 +343,8 @@ std::vector<Failure> link_failures() {
        .source = "[Maxim 2141]",
        .parameters = {{"sender", 921600, 1200, 4e6}, {"receiver", 460800, 1200, 4e6}},
        .effects = {"line: {baud: $sender, receiver_baud: $receiver}"},
-       .of_bench = true},
+       .of_bench = true,
+       .needs = FailureNeeds::kLineModel},
       {.name = "packets_duplicated",
        .part = "line",
        .meaning = "Packets arrive twice, as over two ways",
@@ -346,7 +352,8 @@ std::vector<Failure> link_failures() {
        .source = kLine,
        .parameters = {{"share", 0.3, 0, 1}},
        .effects = {"line: {packet_duplicate: $share}"},
-       .of_bench = true},
+       .of_bench = true,
+       .needs = FailureNeeds::kLineModel},
       {.name = "packets_reordered",
        .part = "line",
        .meaning = "Packets overtake each other",
@@ -354,7 +361,8 @@ std::vector<Failure> link_failures() {
        .source = kLine,
        .parameters = {{"share", 0.3, 0, 1}},
        .effects = {"line: {packet_reorder: $share}"},
-       .of_bench = true}};
+       .of_bench = true,
+       .needs = FailureNeeds::kLineModel}};
 }
 
 std::vector<Failure> bench_failures() {
@@ -367,6 +375,7 @@ std::vector<Failure> bench_failures() {
        .parameters = {},
        .effects = {"silence: ground"},
        .of_bench = true,
+       .needs = FailureNeeds::kVirtualClock,
        .unrecorded = true},
       {.name = "casd_killed",
        .part = "casd",
@@ -392,7 +401,8 @@ std::vector<Failure> bench_failures() {
        .source = "docs/config.md: wake_up",
        .parameters = {{"p50_us", 3000, 1, 1e5}, {"p99_us", 30000, 1, 1e6}},
        .effects = {"starve: {p50_us: $p50_us, p99_us: $p99_us}"},
-       .of_bench = true}};
+       .of_bench = true,
+       .needs = FailureNeeds::kVirtualClock}};
 }
 
 double value_of(const FailureParameter& parameter,
@@ -444,6 +454,20 @@ const std::vector<Failure>& failure_catalogue() {
 const Failure* find_failure(std::string_view name) {
   const auto found = std::ranges::find(failure_catalogue(), name, &Failure::name);
   return found == failure_catalogue().end() ? nullptr : &*found;
+}
+
+std::string_view obstacle(const Failure& failure, bool on_board) {
+  switch (failure.needs) {
+    case FailureNeeds::kNothing:
+      break;
+    case FailureNeeds::kPrograms:
+      return on_board ? "" : "needs casd as a program";
+    case FailureNeeds::kVirtualClock:
+      return on_board ? "needs the virtual clock" : "";
+    case FailureNeeds::kLineModel:
+      return on_board ? "needs the emulated line: a real port cannot play it" : "";
+  }
+  return "";
 }
 
 std::string faults_of(const Failure& failure, const std::string& title, const std::string& when,

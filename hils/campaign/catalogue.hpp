@@ -16,10 +16,12 @@ struct FailureParameter {
   double most = 0;
 };
 
-/// What a failure needs beside the virtual clock.
+/// What a failure needs that not every bench has.
 enum class FailureNeeds {
   kNothing,
-  kPrograms,  ///< casd as a program: a campaign says so and does not fly it
+  kPrograms,      ///< casd as a program, which the virtual clock has not
+  kVirtualClock,  ///< the models of the virtual clock
+  kLineModel,     ///< the emulated serial line: on the virtual clock, or an emulator's
 };
 
 /// One failure of the catalogue. It acts on physics or bytes; what comes of it is the vehicle's.
@@ -44,6 +46,10 @@ inline constexpr std::string_view kDuration = "for_s";
 const std::vector<Failure>& failure_catalogue();
 /// @return nullptr when there is none of that name
 const Failure* find_failure(std::string_view name);
+
+/// Why a campaign cannot fly a failure: "needs casd as a program"; empty: it can.
+/// @param on_board  in real time with a board, else on the virtual clock
+std::string_view obstacle(const Failure& failure, bool on_board);
 
 /// The entries of a scenario's `faults` for one failure, as a list in one line of YAML.
 ///

@@ -133,7 +133,8 @@ CampaignMatrix CampaignMatrix::of(Campaign campaign, const std::vector<RowResult
     const CampaignFailure& failure = matrix.campaign.failures[cell.failure];
     const std::vector<Expectation>& expected = failure.expected.at(phase);
     for (std::size_t i = 0; i < seeds.size(); ++i) {
-      const RowResult* reference = failure.failure->unrecorded ? nullptr : &references[i];
+      const bool repeats = !failure.failure->unrecorded && !matrix.campaign.is_on_boards();
+      const RowResult* reference = repeats ? &references[i] : nullptr;
       ++row;
       result.flights.push_back(judge_flight(expected, result_of(row), reference, row, seeds[i]));
     }
@@ -154,8 +155,8 @@ std::size_t CampaignMatrix::count(CellState state) const {
 
 int CampaignMatrix::exit_code() const {
   if (count(CellState::kMissed) > 0) return kExitLimitsMissed;
-  const bool is_clear =
-      count(CellState::kNoVerdict) == 0 && without_failure.empty() && flown_otherwise.empty();
+  const bool is_clear = stopped.empty() && count(CellState::kNoVerdict) == 0 &&
+                        without_failure.empty() && flown_otherwise.empty();
   return is_clear ? kExitPassed : kExitInvalid;
 }
 

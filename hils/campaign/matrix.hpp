@@ -49,10 +49,11 @@ struct CampaignMatrix {
   std::vector<CellResult> cells;
   std::vector<std::string> without_failure{};  ///< sentences on those that did not pass
   std::set<std::size_t> flown_otherwise{};     ///< rows that were another flight when flown again
+  std::string stopped{};  ///< what was wrong with a board, so that the rest was not flown
 
   /// @param results  of rows 1 to the last; row 0 where one was not flown. After the cells' come
   ///                 those without a failure: a flight that is the same has seen none, and one that
-  ///                 has none to compare with has no verdict.
+  ///                 has none to compare with has no verdict. In real time no two are the same.
   static CampaignMatrix of(Campaign campaign, const std::vector<RowResult>& results);
   /// Nothing where the failure does not strike in that phase.
   const CellResult* find(std::size_t failure, std::size_t phase) const;

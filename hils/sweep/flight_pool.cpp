@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "hils/boards/board_error.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/programs/supervisor.hpp"
 
@@ -52,8 +53,11 @@ std::string tail_of(const fs::path& log_file) {
 
 }  // namespace
 
-FlightPool::FlightPool(fs::path folder, double deadline_s)
-    : folder_(std::move(folder)), deadline_s_(deadline_s), host_(host_name()) {
+FlightPool::FlightPool(fs::path folder, double deadline_s, std::vector<std::string> flown_by)
+    : folder_(std::move(folder)),
+      deadline_s_(deadline_s),
+      flown_by_(std::move(flown_by)),
+      host_(host_name()) {
   fs::remove_all(folder_);
   std::error_code error;  // somebody else who ends may take the folder above away meanwhile
   for (int i = 0; i < 10; ++i) {
@@ -73,8 +77,11 @@ void FlightPool::start(const RowTask& task) {
   const fs::path folder = folder_ / std::to_string(task.row);
   fs::create_directories(folder);
   task.save(folder / "task.json");
+  std::vector<std::string> arguments{kSameProgram};
+  arguments.insert(arguments.end(), flown_by_.begin(), flown_by_.end());
+  arguments.push_back(folder.string());
   ChildProcess::Options options{.name = "the process of a run",
-                                .arguments = {kSameProgram, "sweep", "fly", folder.string()},
+                                .arguments = std::move(arguments),
                                 .log_file = folder / "log.txt"};
   flights_.push_back({.row = task.row,
                       .folder = folder,
@@ -127,6 +134,9 @@ RowResult FlightPool::result_of(const Flight& flight, const ExitStatus& end) con
   if (end.code == kExitInterrupted || end.code == kExitTerminated) {
     throw RunStopped(
         fmt::format("row {} was interrupted; the same command goes on with it", flight.row), true);
+  }
+  if (end.code >= kExitBoardAbsent && end.code <= kExitBoardBusy) {
+    throw BoardError(static_cast<ExitCode>(end.code), text_of_file(flight.folder / kBoardSentence));
   }
   if (end.code == kExitPassed) {
     try {

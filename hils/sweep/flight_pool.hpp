@@ -6,6 +6,7 @@
 #include <list>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/time/clock.hpp"
 #include "hils/programs/child_process.hpp"
@@ -19,7 +20,9 @@ class FlightPool {
  public:
   /// @param folder      for the files of runs under way; made here, and gone with the object
   /// @param deadline_s  wall-clock time after which a run has hung
-  FlightPool(std::filesystem::path folder, double deadline_s);
+  /// @param flown_by    words of this program that fly the task of a folder, which comes last
+  FlightPool(std::filesystem::path folder, double deadline_s,
+             std::vector<std::string> flown_by = {"sweep", "fly"});
   /// Ends what is under way.
   ~FlightPool();
   FlightPool(const FlightPool&) = delete;
@@ -33,7 +36,7 @@ class FlightPool {
   bool wait(int input = -1) const;
   /// Hands over the result of each run that has ended or hung; its row is the task's.
   /// @throws base::ConfigError when the machine let a run down (a full disk), RunStopped when one
-  /// was interrupted
+  /// was interrupted, BoardError when a board stopped it
   void take_ended(const std::function<void(RowResult&&)>& take);
 
  private:
@@ -46,6 +49,7 @@ class FlightPool {
 
   std::filesystem::path folder_;
   double deadline_s_;
+  std::vector<std::string> flown_by_;
   std::string host_;
   std::list<Flight> flights_;
 };

@@ -25,7 +25,22 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-RowResult flown(const RowTask& task, const fs::path& folder) {
+/// Whether files can be written: what failed is then the run's own fault.
+bool can_write(const fs::path& folder) {
+  const fs::path probe = folder / "probe";
+  try {
+    base::write_file(probe, std::string(1U << 20U, '.'), base::Durability::kCache);
+  } catch (const base::ConfigError&) {
+    return false;
+  }
+  std::error_code ignored;
+  fs::remove(probe, ignored);
+  return true;
+}
+
+}  // namespace
+
+RowResult fly_virtually(const RowTask& task, const fs::path& folder) {
   write_scenario(task.scenario, task.values, task.study_folder, folder);
   RunRequest request;
   request.scenario = Scenario::load(folder / "scenario.yaml");
@@ -46,21 +61,6 @@ RowResult flown(const RowTask& task, const fs::path& folder) {
   if (varies_faults) result.run_sha256 = run_sha256(run);
   return result;
 }
-
-/// Whether files can be written: what failed is then the run's own fault.
-bool can_write(const fs::path& folder) {
-  const fs::path probe = folder / "probe";
-  try {
-    base::write_file(probe, std::string(1U << 20U, '.'), base::Durability::kCache);
-  } catch (const base::ConfigError&) {
-    return false;
-  }
-  std::error_code ignored;
-  fs::remove(probe, ignored);
-  return true;
-}
-
-}  // namespace
 
 RowTask RowTask::of(const SweepFolder& sweep, std::size_t row) {
   const TableRow& own = sweep.row(row);
@@ -100,11 +100,11 @@ RowTask RowTask::load(const fs::path& file) {
   }
 }
 
-int fly_row(const fs::path& folder) {
+int fly_row(const fs::path& folder, const FlyTask& fly) {
   const RowTask task = RowTask::load(folder / "task.json");
   RowResult result;
   try {
-    result = flown(task, folder);
+    result = fly(task, folder);
   } catch (const RunStopped& stopped) {
     if (stopped.interrupted()) return kExitInterrupted;
     result = row_without_figures(RowOutcome::kStopped, without_folder(stopped.what(), folder));

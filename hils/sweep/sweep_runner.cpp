@@ -42,7 +42,9 @@ class Runner {
 
   void fly() {
     // The journal's lock shows that what lies there is of a runner that was killed.
-    pool_.emplace(scratch_ / options_.chunk.name(), sweep_.study.deadline_s);
+    pool_.emplace(scratch_ / options_.chunk.name(), sweep_.study.deadline_s,
+                  options_.on_boards ? std::vector<std::string>{"campaign", "--fly"}
+                                     : std::vector<std::string>{"sweep", "fly"});
     const StopRequest stop;
     while (next_ < pending_.size() || pool_->size() > 0) {
       while (next_ < pending_.size() && pool_->size() < options_.jobs) {
@@ -132,6 +134,10 @@ SweepRunResult run_sweep(const SweepFolder& sweep, const SweepRunOptions& option
   if (options.chunk.n > sweep.table.rows.size()) {
     throw base::ConfigError(fmt::format("the sweep has {} rows and cannot be cut into {} chunks",
                                         sweep.table.rows.size(), options.chunk.n));
+  }
+  if (!options.on_boards && fs::exists(sweep.path / kControllersFile)) {
+    throw base::ConfigError(sweep.path.string() +
+                            ": is flown with boards, by 'hils campaign CAMPAIGN --fcu BOARD'");
   }
   Runner runner(sweep, options);
   runner.fly();

@@ -15,7 +15,10 @@ struct SweepRunOptions {
   std::size_t jobs = 1;             ///< processes at once
   std::filesystem::path scratch{};  ///< files of runs under way; empty: in the sweep's folder
   bool retry = false;               ///< flies runs that died or hung once more
+  bool on_boards = false;           ///< as `controllers.json` in the sweep's folder says
 };
+/// Its file says with which boards the rows of a folder are flown, and that they are.
+inline constexpr const char* kControllersFile = "controllers.json";
 
 /// What came of it.
 struct SweepRunResult {
@@ -28,7 +31,8 @@ struct SweepRunResult {
 
 /// Flies the rows of a chunk that have not been flown, each in a process of its own, and writes the
 /// chunk's CSV files when all are done. A run that dies or hangs costs its own row.
-/// @throws RunStopped on SIGINT and SIGTERM, base::ConfigError when files cannot be written
+/// @throws RunStopped on SIGINT and SIGTERM, BoardError when a board stops it, base::ConfigError
+/// when files cannot be written, or the rows are to be flown with boards and these are not
 SweepRunResult run_sweep(const SweepFolder& sweep, const SweepRunOptions& options);
 
 }  // namespace cas::hils

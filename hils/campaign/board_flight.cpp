@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/campaign/board_flight.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/boards/board_error.hpp"
+#include "hils/boards/flight_boards.hpp"
+#include "hils/measure/run_result.hpp"
+#include "hils/programs/realtime_run.hpp"
+#include "hils/replay/replay_command.hpp"
+#include "hils/report/results_folder.hpp"
+#include "hils/sweep/row_flight.hpp"
+#include "hils/sweep/sweep_runner.hpp"
+#include "hils/ulog/run_ulog.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Those of hils run. A flight without a replay keeps its verdict.
+void write_artefacts(const RunRequest& request, const RunResult& run) {
+  write_results(request, run);
+  write_ulog(request, run.vehicles.front().record, 0);
+  try {
+    write_replay(request, run);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "the replay was not written: {}\n", error.what());
+  }
+}
+
+RowResult fly_on_board(const RowTask& task) {
+  const fs::path campaign = task.scenario.parent_path();
+  const CampaignControllers controllers = CampaignControllers::load(campaign);
+  RunRequest request;
+  request.out = campaign / "again" / fmt::format("row_{}", task.row);
+  write_scenario(task.scenario, task.values, task.study_folder, request.out);
+  request.scenario = Scenario::load(request.out / "scenario.yaml");
+  request.architecture = task.architecture;
+  request.seed = task.seed;
+  remove_verdict(request.out);
+
+  const FlightBoards boards(parse_fcu_words(controllers.words, request.scenario.names()),
+                            controllers.boards, "a flight of hils campaign", std::nullopt);
+  if (const std::string missing = boards.missing_port(); !missing.empty()) {
+    throw BoardError(kExitBoardAbsent, missing);
+  }
+  if (task.row > 1) boards.restart(request.out, controllers.baud);
+  request.fcu_devices = boards.prepare(request.out, request.scenario.names(), controllers.baud);
+  RunResult run = evaluate(request, run_in_real_time(request));
+  std::map<std::size_t, std::string> gone = boards.absences();
+  if (std::string missing = boards.missing_port(); !missing.empty()) {
+    gone[0] = std::move(missing);
+  }
+  fail_absent(gone, run);
+  write_artefacts(request, run);
+  if (gone.empty()) boards.fetch_logs(request.out, request.scenario.names());
+
+  if (!gone.empty()) return row_without_figures(RowOutcome::kStopped, gone.begin()->second);
+  RowResult result = row_of(request.scenario, run);
+  if (result.outcome == RowOutcome::kInvalid && result.strike) {
+    result.strike->no_verdict = "the flight has no verdict: " + result.cause;
+  }
+  return result;
+}
+
+}  // namespace
+
+void CampaignControllers::save(const fs::path& folder) const {
+  Json json{{"fcu", words}, {"boards", boards.empty() ? "" : fs::absolute(boards).string()}};
+  if (baud) json["baud"] = *baud;
+  base::write_file(folder / kControllersFile, json.dump(2) + "\n", base::Durability::kCache);
+}
+
+CampaignControllers CampaignControllers::load(const fs::path& folder) {
+  const fs::path file = folder / kControllersFile;
+  try {
+    const Json json = Json::parse(text_of_file(file));
+    CampaignControllers controllers{.words = json.at("fcu").get<std::vector<std::string>>(),
+                                    .boards = json.at("boards").get<std::string>(),
+                                    .baud = {}};
+    if (json.contains("baud")) controllers.baud = json["baud"].get<unsigned>();
+    return controllers;
+  } catch (const Json::exception& error) {
+    throw base::ConfigError(file.string() + ": " + error.what());
+  }
+}
+
+int fly_board_row(const fs::path& folder) {
+  try {
+    return fly_row(folder, [](const RowTask& task, const fs::path&) { return fly_on_board(task); });
+  } catch (const BoardError& error) {
+    base::write_file(folder / kBoardSentence, error.what(), base::Durability::kCache);
+    return error.code();
+  }
+}
+
+}  // namespace cas::hils
