@@ -16,6 +16,7 @@
 #include "base/cli/whole_number.hpp"
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "hils/figures/consistency_figures.hpp"
 #include "hils/figures/flight_figures.hpp"
 #include "hils/measure/judgement.hpp"
 
@@ -34,6 +35,7 @@ const std::vector<std::pair<std::string, Experiment>>& experiments() {
       {"eight", figure_eight_figures},
       {"wind", wind_figures},
       {"line", poor_line_figures},
+      {"consistency", consistency_figures},
       {"many", crash_figures}};
   return all;
 }
@@ -49,7 +51,7 @@ int run(const std::vector<std::string>& wanted, const FlightBatch& batch) {
   std::vector<FlightFigure> shown;
   for (const auto& [name, experiment] : experiments()) {
     const bool chosen = wanted.empty()
-                            ? name != "many"
+                            ? name != "many" && name != "consistency"
                             : std::find(wanted.begin(), wanted.end(), name) != wanted.end();
     if (!chosen) continue;
     for (const FlightFigure& figure : experiment(batch)) {
@@ -72,8 +74,9 @@ int main(int argc, char** argv) {
   batch.jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::vector<std::string> names;
   for (const auto& entry : experiments()) names.push_back(entry.first);
-  app.add_option("experiment", wanted,
-                 "Any of table1, rtk, steps, eight, wind, line, many; all but many")
+  app.add_option(
+         "experiment", wanted,
+         "Any of table1, rtk, steps, eight, wind, line, consistency, many; all but the last two")
       ->check(CLI::IsMember(names));
   app.add_option("--flights", batch.flights, "Flights of each")->check(CLI::Range(1, 1'000'000));
   app.add_option("--first-seed", batch.first_seed, "Seed of the first flight; then each the next")

@@ -164,8 +164,8 @@ bool DirectFlight::set_param(std::string_view name, double value) {
 
 DirectFlight::Truth DirectFlight::truth() const {
   const sim::BodyState& body = simulator_->world().state(sim::VehicleId{0});
-  return {base::swap_WN(body.p_WB), base::swap_WN(body.v_WB),
-          base::euler_rpy(base::q_ND_from_q_WB(body.q_WB)).z()};
+  const Eigen::Quaterniond q_ND = base::q_ND_from_q_WB(body.q_WB);
+  return {base::swap_WN(body.p_WB), base::swap_WN(body.v_WB), base::euler_rpy(q_ND).z(), q_ND};
 }
 
 }  // namespace cas::hils

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -39,6 +40,7 @@ class DirectFlight {
     Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from the controller's origin
     Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
     double yaw_rad = 0;
+    Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();
   };
 
   /// Flies on; calls `each` after every step of the simulator (1 ms).
@@ -54,6 +56,9 @@ class DirectFlight {
 
   Truth truth() const;
   const fcu::FlightStatus& status() const { return controller_.controller().status(); }
+  const fcu::Estimator& estimator() const { return controller_.controller().estimator(); }
+  /// Of truth().
+  base::SimTime simulated_time() const { return simulator_->time(); }
   double time_s() const { return base::to_seconds(now_.time_since_epoch()); }
 
  private:
