@@ -383,8 +383,8 @@ int main(int argc, char** argv) {
   const BoardCommand board(app);
   base::cli::add_manual(app, "hils", std::string(CAS_VERSION), board_words());
   const std::vector<std::string_view> words(argv, argv + argc);
-  if (const std::string sentence = misread_wait(words); !sentence.empty()) {
-    fmt::print(stderr, "hils: {}\n", sentence);
+  if (const auto sentence = misread_wait(words)) {
+    fmt::print(stderr, "hils: {}\n", *sentence);
     return kExitUsage;
   }
   if (const auto ended = base::cli::parse(app, argc, argv, kExitUsage)) return *ended;

@@ -256,14 +256,14 @@ void add_wait(CLI::App& command, std::string& text) {
                    "longer than that");
 }
 
-std::string misread_wait(std::span<const std::string_view> words) {
+std::optional<std::string> misread_wait(std::span<const std::string_view> words) {
   for (std::size_t i = 0; i + 1 < words.size() && words[i] != "--"; ++i) {
     const std::string_view next = words[i + 1];
     if (words[i] != "--wait" || next.empty()) continue;
     if (next.find_first_not_of("0123456789.") != std::string_view::npos) continue;
     return fmt::format("--wait has its seconds behind a '=': --wait={}", next);
   }
-  return {};
+  return std::nullopt;
 }
 
 base::cli::WordsByCommand board_words() {

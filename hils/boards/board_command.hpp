@@ -19,8 +19,8 @@ std::optional<base::Duration> parse_wait(const std::string& text);
 void add_wait(CLI::App& command, std::string& text);
 
 /// A sentence for a command line that has a bare number behind `--wait`, which would be taken for
-/// another argument; empty: it has none. Pure.
-std::string misread_wait(std::span<const std::string_view> words);
+/// another argument; nothing: it has none. Pure.
+std::optional<std::string> misread_wait(std::span<const std::string_view> words);
 
 /// What a shell offers as arguments of the verbs.
 base::cli::WordsByCommand board_words();

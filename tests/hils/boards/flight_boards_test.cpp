@@ -86,9 +86,11 @@ TEST(Wait, WithItsSecondsBehindASpaceIsNamed) {
   using Words = std::vector<std::string_view>;
   EXPECT_EQ(misread_wait(Words{"hils", "board", "flash", "a", "--wait", "600"}),
             "--wait has its seconds behind a '=': --wait=600");
-  EXPECT_EQ(misread_wait(Words{"hils", "board", "flash", "a", "--wait=600", "600"}), "");
-  EXPECT_EQ(misread_wait(Words{"hils", "board", "lock", "a", "--wait", "--", "sleep", "1"}), "");
-  EXPECT_EQ(misread_wait(Words{"hils", "board", "lock", "a", "--", "make", "--wait", "1"}), "");
+  EXPECT_EQ(misread_wait(Words{"hils", "board", "flash", "a", "--wait=600", "600"}), std::nullopt);
+  EXPECT_EQ(misread_wait(Words{"hils", "board", "lock", "a", "--wait", "--", "sleep", "1"}),
+            std::nullopt);
+  EXPECT_EQ(misread_wait(Words{"hils", "board", "lock", "a", "--", "make", "--wait", "1"}),
+            std::nullopt);
 }
 
 }  // namespace
