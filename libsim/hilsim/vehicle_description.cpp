@@ -6,10 +6,11 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "base/earth/gravity.hpp"
+
 namespace cas::sim {
 namespace {
 
-constexpr double kStandardGravity_m_s2 = 9.80665;
 constexpr double kThousand_rad2_s2 = 1e6;  // effectiveness is shown at 1000 rad/s
 
 /// Appends a line in printf's manner.
@@ -74,9 +75,9 @@ void print_rotors(std::string& text, const base::Vehicle& vehicle) {
 }
 
 void print_lift(std::string& text, const base::Vehicle& vehicle) {
-  const double weight_n = vehicle.mass_kg * kStandardGravity_m_s2;
+  const double weight_n = vehicle.mass_kg * base::kStandardGravity_m_s2;
   const base::ControlScales most = vehicle.control_scales();
-  if (const auto hover = vehicle.hover_output(kStandardGravity_m_s2)) {
+  if (const auto hover = vehicle.hover_output(base::kStandardGravity_m_s2)) {
     const base::RotorParams& first = vehicle.rotors.front().params;
     print(text, "hover              output %.3f of each rotor, %.0f rad/s at rotor 1", *hover,
           first.omega_idle_rad_s + *hover * (first.omega_max_rad_s - first.omega_idle_rad_s));
