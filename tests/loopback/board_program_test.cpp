@@ -417,6 +417,38 @@ TEST(BoardProgram, GivesABoardToWaitersInTheOrderOfTheirComing) {
   EXPECT_EQ(shelf.said("order"), "first\nsecond\nthird\n");
 }
 
+TEST(BoardProgram, FetchesTheNewestLogOfABoard) {
+  const BoardShelf shelf({"a log: {folder: files, largest_mib: 1, timeout_s: 20}",
+                          "b log: {folder: files/none}", "c"});
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  ASSERT_EQ(shelf.board({"power", "on", "b"}).code, 0);
+  const std::string newest = "ULog of the second flight " + std::string(5000, '7');
+  shelf.folder.write("logs/sess099/log001.ulg", "without a clock");
+  shelf.folder.write("logs/2026-03-01/12_00_00.ulg", "the first flight");
+  shelf.folder.write("logs/2026-03-01/13_30_00.ulg", newest);
+  shelf.folder.write("logs/2026-03-01/13_40_00.txt", "no log");
+  shelf.folder.write("logs/2026-03-02/.ulg", "hidden");
+  const std::string file = (shelf.folder / "a.ulg").string();
+  const ShelfAnswer got = shelf.board({"log", "a", file});
+  EXPECT_EQ(got.code, 0) << got.text;
+  EXPECT_SAYS(got,
+              "board 'a': its newest log is in a.ulg: files/2026-03-01/13_30_00.ulg, 5026 "
+              "bytes");
+  EXPECT_EQ(shelf.said("a.ulg"), newest);
+
+  shelf.folder.write("logs/2026-03-03/too_large.ulg", std::string(2 << 20, '.'));
+  const ShelfAnswer large = shelf.board({"log", "a", file});
+  EXPECT_EQ(large.code, kFailed) << large.text;
+  EXPECT_SAYS(large, "too_large.ulg has 2.0 MiB, and its `largest_mib` is 1");
+  EXPECT_EQ(shelf.said("a.ulg"), newest) << "what was there stays";
+  const ShelfAnswer nowhere = shelf.board({"log", "b", file});
+  EXPECT_EQ(nowhere.code, kFailed) << nowhere.text;
+  EXPECT_SAYS(nowhere, "board 'b': its log was not fetched: ");
+  const ShelfAnswer none = shelf.board({"log", "c"});
+  EXPECT_EQ(none.code, kUsage) << none.text;
+  EXPECT_SAYS(none, "board 'c' has no `log`");
+}
+
 const std::string kHover = source_dir() + "/config/scenarios/hover.yaml";
 
 TEST(BoardRun, ThatFindsNoBoardEndsWithACodeOfItsOwnAndAJunitFile) {
@@ -447,6 +479,70 @@ TEST(BoardRun, ThatFindsNoBoardEndsWithACodeOfItsOwnAndAJunitFile) {
   const ShelfAnswer misspelt = fly("aa");
   EXPECT_EQ(misspelt.code, kUsage) << misspelt.text;
   EXPECT_SAYS(misspelt, "there is no board 'aa'");
+}
+
+/// A campaign that would let one failure strike in the hover, and its file.
+std::string campaign(const BoardShelf& shelf, const std::string& failures) {
+  return shelf.folder
+      .write("campaign.yaml", "schema: 1\nname: one\nscenario: " + kHover +
+                                  "\nphases: {hover: phase == hold}\nfailures:\n" + failures)
+      .string();
+}
+
+TEST(BoardCampaign, ThatFindsNoBoardEndsWithItsCodeAndAReport) {
+  const BoardShelf shelf;
+  const std::string file = campaign(shelf,
+                                    "  - {failure: gps_lost, expect: [no_crash]}\n"
+                                    "  - {failure: line_cut, expect: [no_crash]}\n"
+                                    "  - {failure: cpu_starved, expect: [no_crash]}\n");
+  const std::string out = (shelf.folder / "out").string();
+  const auto fly = [&](const std::string& fcu) {
+    return shelf.hils({"campaign", file, "--fcu", fcu, "--out", out});
+  };
+  const ShelfAnswer absent = fly("a");
+  EXPECT_EQ(absent.code, kAbsent) << absent.text;
+  EXPECT_SAYS(absent, "board 'a' is not there");
+  EXPECT_SAYS(absent, "0 of 1 cells as expected, 0 missed, 1 without a verdict");
+  EXPECT_SAYS(absent, "line_cut: not flown; it needs the emulated line");
+  EXPECT_SAYS(absent, "cpu_starved: not flown; it needs the virtual clock");
+  const std::string junit = shelf.said("out/junit.xml");
+  EXPECT_NE(junit.find("name=\"board\" time=\"0\"><error message=\"board &apos;a&apos; is not"),
+            std::string::npos)
+      << junit;
+  EXPECT_NE(junit.find("tests=\"4\" failures=\"0\" errors=\"2\" skipped=\"2\""), std::string::npos)
+      << junit;
+  EXPECT_NE(shelf.said("out/campaign.html").find("not flown"), std::string::npos);
+
+  ASSERT_EQ(shelf.board({"lock", "a"}).code, 0);
+  const ShelfAnswer held = fly("a");
+  EXPECT_EQ(held.code, kBusy) << held.text;
+  EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
+  const ShelfAnswer rows = shelf.hils({"sweep", "run", out});
+  EXPECT_EQ(rows.code, kUsage) << rows.text;
+  EXPECT_SAYS(rows, "is flown with boards, by 'hils campaign");
+  const ShelfAnswer by_clock = shelf.hils({"campaign", file, "--out", out});
+  EXPECT_EQ(by_clock.code, kUsage) << by_clock.text;
+  EXPECT_SAYS(by_clock, "holds another campaign");
+}
+
+TEST(BoardCampaign, IsRefusedWithAReason) {
+  const BoardShelf shelf;
+  const std::string file = campaign(shelf, "  - {failure: line_cut, expect: [no_crash]}\n");
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"campaign", file, "--out", (shelf.folder / "out").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    const ShelfAnswer answer = shelf.hils(words);
+    EXPECT_EQ(answer.code, kUsage) << answer.text;
+    return answer;
+  };
+  EXPECT_SAYS(refusal({"--fcu", "a"}), "failures: has nothing that can be flown");
+  EXPECT_SAYS(refusal({"--boards", "boards.yaml"}), "belong to --fcu");
+  EXPECT_SAYS(refusal({"--only", "gps_lots"}), "has no failure 'gps_lots'");
+  campaign(shelf, "  - {failure: gps_lost, expect: [no_crash]}\n");
+  EXPECT_SAYS(refusal({"--fcu", "a", "--plan"}), "--plan: a campaign with boards");
+  EXPECT_SAYS(refusal({"--fcu", "a", "--jobs", "2"}), "--jobs: with boards");
+  EXPECT_SAYS(refusal({"--fcu", "aa"}), "there is no board 'aa'");
+  EXPECT_SAYS(refusal({"--fcu", "right=a"}), "there is no vehicle 'right'");
 }
 
 TEST(BoardRun, OfSeveralVehiclesWantsToKnowWhichIsWhich) {

@@ -30,7 +30,7 @@ delay=0
 [ "$defect" = slow ] && delay=2
 link=by-id/usb-CAS_Stand-in_$CAS_BOARD_SERIAL-if00
 unset NOTIFY_SOCKET
-setsid sh -c "sleep $delay; exec '$EMULATOR' '$CAS_BOARD.yaml' --link '$link' --control '$CAS_BOARD.sock'" \
+setsid sh -c "sleep $delay; exec '$EMULATOR' '$CAS_BOARD.yaml' --link '$link' --control '$CAS_BOARD.sock' --files logs" \
   >>"$CAS_BOARD.log" 2>&1 </dev/null &
 echo $! >"$CAS_BOARD.pid"
 [ "$defect" = silent ] || exit 0
@@ -91,6 +91,7 @@ BoardShelf::BoardShelf(const std::vector<std::string>& boards) {
   make_program(folder.write("power_off", kPowerOff));
   make_program(folder.write("flash", kFlash));
   fs::create_directories(folder / "by-id");
+  fs::create_directories(folder / "logs");
   fs::create_directories(folder / "runtime");
   fs::permissions(folder / "runtime", fs::perms::owner_all, fs::perm_options::replace);
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "hils/sweep/run_table.hpp"
@@ -68,6 +69,31 @@ TEST_F(CampaignFile, IsAStudyOfTheScenariosFaults) {
   EXPECT_EQ(table.rows[5].values[0],
             "[{name: heavy in hover, when: phase == hold, mass_factor: 1.5}]");
   EXPECT_EQ(table.rows[7].values[0], "null");
+}
+
+TEST_F(CampaignFile, OfABoardIsFlownWithCasdAndWithoutWhatAPortCannotPlay) {
+  const auto file =
+      folder_.write("two.yaml", campaign_text(std::string(kTwo) +
+                                              "  - {failure: line_cut, expect: [no_crash]}\n"
+                                              "  - {failure: cpu_starved, expect: [no_crash]}\n"));
+  const Campaign campaign = Campaign::load(file, {.controllers = {"bench1"}});
+  std::vector<std::string> flown;
+  for (const CampaignCell& cell : cells_of(campaign)) {
+    flown.push_back(campaign.failures[cell.failure].name);
+  }
+  EXPECT_EQ(flown, (std::vector<std::string>{"gps_lost", "gps_lost", "casd_reloaded",
+                                             "casd_reloaded", "heavy"}));
+  EXPECT_EQ(campaign.architecture, Architecture::kTcas);
+  EXPECT_NE(study_of(campaign), study_of(Campaign::load(file, {.controllers = {"bench2"}})))
+      << "flights of one board are none of another";
+}
+
+TEST_F(CampaignFile, LeavesOutFailuresThatAreNotAskedFor) {
+  const auto file = folder_.write("two.yaml", campaign_text(kTwo));
+  const Campaign campaign = Campaign::load(file, {.only = {"heavy"}});
+  ASSERT_EQ(campaign.failures.size(), 1U);
+  EXPECT_EQ(campaign.failures[0].name, "heavy");
+  EXPECT_THROW(Campaign::load(file, {.only = {"heavy", "light"}}), base::ConfigError);
 }
 
 TEST_F(CampaignFile, NamesWithBracketsStayInTheirQuotes) {

@@ -132,6 +132,23 @@ TEST(CampaignMatrix, AFlightLikeThatWithoutAFailureHasNoVerdict) {
   EXPECT_EQ(matrix.exit_code(), 3);
 }
 
+TEST(CampaignMatrix, InRealTimeNoFlightIsLikeAnother) {
+  Campaign on_board = campaign();
+  on_board.controllers = {"bench1"};
+  std::erase_if(on_board.failures, [](const CampaignFailure& each) {
+    return each.failure->needs != FailureNeeds::kNothing;
+  });
+  std::vector<RowResult> rows = all_up();
+  for (RowResult& each : rows) each.run_sha256.clear();
+  CampaignMatrix matrix = CampaignMatrix::of(on_board, rows);
+  EXPECT_EQ(matrix.count(CellState::kAsExpected), 4U);
+  EXPECT_EQ(matrix.exit_code(), 0);
+  matrix.stopped = "board 'a' is not there";
+  EXPECT_EQ(matrix.exit_code(), 3);
+  EXPECT_NE(campaign_text(matrix).find("ended early: board 'a' is not there"), std::string::npos);
+  EXPECT_NE(campaign_junit(matrix).find("name=\"board\" time=\"0\"><error"), std::string::npos);
+}
+
 TEST(CampaignMatrix, WithoutAFlightToCompareWithThereIsNoVerdict) {
   std::vector<RowResult> rows = all_up();
   rows[9] = row_without_figures(RowOutcome::kDied, "ended by signal 9");

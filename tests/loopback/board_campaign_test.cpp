@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A campaign on a stand-in for a board, in real time. On a busy machine a flight may have no
+// verdict, and still be flown.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/loopback/board_shelf.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr base::Duration kCampaignPatience = std::chrono::minutes(5);
+constexpr int kInvalid = 3;
+
+constexpr const char* kHop = R"(
+home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
+decimal_year: 2026.5
+seed: 1
+rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+sensors: rtk
+steps:
+  - arm
+  - takeoff: {altitude_m: 2}
+  - hold: {name: hover, duration_s: 3, measure: true}
+  - land: {timeout_s: 60}
+)";
+
+constexpr const char* kCampaign = R"(
+schema: 1
+name: one
+scenario: hop.yaml
+phases: {hover: phase == hover and height > 1}
+failures:
+  - {failure: baro_door, with: {pa: -2}, expect: [no_crash]}
+  - {failure: casd_reloaded, expect: [no_crash]}
+  - {failure: line_cut, expect: [no_crash]}
+)";
+
+TEST(BoardCampaignFlight, FliesEachFailureOnABoardThatItHoldsAndRestarts) {
+  const BoardShelf shelf({"a log: {folder: files}"});
+  shelf.folder.write("logs/2026-03-01/12_00_00.ulg", "a log");
+  shelf.folder.write("hop.yaml", "schema: 1\nname: hop\nvehicle: " + source_dir() +
+                                     "/config/vehicles/iris_paper.yaml" + kHop);
+  const std::string file = shelf.folder.write("one.yaml", kCampaign).string();
+  ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
+  const std::string first = shelf.said("a.pid");
+
+  const auto campaign =
+      shelf.start({"campaign", file, "--fcu", "a", "--out", (shelf.folder / "out").string()});
+  ASSERT_TRUE(wait_until([&] {
+    return json::parse(shelf.board({"list", "--json"}).text).at(0).at("held").get<bool>();
+  })) << campaign->output();
+  const ShelfAnswer other = shelf.board({"reboot", "a"});
+  EXPECT_EQ(other.code, 7) << other.text;
+  EXPECT_NE(other.text.find(": hils campaign "), std::string::npos) << other.text;
+  const int code = campaign->wait_exit(kCampaignPatience).value_or(-1);
+  EXPECT_TRUE(code == 0 || code == kInvalid) << code << campaign->output();
+  EXPECT_NE(shelf.said("a.pid"), first) << "the power hooks restart it before the second flight";
+
+  const json results = json::parse(shelf.said("out/results.json"));
+  ASSERT_EQ(results.at("cells").size(), 2U) << results;
+  EXPECT_EQ(results.at("not_flown"), json::array({"line_cut"}));
+  for (const json& cell : results.at("cells")) {
+    EXPECT_TRUE(cell.at("verdict") == "as expected" || cell.at("verdict") == "no verdict") << cell;
+  }
+  for (const char* row : {"row_1", "row_2", "row_3"}) {
+    const std::string folder = std::string("out/again/") + row;
+    EXPECT_FALSE(shelf.said(folder + "/summary.json").empty()) << row << campaign->output();
+    EXPECT_EQ(shelf.said(folder + "/board.ulg"), "a log") << row;
+  }
+  const json summary = json::parse(shelf.said("out/again/row_2/summary.json"));
+  ASSERT_EQ(summary.at("faults").size(), 1U) << summary.dump();
+  EXPECT_NE(shelf.said("out/again/row_2/run/casd.log").find("casd.reload"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cas::test
