@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Who may have failures strike, where, and what the asker hears of it.
+#include "casd/station/failure_desk.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mavlink/common/all.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+
+namespace cas::casd {
+namespace {
+
+using namespace mavlink::common;
+using namespace std::chrono_literals;
+using mav::services::FailureOrder;
+using Unit = mav::services::FailureUnit;
+using Type = mav::services::FailureType;
+using Verdict = FailureDesk::Verdict;
+
+constexpr mav::Source kSelf{254, 190};
+constexpr mav::Source kAsker{255, 190};
+constexpr mav::Source kHilsim{1, 200};
+constexpr Origin kVehicleLink{{0}};
+constexpr Origin kSimulatorLink{{1}};
+constexpr Origin kPermitted{{2, 7}};
+constexpr Origin kForbidden{{3}};
+constexpr FailureOrder kGpsOff{Unit::kGps, Type::kOff};
+constexpr MavModeFlag kHil = MavModeFlag::kHilEnabled;
+
+/// A desk, the vehicle 1 and its simulator; what is sent, with the path.
+class Desk : public testing::Test {
+ protected:
+  struct Sent {
+    mav::Source source;
+    Path to;
+    std::optional<CommandLong> command;
+    std::optional<CommandAck> ack;
+    std::string text;
+  };
+
+  Desk()
+      : commander_({.heartbeat_hz = 0, .ask_on_sight = false}, [](auto, auto) {}),
+        desk_(kSelf, commander_,
+              {.send = [this](auto bytes, auto to) { keep(mav::view_packet(bytes), to.front()); },
+               .permits = [](LinkId link) { return link == kPermitted.path.link; },
+               .link_name = [](LinkId link) { return "link" + std::to_string(link); },
+               .hil_doubt =
+                   [this](std::uint8_t system) { return commander_.hil_doubt(system, now_); },
+               .simulator = [this](std::uint8_t) { return simulator_; },
+               .audit = [this](const std::string& line) { audit_.push_back(line); }}) {}
+
+  void keep(const mav::PacketView& packet, const Path& to) {
+    Sent sent{.source = packet.source,
+              .to = to,
+              .command = mav::decode<CommandLong>(packet),
+              .ack = mav::decode<CommandAck>(packet),
+              .text = {}};
+    if (const auto text = mav::decode<Statustext>(packet)) sent.text = mav::text(text->text);
+    sent_.push_back(std::move(sent));
+  }
+  template <class M>
+  Verdict hear(const Origin& from, mav::Source source, const M& message) {
+    mav::PacketBuffer packet;
+    packet.size = mav::encode(message, source, sequence_++, packet.bytes);
+    const mav::PacketView view = mav::view_packet(packet.view());
+    commander_.on_packet(from, view, now_);
+    return desk_.on_packet(from, view, now_);
+  }
+  void beat(MavModeFlag mode = kHil) {
+    Heartbeat heartbeat;
+    heartbeat.type = MavType::kQuadrotor;
+    heartbeat.autopilot = MavAutopilot::kPx4;
+    heartbeat.base_mode = mode;
+    hear(kVehicleLink, {1, 1}, heartbeat);
+  }
+  Verdict ask(const Origin& from, const FailureOrder& order = kGpsOff, mav::Source to = {1, 1}) {
+    return hear(from, kAsker, mav::services::command_of(order, to));
+  }
+  /// The simulator's answer to the newest command that it got.
+  void simulator_says(MavResult result, const Origin& from = kSimulatorLink) {
+    CommandAck ack;
+    ack.command = MavCmd::kInjectFailure;
+    ack.result = result;
+    for (const Sent& sent : sent_) {
+      if (sent.command) ack.result_param2 = static_cast<std::int32_t>(sent.command->param7);
+    }
+    ack.target_system = kSelf.system;
+    ack.target_component = kSelf.component;
+    hear(from, kHilsim, ack);
+  }
+  std::vector<CommandLong> commands() const {
+    std::vector<CommandLong> all;
+    for (const Sent& sent : sent_) {
+      if (sent.command) all.push_back(*sent.command);
+    }
+    return all;
+  }
+  /// The one answer there is, which bears the vehicle's ids.
+  std::optional<MavResult> result() const {
+    std::optional<MavResult> only;
+    for (const Sent& sent : sent_) {
+      if (!sent.ack) continue;
+      EXPECT_FALSE(only) << "answered twice";
+      EXPECT_EQ(sent.ack->command, MavCmd::kInjectFailure);
+      EXPECT_EQ(sent.ack->target_system, kAsker.system);
+      EXPECT_EQ(sent.ack->target_component, kAsker.component);
+      EXPECT_EQ(sent.source, (mav::Source{1, 1}));
+      only = sent.ack->result;
+    }
+    return only;
+  }
+
+  base::RunTime now_{100s};
+  VehicleCommander commander_;
+  std::optional<Simulator> simulator_ = Simulator{kHilsim, kSimulatorLink.path};
+  std::vector<Sent> sent_;
+  std::vector<std::string> audit_;
+  FailureDesk desk_;
+  std::uint8_t sequence_ = 0;
+};
+
+TEST_F(Desk, HasAFailureStrikeInTheSimulatorAndAnswersForTheVehicle) {
+  beat();
+  EXPECT_EQ(ask(kPermitted), Verdict::kTaken);
+  ASSERT_EQ(sent_.size(), 1U);
+  EXPECT_EQ(sent_[0].to, kSimulatorLink.path);
+  EXPECT_EQ(sent_[0].source, kSelf);
+  ASSERT_TRUE(sent_[0].command);
+  EXPECT_EQ(sent_[0].command->target_system, kHilsim.system);
+  EXPECT_EQ(sent_[0].command->target_component, kHilsim.component);
+  EXPECT_EQ(sent_[0].command->param1, 4);
+  EXPECT_EQ(sent_[0].command->param2, 1);
+  EXPECT_TRUE(audit_.empty());
+  simulator_says(MavResult::kAccepted);
+  EXPECT_EQ(result(), MavResult::kAccepted);
+  EXPECT_EQ(sent_.back().to, kPermitted.path) << "the asker's own peer";
+  ASSERT_EQ(audit_.size(), 1U);
+  EXPECT_EQ(audit_[0],
+            "255/190 on link link2 MAV_CMD_INJECT_FAILURE 'gps off' vehicle 1: accepted");
+  EXPECT_EQ(ask(kPermitted, {Unit::kGps, Type::kOk}, {0, 0}), Verdict::kTaken)
+      << "the only vehicle is meant";
+}
+
+TEST_F(Desk, TakesThePlacedCommandToo) {
+  beat();
+  CommandInt command;
+  command.target_system = 1;
+  command.command = MavCmd::kInjectFailure;
+  command.param1 = 101;
+  command.param2 = 1;
+  command.param3 = 2;
+  EXPECT_EQ(hear(kPermitted, kAsker, command), Verdict::kTaken);
+  ASSERT_EQ(commands().size(), 1U);
+  EXPECT_EQ(commands()[0].param1, 101);
+  EXPECT_EQ(commands()[0].param3, 2);
+}
+
+struct RefusalCase {
+  const char* name;
+  Origin from;
+  MavModeFlag mode;
+  bool simulator;
+  FailureOrder order;
+  mav::Source to;
+  MavResult result;
+  const char* text;
+};
+
+class Refusal : public Desk, public testing::WithParamInterface<RefusalCase> {};
+
+TEST_P(Refusal, SaysWhyAndReachesNobody) {
+  const RefusalCase& test = GetParam();
+  beat(test.mode);
+  if (!test.simulator) simulator_.reset();
+  EXPECT_EQ(ask(test.from, test.order, test.to), Verdict::kRefused);
+  EXPECT_TRUE(commands().empty());
+  ASSERT_EQ(sent_.size(), 2U);
+  EXPECT_EQ(sent_[0].text, test.text);
+  ASSERT_TRUE(sent_[1].ack);
+  EXPECT_EQ(sent_[1].ack->result, test.result);
+  for (const Sent& sent : sent_) EXPECT_EQ(sent.to, test.from.path);
+  ASSERT_EQ(audit_.size(), 1U);
+  EXPECT_NE(audit_[0].find("MAV_CMD_INJECT_FAILURE"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, Refusal,
+                         testing::Values(RefusalCase{"OfALinkThatMayNot",
+                                                     kForbidden,
+                                                     kHil,
+                                                     true,
+                                                     kGpsOff,
+                                                     {1, 1},
+                                                     MavResult::kDenied,
+                                                     "casd: this link may not inject failures"},
+                                         RefusalCase{"OfAVehicleThatMayBeReal",
+                                                     kPermitted,
+                                                     MavModeFlag::kCustomModeEnabled,
+                                                     true,
+                                                     kGpsOff,
+                                                     {1, 1},
+                                                     MavResult::kDenied,
+                                                     "casd: the vehicle is not known to be in HIL"},
+                                         RefusalCase{"OfAnUnknownVehicle",
+                                                     kPermitted,
+                                                     kHil,
+                                                     true,
+                                                     kGpsOff,
+                                                     {9, 1},
+                                                     MavResult::kDenied,
+                                                     "casd: there is no such vehicle"},
+                                         RefusalCase{"WithoutASimulator",
+                                                     kPermitted,
+                                                     kHil,
+                                                     false,
+                                                     kGpsOff,
+                                                     {1, 1},
+                                                     MavResult::kUnsupported,
+                                                     "casd: no simulator feeds this vehicle"}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_F(Desk, RefusesWhatIsNoNumber) {
+  beat();
+  CommandLong command = mav::services::command_of(kGpsOff, {1, 1});
+  command.param2 = 1.5F;
+  EXPECT_EQ(hear(kPermitted, kAsker, command), Verdict::kRefused);
+  EXPECT_TRUE(commands().empty());
+  EXPECT_EQ(result(), MavResult::kDenied);
+}
+
+TEST_F(Desk, RefusesAVehicleThatHasFallenSilent) {
+  beat();
+  now_ += 10s;
+  EXPECT_EQ(ask(kPermitted), Verdict::kRefused);
+  EXPECT_EQ(result(), MavResult::kDenied);
+}
+
+TEST_F(Desk, PassesTheSimulatorsRefusalOn) {
+  beat();
+  ask(kPermitted);
+  simulator_says(MavResult::kUnsupported);
+  EXPECT_EQ(result(), MavResult::kUnsupported);
+  EXPECT_EQ(sent_[1].text, "casd: the simulator has no such failure");
+}
+
+TEST_F(Desk, BelievesTheSimulatorAlone) {
+  beat();
+  ask(kPermitted);
+  simulator_says(MavResult::kAccepted, kForbidden);
+  EXPECT_EQ(result(), std::nullopt);
+  now_ += FailureDesk::kPatience;
+  desk_.tick(now_);
+  EXPECT_EQ(result(), MavResult::kFailed);
+  simulator_says(MavResult::kAccepted);  // too late
+  EXPECT_EQ(result(), MavResult::kFailed);
+}
+
+TEST_F(Desk, SendsARepetitionOnceAndOneFailureAfterTheOther) {
+  beat();
+  EXPECT_EQ(ask(kPermitted), Verdict::kTaken);
+  EXPECT_EQ(ask(kPermitted), Verdict::kRefused) << "it waits for its answer";
+  EXPECT_EQ(ask(kPermitted, {Unit::kBaro, Type::kStuck}), Verdict::kTaken);
+  EXPECT_EQ(commands().size(), 1U);
+  simulator_says(MavResult::kAccepted);
+  ASSERT_EQ(commands().size(), 2U);
+  EXPECT_EQ(commands()[1].param1, 3);
+  EXPECT_NE(commands()[0].param7, commands()[1].param7);
+}
+
+TEST_F(Desk, AsksForHilAgainBeforeTheNextIsSent) {
+  beat();
+  ask(kPermitted);
+  ask(kPermitted, {Unit::kBaro, Type::kStuck});
+  beat(MavModeFlag::kCustomModeEnabled);
+  simulator_says(MavResult::kAccepted);
+  EXPECT_EQ(commands().size(), 1U);
+  ASSERT_TRUE(sent_.back().ack);
+  EXPECT_EQ(sent_.back().ack->result, MavResult::kDenied);
+}
+
+TEST_F(Desk, HoldsAFewAndRefusesMore) {
+  beat();
+  for (std::uint8_t i = 0; i <= FailureDesk::kMostWaiting; ++i) {
+    ask(kPermitted, {Unit::kMotor, Type::kOff, i});
+  }
+  EXPECT_EQ(result(), MavResult::kTemporarilyRejected);
+}
+
+TEST_F(Desk, AnswersNobodyOnALinkThatIsGone) {
+  beat();
+  ask(kPermitted);
+  desk_.forget(bit(kPermitted.path.link));
+  simulator_says(MavResult::kAccepted);
+  EXPECT_EQ(result(), std::nullopt);
+}
+
+TEST_F(Desk, LeavesFewLinesOfAFlood) {
+  beat();
+  for (int i = 0; i < 1000; ++i) ask(kForbidden);
+  EXPECT_LE(audit_.size(), 20U);
+  EXPECT_FALSE(audit_.empty());
+}
+
+TEST_F(Desk, TakesTheCommandPortsOrders) {
+  beat();
+  const VehicleCommand gps_off{.id = MavCmd::kInjectFailure, .params = {4, 1}};
+  std::optional<Outcome> outcome;
+  desk_.inject(1, gps_off, now_, [&](const Outcome& told) { outcome = told; });
+  EXPECT_EQ(commands().size(), 1U);
+  simulator_says(MavResult::kAccepted);
+  ASSERT_TRUE(outcome);
+  EXPECT_TRUE(outcome->ok());
+  beat(MavModeFlag::kCustomModeEnabled);
+  desk_.inject(1, gps_off, now_, [&](const Outcome& told) { outcome = told; });
+  EXPECT_EQ(outcome->kind, OutcomeKind::kInterlock);
+  desk_.inject(1, {.id = MavCmd::kInjectFailure, .params = {4, 1.5F}}, now_,
+               [&](const Outcome& told) { outcome = told; });
+  EXPECT_EQ(outcome->kind, OutcomeKind::kInvalid);
+  EXPECT_TRUE(audit_.empty()) << "the port leaves a line of its own";
+}
+
+}  // namespace
+}  // namespace cas::casd
