@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "hils/figures/consistency_figures.hpp"
 #include "hils/measure/judgement.hpp"
 
 namespace cas::hils {
@@ -19,6 +20,13 @@ TEST(FlightFigures, EndWithOneWhereABoundIsMissed) {
   EXPECT_EQ(exit_code({figure(1, 1), figure(99, std::nullopt)}), kExitPassed);
   EXPECT_EQ(exit_code({figure(1, 1), figure(1.1, 1)}), kExitLimitsMissed);
   EXPECT_EQ(exit_code({figure(kNan, 1)}), kExitLimitsMissed) << "no flight gave a figure";
+}
+
+// Table of the chi-square distribution: 300 degrees of freedom, 0.025 and 0.975.
+TEST(Consistency, HasTheIntervalOfTheChiSquareDistribution) {
+  const ConsistencyInterval interval = consistency_interval(3, 100);
+  EXPECT_NEAR(interval.least, 2.539, 1e-3);
+  EXPECT_NEAR(interval.most, 3.499, 1e-3);
 }
 
 }  // namespace
