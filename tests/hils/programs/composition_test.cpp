@@ -66,6 +66,30 @@ TEST_P(Composition, AsksForALockWhereItOffersTheTerminalItself) {
   EXPECT_TRUE(link(topology("hover", "/dev/pts/9"), "fcu").unlocked_pty);
 }
 
+TEST(CompositionOfAStation, LetsItInjectFailuresOnlyWhereItIsSaid) {
+  const cas::test::TemporaryFolder folder;
+  for (const bool may : {false, true}) {
+    RunRequest request;
+    request.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
+    request.station = StationEndpoint::parse("udp_server:14550");
+    request.station->inject_failures = may;
+    const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
+    const auto topology =
+        casd::Topology::parse(base::ConfigNode::parse(casd_config(request, places), "casd.yaml"));
+    EXPECT_EQ(link(topology, station_link(places)).inject_failures, may);
+    EXPECT_FALSE(link(topology, "fcu").inject_failures);
+    const base::ConfigNode simulator =
+        base::ConfigNode::parse(simulator_config(request, Transport::kUdp, places), "hilsim.yaml");
+    bool takes_orders = false;
+    for (const base::ConfigNode& plugin :
+         simulator.at("vehicles").items().at(0).at("plugins").items()) {
+      takes_orders |=
+          plugin.require<std::string>("plugin") == "fault" && plugin.get("by_hand", false);
+    }
+    EXPECT_EQ(takes_orders, may);
+  }
+}
+
 TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
   const cas::test::TemporaryFolder folder;
   folder.write("grid.csv", "");
