@@ -65,7 +65,7 @@ RowResult fly_on_board(const RowTask& task) {
   write_artefacts(request, run);
   if (gone.empty()) boards.fetch_logs(request.out, request.scenario.names());
 
-  if (!gone.empty()) return row_without_figures(RowOutcome::kStopped, gone.begin()->second);
+  if (!gone.empty()) return row_without_figures(RowOutcome::kDied, gone.begin()->second);
   RowResult result = row_of(request.scenario, run);
   if (result.outcome == RowOutcome::kInvalid && result.strike) {
     result.strike->no_verdict = "the flight has no verdict: " + result.cause;
