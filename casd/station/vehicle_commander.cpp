@@ -5,6 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "casd/station/arm_interlock.hpp"
+#include "casd/station/overhearing.hpp"
+#include "casd/station/request_chain.hpp"
 #include "casd/station/vehicle_command.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/manual_control.hpp"
@@ -24,16 +27,22 @@ constexpr std::pair<std::uint32_t, double> kArduPilotStreams[] = {
 /// Farther from home than any vehicle here flies: a number beyond it is a slip.
 constexpr double kFarthest_m = 100'000;
 
-/// PX4's height of a takeoff that names none.
-constexpr std::string_view kTakeoffHeight = "MIS_TAKEOFF_ALT";
-
 }  // namespace
 
 VehicleCommander::VehicleCommander(CommanderOptions options, SendPacket send)
     : options_(options),
       send_(std::move(send)),
       encoder_(options.self),
-      table_([this](VehicleState state) { return make(std::move(state)); }, options.link_name) {}
+      heartbeat_(options.heartbeat_hz,
+                 [this](const Heartbeat& message, std::span<const Path> to) {
+                   send_(encoder_(message), to);
+                 }),
+      table_([this](VehicleState state) { return make(std::move(state)); }, options.link_name),
+      takeoff_(
+          table_, [this] { return now_; },
+          [this](const KnownVehicle& vehicle, std::string_view word, Done done) {
+            set_mode(vehicle.state.source().system, word, now_, std::move(done));
+          }) {}
 
 std::unique_ptr<KnownVehicle> VehicleCommander::make(VehicleState state) {
   const auto send_each = [this](const VehicleState& to, const auto& message) {
@@ -44,16 +53,14 @@ std::unique_ptr<KnownVehicle> VehicleCommander::make(VehicleState state) {
 }
 
 void VehicleCommander::set_commanding(double heartbeat_hz, bool allow_not_hil) {
-  // The beat under way may be long in coming at the old rate.
-  if (heartbeat_hz != options_.heartbeat_hz) next_beat_.reset();
-  options_.heartbeat_hz = heartbeat_hz;
+  heartbeat_.set_rate(heartbeat_hz);
   options_.allow_not_hil = allow_not_hil;
 }
 
 void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& packet,
                                  base::RunTime now) {
   now_ = now;
-  overhear(from, packet, now);
+  overhear(table_, options_.self, from, packet, now);
   if (packet.source.system == options_.self.system) return;
   const KnownVehicle* const before = table_.find(packet.source.system);
   KnownVehicle* const vehicle = table_.track(from, packet, now);
@@ -66,45 +73,7 @@ void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& pack
     ask_on_sight(*vehicle, now);
   }
   dispatch(*vehicle, packet, now);
-  beat_for_the_fast(*vehicle, now);
-}
-
-/// Somebody else commands a vehicle: through casd, or, by the vehicle's answer, at another link.
-void VehicleCommander::overhear(const Origin& from, const mav::PacketView& packet,
-                                base::RunTime now) {
-  if (!may_be_act(packet.message_id)) return;
-  const auto intervention = [&](const Act& act, mav::Source by) {
-    return Intervention{.by = by, .link = from.path.link, .act = act, .at = now};
-  };
-  if (const auto ack = mav::decode<CommandAck>(packet)) {
-    KnownVehicle* const vehicle = table_.find(packet.source.system);
-    if (vehicle == nullptr || vehicle->state.source() != packet.source) return;
-    if (mav::services::is_for(*ack, options_.self)) return;
-    const std::optional<Act> act = act_of(*ack);
-    if (act) note(*vehicle, intervention(*act, {ack->target_system, ack->target_component}));
-    return;
-  }
-  const std::optional<Act> act = act_of(packet);
-  if (!act || packet.source == options_.self) return;
-  for (const auto& [system, vehicle] : table_.all()) {
-    const mav::Source self = vehicle->state.source();
-    const bool meant = (act->target.system == 0 || act->target.system == self.system) &&
-                       (act->target.component == 0 || act->target.component == self.component);
-    if (meant && packet.source != self) note(*vehicle, intervention(*act, packet.source));
-  }
-}
-
-void VehicleCommander::note(KnownVehicle& vehicle, Intervention intervention) {
-  Hands& hands = table_.hands(vehicle.state.source().system);
-  if (intervention.act.disarms) {
-    ++hands.arm_requests;
-    ++hands.disarms;
-    vehicle.commands.on_disarm(std::to_string(intervention.by.system) + "/" +
-                                   std::to_string(intervention.by.component) + ": " +
-                                   intervention.act.what,
-                               intervention.at);
-  }
-  hands.interventions.add(std::move(intervention));
+  heartbeat_.keep_up(*vehicle, now);
 }
 
 /// An ArduPilot that is back from a reboot before anybody missed its HEARTBEAT sends little else:
@@ -143,14 +112,16 @@ void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& pa
       break;
     case Heartbeat::kId:
       vehicle.commands.on_heartbeat(now);
-      if (!vehicle.state.armed() && vehicle.state.armed_at() > vehicle.takeoff_height_written) {
-        put_takeoff_height_back(vehicle, now);
+      if (!vehicle.state.armed() && vehicle.state.armed_at() > vehicle.takeoff_height.written()) {
+        vehicle.takeoff_height.put_back(now);
       }
       break;
     case ExtendedSysState::kId:
+      // The navigator reads the parameter when it begins to climb: not before it is in the air,
+      // unless nothing comes of the takeoff.
       if (vehicle.state.landed() == MavLandedState::kTakeoff ||
           vehicle.state.landed() == MavLandedState::kInAir) {
-        put_takeoff_height_back(vehicle, now);
+        vehicle.takeoff_height.put_back(now);
       }
       break;
     case ParamValue::kId:
@@ -178,7 +149,7 @@ void VehicleCommander::on_status_text(KnownVehicle& vehicle) {
 
 void VehicleCommander::tick(base::RunTime now) {
   now_ = now;
-  beat(now);
+  heartbeat_.tick(table_.all(), now);
   for (const auto& [system, vehicle] : table_.all()) {
     vehicle->commands.tick(now);
     vehicle->params.tick(now);
@@ -188,47 +159,6 @@ void VehicleCommander::tick(base::RunTime now) {
 
 void VehicleCommander::wall_tick(base::RunTime wall) {
   for (const auto& [system, vehicle] : table_.all()) vehicle->commands.wall_tick(wall);
-}
-
-/// Own HEARTBEAT: without one PX4 counts its ground station as lost.
-void VehicleCommander::beat(base::RunTime now) {
-  if (options_.heartbeat_hz <= 0) return;
-  if (!next_beat_) next_beat_ = now;
-  if (now < *next_beat_) return;
-  const base::Duration period = base::from_seconds(1.0 / options_.heartbeat_hz);
-  *next_beat_ += period;
-  if (now >= *next_beat_) next_beat_ = now + period;
-  for (const auto& [system, vehicle] : table_.all()) note_beat(*vehicle, now);
-  send_beat({});
-}
-
-/// Of a vehicle at 20 times real time, a second of ours is 20 s: PX4 v1.16 took its ground station
-/// for lost and returned. At real time the ticks keep up with its clock. Nobody else gets more.
-void VehicleCommander::beat_for_the_fast(KnownVehicle& vehicle, base::RunTime now) {
-  constexpr double kPeriods = 2;
-  constexpr base::Duration kLeast = std::chrono::milliseconds(10);  // whatever its clock says
-  const std::optional<base::Duration> clock = vehicle.state.boot_time();
-  if (!clock || options_.heartbeat_hz <= 0) return;
-  if (*clock < vehicle.beat_at) vehicle.beat_at = *clock;
-  if (*clock - vehicle.beat_at < base::from_seconds(kPeriods / options_.heartbeat_hz)) return;
-  const std::vector<Path> paths = vehicle.state.paths();
-  if (paths.empty() || now - vehicle.beat_sent < kLeast) return;
-  note_beat(vehicle, now);
-  send_beat(paths);
-}
-
-void VehicleCommander::note_beat(KnownVehicle& vehicle, base::RunTime now) {
-  vehicle.beat_at = vehicle.state.boot_time().value_or(base::Duration{});
-  vehicle.beat_sent = now;
-}
-
-void VehicleCommander::send_beat(std::span<const Path> to) {
-  Heartbeat message;
-  message.type = MavType::kGcs;
-  message.autopilot = MavAutopilot::kInvalid;
-  message.system_status = MavState::kActive;
-  message.mavlink_version = 3;
-  send_(encoder_(message), to);
 }
 
 template <class M>
@@ -304,58 +234,18 @@ void VehicleCommander::start_spinning(std::uint8_t system, const VehicleCommand&
                           });
 }
 
-/// That another autopilot has the vehicle's system id.
-std::optional<std::string> VehicleCommander::rival_words(const VehicleState& state,
-                                                         base::RunTime now) const {
-  const std::optional<Rival> rival = state.rival(now);
-  if (!rival) return std::nullopt;
-  return vehicle_text(state) + " is not alone: another autopilot with its system id (" +
-         std::to_string(rival->source.system) + "/" + std::to_string(rival->source.component) +
-         ") speaks on " + table_.place(state, *rival) +
-         "; give one of them another id, or, where both links lead to one vehicle, put them into "
-         "one group";
-}
-
-/// Why its HEARTBEATs do not say that the vehicle flies a simulation.
-std::optional<std::string> VehicleCommander::not_in_hil(const VehicleState& state,
-                                                        base::RunTime now) {
-  const base::Duration silence = state.heartbeat_age(now);
-  if (silence > kVehicleTimeout) {
-    return vehicle_text(state) + " has sent no HEARTBEAT for " +
-           std::to_string(static_cast<int>(base::to_seconds(silence))) +
-           " s, so casd cannot tell whether it is in HIL mode";
-  }
-  if (!state.hil()) return vehicle_text(state) + " does not say that it is in HIL mode";
-  if (state.denied_hil(now)) {
-    return vehicle_text(state) + " said within the last 3 s that it is not in HIL mode";
-  }
-  return std::nullopt;
-}
-
 std::optional<std::string> VehicleCommander::hil_doubt(std::uint8_t system,
                                                        base::RunTime now) const {
   const VehicleState* const state = find(system);
   if (state == nullptr) return "no vehicle " + std::to_string(system) + " has been heard";
-  const std::optional<std::string> rival = rival_words(*state, now);
+  const std::optional<std::string> rival = rival_words(*state, table_, now);
   return rival ? rival : not_in_hil(*state, now);
 }
 
-/// Real propellers may spin: why the vehicle may not be armed, unless its HEARTBEATs, and only
-/// its, say that it flies a simulation, or request and configuration both consent to one that does
-/// not.
 std::optional<Outcome> VehicleCommander::interlock(const VehicleState& state, bool not_hil,
                                                    base::RunTime now) const {
-  // No consent tells which of two is meant.
-  if (const auto rival = rival_words(state, now)) return failure(OutcomeKind::kInterlock, *rival);
-  if (not_hil && options_.allow_not_hil) return std::nullopt;
-  std::optional<std::string> why = not_in_hil(state, now);
-  if (!why) return std::nullopt;
-  if (state.heartbeat_age(now) <= kVehicleTimeout) *why += ": real propellers may spin";
-  *why += not_hil ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
-                  : "; put it in HIL mode (PX4: SYS_HITL 1 and a restart), or, for a firmware that "
-                    "runs in software and never says so, allow it: commanding.allow_not_hil: true "
-                    "and --not-hil";
-  return failure(OutcomeKind::kInterlock, *why);
+  return arm_interlock(state, table_, {.request = not_hil, .configuration = options_.allow_not_hil},
+                       now);
 }
 
 /// Answers `done` and returns true when the interlock holds.
@@ -453,82 +343,7 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
     done(failure(OutcomeKind::kInvalid, "a takeoff altitude is above 0 m and at most 100 km"));
     return;
   }
-  const std::uint64_t disarms = table_.hands(system).disarms;
-  if (vehicle->state.autopilot() == Autopilot::kArduPilot) {
-    takeoff_guided(*vehicle, altitude_m, disarms, now, std::move(done));
-  } else {
-    takeoff_amsl(*vehicle, altitude_m, disarms, now, std::move(done));
-  }
-}
-
-/// The last of a takeoff's requests. @param disarms  how many there were before the first one: a
-/// vehicle that was told to take off after a disarm would do so as soon as somebody arms it
-void VehicleCommander::start_takeoff(KnownVehicle& vehicle, const VehicleCommand& command,
-                                     std::uint64_t disarms, base::RunTime now, Done done) {
-  if (table_.hands(vehicle.state.source().system).disarms != disarms) {
-    done(failure(OutcomeKind::kRefused, describe(command.id) + " was overtaken by a disarm"));
-    return;
-  }
-  vehicle.commands.start(command, now, std::move(done));
-}
-
-/// PX4: the altitude is above mean sea level. While home is unknown, the parameter
-/// MIS_TAKEOFF_ALT carries the height and NaN says "here".
-void VehicleCommander::takeoff_amsl(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms,
-                                    base::RunTime now, Done done) {
-  VehicleCommand command = here_command(vehicle.state, MavCmd::kNavTakeoff);
-  if (const std::optional<HomeAmsl> home = vehicle.state.home()) {
-    command.params[6] = static_cast<float>(home->alt_m + altitude_m);
-    start_takeoff(vehicle, command, disarms, now, std::move(done));
-    return;
-  }
-  if (vehicle.putting_back) {  // else its answer is taken for this one's, and this for the owner's
-    vehicle.then.push_back(
-        [this, &vehicle, altitude_m, disarms, done = std::move(done)](const Outcome& put) {
-          if (put.kind == OutcomeKind::kTimeout) return done(put);
-          takeoff_amsl(vehicle, altitude_m, disarms, now_, done);
-        });
-    return;
-  }
-  vehicle.params.set(
-      std::string(kTakeoffHeight), altitude_m, now,
-      [this, &vehicle, command, disarms, done = std::move(done)](const Outcome& set) {
-        if (!set.ok()) return done(set);
-        const auto before = set.before.find(std::string(kTakeoffHeight));
-        if (before != set.before.end() && !vehicle.takeoff_height_before) {
-          vehicle.takeoff_height_before = before->second;
-        }
-        vehicle.takeoff_height_written = now_;
-        start_takeoff(vehicle, command, disarms, now_,
-                      [this, &vehicle, done](const Outcome& taken) {
-                        if (!taken.ok()) put_takeoff_height_back(vehicle, now_);
-                        done(taken);
-                      });
-      });
-}
-
-/// The navigator reads the parameter when it begins to climb: not before it is in the air, unless
-/// nothing comes of the takeoff.
-void VehicleCommander::put_takeoff_height_back(KnownVehicle& vehicle, base::RunTime now) {
-  const std::optional<double> before = std::exchange(vehicle.takeoff_height_before, std::nullopt);
-  if (!before) return;
-  vehicle.putting_back = true;
-  vehicle.params.set(std::string(kTakeoffHeight), *before, now, [&vehicle](const Outcome& put) {
-    vehicle.putting_back = false;
-    for (const auto& takeoff : std::exchange(vehicle.then, {})) takeoff(put);
-  });
-}
-
-/// ArduPilot: takes off in GUIDED mode only, to a height above home.
-void VehicleCommander::takeoff_guided(KnownVehicle& vehicle, double altitude_m,
-                                      std::uint64_t disarms, base::RunTime now, Done done) {
-  VehicleCommand command{.id = MavCmd::kNavTakeoff};
-  command.params[6] = static_cast<float>(altitude_m);
-  set_mode(vehicle.state.source().system, "GUIDED", now,
-           [this, &vehicle, command, disarms, done = std::move(done)](const Outcome& guided) {
-             if (!guided.ok()) return done(guided);
-             start_takeoff(vehicle, command, disarms, now_, done);
-           });
+  takeoff_.begin(*vehicle, altitude_m, std::move(done));
 }
 
 void VehicleCommander::land(std::uint8_t system, base::RunTime now, Done done) {
@@ -604,30 +419,6 @@ void VehicleCommander::reboot(std::uint8_t system, base::RunTime now, Done done)
   start(system, command, now, std::move(done));
 }
 
-/// Requests that follow one another; the first that fails ends the chain.
-struct VehicleCommander::Steps {
-  std::vector<std::function<void(base::RunTime, Done)>> todo;
-  std::size_t next = 0;
-  Outcome total;
-  Done done;
-};
-
-void VehicleCommander::run_steps(std::shared_ptr<Steps> steps) {
-  if (!steps->total.ok() || steps->next == steps->todo.size()) {
-    steps->done(steps->total);
-    return;
-  }
-  const auto& step = steps->todo[steps->next++];
-  step(now_, [this, steps](const Outcome& outcome) {
-    steps->total.kind = outcome.kind;
-    steps->total.message = outcome.message;
-    for (const auto& [name, value] : outcome.parameters) steps->total.parameters[name] = value;
-    for (const auto& [name, value] : outcome.before) steps->total.before[name] = value;
-    for (const std::string& text : outcome.status_texts) steps->total.status_texts.push_back(text);
-    run_steps(steps);
-  });
-}
-
 void VehicleCommander::read_param(std::uint8_t system, const std::string& name, base::RunTime now,
                                   Done done) {
   now_ = now;
@@ -638,7 +429,7 @@ void VehicleCommander::set_param(std::uint8_t system, const std::string& name, d
                                  base::RunTime now, Done done) {
   now_ = now;
   if (KnownVehicle* vehicle = known(system, done)) {
-    if (name == kTakeoffHeight) vehicle->takeoff_height_before.reset();  // the newer value stays
+    if (name == TakeoffHeight::kParameter) vehicle->takeoff_height.keep();
     vehicle->params.set(name, value, now, std::move(done));
   }
 }
@@ -665,22 +456,21 @@ void VehicleCommander::set_gains(std::uint8_t system, const GainLoop& loop,
     done(failure(OutcomeKind::kRefused, *why));
     return;
   }
-  const auto steps = std::make_shared<Steps>();
-  steps->done = std::move(done);
+  std::vector<Request> requests;
   const auto add = [&](const std::optional<std::string>& name, const std::optional<double>& value) {
     if (!name) return;
-    steps->todo.push_back([this, system, name = *name, value](base::RunTime at, Done next) {
+    requests.push_back([this, system, name = *name, value](Done next) {
       if (value) {
-        set_param(system, name, *value, at, std::move(next));
+        set_param(system, name, *value, now_, std::move(next));
       } else {
-        read_param(system, name, at, std::move(next));
+        read_param(system, name, now_, std::move(next));
       }
     });
   };
   add(loop.p, values.p);
   add(loop.i, values.i);
   add(loop.d, values.d);
-  run_steps(steps);
+  run_chain(std::move(requests), std::move(done));
 }
 
 }  // namespace cas::casd

@@ -15,7 +15,9 @@
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/station/gain_map.hpp"
+#include "casd/station/own_heartbeat.hpp"
 #include "casd/station/services.hpp"
+#include "casd/station/takeoff.hpp"
 #include "casd/station/vehicle_state.hpp"
 #include "casd/station/vehicle_table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
@@ -177,8 +179,6 @@ class VehicleCommander final : public Station {
   template <class M>
   void send(const VehicleState& vehicle, M message);
   KnownVehicle* known(std::uint8_t system, const Done& done);
-  void overhear(const Origin& from, const mav::PacketView& packet, base::RunTime now);
-  void note(KnownVehicle& vehicle, Intervention intervention);
   static bool has_stopped_telling(const KnownVehicle& vehicle, base::RunTime now);
   void ask_on_sight(KnownVehicle& vehicle, base::RunTime now);
   void on_status_text(KnownVehicle& vehicle);
@@ -186,34 +186,20 @@ class VehicleCommander final : public Station {
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   void start_spinning(std::uint8_t system, const VehicleCommand& command, bool not_hil,
                       base::RunTime now, Done done);
-  void takeoff_amsl(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms,
-                    base::RunTime now, Done done);
-  void put_takeoff_height_back(KnownVehicle& vehicle, base::RunTime now);
-  void takeoff_guided(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms,
-                      base::RunTime now, Done done);
-  void start_takeoff(KnownVehicle& vehicle, const VehicleCommand& command, std::uint64_t disarms,
-                     base::RunTime now, Done done);
   Done explained(const KnownVehicle& vehicle, Done done);
-  std::optional<std::string> rival_words(const VehicleState& state, base::RunTime now) const;
-  static std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime now);
   std::optional<Outcome> interlock(const VehicleState& state, bool not_hil,
                                    base::RunTime now) const;
   bool interlocked(const KnownVehicle& vehicle, bool not_hil, base::RunTime now,
                    const Done& done) const;
-  struct Steps;
-  void run_steps(std::shared_ptr<Steps> steps);
-  void beat(base::RunTime now);
-  void beat_for_the_fast(KnownVehicle& vehicle, base::RunTime now);
-  static void note_beat(KnownVehicle& vehicle, base::RunTime now);
-  void send_beat(std::span<const Path> to);
 
   CommanderOptions options_;
   SendPacket send_;
   mav::Encoder encoder_;
+  OwnHeartbeat heartbeat_;
   OnText on_text_;
   std::function<void(std::uint8_t, const VehicleCommand&, Done)> on_failure_;
   VehicleTable table_;
-  std::optional<base::RunTime> next_beat_;
+  Takeoff takeoff_;
   base::RunTime now_{};
 };
 

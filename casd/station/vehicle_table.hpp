@@ -16,6 +16,7 @@
 #include "casd/packet/intervention.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/station/services.hpp"
+#include "casd/station/takeoff_height.hpp"
 #include "casd/station/vehicle_state.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
@@ -46,12 +47,8 @@ struct KnownVehicle {
   VehicleState state;
   CommandExchange commands;
   ParamExchange params;
+  TakeoffHeight takeoff_height{params};
   std::uint64_t texts_seen = 0;
-  /// What MIS_TAKEOFF_ALT was before a takeoff wrote it.
-  std::optional<double> takeoff_height_before;
-  base::RunTime takeoff_height_written{};
-  bool putting_back = false;                              ///< the same, on its way
-  std::vector<std::function<void(const Outcome&)>> then;  ///< takeoffs that wait for it
   base::RunTime asked_at{};   ///< when it was last asked for what it may not stream
   base::RunTime told_at{};    ///< when it last said something else than HEARTBEAT
   base::Duration beat_at{};   ///< its own clock at the newest HEARTBEAT that was sent

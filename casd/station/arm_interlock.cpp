@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/station/arm_interlock.hpp"
+
+namespace cas::casd {
+
+std::optional<std::string> rival_words(const VehicleState& state, const VehicleTable& table,
+                                       base::RunTime now) {
+  const std::optional<Rival> rival = state.rival(now);
+  if (!rival) return std::nullopt;
+  return vehicle_text(state) + " is not alone: another autopilot with its system id (" +
+         std::to_string(rival->source.system) + "/" + std::to_string(rival->source.component) +
+         ") speaks on " + table.place(state, *rival) +
+         "; give one of them another id, or, where both links lead to one vehicle, put them into "
+         "one group";
+}
+
+std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime now) {
+  const base::Duration silence = state.heartbeat_age(now);
+  if (silence > kVehicleTimeout) {
+    return vehicle_text(state) + " has sent no HEARTBEAT for " +
+           std::to_string(static_cast<int>(base::to_seconds(silence))) +
+           " s, so casd cannot tell whether it is in HIL mode";
+  }
+  if (!state.hil()) return vehicle_text(state) + " does not say that it is in HIL mode";
+  if (state.denied_hil(now)) {
+    return vehicle_text(state) + " said within the last 3 s that it is not in HIL mode";
+  }
+  return std::nullopt;
+}
+
+std::optional<Outcome> arm_interlock(const VehicleState& state, const VehicleTable& table,
+                                     NotHilConsent consent, base::RunTime now) {
+  // No consent tells which of two is meant.
+  if (const auto rival = rival_words(state, table, now)) {
+    return failure(OutcomeKind::kInterlock, *rival);
+  }
+  if (consent.request && consent.configuration) return std::nullopt;
+  std::optional<std::string> why = not_in_hil(state, now);
+  if (!why) return std::nullopt;
+  if (state.heartbeat_age(now) <= kVehicleTimeout) *why += ": real propellers may spin";
+  *why += consent.request
+              ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
+              : "; put it in HIL mode (PX4: SYS_HITL 1 and a restart), or, for a firmware that "
+                "runs in software and never says so, allow it: commanding.allow_not_hil: true "
+                "and --not-hil";
+  return failure(OutcomeKind::kInterlock, *why);
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/time/clock.hpp"
+#include "casd/station/services.hpp"
+#include "casd/station/vehicle_state.hpp"
+#include "casd/station/vehicle_table.hpp"
+
+namespace cas::casd {
+
+/// A sentence that another autopilot has the vehicle's system id; nothing: it is alone.
+std::optional<std::string> rival_words(const VehicleState& state, const VehicleTable& table,
+                                       base::RunTime now);
+/// Why its HEARTBEATs do not say that the vehicle flies a simulation; nothing: they do.
+std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime now);
+
+/// Who consents to arm a vehicle that does not say that it is in HIL. It takes both.
+struct NotHilConsent {
+  bool request = false;
+  bool configuration = false;
+};
+
+/// Real propellers may spin: why the vehicle may not be armed, unless its HEARTBEATs, and only
+/// its, say that it flies a simulation, or request and configuration consent to one that does not.
+/// @return nothing: it may be armed
+std::optional<Outcome> arm_interlock(const VehicleState& state, const VehicleTable& table,
+                                     NotHilConsent consent, base::RunTime now);
+
+}  // namespace cas::casd

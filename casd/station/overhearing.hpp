@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/station/vehicle_table.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// Notes in the vehicles' Hands that somebody else commands them: through casd, or, by a vehicle's
+/// answer, at another link. A disarm ends what may start motors.
+///
+/// @param self  casd's own station
+void overhear(VehicleTable& table, mav::Source self, const Origin& from,
+              const mav::PacketView& packet, base::RunTime now);
+
+}  // namespace cas::casd

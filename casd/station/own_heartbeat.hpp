@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/station/vehicle_table.hpp"
+#include "mavlink/common/heartbeat.hpp"
+
+namespace cas::casd {
+
+/// When casd sends its own HEARTBEAT as a ground station: without one PX4 counts its ground station
+/// as lost. Pure.
+class OwnHeartbeat {
+ public:
+  /// To these paths alone, or, without paths, to every link.
+  using Send = std::function<void(const mavlink::common::Heartbeat&, std::span<const Path> to)>;
+
+  /// @param rate_hz  0: silent
+  OwnHeartbeat(double rate_hz, Send send) : rate_hz_(rate_hz), send_(std::move(send)) {}
+
+  void set_rate(double rate_hz);
+  /// To everybody, as often as its rate says.
+  void tick(const VehicleTable::Vehicles& vehicles, base::RunTime now);
+  /// To a vehicle that runs faster than real time, by its own clock. Of one at 20 times real time
+  /// a second of ours is 20 s: PX4 v1.16 took its ground station for lost and returned. At real
+  /// time the ticks keep up with its clock.
+  void keep_up(KnownVehicle& vehicle, base::RunTime now);
+
+ private:
+  double rate_hz_;
+  Send send_;
+  std::optional<base::RunTime> next_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string_view>
+#include <utility>
+
+#include "base/time/clock.hpp"
+#include "casd/station/services.hpp"
+#include "casd/station/vehicle_table.hpp"
+
+namespace cas::casd {
+
+/// The requests of a takeoff to a height above home, one after the other. A disarm, by whomever,
+/// ends it: a vehicle that was told to take off after a disarm would do so as soon as somebody arms
+/// it.
+class Takeoff {
+ public:
+  using Clock = std::function<base::RunTime()>;
+  using SetMode = std::function<void(const KnownVehicle&, std::string_view word, Done)>;
+
+  /// @param table  outlives this
+  Takeoff(VehicleTable& table, Clock clock, SetMode set_mode)
+      : table_(table), clock_(std::move(clock)), set_mode_(std::move(set_mode)) {}
+
+  void begin(KnownVehicle& vehicle, double altitude_m, Done done);
+
+ private:
+  void to_amsl(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms, Done done);
+  void in_guided(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms, Done done);
+  void give(KnownVehicle& vehicle, const VehicleCommand& command, std::uint64_t disarms, Done done);
+
+  VehicleTable& table_;
+  Clock clock_;
+  SetMode set_mode_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/station/takeoff_height.hpp"
+
+#include <string>
+#include <utility>
+
+namespace cas::casd {
+
+void TakeoffHeight::write(double altitude_m, std::function<base::RunTime()> clock, Done done) {
+  const base::RunTime now = clock();
+  params_.set(std::string(kParameter), altitude_m, now,
+              [this, clock = std::move(clock), done = std::move(done)](const Outcome& set) {
+                if (!set.ok()) return done(set);
+                const auto before = set.before.find(std::string(kParameter));
+                if (before != set.before.end() && !before_) before_ = before->second;
+                written_ = clock();
+                done(set);
+              });
+}
+
+void TakeoffHeight::put_back(base::RunTime now) {
+  const std::optional<double> before = std::exchange(before_, std::nullopt);
+  if (!before) return;
+  putting_back_ = true;
+  params_.set(std::string(kParameter), *before, now, [this](const Outcome& put) {
+    putting_back_ = false;
+    for (const Done& takeoff : std::exchange(then_, {})) takeoff(put);
+  });
+}
+
+}  // namespace cas::casd

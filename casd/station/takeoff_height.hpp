@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "base/time/clock.hpp"
+#include "casd/station/services.hpp"
+
+namespace cas::casd {
+
+/// PX4's height of a takeoff that names none, MIS_TAKEOFF_ALT: a takeoff of casd's writes it, and
+/// what its owner had there is put back. Pure.
+class TakeoffHeight {
+ public:
+  static constexpr std::string_view kParameter = "MIS_TAKEOFF_ALT";
+
+  /// @param params  of the vehicle; outlives this
+  explicit TakeoffHeight(ParamExchange& params) : params_(params) {}
+
+  /// @param clock  asked now, and when the vehicle has answered
+  void write(double altitude_m, std::function<base::RunTime()> clock, Done done);
+  /// Nothing where nothing was written, or the value there is newer.
+  void put_back(base::RunTime now);
+  /// Somebody sets the parameter: that value stays.
+  void keep() { before_.reset(); }
+
+  /// When it was last written.
+  base::RunTime written() const { return written_; }
+  bool is_putting_back() const { return putting_back_; }
+  /// Called with the outcome once the put-back that is on its way has ended.
+  void after_putting_back(Done then) { then_.push_back(std::move(then)); }
+
+ private:
+  ParamExchange& params_;
+  std::optional<double> before_;  ///< its owner's
+  base::RunTime written_{};
+  bool putting_back_ = false;
+  std::vector<Done> then_;
+};
+
+}  // namespace cas::casd
