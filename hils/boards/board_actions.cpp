@@ -34,6 +34,17 @@ constexpr base::Duration kRestartPatience = seconds(15);
 /// From the end of a hook to what it has done to the board; longer than two silences.
 constexpr base::Duration kHookPatience = seconds(9);
 
+/// What a board says within a few seconds.
+BoardFacts hear(Supervisor& supervisor, BoardSession& session) {
+  const base::RunTime begin = base::steady_now();
+  BoardFacts facts = session.look();
+  while (!facts.heard && base::steady_now() - begin < kHeartbeatPatience) {
+    supervisor.wait(kLook);
+    facts = session.look();
+  }
+  return facts;
+}
+
 }  // namespace
 
 BoardFacts BoardActions::boot(Absence absence) {
@@ -85,6 +96,12 @@ BoardFacts BoardActions::reboot(bool hard) {
 }
 
 BoardFacts BoardActions::restart() {
+  const BoardFacts facts = first_look();
+  if (facts.heard && !facts.hil) {
+    throw BoardError(
+        kExitBoardFailed,
+        fmt::format("board '{}' does not say that it is in HIL: it is not restarted", board_.name));
+  }
   const auto& hooks = board_.hooks;
   if (hooks.contains(HookKind::kPowerOn) && hooks.contains(HookKind::kPowerOff)) {
     return power_cycle(true);
@@ -93,7 +110,7 @@ BoardFacts BoardActions::restart() {
     restart_by_hook();
     return boot(Absence::kWaits);
   }
-  disarm_in_hil();
+  if (facts.armed) disarm_in_hil(facts.device);
   return reboot(false);
 }
 
@@ -132,31 +149,21 @@ void BoardActions::refuse_armed(const BoardFacts& facts) const {
                                board_.name, board_.name));
 }
 
-/// What a board that runs says within a few seconds; a dead one is there, and not heard. Nothing is
-/// done to one whose port somebody else has: it may fly.
+/// What a board that runs says; a dead one is there, and not heard. Nothing is done to one whose
+/// port somebody else has: it may fly.
 BoardFacts BoardActions::first_look() {
   const auto device = find_device(board_, list_.by_id);
   if (!device) return {};
   BoardSession session(supervisor_, board_, *device);
-  const base::RunTime begin = base::steady_now();
-  BoardFacts facts = session.look();
-  while (!facts.heard && base::steady_now() - begin < kHeartbeatPatience) {
-    supervisor_.wait(kLook);
-    facts = session.look();
-  }
+  BoardFacts facts = hear(supervisor_, session);
   if (!facts.link_up) throw BoardError(kExitBoardAbsent, judge_boot(facts, board_).sentence);
   return facts;
 }
 
-void BoardActions::disarm_in_hil() {
-  const BoardFacts facts = first_look();
-  if (!facts.armed || !facts.hil) return;
-  BoardSession session(supervisor_, board_, facts.device);
-  const base::RunTime begin = base::steady_now();
-  while (!session.look().heard && base::steady_now() - begin < kHeartbeatPatience) {
-    supervisor_.wait(kLook);
-  }
-  session.disarm();
+void BoardActions::disarm_in_hil(const std::filesystem::path& device) {
+  BoardSession session(supervisor_, board_, device);
+  const BoardFacts facts = hear(supervisor_, session);
+  if (facts.heard && facts.armed && facts.hil) session.disarm();
 }
 
 /// Returns once the board has gone: its port is away, or its clock begins again.

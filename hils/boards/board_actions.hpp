@@ -34,7 +34,8 @@ class BoardActions {
   /// By its own command; by the hook `reset` where it is silent, or `hard` is set.
   BoardFacts reboot(bool hard);
   /// Begins a flight anew, whatever the one before has left: by its power where hooks switch it, by
-  /// hook `reset`, else by its command; an armed one that is in HIL is disarmed for that.
+  /// hook `reset`, else by its command; an armed one that is in HIL is disarmed for that. One that
+  /// says that it is not in HIL is left alone: BoardError.
   BoardFacts restart();
   BoardFacts power_on();
   /// @param force  also of a board that is armed, or whose port another program has
@@ -45,7 +46,7 @@ class BoardActions {
   void hook(HookKind kind, const std::filesystem::path& file = {});
   void refuse_armed(const BoardFacts& facts) const;
   BoardFacts first_look();
-  void disarm_in_hil();
+  void disarm_in_hil(const std::filesystem::path& device);
   void restart_by_command();
   void restart_by_hook();
   void want_silence();
