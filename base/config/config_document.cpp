@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/config/config_document.hpp"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
+
+#include <sstream>
 
 #include "base/error.hpp"
 
@@ -71,6 +74,41 @@ class TreeBuilder {
   int nodes_ = 0;
 };
 
+/// Marks where the documents of a text begin.
+class DocumentMarks : public YAML::EventHandler {
+ public:
+  std::vector<YAML::Mark> begins;
+
+  void OnDocumentStart(const YAML::Mark& mark) override { begins.push_back(mark); }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+/// Refuses a text of several documents. yaml-cpp makes documents without end of a mark that belongs
+/// to no value, such as a comma alone, so two are asked for and no more.
+void refuse_second_document(const std::string& text, const TreeBuilder& builder) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentMarks marks;
+  while (marks.begins.size() < 2 && parser.HandleNextDocument(marks)) {
+  }
+  if (marks.begins.size() < 2) return;
+  const YAML::Mark& second = marks.begins[1];
+  if (second.pos == marks.begins[0].pos) {
+    builder.fail(line_of(second), "", "is not YAML: it begins with a mark that belongs to no value");
+  }
+  builder.fail(line_of(second), "", "holds more than one document");
+}
+
 void emit(YAML::Emitter& out, const ConfigTree& tree) {
   switch (tree.kind) {
     case ConfigTree::Kind::kNull:
@@ -123,11 +161,10 @@ std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
   document->origins = ConfigOrigins::read(text);
   TreeBuilder builder(name.string());
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
-    if (documents.size() > 1) {
-      builder.fail(line_of(documents[1].Mark()), "", "holds more than one document");
-    }
-    if (!documents.empty()) builder.build(documents[0], document->root, "", 0);
+    const std::string copy(text);
+    refuse_second_document(copy, builder);
+    const YAML::Node node = YAML::Load(copy);
+    if (node.IsDefined()) builder.build(node, document->root, "", 0);
   } catch (const YAML::Exception& error) {
     const int line = line_of(error.mark);
     for (const int tabbed : {line, line - 1}) {

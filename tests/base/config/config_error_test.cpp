@@ -55,7 +55,12 @@ INSTANTIATE_TEST_SUITE_P(
                     ErrorCase{"KeyThatIsNoWord", "? [1, 2]\n: 3\n", kJustParse,
                               "t.yaml:1: a key must be a word"},
                     ErrorCase{"TwoDocuments", "a: 1\n---\nb: 2\n", kJustParse,
-                              "t.yaml:3: holds more than one document"},
+                              "t.yaml:2: holds more than one document"},
+                    ErrorCase{"CommaAlone", ",", kJustParse,
+                              "t.yaml:1: is not YAML: it begins with a mark that belongs to no "
+                              "value"},
+                    ErrorCase{"CommaAfterADocument", "[a]\n,\n", kJustParse,
+                              "t.yaml:2: holds more than one document"},
                     ErrorCase{"OpenList", "a: [1, 2\n", kJustParse,
                               "t.yaml:2: is not YAML: end of sequence flow not found"},
                     ErrorCase{"Tab", "a:\n\tb: 1\n", kJustParse,
