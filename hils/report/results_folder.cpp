@@ -56,8 +56,8 @@ void make_results_folder(const std::filesystem::path& folder) {
 }
 
 void remove_verdict(const std::filesystem::path& folder) {
-  for (const char* name :
-       {"summary.json", "junit.xml", "report.html", "replay.html", "run/hilsim_stats.json"}) {
+  for (const char* name : {"summary.json", "junit.xml", "report.html", "replay.html",
+                           "run/hilsim_stats.json", "boards.json", "board.ulg"}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
     // A folder of that name is no page of an earlier run; it is told of when the page is written.
