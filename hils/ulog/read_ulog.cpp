@@ -28,7 +28,8 @@ constexpr std::size_t kMessageHeaderSize = 3;  // size, type
 constexpr std::size_t kTimestampSize = 8;
 constexpr std::size_t kMostBytes = 65535;  // of a message
 // No log of a vehicle comes near these; they bound what a made-up one can ask for.
-constexpr std::size_t kMostFields = 100'000;  // of all topics
+constexpr std::size_t kMostFields = 100'000;  // of all subscriptions
+constexpr std::size_t kMostSteps = 100'000;   // to spread topics out: padding counts, too
 constexpr std::size_t kMostNameBytes = 255;
 
 struct BasicType {
@@ -97,7 +98,7 @@ class Formats {
     for (std::string_view rest = text.substr(colon + 1); !rest.empty();) {
       const std::size_t end = std::min(rest.find(';'), rest.size());
       auto field = declaration_of(rest.substr(0, end));
-      if (!field) {
+      if (!field || field->count == 0U) {
         throw ConfigError("type `" + std::string(text.substr(0, colon)) + "` has `" +
                           std::string(rest.substr(0, end)) + "`, which is no field");
       }
@@ -105,21 +106,22 @@ class Formats {
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
     formats_.insert_or_assign(std::string(text.substr(0, colon)), std::move(fields));
+    spread_.clear();
   }
 
   bool has(const std::string& topic) const { return formats_.contains(topic); }
 
   /// The numbers of a topic's messages. @throws ConfigError
-  std::vector<UlogField> spread(const std::string& topic) const {
-    std::vector<UlogField> fields;
-    spread(topic, "", 0, 0, fields);
-    return fields;
+  const std::vector<UlogField>& spread(const std::string& topic) {
+    const auto [fields, is_new] = spread_.try_emplace(topic);
+    if (is_new) spread(topic, "", 0, 0, fields->second);
+    return fields->second;
   }
 
  private:
   /// @return bytes that the type takes
   std::size_t spread(const std::string& type, const std::string& prefix, std::size_t offset,
-                     int depth, std::vector<UlogField>& out) const {
+                     int depth, std::vector<UlogField>& out) {
     constexpr int kMostDepth = 16;
     const auto format = formats_.find(type);
     if (format == formats_.end()) throw ConfigError("type `" + type + "` is used, but not defined");
@@ -130,9 +132,10 @@ class Formats {
       for (std::size_t i = 0; i < field.count.value_or(1); ++i) {
         std::string name = prefix + field.name;
         if (field.count) name += "[" + std::to_string(i) + "]";
-        if (name.size() > kMostNameBytes || out.size() > kMostFields) {
-          throw ConfigError("type `" + type + "` has too many fields, or too long a name");
+        if (name.size() > kMostNameBytes) {
+          throw ConfigError("type `" + type + "` has a field with too long a name");
         }
+        if (++steps_ > kMostSteps) throw ConfigError("it has too many fields");
         std::size_t size = 0;
         if (basic != nullptr) {
           size = basic->size;
@@ -140,7 +143,6 @@ class Formats {
         } else {
           size = spread(field.type, name + ".", offset, depth + 1, out);
         }
-        // Bounds what nesting can grow to, in size and in steps.
         if (size == 0) throw ConfigError("type `" + field.type + "` is empty");
         offset += size;
         if (offset > kMostBytes) throw ConfigError("type `" + type + "` is larger than a message");
@@ -150,6 +152,8 @@ class Formats {
   }
 
   std::map<std::string, std::vector<Declaration>> formats_;
+  std::map<std::string, std::vector<UlogField>> spread_;  // topics so far
+  std::size_t steps_ = 0;                                 // taken for all of them
 };
 
 /// A topic of the log with what its messages need to have.
@@ -176,14 +180,14 @@ class Reader {
       const char type = bytes_[at_ + 2];
       const std::size_t next = at_ + kMessageHeaderSize + size;
       if (!plausible(type, size)) {
-        skip_to(std::min(next_sync(at_ + 1), end));
+        skip_to(next_sync(end));
         continue;
       }
       if (next > end) {
         // Cut, as many logs are; or a damaged size, behind which there may be more.
-        const std::size_t sync = next_sync(at_ + 1);
+        const std::size_t sync = next_sync(end);
         if (sync < end) listener_.on_damage(sync - at_);
-        at_ = std::min(sync, end);
+        at_ = sync;
         continue;
       }
       const std::size_t begin = std::exchange(at_, next);
@@ -204,8 +208,9 @@ class Reader {
     return bytes_.size();
   }
 
-  std::size_t next_sync(std::size_t from) const {
-    return std::min(bytes_.find(kSync, from), bytes_.size());
+  /// Where the next synchronisation message of this part begins, or the part's end.
+  std::size_t next_sync(std::size_t end) const {
+    return std::min(bytes_.substr(0, end).find(kSync, at_ + 1), end);
   }
 
   void skip_to(std::size_t place) {
@@ -269,6 +274,8 @@ class Reader {
   }
 
   bool on_flags(std::string_view body) {
+    // Right behind the header, as the format has it.
+    if (at_ != kHeaderSize + kMessageHeaderSize + body.size()) return false;
     constexpr std::size_t kFlags = 8;  // bytes of flags that may be unknown, then as many that not
     if (body.size() < 2 * kFlags + sizeof appended_) return false;
     constexpr char kAppended = 1;

@@ -104,6 +104,7 @@ TEST(ReadUlog, TellsFactsParametersSentencesAndDropouts) {
   const UlogBytes log =
       simple()
           .pair('I', "char[4] ver_hw", "V5X\n")
+          .pair('I', "char[0] ver_sw_branch", "")
           .pair('I', "uint32_t number", UlogBytes::number(std::uint32_t{1}))
           .pair('P', "int32_t SYS_ID", UlogBytes::number(std::int32_t{-2}))
           .pair('P', "float GAIN", UlogBytes::number(0.5F))
@@ -112,9 +113,10 @@ TEST(ReadUlog, TellsFactsParametersSentencesAndDropouts) {
           .sentence('4', 6, "low battery")
           .message('C', "6" + tag + UlogBytes::number(std::uint64_t{8}) + "tagged")
           .dropout(40);
-  EXPECT_EQ(Lines(log.bytes()).rest(),
-            (Strings{"ver_hw: V5X\n", "SYS_ID: -2.000000", "GAIN: 0.500000", "point: 5 x=1.000000",
-                     "text: 6 4 low battery", "text: 8 6 tagged", "dropout: 40"}));
+  EXPECT_EQ(
+      Lines(log.bytes()).rest(),
+      (Strings{"ver_hw: V5X\n", "ver_sw_branch: ", "SYS_ID: -2.000000", "GAIN: 0.500000",
+               "point: 5 x=1.000000", "text: 6 4 low battery", "text: 8 6 tagged", "dropout: 40"}));
 }
 
 TEST(ReadUlog, ReadsWhatOurWriterWrites) {
@@ -183,6 +185,21 @@ TEST(ReadUlog, ReadsWhatWasAppendedBehindACut) {
             (Strings{"point: 5 x=1.000000", "point: 9 x=3.000000"}));
   EXPECT_EQ(refusal(UlogBytes().message('B', flags(0, 2)).bytes()),
             "it needs a reader that knows more than ULog version 1");
+  // Not the first message: it moves no end and asks for nothing.
+  for (const std::string& late : {flags(at), flags(0, 2)}) {
+    EXPECT_EQ(Lines(log(0).message('B', late).data(7, 6, x(2)).bytes()).rest(),
+              (Strings{"point: 5 x=1.000000", "damage: 43", "point: 6 x=2.000000"}));
+  }
+}
+
+TEST(ReadUlog, SpreadsATopicOnceAndCountsItsPadding) {
+  const char* const padded = "a:uint64_t timestamp;uint8_t[60000] _padding0;";
+  UlogBytes once;
+  once.format(padded).subscribe(1, "a").subscribe(2, "a", 1).subscribe(3, "a", 2);
+  EXPECT_EQ(refusal(once.bytes()), "was read");
+  UlogBytes again;
+  again.format(padded).subscribe(1, "a").format(padded).subscribe(2, "a", 1);
+  EXPECT_EQ(refusal(again.bytes()), "it has too many fields");
 }
 
 struct BadLog {
@@ -206,13 +223,15 @@ TEST(ReadUlog, RefusesInASentenceWhatItCannotRead) {
             "type `a` has `float`, which is no field"},
            {"no count", of("a:uint64_t timestamp;float[x] y;"),
             "type `a` has `float[x] y`, which is no field"},
+           {"no element", of("a:uint64_t timestamp;float[0] y;"),
+            "type `a` has `float[0] y`, which is no field"},
            {"unknown type", of("a:uint64_t timestamp;b c;"), "type `b` is used, but not defined"},
            {"nests itself", of("a:uint64_t timestamp;a c;"), "type `a` is nested too deep"},
            {"too large", of("a:uint64_t timestamp;double[60000] c;"),
             "type `a` is larger than a message"},
            {"no timestamp", of("a:float x;"), "topic `a` has no timestamp"},
            {"name", of(("a:uint64_t timestamp;float " + long_name + ";").c_str()),
-            "type `a` has too many fields, or too long a name"}}) {
+            "type `a` has a field with too long a name"}}) {
     EXPECT_EQ(refusal(bytes), sentence) << name;
   }
   UlogBytes many;
