@@ -59,10 +59,9 @@ bool LoggedSeries::take(double t_s) {
 void LoggedSeries::add(std::string_view name, std::string_view unit, double value, bool fine) {
   auto field = fields_.begin() + static_cast<std::ptrdiff_t>(expected_);
   if (field == fields_.end() || field->name != name) {
-    field = std::ranges::find(fields_, name, &Field::name);
-    if (field == fields_.end()) {
-      field = fields_.insert(fields_.end(), {std::string(name), std::string(unit), fine, {}});
-    }
+    const auto [place, is_new] = places_.try_emplace(std::string(name), fields_.size());
+    if (is_new) fields_.push_back({std::string(name), std::string(unit), fine, {}});
+    field = fields_.begin() + static_cast<std::ptrdiff_t>(place->second);
   }
   field->values.push_back(value);
   expected_ = static_cast<std::size_t>(field - fields_.begin()) + 1;

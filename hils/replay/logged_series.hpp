@@ -40,7 +40,8 @@ class LoggedSeries {
   std::map<std::int64_t, int> per_second_;
   std::vector<double> times_s_;
   std::vector<Field> fields_;
-  std::size_t expected_ = 0;  // place of the field that comes next
+  std::map<std::string, std::size_t> places_;  // of fields, by name
+  std::size_t expected_ = 0;                   // place of the field that comes next
   double next_s_ = 0;
 };
 

@@ -262,7 +262,8 @@ class Contents final : public UlogListener {
       auto& [armed, in_hil, mode, landed] = now_;
       armed = number(series, bytes, "arming_state") == kArmed;
       in_hil = number(series, bytes, "hil_state").value_or(0) != 0;
-      mode = static_cast<int>(number(series, bytes, "nav_state").value_or(-1));
+      const double nav_state = number(series, bytes, "nav_state").value_or(-1);
+      mode = nav_state >= 0 && nav_state <= 255 ? static_cast<int>(nav_state) : -1;
       system_ = number(series, bytes, "system_id").value_or(0);
       heard_ = true;
     } else if (series.name == "vehicle_land_detected") {

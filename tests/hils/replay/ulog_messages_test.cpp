@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -74,6 +75,30 @@ TEST(ReplayUlog, SaysWhoItIsAndWhatItDid) {
   EXPECT_EQ(vehicle["log"]["states"].dump(),
             R"([[0.0,0,"HOLD",0],[1.0,0,"HOLD",1],[2.0,128,"TAKEOFF",1],[3.0,128,"TAKEOFF",2],)"
             R"([4.0,128,"nav state 99",2]])");
+}
+
+TEST(ReplayUlog, AModeThatIsNoneIsUnknown) {
+  for (const float mode : {std::nanf(""), 1e30F, -1e30F, 256.F}) {
+    UlogBytes bytes(kStart);
+    bytes.format("vehicle_status:uint64_t timestamp;float nav_state;")
+        .subscribe(0, "vehicle_status")
+        .data(0, kStart, UlogBytes::number(mode));
+    EXPECT_EQ(ulog_messages(bytes.bytes())["log"]["states"].dump(), R"([[0.0,0,"nav state -1",0]])")
+        << mode;
+  }
+}
+
+TEST(ReplayUlog, FieldsThatChangePlacesKeepTheirValues) {
+  UlogBytes bytes(kStart);
+  bytes.format("pair:uint64_t timestamp;uint8_t a;uint8_t b;")
+      .subscribe(0, "pair")
+      .format("pair:uint64_t timestamp;uint8_t b;uint8_t a;uint8_t c;")
+      .subscribe(1, "pair");
+  bytes.data(0, kStart, "\x01\x02").data(1, kStart + kSecond, "\x05\x03\x09");
+  const Json fields = message(ulog_messages(bytes.bytes()), "pair")["fields"];
+  ASSERT_EQ(fields.size(), 2U) << "c is not in each message";
+  EXPECT_EQ(fields[0]["values"]["d"].dump(), "[1,2]") << "a: 1, 3";
+  EXPECT_EQ(fields[1]["values"]["d"].dump(), "[2,3]") << "b: 2, 5";
 }
 
 TEST(ReplayUlog, HasEachTopicAtNoMoreThan20HzAndTheAttitudeAsAngles) {
