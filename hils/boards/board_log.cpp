@@ -242,9 +242,9 @@ FetchedLog fetch_newest_log(Supervisor& supervisor, const Board& board,
     fetched.sentence = fmt::format("board '{}': its newest log is in {}: {}", board.name,
                                    file.filename().string(), fetch(supervisor, board, by_id, file));
     fetched.done = true;
-  } catch (const RunStopped&) {
-    throw;
   } catch (const std::exception& error) {
+    const auto* stopped = dynamic_cast<const RunStopped*>(&error);
+    if (stopped != nullptr && stopped->interrupted()) throw;
     fetched.sentence =
         fmt::format("board '{}': its log was not fetched: {}", board.name, error.what());
   }

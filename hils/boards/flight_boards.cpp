@@ -163,17 +163,24 @@ std::map<std::size_t, FcuDevice> FlightBoards::prepare(const fs::path& out,
 }
 
 void FlightBoards::fetch_logs(const fs::path& out, const VehicleNames& vehicles) const {
-  std::optional<Supervisor> supervisor;
   for (const auto& [vehicle, board] : boards_) {
     if (!board->log) continue;
-    if (!supervisor) supervisor.emplace();
+    Supervisor supervisor;  // a program of one that ends stops no other
     const fs::path folder = vehicles.size() > 1 ? out / vehicles.at(vehicle) : out;
     std::error_code ignored;
     fs::create_directories(folder, ignored);
     fs::remove(folder / "board.ulg", ignored);  // that of a flight before
     fmt::print(stderr, "{}\n",
-               fetch_newest_log(*supervisor, *board, list_->by_id, folder / "board.ulg").sentence);
+               fetch_newest_log(supervisor, *board, list_->by_id, folder / "board.ulg").sentence);
   }
+}
+
+base::Duration FlightBoards::log_time() const {
+  base::Duration time{};
+  for (const auto& [vehicle, board] : boards_) {
+    if (board->log) time += board->log->timeout;
+  }
+  return time;
 }
 
 std::string FlightBoards::missing_port() const {

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <functional>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "base/os/write_file.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/flight_boards.hpp"
+#include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/realtime_run.hpp"
 #include "hils/replay/replay_command.hpp"
@@ -38,7 +41,8 @@ void write_artefacts(const RunRequest& request, const RunResult& run) {
   }
 }
 
-RowResult fly_on_board(const RowTask& task) {
+/// @param fetch_logs  set where there may be logs: for after the result has been written
+RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
   const fs::path campaign = task.scenario.parent_path();
   const CampaignControllers controllers = CampaignControllers::load(campaign);
   RunRequest request;
@@ -49,8 +53,10 @@ RowResult fly_on_board(const RowTask& task) {
   request.seed = task.seed;
   remove_verdict(request.out);
 
-  const FlightBoards boards(parse_fcu_words(controllers.words, request.scenario.names()),
-                            controllers.boards, "a flight of hils campaign", std::nullopt);
+  const auto own = std::make_shared<const FlightBoards>(
+      parse_fcu_words(controllers.words, request.scenario.names()), controllers.boards,
+      "a flight of hils campaign", std::nullopt);
+  const FlightBoards& boards = *own;
   if (const std::string missing = boards.missing_port(); !missing.empty()) {
     throw BoardError(kExitBoardAbsent, missing);
   }
@@ -63,9 +69,10 @@ RowResult fly_on_board(const RowTask& task) {
   }
   fail_absent(gone, run);
   write_artefacts(request, run);
-  if (gone.empty()) boards.fetch_logs(request.out, request.scenario.names());
-
   if (!gone.empty()) return row_without_figures(RowOutcome::kDied, gone.begin()->second);
+  fetch_logs = [own, out = request.out, names = request.scenario.names()] {
+    own->fetch_logs(out, names);
+  };
   RowResult result = row_of(request.scenario, run);
   if (result.outcome == RowOutcome::kInvalid && result.strike) {
     result.strike->no_verdict = "the flight has no verdict: " + result.cause;
@@ -97,7 +104,12 @@ CampaignControllers CampaignControllers::load(const fs::path& folder) {
 
 int fly_board_row(const fs::path& folder) {
   try {
-    return fly_row(folder, [](const RowTask& task, const fs::path&) { return fly_on_board(task); });
+    std::function<void()> fetch_logs;
+    const int code = fly_row(folder, [&fetch_logs](const RowTask& task, const fs::path&) {
+      return fly_on_board(task, fetch_logs);
+    });
+    if (code == kExitPassed && fetch_logs) fetch_logs();
+    return code;
   } catch (const BoardError& error) {
     base::write_file(folder / kBoardSentence, error.what(), base::Durability::kCache);
     return error.code();

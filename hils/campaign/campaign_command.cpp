@@ -24,8 +24,8 @@
 #include "hils/campaign/catalogue.hpp"
 #include "hils/campaign/matrix.hpp"
 #include "hils/measure/judgement.hpp"
-#include "hils/report/results_folder.hpp"
 #include "hils/report/report.hpp"
+#include "hils/report/results_folder.hpp"
 #include "hils/sweep/row_again.hpp"
 #include "hils/sweep/sweep_folder.hpp"
 #include "hils/sweep/sweep_runner.hpp"
@@ -145,7 +145,10 @@ int fly_on_boards(const Campaign& campaign, const CampaignControllers& controlle
     return matrix.exit_code();
   };
   try {
-    run_sweep(sweep, {.jobs = 1, .retry = options.retry, .on_boards = true});
+    run_sweep(sweep, {.jobs = 1,
+                      .retry = options.retry,
+                      .after_s = base::to_seconds(held->log_time()),
+                      .on_boards = true});
   } catch (const BoardError& error) {
     report(error.what());
     throw;

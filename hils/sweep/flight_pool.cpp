@@ -106,8 +106,8 @@ void FlightPool::take_ended(const std::function<void(RowResult&&)>& take) {
       result = result_of(*flight, end);
     } else if (base::to_seconds(elapsed) > deadline_s_) {
       flight->process->kill();
-      result = row_without_figures(RowOutcome::kHung,
-                                   fmt::format("the run had no result after {:g} s", deadline_s_));
+      result = written_result(*flight).value_or(row_without_figures(
+          RowOutcome::kHung, fmt::format("the run had no result after {:g} s", deadline_s_)));
     } else {
       ++flight;
       continue;
@@ -139,17 +139,21 @@ RowResult FlightPool::result_of(const Flight& flight, const ExitStatus& end) con
     throw BoardError(static_cast<ExitCode>(end.code), text_of_file(flight.folder / kBoardSentence));
   }
   if (end.code == kExitPassed) {
-    try {
-      const std::string line = text_of_file(flight.folder / "result.json");
-      if (auto result = parse_journal_line(line); result && result->row == flight.row) {
-        return std::move(*result);
-      }
-    } catch (const base::ConfigError&) {
-      // it ended without a result
-    }
+    if (auto result = written_result(flight)) return std::move(*result);
   }
   return row_without_figures(RowOutcome::kDied,
                              "the process of the run " + end.words + tail_of(log_file));
+}
+
+/// Nothing where it has left none.
+std::optional<RowResult> FlightPool::written_result(const Flight& flight) {
+  try {
+    auto result = parse_journal_line(text_of_file(flight.folder / "result.json"));
+    if (result && result->row == flight.row) return result;
+  } catch (const base::ConfigError&) {
+    // it is not there
+  }
+  return std::nullopt;
 }
 
 fs::path fresh_folder(const fs::path& parent, const std::string& prefix) {

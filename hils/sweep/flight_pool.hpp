@@ -5,6 +5,7 @@
 #include <functional>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,7 @@ class FlightPool {
     std::unique_ptr<ChildProcess> process;
   };
   RowResult result_of(const Flight& flight, const ExitStatus& end) const;
+  static std::optional<RowResult> written_result(const Flight& flight);
 
   std::filesystem::path folder_;
   double deadline_s_;

@@ -42,7 +42,7 @@ class Runner {
 
   void fly() {
     // The journal's lock shows that what lies there is of a runner that was killed.
-    pool_.emplace(scratch_ / options_.chunk.name(), sweep_.study.deadline_s,
+    pool_.emplace(scratch_ / options_.chunk.name(), sweep_.study.deadline_s + options_.after_s,
                   options_.on_boards ? std::vector<std::string>{"campaign", "--fly"}
                                      : std::vector<std::string>{"sweep", "fly"});
     const StopRequest stop;

@@ -15,6 +15,7 @@ struct SweepRunOptions {
   std::size_t jobs = 1;             ///< processes at once
   std::filesystem::path scratch{};  ///< files of runs under way; empty: in the sweep's folder
   bool retry = false;               ///< flies runs that died or hung once more
+  double after_s = 0;               ///< what a run may take besides its study's deadline
   bool on_boards = false;           ///< as `controllers.json` in the sweep's folder says
 };
 /// Its file says with which boards the rows of a folder are flown, and that they are.
