@@ -359,9 +359,10 @@ struct App::Impl {
     GainMap gains = load_gains(topology);
     const LinkMask gone = links.reload(std::move(topology));
     // A new link may have the number of one that is gone: its packets are another vehicle's.
+    failures.begin_reload(gone, base::steady_now());
     hear(station_now());
+    failures.end_reload();
     commander.forget(gone);
-    failures.forget(gone);
     const CommandingConfig& commanding = links.topology().commanding;
     commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil);
     vehicle_methods.set_gains(std::move(gains));

@@ -75,36 +75,39 @@ FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::Packe
   const auto* const known = std::get_if<std::uint8_t>(&resolved);
   const std::uint8_t system = known == nullptr ? target.system : *known;
   const std::optional<FailureOrder>& order = command->order;
+  if ((gone_ & bit(from.path.link)) != 0) {
+    leave_line(ids(packet.source) + " MAV_CMD_INJECT_FAILURE vehicle " + std::to_string(system) +
+                   ": it came in the middle of a reload",
+               false, now);
+    return Verdict::kRefused;
+  }
   if (order && is_repetition(from, packet, system, *order)) return Verdict::kRefused;
 
   const mav::Source vehicle{system,
                             target.component != 0 ? target.component : mav::services::kAutopilot};
-  const std::string line = ids(packet.source) + " on link " + hooks_.link_name(from.path.link) +
-                           " MAV_CMD_INJECT_FAILURE" +
-                           (order ? " '" + to_words(*order) + "'" : "") + " vehicle " +
-                           std::to_string(system) + ": ";
-  const Done done = [this, to = from.path, asker = packet.source, vehicle, line,
-                     now](const Outcome& outcome) {
-    leave_line(line + (outcome.ok() ? "accepted" : sentence(outcome)), outcome.ok(), now);
-    answer(to, asker, vehicle, outcome);
-  };
-  std::optional<Outcome> why;
-  if (!hooks_.permits(from.path.link)) {
-    why = refused(MavResult::kDenied, "this link may not inject failures",
-                  "inject_failures: true of the link permits it");
-  } else if (!order) {
+  std::string line = ids(packet.source) + " on link " + hooks_.link_name(from.path.link) +
+                     " MAV_CMD_INJECT_FAILURE" + (order ? " '" + to_words(*order) + "'" : "") +
+                     " vehicle " + std::to_string(system) + ": ";
+  Request request{.order = order.value_or(FailureOrder{}),
+                  .answer = [this, to = from.path, asker = packet.source, vehicle](
+                                const Outcome& outcome) { answer(to, asker, vehicle, outcome); },
+                  .line = std::move(line),
+                  .by = packet.source,
+                  .link = from.path.link};
+  std::optional<Outcome> why = refusal(packet.source, from.path.link);
+  if (!why && !order) {
     why = refused(MavResult::kDenied, "unit, type or instance is no number");
-  } else if (known == nullptr) {
+  } else if (!why && known == nullptr) {
     why = refused(MavResult::kDenied, "there is no such vehicle",
                   std::get<Outcome>(resolved).message);
-  } else {
+  } else if (!why) {
     why = refusal(system);
   }
   if (why) {
-    done(*why);
+    end(request, *why, now);
     return Verdict::kRefused;
   }
-  add(system, {.order = *order, .done = done, .by = packet.source, .link = from.path.link}, now);
+  add(system, std::move(request), now);
   return Verdict::kTaken;
 }
 
@@ -123,7 +126,14 @@ void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, bas
     done(whole);
   };
   if (const auto why = refusal(system)) return told(*why);
-  add(system, {.order = *order, .done = told}, now);
+  add(system, {.order = *order, .answer = told}, now);
+}
+
+/// Why a station's order is not taken, whatever it is.
+std::optional<Outcome> FailureDesk::refusal(mav::Source by, LinkId link) const {
+  if (hooks_.permits(link)) return std::nullopt;
+  return refused(MavResult::kDenied, "this link may not inject failures",
+                 "inject_failures: true of the link permits it");
 }
 
 /// Why a vehicle gets no failure at all.
@@ -153,7 +163,7 @@ bool FailureDesk::is_repetition(const Origin& from, const mav::PacketView& packe
 void FailureDesk::add(std::uint8_t system, Request request, base::RunTime now) {
   std::deque<Request>& waiting = waiting_[system];
   if (waiting.size() == kMostWaiting) {
-    return request.done(refused(MavResult::kTemporarilyRejected, "too many failures wait"));
+    return end(request, refused(MavResult::kTemporarilyRejected, "too many failures wait"), now);
   }
   waiting.push_back(std::move(request));
   if (waiting.size() == 1) send_first(system, now);
@@ -161,8 +171,10 @@ void FailureDesk::add(std::uint8_t system, Request request, base::RunTime now) {
 
 void FailureDesk::send_first(std::uint8_t system, base::RunTime now) {
   // Much can change while it waits.
-  if (const auto why = refusal(system)) return finish(system, *why, now);
   Request& request = waiting_.at(system).front();
+  auto why = refusal(system);
+  if (request.link != kNoLink && !why) why = refusal(request.by, request.link);
+  if (why) return finish(system, *why, now);
   request.simulator = *hooks_.simulator(system);
   request.token = token_ = token_ % kMostToken + 1;
   request.deadline = now + kPatience;
@@ -201,17 +213,31 @@ void FailureDesk::finish(std::uint8_t system, const Outcome& outcome, base::RunT
   std::deque<Request>& waiting = waiting_.at(system);
   const Request request = std::move(waiting.front());
   waiting.pop_front();
-  request.done(outcome);
+  end(request, outcome, now);
   if (!waiting.empty() && waiting.front().token == 0) send_first(system, now);
 }
 
-void FailureDesk::forget(LinkMask links) {
+/// Leaves the audit's line, and answers.
+void FailureDesk::end(const Request& request, const Outcome& outcome, base::RunTime now) {
+  if (!request.line.empty()) {
+    leave_line(request.line + (outcome.ok() ? "accepted" : sentence(outcome)), outcome.ok(), now);
+  }
+  if (request.answer) request.answer(outcome);
+}
+
+void FailureDesk::begin_reload(LinkMask gone, base::RunTime now) {
+  gone_ = gone;
   for (auto& [system, waiting] : waiting_) {
     for (Request& request : waiting) {
-      if (request.link != kNoLink && (links & bit(request.link)) != 0) {
-        request.done = [](const Outcome&) {};
-      }
+      if (request.link == kNoLink || (gone & bit(request.link)) == 0) continue;
+      request.link = kNoLink;
+      request.answer = nullptr;
     }
+    std::erase_if(waiting, [&](const Request& request) {
+      const bool dropped = request.token == 0 && !request.answer;
+      if (dropped) end(request, refused(MavResult::kDenied, "its link is gone"), now);
+      return dropped;
+    });
   }
 }
 

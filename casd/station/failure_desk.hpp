@@ -65,13 +65,16 @@ class FailureDesk {
   void inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   /// Gives up on simulators that do not answer: several times a second.
   void tick(base::RunTime now);
-  /// These links are gone for good: nobody there is answered any more.
-  void forget(LinkMask links);
+  /// These links are gone for good: what waits for them is dropped, nobody there is answered any
+  /// more. Until end_reload() all that bears their numbers is refused: it may have come before.
+  void begin_reload(LinkMask gone, base::RunTime now);
+  void end_reload() { gone_ = 0; }
 
  private:
   struct Request {
     mav::services::FailureOrder order;
-    Done done;
+    Done answer;
+    std::string line{};      ///< of the audit, without the outcome; empty: the port leaves its own
     mav::Source by{};        ///< who asked; system 0: the command port
     LinkId link = kNoLink;   ///< where it is
     Simulator simulator{};   ///< of the one that is under way
@@ -82,9 +85,11 @@ class FailureDesk {
   bool is_repetition(const Origin& from, const mav::PacketView& packet, std::uint8_t system,
                      const mav::services::FailureOrder& order) const;
   std::optional<Outcome> refusal(std::uint8_t system) const;
+  std::optional<Outcome> refusal(mav::Source by, LinkId link) const;
   void add(std::uint8_t system, Request request, base::RunTime now);
   void send_first(std::uint8_t system, base::RunTime now);
   void finish(std::uint8_t system, const Outcome& outcome, base::RunTime now);
+  void end(const Request& request, const Outcome& outcome, base::RunTime now);
   void on_ack(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   void answer(const Path& to, mav::Source asker, mav::Source vehicle, const Outcome& outcome);
   void leave_line(const std::string& line, bool accepted, base::RunTime now);
@@ -95,6 +100,7 @@ class FailureDesk {
   const VehicleCommander& commander_;
   FailureHooks hooks_;
   std::map<std::uint8_t, std::deque<Request>> waiting_;  ///< by system; the first is under way
+  LinkMask gone_ = 0;                                    ///< while a reload is under way
   std::int32_t token_ = 0;
   std::uint8_t sequence_ = 0;  ///< of packets in a vehicle's name
   base::RunTime refusals_since_{};

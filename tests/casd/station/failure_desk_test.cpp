@@ -44,14 +44,15 @@ class Desk : public testing::Test {
 
   Desk()
       : commander_({.heartbeat_hz = 0, .ask_on_sight = false}, [](auto, auto) {}),
-        desk_(kSelf, commander_,
-              {.send = [this](auto bytes, auto to) { keep(mav::view_packet(bytes), to.front()); },
-               .permits = [](LinkId link) { return link == kPermitted.path.link; },
-               .link_name = [](LinkId link) { return "link" + std::to_string(link); },
-               .hil_doubt =
-                   [this](std::uint8_t system) { return commander_.hil_doubt(system, now_); },
-               .simulator = [this](std::uint8_t) { return simulator_; },
-               .audit = [this](const std::string& line) { audit_.push_back(line); }}) {}
+        desk_(
+            kSelf, commander_,
+            {.send = [this](auto bytes, auto to) { keep(mav::view_packet(bytes), to.front()); },
+             .permits = [this](LinkId link) { return permitted_ && link == kPermitted.path.link; },
+             .link_name = [](LinkId link) { return "link" + std::to_string(link); },
+             .hil_doubt =
+                 [this](std::uint8_t system) { return commander_.hil_doubt(system, now_); },
+             .simulator = [this](std::uint8_t) { return simulator_; },
+             .audit = [this](const std::string& line) { audit_.push_back(line); }}) {}
 
   void keep(const mav::PacketView& packet, const Path& to) {
     Sent sent{.source = packet.source,
@@ -116,6 +117,7 @@ class Desk : public testing::Test {
 
   base::RunTime now_{100s};
   VehicleCommander commander_;
+  bool permitted_ = true;
   std::optional<Simulator> simulator_ = Simulator{kHilsim, kSimulatorLink.path};
   std::vector<Sent> sent_;
   std::vector<std::string> audit_;
@@ -289,12 +291,31 @@ TEST_F(Desk, HoldsAFewAndRefusesMore) {
   EXPECT_EQ(result(), MavResult::kTemporarilyRejected);
 }
 
-TEST_F(Desk, AnswersNobodyOnALinkThatIsGone) {
+TEST_F(Desk, AnswersNobodyOnALinkThatIsGoneAndDropsWhatWaits) {
   beat();
   ask(kPermitted);
-  desk_.forget(bit(kPermitted.path.link));
+  ask(kPermitted, {Unit::kBaro, Type::kStuck});
+  desk_.begin_reload(bit(kPermitted.path.link), now_);
+  EXPECT_EQ(audit_.size(), 1U) << "what waited";
+  EXPECT_EQ(ask(kPermitted, {Unit::kMag, Type::kOff}), Verdict::kRefused) << "it was on its way";
+  EXPECT_EQ(audit_.size(), 2U);
+  desk_.end_reload();
   simulator_says(MavResult::kAccepted);
   EXPECT_EQ(result(), std::nullopt);
+  EXPECT_EQ(commands().size(), 1U);
+  ASSERT_EQ(audit_.size(), 3U);
+  EXPECT_NE(audit_[2].find("'gps off' vehicle 1: accepted"), std::string::npos) << audit_[2];
+  EXPECT_EQ(ask(kPermitted), Verdict::kTaken) << "a new link with this number";
+}
+
+TEST_F(Desk, AsksForThePermissionAgainBeforeTheNextIsSent) {
+  beat();
+  ask(kPermitted);
+  ask(kPermitted, {Unit::kBaro, Type::kStuck});
+  permitted_ = false;
+  simulator_says(MavResult::kAccepted);
+  EXPECT_EQ(commands().size(), 1U);
+  EXPECT_EQ(sent_.back().ack->result, MavResult::kDenied);
 }
 
 TEST_F(Desk, LeavesFewLinesOfAFlood) {
