@@ -125,7 +125,7 @@ const RoutingPlan& Router::plan_for(LinkId link) {
 
 bool Router::is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                           base::RunTime now) {
-  const int group = plan.group[from];
+  const std::int8_t group = plan.group[from];
   return group >= 0 &&
          duplicates_[static_cast<std::size_t>(group)]->is_duplicate(from, packet, now);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -18,7 +19,8 @@ constexpr double kTimeStep_s = 0.001;
 
 /// A power of ten with so many figures of a value.
 double figures_of(double value, int figures) {
-  return std::pow(10.0, std::floor(std::log10(value)) - (figures - 1));
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - (figures - 1));
+  return std::max(step, std::numeric_limits<double>::min());
 }
 
 /// Five figures of the largest value: finer than any plot shows; whole numbers stay whole.

@@ -226,7 +226,7 @@ class Contents final : public UlogListener {
  private:
   /// What the log lacks within a second.
   struct Missing {
-    int dropped_ms = 0;
+    std::int64_t dropped_ms = 0;
     std::size_t damaged_bytes = 0;
   };
   /// Armed, in HIL, mode, landed.
