@@ -127,7 +127,7 @@ bool Router::is_duplicate(LinkId from, const RoutingPlan& plan, const mav::Packe
                           base::RunTime now) {
   const std::int8_t group = plan.group[from];
   return group >= 0 &&
-         duplicates_[static_cast<std::size_t>(group)]->is_duplicate(from, packet, now);
+         duplicates_[static_cast<std::uint8_t>(group)]->is_duplicate(from, packet, now);
 }
 
 }  // namespace cas::casd
