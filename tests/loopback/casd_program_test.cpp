@@ -166,11 +166,12 @@ INSTANTIATE_TEST_SUITE_P(
                              "--check", 0, "1 links"},
                     ExitCase{"EffectiveTopology",
                              "schema: 1\nlinks:\n"
-                             "  - {name: a, type: udp, local: '[::1]:0', accept: nothing}\n"
+                             "  - {name: a, type: udp, local: '[::1]:0', accept: nothing, "
+                             "inject_failures: true}\n"
                              "  - {name: b, type: serial, device: /dev/x, baud: 921600}\n"
                              "routes:\n  - {from: a, to: b, allow: [HIL_SENSOR]}\n",
                              "--check", 0,
-                             "  a: udp at [::1]:0, read-only\n"
+                             "  a: udp at [::1]:0, read-only, may inject failures\n"
                              "  b: serial /dev/x at 921600 baud, paced\n"
                              "routes\n"
                              "  a -> b: only HIL_SENSOR\n"
