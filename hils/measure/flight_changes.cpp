@@ -67,6 +67,14 @@ std::string name_of(const std::array<char, n>& id) {
   return name;
 }
 
+/// Whether a call injects a failure, by what is kept of its parameters.
+bool is_failure(const OutsideCall& call) {
+  if (call.method != "vehicle.command") return false;
+  const json params = json::parse(call.params, nullptr, false);
+  return params.is_object() &&
+         static_cast<MavCmd>(params.value("command", 0)) == MavCmd::kInjectFailure;
+}
+
 /// Goes through a flight log and what was asked at the command port.
 class ChangeReader {
  public:
@@ -91,8 +99,11 @@ class ChangeReader {
       const std::string params = call.params == "{}" ? "" : " " + call.params;
       const std::string what = call.method + params + (call.accepted ? "" : ", refused");
       // What was done to the simulator counts whenever it was: after a reset it is early again.
-      call.sim_s ? keep_act(*call.sim_s, port_words(call), what)
-                 : add_act(call.log_us, port_words(call), what);
+      if (call.sim_s || is_failure(call)) {
+        keep_act(call.sim_s.value_or(seconds(call.log_us)), port_words(call), what);
+      } else {
+        add_act(call.log_us, port_words(call), what);
+      }
     }
   }
 
@@ -206,7 +217,9 @@ class ChangeReader {
     const std::optional<casd::Act> act = casd::act_of(packet);
     if (!act || !is_meant(act->target.system)) return;
     if (own_station_ && packet.message_id == ManualControl::kId) return;
-    add_act(log_us, by, act->what);
+    // A failure lasts: it counts whenever it was.
+    casd::is_failure(packet) ? keep_act(seconds(log_us), by, act->what)
+                             : add_act(log_us, by, act->what);
   }
 
   /// Only what falls into the flight counts: before it a ground station greets the vehicle.

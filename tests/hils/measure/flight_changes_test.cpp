@@ -172,6 +172,20 @@ TEST_F(FlightChangesTest, AFailureThatAStationInjectsIsAnAct) {
   EXPECT_TRUE(changes.from_outside());
 }
 
+TEST_F(FlightChangesTest, AFailureCountsAlsoBeforeTheFlight) {
+  CommandLong gps_off;
+  gps_off.target_system = 1;
+  gps_off.command = MavCmd::kInjectFailure;
+  gps_off.param1 = 4;
+  gps_off.param2 = 1;
+  say(5, ground_, gps_off);
+  ask(6, "vehicle.command", {{"command", 420}, {"params", {4, 1, 0}}});
+  const FlightChanges changes = read();
+  ASSERT_EQ(changes.acts.size(), 2U);
+  EXPECT_NEAR(changes.acts[0].time_s, 5, 1e-6);
+  EXPECT_NEAR(changes.acts[1].time_s, 6, 1e-6);
+}
+
 TEST_F(FlightChangesTest, CommandsOfOthersDuringTheFlightAreActs) {
   CommandLong land;
   land.target_system = 1;
