@@ -158,10 +158,12 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
 
   /// Hands a ground station's failure to plugin `fault`.
   mavlink::common::MavResult inject(const mav::services::FailureOrder& failure) {
+    using mav::services::FailureOrder;
+    using mav::services::FailureType;
     using mavlink::common::MavResult;
     const std::string words = "MAV_CMD_INJECT_FAILURE '" + to_words(failure) + "'";
-    const auto orders =
-        fault_orders(failure, {.sensors = interface_->sensors(), .rotors = rotors_});
+    const VehicleParts parts{.sensors = interface_->sensors(), .rotors = rotors_};
+    const auto orders = fault_orders(failure, parts);
     if (!orders) {
       base::log::warn(words + ": this vehicle has no such physical failure");
       return MavResult::kUnsupported;
@@ -171,18 +173,25 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
       return MavResult::kUnsupported;
     }
     try {
-      for (const std::string& script : *orders) {
-        FaultOrder order;
-        CAS_CHECK(script.size() < order.script.size());
-        std::ranges::copy(script, order.script.begin());
-        faults_.publish(order);
-      }
+      publish(*orders);
     } catch (const base::ConfigError& error) {  // more than one run takes
+      const FailureOrder end{failure.unit, FailureType::kOk, failure.instance};
+      publish(*fault_orders(end, parts));  // of several orders some were perhaps taken
       base::log::warn(words + ": " + error.what());
       return MavResult::kFailed;
     }
     base::log::info(words + ": ordered");
     return MavResult::kAccepted;
+  }
+
+  /// @throws base::ConfigError when plugin `fault` takes no more; an end it always takes
+  void publish(const std::vector<std::string>& scripts) {
+    for (const std::string& script : scripts) {
+      FaultOrder order;
+      CAS_CHECK(script.size() < order.script.size());
+      std::ranges::copy(script, order.script.begin());
+      faults_.publish(order);
+    }
   }
 
   template <class Sample>

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -105,7 +107,11 @@ class InjectedVehicle : public testing::Test {
     harness_.add("mavlink_interface", "{transport: bus}");
     listening_ = harness_.bus.subscribe<WirePacket>("iris0/wire_out", [&](const WirePacket& p) {
       const mav::PacketView packet = mav::view_packet({p.bytes.data(), p.size});
-      if (packet.message_id == mv::HilGps::kId) ++fixes_;
+      if (const auto fix = mav::decode<mv::HilGps>(packet)) {
+        ++fixes_;
+        southmost_ = std::min(southmost_, fix->lat);
+        northmost_ = std::max(northmost_, fix->lat);
+      }
       if (const auto ack = mav::decode<mv::CommandAck>(packet)) acks_.push_back(*ack);
     });
     run(milliseconds(100));
@@ -136,6 +142,8 @@ class InjectedVehicle : public testing::Test {
   Subscription listening_;
   mav::Encoder encoder_{{254, 190}};
   int fixes_ = 0;
+  std::int32_t southmost_ = std::numeric_limits<std::int32_t>::max();
+  std::int32_t northmost_ = std::numeric_limits<std::int32_t>::min();
   std::vector<mv::CommandAck> acks_;
 };
 
@@ -164,6 +172,20 @@ TEST_F(InjectedVehicle, SaysWhatItHasNoPhysicsFor) {
   EXPECT_EQ(fixes(), 10);
   ASSERT_EQ(acks_.size(), 2U);
   for (const mv::CommandAck& ack : acks_) EXPECT_EQ(ack.result, mv::MavResult::kUnsupported);
+}
+
+TEST_F(InjectedVehicle, TakesNoHalfOfAFailureWhereThereIsRoomForHalf) {
+  start("{by_hand: true}");
+  for (int i = 1; i < 200; ++i) {
+    command({Unit::kGps, Type::kSlow}, static_cast<float>(i));
+    run(milliseconds(10));
+  }
+  ASSERT_EQ(acks_.size(), 199U);
+  EXPECT_EQ(acks_.back().result, mv::MavResult::kAccepted);
+  command({Unit::kGps, Type::kGarbage}, 200);  // of position and velocity
+  EXPECT_EQ(fixes(), 10);
+  EXPECT_EQ(acks_.back().result, mv::MavResult::kFailed);
+  EXPECT_LT(northmost_ - southmost_, 10'000) << "100 m, of a noise of 1000 m";
 }
 
 TEST_F(InjectedVehicle, LeavesCommandsToOthersAlone) {
