@@ -320,7 +320,10 @@ void VehicleCommander::command(std::uint8_t system, const VehicleCommand& comman
   now_ = now;
   KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
-  if (command.id == MavCmd::kInjectFailure && on_failure_) {
+  if (command.id == MavCmd::kInjectFailure) {
+    if (!on_failure_) {
+      return done(failure(OutcomeKind::kRefused, "no failure can be injected from here"));
+    }
     return on_failure_(system, command, std::move(done));
   }
   Hands& hands = table_.hands(system);
