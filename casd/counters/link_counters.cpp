@@ -11,21 +11,22 @@ namespace cas::casd {
 namespace {
 
 // Directions of a message: received, sent, then one for each cause of a drop, then one for each
-// reason not to forward.
+// reason not to forward, then received and not accepted.
 constexpr int kRx = 0;
 constexpr int kTx = 1;
 constexpr int kFirstDrop = 2;
 constexpr int kFirstDecision = kFirstDrop + kDropCauses;
+constexpr int kNotAccepted = kFirstDecision + kDecisions;
 
-/// Of a drop; empty for packets that went their way.
+/// Of a drop; empty for what is received or sent.
 std::string_view cause_of(int direction) {
-  if (direction < kFirstDrop) return {};
+  if (direction < kFirstDrop || direction == kNotAccepted) return {};
   if (direction < kFirstDecision) return to_string(static_cast<DropCause>(direction - kFirstDrop));
   return to_string(static_cast<Route::Decision>(direction - kFirstDecision));
 }
 
 std::string direction_name(int direction) {
-  if (direction == kRx) return "rx";
+  if (direction == kRx || direction == kNotAccepted) return "rx";
   if (direction == kTx) return "tx";
   return "drop." + std::string(cause_of(direction));
 }
@@ -33,6 +34,7 @@ std::string direction_name(int direction) {
 template <class Visit>
 void for_each_direction(const LinkCounters& link, Visit&& visit) {
   visit(kRx, link.rx.messages);
+  visit(kNotAccepted, link.rx.not_accepted_messages);
   visit(kTx, link.tx.messages);
   for (int i = 0; i < kDropCauses; ++i) {
     visit(kFirstDrop + i, link.tx.dropped_messages[static_cast<std::size_t>(i)]);
@@ -258,13 +260,18 @@ std::optional<std::pair<mav::Source, LinkId>> LinkFigures::sender_of(std::uint32
                                                                      LinkId to) const {
   const auto receiver = links_.find(to);
   if (receiver == links_.end()) return std::nullopt;
-  std::optional<MessageCounters::Entry> newest;
-  receiver->second->tx.messages.for_each([&](const MessageCounters::Entry& entry) {
-    if (entry.message_id != message_id) return;
-    if (!newest || entry.last > newest->last) newest = entry;
-  });
-  if (!newest) return std::nullopt;
   constexpr base::Duration kStretch = std::chrono::seconds(5);
+  std::vector<MessageCounters::Entry> senders;
+  receiver->second->tx.messages.for_each([&](const MessageCounters::Entry& entry) {
+    if (entry.message_id == message_id) senders.push_back(entry);
+  });
+  const auto newest = std::ranges::max_element(senders, {}, &MessageCounters::Entry::last);
+  if (newest == senders.end()) return std::nullopt;
+  for (const MessageCounters::Entry& sender : senders) {
+    if (sender.source != newest->source && newest->last - sender.last < kStretch) {
+      return std::nullopt;
+    }
+  }
   std::vector<LinkId> heard_on;
   for (const auto& [id, link] : links_) {
     link->rx.messages.for_each([&, from = id](const MessageCounters::Entry& entry) {

@@ -171,6 +171,7 @@ struct LinkCounters {
     std::array<MessageCounters, kDecisions>
         refused;  ///< what was not forwarded, by Route::Decision
     MessageCounters messages;
+    MessageCounters not_accepted_messages;  ///< of Counter not_accepted, not in `messages`
   } rx;
   struct {
     Counter packets, bytes, queue_high_water, queued, write_calls;
@@ -279,8 +280,9 @@ class LinkFigures {
   std::vector<LinkStatus> links() const;
   /// Of a link; empty: there is none with this id.
   std::string name(LinkId id) const;
-  /// Who sends a message to a link: the newest sender of it, and the link that it is heard on.
-  /// Nothing: it was never sent there, or came over several links at the same time.
+  /// Who sends a message to a link, and the link that it is heard on.
+  /// Nothing: it was never sent there, or several do so, or it came over several links at the
+  /// same time.
   std::optional<std::pair<mav::Source, LinkId>> sender_of(std::uint32_t message_id,
                                                           LinkId to) const;
   /// @param link  only of this one; nothing: all

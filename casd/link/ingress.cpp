@@ -71,14 +71,15 @@ void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path
 bool Ingress::admit_packet(const mav::PacketView& packet, base::RunTime now) {
   if (batch_.full()) deliver(now);
   counters_->rx.packets.add();
-  counters_->rx.messages.add(packet.message_id, packet.source, now);
   if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
     counters_->rx.lost.add(lost);
   }
   if (!accept_.accepts(packet)) {
     counters_->rx.not_accepted.add();
+    counters_->rx.not_accepted_messages.add(packet.message_id, packet.source, now);
     return false;
   }
+  counters_->rx.messages.add(packet.message_id, packet.source, now);
   switchboard_.stream_time().on_packet(packet, [&] { deliver(now); });
   return true;
 }

@@ -63,6 +63,24 @@ TEST(LinkFigures, FormsRatesFromTwoLooks) {
   EXPECT_NEAR(messages[0].age_s, 0.5, 1e-9);
 }
 
+TEST(LinkFigures, NamesWhoSendsToALinkUnlessSeveralDo) {
+  LinkFigures figures;
+  const auto sim = figures.add_link(1, "sim", LinkType::kUdp);
+  const auto gcs = figures.add_link(2, "gcs", LinkType::kUdp);
+  const auto fcu = figures.add_link(3, "fcu", LinkType::kSerial);
+  EXPECT_FALSE(figures.sender_of(107, 3));
+  sim->rx.messages.add(107, {1, 200}, at(seconds(1)));
+  gcs->rx.not_accepted_messages.add(107, {1, 200}, at(seconds(1)));  // the same ids
+  fcu->tx.messages.add(107, {1, 200}, at(seconds(1)));
+  EXPECT_EQ(figures.sender_of(107, 3), (std::pair{mav::Source{1, 200}, LinkId{1}}));
+  gcs->rx.messages.add(107, {2, 200}, at(seconds(2)));
+  fcu->tx.messages.add(107, {2, 200}, at(seconds(2)));
+  EXPECT_FALSE(figures.sender_of(107, 3));
+  sim->rx.messages.add(107, {1, 200}, at(seconds(8)));
+  fcu->tx.messages.add(107, {1, 200}, at(seconds(8)));
+  EXPECT_TRUE(figures.sender_of(107, 3)) << "the other one has ended";
+}
+
 TEST(LinkFigures, ShowsLinksWithTheirStateAndForgetsThem) {
   LinkFigures figures;
   const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
