@@ -131,6 +131,9 @@ void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, bas
 
 /// Why a station's order is not taken, whatever it is.
 std::optional<Outcome> FailureDesk::refusal(mav::Source by, LinkId link) const {
+  if (by == encoder_.source()) {
+    return refused(MavResult::kDenied, "the sender has casd's own ids");
+  }
   if (hooks_.permits(link)) return std::nullopt;
   return refused(MavResult::kDenied, "this link may not inject failures",
                  "inject_failures: true of the link permits it");
@@ -145,7 +148,7 @@ std::optional<Outcome> FailureDesk::refusal(std::uint8_t system) const {
   }
   if (!hooks_.simulator(system)) {
     return refused(MavResult::kUnsupported, "no simulator feeds this vehicle",
-                   "no HIL_SENSOR, or that of several links, comes to it through casd");
+                   "no HIL_SENSOR, or that of several senders or links, comes to it through casd");
   }
   return std::nullopt;
 }

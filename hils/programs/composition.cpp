@@ -116,6 +116,8 @@ YAML::Node ground_link(const RunRequest& request, const std::string& name,
   for (const std::uint8_t vehicle : request.scenario.systems()) {
     link["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
   }
+  // What casd's own station says is not taken for somebody's act.
+  link["accept"]["block_systems"].push_back(static_cast<int>(kCasdSystem));
   if (station.inject_failures) link["inject_failures"] = true;
   return link;
 }

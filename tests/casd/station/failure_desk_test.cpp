@@ -318,6 +318,14 @@ TEST_F(Desk, AsksForThePermissionAgainBeforeTheNextIsSent) {
   EXPECT_EQ(sent_.back().ack->result, MavResult::kDenied);
 }
 
+TEST_F(Desk, TakesNothingInItsOwnName) {
+  beat();
+  EXPECT_EQ(hear(kPermitted, kSelf, mav::services::command_of(kGpsOff, {1, 1})), Verdict::kRefused);
+  EXPECT_TRUE(commands().empty());
+  ASSERT_EQ(audit_.size(), 1U);
+  EXPECT_NE(audit_[0].find("the sender has casd's own ids"), std::string::npos) << audit_[0];
+}
+
 TEST_F(Desk, LeavesFewLinesOfAFlood) {
   beat();
   for (int i = 0; i < 1000; ++i) ask(kForbidden);

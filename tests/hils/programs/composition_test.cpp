@@ -41,9 +41,9 @@ const casd::LinkConfig& link(const casd::Topology& topology, const std::string& 
 TEST_P(Composition, LetsNoGroundStationSpeakForVehicleOrSimulator) {
   const casd::Topology one = topology("hover");
   EXPECT_TRUE(link(one, "gcs").accept.ground_station);
-  EXPECT_EQ(link(one, "gcs").accept.block_systems, (std::vector<std::uint8_t>{1}));
+  EXPECT_EQ(link(one, "gcs").accept.block_systems, (std::vector<std::uint8_t>{1, 254}));
   const casd::Topology two = topology("two_vehicles");
-  EXPECT_EQ(link(two, "gcs").accept.block_systems, (std::vector<std::uint8_t>{1, 2}));
+  EXPECT_EQ(link(two, "gcs").accept.block_systems, (std::vector<std::uint8_t>{1, 2, 254}));
 }
 
 TEST_P(Composition, GivesAStationThatJoinsALinkBesideTheScenariosOwn) {
@@ -52,7 +52,7 @@ TEST_P(Composition, GivesAStationThatJoinsALinkBesideTheScenariosOwn) {
   EXPECT_EQ(joined.type, casd::LinkType::kTcpServer);
   EXPECT_EQ(joined.local, "127.0.0.1:5761");
   EXPECT_TRUE(joined.accept.ground_station);
-  EXPECT_EQ(joined.accept.block_systems, (std::vector<std::uint8_t>{1, 2}));
+  EXPECT_EQ(joined.accept.block_systems, (std::vector<std::uint8_t>{1, 2, 254}));
   std::vector<std::string> partners;
   for (const casd::RouteConfig& route : two.routes) {
     if (route.from == "gcs2") partners.push_back("to " + route.to);
