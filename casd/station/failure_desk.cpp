@@ -250,7 +250,7 @@ void FailureDesk::answer(const Path& to, mav::Source asker, mav::Source vehicle,
   if (!outcome.ok()) {
     Statustext text;
     text.severity = MavSeverity::kWarning;
-    mav::set_text(text.text, "casd: " + outcome.message);
+    mav::set_text(text.text, std::string(kDeskPrefix) + outcome.message);
     send_as(vehicle, text, to);
   }
   CommandAck ack = mav::services::addressed(CommandAck{}, asker);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
@@ -17,6 +18,9 @@
 #include "mavlink_gen/services/failure_order.hpp"
 
 namespace cas::casd {
+
+/// Texts of casd that bear a vehicle's ids begin so: they are not the vehicle's words.
+inline constexpr std::string_view kDeskPrefix = "casd: ";
 
 /// A simulator whose sensor data goes to a vehicle.
 struct Simulator {

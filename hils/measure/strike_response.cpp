@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "base/time/clock.hpp"
+#include "casd/station/failure_desk.hpp"
 #include "casd/station/vehicle_state.hpp"
 #include "casd/tlog/tlog_packets.hpp"
 #include "hils/measure/incident.hpp"
@@ -98,7 +99,7 @@ class TaleReader {
     std::string text(mav::text(message.text));
     std::ranges::replace_if(
         text, [](char c) { return c < ' ' || c > '~'; }, '?');
-    if (refuses_command(text)) return;
+    if (text.starts_with(casd::kDeskPrefix) || refuses_command(text)) return;
     tale_.signs.push_back({.time_s = now_s_, .what = "'" + text + "'"});
   }
 

@@ -357,6 +357,7 @@ TEST_F(Tale, HasWarningsFallenFlagsAndTheModesOfAFailsafe) {
   text(4, MavSeverity::kWarning, "Low battery");
   text(4.5, MavSeverity::kCritical, "Arming denied: no position estimate");
   text(4.6, MavSeverity::kCritical, "Mode change refused: no mission");
+  text(4.7, MavSeverity::kWarning, "casd: this link may not inject failures");
   beat(5, true, MavState::kActive, kLand);  // commanded
   beat(6, true, MavState::kCritical, kLand);
   beat(7, true, MavState::kCritical, kLand);
