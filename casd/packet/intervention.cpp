@@ -70,6 +70,18 @@ std::optional<Act> act_of_command(const Command& command) {
   return act;
 }
 
+/// Whether one of the commands with a time ([ASLUAV]), which casd does not read, is of this number.
+bool is_stamped(const mav::PacketView& packet, MavCmd command) {
+  constexpr std::uint32_t kCommandIntStamped = 223;
+  constexpr std::uint32_t kCommandLongStamped = 224;
+  constexpr std::size_t kCommandAt = 40;  // of both
+  const std::uint32_t id = packet.message_id;
+  if (id != kCommandIntStamped && id != kCommandLongStamped) return false;
+  if (packet.payload.size() < kCommandAt + 2) return false;
+  return packet.payload[kCommandAt] + 256U * packet.payload[kCommandAt + 1] ==
+         static_cast<unsigned>(command);
+}
+
 }  // namespace
 
 bool is_of_disarming(std::string_view parameter) {
@@ -85,7 +97,8 @@ bool only_asks(MavCmd command) {
 }
 
 bool is_failure(const mav::PacketView& packet) {
-  return mav::services::failure_command(packet).has_value();
+  return mav::services::failure_command(packet).has_value() ||
+         is_stamped(packet, MavCmd::kInjectFailure);
 }
 
 std::optional<Act> act_of(const mav::PacketView& packet) {

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "casd/packet/intervention.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 
@@ -316,6 +318,15 @@ TEST_F(Desk, AsksForThePermissionAgainBeforeTheNextIsSent) {
   simulator_says(MavResult::kAccepted);
   EXPECT_EQ(commands().size(), 1U);
   EXPECT_EQ(sent_.back().ack->result, MavResult::kDenied);
+}
+
+TEST(IsFailure, KnowsTheCommandWithATimeToo) {
+  std::array<std::uint8_t, 44> payload{};
+  const mav::PacketView packet{.message_id = 224, .payload = payload};
+  EXPECT_FALSE(is_failure(packet));
+  payload[40] = 0xA4;
+  payload[41] = 0x01;
+  EXPECT_TRUE(is_failure(packet));
 }
 
 TEST_F(Desk, TakesNothingInItsOwnName) {
