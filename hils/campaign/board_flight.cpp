@@ -17,6 +17,7 @@
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/realtime_run.hpp"
+#include "hils/programs/supervisor.hpp"
 #include "hils/replay/replay_command.hpp"
 #include "hils/report/results_folder.hpp"
 #include "hils/sweep/row_flight.hpp"
@@ -60,7 +61,10 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
   if (const std::string missing = boards.missing_port(); !missing.empty()) {
     throw BoardError(kExitBoardAbsent, missing);
   }
-  if (task.row > 1) boards.restart(request.out, controllers.baud);
+  // A flight of this row that was interrupted may have left the board armed.
+  if (task.row > 1 || fs::exists(request.out / "run")) {
+    boards.restart(request.out, controllers.baud);
+  }
   request.fcu_devices = boards.prepare(request.out, request.scenario.names(), controllers.baud);
   RunResult run = evaluate(request, run_in_real_time(request));
   std::map<std::size_t, std::string> gone = boards.absences();
@@ -106,7 +110,13 @@ int fly_board_row(const fs::path& folder) {
   try {
     std::function<void()> fetch_logs;
     const int code = fly_row(folder, [&fetch_logs](const RowTask& task, const fs::path&) {
-      return fly_on_board(task, fetch_logs);
+      try {
+        return fly_on_board(task, fetch_logs);
+      } catch (const RunStopped& stopped) {
+        if (stopped.interrupted()) throw;
+        // A program ended, or the controller was not ready: another try may go well.
+        return row_without_figures(RowOutcome::kDied, stopped.what());
+      }
     });
     if (code == kExitPassed && fetch_logs) fetch_logs();
     return code;
