@@ -55,7 +55,9 @@ struct CampaignCommand::Flags {
 namespace {
 
 /// The sweep's folder of a campaign: planned, or as it was planned before.
-SweepFolder plan_of(const Campaign& campaign, const fs::path& out) {
+/// @param controllers  noted first, so that nobody flies the plan without them; nullptr: none
+SweepFolder plan_of(const Campaign& campaign, const fs::path& out,
+                    const CampaignControllers* controllers) {
   const fs::path study = out / "campaign" / "study.yaml";
   const std::string text = study_of(campaign);
   if (fs::exists(out / "plan.json") && text_of_file(out / "study.yaml") != text) {
@@ -65,14 +67,16 @@ SweepFolder plan_of(const Campaign& campaign, const fs::path& out) {
                             "folder");
   }
   make_results_folder(out);
+  if (controllers != nullptr) controllers->save(out);
   fs::create_directories(study.parent_path());
   base::write_file(study, text);
   return SweepFolder::plan(study, out, campaign.folder);
 }
 
 /// The same, and says how much that is.
-SweepFolder announced_plan_of(const Campaign& campaign, const fs::path& out) {
-  SweepFolder sweep = plan_of(campaign, out);
+SweepFolder announced_plan_of(const Campaign& campaign, const fs::path& out,
+                              const CampaignControllers* controllers = nullptr) {
+  SweepFolder sweep = plan_of(campaign, out, controllers);
   fmt::print("{}: {} failures, {} flights in {}\n", campaign.name, campaign.failures.size(),
              sweep.table.rows.size(), (sweep.path / "table.csv").string());
   return sweep;
@@ -134,8 +138,7 @@ int fly_on_boards(const Campaign& campaign, const CampaignControllers& controlle
                   const BoardCampaignOptions& options) {
   std::optional<FlightBoards> held;
   hold_boards(campaign, controllers, options, held);
-  const SweepFolder sweep = announced_plan_of(campaign, options.out);
-  controllers.save(sweep.path);
+  const SweepFolder sweep = announced_plan_of(campaign, options.out, &controllers);
   const auto report = [&](const std::string& stopped) {
     CampaignMatrix matrix =
         CampaignMatrix::of(campaign, sweep.results(1, sweep.table.rows.size() + 1));

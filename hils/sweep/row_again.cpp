@@ -11,6 +11,7 @@
 #include "base/time/clock.hpp"
 #include "hils/programs/child_process.hpp"
 #include "hils/sweep/flight_digest.hpp"
+#include "hils/sweep/sweep_runner.hpp"
 
 namespace cas::hils {
 
@@ -36,6 +37,7 @@ std::unique_ptr<ChildProcess> start_again(const SweepFolder& sweep, std::size_t 
 }  // namespace
 
 void write_row_again(const SweepFolder& sweep, std::size_t row) {
+  refuse_rows_of_boards(sweep);
   write_scenario(sweep.scenario(), sweep.values_of(sweep.row(row)), sweep.study_folder,
                  sweep.again(row));
 }

@@ -300,6 +300,7 @@ namespace {
 int collect_sweep(const fs::path& folder, const std::string& against,
                   const std::vector<std::string>& maps, std::size_t again) {
   const SweepView view = SweepView::of(SweepFolder::open(folder));
+  refuse_rows_of_boards(view.sweep);
   std::optional<SweepView> before;
   if (!against.empty()) before = SweepView::of(SweepFolder::open(against));
   SweepPage page;

@@ -130,15 +130,18 @@ class Runner {
 
 }  // namespace
 
+void refuse_rows_of_boards(const SweepFolder& sweep) {
+  if (!fs::exists(sweep.path / kControllersFile)) return;
+  throw base::ConfigError(sweep.path.string() +
+                          ": is flown with boards, by 'hils campaign CAMPAIGN --fcu BOARD'");
+}
+
 SweepRunResult run_sweep(const SweepFolder& sweep, const SweepRunOptions& options) {
   if (options.chunk.n > sweep.table.rows.size()) {
     throw base::ConfigError(fmt::format("the sweep has {} rows and cannot be cut into {} chunks",
                                         sweep.table.rows.size(), options.chunk.n));
   }
-  if (!options.on_boards && fs::exists(sweep.path / kControllersFile)) {
-    throw base::ConfigError(sweep.path.string() +
-                            ": is flown with boards, by 'hils campaign CAMPAIGN --fcu BOARD'");
-  }
+  if (!options.on_boards) refuse_rows_of_boards(sweep);
   Runner runner(sweep, options);
   runner.fly();
   return runner.finish();

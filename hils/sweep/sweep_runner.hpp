@@ -30,6 +30,9 @@ struct SweepRunResult {
   bool all_refused = false;   ///< no run of the chunk was possible
 };
 
+/// @throws base::ConfigError where the rows of a folder are flown with boards
+void refuse_rows_of_boards(const SweepFolder& sweep);
+
 /// Flies the rows of a chunk that have not been flown, each in a process of its own, and writes the
 /// chunk's CSV files when all are done. A run that dies or hangs costs its own row.
 /// @throws RunStopped on SIGINT and SIGTERM, BoardError when a board stops it, base::ConfigError
