@@ -185,7 +185,9 @@ void choose_failures(Campaign& campaign, const std::vector<std::string>& only,
                             base::did_you_mean(name, known));
   }
   std::erase_if(campaign.failures, [&](const CampaignFailure& each) {
-    return std::ranges::find(only, each.name) == only.end();
+    if (std::ranges::find(only, each.name) != only.end()) return false;
+    campaign.left_out.push_back(each.name);
+    return true;
   });
 }
 

@@ -47,6 +47,7 @@ struct Campaign {
   double deadline_s = 300;
   std::vector<std::pair<std::string, std::string>> settings{};  ///< as a study's `set`
   std::vector<CampaignFailure> failures{};
+  std::vector<std::string> left_out{};     ///< failures of the file that the choice leaves out
   std::vector<std::string> controllers{};  ///< as the choice has them; empty: the virtual clock
 
   /// In real time, with boards.

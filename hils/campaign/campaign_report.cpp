@@ -116,6 +116,9 @@ std::vector<std::string> remarks(const CampaignMatrix& matrix) {
     sentences.push_back(
         fmt::format("{}: not flown; it {}", failure->name, obstacle(matrix, *failure)));
   }
+  if (const auto& names = matrix.campaign.left_out; !names.empty()) {
+    sentences.push_back(fmt::format("left out by --only: {}", fmt::join(names, ", ")));
+  }
   std::ranges::copy(matrix.without_failure, std::back_inserter(sentences));
   for (const std::size_t row : matrix.flown_otherwise) {
     sentences.push_back(fmt::format(
@@ -325,13 +328,18 @@ std::string campaign_junit(const CampaignMatrix& matrix) {
     const char* tag = state == CellState::kMissed ? "failure" : "error";
     cases += fmt::format("><{} message=\"{}\"/></testcase>\n", tag, escape_xml(cell_cause(cell)));
   }
-  const std::vector<const CampaignFailure*> left_out = not_flown(matrix);
-  for (const CampaignFailure* failure : left_out) {
+  std::size_t skipped = 0;
+  const auto skip = [&](const std::string& name, const std::string& why) {
+    ++skipped;
     cases += fmt::format(
-        "  <testcase classname=\"{}.{}\" name=\"all phases\" time=\"0\"><skipped message=\"it "
-        "{}\"/></testcase>\n",
-        suite, escape_xml(failure->name), obstacle(matrix, *failure));
+        "  <testcase classname=\"{}.{}\" name=\"all phases\" time=\"0\"><skipped "
+        "message=\"{}\"/></testcase>\n",
+        suite, escape_xml(name), why);
+  };
+  for (const CampaignFailure* failure : not_flown(matrix)) {
+    skip(failure->name, fmt::format("it {}", obstacle(matrix, *failure)));
   }
+  for (const std::string& name : matrix.campaign.left_out) skip(name, "left out by --only");
   const std::size_t stopped = matrix.stopped.empty() ? 0 : 1;
   if (stopped > 0) {
     cases += fmt::format(
@@ -342,8 +350,8 @@ std::string campaign_junit(const CampaignMatrix& matrix) {
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
       "failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n{}</testsuite>\n",
-      suite, matrix.cells.size() + left_out.size() + stopped, matrix.count(CellState::kMissed),
-      matrix.count(CellState::kNoVerdict) + stopped, left_out.size(), cases);
+      suite, matrix.cells.size() + skipped + stopped, matrix.count(CellState::kMissed),
+      matrix.count(CellState::kNoVerdict) + stopped, skipped, cases);
 }
 
 std::string campaign_json(const CampaignMatrix& matrix) {
@@ -353,6 +361,7 @@ std::string campaign_json(const CampaignMatrix& matrix) {
             {"cells_missed", matrix.count(CellState::kMissed)},
             {"cells_without_verdict", matrix.count(CellState::kNoVerdict)},
             {"not_flown", Json::array()},
+            {"left_out", matrix.campaign.left_out},
             {"controllers", matrix.campaign.controllers},
             {"stopped", matrix.stopped},
             {"without_failure", matrix.without_failure},

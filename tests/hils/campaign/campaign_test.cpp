@@ -93,6 +93,7 @@ TEST_F(CampaignFile, LeavesOutFailuresThatAreNotAskedFor) {
   const Campaign campaign = Campaign::load(file, {.only = {"heavy"}});
   ASSERT_EQ(campaign.failures.size(), 1U);
   EXPECT_EQ(campaign.failures[0].name, "heavy");
+  EXPECT_EQ(campaign.left_out, (std::vector<std::string>{"gps_lost", "casd_reloaded"}));
   EXPECT_THROW(Campaign::load(file, {.only = {"heavy", "light"}}), base::ConfigError);
 }
 

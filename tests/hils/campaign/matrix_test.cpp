@@ -210,6 +210,20 @@ TEST(CampaignReport, LinksTheReplaysThatAreThereAndEscapesWhatVehiclesSay) {
   EXPECT_EQ(escape_xml("a\x1b[31m<"), "a?[31m&lt;") << "XML has no control characters";
 }
 
+TEST(CampaignReport, NamesTheFailuresThatWereLeftOut) {
+  Campaign chosen = campaign();
+  chosen.left_out = {"heavy", "l&m"};
+  const CampaignMatrix matrix = CampaignMatrix::of(chosen, all_up());
+  EXPECT_NE(campaign_text(matrix).find("left out by --only: heavy, l&m\n"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(campaign_json(matrix))["left_out"].size(), 2U);
+  const std::string junit = campaign_junit(matrix);
+  EXPECT_NE(junit.find("tests=\"7\" failures=\"0\" errors=\"0\" skipped=\"3\""), std::string::npos)
+      << junit;
+  EXPECT_NE(junit.find(".l&amp;m\" name=\"all phases\" time=\"0\"><skipped message=\"left out by"),
+            std::string::npos)
+      << junit;
+}
+
 TEST(CampaignReport, HasEachFlightInTheTables) {
   std::vector<RowResult> rows = all_up();
   rows[3] = row(4, false, std::nullopt);
