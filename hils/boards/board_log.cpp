@@ -178,21 +178,31 @@ class BoardFiles {
   FtpResult result_;
 };
 
+bool begins_with_digit(const FtpEntry& entry) {
+  return std::isdigit(static_cast<unsigned char>(entry.name.front())) != 0;
+}
+
 struct FoundLog {
   std::string path;
   std::uint32_t size = 0;
+  bool among_undated = false;  ///< beside it are names without a date: one may be newer
 };
 
 /// The newest log of a folder or, `depth` deep, of its newest folders.
 std::optional<FoundLog> find_log(BoardFiles& files, const std::string& folder, int depth) {
   const std::vector<FtpEntry> entries = newest_first(files.list(folder));
+  const bool mixed =
+      !entries.empty() && begins_with_digit(entries.front()) && !begins_with_digit(entries.back());
   std::size_t looked = 0;
   for (const FtpEntry& entry : entries) {
     if (!entry.folder || depth == 0 || looked++ == kMostFolders) continue;
-    if (auto found = find_log(files, folder + "/" + entry.name, depth - 1)) return found;
+    if (auto found = find_log(files, folder + "/" + entry.name, depth - 1)) {
+      found->among_undated |= mixed;
+      return found;
+    }
   }
   for (const FtpEntry& entry : entries) {
-    if (!entry.folder) return FoundLog{folder + "/" + entry.name, entry.size};
+    if (!entry.folder) return FoundLog{folder + "/" + entry.name, entry.size, mixed};
   }
   return std::nullopt;
 }
@@ -203,8 +213,9 @@ std::string fetch(Supervisor& supervisor, const Board& board, const std::filesys
   const auto device = find_device(board, by_id);
   if (!device) fail("the board is not there");
   BoardFiles files(supervisor, *board.log);
-  const BoardSession session(supervisor, board, *device, files.port());
+  BoardSession session(supervisor, board, *device, files.port());
   files.find_autopilot();
+  if (session.look().armed) fail("it is armed");
   const std::optional<FoundLog> newest = find_log(files, board.log->folder, kDepth);
   if (!newest) fail(board.log->folder + " has no .ulg");
   const double mib = newest->size / kBytesOfMib;
@@ -214,11 +225,9 @@ std::string fetch(Supervisor& supervisor, const Board& board, const std::filesys
   }
   const std::vector<std::uint8_t> bytes = files.download(newest->path);
   base::write_file(file, std::string(bytes.begin(), bytes.end()), base::Durability::kCache);
-  return fmt::format("{}, {} bytes", newest->path, bytes.size());
-}
-
-bool begins_with_digit(const FtpEntry& entry) {
-  return std::isdigit(static_cast<unsigned char>(entry.name.front())) != 0;
+  return fmt::format(
+      "{}, {} bytes{}", newest->path, bytes.size(),
+      newest->among_undated ? "; it may be of an earlier flight: others there have no date" : "");
 }
 
 }  // namespace

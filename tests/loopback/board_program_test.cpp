@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/loopback/board_shelf.hpp"
+#include "tests/loopback/scripted_vehicle.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/terminal_program.hpp"
 #include "tests/support/wait_until.hpp"
@@ -433,7 +434,7 @@ TEST(BoardProgram, FetchesTheNewestLogOfABoard) {
   EXPECT_EQ(got.code, 0) << got.text;
   EXPECT_SAYS(got,
               "board 'a': its newest log is in a.ulg: files/2026-03-01/13_30_00.ulg, 5026 "
-              "bytes");
+              "bytes; it may be of an earlier flight");
   EXPECT_EQ(shelf.said("a.ulg"), newest);
 
   shelf.folder.write("logs/2026-03-03/too_large.ulg", std::string(2 << 20, '.'));
@@ -520,9 +521,35 @@ TEST(BoardCampaign, ThatFindsNoBoardEndsWithItsCodeAndAReport) {
   const ShelfAnswer rows = shelf.hils({"sweep", "run", out});
   EXPECT_EQ(rows.code, kUsage) << rows.text;
   EXPECT_SAYS(rows, "is flown with boards, by 'hils campaign");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"sweep", "show", out, "1"}, {"sweep", "collect", out}}) {
+    const ShelfAnswer refused = shelf.hils(words);
+    EXPECT_EQ(refused.code, kUsage) << refused.text;
+    EXPECT_SAYS(refused, "is flown with boards, by 'hils campaign");
+  }
   const ShelfAnswer by_clock = shelf.hils({"campaign", file, "--out", out});
   EXPECT_EQ(by_clock.code, kUsage) << by_clock.text;
   EXPECT_SAYS(by_clock, "holds another campaign");
+}
+
+TEST(BoardCampaign, RestartsNoVehicleThatSaysThatItIsNotInHil) {
+  const BoardShelf shelf;
+  const std::string file = campaign(shelf, "  - {failure: gps_lost, expect: [no_crash]}\n");
+  shelf.folder.write("out/again/row_1/run/casd.log", "of a flight that was interrupted");
+  PtyPair line(shelf.folder / "line");
+  ScriptedVehicle vehicle(line, [](casd::test::FakeVehicle& its) {
+    its.base_mode = mavlink::common::MavModeFlag::kCustomModeEnabled |
+                    mavlink::common::MavModeFlag::kSafetyArmed;
+  });
+  const ShelfAnswer refused =
+      shelf.hils({"campaign", file, "--fcu", (shelf.folder / "line").string(), "--out",
+                  (shelf.folder / "out").string()});
+  EXPECT_EQ(refused.code, kFailed) << refused.text;
+  EXPECT_SAYS(refused, "does not say that it is in HIL: it is not restarted");
+  for (const auto& command : vehicle.stop().commands) {
+    EXPECT_NE(command.command, mavlink::common::MavCmd::kComponentArmDisarm);
+    EXPECT_NE(command.command, mavlink::common::MavCmd::kPreflightRebootShutdown);
+  }
 }
 
 TEST(BoardCampaign, IsRefusedWithAReason) {
