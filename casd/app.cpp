@@ -38,7 +38,6 @@
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "mavlink/common/hil_sensor.hpp"
-#include "mavlink_gen/services/vehicle_heartbeat.hpp"
 
 namespace cas::casd {
 namespace {
@@ -202,15 +201,8 @@ struct App::Impl {
     const VehicleState* const vehicle = commander.find(system);
     if (vehicle == nullptr) return std::nullopt;
     const auto sender = links.figures().sender_of(mavlink::common::HilSensor::kId, vehicle->link());
-    if (!sender || is_autopilot(sender->first)) return std::nullopt;
+    if (!sender) return std::nullopt;
     return Simulator{.source = sender->first, .path = {.link = sender->second}};
-  }
-
-  /// Whether these ids are a vehicle's, which gets no failure, whatever it sends.
-  bool is_autopilot(mav::Source source) const {
-    const VehicleState* const vehicle = commander.find(source.system);
-    return source.component == mav::services::kAutopilot ||
-           (vehicle != nullptr && vehicle->source() == source);
   }
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }

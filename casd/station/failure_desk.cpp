@@ -146,11 +146,19 @@ std::optional<Outcome> FailureDesk::refusal(std::uint8_t system) const {
     why.kind = OutcomeKind::kInterlock;
     return why;
   }
-  if (!hooks_.simulator(system)) {
+  const auto simulator = hooks_.simulator(system);
+  if (!simulator || is_autopilot(simulator->source)) {
     return refused(MavResult::kUnsupported, "no simulator feeds this vehicle",
                    "no HIL_SENSOR, or that of several senders or links, comes to it through casd");
   }
   return std::nullopt;
+}
+
+/// Whether these ids are a vehicle's, which gets no failure, whatever it sends.
+bool FailureDesk::is_autopilot(mav::Source source) const {
+  const VehicleState* const vehicle = commander_.find(source.system);
+  return source.component == mav::services::kAutopilot ||
+         (vehicle != nullptr && vehicle->source() == source);
 }
 
 /// A station that has no answer yet asks again.

@@ -90,6 +90,7 @@ class FailureDesk {
                      const mav::services::FailureOrder& order) const;
   std::optional<Outcome> refusal(std::uint8_t system) const;
   std::optional<Outcome> refusal(mav::Source by, LinkId link) const;
+  bool is_autopilot(mav::Source source) const;
   void add(std::uint8_t system, Request request, base::RunTime now);
   void send_first(std::uint8_t system, base::RunTime now);
   void finish(std::uint8_t system, const Outcome& outcome, base::RunTime now);

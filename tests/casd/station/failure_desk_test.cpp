@@ -235,6 +235,15 @@ TEST_F(Desk, RefusesWhatIsNoNumber) {
   EXPECT_EQ(result(), MavResult::kDenied);
 }
 
+TEST_F(Desk, TakesNoAutopilotForASimulator) {
+  beat();
+  for (const mav::Source source : {mav::Source{1, 1}, {2, 1}}) {
+    simulator_->source = source;
+    EXPECT_EQ(ask(kPermitted), Verdict::kRefused);
+  }
+  EXPECT_TRUE(commands().empty());
+}
+
 TEST_F(Desk, RefusesAVehicleThatHasFallenSilent) {
   beat();
   now_ += 10s;
