@@ -101,7 +101,7 @@ FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::Packe
     why = refused(MavResult::kDenied, "there is no such vehicle",
                   std::get<Outcome>(resolved).message);
   } else if (!why) {
-    why = refusal(system);
+    why = refusal(system, hooks_.simulator(system));
   }
   if (why) {
     end(request, *why, now);
@@ -125,7 +125,7 @@ void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, bas
     whole.status_texts.clear();
     done(whole);
   };
-  if (const auto why = refusal(system)) return told(*why);
+  if (const auto why = refusal(system, hooks_.simulator(system))) return told(*why);
   add(system, {.order = *order, .answer = told}, now);
 }
 
@@ -140,13 +140,13 @@ std::optional<Outcome> FailureDesk::refusal(mav::Source by, LinkId link) const {
 }
 
 /// Why a vehicle gets no failure at all.
-std::optional<Outcome> FailureDesk::refusal(std::uint8_t system) const {
+std::optional<Outcome> FailureDesk::refusal(std::uint8_t system,
+                                            const std::optional<Simulator>& simulator) const {
   if (const auto doubt = hooks_.hil_doubt(system)) {
     Outcome why = refused(MavResult::kDenied, "the vehicle is not known to be in HIL", *doubt);
     why.kind = OutcomeKind::kInterlock;
     return why;
   }
-  const auto simulator = hooks_.simulator(system);
   if (!simulator || is_autopilot(simulator->source)) {
     return refused(MavResult::kUnsupported, "no simulator feeds this vehicle",
                    "no HIL_SENSOR, or that of several senders or links, comes to it through casd");
@@ -183,10 +183,11 @@ void FailureDesk::add(std::uint8_t system, Request request, base::RunTime now) {
 void FailureDesk::send_first(std::uint8_t system, base::RunTime now) {
   // Much can change while it waits.
   Request& request = waiting_.at(system).front();
-  auto why = refusal(system);
+  const auto simulator = hooks_.simulator(system);
+  auto why = refusal(system, simulator);
   if (request.link != kNoLink && !why) why = refusal(request.by, request.link);
   if (why) return finish(system, *why, now);
-  request.simulator = *hooks_.simulator(system);
+  request.simulator = *simulator;
   request.token = token_ = token_ % kMostToken + 1;
   request.deadline = now + kPatience;
   auto command = mav::services::command_of(request.order, request.simulator.source);

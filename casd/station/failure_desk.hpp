@@ -88,7 +88,8 @@ class FailureDesk {
 
   bool is_repetition(const Origin& from, const mav::PacketView& packet, std::uint8_t system,
                      const mav::services::FailureOrder& order) const;
-  std::optional<Outcome> refusal(std::uint8_t system) const;
+  std::optional<Outcome> refusal(std::uint8_t system,
+                                 const std::optional<Simulator>& simulator) const;
   std::optional<Outcome> refusal(mav::Source by, LinkId link) const;
   bool is_autopilot(mav::Source source) const;
   void add(std::uint8_t system, Request request, base::RunTime now);
