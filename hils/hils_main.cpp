@@ -358,11 +358,11 @@ int main(int argc, char** argv) {
                       "The list of boards (CAS_BOARDS, ./boards.yaml, ~/.config/cas/boards.yaml, "
                       "/etc/cas/boards.yaml)");
   add_wait(*command, flags.wait);
-  CLI::Option* const station = command->add_option(
-      "--gcs", flags.ground_station,
-      "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
-      "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
-      "TYPE:HOST:PORT. In real time only");
+  CLI::Option* const station =
+      command->add_option("--gcs", flags.ground_station,
+                          "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
+                          "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
+                          "TYPE:HOST:PORT. In real time only");
   command
       ->add_flag("--inject-failures", flags.inject_failures,
                  "Lets that ground station inject failures (MAV_CMD_INJECT_FAILURE), which strike "

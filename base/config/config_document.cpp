@@ -104,7 +104,8 @@ void refuse_second_document(const std::string& text, const TreeBuilder& builder)
   if (marks.begins.size() < 2) return;
   const YAML::Mark& second = marks.begins[1];
   if (second.pos == marks.begins[0].pos) {
-    builder.fail(line_of(second), "", "is not YAML: it begins with a mark that belongs to no value");
+    builder.fail(line_of(second), "",
+                 "is not YAML: it begins with a mark that belongs to no value");
   }
   builder.fail(line_of(second), "", "holds more than one document");
 }
