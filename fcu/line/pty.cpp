@@ -39,7 +39,7 @@ std::filesystem::path in_a_folder(std::filesystem::path link) {
 }  // namespace
 
 Pty::Pty(std::filesystem::path link)
-    : link_(in_a_folder(std::filesystem::absolute(std::move(link)))), lock_(link_) {
+    : link_(in_a_folder(std::filesystem::absolute(link))), lock_(link_) {
   open();
 }
 

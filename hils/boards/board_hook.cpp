@@ -88,6 +88,7 @@ HookVariables hook_variables(const Board& board, const fs::path& device, const f
 std::vector<std::string> fill_in(const std::vector<std::string>& command,
                                  const HookVariables& variables) {
   std::vector<std::string> filled;
+  filled.reserve(command.size());
   for (const std::string& word : command) filled.push_back(fill_in_word(word, variables));
   return filled;
 }

@@ -65,21 +65,21 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
+/// Whether an EpisodePlace stands.
+std::atomic<bool> episode_place_taken = false;
+
 /// The place of the one episode that a process has: the simulator's collision engine is global.
 class EpisodePlace {
  public:
   EpisodePlace() {
-    if (taken_.exchange(true)) {
+    if (episode_place_taken.exchange(true)) {
       throw base::ConfigError(
           "another environment of this process is in an episode: close or free it first");
     }
   }
-  ~EpisodePlace() { taken_ = false; }
+  ~EpisodePlace() { episode_place_taken = false; }
   EpisodePlace(const EpisodePlace&) = delete;
   EpisodePlace& operator=(const EpisodePlace&) = delete;
-
- private:
-  static inline std::atomic<bool> taken_ = false;
 };
 
 /// The study of one random point that varies what `vary` says.
@@ -168,6 +168,7 @@ void check_keys(const base::ConfigNode& setup) {
 std::vector<std::string> with_axes(const char* quantity, std::array<const char*, 3> axes,
                                    const char* unit) {
   std::vector<std::string> names;
+  names.reserve(axes.size());
   for (const char* axis : axes) names.push_back(fmt::format("{}_{}_{}", quantity, axis, unit));
   return names;
 }

@@ -112,6 +112,7 @@ class Job {
 void fly_in_processes(const FlightBatch& batch, const FlyInto& fly, std::span<std::byte> results) {
   const std::size_t result_bytes = results.size() / static_cast<std::size_t>(batch.flights);
   std::vector<Job> jobs;
+  jobs.reserve(static_cast<std::size_t>(batch.jobs));
   for (int first = 0; first < batch.jobs; ++first) {
     jobs.emplace_back(batch, first, fly, result_bytes);
   }

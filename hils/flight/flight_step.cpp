@@ -341,6 +341,7 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
 
 std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight) {
   std::vector<FlightStep> steps;
+  steps.reserve(flight.size());
   for (const FlightStep& step : flight) steps.push_back(as_seen_by(vehicle, step));
   return steps;
 }

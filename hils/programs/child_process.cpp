@@ -106,6 +106,7 @@ ExitStatus to_exit_status(int status, const rusage& usage) {
 
 std::vector<char*> exec_words(std::vector<std::string>& words) {
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   return pointers;

@@ -263,6 +263,7 @@ Json tape_json(const std::vector<Travel>& travels, std::int64_t begin_ns) {
 
 Json tapes_json(const std::vector<Hop>& hops) {
   std::vector<std::vector<Travel>> travels;
+  travels.reserve(hops.size());
   for (const Hop& hop : hops) travels.push_back(travels_of(hop));
   const Passings& stamps = hops.front().stretches.front().from;
   std::vector<std::pair<std::uint64_t, std::int64_t>> sensors(stamps.begin(), stamps.end());

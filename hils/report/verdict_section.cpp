@@ -26,6 +26,7 @@ void add_limits(HtmlPage& page, const std::string& caption, const Verdict& verdi
     return check.judged && (check.kind == LimitCheck::Kind::kFlight) == verdict.valid;
   });
   std::vector<HtmlPage::Row> looks;
+  looks.reserve(checks.size());
   for (const LimitCheck& check : checks) {
     looks.push_back(!check.judged ? HtmlPage::Row::kQuiet
                     : check.kept  ? HtmlPage::Row::kPlain

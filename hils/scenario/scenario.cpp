@@ -288,6 +288,7 @@ Architecture parse_architecture(std::string_view word) {
 
 VehicleNames Scenario::names() const {
   VehicleNames names;
+  names.reserve(vehicles.size());
   for (const ScenarioVehicle& vehicle : vehicles) names.push_back(vehicle.name);
   return names;
 }

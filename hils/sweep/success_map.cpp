@@ -56,7 +56,7 @@ std::string colour(double share) {
   std::string text = "#";
   for (std::size_t i = 0; i < 3; ++i) {
     const double value = kColours[low][i] + rest * (kColours[low + 1][i] - kColours[low][i]);
-    text += fmt::format("{:02x}", static_cast<int>(value + 0.5));
+    text += fmt::format("{:02x}", std::lround(value));
   }
   return text;
 }

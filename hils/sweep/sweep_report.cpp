@@ -112,6 +112,7 @@ void add_limits(const std::vector<ShareCheck>& checks, HtmlPage& html) {
   html.heading("Limits");
   Rows rows{{"Share", "Runs", "Share of them", "At least", "At confidence", "Limit", "Result"}};
   std::vector<HtmlPage::Row> looks;
+  looks.reserve(checks.size());
   for (const ShareCheck& check : checks) {
     const ShareCell cell{check.successes, check.trials};
     rows.push_back({std::string(to_string(check.limit.share)),
