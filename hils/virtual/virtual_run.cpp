@@ -77,13 +77,16 @@ class FlightLog {
   std::vector<std::uint8_t> record_;
 };
 
+/// Whether a signal came that an InterruptGuard took.
+volatile sig_atomic_t interrupt_raised = 0;
+
 /// Lets Ctrl-C end the run in good order while it lives.
 class InterruptGuard {
  public:
   InterruptGuard() {
-    raised_ = 0;
+    interrupt_raised = 0;
     struct sigaction action {};
-    action.sa_handler = [](int) { raised_ = 1; };
+    action.sa_handler = [](int) { interrupt_raised = 1; };
     ::sigaction(SIGINT, &action, &before_int_);
     ::sigaction(SIGTERM, &action, &before_term_);
   }
@@ -93,10 +96,9 @@ class InterruptGuard {
   }
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
-  static bool raised() { return raised_ != 0; }
+  static bool raised() { return interrupt_raised != 0; }
 
  private:
-  static inline volatile sig_atomic_t raised_ = 0;
   struct sigaction before_int_ {};
   struct sigaction before_term_ {};
 };
