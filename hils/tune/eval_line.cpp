@@ -31,6 +31,7 @@ void read_parameters(const Json& values, const std::vector<Parameter>& known,
                      EvalRequest& request) {
   if (!values.is_object()) throw base::ConfigError("'parameters' is a map of names and values");
   std::vector<std::string> names;
+  names.reserve(known.size());
   for (const Parameter& each : known) names.push_back(each.name);
   for (const auto& [name, value] : values.items()) {
     if (std::ranges::find(names, name) == names.end()) {

@@ -169,6 +169,7 @@ std::vector<RowResult> TuneFlights::fly(const std::vector<TuneFlight>& flights) 
     progress_.show(state_);
   }
   std::vector<RowResult> results;
+  results.reserve(keys.size());
   for (const std::string& key : keys) results.push_back(results_.at(key));
   return results;
 }

@@ -145,10 +145,9 @@ class MessageWriter final {
       out_ += cat({"    cas::mav::put<", cpp_type(field.type), ">(cas_out + ",
                    std::to_string(field.offset), ", ", value, ");\n"});
     }
-    out_ +=
-        cat({"  }\n  /// Reads kMaxLength bytes in wire order.\n"
-             "  template <class CasByte>\n  static ",
-             type_, " unpack(const CasByte* cas_in) {\n    ", type_, " cas_message;\n"});
+    out_ += "  }\n  /// Reads kMaxLength bytes in wire order.\n";
+    out_ += cat({"  template <class CasByte>\n  static ", type_,
+                 " unpack(const CasByte* cas_in) {\n    ", type_, " cas_message;\n"});
     for (const auto index : message_.wire_order) {
       const auto& field = message_.fields[index];
       out_ += cat({"    cas::mav::get<", cpp_type(field.type), ">(cas_in + ",

@@ -100,7 +100,7 @@ void MissionExchange::start(Transfer transfer, Time now) {
 }
 
 void MissionExchange::say(Message message, Time now) {
-  transfer_->last = std::move(message);
+  transfer_->last = message;
   transfer_->sent = 1;
   transfer_->deadline = now + timing_.answer_timeout;
   send_(transfer_->last);

@@ -266,7 +266,7 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     topics.at("loop").ask = [this](Take take) { ask_loop(std::move(take)); };
     topics.at("messages").ask = [this](Take take) { ask_messages(std::move(take)); };
     topics.at("vehicle").ask = [this](Take take) { ask_vehicles(std::move(take)); };
-    topics.at("value").ask = [this](Take take) { ask_values(std::move(take)); };
+    topics.at("value").ask = [this](const Take& take) { ask_values(take); };
     if (!hils.upstream) return;
     topics.at("ref").ask = [this](Take take) { ask_hils("run.reference", std::move(take)); };
     topics.at("verdict").ask = [this](Take take) { ask_hils("run.status", std::move(take)); };
