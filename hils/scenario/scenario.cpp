@@ -280,6 +280,7 @@ Architecture parse_architecture(std::string_view word) {
     if (to_string(architecture) == word) return architecture;
   }
   std::vector<std::string_view> known;
+  known.reserve(kArchitectures.size());
   for (const Architecture architecture : kArchitectures) known.push_back(to_string(architecture));
   throw base::ConfigError("there is no architecture '" + std::string(word) +
                           "'; there are direct, sitl, ts, loop and tcas" +
