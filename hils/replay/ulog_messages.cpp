@@ -208,6 +208,8 @@ class Contents final : public UlogListener {
   void on_dropout(int duration_ms) override { missing_[second()].dropped_ms += duration_ms; }
   void on_damage(std::size_t bytes) override { missing_[second()].damaged_bytes += bytes; }
 
+  bool empty() const { return messages_.empty(); }
+
   Json take() {
     for (const auto& [second, missing] : missing_) tell(second, missing);
     Json messages = Json::array();
@@ -322,6 +324,8 @@ Json ulog_messages(std::string_view bytes, std::size_t most_numbers) {
   if (sizes.empty()) throw base::ConfigError("no message is in this log");
   Contents contents(sizes.period_s(most_numbers));
   read_ulog(bytes, contents);
+  // The stamps of sentences may have made all messages stale.
+  if (contents.empty()) throw base::ConfigError("no message is in this log");
   return contents.take();
 }
 
