@@ -38,7 +38,7 @@ std::string link_line(const LinkConfig& link) {
       listed<Messages>(link.accept.ground_station ? "and" : "accepts only", link.accept.messages);
   text += listed<Ids>("accepts only systems", link.accept.systems);
   text += listed<Ids>("refuses systems", link.accept.block_systems);
-  if (link.inject_failures) text += ", may inject failures";
+  if (link.inject_failures && !link.accept.read_only) text += ", may inject failures";
   if (link.signing) {
     text += std::string(link.signing->verify ? ", verifies" : "") +
             (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();

@@ -168,11 +168,12 @@ INSTANTIATE_TEST_SUITE_P(
                              "schema: 1\nlinks:\n"
                              "  - {name: a, type: udp, local: '[::1]:0', accept: nothing, "
                              "inject_failures: true}\n"
-                             "  - {name: b, type: serial, device: /dev/x, baud: 921600}\n"
+                             "  - {name: b, type: serial, device: /dev/x, baud: 921600, "
+                             "inject_failures: true}\n"
                              "routes:\n  - {from: a, to: b, allow: [HIL_SENSOR]}\n",
                              "--check", 0,
-                             "  a: udp at [::1]:0, read-only, may inject failures\n"
-                             "  b: serial /dev/x at 921600 baud, paced\n"
+                             "  a: udp at [::1]:0, read-only\n"
+                             "  b: serial /dev/x at 921600 baud, paced, may inject failures\n"
                              "routes\n"
                              "  a -> b: only HIL_SENSOR\n"
                              "expected load of the lines\n"
