@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/transport/serial_link.hpp"
 
-// asm/termbits.h has termios2 (any baud rate) and clashes with <termios.h>: no termios call here.
-#include <asm/termbits.h>
-#include <fcntl.h>
-#include <linux/serial.h>
 #include <poll.h>
-#include <sys/file.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "base/os/pty_lock.hpp"
-#include "casd/transport/pty_admission.hpp"
+#include "casd/transport/serial_device.hpp"
 #include "casd/transport/stream_writer.hpp"
 
 namespace cas::casd {
@@ -31,62 +24,6 @@ constexpr int kBlockingPatience_ms = 20;
 constexpr base::Duration kBetweenLooks = std::chrono::milliseconds(10);
 // A line that breaks sooner is not looked at again before: it may break each time.
 constexpr base::Duration kLeastUptime = std::chrono::milliseconds(50);
-
-struct SerialOptions {
-  unsigned baud = 0;  ///< any rate; 0 leaves the driver's
-  bool flow_control = false;
-  bool unlocked_pty = false;  ///< a pseudo-terminal needs no lock
-};
-
-bool make_raw(int fd, const SerialOptions& options) {
-  termios2 settings{};
-  if (::ioctl(fd, TCGETS2, &settings) != 0) return false;
-  settings.c_iflag &= ~static_cast<tcflag_t>(IGNBRK | BRKINT | PARMRK | ISTRIP | INLCR | IGNCR |
-                                             ICRNL | IXON | IXOFF | IXANY);
-  settings.c_oflag &= ~static_cast<tcflag_t>(OPOST);
-  settings.c_lflag &= ~static_cast<tcflag_t>(ECHO | ECHONL | ICANON | ISIG | IEXTEN);
-  settings.c_cflag &= ~static_cast<tcflag_t>(CSIZE | PARENB | CSTOPB | HUPCL | CRTSCTS);
-  settings.c_cflag |= CS8 | CREAD | CLOCAL;
-  if (options.flow_control) settings.c_cflag |= CRTSCTS;
-  if (options.baud > 0) {
-    settings.c_cflag &= ~static_cast<tcflag_t>(CBAUD | (CBAUD << IBSHIFT));
-    settings.c_cflag |= BOTHER | (BOTHER << IBSHIFT);
-    settings.c_ispeed = settings.c_ospeed = options.baud;
-  }
-  settings.c_cc[VMIN] = 1;  // with 0 an empty line reads like one that was hung up
-  settings.c_cc[VTIME] = 0;
-  return ::ioctl(fd, TCSETS2, &settings) == 0;
-}
-
-// USB adapters hold received bytes back for up to 16 ms otherwise. Not every driver knows it.
-void ask_low_latency(int fd) {
-  serial_struct settings{};
-  if (::ioctl(fd, TIOCGSERIAL, &settings) != 0) return;
-  settings.flags |= ASYNC_LOW_LATENCY;
-  ::ioctl(fd, TIOCSSERIAL, &settings);
-}
-
-/// Opens a serial device: raw, exclusive (flock), its old input and output thrown away, low latency
-/// where the driver knows the word. A pseudo-terminal that is not ours to use is left untouched.
-/// @return nothing, with the reason in `error`
-base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
-                             std::string& error) {
-  const auto failed = [&](const char* what) {
-    error = device + ": " + what + std::generic_category().message(errno);
-    return base::Descriptor();
-  };
-  base::Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (!line) return failed("");
-  if (base::identify_pty(line.get())) {
-    error = pty_refusal(line.get(), device, options.unlocked_pty);
-    if (!error.empty()) return {};
-  }
-  if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) return failed("in use: ");
-  if (!make_raw(line.get(), options)) return failed("not a terminal: ");
-  ask_low_latency(line.get());
-  ::ioctl(line.get(), TCFLSH, TCIOFLUSH);
-  return line;
-}
 
 }  // namespace
 

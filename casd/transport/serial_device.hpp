@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "base/os/descriptor.hpp"
+
+namespace cas::casd {
+
+/// How a serial device is opened.
+struct SerialOptions {
+  unsigned baud = 0;  ///< any rate; 0 leaves the driver's
+  bool flow_control = false;
+  bool unlocked_pty = false;  ///< a pseudo-terminal needs no lock
+};
+
+/// Opens a serial device: raw, exclusive (flock), its old input and output thrown away, low latency
+/// where the driver knows the word. A pseudo-terminal that is not ours to use is left untouched.
+/// @return nothing, with the reason in `error`; of a device that another program has, the reason
+///         begins with "DEVICE: in use"
+base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
+                             std::string& error);
+
+/// Gives an open line another rate; what has come at the old one is thrown away.
+/// @return false with errno set
+bool set_baud(int line, unsigned baud);
+
+}  // namespace cas::casd
