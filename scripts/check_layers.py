@@ -108,6 +108,7 @@ LAYERS = {
         BASE | MAVLINK | rooms("casd", "packet routing queue tlog topology counters signing")
         | {"Asio"},
     "casd/station": BASE | MAVLINK | SERVICES | rooms("casd", "packet"),
+    "casd/autopilot_log": BASE | MAVLINK | SERVICES | rooms("casd", "packet tlog station"),
     "casd/transport":
         BASE | MAVLINK | rooms("casd", "packet routing tlog counters link station") | {"Asio"},
     "casd/port":
@@ -116,7 +117,8 @@ LAYERS = {
         | {"mavlink_gen/parser", "mavlink_gen/json", "Asio"},
     "casd":
         BASE | MAVLINK | RPC | PROGRAM | {"Asio"}
-        | rooms("casd", "packet routing queue tlog topology counters signing link station transport port"),
+        | rooms("casd",
+                "packet routing queue tlog topology counters signing link station autopilot_log transport port"),
     "casd/casctl/session": BASE | RPC | PROGRAM | {"casd/words"},
     "casd/casctl/verbs": BASE | RPC | {"base/cli", "casd/words", "casd/casctl/session"},
     "casd/casctl/doctor": BASE | RPC | {"casd/words", "casd/casctl/session"},

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/autopilot_log/autopilot_logs.hpp"
+
+#include <utility>
+
+#include "base/os/log.hpp"
+#include "casd/autopilot_log/dataflash_pull.hpp"
+#include "casd/autopilot_log/ulog_pull.hpp"
+#include "mavlink/common/logging_data.hpp"
+#include "mavlink/common/logging_data_acked.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/address.hpp"
+
+namespace cas::casd {
+namespace {
+
+/// Whether a packet is a piece of a log for casd's own station.
+bool is_piece(const mav::PacketView& packet, mav::Source self) {
+  using namespace mavlink::common;
+  const auto is = [&]<class Message>(const std::optional<Message>& message) {
+    return message && message->target_system != 0 && mav::services::is_for(*message, self);
+  };
+  return is(mav::decode<LoggingData>(packet)) || is(mav::decode<LoggingDataAcked>(packet)) ||
+         is(mav::decode<RemoteLogDataBlock>(packet));
+}
+
+}  // namespace
+
+void AutopilotLogs::on_packet(const Origin& from, const mav::PacketView& packet,
+                              base::RunTime now) {
+  now_ = now;
+  if (!is_piece(packet, self_)) return;
+  const auto found = logs_.find(packet.source.system);
+  const VehicleState* const vehicle = commander_.find(packet.source.system);
+  if (found == logs_.end() || vehicle == nullptr || vehicle->source() != packet.source ||
+      found->second->source != packet.source || !vehicle->is_at(from, now)) {
+    return;
+  }
+  found->second->pull->on_packet(packet, now);
+}
+
+void AutopilotLogs::tick(base::RunTime now) {
+  now_ = now;
+  forget_lost(now);
+  for (const VehicleState* vehicle : commander_.vehicles()) {
+    if (Log* const log = log_of(*vehicle)) tick(*log, *vehicle, now);
+  }
+}
+
+void AutopilotLogs::end(base::RunTime now) {
+  now_ = now;
+  for (const auto& [system, log] : logs_) {
+    if (std::exchange(log->wanted, false)) log->pull->stop(now);
+  }
+  logs_.clear();
+}
+
+void AutopilotLogs::forget_lost(base::RunTime now) {
+  for (auto each = logs_.begin(); each != logs_.end();) {
+    const VehicleState* const vehicle = commander_.find(each->first);
+    const bool known = vehicle != nullptr && vehicle->source() == each->second->source;
+    if (!known) each->second->pull->restart(now);  // ends the file; nobody is there to be told
+    each = known ? std::next(each) : logs_.erase(each);
+  }
+}
+
+AutopilotLogs::Log* AutopilotLogs::log_of(const VehicleState& vehicle) {
+  const std::uint8_t system = vehicle.source().system;
+  const auto found = logs_.find(system);
+  if (found != logs_.end()) return found->second.get();
+  const Autopilot autopilot = vehicle.autopilot();
+  if (autopilot == Autopilot::kOther || logs_.size() >= kMostLogs) return nullptr;
+  auto log = std::make_unique<Log>();
+  log->source = vehicle.source();
+  log->restarted_at = vehicle.restarted_at();
+  if (autopilot == Autopilot::kPx4) {
+    log->pull = std::make_unique<UlogPull>(hooks(system, *log));
+  } else {
+    log->pull = std::make_unique<DataflashPull>(hooks(system, *log));
+  }
+  return logs_.emplace(system, std::move(log)).first->second.get();
+}
+
+void AutopilotLogs::tick(Log& log, const VehicleState& vehicle, base::RunTime now) {
+  const bool flies = log.window.update(vehicle.armed(), now);
+  if (std::exchange(log.restarted_at, vehicle.restarted_at()) != vehicle.restarted_at()) {
+    log.pull->restart(now);
+  }
+  const bool silent = vehicle.heartbeat_age(now) > kVehicleTimeout;
+  const bool wanted = (flies || !while_armed_) && files_.takes() && !vehicle.is_high_latency();
+  if (wanted && !silent) {
+    log.wanted = true;
+    log.pull->tick(now);
+  } else if (!wanted && std::exchange(log.wanted, false)) {
+    log.pull->stop(now);
+  }
+}
+
+LogPullHooks AutopilotLogs::hooks(std::uint8_t system, Log& log) {
+  return {
+      .send =
+          [this, system](const VehicleCommander::LogAnswer& answer) {
+            commander_.answer_log(system, answer);
+          },
+      .command =
+          [this, system](const VehicleCommand& command, Done done) {
+            commander_.command(system, command, false, now_, std::move(done));
+          },
+      .begin =
+          [this, system, &log](std::string_view extension) {
+            log.file = files_.begin("v" + std::to_string(system), extension);
+          },
+      .write = [this, &log](
+                   LogPart part) { return !log.file || files_.write(*log.file, std::move(part)); },
+      .end =
+          [this, &log] {
+            if (log.file) files_.end(*std::exchange(log.file, std::nullopt));
+          },
+      .warn =
+          [system](const std::string& sentence) {
+            base::log::warn("vehicle " + std::to_string(system) + " " + sentence);
+          }};
+}
+
+}  // namespace cas::casd

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "casd/autopilot_log/log_files.hpp"
+#include "casd/autopilot_log/log_pull.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/packet/packet_info.hpp"
+#include "casd/station/vehicle_commander.hpp"
+#include "casd/tlog/armed_window.hpp"
+#include "casd/tlog/autopilot_log_config.hpp"
+
+namespace cas::casd {
+
+/// The logs of all vehicles: who is asked for one, and when. Only what comes from the vehicle
+/// itself, from its place, reaches its file. On the thread of the commander.
+class AutopilotLogs {
+ public:
+  /// Logs at one time; further vehicles are not asked.
+  static constexpr std::size_t kMostLogs = 16;
+
+  /// All outlive it.
+  AutopilotLogs(const AutopilotLogConfig& config, mav::Source self, VehicleCommander& commander,
+                LogFiles& files)
+      : while_armed_(config.while_armed), self_(self), commander_(commander), files_(files) {}
+
+  void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
+  /// Every now and then.
+  void tick(base::RunTime now);
+  /// Has all vehicles end their logs.
+  void end(base::RunTime now);
+
+ private:
+  struct Log {
+    mav::Source source;
+    base::RunTime restarted_at{};
+    ArmedWindow window;
+    std::optional<LogFiles::File> file;
+    bool wanted = false;
+    std::unique_ptr<LogPull> pull;
+  };
+
+  Log* log_of(const VehicleState& vehicle);
+  void tick(Log& log, const VehicleState& vehicle, base::RunTime now);
+  LogPullHooks hooks(std::uint8_t system, Log& log);
+  void forget_lost(base::RunTime now);
+
+  bool while_armed_;
+  mav::Source self_;
+  VehicleCommander& commander_;
+  LogFiles& files_;
+  base::RunTime now_{};
+  std::map<std::uint8_t, std::unique_ptr<Log>> logs_;  ///< by system
+};
+
+}  // namespace cas::casd

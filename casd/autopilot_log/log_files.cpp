@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/autopilot_log/log_files.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <span>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+#include "casd/tlog/tlog_name.hpp"
+
+namespace cas::casd {
+namespace {
+
+constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
+constexpr base::Duration kScanPeriod = std::chrono::seconds(1);
+constexpr base::Duration kLookPeriod = kFlushPeriod;
+/// What must fit before logs are taken again.
+constexpr std::uint64_t kRoomToGoOn = 1024 * 1024;
+constexpr int kMostFiles = 10'000;  // names that are tried
+constexpr std::array<std::string_view, 2> kExtensions{".ulg", ".bin"};
+
+/// What the autopilots' logs of a folder take.
+std::uint64_t logged_bytes(const std::filesystem::path& folder) {
+  std::uint64_t sum = 0;
+  std::error_code error;
+  std::filesystem::directory_iterator entries(folder, error);
+  for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error)) {
+    const std::string extension = entries->path().extension().string();
+    if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end()) continue;
+    std::error_code gone;
+    if (!entries->is_regular_file(gone) || entries->is_symlink(gone)) continue;
+    const auto size = entries->file_size(gone);
+    if (!gone) sum += size;
+  }
+  return sum;
+}
+
+/// @return whether all of it is written; else errno says why not
+bool write_all(int fd, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written == 0) errno = ENOSPC;
+    if (written <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+std::string message_of(int error) { return std::generic_category().message(error); }
+
+}  // namespace
+
+LogFiles::LogFiles(AutopilotLogConfig config)
+    : config_(std::move(config)), folder_(config_.folder) {
+  try {
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  } catch (const std::system_error& error) {
+    throw base::ConfigError(std::string("cannot take logs of autopilots: no thread for it: ") +
+                            error.what());
+  }
+}
+
+LogFiles::~LogFiles() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+LogFiles::File LogFiles::begin(const std::string& name, std::string_view extension) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  Job job{.kind = Job::Kind::kBegin,
+          .name = dated_tlog_name(std::chrono::duration_cast<std::chrono::seconds>(now), name),
+          .extension = "." + std::string(extension)};
+  {
+    const base::MutexLock lock(mutex_);
+    job.file = next_++;
+  }
+  const File file = job.file;
+  order(std::move(job));
+  return file;
+}
+
+bool LogFiles::write(File file, LogPart part) {
+  {
+    const base::MutexLock lock(mutex_);
+    if (waiting_bytes_ + part.bytes.size() > kMaxWaitingBytes) return false;
+  }
+  order({.kind = Job::Kind::kWrite, .file = file, .part = std::move(part)});
+  return true;
+}
+
+void LogFiles::end(File file) { order({.kind = Job::Kind::kEnd, .file = file}); }
+
+void LogFiles::order(Job job) {
+  const base::MutexLock lock(mutex_);
+  waiting_bytes_ += job.part.bytes.size() + sizeof(Job);
+  jobs_.push_back(std::move(job));
+}
+
+void LogFiles::run(const std::stop_token& stop) {
+  for (bool ends = false; !ends;) {
+    std::deque<Job> jobs;
+    {
+      base::MutexLock lock(mutex_);
+      more_.wait_for(lock, stop, kFlushPeriod, [] { return false; });
+      ends = stop.stop_requested();
+      jobs.swap(jobs_);
+      waiting_bytes_ = 0;
+    }
+    for (; !jobs.empty(); jobs.pop_front()) carry_out(std::move(jobs.front()));
+    look_for_room();
+  }
+  while (!open_.empty()) close(open_.begin()->first);
+}
+
+void LogFiles::carry_out(Job job) {
+  switch (job.kind) {
+    case Job::Kind::kBegin:
+      return make(job);
+    case Job::Kind::kWrite:
+      return append(job.file, job.part);
+    case Job::Kind::kEnd:
+      return close(job.file);
+  }
+}
+
+void LogFiles::make(const Job& job) {
+  if (!why_.empty()) return;
+  Open file;
+  for (int number = 0; !file.fd; ++number) {
+    file.name = job.name + (number > 0 ? "." + std::to_string(number) : "") + job.extension;
+    file.fd = folder_.make(file.name);
+    if (!file.fd && (errno != EEXIST || number >= kMostFiles)) return fail(message_of(errno));
+  }
+  open_.emplace(job.file, std::move(file));
+}
+
+/// As a whole, or the file stays as it was and nothing is added to it any more.
+void LogFiles::append(File id, const LogPart& part) {
+  const auto found = open_.find(id);
+  if (found == open_.end()) return;
+  Open& file = found->second;
+  if (std::string why = lack(part.bytes.size()); !why.empty()) {
+    close(id);
+    return fail(std::move(why));
+  }
+  if (file.size == 0) {
+    base::log::info("recording the autopilot's log in " + (folder_.path() / file.name).string());
+  }
+  const bool padded = !part.at || *part.at <= file.size ||
+                      ::ftruncate(file.fd.get(), static_cast<off_t>(*part.at)) == 0;
+  if (!padded || !write_all(file.fd.get(), part.bytes)) {
+    const int error = errno;
+    if (::ftruncate(file.fd.get(), static_cast<off_t>(file.size)) != 0) {
+      base::log::warn((folder_.path() / file.name).string() + " ends in the middle of a message");
+    }
+    close(id);
+    return fail(message_of(error));
+  }
+  const std::uint64_t before = file.size;
+  file.size = std::max(file.size, part.at.value_or(0)) + part.bytes.size();
+  const std::uint64_t more = file.size - before;
+  space_.used_bytes += more;
+  space_.free_bytes -= std::min(more, space_.free_bytes);
+}
+
+void LogFiles::close(File id) {
+  const auto found = open_.find(id);
+  if (found == open_.end()) return;
+  const Open& file = found->second;
+  if (file.size == 0) {
+    folder_.remove(file.name);
+  } else {
+    base::log::info("the autopilot's log " + (folder_.path() / file.name).string() + " has " +
+                    std::to_string(file.size) + " bytes");
+  }
+  open_.erase(found);
+}
+
+void LogFiles::fail(std::string why) {
+  retry_at_ = base::steady_now() + kRetryPeriod;
+  takes_.store(false, std::memory_order_relaxed);
+  if (why_.empty()) {
+    base::log::error("logs of autopilots in " + folder_.path().string() + " pause: " + why +
+                     "; they go on when they can");
+  }
+  why_ = std::move(why);
+}
+
+/// A log that ended goes on in another file, from its beginning.
+void LogFiles::look_for_room() {
+  if (!retry_at_ || base::steady_now() < *retry_at_) return;
+  retry_at_ = base::steady_now() + kRetryPeriod;
+  scanned_.reset();
+  looked_.reset();
+  const bool full = folder_.look(false).free_bytes < kRoomToGoOn;
+  if (full || !lack(kRoomToGoOn).empty()) return;
+  // Whether the disk takes anything again, only a file tells.
+  const std::string probe = ".autopilot-log-" + std::to_string(::getpid());
+  folder_.remove(probe);
+  {
+    const base::Descriptor file = folder_.make(probe);
+    constexpr std::array<std::uint8_t, 1> kByte{};
+    const bool taken = file && write_all(file.get(), kByte);
+    folder_.remove(probe);
+    if (!taken) return;
+  }
+  retry_at_.reset();
+  why_.clear();
+  takes_.store(true, std::memory_order_relaxed);
+  base::log::info("logs of autopilots go on in " + folder_.path().string());
+}
+
+std::string LogFiles::lack(std::uint64_t more) {
+  if (config_.limits == TlogLimits{}) return "";
+  const base::RunTime now = base::steady_now();
+  if (!looked_ || now - *looked_ >= kLookPeriod) {
+    looked_ = now;
+    space_.free_bytes = folder_.look(false).free_bytes;
+  }
+  if (config_.limits.max_bytes > 0 && (!scanned_ || now - *scanned_ >= kScanPeriod)) {
+    scanned_ = now;
+    space_.used_bytes = logged_bytes(folder_.path());
+  }
+  return lack_of_room(config_.limits, space_, more);
+}
+
+}  // namespace cas::casd
