@@ -1,39 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Install rules and the exported packages, in the components common, casd, sim, dev and mavlink: find_package(cas) gives cas::base, cas::sim_api,
-# cas::sim, cas_add_plugin() and all of find_package(cas_mavlink).
+# Install rules and the exported packages, in the components common, casd, sim, dev and mavlink; for a companion computer
+# (CAS_COMPANION) in common, casd and mavlink.
 include(CMakePackageConfigHelpers)
 
-set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cas)
-
-install(TARGETS cas_base cas_sim_api cas_sim EXPORT cas-targets
-        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT common NAMELINK_COMPONENT dev
-        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
-        INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas)
-install(TARGETS cas_sim_sdf LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT common NAMELINK_SKIP)
-install(TARGETS casd casctl casweb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT casd)
-install(TARGETS hilsim fcu_emulator hils RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT sim)
-
-foreach(folder base libsim/api libsim/core)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cas/${folder} COMPONENT dev
-          FILES_MATCHING PATTERN "*.hpp" PATTERN "ode" EXCLUDE)
-endforeach()
-include(CasForward)
-
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/plugins/example_plugin/
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/examples/airspeed COMPONENT dev
-        PATTERN build_and_run EXCLUDE)
-
-install(EXPORT cas-targets NAMESPACE cas:: DESTINATION ${package_dir} COMPONENT dev)
-configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/casConfig.cmake.in
-                              ${PROJECT_BINARY_DIR}/casConfig.cmake
-                              INSTALL_DESTINATION ${package_dir}
-                              PATH_VARS CAS_PLUGIN_INSTALL_DIR)
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/casConfigVersion.cmake
-                                 COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/casConfig.cmake ${PROJECT_BINARY_DIR}/casConfigVersion.cmake
-              ${PROJECT_SOURCE_DIR}/cmake/CasPlugin.cmake
-        DESTINATION ${package_dir} COMPONENT dev)
+install(TARGETS casd casctl RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT casd)
+if(CAS_COMPANION)
+  install(TARGETS cas_base LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT common NAMELINK_SKIP)
+else()
+  include(CasSimInstall)
+endif()
 
 # The MAVLink library is a package of its own, which needs nothing else of the project: find_package(cas_mavlink) gives
 # cas::mavlink_runtime, cas::mavlink, cas::mavlink_services, cas::mavlink_json, cas::mavlink_parser and cas_mavlink_generate().

@@ -4,7 +4,8 @@
 # Makes the interface library <target>: link it to get `#include "mavlink/<dialect>/..."` for each
 # dialect file, generated when the project is built and again when a file it is made of changes.
 # ONLY keeps the messages named, and the enums they use.
-# Works inside the project and, with the installed package, outside.
+# Works inside the project and, with the installed package, outside. CAS_MAVLINK_GEN names the mavlink_gen that runs,
+# where the one of the package or project is built for another processor.
 
 # The files a dialect is made of, by its <include> elements.
 function(_cas_mavlink_sources file out)
@@ -53,6 +54,9 @@ function(cas_mavlink_generate target)
   else()
     set(program cas::mavlink_gen)
     set(runtime cas::mavlink_runtime)
+  endif()
+  if(CAS_MAVLINK_GEN)
+    set(program ${CAS_MAVLINK_GEN})
   endif()
   set(out "${CMAKE_CURRENT_BINARY_DIR}/${target}_include")
   set(stamps "")

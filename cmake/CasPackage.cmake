@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Debian packages by CPack: cas-common (libraries, shipped configuration), casd (with casctl and casweb), cas-sim (hilsim with its
 # plugins, hils, fcu_emulator), cas-dev, cas-mavlink-dev, python3-cas and, where pybind11-dev is installed,
-# python3-cas-env. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package.
+# python3-cas-env. For a build with CAS_PACKAGE=ON and CMAKE_INSTALL_PREFIX=/usr: scripts/package. For a companion computer
+# cas-common, casd without casweb, and cas-mavlink-dev.
 set(debian ${PROJECT_SOURCE_DIR}/packaging/debian)
 set(exactly "(= ${PROJECT_VERSION})")
 
 # The service, its configuration in /etc, rules for devices.
 install(FILES ${PROJECT_SOURCE_DIR}/config/topologies/pixhawk_usb.yaml DESTINATION /etc/cas RENAME casd.yaml
         COMPONENT casd)
-install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd.service ${PROJECT_SOURCE_DIR}/config/systemd/casweb.service
-        DESTINATION /lib/systemd/system COMPONENT casd)
+install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casd.service DESTINATION /lib/systemd/system COMPONENT casd)
+if(NOT CAS_COMPANION)
+  install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/casweb.service DESTINATION /lib/systemd/system COMPONENT casd)
+endif()
 install(FILES ${PROJECT_SOURCE_DIR}/config/udev/61-cas-pixhawk.rules DESTINATION /lib/udev/rules.d COMPONENT casd)
 install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/cas-modules.conf DESTINATION /usr/lib/modules-load.d
         RENAME cas.conf COMPONENT casd)
@@ -48,7 +51,10 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL common casd sim dev mavlink python)
+set(CPACK_COMPONENTS_ALL common casd mavlink)
+if(NOT CAS_COMPANION)
+  list(APPEND CPACK_COMPONENTS_ALL sim dev python)
+endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGE_NAME cas)
