@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/cli/manual.hpp"
+#include "base/cli/keys_flag.hpp"
 #include "base/cli/parse.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
@@ -202,13 +203,7 @@ int main(int argc, char** argv) {
   cli.add_flag("--as-topology", flags.as_topology,
                "Print the endpoints as a topology file, and end");
   cli.add_flag("--check", flags.check, "Read the topology, say what is wrong, and end");
-  cli.add_flag_callback(
-      "--keys",
-      [] {
-        std::fputs(casd::topology_reference().c_str(), stdout);
-        throw CLI::Success();
-      },
-      "Print every key of a topology with its default and meaning, and end");
+  base::cli::add_keys_flag(cli, casd::topology_reference, "a topology");
   cli.add_option("--import", flags.import_file,
                  "Print mavlink-router's configuration as a topology file, and end")
       ->type_name("MAIN.CONF");

@@ -70,8 +70,8 @@ LAYERS = {
 
     "base": SYSTEM,
     "base/time": SYSTEM | {"base"},
-    "base/config": SYSTEM | {"base", "base/time", "yaml-cpp", "Eigen", "expat"},
     "base/earth": SYSTEM | {"base", "Eigen"},
+    "base/config": SYSTEM | {"base", "base/time", "base/earth", "yaml-cpp", "Eigen", "expat"},
     "base/os": SYSTEM | {"base", "base/config", "spdlog"},
     "base/measure": SYSTEM | rooms("base", "os time") | {"base"},
     "base/cli": {"std", "base", "CLI11"},

@@ -110,14 +110,54 @@ struct PathBeside {
   static std::array<std::string, 2> samples() { return Text::samples(); }
 };
 
-/// A number in [low, high]; `T` is double, or what `unit` of it make: a Duration (unit in seconds)
-/// or bytes.
+/// What a function of its own reads: T parse(const ConfigNode&).
+template <auto Parse>
+struct Parsed {
+  using Value = decltype(Parse(std::declval<const ConfigNode&>()));
+
+  static void read(const ConfigNode& node, Value& value) { value = Parse(node); }
+};
+
+/// A block that another program or plugin reads, and checks.
+struct HandedOn {
+  template <class T>
+  requires std::is_assignable_v<T&, const ConfigNode&>
+  static void read(const ConfigNode& node, T& value) {
+    node.mark_used();
+    value = node;
+  }
+};
+
+/// Any number.
+struct Number {
+  static void read(const ConfigNode& node, double& value) { value = node.as<double>(); }
+  static std::string text(double value) { return number_text(value); }
+  static std::string values() { return "number"; }
+  static std::array<std::string, 2> samples() { return {"0", "1"}; }
+};
+
+/// Any whole number that is not negative.
+struct Count {
+  static void read(const ConfigNode& node, std::uint64_t& value) {
+    value = node.as<std::uint64_t>();
+  }
+  static std::string text(std::uint64_t value) { return std::to_string(value); }
+  static std::string values() { return "whole number"; }
+  static std::array<std::string, 2> samples() { return {"1", "2"}; }
+};
+
+/// What a Range can be of.
+template <class T>
+concept RangeValue = std::is_arithmetic_v<T> || std::is_same_v<T, Duration>;
+
+/// A number in [low, high]; its value is double, or what `unit` of it make: a Duration (unit in
+/// seconds) or bytes.
 struct Range {
   double low;
   double high;
   double unit = 1;
 
-  template <class T>
+  template <RangeValue T>
   void read(const ConfigNode& node, T& value) const {
     const double number = number_in(node, low, high) * unit;
     if constexpr (std::is_same_v<T, Duration>) {
@@ -126,15 +166,18 @@ struct Range {
       value = static_cast<T>(number);
     }
   }
-  template <class T>
-  std::string text(const T& value) const {
-    double number = 0;
+  /// The number that a file has for it.
+  template <RangeValue T>
+  double number(const T& value) const {
     if constexpr (std::is_same_v<T, Duration>) {
-      number = to_seconds(value);
+      return to_seconds(value) / unit;
     } else {
-      number = static_cast<double>(value);
+      return static_cast<double>(value) / unit;
     }
-    return number_text(std::round(number / unit * 1e6) / 1e6);
+  }
+  template <RangeValue T>
+  std::string text(const T& value) const {
+    return number_text(std::round(number(value) * 1e6) / 1e6);
   }
   std::string values() const { return plain(low) + " to " + plain(high); }
   std::array<std::string, 2> samples() const {
@@ -172,20 +215,28 @@ struct Whole {
 template <class T, std::size_t N>
 struct Words {
   std::array<std::pair<std::string_view, T>, N> words;
-  std::string_view refusal{};  ///< of another word: "neither pass nor drop"; empty: none of them
+  std::string_view refusal{};  ///< of another word, the {} in it; empty: it is none of them
 
-  void read(const ConfigNode& node, T& value) const {
+  template <class V>
+  requires std::is_assignable_v<V&, const T&>
+  void read(const ConfigNode& node, V& value) const {
     const auto given = node.as<std::string>();
     for (const auto& [word, meant] : words) {
       if (given != word) continue;
       value = meant;
       return;
     }
-    node.fail("'" + given + "' is " +
-              (refusal.empty() ? "none of " + values() : std::string(refusal)));
+    node.fail(refused(given));
+  }
+  std::string refused(const std::string& given) const {
+    if (refusal.empty()) return "'" + given + "' is none of " + values();
+    std::string sentence(refusal);
+    const std::size_t place = sentence.find("{}");
+    return place == sentence.npos ? sentence : sentence.replace(place, 2, given);
   }
   /// The word for a value; "none" where there is none.
-  constexpr std::string_view word(const T& value) const {
+  template <class V>
+  constexpr std::string_view word(const V& value) const {
     for (const auto& [word, meant] : words) {
       if (meant == value) return word;
     }
@@ -229,13 +280,10 @@ void read_keys(const ConfigNode& node, const Keys& keys, Struct& into) {
       const auto child = key.required ? std::optional(node.at(key.name)) : node.find(key.name);
       if (!child) return;
       auto& value = key.of(into);
-      if constexpr (requires {
-                      value.emplace();
-                      *value;
-                    }) {  // std::optional
-        key.kind.read(*child, value.emplace());
-      } else {
+      if constexpr (requires { key.kind.read(*child, value); }) {
         key.kind.read(*child, value);
+      } else {  // std::optional
+        key.kind.read(*child, value.emplace());
       }
     }
   });

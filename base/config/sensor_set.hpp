@@ -14,4 +14,9 @@ namespace cas::base {
 CAS_BASE_EXPORT ConfigNode sensor_set(const ConfigNode& node,
                                       const ConfigNode& behind = ConfigNode::empty());
 
+/// Kind of a key (config_keys.hpp): a set, or keys that differ from the one that the member holds.
+struct SensorSet {
+  static void read(const ConfigNode& node, ConfigNode& set) { set = sensor_set(node, set); }
+};
+
 }  // namespace cas::base

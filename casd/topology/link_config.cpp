@@ -116,7 +116,7 @@ constexpr std::tuple kQueueKeys{
 
 constexpr std::tuple kAcceptKeys{
     key<&AcceptRule::ground_station>(
-        "traffic", Words<bool, 1>{{{{"ground_station", true}}}, "not ground_station"},
+        "traffic", Words<bool, 1>{{{{"ground_station", true}}}, "'{}' is not ground_station"},
         "what ground stations say, and the `messages` that are named besides"),
     key<&AcceptRule::messages>("messages", Messages{}, "these messages alone"),
     key<&AcceptRule::systems>("systems", Ids{}, "these senders (system ids) alone"),
@@ -199,7 +199,7 @@ constexpr std::tuple kCommonKeys{
     key<&LinkConfig::max_bytes_s>("max_bytes_s", Range{0, 1e12}, "cap on what is sent; 0: none"),
     key<&LinkConfig::pass_unknown>(
         "unknown_messages",
-        Words<bool, 2>{{{{"pass", true}, {"drop", false}}}, "neither pass nor drop"},
+        Words<bool, 2>{{{{"pass", true}, {"drop", false}}}, "'{}' is neither pass nor drop"},
         "messages that no public dialect has", "pass, on serial lines drop"),
     key<&LinkConfig::group>("group", Text{}, "redundant paths share the name of a group"),
     key<&LinkConfig::accept>("accept", Accept{{kAcceptKeys}},

@@ -2,41 +2,30 @@
 #include "casd/topology/topology_reference.hpp"
 
 #include <string_view>
-#include <vector>
 
-#include "base/config/config_keys.hpp"
+#include "base/config/key_table.hpp"
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {
-namespace {
-
-void add(std::string& text, std::string_view first, const std::vector<base::KeyRow>& rows) {
-  for (const base::KeyRow& row : rows) {
-    text.append("| ").append(first).append("`" + row.key + "` | " + row.standard + " | " +
-                                           row.values + " | " + row.help + " |\n");
-  }
-}
-
-}  // namespace
 
 std::string topology_reference() {
   constexpr std::string_view kHead = "default | values | meaning |\n";
   std::string text;
   text.append("| a reload | key | ").append(kHead).append("|---|---|---|---|---|\n");
-  add(text, "restart | ", restart_rows());
-  add(text, "in force | ", reload_rows());
+  text += base::key_lines(restart_rows(), "restart | ");
+  text += base::key_lines(reload_rows(), "in force | ");
 
   text.append("\nOne of `links`:\n\n| type | key | ")
       .append(kHead)
       .append("|---|---|---|---|---|\n");
-  add(text, "all | ", link_rows({}));
+  text += base::key_lines(link_rows({}), "all | ");
   for (int i = 0; i <= static_cast<int>(LinkType::kTlog); ++i) {
     const auto type = static_cast<LinkType>(i);
-    add(text, "`" + std::string(to_string(type)) + "` | ", link_rows(type));
+    text += base::key_lines(link_rows(type), "`" + std::string(to_string(type)) + "` | ");
   }
 
   text.append("\nOne of `routes`:\n\n| key | ").append(kHead).append("|---|---|---|---|\n");
-  add(text, "", route_rows());
+  text += base::key_lines(route_rows());
   return text;
 }
 

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+
+namespace cas::base::cli {
+
+/// Gives a program or a verb the flag `--keys`: it prints every key of its configuration file, and
+/// ends.
+/// @param reference  makes the tables
+/// @param file  what the file is: "a topology"
+inline void add_keys_flag(CLI::App& app, std::string (*reference)(), const std::string& file) {
+  app.add_flag_callback(
+      "--keys",
+      [reference] {
+        std::fputs(reference().c_str(), stdout);
+        throw CLI::Success();
+      },
+      "Print every key of " + file + " with its default and meaning, and end");
+}
+
+}  // namespace cas::base::cli

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/config/config_keys.hpp"
+#include "base/export.hpp"
+
+namespace cas::base {
+
+/// Lines of a table in Markdown: key, default, values and meaning.
+/// @param first  what stands before each: a column of its own, "restart | "
+CAS_BASE_EXPORT std::string key_lines(const std::vector<KeyRow>& rows, std::string_view first = "");
+
+/// A whole table of the keys of a list, as a program's --keys prints it and docs/config.md shows
+/// it.
+/// @param defaults  a struct as it is before it is read
+template <class Keys, class Struct>
+std::string key_table(const Keys& keys, const Struct& defaults) {
+  std::vector<KeyRow> rows;
+  add_rows(keys, defaults, rows);
+  return "| key | default | values | meaning |\n|---|---|---|---|\n" + key_lines(rows);
+}
+
+}  // namespace cas::base
