@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/cli/keys_flag.hpp"
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
 #include "base/config/frame_table.hpp"
@@ -23,6 +24,7 @@
 #include "base/os/thread.hpp"
 #include "base/os/write_file.hpp"
 #include "libsim/core/load/sim_config.hpp"
+#include "libsim/core/load/simulation_reference.hpp"
 #include "libsim/core/run/left_world.hpp"
 #include "libsim/core/run/sim_loop.hpp"
 #include "libsim/core/run/sim_runner.hpp"
@@ -53,6 +55,7 @@ struct Flags {
 void add_flags(CLI::App& app, Flags& flags) {
   CLI::Option* const config =
       app.add_option("config", flags.config, "Simulation to run (YAML); needed to run one");
+  base::cli::add_keys_flag(app, sim::simulation_reference, "a simulation");
   CLI::Option* const describe = app.add_option(
       "--describe", flags.describe,
       "Print mass, rotors, hover, effectiveness matrix and frame of a vehicle (a name of "

@@ -6,12 +6,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
+#include <tuple>
 
+#include "base/config/geodetic_keys.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/config/key_table.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/os/cpu_latency.hpp"
+#include "base/os/thread_keys.hpp"
 #include "base/suggestion.hpp"
+#include "libsim/core/load/simulation_reference.hpp"
 
 namespace cas::sim {
 
@@ -19,85 +23,133 @@ namespace {
 
 using base::ConfigNode;
 
-/// The value that a word stands for; the error lists the words.
+using base::block;
+using base::key;
+using base::Number;
+using base::Range;
+using base::ReadApart;
+using base::required;
+
+/// Words whose refusal names the nearest.
 template <class T, std::size_t N>
-T one_of(const ConfigNode& node, const std::array<std::pair<std::string_view, T>, N>& words) {
-  const auto word = node.as<std::string>();
-  std::string known;
-  std::array<std::string_view, N> names;
-  for (std::size_t i = 0; i < N; ++i) {
-    names[i] = words[i].first;
-    if (word == names[i]) return words[i].second;
-    known += (known.empty() ? "" : ", ") + std::string(names[i]);
+struct NearWords : base::Words<T, N> {
+  void read(const ConfigNode& node, T& value) const {
+    const auto word = node.as<std::string>();
+    std::array<std::string_view, N> names;
+    for (std::size_t i = 0; i < N; ++i) names[i] = this->words[i].first;
+    if (std::ranges::find(names, word) == names.end()) {
+      node.fail("'" + word + "' is none of: " + this->values() + base::did_you_mean(word, names));
+    }
+    base::Words<T, N>::read(node, value);
   }
-  node.fail("'" + word + "' is none of: " + known + base::did_you_mean(word, names));
-}
+};
 
-constexpr std::array<std::pair<std::string_view, PaceMode>, 3> kPaceModes{
-    {{"realtime", PaceMode::kRealtime},
-     {"lockstep", PaceMode::kLockstep},
-     {"free_run", PaceMode::kFreeRun}}};
-constexpr std::array<std::pair<std::string_view, Integrator>, 2> kIntegrators{
-    {{"rk4", Integrator::kRk4}, {"ode", Integrator::kOde}}};
+constexpr NearWords<PaceMode, 3> kPaceModes{{{{{"realtime", PaceMode::kRealtime},
+                                               {"lockstep", PaceMode::kLockstep},
+                                               {"free_run", PaceMode::kFreeRun}}}}};
+constexpr NearWords<Integrator, 2> kIntegrators{
+    {{{{"rk4", Integrator::kRk4}, {"ode", Integrator::kOde}}}}};
+constexpr NearWords<Missing, 2> kMissing{
+    {{{{"error", Missing::kError}, {"ignore", Missing::kIgnore}}}}};
 
-constexpr std::array<std::pair<std::string_view, Missing>, 2> kMissing{
-    {{"error", Missing::kError}, {"ignore", Missing::kIgnore}}};
-
-constexpr double kShortestStepUs = 100;
-constexpr double kLongestStepUs = 10'000;
-
-WorldConfig parse_world(const ConfigNode& node, const ConfigNode& root) {
-  WorldConfig world;
-  for (const auto& folder : root.get("model_path", std::vector<std::string>{})) {
-    world.model_path.push_back(root.resolve(folder));
+/// Folders beside the file.
+struct Folders {
+  static void read(const ConfigNode& node, std::vector<std::filesystem::path>& folders) {
+    for (const auto& folder : node.as<std::vector<std::string>>()) {
+      folders.push_back(node.resolve(folder));
+    }
   }
-  if (const auto word = root.find("missing")) world.missing = one_of(*word, kMissing);
-  if (node.is_scalar()) {
+};
+
+constexpr std::tuple kFlatWorldKeys{
+    required(key<&WorldConfig::gravity_m_s2>("gravity_m_s2", Range{0, 100}, "downwards")),
+    required(key<&WorldConfig::ground>("ground", base::Flag{}, "a horizontal plane at z = 0")),
+};
+
+/// An SDF file, or a flat world.
+struct World : base::Block<WorldConfig, decltype(kFlatWorldKeys)> {
+  void read(const ConfigNode& node, WorldConfig& world) const {
+    if (!node.is_scalar()) return Block::read(node, world);
     world.sdf = base::find_config(node);
-    return world;
   }
-  world.gravity_m_s2 = node.require_in("gravity_m_s2", 0.0, 100.0);
-  world.ground = node.require<bool>("ground");
-  return world;
-}
+};
 
-base::Geodetic parse_home(const ConfigNode& node) {
-  return {.lat_deg = node.require_in("lat_deg", -90, 90),
-          .lon_deg = node.require_in("lon_deg", -180, 180),
-          .alt_m = node.require_in("alt_m", -1000, 10'000)};
-}
+constexpr std::tuple kPacingKeys{
+    key<&PaceConfig::catch_up_rate>("catch_up_rate", Range{1, 100},
+                                    "fastest pace after a late step: a burst would flood a line"),
+    key<&PaceConfig::largest_burst>("largest_burst_ms", Range{0, 1000, 1e-3},
+                                    "lateness that is made up in one burst"),
+    key<&PaceConfig::max_lag>("max_lag_ms", Range{1, 60'000, 1e-3},
+                              "lateness beyond this is not made up; the real-time factor shows it"),
+    key<&PaceConfig::lockstep_timeout>("lockstep_timeout_ms", Range{1, 60'000, 1e-3},
+                                       "longest wait for the controls that are due"),
+    key<&PaceConfig::thread>("thread", block<base::ThreadOptions>(base::kThreadKeys),
+                             "of the simulation"),
+    key<&PaceConfig::lock_memory>("lock_memory", base::Flag{},
+                                  "keeps hilsim's memory from being paged out"),
+    key<&PaceConfig::cpu_dma_latency_us>("cpu_dma_latency_us",
+                                         base::Whole{0, base::CpuLatencyRequest::kLongest_us},
+                                         "as casd's; none: no limit on idle states"),
+};
 
-PaceConfig parse_pace(const ConfigNode& root) {
-  using std::chrono::milliseconds;
-  PaceConfig pace;
-  if (const auto mode = root.find("pace")) pace.mode = one_of(*mode, kPaceModes);
-  pace.speed_given = root.has("speed");
-  pace.speed = root.get_in("speed", 1.0, 1e-3, 1e3);
-  const auto node = root.find("pacing");
-  if (!node) return pace;
-  pace.catch_up_rate = node->get_in("catch_up_rate", pace.catch_up_rate, 1.0, 100.0);
-  if (node->has("max_lag_ms")) {
-    pace.max_lag = base::from_seconds(1e-3 * node->require_in("max_lag_ms", 1, 60'000));
-  }
-  if (node->has("largest_burst_ms")) {
-    pace.largest_burst = base::from_seconds(1e-3 * node->require_in("largest_burst_ms", 0, 1000));
-  }
-  if (node->has("lockstep_timeout_ms")) {
-    pace.lockstep_timeout =
-        base::from_seconds(1e-3 * node->require_in("lockstep_timeout_ms", 1, 60'000));
-  }
-  if (const auto thread = node->find("thread")) pace.thread = base::parse_thread_options(*thread);
-  pace.lock_memory = node->get("lock_memory", false);
-  pace.cpu_dma_latency_us = base::parse_cpu_latency(*node);
-  return pace;
-}
+constexpr auto kPlaceKeys = base::geodetic_keys(-1000, 10'000);
 
-StartPose parse_pose(const ConfigNode& node) {
-  return {.x_m = node.get("x_m", 0.0),
-          .y_m = node.get("y_m", 0.0),
-          .z_m = node.get("z_m", 0.0),
-          .yaw_deg = node.get("yaw_deg", 0.0)};
-}
+constexpr std::tuple kKeys{
+    required(key<&SimConfig::world>("world", World{{kFlatWorldKeys}},
+                                    "an SDF file ([simulator.md](simulator.md#worlds)), or a flat "
+                                    "world")),
+    key<&SimConfig::world, &WorldConfig::model_path>("model_path", Folders{},
+                                                     "folders of the models of an SDF file"),
+    key<&SimConfig::world, &WorldConfig::missing>(
+        "missing", kMissing,
+        "missing model or mesh of an SDF file: `ignore` warns and continues without it"),
+    key<&SimConfig::home>("home", block<base::Geodetic>(kPlaceKeys),
+                          "place of x = y = z = 0; required in a flat world", "the world's"),
+    required(key<&SimConfig::decimal_year>("decimal_year", Range{1900, 2100},
+                                           "date of the magnetic field model")),
+    key<&SimConfig::step>("step_us", Range{100, 10'000, 1e-6}, "physics step",
+                          "the world's, else 1000"),
+    key<&SimConfig::pace, &PaceConfig::mode>(
+        "pace", kPaceModes,
+        "`lockstep` waits for the controls that are due, `free_run` for nothing"),
+    key<&SimConfig::pace, &PaceConfig::speed>(
+        "speed", Range{1e-3, 1e3},
+        "simulated seconds per second; without the key, lockstep runs as fast as it can"),
+    key<&SimConfig::pace>("pacing", block<PaceConfig>(kPacingKeys), ""),
+    key<&SimConfig::seed>("seed", base::Count{}, "seed of all random numbers"),
+    key<&SimConfig::integrator>("integrator", kIntegrators, "of free flight"),
+    required(key<&SimConfig::vehicles>("vehicles", ReadApart{"list"}, "see below")),
+};
+
+struct VehicleName : base::Text {
+  static void read(const ConfigNode& node, std::string& name) {
+    Text::read(node, name);
+    if (name.empty() || name.find('/') != std::string::npos) {
+      node.fail("a vehicle's name is not empty and has no '/'");
+    }
+  }
+};
+
+constexpr std::tuple kPoseKeys{
+    key<&StartPose::x_m>("x_m", Number{}, "to the east"),
+    key<&StartPose::y_m>("y_m", Number{}, "to the north"),
+    key<&StartPose::z_m>("z_m", Number{}, "height of its lowest point"),
+    key<&StartPose::yaw_deg>("yaw_deg", Number{}, "of the nose, counter-clockwise from east"),
+};
+
+constexpr std::tuple kVehicleKeys{
+    required(key<&VehicleConfig::name>("name", VehicleName{}, "one of its own, without '/'")),
+    required(key<&VehicleConfig::vehicle>("vehicle", ReadApart{"file"}, "vehicle file")),
+    key<&VehicleConfig::pose>("pose", block<StartPose>(kPoseKeys), "where it starts"),
+    key<&VehicleConfig::vehicle, &base::Vehicle::sensors>(
+        "sensors", ReadApart{"a set, or keys of one"},
+        "the [sensor set](plugins.md#sensor-sets): `rtk`, or `{preset: rtk, imu: {...}}`",
+        "the vehicle's"),
+    key<&VehicleConfig::plugins>("plugins", ReadApart{"list"},
+                                 "each `{plugin: NAME, ...}`, run in this order; their keys "
+                                 "override those of the same plugin in the sensor set",
+                                 "none"),
+};
 
 /// A block in `sensors` for a plugin that the vehicle does not have is a mistake.
 void check_blocks(const ConfigNode& sensors, const std::vector<PluginConfig>& plugins) {
@@ -120,12 +172,8 @@ PluginConfig parse_plugin(const ConfigNode& node, const ConfigNode& sensors) {
 
 VehicleConfig parse_vehicle(const ConfigNode& node) {
   VehicleConfig vehicle;
-  vehicle.name = node.require<std::string>("name");
-  if (vehicle.name.empty() || vehicle.name.find('/') != std::string::npos) {
-    node.at("name").fail("a vehicle's name is not empty and has no '/'");
-  }
+  base::read_keys(node, kVehicleKeys, vehicle);
   vehicle.vehicle = base::Vehicle::load(base::find_config(node.at("vehicle")));
-  if (const auto pose = node.find("pose")) vehicle.pose = parse_pose(*pose);
   ConfigNode presets = vehicle.vehicle.sensors;
   if (const auto sensors = node.find("sensors")) presets = base::sensor_set(*sensors, presets);
   if (const auto plugins = node.find("plugins")) {
@@ -162,20 +210,17 @@ SimConfig SimConfig::parse(const base::ConfigNode& root) {
     root.at("schema").fail("is " + std::to_string(schema) + "; this program reads schema " +
                            std::to_string(kSchema));
   }
-  config.world = parse_world(root.at("world"), root);
-  if (const auto home = root.find("home")) config.home = parse_home(*home);
+  base::read_keys(root, kKeys, config);
   if (!config.home && !config.world.sdf) root.at("home");  // says that it is missing
-  config.decimal_year = root.require_in("decimal_year", 1900, 2100);
-  if (root.has("step_us")) {
-    const double step_us = root.require_in("step_us", kShortestStepUs, kLongestStepUs);
-    config.step = base::from_seconds(1e-6 * step_us);
-  }
-  config.pace = parse_pace(root);
-  config.seed = root.get("seed", std::uint64_t{1});
-  if (const auto word = root.find("integrator")) config.integrator = one_of(*word, kIntegrators);
+  config.pace.speed_given = root.has("speed");
   parse_vehicles(root.at("vehicles"), config.vehicles);
   root.reject_unused();
   return config;
+}
+
+std::string simulation_reference() {
+  return base::key_table(kKeys, SimConfig{}) + "\nOne of `vehicles`:\n\n" +
+         base::key_table(kVehicleKeys, VehicleConfig{});
 }
 
 }  // namespace cas::sim
