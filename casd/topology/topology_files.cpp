@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/topology_files.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <system_error>
+
+#include "base/error.hpp"
+
+namespace cas::casd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostFiles = 100;
+
+/// Whoever can put a file there configures casd: nobody may who could not write FILE itself.
+void refuse_foreign_folder(const fs::path& folder, const fs::path& file) {
+  struct stat of_folder {};
+  struct stat of_file {};
+  if (::stat(folder.c_str(), &of_folder) != 0 || ::stat(file.c_str(), &of_file) != 0) return;
+  const uid_t owner = of_folder.st_uid;
+  if (owner != 0 && owner != ::geteuid() && owner != of_file.st_uid) {
+    throw base::ConfigError(folder.string() + ": belongs to another user than " + file.string() +
+                            "; its files are not read");
+  }
+  if ((of_folder.st_mode & S_IWOTH) != 0) {
+    throw base::ConfigError(folder.string() +
+                            ": everybody may write to it (chmod o-w); its files are not read");
+  }
+}
+
+std::vector<fs::path> yaml_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::directory_iterator entry(folder, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const fs::path& path = entry->path();
+    std::error_code none;
+    const bool hidden = path.filename().string().starts_with('.');
+    if (hidden || path.extension() != ".yaml" || !fs::is_regular_file(path, none)) continue;
+    files.push_back(path);
+    if (files.size() > kMostFiles) {
+      throw base::ConfigError(folder.string() + ": has more than " + std::to_string(kMostFiles) +
+                              " *.yaml files");
+    }
+  }
+  if (error) throw base::ConfigError(folder.string() + ": " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<fs::path> files_of(const fs::path& place) {
+  std::error_code none;
+  if (fs::is_directory(place, none)) {
+    std::vector<fs::path> files = yaml_files(place);
+    if (files.empty()) throw base::ConfigError(place.string() + ": the folder has no *.yaml file");
+    return files;
+  }
+  std::vector<fs::path> files{place};
+  const fs::path folder = fs::path(place).replace_extension(".d");
+  if (!fs::is_directory(folder, none)) return files;
+  refuse_foreign_folder(folder, place);
+  const std::vector<fs::path> over = yaml_files(folder);
+  files.insert(files.end(), over.begin(), over.end());
+  return files;
+}
+
+std::string text_of(const base::ConfigNode& value) {
+  if (value.is_scalar()) return value.as<std::string>();
+  if (!value.is_list()) return "";
+  std::string text = "[";
+  for (const base::ConfigNode& item : value.items()) text += text_of(item) + ", ";
+  return text + "]";
+}
+
+/// Empty: it has none, because a key is missing.
+std::string identity_of(const base::ConfigNode& entry,
+                        const std::vector<std::string_view>& identity) {
+  if (!entry.is_map()) return "";
+  std::string text;
+  for (const std::string_view key : identity) {
+    const auto value = entry.find(key);
+    if (!value) return "";
+    text += text_of(*value) + '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<base::ConfigNode> load_topology_files(const fs::path& place) {
+  std::vector<base::ConfigNode> nodes;
+  for (const fs::path& file : files_of(place)) nodes.push_back(base::ConfigNode::load(file));
+  return nodes;
+}
+
+base::ConfigNode overlaid(const std::vector<base::ConfigNode>& files) {
+  base::ConfigNode all = files.front();
+  for (std::size_t i = 1; i < files.size(); ++i) all = files[i].merged_over(all);
+  return all;
+}
+
+std::vector<base::ConfigNode> overlaid_list(const std::vector<base::ConfigNode>& files,
+                                            std::string_view list,
+                                            const std::vector<std::string_view>& identity) {
+  std::vector<base::ConfigNode> entries;
+  std::vector<std::string> identities;
+  for (const base::ConfigNode& file : files) {
+    const auto own = file.find(list);
+    if (!own) continue;
+    const std::size_t earlier = entries.size();
+    std::vector<bool> overlaid_here(earlier, false);
+    for (const base::ConfigNode& entry : own->items()) {
+      const std::string same = identity_of(entry, identity);
+      std::size_t at = 0;
+      while (at < earlier && (same.empty() || identities[at] != same)) ++at;
+      if (at < earlier && !overlaid_here[at]) {
+        entries[at] = entry.merged_over(entries[at]);
+        overlaid_here[at] = true;
+      } else {
+        entries.push_back(entry);
+        identities.push_back(same);
+      }
+    }
+  }
+  return entries;
+}
+
+}  // namespace cas::casd

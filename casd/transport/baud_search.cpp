@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/baud_search.hpp"
+
+namespace cas::casd {
+
+void BaudSearch::begin(base::RunTime now) {
+  found_ = rates_.size() < 2;
+  packets_ = 0;
+  due_ = now + kListen;
+}
+
+bool BaudSearch::heard(std::size_t packets) {
+  packets_ += packets;
+  found_ = found_ || packets_ >= kEnoughPackets;
+  return found_;
+}
+
+bool BaudSearch::advance(base::RunTime now) {
+  if (found_ || now < due_) return false;
+  at_ = (at_ + 1) % rates_.size();
+  packets_ = 0;
+  due_ = now + kListen;
+  return true;
+}
+
+}  // namespace cas::casd
