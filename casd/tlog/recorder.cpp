@@ -77,6 +77,7 @@ TlogRecording::Options Recorder::options(const std::string& name,
   options.files.folder = config_.folder;
   options.files.name = dated(bare_tlog_name(name));
   options.files.rotation = rotation;
+  options.files.max_files = config_.max_files;
   options.limits = config_.limits;
   return options;
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "base/time/clock.hpp"
 #include "casd/tlog/armed_window.hpp"
+#include "casd/tlog/autopilot_log_config.hpp"
 #include "casd/tlog/tlog_writer.hpp"
 
 namespace cas::casd {
@@ -16,6 +18,8 @@ struct TlogConfig {
   std::string tlog{};              ///< name of what is recorded from the start; empty: nothing is
   TlogRotation rotation{};
   TlogLimits limits{};
+  std::optional<AutopilotLogConfig> autopilot{};  ///< nothing: no log is taken from an autopilot
+  int max_files = 0;         ///< recorded files with a date that stay in the folder; 0: all
   bool while_armed = false;  ///< not from the start, but while any vehicle is armed
   bool overwrite = false;    ///< NAME.tlog anew; false: each recording has its own dated name
 

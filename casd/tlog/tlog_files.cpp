@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/os/log.hpp"
 #include "casd/tlog/tlog_name.hpp"
 
 namespace cas::casd {
@@ -138,7 +139,16 @@ bool TlogFiles::make_next(base::RunTime now) {
     folder_.remove(made_.front());
     made_.pop_front();
   }
+  if (options_.max_files > 0) remove_old();
   return true;
+}
+
+void TlogFiles::remove_old() {
+  const auto keep = static_cast<std::size_t>(options_.max_files);
+  for (const std::string& name : folder_.remove_oldest(keep, made_.back())) {
+    base::log::info("recordings: deleted " + (folder_.path() / name).string() + ", " +
+                    std::to_string(keep) + " files may stay");
+  }
 }
 
 bool TlogFiles::is_full(std::size_t next_bytes, base::RunTime now) const {

@@ -39,6 +39,7 @@ class TlogFiles {
     std::filesystem::path folder;
     std::string name;  ///< without its extension; tlog_name_fault() has none
     TlogRotation rotation;
+    int max_files = 0;       ///< of all recordings with a date; 0: any number
     bool overwrite = false;  ///< NAME.tlog of before is removed; else the next free number is taken
   };
 
@@ -57,6 +58,7 @@ class TlogFiles {
 
  private:
   bool make_next(base::RunTime now);
+  void remove_old();
   std::size_t append(std::span<const std::uint8_t> records);
   void give_up_file();
   bool is_full(std::size_t next_bytes, base::RunTime now) const;

@@ -3,10 +3,12 @@
 
 #include <dirent.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <limits>
@@ -28,20 +30,36 @@ base::Descriptor open_folder(const std::filesystem::path& path) {
 
 std::string mib(std::uint64_t bytes) { return std::to_string(bytes / (1024 * 1024)) + " MiB"; }
 
-/// What the .tlog files of a folder take.
-std::uint64_t recorded_bytes(const std::filesystem::path& path) {
+/// Calls visit(name, status) for each regular .tlog file of a folder.
+template <class Visit>
+void for_each_tlog(const std::filesystem::path& path, Visit&& visit) {
   const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir(path.c_str()), &::closedir);
-  std::uint64_t sum = 0;
   while (folder) {
     const dirent* entry = ::readdir(folder.get());
     if (entry == nullptr) break;
     struct stat status {};
-    if (!std::string_view(entry->d_name).ends_with(kTlogExtension)) continue;
+    const std::string_view name(entry->d_name);
+    if (!name.ends_with(kTlogExtension)) continue;
     if (::fstatat(::dirfd(folder.get()), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0)
       continue;
-    if (S_ISREG(status.st_mode)) sum += static_cast<std::uint64_t>(status.st_size);
+    if (S_ISREG(status.st_mode)) visit(name, status);
   }
+}
+
+/// What the .tlog files of a folder take.
+std::uint64_t recorded_bytes(const std::filesystem::path& path) {
+  std::uint64_t sum = 0;
+  for_each_tlog(path, [&](std::string_view, const struct stat& status) {
+    sum += static_cast<std::uint64_t>(status.st_size);
+  });
   return sum;
+}
+
+/// Whether a program has the file open to record into it.
+bool is_written(int folder, const std::string& name) {
+  const base::Descriptor file(
+      ::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  return file && ::flock(file.get(), LOCK_EX | LOCK_NB) != 0;
 }
 
 }  // namespace
@@ -72,12 +90,36 @@ base::Descriptor TlogFolder::make(const std::string& name) const {
   if (!folder) return {};
   // Appending: what follows a record that was cut off begins where that one began.
   constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_APPEND | O_CLOEXEC;
-  return base::Descriptor(::openat(folder.get(), name.c_str(), kHow, kNewFile));
+  base::Descriptor file(::openat(folder.get(), name.c_str(), kHow, kNewFile));
+  if (file) ::flock(file.get(), LOCK_EX | LOCK_NB);  // some file systems have no locks
+  return file;
 }
 
 bool TlogFolder::remove(const std::string& name) const {
   const base::Descriptor folder = open_folder(path_);
   return folder && ::unlinkat(folder.get(), name.c_str(), 0) == 0;
+}
+
+std::vector<std::string> TlogFolder::remove_oldest(std::size_t keep,
+                                                   const std::string& current) const {
+  constexpr std::size_t kMostFiles = 100'000;  // that are looked at
+  std::vector<std::string> files;
+  for_each_tlog(path_, [&](std::string_view name, const struct stat& status) {
+    const bool own = status.st_uid == ::geteuid() && is_dated_tlog(name);
+    if (own && files.size() < kMostFiles) files.emplace_back(name);
+  });
+  std::sort(files.begin(), files.end(), older_tlog);
+  std::vector<std::string> gone;
+  const base::Descriptor folder = open_folder(path_);
+  std::size_t left = files.size();
+  for (const std::string& name : files) {
+    if (left <= keep || !folder) break;
+    if (name == current || is_written(folder.get(), name)) continue;
+    if (::unlinkat(folder.get(), name.c_str(), 0) != 0) continue;
+    gone.push_back(name);
+    --left;
+  }
+  return gone;
 }
 
 TlogSpace TlogFolder::look(bool scan) const {

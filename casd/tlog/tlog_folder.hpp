@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "base/os/descriptor.hpp"
 
@@ -27,7 +29,8 @@ struct TlogSpace {
 std::string lack_of_room(const TlogLimits& limits, const TlogSpace& space, std::uint64_t more);
 
 /// The folder that recordings go into: the part of them that only a file system can answer. Files
-/// are made in it by their names alone, never over another file and never through a symlink.
+/// are made in it by their names alone, never over another file and never through a symlink. A file
+/// is locked (flock) while it is written.
 class TlogFolder {
  public:
   TlogFolder() = default;
@@ -40,6 +43,9 @@ class TlogFolder {
   base::Descriptor make(const std::string& name) const;
   /// Removes a file or symlink of that name. @return false with errno set
   bool remove(const std::string& name) const;
+  /// Removes the oldest of casd's recordings (is_dated_tlog()) until `keep` of them are left: only
+  /// regular files of this user that nobody writes. `current` stays. @return what is gone
+  std::vector<std::string> remove_oldest(std::size_t keep, const std::string& current) const;
   /// What is free (where nobody can tell, everything); with `scan` what all its .tlog files take,
   /// too.
   TlogSpace look(bool scan) const;

@@ -3,12 +3,29 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <ctime>
+#include <system_error>
+#include <utility>
 
 namespace cas::casd {
 namespace {
 
 constexpr std::size_t kLongestName = 100;  // a file's name has 255 bytes, with date and number
+
+constexpr std::string_view kDatePattern = "dddd-dd-ddTdd-dd-ddZ";
+
+/// "DATE-NAME.12.tlog" without its extension and number, and the number.
+std::pair<std::string_view, int> without_number(std::string_view file) {
+  file = bare_tlog_name(file);
+  const std::size_t dot = file.rfind('.');
+  if (dot == file.npos) return {file, 0};
+  int number = 0;
+  const char* const end = file.data() + file.size();
+  const auto [stop, error] = std::from_chars(file.data() + dot + 1, end, number);
+  if (error != std::errc{} || stop != end) return {file, 0};
+  return {file.substr(0, dot), number};
+}
 
 bool is_unprintable(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
 
@@ -38,6 +55,22 @@ std::string dated_tlog_name(std::chrono::seconds unix_time, std::string_view nam
   std::string dated(text.data(), size);
   if (!name.empty()) dated += '-';
   return dated.append(name);
+}
+
+bool is_dated_tlog(std::string_view file) {
+  if (!file.ends_with(kTlogExtension) || file.size() < kDatePattern.size()) return false;
+  const auto matches = [](char c, char pattern) {
+    return pattern == 'd' ? c >= '0' && c <= '9' : c == pattern;
+  };
+  if (!std::equal(kDatePattern.begin(), kDatePattern.end(), file.begin(),
+                  [&](char pattern, char c) { return matches(c, pattern); })) {
+    return false;
+  }
+  return file[kDatePattern.size()] == '-' || file[kDatePattern.size()] == '.';
+}
+
+bool older_tlog(std::string_view file, std::string_view other) {
+  return without_number(file) < without_number(other);
 }
 
 std::string tlog_file_name(std::string_view name, int number) {

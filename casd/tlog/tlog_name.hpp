@@ -21,6 +21,12 @@ std::string_view bare_tlog_name(std::string_view name);
 /// @param unix_time  since 1970
 std::string dated_tlog_name(std::chrono::seconds unix_time, std::string_view name);
 
+/// Whether a file's name is one that dated_tlog_name() begins: a recording of casd's.
+bool is_dated_tlog(std::string_view file);
+
+/// Whether one such file is older than another: by date, then by number.
+bool older_tlog(std::string_view file, std::string_view other);
+
 /// File `number` of a recording: "NAME.tlog" for 0, "NAME.1.tlog" ...
 std::string tlog_file_name(std::string_view name, int number);
 

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/tlog/tlog_folder.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <set>
+
+#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_name.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::vector<std::string>;
+
+const std::string kOld = "2026-11-20T10-00-00Z-a.tlog";
+const std::string kMiddle = "2026-11-21T10-00-00Z.tlog";
+const std::string kNew = "2026-11-22T10-00-00Z-a.tlog";
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename());
+  return names;
+}
+
+class OldRecordings : public testing::Test {
+ protected:
+  OldRecordings() {
+    for (const std::string& name : {kNew, kOld, kMiddle}) folder_.write(name, "x");
+  }
+  Names remove(std::size_t keep, const std::string& current = "") {
+    return TlogFolder(folder_.path()).remove_oldest(keep, current);
+  }
+  cas::test::TemporaryFolder folder_;
+};
+
+TEST_F(OldRecordings, GoByDateThenByNumber) {
+  folder_.write("2026-11-20T10-00-00Z-a.2.tlog", "x");
+  folder_.write("2026-11-20T10-00-00Z-a.10.tlog", "x");
+  EXPECT_EQ(remove(5), Names{});
+  EXPECT_EQ(remove(2),
+            (Names{kOld, "2026-11-20T10-00-00Z-a.2.tlog", "2026-11-20T10-00-00Z-a.10.tlog"}));
+  EXPECT_EQ(names_in(folder_.path()), (std::set<std::string>{kMiddle, kNew}));
+}
+
+TEST_F(OldRecordings, OthersFilesSymlinksAndTheCurrentOneStay) {
+  const fs::path victim = folder_.write("victim", "theirs");
+  for (const char* name : {"flight.tlog", "2026-11-20.tlog", "2026-11-20T10-00-00Z-a.txt",
+                           "2026-11-2xT10-00-00Z-a.tlog", "2026-11-20T10-00-00Zb.tlog"}) {
+    folder_.write(name, "x");
+  }
+  fs::create_symlink(victim, folder_ / "2026-11-19T10-00-00Z-a.tlog");
+  fs::create_directory(folder_ / "2026-11-18T10-00-00Z-a.tlog");
+  const std::set<std::string> all = names_in(folder_.path());
+  EXPECT_EQ(remove(1, kOld), (Names{kMiddle, kNew}));
+  std::set<std::string> left = all;
+  left.erase(kMiddle);
+  left.erase(kNew);
+  EXPECT_EQ(names_in(folder_.path()), left);
+  EXPECT_EQ(cas::test::TemporaryFolder::read(victim), "theirs");
+}
+
+TEST_F(OldRecordings, AFileThatIsBeingWrittenStays) {
+  const TlogFolder folder(folder_.path());
+  const std::string written = "2026-11-01T10-00-00Z-other.tlog";
+  {
+    const base::Descriptor file = folder.make(written);
+    ASSERT_TRUE(file);
+    EXPECT_EQ(remove(1), (Names{kOld, kMiddle, kNew}));
+  }
+  folder_.write(kNew, "x");
+  EXPECT_EQ(remove(1), Names{written});
+}
+
+TEST_F(OldRecordings, GoWhenARecordingBeginsAndWhenItContinues) {
+  const std::vector<std::uint8_t> record(100);  // no packet: one record, whatever it holds
+  TlogFiles files;
+  ASSERT_TRUE(files.begin({.folder = folder_.path(),
+                           .name = "2026-11-23T10-00-00Z-a",
+                           .rotation = {.max_bytes = 100},
+                           .max_files = 2},
+                          {}));
+  EXPECT_EQ(names_in(folder_.path()), (std::set<std::string>{kNew, "2026-11-23T10-00-00Z-a.tlog"}));
+  files.write(record, {});
+  files.write(record, {});
+  files.write(record, {});
+  files.close();
+  EXPECT_EQ(names_in(folder_.path()), (std::set<std::string>{"2026-11-23T10-00-00Z-a.1.tlog",
+                                                             "2026-11-23T10-00-00Z-a.2.tlog"}));
+}
+
+TEST(DatedTlog, IsAFileThatCasdNamed) {
+  EXPECT_TRUE(is_dated_tlog(tlog_file_name(dated_tlog_name({}, "x"), 3)));
+  EXPECT_TRUE(is_dated_tlog(tlog_file_name(dated_tlog_name({}, ""), 0)));
+  for (const char* other : {"", ".tlog", "x.tlog", "2026-11-20T10-00-00Z",
+                            "2026-11-20T10-00-00.tlog", "2026-11-20T10-00-00Z-a.tlog.gz"}) {
+    EXPECT_FALSE(is_dated_tlog(other)) << other;
+  }
+}
+
+}  // namespace
+}  // namespace cas::casd::test
