@@ -96,6 +96,26 @@ json global(const Source<GlobalPositionInt>& from, base::RunTime now) {
               {"age_s", from.age_s(now)}};
 }
 
+json global(const Source<HighLatency2>& from, const std::optional<HomeAmsl>& home,
+            base::RunTime now) {
+  constexpr double kHeadingUnit_deg = 2;
+  const HighLatency2& here = from.message;
+  return json{
+      {"lat_deg", from.value(here.latitude / 1e7)},
+      {"lon_deg", from.value(here.longitude / 1e7)},
+      {"alt_m", from.value(here.altitude)},
+      {"relative_alt_m", from.value(here.altitude - home.value_or(HomeAmsl{}).alt_m, !!home)},
+      {"heading_deg", from.value(here.heading * kHeadingUnit_deg)},
+      {"age_s", from.age_s(now)}};
+}
+
+json global(const VehicleState& vehicle, base::RunTime now) {
+  if (vehicle.is_high_latency()) {
+    return global(Source<HighLatency2>(vehicle.high_latency()), vehicle.home(), now);
+  }
+  return global(Source<GlobalPositionInt>(vehicle.global_position()), now);
+}
+
 json sys_status_battery(const Source<SysStatus>& from, base::RunTime now) {
   const SysStatus& status = from.message;
   return json{
@@ -130,6 +150,13 @@ json battery_status_battery(const Source<BatteryStatus>& from, base::RunTime now
 
 /// SYS_STATUS tells the battery most often; BATTERY_STATUS where it does not.
 json battery(const VehicleState& vehicle, base::RunTime now) {
+  if (vehicle.is_high_latency()) {
+    const Source<HighLatency2> from(vehicle.high_latency());
+    return json{{"voltage_v", nullptr},
+                {"current_a", nullptr},
+                {"remaining_percent", from.value(from.message.battery, from.message.battery >= 0)},
+                {"age_s", from.age_s(now)}};
+  }
   const Source<SysStatus> often(vehicle.sys_status());
   const bool told = often.came && is_told(often.message.voltage_battery);
   if (told || !vehicle.battery_status()) return sys_status_battery(often, now);
@@ -204,7 +231,7 @@ json telemetry_json(const VehicleState& vehicle, base::RunTime now) {
               {"rates", rates(turn, now)},
               {"position", position(local, now)},
               {"velocity", velocity(local, now)},
-              {"global", global(Source<GlobalPositionInt>(vehicle.global_position()), now)},
+              {"global", global(vehicle, now)},
               {"battery", battery(vehicle, now)},
               {"gps", gps(Source<GpsRawInt>(vehicle.gps_raw()), now)},
               {"estimator", estimator(Source<EstimatorStatus>(vehicle.estimator_status()), now)},

@@ -61,6 +61,18 @@ json global_json(const Heard<mavlink::common::GlobalPositionInt>& heard, base::R
               {"age_s", age_s(heard, now)}};
 }
 
+/// HIGH_LATENCY2 has the altitude above mean sea level alone.
+json global_json(const Heard<mavlink::common::HighLatency2>& heard,
+                 const std::optional<HomeAmsl>& home, base::RunTime now) {
+  const mavlink::common::HighLatency2& here = heard.message;
+  json global{{"lat_deg", here.latitude * 1e-7},
+              {"lon_deg", here.longitude * 1e-7},
+              {"alt_m", here.altitude},
+              {"age_s", age_s(heard, now)}};
+  if (home) global["relative_alt_m"] = here.altitude - home->alt_m;
+  return global;
+}
+
 json home_json(const HomeAmsl& home) {
   return json{{"lat_deg", home.lat_deg}, {"lon_deg", home.lon_deg}, {"alt_m", home.alt_m},
               {"x_m", home.x_m},         {"y_m", home.y_m},         {"z_m", home.z_m}};
@@ -140,6 +152,7 @@ json summary_json(const VehicleState& vehicle, const LinkName& link_name, base::
                {"landed", vehicle.landed_word()},
                {"link", link_name(vehicle.link())},
                {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(now))},
+               {"silent_after_s", base::to_seconds(vehicle.silent_after())},
                {"complaints", complaints_json(vehicle, link_name, now)}};
   if (const std::optional<Rival> rival = vehicle.rival(now)) {
     summary["rival"] = {{"component", rival->source.component},
@@ -157,8 +170,13 @@ json state_json(const VehicleState& vehicle, const LinkName& link_name, base::Ru
   if (vehicle.local_position() && is_known(vehicle.local_position()->message)) {
     state["position_N"] = position_json(*vehicle.local_position(), now);
   }
-  if (vehicle.global_position()) state["global"] = global_json(*vehicle.global_position(), now);
-  if (const auto home = vehicle.home()) state["home"] = home_json(*home);
+  const std::optional<HomeAmsl> home = vehicle.home();
+  if (vehicle.is_high_latency()) {
+    state["global"] = global_json(*vehicle.high_latency(), home, now);
+  } else if (vehicle.global_position()) {
+    state["global"] = global_json(*vehicle.global_position(), now);
+  }
+  if (home) state["home"] = home_json(*home);
   if (const auto altitude = vehicle.altitude()) {
     state["altitude_m"] = altitude->message;
     state["altitude_age_s"] = age_s(*altitude, now);

@@ -68,8 +68,9 @@ void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& pack
   const bool restarted = vehicle->state.restarted_at() > vehicle->asked_at &&
                          now - vehicle->asked_at > kVehicleTimeout;  // its clock may leap about
   if (packet.message_id != Heartbeat::kId) vehicle->told_at = now;
-  if (options_.ask_on_sight &&
-      (vehicle != before || restarted || has_stopped_telling(*vehicle, now))) {
+  const bool never_asked = vehicle != before || vehicle->asked_at == base::RunTime{};
+  if (options_.ask_on_sight && !vehicle->state.is_high_latency() &&
+      (never_asked || restarted || has_stopped_telling(*vehicle, now))) {
     ask_on_sight(*vehicle, now);
   }
   dispatch(*vehicle, packet, now);
@@ -84,7 +85,8 @@ bool VehicleCommander::has_stopped_telling(const KnownVehicle& vehicle, base::Ru
          attitude->at > vehicle.asked_at && now - vehicle.told_at > kVehicleTimeout;
 }
 
-/// What commanding needs to know and a vehicle may not stream by itself.
+/// What commanding needs to know and a vehicle may not stream by itself. On a high latency link
+/// each packet costs: nothing is asked there.
 void VehicleCommander::ask_on_sight(KnownVehicle& vehicle, base::RunTime now) {
   const std::uint8_t system = vehicle.state.source().system;
   vehicle.asked_at = now;

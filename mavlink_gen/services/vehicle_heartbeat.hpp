@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/high_latency2.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::mav::services {
@@ -19,6 +20,27 @@ inline bool is_vehicle(Source source, const mavlink::common::Heartbeat& heartbea
     return false;
   }
   return heartbeat.autopilot != MavAutopilot::kGeneric || source.component == kAutopilot;
+}
+
+/// What a HIGH_LATENCY2 says of what a HEARTBEAT would. It has two bytes of the mode, of PX4 the
+/// upper ones. ArduPilot has its base mode in `custom0`; of others the last word on being armed
+/// stays. The HIL flag is never set: arming is for who says it in a HEARTBEAT.
+/// @param last  what was known before
+inline mavlink::common::Heartbeat heartbeat_of(const mavlink::common::HighLatency2& message,
+                                               const mavlink::common::Heartbeat& last) {
+  using namespace mavlink::common;
+  constexpr unsigned kUpperHalf = 16;
+  Heartbeat heartbeat = last;
+  heartbeat.type = message.type;
+  heartbeat.autopilot = message.autopilot;
+  heartbeat.custom_mode = message.autopilot == MavAutopilot::kPx4
+                              ? std::uint32_t{message.custom_mode} << kUpperHalf
+                              : message.custom_mode;
+  const auto flags = message.autopilot == MavAutopilot::kArdupilotmega
+                         ? static_cast<MavModeFlag>(static_cast<std::uint8_t>(message.custom0))
+                         : last.base_mode & MavModeFlag::kSafetyArmed;
+  heartbeat.base_mode = (flags | MavModeFlag::kCustomModeEnabled) & ~MavModeFlag::kHilEnabled;
+  return heartbeat;
 }
 
 }  // namespace cas::mav::services

@@ -9,6 +9,7 @@
 
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/vehicle_heartbeat.hpp"
 
 namespace cas::mav::services {
 namespace {
@@ -67,6 +68,34 @@ void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
   }
 }
 
+struct Failure {
+  HlFailureFlag bit;
+  std::string_view name;
+};
+
+constexpr Failure kFailures[] = {
+    {HlFailureFlag::kGps, "GPS"},
+    {HlFailureFlag::kDifferentialPressure, "airspeed sensor"},
+    {HlFailureFlag::kAbsolutePressure, "barometer"},
+    {HlFailureFlag::k3dAccel, "accelerometer"},
+    {HlFailureFlag::k3dGyro, "gyroscope"},
+    {HlFailureFlag::k3dMag, "magnetometer"},
+    {HlFailureFlag::kTerrain, "terrain system"},
+    {HlFailureFlag::kBattery, "battery"},
+    {HlFailureFlag::kRcReceiver, "radio control"},
+    {HlFailureFlag::kOffboardLink, "offboard link"},
+    {HlFailureFlag::kEngine, "engine"},
+    {HlFailureFlag::kGeofence, "geofence"},
+    {HlFailureFlag::kEstimator, "estimator"},
+    {HlFailureFlag::kMission, "mission"},
+};
+
+void add_failures(std::vector<std::string>& all, const HighLatency2& message) {
+  for (const Failure& failure : kFailures) {
+    if (has(message.failure_flags, failure.bit)) add(all, std::string(failure.name) + " failure");
+  }
+}
+
 /// PX4 v1.16 ends texts with a tab, v1.12 puts one between words.
 std::string without_tabs(std::string text) {
   std::replace(text.begin(), text.end(), '\t', ' ');
@@ -91,12 +120,15 @@ std::optional<StatusText> StatusTextJoiner::add(const Statustext& chunk, Time no
 }
 
 void VehicleState::on_packet(const PacketView& packet, Time now) {
-  if (now - heard_at_ > kVehicleTimeout) begin_anew(now);
+  if (now - heard_at_ > silent_after()) begin_anew(now);
   heard_at_ = now;
   messages_.on_packet(packet, now);
   switch (packet.message_id) {
     case Heartbeat::kId:
       if (const auto message = decode<Heartbeat>(packet)) on_heartbeat(*message, now);
+      break;
+    case HighLatency2::kId:
+      if (const auto message = decode<HighLatency2>(packet)) on_high_latency(*message, now);
       break;
     case Attitude::kId:
       hear(attitude_, packet, now);
@@ -151,10 +183,20 @@ void VehicleState::on_packet(const PacketView& packet, Time now) {
 
 void VehicleState::on_heartbeat(const Heartbeat& message, Time now) {
   heartbeat_ = {message, now};
+  slow_ = false;
   beats_.push_back(now);
   if (beats_.size() > kBeats) beats_.pop_front();
   if (!hil()) without_hil_ = now;
   if (armed()) armed_at_ = now;
+}
+
+void VehicleState::on_high_latency(const HighLatency2& message, Time now) {
+  high_latency_ = {message, now};
+  if (!beats_.empty() && now - beats_.back() <= kVehicleTimeout) return;
+  slow_ = true;
+  heartbeat_ = {heartbeat_of(message, heartbeat_.message), now};
+  without_hil_ = now;
+  if (message.autopilot == MavAutopilot::kArdupilotmega && armed()) armed_at_ = now;
 }
 
 void VehicleState::on_boot_time(std::uint32_t time_boot_ms, Time now) {
@@ -325,6 +367,7 @@ std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
   std::vector<std::string> all;
   const auto& status = vehicle.sys_status();
   if (status && now - status->at < kFreshStatus) add_sensors(all, status->message);
+  if (vehicle.is_high_latency()) add_failures(all, vehicle.high_latency()->message);
   if (vehicle.armed()) return all;
   std::uint64_t number = vehicle.status_text_count() - vehicle.status_texts().size();
   for (const StatusText& text : vehicle.status_texts()) {

@@ -15,6 +15,7 @@
 #include "mavlink/common/global_position_int.hpp"
 #include "mavlink/common/gps_raw_int.hpp"
 #include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/high_latency2.hpp"
 #include "mavlink/common/home_position.hpp"
 #include "mavlink/common/local_position_ned.hpp"
 #include "mavlink/common/servo_output_raw.hpp"
@@ -57,12 +58,20 @@ class StatusTextJoiner {
 /// A vehicle is silent when no HEARTBEAT has come for this long.
 inline constexpr Duration kVehicleTimeout = std::chrono::seconds(3);
 
+/// The same for a vehicle on a high latency link: PX4 (1.16) sends HIGH_LATENCY2 over Iridium at
+/// 0.015 Hz, ArduPilot every 5 s. Three of the longer periods.
+inline constexpr Duration kHighLatencyTimeout = std::chrono::seconds(200);
+
 /// EKF_STATUS_REPORT, a message of ArduPilot's dialect.
 inline constexpr std::uint32_t kEkfStatusReport = 193;
 
 /// What one vehicle has said about itself. Pure: packets and times come in as arguments.
 /// Packets of other senders must be left out, and which HEARTBEATs are a vehicle's says
 /// is_vehicle().
+///
+/// On a high latency link HIGH_LATENCY2 takes the place of the HEARTBEAT once none of those has
+/// come for kVehicleTimeout. It never says that the vehicle is in HIL, and PX4's does not say
+/// whether it is armed: the last word on that stays.
 class VehicleState {
  public:
   VehicleState(Source source, Time now) : source_(source), heard_at_(now) {}
@@ -83,7 +92,15 @@ class VehicleState {
   /// Whether it is a PX4 in a mode that flies by somebody's sticks.
   bool waits_for_sticks() const;
   const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
+  /// Of the newest HEARTBEAT, or of the HIGH_LATENCY2 in its place.
   Duration heartbeat_age(Time now) const { return now - heartbeat_.at; }
+  /// How old that may be before the vehicle counts as silent.
+  Duration silent_after() const { return slow_ ? kHighLatencyTimeout : kVehicleTimeout; }
+  /// Whether HIGH_LATENCY2 is all that tells of it.
+  bool is_high_latency() const { return slow_; }
+  const std::optional<Heard<mavlink::common::HighLatency2>>& high_latency() const {
+    return high_latency_;
+  }
   /// The vehicle's own clock, by the newest packet that carries it: time since it was started.
   std::optional<Duration> boot_time() const { return boot_time_; }
   /// When it was last seen to begin anew, by its clock or after silence: what it told before may be
@@ -135,6 +152,7 @@ class VehicleState {
 
  private:
   void on_heartbeat(const mavlink::common::Heartbeat& message, Time now);
+  void on_high_latency(const mavlink::common::HighLatency2& message, Time now);
   void on_boot_time(std::uint32_t time_boot_ms, Time now);
   void begin_anew(Time now);
   void on_status_text(const mavlink::common::Statustext& chunk, Time now);
@@ -143,11 +161,13 @@ class VehicleState {
   Time heard_at_;
   std::optional<Time> without_hil_;  ///< newest HEARTBEAT without the HIL flag
   Heard<mavlink::common::Heartbeat> heartbeat_{};
+  bool slow_ = false;       ///< `heartbeat_` is what a HIGH_LATENCY2 says
   std::deque<Time> beats_;  ///< when the newest HEARTBEATs came
   std::optional<Time> armed_at_;
   std::optional<Duration> boot_time_;
   Time restarted_at_{};
   std::optional<Heard<mavlink::common::ExtendedSysState>> extended_;
+  std::optional<Heard<mavlink::common::HighLatency2>> high_latency_;
   std::optional<Heard<mavlink::common::Attitude>> attitude_;
   std::optional<Heard<mavlink::common::LocalPositionNed>> local_position_;
   std::optional<Heard<mavlink::common::GlobalPositionInt>> global_position_;
@@ -180,8 +200,9 @@ ArmingChecks arming_checks(const VehicleState& vehicle, Time now);
 std::string position_lack(const VehicleState& vehicle, Time now);
 
 /// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or
-/// unhealthy (SYS_STATUS), and recent reasons of its own checks ("Preflight Fail: ...",
-/// "PreArm: ..."). What it said before it was last armed is over. Empty: none.
+/// unhealthy (SYS_STATUS), what has failed (HIGH_LATENCY2), and recent reasons of its own checks
+/// ("Preflight Fail: ...", "PreArm: ..."). What it said before it was last armed is over. Empty:
+/// none.
 /// @param texts_before  how many status texts had come before a request: those do not count
 std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
                                     std::uint64_t texts_before = 0);

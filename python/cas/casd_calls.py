@@ -136,6 +136,7 @@ Vehicle = TypedDict("Vehicle", {
     "mode": str,
     "rival": NotRequired[Rival],
     "state": str,  # MAV_STATE
+    "silent_after_s": float,  # an older HEARTBEAT means that it is silent
     "system": int,
     "type": str,
 })
@@ -310,7 +311,7 @@ GlobalPosition = TypedDict("GlobalPosition", {
     "alt_m": float,  # above mean sea level
     "lat_deg": float,
     "lon_deg": float,
-    "relative_alt_m": float,  # above home
+    "relative_alt_m": NotRequired[float],  # above home; left out: HIGH_LATENCY2 alone tells of it, and its home is unknown
 })
 Home = TypedDict("Home", {
     "alt_m": float,  # above mean sea level
@@ -374,6 +375,7 @@ VehicleState = TypedDict("VehicleState", {
 })
 TelemetryAttitude = TypedDict("TelemetryAttitude", {
     "age_s": Optional[float],
+    "silent_after_s": float,
     "pitch_deg": Optional[float],
     "roll_deg": Optional[float],
     "yaw_deg": Optional[float],

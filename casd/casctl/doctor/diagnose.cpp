@@ -279,6 +279,10 @@ std::string remedy_for_no_hil(const DoctorFacts& facts, const json& vehicle) {
          "says so: see docs/firmware";
 }
 
+bool is_silent(const json& vehicle) {
+  return vehicle.value("heartbeat_age_s", 0.0) > vehicle.value("silent_after_s", kFresh_s);
+}
+
 void check_vehicles(const DoctorFacts& facts, Findings& all) {
   const json vehicles = facts.after.value("vehicles", json::array());
   if (vehicles.empty()) {
@@ -296,7 +300,7 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
               " bring two autopilots with this system id; casd arms neither",
           "give one of them another id (PX4: MAV_SYS_ID, ArduPilot: SYSID_THISMAV), or, where both "
           "links lead to one vehicle, put them into one `group`");
-    } else if (age_s > kFresh_s) {
+    } else if (is_silent(vehicle)) {
       bad(all, who + " has been silent for " + fixed(age_s, 0) + " s", "see its link above");
     } else if (is_in_software(facts, vehicle)) {
       good(all,
@@ -317,7 +321,7 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
 void check_readiness(const DoctorFacts& facts, Findings& all) {
   static const std::set<std::string> kFit = {"standby", "active"};
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
-    if (vehicle.value("heartbeat_age_s", 0.0) > kFresh_s) continue;  // said already
+    if (is_silent(vehicle)) continue;  // said already
     const std::string who = "vehicle " + vehicle.at("system").dump();
     const std::string state = vehicle.value("state", "uninit");
     if (!kFit.contains(state)) {
@@ -368,8 +372,7 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
     const std::string link = vehicle.value("link", "");
     const std::string who = "vehicle " + vehicle.at("system").dump();
     // Of these the vehicle's own line says all.
-    if (vehicle.value("heartbeat_age_s", 0.0) > kFresh_s || is_in_software(facts, vehicle))
-      continue;
+    if (is_silent(vehicle) || is_in_software(facts, vehicle)) continue;
     const double sensor_hz = rate_of(facts, link, "tx", {"HIL_SENSOR"});
     const double control_hz = rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
     if (sensor_hz <= 0) {

@@ -22,7 +22,8 @@ Presence presence(const MonitorState& state, double now_s) {
         watch == state.watches.end() ? 0 : state.status_at_s - watch->second.changed_at_s;
     const double told_s = std::max(vehicle.value("heartbeat_age_s", 0.0), silent_s);
     const double age_s = told_s + look_age_s;
-    return {.kind = told_s + late_s > kStale_s ? Presence::Kind::kLost : Presence::Kind::kHere,
+    const double stale_s = std::max(kStale_s, vehicle.value("silent_after_s", 0.0));
+    return {.kind = told_s + late_s > stale_s ? Presence::Kind::kLost : Presence::Kind::kHere,
             .age_s = age_s,
             .summary = vehicle};
   }

@@ -156,9 +156,8 @@ namespace {
 
 /// What a person may do about a state that does not come.
 std::string advice(const std::string& what, const json& state) {
-  constexpr double kSilent_s = 3;  // as casd has it
   const double age_s = state.value("heartbeat_age_s", 0.0);
-  if (age_s > kSilent_s) {
+  if (age_s > state.value("silent_after_s", 3.0)) {
     return "; no HEARTBEAT has come for " + std::to_string(std::lround(age_s)) +
            " s: look at `casctl links`";
   }

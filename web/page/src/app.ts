@@ -43,7 +43,7 @@ class App extends Part {
     const {bench} = page;
     const verdict = bench.verdict && verdictText(bench.verdict);
     const state = bench.vehicle?.state;
-    const old = state?.heartbeat_age_s !== undefined && state.heartbeat_age_s > 1.5;
+    const old = state?.heartbeat_age_s !== undefined && state.heartbeat_age_s > (state.silent_after_s ?? 3) / 2;
     const landed = state?.landed?.replace('_', ' ');
     const several = bench.vehicles.length > 1;
     return html`<header class="top">

@@ -230,7 +230,8 @@ export class Bench {
     if (!state) return 'No vehicle is heard: `casctl doctor` says why.';
     if (state.hil === false) return `Vehicle ${state.system} does not say that it is in HIL: casd refuses to command it from here.`;
     const silent_s = state.heartbeat_age_s ?? Infinity;
-    if (silent_s > kHeartbeat_s) return `Vehicle ${state.system} is silent: its last HEARTBEAT is more than ${kHeartbeat_s} s old.`;
+    const limit_s = state.silent_after_s ?? kHeartbeat_s;
+    if (silent_s > limit_s) return `Vehicle ${state.system} is silent: its last HEARTBEAT is more than ${limit_s} s old.`;
     return '';
   }
 

@@ -155,11 +155,12 @@ class Links extends Part {
     if (out?.queued !== undefined) casd.push({label: 'queue', value: `${out.queued} · ${out.high_water ?? 0} at most`});
     const controller: Row[] = [];
     if (state) {
-      const old = (state.heartbeat_age_s ?? 0) > 3;
+      const limit = state.silent_after_s ?? 3;
+      const old = (state.heartbeat_age_s ?? 0) > limit;
       controller.push({label: 'state', value: `${state.hil ? 'HIL · ' : ''}${state.armed ? 'armed' : 'disarmed'}`, tone: old ? 'red' : ''});
       if (state.heartbeat_age_s !== undefined) {
         const s = state.heartbeat_age_s;
-        controller.push({label: 'heartbeat', value: `${fixed(s, 1)} s ago`, tone: s > 3 ? 'red' : s > 1.5 ? 'amber' : ''});
+        controller.push({label: 'heartbeat', value: `${fixed(s, 1)} s ago`, tone: s > limit ? 'red' : s > limit / 2 ? 'amber' : ''});
       }
     }
     const controls = this.hop('fcu', 'casd') ?? this.hop('fcu', 'sim');

@@ -128,6 +128,7 @@ export interface VehicleState {
   landed?: string;
   link?: string;
   heartbeat_age_s?: number;
+  silent_after_s?: number;
   attitude?: {roll_rad: number; pitch_rad: number; yaw_rad: number; age_s: number};
   position_N?: {x_m: number; y_m: number; z_m: number; vx_m_s: number; vy_m_s: number; vz_m_s: number; age_s: number};
   global?: Place & {age_s: number};
