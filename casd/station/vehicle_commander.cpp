@@ -93,10 +93,30 @@ void VehicleCommander::ask_on_sight(KnownVehicle& vehicle, base::RunTime now) {
   for (const std::uint32_t id : {AutopilotVersion::kId, HomePosition::kId}) {
     start(system, request_command(id), now, [](const Outcome&) {});
   }
+  const std::vector<MessageRate> rates = options_.request_rates
+                                             ? options_.request_rates(vehicle.state.link())
+                                             : std::vector<MessageRate>();
   // PX4 streams by itself; ArduPilot sends little more than HEARTBEAT until it is asked.
-  if (vehicle.state.autopilot() != Autopilot::kArduPilot) return;
-  for (const auto& [id, hz] : kArduPilotStreams) {
-    message_interval(system, id, 1e6 / hz, now, [](const Outcome&) {});
+  if (vehicle.state.autopilot() == Autopilot::kArduPilot) {
+    for (const auto& [id, hz] : kArduPilotStreams) {
+      if (std::ranges::count(rates, id, &MessageRate::message_id) > 0) continue;
+      message_interval(system, id, 1e6 / hz, now, [](const Outcome&) {});
+    }
+  }
+  ask_for_rates(system, rates, now);
+}
+
+void VehicleCommander::ask_for_rates(std::uint8_t system, const std::vector<MessageRate>& rates,
+                                     base::RunTime now) {
+  for (const MessageRate& rate : rates) {
+    const double period_us = rate.hz > 0 ? 1e6 / rate.hz : -1;
+    message_interval(system, rate.message_id, period_us, now,
+                     [this, system, rate](const Outcome& outcome) {
+                       if (outcome.ok() || !on_notice_ || find(system) == nullptr) return;
+                       on_notice_("vehicle " + std::to_string(system) + " does not send message " +
+                                  std::to_string(rate.message_id) + " at " + number_text(rate.hz) +
+                                  " Hz: " + outcome.message);
+                     });
   }
 }
 
@@ -422,6 +442,12 @@ void VehicleCommander::reboot(std::uint8_t system, base::RunTime now, Done done)
   VehicleCommand command{.id = MavCmd::kPreflightRebootShutdown};
   command.params[0] = 1;
   start(system, command, now, std::move(done));
+}
+
+void VehicleCommander::answer_log(std::uint8_t system, const LogAnswer& answer) {
+  const VehicleState* const vehicle = find(system);
+  if (vehicle == nullptr) return;
+  std::visit([&](const auto& message) { send(*vehicle, message); }, answer);
 }
 
 void VehicleCommander::read_param(std::uint8_t system, const std::string& name, base::RunTime now,

@@ -12,6 +12,7 @@
 #include "base/os/thread.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
+#include "casd/packet/message_rate.hpp"
 #include "casd/queue/tx_queue.hpp"
 #include "casd/routing/routing_rules.hpp"
 
@@ -66,6 +67,8 @@ struct LinkConfig {
   bool pass_unknown = false;     ///< let packets with unknown message ids pass
   std::string group;             ///< redundant paths share a group name
   bool inject_failures = false;  ///< stations here may have failures strike in the simulator
+  bool sniffer = false;          ///< gets every packet, whatever its target; takes in nothing
+  std::vector<MessageRate> request_rates;  ///< what vehicles heard here are asked for
   AcceptRule accept;
   std::optional<SigningConfig> signing;
   TxQueueOptions queue;

@@ -32,17 +32,16 @@ using Keys = std::map<std::string, std::string>;
 /// The keys as one entry of a list, "{name: a, queue: {hil_kib: 9}}", or as lines.
 inline std::string yaml_of(const Keys& keys, bool lines = false) {
   std::map<std::string, std::string> values;
-  std::map<std::string, std::string> blocks;
+  std::map<std::string, Keys> blocks;
   for (const auto& [path, value] : keys) {
     const std::size_t dot = path.find('.');
     if (dot == path.npos) {
       values[path] = value;
     } else {
-      std::string& block = blocks[path.substr(0, dot)];
-      block += (block.empty() ? "" : ", ") + path.substr(dot + 1) + ": " + value;
+      blocks[path.substr(0, dot)][path.substr(dot + 1)] = value;
     }
   }
-  for (const auto& [name, block] : blocks) values[name] = "{" + block + "}";
+  for (const auto& [name, block] : blocks) values[name] = yaml_of(block);
   std::string text;
   for (const auto& [key, value] : values) {
     if (!text.empty()) text += lines ? "\n" : ", ";

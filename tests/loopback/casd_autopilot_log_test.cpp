@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The real casd takes the logs of scripted autopilots over UDP.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "tests/hils/ulog/ulog_bytes.hpp"
+#include "tests/loopback/udp_autopilot.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/file_size_limit.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace mavlink::common;
+using mav::services::RemoteLogBlockStatus;
+
+class CasdAutopilotLog : public testing::Test {
+ protected:
+  /// @param keys  of log.autopilot beside its folder
+  void start(const std::string& keys, const std::string& link_keys = "") {
+    const std::string topology =
+        folder.write("topology.yaml",
+                     "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\n"
+                     "log: {autopilot: {folder: " +
+                         (folder / "rec").string() + keys +
+                         "}}\n"
+                         "links:\n  - {name: net, type: udp_server, local: \"127.0.0.1:0\"" +
+                         link_keys + "}\n");
+    casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
+    const auto ready = casd->wait_ready();
+    ASSERT_TRUE(ready) << casd->output();
+    const std::size_t begin = ready->find(" net ") + 5;
+    port = port_of(ready->substr(begin, ready->find(' ', begin) - begin));
+  }
+  std::vector<fs::path> files() const {
+    std::vector<fs::path> all;
+    if (!fs::exists(folder / "rec")) return all;
+    for (const auto& entry : fs::directory_iterator(folder / "rec")) all.push_back(entry.path());
+    return all;
+  }
+  void end() {
+    casd->signal(SIGTERM);
+    ASSERT_EQ(casd->wait_exit(), 0) << casd->output();
+  }
+
+  TemporaryFolder folder;
+  std::optional<ChildProcess> casd;
+  std::uint16_t port = 0;
+};
+
+std::string beginning() {
+  return UlogBytes().format("level:uint64_t timestamp;").subscribe(3, "level").bytes();
+}
+
+std::string message(std::uint64_t time_us) {
+  return UlogBytes().data(3, time_us, "").bytes().substr(16);
+}
+
+TEST_F(CasdAutopilotLog, Px4sLogIsAFileWithADropoutWhereAPieceIsLost) {
+  start(", free_space_min_mib: 0");
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  px4.answers = false;
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 2; })) << "repeated until acknowledged";
+  px4.answers = true;
+  px4.piece<LoggingDataAcked>(0, beginning());
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks == std::vector<std::uint16_t>{0}; }));
+  // Another peer in the vehicle's name.
+  UdpAutopilot liar(MavAutopilot::kPx4);
+  liar.socket.set_remote(port);
+  liar.piece(1, message(666));
+  liar.piece(2, message(667));
+  const std::string cut = message(1) + message(2).substr(0, 5);
+  px4.piece(1, cut);
+  px4.piece<LoggingDataAcked>(3, "xxx" + message(4), 3);
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 2; }));
+  end();
+  px4.pump();
+  EXPECT_GE(px4.stops, 1);
+  ASSERT_EQ(files().size(), 1U);
+  EXPECT_NE(files()[0].filename().string().find("Z-v1.ulg"), std::string::npos) << files()[0];
+  const std::string file = TemporaryFolder::read(files()[0]);
+  const std::string before = beginning() + message(1);
+  ASSERT_EQ(file.size(), before.size() + 5 + message(4).size());
+  EXPECT_EQ(file.substr(0, before.size()), before);
+  EXPECT_EQ(file.substr(before.size(), 3), std::string("\x02\0O", 3)) << "a dropout";
+  EXPECT_EQ(file.substr(before.size() + 5), message(4));
+}
+
+TEST_F(CasdAutopilotLog, ArduPilotsBlocksAreInTheirPlaces) {
+  start(", free_space_min_mib: 0");
+  UdpAutopilot apm(MavAutopilot::kArdupilotmega);
+  apm.socket.set_remote(port);
+  ASSERT_TRUE(speaks_until(apm, [&] {
+    return apm.was_told(RemoteLogBlockStatus::kStop, 1) &&
+           apm.was_told(RemoteLogBlockStatus::kStart, 1);
+  }));
+  apm.block(0, 'a');
+  apm.block(2, 'c');
+  ASSERT_TRUE(speaks_until(apm, [&] { return apm.was_told(1, 0); })) << "asked for again";
+  apm.block(1, 'b');
+  ASSERT_TRUE(speaks_until(
+      apm, [&] { return apm.was_told(0, 1) && apm.was_told(1, 1) && apm.was_told(2, 1); }));
+  apm.statuses.clear();
+  end();
+  apm.pump();
+  EXPECT_TRUE(apm.was_told(RemoteLogBlockStatus::kStop, 1));
+  ASSERT_EQ(files().size(), 1U);
+  EXPECT_NE(files()[0].filename().string().find("Z-v1.bin"), std::string::npos) << files()[0];
+  EXPECT_EQ(TemporaryFolder::read(files()[0]),
+            std::string(200, 'a') + std::string(200, 'b') + std::string(200, 'c'));
+}
+
+TEST_F(CasdAutopilotLog, RunsFromArmingToDisarming) {
+  start(", free_space_min_mib: 0, while_armed: true");
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.requests >= 2; })) << "it is known";
+  EXPECT_EQ(px4.starts, 0);
+  px4.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
+  px4.piece<LoggingDataAcked>(0, beginning());
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
+  px4.base_mode = MavModeFlag::kCustomModeEnabled;
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.stops == 1; }));
+  EXPECT_TRUE(wait_until(
+      [&] { return files().size() == 1 && fs::file_size(files()[0]) == beginning().size(); }));
+}
+
+TEST_F(CasdAutopilotLog, PausesAtALimitAndSaysSo) {
+  start(", free_space_min_mib: 1e8");  // more than any disk has
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
+  px4.piece<LoggingDataAcked>(0, beginning());
+  EXPECT_TRUE(speaks_until(px4, [&] { return px4.stops >= 1; })) << "nobody takes it";
+  EXPECT_NE(casd->output().find("pause: less than 100000000 MiB would stay free"),
+            std::string::npos)
+      << casd->output();
+  EXPECT_TRUE(wait_until([&] { return files().empty(); }));
+}
+
+TEST_F(CasdAutopilotLog, GoesOnInAnotherFileWhenFilesMayGrowAgain) {
+  start(", free_space_min_mib: 0");
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
+  {
+    const FileSizeLimit full(0, casd->pid());
+    px4.piece<LoggingDataAcked>(0, beginning());
+    ASSERT_TRUE(speaks_until(px4, [&] { return px4.stops >= 1; })) << casd->output();
+  }
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 2; })) << casd->output();
+  const std::string other = UlogBytes(2'000'000).format("level:uint64_t timestamp;").bytes();
+  ASSERT_TRUE(speaks_until(
+      px4, [&] { return files().size() == 1 && fs::file_size(files()[0]) == other.size(); },
+      [&] { px4.piece<LoggingDataAcked>(0, other); }));
+  EXPECT_EQ(TemporaryFolder::read(files()[0]), other);
+}
+
+}  // namespace
+}  // namespace cas::test
