@@ -2,7 +2,6 @@
 #include "casd/link_set.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <utility>
 #include <vector>
 
@@ -75,9 +74,9 @@ LinkMask LinkSet::reload(Topology topology) {
   for (const auto& [name, running] : running_) {
     if (!kept.contains(name)) gone.push_back(name);
   }
-  LinkMask closed = 0;
+  LinkMask closed;
   for (const std::string& name : gone) {
-    closed |= bit(running_.at(name).id);
+    closed.add(running_.at(name).id);
     close(name);
   }
   topology_ = std::move(topology);
@@ -125,21 +124,21 @@ LinkSet::Change LinkSet::prepare(const Topology& topology, const std::set<std::s
   change.keys.read(topology.links);
   LinkSlots slots;
   auto ports = std::make_shared<PortTable>();
-  LinkMask taken = 0;
+  LinkMask taken = bit(kLocalLink);
   for (const std::string& name : kept) {
     const Running& running = running_.at(name);
     slots.emplace(name, running.id);
     (*ports)[running.id] = running.port;
-    taken |= bit(running.id);
+    taken.add(running.id);
   }
   for (const LinkConfig& config : topology.links) {
     if (kept.contains(config.name)) continue;
-    const auto id = static_cast<LinkId>(std::countr_one(taken));
+    const LinkId id = taken.first_missing();
     const Opening& opening =
         change.openings.emplace_back(make_opening(topology, config, id, change.keys));
     slots.emplace(config.name, id);
     (*ports)[id] = opening.running.port;
-    taken |= bit(id);
+    taken.add(id);
   }
   (*ports)[kLocalLink] = local_;
   change.plan = make_plan(topology, slots);

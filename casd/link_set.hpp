@@ -11,6 +11,7 @@
 #include "casd/link/link_core.hpp"
 #include "casd/link/link_loop.hpp"
 #include "casd/link/switchboard.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "casd/signing/link_signing.hpp"
 #include "casd/topology/topology.hpp"
 #include "casd/transport/local_endpoint.hpp"

@@ -9,9 +9,9 @@
 namespace cas::casd {
 namespace {
 
-/// The sender's system keeps vehicles apart.
+/// The stamp, never 0: that is a free place.
 std::uint64_t key_of(const mav::PacketView& packet) {
-  return hil_time_usec(packet).value_or(0) << 8U | packet.source.system;
+  return hil_time_usec(packet).value_or(0) << 1U | 1U;
 }
 
 }  // namespace
@@ -19,7 +19,7 @@ std::uint64_t key_of(const mav::PacketView& packet) {
 void EchoLatency::on_packet(const mav::PacketView& packet, base::RunTime now) {
   switch (packet.message_id) {
     case mavlink::common::HilSensor::kId:
-      return on_sensor(key_of(packet), now);
+      return on_sensor(key_of(packet), packet.source.system, now);
     case mavlink::common::HilControls::kId:
     case mavlink::common::HilActuatorControls::kId:
       return on_controls(key_of(packet), packet.source.system, now);
@@ -28,18 +28,18 @@ void EchoLatency::on_packet(const mav::PacketView& packet, base::RunTime now) {
   }
 }
 
-void EchoLatency::on_sensor(std::uint64_t key, base::RunTime now) {
-  Sent& sent = sent_[slot_of(key)];
+void EchoLatency::on_sensor(std::uint64_t key, std::uint8_t system, base::RunTime now) {
+  Stamps* const stamps = stamps_of(system);
+  if (stamps == nullptr) return;
+  Sent& sent = (*stamps)[place_of(key)];
   sent.key.store(0, std::memory_order_relaxed);  // no other thread takes the old key's new time
   sent.at_ns.store(now.time_since_epoch().count(), std::memory_order_release);
   sent.key.store(key, std::memory_order_release);
 }
 
 void EchoLatency::on_controls(std::uint64_t key, std::uint8_t system, base::RunTime now) {
-  const Sent& sent = sent_[slot_of(key)];
-  const bool found = sent.key.load(std::memory_order_acquire) == key;
-  const std::int64_t at_ns = sent.at_ns.load(std::memory_order_acquire);
-  const bool matched = found && sent.key.load(std::memory_order_relaxed) == key;
+  std::int64_t at_ns = 0;
+  const bool matched = matches(key, system, at_ns);
   const base::MutexLock lock(mutex_);
   if (!vehicles_.contains(system) && vehicles_.size() == kMaxVehicles) return;
   Vehicle& vehicle = vehicles_[system];
@@ -50,9 +50,30 @@ void EchoLatency::on_controls(std::uint64_t key, std::uint8_t system, base::RunT
   }
 }
 
-std::size_t EchoLatency::slot_of(std::uint64_t key) {
+/// Whether a simulator sent this stamp. @param at_ns  when
+bool EchoLatency::matches(std::uint64_t key, std::uint8_t system, std::int64_t& at_ns) const {
+  const Stamps* const stamps = sent_[system].load(std::memory_order_acquire);
+  if (stamps == nullptr) return false;
+  const Sent& sent = (*stamps)[place_of(key)];
+  const bool found = sent.key.load(std::memory_order_acquire) == key;
+  at_ns = sent.at_ns.load(std::memory_order_acquire);
+  return found && sent.key.load(std::memory_order_relaxed) == key;
+}
+
+/// @return nullptr when there are too many vehicles
+EchoLatency::Stamps* EchoLatency::stamps_of(std::uint8_t system) {
+  if (Stamps* const stamps = sent_[system].load(std::memory_order_acquire)) return stamps;
+  const base::MutexLock lock(mutex_);
+  if (Stamps* const stamps = sent_[system].load(std::memory_order_relaxed)) return stamps;
+  if (owned_.size() == kMaxVehicles) return nullptr;
+  Stamps* const stamps = owned_.emplace_back(std::make_unique<Stamps>()).get();
+  sent_[system].store(stamps, std::memory_order_release);
+  return stamps;
+}
+
+std::size_t EchoLatency::place_of(std::uint64_t key) {
   constexpr std::uint64_t kMultiplier = 0x9E3779B97F4A7C15ULL;  // spreads neighbouring keys
-  static_assert(kSlots == std::size_t{1} << 10U);
+  static_assert(kStamps == std::size_t{1} << 10U);
   return (key * kMultiplier) >> 54U;
 }
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <vector>
 
 #include "base/measure/histogram.hpp"
@@ -18,7 +19,8 @@ namespace cas::casd {
 /// that echo its time_usec read on another. Line, controller and line back are in it. A stock
 /// autopilot echoes its own clock: then nothing matches.
 ///
-/// Any thread. Memory is fixed: a table of the newest stamps, and histograms for a few vehicles.
+/// Any thread. Memory is taken with a vehicle's first message, for 250 of them at most: a table of
+/// its newest stamps, and a histogram.
 class EchoLatency {
  public:
   struct Figures {
@@ -33,7 +35,7 @@ class EchoLatency {
   /// By system id.
   std::vector<Figures> figures() const;
 
-  static constexpr std::size_t kMaxVehicles = 16;
+  static constexpr std::size_t kMaxVehicles = 250;
 
  private:
   struct Sent {
@@ -44,14 +46,19 @@ class EchoLatency {
     base::Histogram times;
     std::uint64_t unmatched = 0;
   };
-  static constexpr std::size_t kSlots = 1024;  // two seconds of 500 Hz
+  static constexpr std::size_t kStamps = 1024;  // two seconds of 500 Hz
+  using Stamps = std::array<Sent, kStamps>;
 
-  void on_sensor(std::uint64_t key, base::RunTime now);
+  void on_sensor(std::uint64_t key, std::uint8_t system, base::RunTime now);
   void on_controls(std::uint64_t key, std::uint8_t system, base::RunTime now);
-  static std::size_t slot_of(std::uint64_t key);
+  bool matches(std::uint64_t key, std::uint8_t system, std::int64_t& at_ns) const;
+  Stamps* stamps_of(std::uint8_t system);
+  static std::size_t place_of(std::uint64_t key);
 
-  std::array<Sent, kSlots> sent_;
+  /// What simulators sent by system id, which keeps vehicles apart; nullptr: nothing yet.
+  std::array<std::atomic<Stamps*>, 256> sent_{};
   mutable base::Mutex mutex_;
+  std::vector<std::unique_ptr<Stamps>> owned_ CAS_GUARDED_BY(mutex_);
   std::map<std::uint8_t, Vehicle> vehicles_ CAS_GUARDED_BY(mutex_);
 };
 

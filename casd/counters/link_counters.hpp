@@ -95,10 +95,12 @@ class MessageCounters {
   std::atomic<std::uint64_t> uncounted_{0};
 };
 
-/// Forwarding times of one sending link by the link that a packet came from. Memory is taken with
-/// the first packet of a route. Callers lock.
+/// Forwarding times of one sending link by the link that a packet came from, of the first 64 such
+/// links. Memory is taken with the first packet of a route. Callers lock.
 class RouteLatency {
  public:
+  static constexpr std::size_t kMaxRoutes = 64;
+
   struct Figures {
     LinkId from = kNoLink;
     std::uint64_t count = 0;
@@ -108,15 +110,16 @@ class RouteLatency {
   void add(LinkId from, base::Duration time) {
     if (from >= times_.size()) return;
     auto& route = times_[from];
-    if (!route) route = std::make_unique<base::Histogram>();
+    if (!route) {
+      if (routes_ == kMaxRoutes) return;
+      route = std::make_unique<base::Histogram>();
+      ++routes_;
+    }
     route->add(time);
   }
 
   /// How many links a packet came from.
-  std::size_t routes() const {
-    const auto used = [](const auto& route) { return route != nullptr; };
-    return static_cast<std::size_t>(std::count_if(times_.begin(), times_.end(), used));
-  }
+  std::size_t routes() const { return routes_; }
   /// The times themselves, as many as `copies` has room for: figures are made without the lock.
   void copy(std::vector<std::pair<LinkId, base::Histogram>>& copies) const {
     for (std::size_t from = 0; from < times_.size(); ++from) {
@@ -133,7 +136,8 @@ class RouteLatency {
   }
 
  private:
-  std::array<std::unique_ptr<base::Histogram>, kMaxLinks> times_;
+  std::array<std::unique_ptr<base::Histogram>, kLinkSlots> times_;
+  std::size_t routes_ = 0;  ///< of them that are in use
 };
 
 /// A packet, rightly signed, whose time lies more than a minute ahead of casd's clock.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/ingress.hpp"
 
-#include <bit>
 #include <utility>
 
 #include "casd/packet/intervention.hpp"
@@ -38,14 +37,14 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   const bool first = route.decision != Route::Decision::kDuplicate;
   if (first && is_failure(packet)) {
     route.to = bit(kLocalLink);
-    route.thinned = 0;
+    route.thinned = {};
     route.decision = Route::Decision::kForward;
   }
   account(route, packet, now);
   // What others have a vehicle do, and its answers to stations that casd does not know or does not
   // serve, casd's station hears too: it shall not undo it.
-  if (first && may_be_act(packet.message_id)) route.to |= bit(kLocalLink);
-  if (route.to != 0) batch_.add(route.info, packet.bytes, route.to);
+  if (first && may_be_act(packet.message_id)) route.to.add(kLocalLink);
+  if (!route.to.empty()) batch_.add(route.info, packet.bytes, route.to);
 }
 
 void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path> to,
@@ -55,14 +54,14 @@ void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path
   account(route, packet, now);
   // Each path has its own peer; the other links of a group may use any that knows the target.
   for (const Path& path : to) {
-    if ((route.to & bit(path.link)) == 0) continue;
+    if (!route.to.has(path.link)) continue;
     if (batch_.full()) deliver(now);
     PacketInfo info = route.info;
     info.to_serial = path.peer;
     batch_.add(info, packet.bytes, bit(path.link));
-    route.to &= ~bit(path.link);
+    route.to.remove(path.link);
   }
-  if (route.to == 0) return;
+  if (route.to.empty()) return;
   if (batch_.full()) deliver(now);
   batch_.add(route.info, packet.bytes, route.to);
 }
@@ -99,9 +98,8 @@ void Ingress::account(const Route& route, const mav::PacketView& packet, base::R
 
 void Ingress::count_refusals(const Route& route) {
   using enum Route::Decision;
-  if (route.thinned != 0) {
-    counters_->count_refused(kRateLimited, route.info,
-                             static_cast<unsigned>(std::popcount(route.thinned)));
+  if (!route.thinned.empty()) {
+    counters_->count_refused(kRateLimited, route.info, route.thinned.count());
   } else if (route.decision != kForward) {
     counters_->count_refused(route.decision, route.info);
   }

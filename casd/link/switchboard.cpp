@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/switchboard.hpp"
 
-#include <bit>
 #include <utility>
 
 #include "mavlink_gen/runtime/packet.hpp"
@@ -15,29 +14,27 @@ DeliveryBatch::DeliveryBatch() {
   bytes_.reserve(kMaxPackets * mav::kMaxPacketBytes);
 }
 
-void DeliveryBatch::add(const PacketInfo& info, std::span<const std::uint8_t> bytes, LinkMask to) {
+void DeliveryBatch::add(const PacketInfo& info, std::span<const std::uint8_t> bytes,
+                        const LinkMask& to) {
   const std::size_t offset = bytes_.size();
   bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   infos_.push_back(info);
   const PacketRef packet{&infos_.back(), {bytes_.data() + offset, bytes.size()}};
   touched_ |= to;
-  for (LinkMask left = to; left != 0; left &= left - 1) {
-    by_link_[static_cast<std::size_t>(std::countr_zero(left))].push_back(packet);
-  }
+  to.for_each([&](LinkId link) { by_link_[link].push_back(packet); });
 }
 
 void DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
-  const auto hand_over = [&](std::size_t link) {
+  const auto hand_over = [&](LinkId link) {
     if (ports[link]) ports[link]->deliver(by_link_[link], now);
     by_link_[link].clear();
   };
   // casd's own station first: in lockstep it has heard all that came before an answer when the
   // simulator goes on.
-  if ((touched_ & bit(kLocalLink)) != 0) hand_over(kLocalLink);
-  for (LinkMask left = touched_ & ~bit(kLocalLink); left != 0; left &= left - 1) {
-    hand_over(static_cast<std::size_t>(std::countr_zero(left)));
-  }
-  touched_ = 0;
+  if (touched_.has(kLocalLink)) hand_over(kLocalLink);
+  touched_.remove(kLocalLink);
+  touched_.for_each(hand_over);
+  touched_ = {};
   infos_.clear();
   bytes_.clear();
 }

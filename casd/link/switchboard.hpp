@@ -11,7 +11,7 @@
 #include "casd/counters/echo_latency.hpp"
 #include "casd/counters/message_taps.hpp"
 #include "casd/link/stream_time.hpp"
-#include "casd/packet/link_id.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/routing/router.hpp"
 #include "casd/tlog/tlog_writer.hpp"
@@ -19,7 +19,7 @@
 namespace cas::casd {
 
 /// The ports of all links, by slot: an immutable snapshot.
-using PortTable = std::array<std::shared_ptr<PacketPort>, kMaxLinks>;
+using PortTable = std::array<std::shared_ptr<PacketPort>, kLinkSlots>;
 
 /// Packets that one read brought, sorted by destination, so that each destination gets them in one
 /// call. Bytes lie end to end, so a run of packets to one link is one write.
@@ -30,7 +30,7 @@ class DeliveryBatch {
   /// True when the next packet might not fit: deliver first.
   bool full() const { return infos_.size() == kMaxPackets; }
   bool empty() const { return infos_.empty(); }
-  void add(const PacketInfo& info, std::span<const std::uint8_t> bytes, LinkMask to);
+  void add(const PacketInfo& info, std::span<const std::uint8_t> bytes, const LinkMask& to);
   /// Hands everything over and starts anew.
   void deliver(const PortTable& ports, base::RunTime now);
 
@@ -39,8 +39,8 @@ class DeliveryBatch {
 
   std::vector<PacketInfo> infos_;
   std::vector<std::uint8_t> bytes_;
-  std::array<std::vector<PacketRef>, kMaxLinks> by_link_;
-  LinkMask touched_ = 0;
+  std::array<std::vector<PacketRef>, kLinkSlots> by_link_;
+  LinkMask touched_;
 };
 
 /// What all links share: the router that decides, the ports that take packets, the log.

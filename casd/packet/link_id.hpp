@@ -8,17 +8,16 @@
 
 namespace cas::casd {
 
-/// Slot of a link in the router, 0..63. A link keeps its slot for life, also over a reload.
+/// Slot of a link in the router. A link keeps its slot for life, also over a reload.
 using LinkId = std::uint8_t;
-/// A set of links, bit i for link i.
-using LinkMask = std::uint64_t;
 
-inline constexpr int kMaxLinks = 64;
-/// casd's own station (commander): the last slot, never used by a real link.
+/// Links of one casd at a time.
+inline constexpr int kMaxLinks = 250;
+/// Slots: those of the links, and that of casd's own station.
+inline constexpr int kLinkSlots = kMaxLinks + 1;
+/// casd's own station (commander): the last slot of a LinkMask's first word, never that of a link.
 inline constexpr LinkId kLocalLink = 63;
 inline constexpr LinkId kNoLink = 255;
-
-constexpr LinkMask bit(LinkId link) { return LinkMask{1} << link; }
 
 enum class LinkType : std::uint8_t { kUdp, kUdpServer, kSerial, kTcp, kTcpServer, kTlog };
 /// The word of a topology: "udp", "udp_server", ...

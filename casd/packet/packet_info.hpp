@@ -47,7 +47,7 @@ struct Path {
 /// Where a packet came from. The links of one group are redundant ways to the same senders.
 struct Origin {
   Path path;
-  std::int8_t group = -1;  ///< of the link; -1: none
+  std::int16_t group = -1;  ///< of the link; -1: none
 };
 
 /// What the router and the queues need to know of a packet, without its bytes.
@@ -57,7 +57,7 @@ struct PacketInfo {
   mav::Source target;  ///< system 0: everybody; component 0: every component of the system
   TrafficClass traffic = TrafficClass::kTelemetry;
   LinkId from = kNoLink;
-  std::int8_t from_group = -1;       ///< group of the link; -1: none
+  std::int16_t from_group = -1;      ///< group of the link; -1: none
   std::uint8_t from_peer = kNoPeer;  ///< slot of the peer of a server link that sent it
   std::uint32_t from_serial = 0;     ///< serial number of that peer
   std::uint32_t to_serial = 0;       ///< the one peer of a server link that may get it; 0: any

@@ -7,7 +7,7 @@ namespace cas::casd {
 
 RouteTable::RouteTable(base::Duration lifetime) : lifetime_(lifetime) {}
 
-bool RouteTable::learn(LinkId link, mav::Source source, base::RunTime now) {
+bool RouteTable::learn(std::uint8_t link, mav::Source source, base::RunTime now) {
   PerLink& own = links_[link];
   if (own.newest < own.heard.size() && own.heard[own.newest].source == source) {
     own.heard[own.newest].last = now;
@@ -26,7 +26,7 @@ bool RouteTable::learn(LinkId link, mav::Source source, base::RunTime now) {
   return true;
 }
 
-int RouteTable::expire(LinkId link, base::RunTime now) {
+int RouteTable::expire(std::uint8_t link, base::RunTime now) {
   PerLink& own = links_[link];
   const auto silent = [&](const Heard& heard) { return now - heard.last > lifetime_; };
   if (std::none_of(own.heard.begin(), own.heard.end(), silent)) return 0;
@@ -45,19 +45,11 @@ int RouteTable::expire(LinkId link, base::RunTime now) {
   return static_cast<int>(gone.size());
 }
 
-void RouteTable::forget(LinkId link) {
+void RouteTable::forget(std::uint8_t link) {
   PerLink& own = links_[link];
   const std::vector<Heard> gone = std::move(own.heard);
   own = PerLink{};
   for (const Heard& heard : gone) clear(link, heard.source);
-}
-
-LinkMask RouteTable::links_to(mav::Source target) const {
-  if (target.system == 0) return ~LinkMask{0};
-  const Row* row = rows_[target.system].load(std::memory_order_acquire);
-  if (row == nullptr) return 0;
-  const auto& cell = target.component == 0 ? row->any : row->by_component[target.component];
-  return cell.load(std::memory_order_relaxed);
 }
 
 RouteTable::Row& RouteTable::row_of(std::uint8_t system) {
@@ -71,20 +63,20 @@ RouteTable::Row& RouteTable::row_of(std::uint8_t system) {
   return *row;
 }
 
-void RouteTable::set(LinkId link, mav::Source source) {
+void RouteTable::set(std::uint8_t link, mav::Source source) {
   Row& row = row_of(source.system);
-  row.by_component[source.component].fetch_or(bit(link), std::memory_order_relaxed);
-  row.any.fetch_or(bit(link), std::memory_order_relaxed);
+  row.by_component[source.component].fetch_or(slot_bit(link), std::memory_order_relaxed);
+  row.any.fetch_or(slot_bit(link), std::memory_order_relaxed);
 }
 
-void RouteTable::clear(LinkId link, mav::Source source) {
+void RouteTable::clear(std::uint8_t link, mav::Source source) {
   Row& row = row_of(source.system);
-  row.by_component[source.component].fetch_and(~bit(link), std::memory_order_relaxed);
+  row.by_component[source.component].fetch_and(~slot_bit(link), std::memory_order_relaxed);
   const auto& heard = links_[link].heard;
   const bool others = std::any_of(heard.begin(), heard.end(), [&](const Heard& other) {
     return other.source.system == source.system;
   });
-  if (!others) row.any.fetch_and(~bit(link), std::memory_order_relaxed);
+  if (!others) row.any.fetch_and(~slot_bit(link), std::memory_order_relaxed);
 }
 
 }  // namespace cas::casd

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "casd/packet/link_id.hpp"
+#include "casd/packet/slot_mask.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
 
-/// Learns on which links each system and component was heard, and forgets those that fall silent.
+/// Learns on which of 64 links each system and component was heard, and forgets those that fall
+/// silent. The peers of a server link are links to it, too.
 ///
 /// `learn` and `expire` for one link belong to one thread at a time; `links_to` may be called from
 /// any thread. Two links may hear the same system and component (simulator and controller may share
@@ -24,14 +25,20 @@ class RouteTable {
   explicit RouteTable(base::Duration lifetime);
 
   /// Notes that `link` hears `source`. @return false when the link has too many ids already
-  bool learn(LinkId link, mav::Source source, base::RunTime now);
+  bool learn(std::uint8_t link, mav::Source source, base::RunTime now);
   /// Forgets what `link` has not heard for the lifetime. @return how many ids were forgotten
-  int expire(LinkId link, base::RunTime now);
+  int expire(std::uint8_t link, base::RunTime now);
   /// Forgets all that was heard on `link`.
-  void forget(LinkId link);
+  void forget(std::uint8_t link);
 
   /// Links on which the target was heard. System 0: every link; component 0: any component of it.
-  LinkMask links_to(mav::Source target) const;
+  SlotMask links_to(mav::Source target) const {
+    if (target.system == 0) return ~SlotMask{0};
+    const Row* row = rows_[target.system].load(std::memory_order_acquire);
+    if (row == nullptr) return 0;
+    const auto& cell = target.component == 0 ? row->any : row->by_component[target.component];
+    return cell.load(std::memory_order_relaxed);
+  }
 
   /// Ids that one link may announce: more than any real network has, few enough to bound memory.
   static constexpr std::size_t kMaxIdsPerLink = 512;
@@ -47,16 +54,16 @@ class RouteTable {
   };
   // One row per system: links by component, then links of the system as a whole.
   struct Row {
-    std::array<std::atomic<LinkMask>, 256> by_component{};
-    std::atomic<LinkMask> any{0};
+    std::array<std::atomic<SlotMask>, 256> by_component{};
+    std::atomic<SlotMask> any{0};
   };
 
   Row& row_of(std::uint8_t system);
-  void set(LinkId link, mav::Source source);
-  void clear(LinkId link, mav::Source source);
+  void set(std::uint8_t link, mav::Source source);
+  void clear(std::uint8_t link, mav::Source source);
 
   base::Duration lifetime_;
-  std::array<PerLink, kMaxLinks> links_;
+  std::array<PerLink, kSlots> links_;
   std::array<std::atomic<Row*>, 256> rows_{};
   std::array<std::unique_ptr<Row>, 256> owned_rows_;
   std::atomic_flag growing_ = ATOMIC_FLAG_INIT;

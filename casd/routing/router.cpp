@@ -23,8 +23,31 @@ std::string_view to_string(Route::Decision decision) {
 
 Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table,
                base::Duration route_lifetime)
-    : table_(table), routes_(route_lifetime), plan_(std::move(plan)) {
+    : table_(table),
+      routes_{RouteTable(route_lifetime), RouteTable(route_lifetime), RouteTable(route_lifetime),
+              RouteTable(route_lifetime)},
+      plan_(std::move(plan)) {
   for (auto& filter : duplicates_) filter = std::make_unique<DuplicateFilter>(kDuplicateWindow);
+}
+
+/// Word by word, as many as the plan's links fill: 63 links cost one.
+inline Route::Decision Router::choose_links(Route& route, const RoutingPlan& plan,
+                                            const Routes& routes, const mav::PacketView& packet) {
+  const ForwardTable& rules = plan.rules.from(route.info.from);
+  const LinkMask& never = plan.never_back[route.info.from];
+  const std::size_t words = plan.rules.words();
+  SlotMask allowed_anywhere = 0;
+  SlotMask heard_anywhere = 0;
+  for (std::size_t word = 0; word < words; ++word) {
+    const SlotMask allowed =
+        rules.destinations(word, packet.message_id, packet.source) & ~never.word(word);
+    const SlotMask heard = allowed & routes[word].links_to(route.info.target);
+    route.to.set_word(word, heard);
+    allowed_anywhere |= allowed;
+    heard_anywhere |= heard;
+  }
+  if (allowed_anywhere == 0) return Route::Decision::kNoRule;
+  return heard_anywhere == 0 ? Route::Decision::kNoTarget : Route::Decision::kForward;
 }
 
 Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,
@@ -39,7 +62,7 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
   route.info.received = now;
 
   // A sender can be reached over the link that it was heard on.
-  routes_.learn(from, packet.source, now);
+  routes_[LinkMask::word_of(from)].learn(LinkMask::slot_of(from), packet.source, now);
 
   // Redundant paths: the second copy ends here.
   if (is_duplicate(from, plan, packet, now)) {
@@ -47,28 +70,18 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
     return route;
   }
 
-  // The rules of the topology, and never back.
-  const ForwardTable& rules = plan.rules.from(from);
-  route.to = rules.destinations(packet.message_id, packet.source) & ~plan.never_back[from];
-  if (route.to == 0) {
-    route.decision = kNoRule;
-    return route;
-  }
 
-  // Addressed packets go only where the target was heard.
-  route.to &= routes_.links_to(route.info.target);
-  if (route.to == 0) {
-    route.decision = kNoTarget;
-    return route;
-  }
+  // The rules of the topology, never back, and addressed packets only where the target was heard.
+  route.decision = choose_links(route, plan, routes_, packet);
+  if (route.decision != kForward) return route;
 
   // Thinned-out streams.
-  if (!rules.limits().empty()) {
+  const std::span<const RateLimit> limits = plan.rules.from(from).limits();
+  if (!limits.empty()) {
     const LinkMask wanted = route.to;
-    route.to =
-        links_[from].limiter.admit(rules.limits(), packet.message_id, packet.source, wanted, now);
-    route.thinned = wanted & ~route.to;
-    if (route.to == 0) route.decision = kRateLimited;
+    route.to = links_[from].limiter.admit(limits, packet.message_id, packet.source, wanted, now);
+    route.thinned = wanted - route.to;
+    if (route.to.empty()) route.decision = kRateLimited;
   }
   return route;
 }
@@ -79,7 +92,7 @@ Route Router::on_addressed(const mav::PacketView& packet, std::span<const Path> 
   const LinkMask wanted = with_groups(to);
   route.thinned &= wanted;
   route.to &= wanted;
-  if (route.to == 0 && route.decision == Route::Decision::kForward) {
+  if (route.to.empty() && route.decision == Route::Decision::kForward) {
     route.decision = Route::Decision::kNoTarget;
   }
   return route;
@@ -89,20 +102,24 @@ Route Router::on_addressed(const mav::PacketView& packet, std::span<const Path> 
 /// first copy of a packet, so it cannot know which of them lead to the vehicle.
 LinkMask Router::with_groups(std::span<const Path> to) {
   const RoutingPlan& plan = plan_for(kLocalLink);
-  LinkMask links = 0;
+  LinkMask links;
   for (const Path& path : to) {
-    links |= bit(path.link);
+    links.add(path.link);
+    if (plan.group[path.link] < 0) continue;
     for (std::size_t other = 0; other < plan.group.size(); ++other) {
-      const bool same = plan.group[path.link] >= 0 && plan.group[other] == plan.group[path.link];
-      if (same) links |= bit(static_cast<LinkId>(other));
+      if (plan.group[other] == plan.group[path.link]) links.add(static_cast<LinkId>(other));
     }
   }
   return links;
 }
 
-void Router::tick(LinkId link, base::RunTime now) { routes_.expire(link, now); }
+void Router::tick(LinkId link, base::RunTime now) {
+  routes_[LinkMask::word_of(link)].expire(LinkMask::slot_of(link), now);
+}
 
-void Router::forget(LinkId link) { routes_.forget(link); }
+void Router::forget(LinkId link) {
+  routes_[LinkMask::word_of(link)].forget(LinkMask::slot_of(link));
+}
 
 void Router::replace(std::shared_ptr<const RoutingPlan> plan) {
   const base::MutexLock lock(plan_mutex_);
@@ -110,24 +127,21 @@ void Router::replace(std::shared_ptr<const RoutingPlan> plan) {
   generation_.fetch_add(1, std::memory_order_release);
 }
 
-bool Router::passes_unknown(LinkId from) { return (plan_for(from).pass_unknown & bit(from)) != 0; }
+bool Router::passes_unknown(LinkId from) { return plan_for(from).pass_unknown.has(from); }
 
-const RoutingPlan& Router::plan_for(LinkId link) {
+void Router::renew_plan(LinkId link) {
   PerLink& own = links_[link];
-  if (own.generation != generation_.load(std::memory_order_acquire)) {
-    const base::MutexLock lock(plan_mutex_);
-    own.plan = plan_;
-    own.generation = generation_.load(std::memory_order_relaxed);
-    own.limiter = RateLimiter(own.plan->rules.from(link).limits().size());
-  }
-  return *own.plan;
+  const base::MutexLock lock(plan_mutex_);
+  own.plan = plan_;
+  own.generation = generation_.load(std::memory_order_relaxed);
+  own.limiter = RateLimiter(own.plan->rules.from(link).limits().size());
 }
 
 bool Router::is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                           base::RunTime now) {
-  const std::int8_t group = plan.group[from];
+  const std::int16_t group = plan.group[from];
   return group >= 0 &&
-         duplicates_[static_cast<std::uint8_t>(group)]->is_duplicate(from, packet, now);
+         duplicates_[static_cast<std::size_t>(group)]->is_duplicate(from, packet, now);
 }
 
 }  // namespace cas::casd

@@ -11,7 +11,7 @@
 
 #include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
-#include "casd/packet/link_id.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/routing/duplicate_filter.hpp"
 #include "casd/routing/route_table.hpp"
@@ -25,10 +25,10 @@ struct RoutingPlan {
   ForwardRules rules;
   /// For each link, the links that never get its packets: its group. Without a group that is the
   /// link itself; a server link whose peers may talk to each other excludes none.
-  std::array<LinkMask, kMaxLinks> never_back{};
+  std::array<LinkMask, kLinkSlots> never_back{};
   /// Group number per link, -1: none. Packets that come twice into a group go on once.
-  std::array<std::int8_t, kMaxLinks> group;
-  LinkMask pass_unknown = 0;  ///< links from which packets with unknown message ids go on
+  std::array<std::int16_t, kLinkSlots> group;
+  LinkMask pass_unknown;  ///< links from which packets with unknown message ids go on
 
   RoutingPlan() { group.fill(-1); }
 };
@@ -42,8 +42,8 @@ struct Route {
     kNoTarget,    ///< addressed to somebody who was never heard
     kRateLimited  ///< its turn has not come
   };
-  LinkMask to = 0;
-  LinkMask thinned = 0;  ///< links that would have got it, had its turn come
+  LinkMask to{};
+  LinkMask thinned{};  ///< links that would have got it, had its turn come
   Decision decision = Decision::kForward;
   PacketInfo info;
 };
@@ -80,8 +80,6 @@ class Router {
   /// Does the link let packets with unknown message ids pass?
   bool passes_unknown(LinkId from);
 
-  const RouteTable& routes() const { return routes_; }
-
  private:
   // What one link's thread has for itself.
   struct alignas(64) PerLink {
@@ -89,14 +87,22 @@ class Router {
     std::uint64_t generation = 0;
     RateLimiter limiter;
   };
-  const RoutingPlan& plan_for(LinkId link);
+  using Routes = std::array<RouteTable, LinkMask::kWords>;  // by word of a LinkMask
+
+  static Route::Decision choose_links(Route& route, const RoutingPlan& plan, const Routes& routes,
+                                      const mav::PacketView& packet);
+  const RoutingPlan& plan_for(LinkId link) {
+    if (links_[link].generation != generation_.load(std::memory_order_acquire)) renew_plan(link);
+    return *links_[link].plan;
+  }
+  void renew_plan(LinkId link);
   LinkMask with_groups(std::span<const Path> to);
   bool is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                     base::RunTime now);
 
   mav::MessageTable table_;
-  RouteTable routes_;
-  std::array<PerLink, kMaxLinks> links_;
+  Routes routes_;
+  std::array<PerLink, kLinkSlots> links_;
   std::array<std::unique_ptr<DuplicateFilter>, kMaxGroups> duplicates_;
 
   std::atomic<std::uint64_t> generation_{1};

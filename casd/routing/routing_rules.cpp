@@ -9,10 +9,10 @@ namespace cas::casd {
 namespace {
 
 // Bars `to` from every entry that the lists do not let pass.
-void restrict_ids(std::array<LinkMask, 256>& masks, LinkMask to,
+void restrict_ids(std::array<SlotMask, 256>& masks, SlotMask to,
                   const std::vector<std::uint8_t>& allow, const std::vector<std::uint8_t>& block) {
   if (!allow.empty()) {
-    for (LinkMask& mask : masks) mask &= ~to;
+    for (SlotMask& mask : masks) mask &= ~to;
     for (const std::uint8_t id : allow) masks[id] |= to;
   }
   for (const std::uint8_t id : block) masks[id] &= ~to;
@@ -32,48 +32,57 @@ bool AcceptRule::accepts(const mav::PacketView& packet) const {
          (ground_station && is_ground_station_traffic(packet));
 }
 
-ForwardTable::ForwardTable() {
-  by_system_.fill(~LinkMask{0});
-  by_component_.fill(~LinkMask{0});
+ForwardWord::ForwardWord() {
+  by_system_.fill(~SlotMask{0});
+  by_component_.fill(~SlotMask{0});
 }
 
-void ForwardTable::add(const ForwardRule& rule) {
-  const LinkMask to = bit(rule.to);
+void ForwardWord::add(const ForwardRule& rule, std::uint8_t slot) {
+  const SlotMask to = slot_bit(slot);
   if (rule.allow) {
     for (const std::uint32_t id : *rule.allow) message_entry(id) |= to;
   } else {
-    for (LinkMask& mask : by_message_) mask |= to;
+    for (SlotMask& mask : by_message_) mask |= to;
     for (auto& [id, mask] : by_other_message_) mask |= to;
     by_default_ |= to;
   }
   for (const std::uint32_t id : rule.block) message_entry(id) &= ~to;
   restrict_ids(by_system_, to, rule.allow_systems, rule.block_systems);
   restrict_ids(by_component_, to, rule.allow_components, rule.block_components);
-  for (const RateRule& rate : rule.rates) limits_.push_back({rule.to, rate, limits_.size()});
 }
 
-LinkMask ForwardTable::limited(std::uint32_t message_id) const {
-  LinkMask mask = 0;
-  for (const RateLimit& limit : limits_) {
-    if (limit.rule.message_id == message_id) mask |= bit(limit.to);
-  }
-  return mask;
-}
-
-LinkMask& ForwardTable::message_entry(std::uint32_t message_id) {
+SlotMask& ForwardWord::message_entry(std::uint32_t message_id) {
   if (message_id < kTabled) return by_message_[message_id];
   return by_other_message_.try_emplace(message_id, by_default_).first->second;
 }
 
+void ForwardTable::add(const ForwardRule& rule) {
+  auto& word = words_[LinkMask::word_of(rule.to)];
+  if (!word) word = std::make_unique<ForwardWord>();
+  word->add(rule, LinkMask::slot_of(rule.to));
+  for (const RateRule& rate : rule.rates) limits_.push_back({rule.to, rate, limits_.size()});
+}
+
+LinkMask ForwardTable::destinations(std::uint32_t message_id, mav::Source source) const {
+  LinkMask links;
+  for (std::size_t word = 0; word < LinkMask::kWords; ++word) {
+    links.set_word(word, destinations(word, message_id, source));
+  }
+  return links;
+}
+
 ForwardRules::ForwardRules(std::span<const ForwardRule> rules) {
-  for (const ForwardRule& rule : rules) tables_[rule.from].add(rule);
+  for (const ForwardRule& rule : rules) {
+    tables_[rule.from].add(rule);
+    words_ = std::max(words_, LinkMask::word_of(rule.to) + 1);
+  }
 }
 
 LinkMask RateLimiter::admit(std::span<const RateLimit> limits, std::uint32_t message_id,
                             mav::Source source, LinkMask wanted, base::RunTime now) {
   for (const RateLimit& limit : limits) {
-    if (limit.rule.message_id != message_id || (wanted & bit(limit.to)) == 0) continue;
-    if (!pass(limit.rule, state_of(limit.index, source), now)) wanted &= ~bit(limit.to);
+    if (limit.rule.message_id != message_id || !wanted.has(limit.to)) continue;
+    if (!pass(limit.rule, state_of(limit.index, source), now)) wanted.remove(limit.to);
   }
   return wanted;
 }

@@ -3,13 +3,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "casd/packet/link_id.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
@@ -61,35 +62,51 @@ struct RateLimit {
   std::size_t index = 0;  ///< of its state, counted per source link
 };
 
-/// The rules of one source link, turned round: for a message id, a system and a component the set
-/// of links that may have it. Three loads and two ands, whatever the number of links and rules.
-class ForwardTable {
+/// The rules of one source link towards 64 others, turned round: for a message id, a system and a
+/// component the set of links that may have it. Three loads and two ands, whatever the number of
+/// links and rules.
+class ForwardWord {
  public:
-  ForwardTable();
-  void add(const ForwardRule& rule);
+  ForwardWord();
+  /// @param slot  of the rule's destination
+  void add(const ForwardRule& rule, std::uint8_t slot);
 
-  LinkMask destinations(std::uint32_t message_id, mav::Source source) const {
+  SlotMask destinations(std::uint32_t message_id, mav::Source source) const {
     return by_message(message_id) & by_system_[source.system] & by_component_[source.component];
   }
-  /// Links whose packets of this message are thinned out.
-  LinkMask limited(std::uint32_t message_id) const;
-  std::span<const RateLimit> limits() const { return limits_; }
 
  private:
   static constexpr std::uint32_t kTabled = 512;
 
-  LinkMask by_message(std::uint32_t message_id) const {
+  SlotMask by_message(std::uint32_t message_id) const {
     if (message_id < kTabled) return by_message_[message_id];
     const auto found = by_other_message_.find(message_id);
     return found == by_other_message_.end() ? by_default_ : found->second;
   }
-  LinkMask& message_entry(std::uint32_t message_id);
+  SlotMask& message_entry(std::uint32_t message_id);
 
-  std::array<LinkMask, kTabled> by_message_{};
-  std::unordered_map<std::uint32_t, LinkMask> by_other_message_;
-  LinkMask by_default_ = 0;  ///< for ids above the table that no rule names
-  std::array<LinkMask, 256> by_system_;
-  std::array<LinkMask, 256> by_component_;
+  std::array<SlotMask, kTabled> by_message_{};
+  std::unordered_map<std::uint32_t, SlotMask> by_other_message_;
+  SlotMask by_default_ = 0;  ///< for ids above the table that no rule names
+  std::array<SlotMask, 256> by_system_;
+  std::array<SlotMask, 256> by_component_;
+};
+
+/// The rules of one source link. Memory is taken for words of a LinkMask that rules lead to.
+class ForwardTable {
+ public:
+  void add(const ForwardRule& rule);
+
+  /// The links of one word of a LinkMask that may have it.
+  SlotMask destinations(std::size_t word, std::uint32_t message_id, mav::Source source) const {
+    return words_[word] ? words_[word]->destinations(message_id, source) : 0;
+  }
+  /// All of them.
+  LinkMask destinations(std::uint32_t message_id, mav::Source source) const;
+  std::span<const RateLimit> limits() const { return limits_; }
+
+ private:
+  std::array<std::unique_ptr<ForwardWord>, LinkMask::kWords> words_;
   std::vector<RateLimit> limits_;
 };
 
@@ -99,9 +116,12 @@ class ForwardRules {
   ForwardRules() = default;
   explicit ForwardRules(std::span<const ForwardRule> rules);
   const ForwardTable& from(LinkId link) const { return tables_[link]; }
+  /// Words of a LinkMask that rules lead to.
+  std::size_t words() const { return words_; }
 
  private:
-  std::array<ForwardTable, kMaxLinks> tables_;
+  std::array<ForwardTable, kLinkSlots> tables_;
+  std::size_t words_ = 0;
 };
 
 /// Applies the rate rules of one source link. `max_hz` lets a packet pass when its turn on a grid

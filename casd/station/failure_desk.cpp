@@ -75,7 +75,7 @@ FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::Packe
   const auto* const known = std::get_if<std::uint8_t>(&resolved);
   const std::uint8_t system = known == nullptr ? target.system : *known;
   const std::optional<FailureOrder>& order = command->order;
-  if ((gone_ & bit(from.path.link)) != 0) {
+  if (gone_.has(from.path.link)) {
     leave_line(ids(packet.source) + " MAV_CMD_INJECT_FAILURE vehicle " + std::to_string(system) +
                    ": it came in the middle of a reload",
                false, now);
@@ -237,11 +237,11 @@ void FailureDesk::end(const Request& request, const Outcome& outcome, base::RunT
   if (request.answer) request.answer(outcome);
 }
 
-void FailureDesk::begin_reload(LinkMask gone, base::RunTime now) {
+void FailureDesk::begin_reload(const LinkMask& gone, base::RunTime now) {
   gone_ = gone;
   for (auto& [system, waiting] : waiting_) {
     for (Request& request : waiting) {
-      if (request.link == kNoLink || (gone & bit(request.link)) == 0) continue;
+      if (request.link == kNoLink || !gone.has(request.link)) continue;
       request.link = kNoLink;
       request.answer = nullptr;
     }

@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "base/time/clock.hpp"
-#include "casd/packet/link_id.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -71,8 +71,8 @@ class FailureDesk {
   void tick(base::RunTime now);
   /// These links are gone for good: what waits for them is dropped, nobody there is answered any
   /// more. Until end_reload() all that bears their numbers is refused: it may have come before.
-  void begin_reload(LinkMask gone, base::RunTime now);
-  void end_reload() { gone_ = 0; }
+  void begin_reload(const LinkMask& gone, base::RunTime now);
+  void end_reload() { gone_ = {}; }
 
  private:
   struct Request {
@@ -106,7 +106,7 @@ class FailureDesk {
   const VehicleCommander& commander_;
   FailureHooks hooks_;
   std::map<std::uint8_t, std::deque<Request>> waiting_;  ///< by system; the first is under way
-  LinkMask gone_ = 0;                                    ///< while a reload is under way
+  LinkMask gone_;                                        ///< while a reload is under way
   std::int32_t token_ = 0;
   std::uint8_t sequence_ = 0;  ///< of packets in a vehicle's name
   base::RunTime refusals_since_{};

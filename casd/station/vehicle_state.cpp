@@ -37,8 +37,8 @@ void VehicleState::heard_over(const Origin& from, base::RunTime now) {
   std::iter_swap(ways_.begin(), speaking);
 }
 
-bool VehicleState::forget(LinkMask links) {
-  std::erase_if(ways_, [links](const Way& way) { return (links & bit(way.path.link)) != 0; });
+bool VehicleState::forget(const LinkMask& links) {
+  std::erase_if(ways_, [&](const Way& way) { return links.has(way.path.link); });
   return !ways_.empty();
 }
 

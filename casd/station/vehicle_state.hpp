@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "casd/packet/link_id.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/station/services.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -42,7 +42,7 @@ class VehicleState final : public mav::services::VehicleState {
   /// Takes in one packet of this vehicle's autopilot, from its place.
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   /// Forgets the ways over these links. @return whether any way is left
-  bool forget(LinkMask links);
+  bool forget(const LinkMask& links);
 
   /// The link that it is heard on: with redundant links the first, while that one speaks.
   LinkId link() const { return ways_.front().path.link; }
@@ -66,7 +66,7 @@ class VehicleState final : public mav::services::VehicleState {
 
   void heard_over(const Origin& from, base::RunTime now);
 
-  std::int8_t group_;
+  std::int16_t group_;
   std::vector<Way> ways_;  ///< the one in use first; never empty while the vehicle is known
   std::optional<Rival> rival_;
 };

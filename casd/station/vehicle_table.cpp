@@ -12,33 +12,17 @@ namespace {
 
 using namespace mavlink::common;
 
-/// Vehicles of one link: a flood of invented ids costs its own link only.
-constexpr std::size_t kMaxVehiclesPerLink = 32;
+/// Vehicles of one link, of the 255 ids that MAVLink has.
+constexpr std::size_t kMaxVehiclesPerLink = 250;
 /// Silence after which a disarmed vehicle is forgotten, and an armed one where room is needed.
 constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
 
 /// Whether who sends a HEARTBEAT takes a vehicle's place: component 1 that of any other at once,
 /// else the same component once the vehicle has fallen silent.
-bool takes_over(const VehicleState& vehicle, mav::Source source, base::Duration silence,
-                base::RunTime now) {
+bool takes_over(const VehicleState& vehicle, mav::Source source, base::RunTime now) {
   const std::uint8_t held = vehicle.source().component;
   if (source.component != held) return source.component == mav::services::kAutopilot;
-  return vehicle.heartbeat_age(now) > silence;
-}
-
-/// Silence after which nothing is expected of it any more.
-base::Duration patience(const VehicleState& vehicle) {
-  return std::max(kForgetAfter, vehicle.silent_after());
-}
-
-/// What a packet says of who is a vehicle; nothing: it does not, or its sender is none.
-std::optional<Heartbeat> presence(const mav::PacketView& packet) {
-  std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
-  if (const auto slow = mav::decode<HighLatency2>(packet)) {
-    heartbeat = mav::services::heartbeat_of(*slow, {});
-  }
-  if (heartbeat && !mav::services::is_vehicle(packet.source, *heartbeat)) return std::nullopt;
-  return heartbeat;
+  return vehicle.heartbeat_age(now) > kVehicleTimeout;
 }
 
 }  // namespace
@@ -55,9 +39,10 @@ std::string vehicle_text(const VehicleState& state) {
 KnownVehicle* VehicleTable::track(const Origin& from, const mav::PacketView& packet,
                                   base::RunTime now) {
   KnownVehicle* vehicle = find(packet.source.system);
-  if (packet.message_id == Heartbeat::kId || packet.message_id == HighLatency2::kId) {
-    if (!presence(packet)) return nullptr;
-    vehicle = meet(from, packet, now);
+  if (packet.message_id == Heartbeat::kId) {
+    const std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
+    if (!heartbeat || !mav::services::is_vehicle(packet.source, *heartbeat)) return nullptr;
+    vehicle = meet(from, packet.source, now);
   }
   if (vehicle == nullptr || vehicle->state.source() != packet.source ||
       !vehicle->state.is_at(from, now)) {
@@ -70,7 +55,7 @@ KnownVehicle* VehicleTable::track(const Origin& from, const mav::PacketView& pac
 bool VehicleTable::any_armed(base::RunTime now) const {
   return std::any_of(vehicles_.begin(), vehicles_.end(), [now](const auto& entry) {
     const VehicleState& state = entry.second->state;
-    return state.armed() && state.heartbeat_age(now) <= patience(state);
+    return state.armed() && state.heartbeat_age(now) <= kForgetAfter;
   });
 }
 
@@ -79,12 +64,8 @@ void VehicleTable::tick(base::RunTime now) {
   expire(now);
 }
 
-/// An autopilot sent a HEARTBEAT, or HIGH_LATENCY2. @return the vehicle of its system id, which may
-/// be another one
-KnownVehicle* VehicleTable::meet(const Origin& from, const mav::PacketView& packet,
-                                 base::RunTime now) {
-  const mav::Source source = packet.source;
-  const bool slow = packet.message_id == HighLatency2::kId;
+/// An autopilot sent a HEARTBEAT. @return the vehicle of its system id, which may be another one
+KnownVehicle* VehicleTable::meet(const Origin& from, mav::Source source, base::RunTime now) {
   const auto found = vehicles_.find(source.system);
   if (found == vehicles_.end()) {
     if (!has_room(from.path.link, now)) return nullptr;
@@ -95,14 +76,12 @@ KnownVehicle* VehicleTable::meet(const Origin& from, const mav::PacketView& pack
   KnownVehicle& vehicle = *found->second;
   const bool here = vehicle.state.is_at(from, now);
   if (here && source == vehicle.state.source()) return &vehicle;
-  const base::Duration silence = slow ? vehicle.state.silent_after() : kVehicleTimeout;
-  if (takes_over(vehicle.state, source, silence, now) &&
+  if (takes_over(vehicle.state, source, now) &&
       (from.path.link == vehicle.state.link() || has_room(from.path.link, now))) {
     displace(vehicle, from, source, now);
     return vehicles_.at(source.system).get();
   }
-  // A vehicle that has a satellite modem besides is no rival of itself.
-  if (!here && !slow) {
+  if (!here) {
     vehicle.state.on_rival({source, from, now});
     if (!vehicle.contested) tell_of_rivals(now);
   }
@@ -138,7 +117,7 @@ bool VehicleTable::has_room(LinkId link, base::RunTime now) {
     if (oldest == nullptr || state.heartbeat_age(now) > oldest->heartbeat_age(now)) oldest = &state;
   }
   if (count < kMaxVehiclesPerLink) return true;
-  if (oldest->heartbeat_age(now) <= patience(*oldest)) return false;
+  if (oldest->heartbeat_age(now) <= kForgetAfter) return false;
   drop(oldest->source().system, " fell silent");
   return true;
 }
@@ -162,12 +141,12 @@ void VehicleTable::expire(base::RunTime now) {
   std::vector<std::uint8_t> silent;
   for (const auto& [system, vehicle] : vehicles_) {
     const VehicleState& state = vehicle->state;
-    if (!state.armed() && state.heartbeat_age(now) > patience(state)) silent.push_back(system);
+    if (!state.armed() && state.heartbeat_age(now) > kForgetAfter) silent.push_back(system);
   }
   for (const std::uint8_t system : silent) drop(system, " fell silent");
 }
 
-void VehicleTable::forget(LinkMask links) {
+void VehicleTable::forget(const LinkMask& links) {
   std::vector<std::uint8_t> lost;
   for (const auto& [system, vehicle] : vehicles_) {
     if (!vehicle->state.forget(links)) lost.push_back(system);

@@ -14,7 +14,7 @@
 
 #include "base/time/clock.hpp"
 #include "casd/packet/intervention.hpp"
-#include "casd/packet/link_id.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "casd/station/services.hpp"
 #include "casd/station/takeoff_height.hpp"
 #include "casd/station/vehicle_state.hpp"
@@ -59,8 +59,7 @@ struct KnownVehicle {
 /// "vehicle 1".
 std::string vehicle_text(const VehicleState& state);
 
-/// Who is a vehicle: an autopilot (link or group, peer, system, component) that sends HEARTBEAT, or
-/// HIGH_LATENCY2.
+/// Who is a vehicle: an autopilot (link or group, peer, system, component) that sends HEARTBEAT.
 /// A second autopilot with a vehicle's system id is its rival. What is known is bounded by link,
 /// and forgotten after silence. Pure.
 class VehicleTable {
@@ -78,13 +77,13 @@ class VehicleTable {
     on_notice_ = std::move(callback);
   }
 
-  /// Takes in a packet. HEARTBEATs make vehicles, and rivals of them; HIGH_LATENCY2 makes vehicles.
+  /// Takes in a packet. HEARTBEATs make vehicles, and rivals of them.
   /// @return the vehicle whose autopilot sent it, from its place; nullptr: none
   KnownVehicle* track(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   /// Tells of rivals that are gone, and forgets who is silent.
   void tick(base::RunTime now);
   /// These links are gone for good: vehicles that were heard on them alone are forgotten.
-  void forget(LinkMask links);
+  void forget(const LinkMask& links);
 
   KnownVehicle* find(std::uint8_t system) const;
   /// Who had a hand in the vehicles of this id so far, also in one that is forgotten by now.
@@ -100,7 +99,7 @@ class VehicleTable {
   std::string place(const VehicleState& state, const Rival& rival) const;
 
  private:
-  KnownVehicle* meet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
+  KnownVehicle* meet(const Origin& from, mav::Source source, base::RunTime now);
   void displace(KnownVehicle& vehicle, const Origin& from, mav::Source source, base::RunTime now);
   bool has_room(LinkId link, base::RunTime now);
   void tell_of_rivals(base::RunTime now);

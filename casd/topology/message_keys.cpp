@@ -45,6 +45,14 @@ std::string message_word(std::uint32_t id) {
   return known == nullptr ? std::to_string(id) : std::string(known->name);
 }
 
+std::vector<std::uint32_t> hil_messages() {
+  std::vector<std::uint32_t> ids;
+  for (const mav::MessageInfo& message : mav::public_table().all()) {
+    if (message.name.starts_with("HIL_")) ids.push_back(message.id);
+  }
+  return ids;
+}
+
 void Messages::read(const base::ConfigNode& node, std::vector<std::uint32_t>& ids) {
   for (const base::ConfigNode& entry : one_or_many(node)) {
     ids.push_back(parse_message(entry, entry.as<std::string>()));

@@ -19,6 +19,9 @@ std::uint32_t parse_message(const base::ConfigNode& node, const std::string& tex
 /// Its name; the number of one that no public dialect has.
 std::string message_word(std::uint32_t id);
 
+/// HIL_SENSOR and all others of the HIL loop.
+std::vector<std::uint32_t> hil_messages();
+
 /// The words of a list, "none" for an empty one.
 template <class List, class Word>
 std::string joined(const List& list, Word word) {

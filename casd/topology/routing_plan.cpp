@@ -5,20 +5,13 @@
 #include <iterator>
 #include <vector>
 
-#include "mavlink_gen/runtime/public_table.hpp"
+#include "casd/packet/link_mask.hpp"
+#include "casd/topology/message_keys.hpp"
 
 namespace cas::casd {
 namespace {
 
 // The HIL streams are not casd's business; everything else may be.
-std::vector<std::uint32_t> hil_messages() {
-  std::vector<std::uint32_t> ids;
-  for (const mav::MessageInfo& message : mav::public_table().all()) {
-    if (message.name.starts_with("HIL_")) ids.push_back(message.id);
-  }
-  return ids;
-}
-
 void add_station(std::vector<ForwardRule>& rules, const LinkSlots& slots) {
   const std::vector<std::uint32_t> hil = hil_messages();
   for (const auto& [name, link] : slots) {
@@ -37,7 +30,7 @@ void add_station(std::vector<ForwardRule>& rules, const LinkSlots& slots) {
 void fill_groups(RoutingPlan& plan, const Topology& topology, const LinkSlots& slots) {
   std::map<std::string, LinkMask> members;
   for (const LinkConfig& link : topology.links) {
-    if (!link.group.empty()) members[link.group] |= bit(slots.at(link.name));
+    if (!link.group.empty()) members[link.group].add(slots.at(link.name));
   }
   for (const LinkConfig& link : topology.links) {
     const LinkId id = slots.at(link.name);
@@ -45,10 +38,10 @@ void fill_groups(RoutingPlan& plan, const Topology& topology, const LinkSlots& s
     if (link.group.empty()) continue;
     const auto group = members.find(link.group);
     plan.never_back[id] = group->second;
-    plan.group[id] = static_cast<std::int8_t>(std::distance(members.begin(), group));
+    plan.group[id] = static_cast<std::int16_t>(std::distance(members.begin(), group));
   }
   for (const RouteConfig& route : topology.routes) {
-    if (route.from == route.to) plan.never_back[slots.at(route.from)] &= ~bit(slots.at(route.from));
+    if (route.from == route.to) plan.never_back[slots.at(route.from)].remove(slots.at(route.from));
   }
   plan.never_back[kLocalLink] = bit(kLocalLink);
 }
@@ -57,8 +50,11 @@ void fill_groups(RoutingPlan& plan, const Topology& topology, const LinkSlots& s
 
 LinkSlots slots_in_order(const Topology& topology) {
   LinkSlots slots;
+  LinkMask taken = bit(kLocalLink);
   for (const LinkConfig& link : topology.links) {
-    slots.emplace(link.name, static_cast<LinkId>(slots.size()));
+    const LinkId slot = taken.first_missing();
+    slots.emplace(link.name, slot);
+    taken.add(slot);
   }
   return slots;
 }
@@ -75,7 +71,7 @@ std::shared_ptr<const RoutingPlan> make_plan(const Topology& topology, const Lin
   plan->rules = ForwardRules(rules);
   fill_groups(*plan, topology, slots);
   for (const LinkConfig& link : topology.links) {
-    if (link.pass_unknown) plan->pass_unknown |= bit(slots.at(link.name));
+    if (link.pass_unknown) plan->pass_unknown.add(slots.at(link.name));
   }
   return plan;
 }

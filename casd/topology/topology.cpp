@@ -124,20 +124,6 @@ constexpr double kMib = 1024 * 1024;
 constexpr std::uint64_t kFreeSpaceMin = 64 * 1024 * 1024;
 
 constexpr std::tuple kLogKeys{
-constexpr std::tuple kAutopilotLogKeys{
-    key<&AutopilotLogConfig::folder>("folder", Folder{},
-                                     "the folder of these logs, made where it alone is missing",
-                                     "`log.folder`"),
-    key<&AutopilotLogConfig::while_armed>("while_armed", Flag{},
-                                          "of each vehicle while it is armed; false: always"),
-    key<&AutopilotLogConfig::limits, &TlogLimits::max_bytes>(
-        "max_mib", Range{0, 1e8, kMib},
-        "logs pause when all .ulg and .bin files of the folder would take more; 0: any"),
-    key<&AutopilotLogConfig::limits, &TlogLimits::free_space_min_bytes>(
-        "free_space_min_mib", Range{0, 1e8, kMib},
-        "logs pause when less would stay free on the disk"),
-};
-
     key<&TlogConfig::tlog>("tlog", TlogName{},
                            "a recording of that name begins with casd, or with each flight"),
     key<&TlogConfig::folder>("folder", Folder{},
@@ -161,8 +147,6 @@ constexpr std::tuple kAutopilotLogKeys{
                                   "a recording whenever a vehicle is armed; see below"),
     key<&TlogConfig::overwrite>("overwrite", Flag{},
                                 "the recording from the start is NAME.tlog itself, over the old "
-    key<&TlogConfig::autopilot>("autopilot", block<AutopilotLogConfig>(kAutopilotLogKeys),
-                                "takes the logs of autopilots, too; see below"),
                                 "file"),
 };
 
@@ -174,9 +158,6 @@ void check_log(const ConfigNode& node, const TlogConfig& log) {
 
 // casd itself. A reload refuses other values of these,
 
-  if (const auto autopilot = node.find("autopilot"); autopilot && !autopilot->is_map()) {
-    autopilot->fail("is a block, of which every key may be left out: {}");
-  }
 constexpr Whole kId{1, 255};
 
 constexpr std::tuple kRestartKeys{
@@ -332,7 +313,8 @@ bool is_server(const std::vector<LinkConfig>& links, const std::string& name) {
          is_of_type(links, name, LinkType::kTcpServer);
 }
 
-/// The routes of one entry of `routes`: `from` and `to` take a name, a list of names or `any`.
+}  // namespace
+
 std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
                                      const std::vector<LinkConfig>& links) {
   const auto from = parse_link_names(node.at("from"), links);
@@ -361,6 +343,8 @@ std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
   return routes;
 }
 
+namespace {
+
 std::vector<LinkConfig> parse_links(const base::ConfigNode& root) {
   std::vector<LinkConfig> links;
   std::set<std::string> names;
@@ -369,13 +353,14 @@ std::vector<LinkConfig> parse_links(const base::ConfigNode& root) {
     if (!names.insert(links.back().name).second) {
       node.at("name").fail("'" + links.back().name + "' is the name of another link");
     }
-    if (links.size() == static_cast<std::size_t>(kLocalLink)) node.fail("more than 62 links");
+    if (links.size() > kMaxLinks) node.fail("more than 250 links");
   }
   if (links.empty()) root.at("links").fail("no link");
   return links;
 }
 
-// Without a `routes` block every link talks to every other one.
+}  // namespace
+
 std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links) {
   std::vector<RouteConfig> routes;
   for (const LinkConfig& from : links) {
@@ -386,6 +371,8 @@ std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links
   }
   return routes;
 }
+
+namespace {
 
 std::vector<RouteConfig> parse_routes(const base::ConfigNode& root,
                                       const std::vector<LinkConfig>& links) {
@@ -404,8 +391,8 @@ std::vector<RouteConfig> parse_routes(const base::ConfigNode& root,
   return routes;
 }
 
-// A pseudo-terminal has no rate of its own. It is held to its baud rate where that makes a
-// difference to how old data gets: where the routes may send half of it or more.
+}  // namespace
+
 void pace_tight_lines(Topology& topology) {
   constexpr double kTight = 0.5;
   for (const LineBudget& budget : line_budgets(topology)) {
@@ -415,8 +402,6 @@ void pace_tight_lines(Topology& topology) {
     }
   }
 }
-
-}  // namespace
 
 std::string_view to_string(ThreadModel model) { return kThreadModels.word(model); }
 

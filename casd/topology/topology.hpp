@@ -110,6 +110,17 @@ std::vector<std::string> restart_keys(const Topology& in_force, const Topology& 
 void refuse_restart_keys(const Topology& in_force, const Topology& next,
                          const base::ConfigNode& root);
 
+/// The routes of one entry of `routes`: `from` and `to` take a name, a list of names or `any`.
+/// @throws base::ConfigError
+std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
+                                     const std::vector<LinkConfig>& links);
+/// Those of a topology without `routes`: every link talks to every other one.
+std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links);
+
+/// A pseudo-terminal has no rate of its own. It is held to its baud rate where that makes a
+/// difference to how old data gets: where the routes may send half of it or more.
+void pace_tight_lines(Topology& topology);
+
 /// A route's filters as `casd --check` tells them: "only HIL_SENSOR, not systems 2".
 std::string rule_text(const ForwardRule& rule);
 

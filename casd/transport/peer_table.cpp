@@ -10,11 +10,11 @@ PeerTable::PeerTable(int max_peers, base::Duration expiry)
 
 std::optional<std::uint8_t> PeerTable::find(const sockaddr_storage& address) const {
   const auto same = [&](std::uint8_t peer) {
-    return (present_ & bit(peer)) != 0 &&
+    return (present_ & slot_bit(peer)) != 0 &&
            std::memcmp(&peers_[peer].address, &address, peers_[peer].size) == 0;
   };
   if (same(newest_)) return newest_;
-  for (LinkMask left = present_; left != 0; left &= left - 1) {
+  for (SlotMask left = present_; left != 0; left &= left - 1) {
     const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
     if (same(peer)) return newest_ = peer;
   }
@@ -26,7 +26,7 @@ std::optional<std::uint8_t> PeerTable::add(const sockaddr_storage& address, sock
   if (count() >= max_peers_ && expire(now) == 0) return std::nullopt;
   const auto peer = static_cast<std::uint8_t>(std::countr_one(present_));
   peers_[peer] = {address, size, now, ++serials_};
-  present_ |= bit(peer);
+  present_ |= slot_bit(peer);
   return peer;
 }
 
@@ -37,38 +37,34 @@ void PeerTable::heard(std::uint8_t peer, mav::Source source, base::RunTime now) 
 
 int PeerTable::expire(base::RunTime now) {
   int gone = 0;
-  for (LinkMask left = present_; left != 0; left &= left - 1) {
-    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
+  for_each_slot(present_, [&](std::uint8_t peer) {
     if (now - peers_[peer].last <= expiry_) {
       routes_.expire(peer, now);
-      continue;
+      return;
     }
     remove(peer);
     ++gone;
-  }
+  });
   return gone;
 }
 
 void PeerTable::clear() {
-  for (LinkMask left = present_; left != 0; left &= left - 1) {
-    remove(static_cast<std::uint8_t>(std::countr_zero(left)));
-  }
+  for_each_slot(present_, [this](std::uint8_t peer) { remove(peer); });
 }
 
-LinkMask PeerTable::for_packet(const PacketInfo& info, LinkId own) const {
-  LinkMask peers = present_ & routes_.links_to(info.target);
-  if (info.from == own && info.from_peer < kMaxPeers) peers &= ~bit(info.from_peer);
+SlotMask PeerTable::for_packet(const PacketInfo& info, LinkId own) const {
+  SlotMask peers = present_ & routes_.links_to(info.target);
+  if (info.from == own && info.from_peer < kMaxPeers) peers &= ~slot_bit(info.from_peer);
   if (info.to_serial == 0) return peers;
-  for (LinkMask left = peers; left != 0; left &= left - 1) {
-    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
-    if (peers_[peer].serial != info.to_serial) peers &= ~bit(peer);
-  }
+  for_each_slot(peers, [&](std::uint8_t peer) {
+    if (peers_[peer].serial != info.to_serial) peers &= ~slot_bit(peer);
+  });
   return peers;
 }
 
 void PeerTable::remove(std::uint8_t peer) {
   routes_.forget(peer);
-  present_ &= ~bit(peer);
+  present_ &= ~slot_bit(peer);
   peers_[peer] = Peer{};
 }
 

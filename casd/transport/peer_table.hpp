@@ -10,6 +10,7 @@
 
 #include "base/time/clock.hpp"
 #include "casd/packet/packet_info.hpp"
+#include "casd/packet/slot_mask.hpp"
 #include "casd/routing/route_table.hpp"
 
 namespace cas::casd {
@@ -21,7 +22,7 @@ namespace cas::casd {
 /// and `address` by a lock of the caller; the rest needs none.
 class PeerTable {
  public:
-  static constexpr int kMaxPeers = kMaxLinks;
+  static constexpr int kMaxPeers = kSlots;
 
   PeerTable(int max_peers, base::Duration expiry);
 
@@ -41,9 +42,9 @@ class PeerTable {
   /// Peers that are to get this packet: all or those that announced the target, never its sender.
   /// A packet for one peer alone (`to_serial`) goes to no other.
   /// @param own  the link that the peers are on
-  LinkMask for_packet(const PacketInfo& info, LinkId own) const;
+  SlotMask for_packet(const PacketInfo& info, LinkId own) const;
 
-  LinkMask present() const { return present_; }
+  SlotMask present() const { return present_; }
   int count() const { return std::popcount(present_); }
   const sockaddr* address(std::uint8_t peer) const {
     return reinterpret_cast<const sockaddr*>(&peers_[peer].address);
@@ -62,7 +63,7 @@ class PeerTable {
   int max_peers_;
   std::uint32_t serials_ = 0;  ///< given so far
   base::Duration expiry_;
-  LinkMask present_ = 0;
+  SlotMask present_ = 0;
   std::array<Peer, kMaxPeers> peers_;
   RouteTable routes_;
   mutable std::uint8_t newest_ = 0;  ///< found last: almost always the next one's

@@ -150,22 +150,20 @@ void TcpFanOut::deliver(std::span<const PacketRef> packets, base::RunTime now) {
   if (present_ == 0) return;
   while (!packets.empty()) {
     const auto chunk = packets.first(std::min(packets.size(), kChunk));
-    std::array<LinkMask, kChunk> wanted;
-    LinkMask clients = 0;
+    std::array<SlotMask, kChunk> wanted;
+    SlotMask clients = 0;
     for (std::size_t i = 0; i < chunk.size(); ++i) {
       clients |= wanted[i] = wanted_by(*chunk[i].info);
     }
-    for (LinkMask left = clients; left != 0; left &= left - 1) {
-      deliver_to(static_cast<std::size_t>(std::countr_zero(left)), chunk, wanted, now);
-    }
+    for_each_slot(clients, [&](std::uint8_t client) { deliver_to(client, chunk, wanted, now); });
     packets = packets.subspan(chunk.size());
   }
 }
 
 // In runs of packets that this client is to have.
-void TcpFanOut::deliver_to(std::size_t client, std::span<const PacketRef> packets,
-                           std::span<const LinkMask> wanted, base::RunTime now) {
-  const LinkMask own = bit(static_cast<LinkId>(client));
+void TcpFanOut::deliver_to(std::uint8_t client, std::span<const PacketRef> packets,
+                           std::span<const SlotMask> wanted, base::RunTime now) {
+  const SlotMask own = slot_bit(client);
   std::size_t begin = 0;
   for (std::size_t i = 0; i <= packets.size(); ++i) {
     if (i < packets.size() && (wanted[i] & own) != 0) continue;
@@ -178,7 +176,7 @@ void TcpFanOut::set_client(PeerId client, std::shared_ptr<TxPort> port) {
   const std::scoped_lock lock(mutex_);
   clients_[client.slot] = std::move(port);
   serials_[client.slot] = client.serial;
-  present_ |= bit(client.slot);
+  present_ |= slot_bit(client.slot);
 }
 
 void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
@@ -186,17 +184,16 @@ void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
   routes_.forget(client);
   clients_[client]->detach(base::steady_now(), cause);
   clients_[client].reset();
-  present_ &= ~bit(client);
+  present_ &= ~slot_bit(client);
 }
 
-LinkMask TcpFanOut::wanted_by(const PacketInfo& info) const {
-  LinkMask clients = present_ & routes_.links_to(info.target);
-  if (info.from == own_ && info.from_peer < kMaxLinks) clients &= ~bit(info.from_peer);
+SlotMask TcpFanOut::wanted_by(const PacketInfo& info) const {
+  SlotMask clients = present_ & routes_.links_to(info.target);
+  if (info.from == own_ && info.from_peer < kSlots) clients &= ~slot_bit(info.from_peer);
   if (info.to_serial == 0) return clients;
-  for (LinkMask left = clients; left != 0; left &= left - 1) {
-    const auto client = static_cast<std::uint8_t>(std::countr_zero(left));
-    if (serials_[client] != info.to_serial) clients &= ~bit(client);
-  }
+  for_each_slot(clients, [&](std::uint8_t client) {
+    if (serials_[client] != info.to_serial) clients &= ~slot_bit(client);
+  });
   return clients;
 }
 
@@ -284,7 +281,7 @@ void TcpServerLink::accept(base::RunTime now) {
   client->port = core_.make_port();
   client->port->attach(
       std::make_unique<StreamWriter>(std::move(socket), StreamWriter::Kind::kSocket), now);
-  slots_ |= bit(client->slot);
+  slots_ |= slot_bit(client->slot);
   fan_out_->set_client({client->slot, client->serial}, client->port);
   clients_.push_back(std::move(client));
   core_.counters().peers.set(clients_.size());
@@ -322,7 +319,7 @@ void TcpServerLink::remove(std::size_t index, const std::string& reason) {
   const Client& client = *clients_[index];
   const bool stalled = reason == kStopped;
   fan_out_->remove_client(client.slot, stalled ? DropCause::kStalled : DropCause::kClosed);
-  slots_ &= ~bit(client.slot);
+  slots_ &= ~slot_bit(client.slot);
   base::log::info("link " + core_.config().name + ": " + client.name + " " + reason);
   clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));
   core_.counters().peers.set(clients_.size());

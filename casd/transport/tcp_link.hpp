@@ -62,16 +62,16 @@ class TcpFanOut final : public PacketPort {
   RouteTable& routes() { return routes_; }
 
  private:
-  LinkMask wanted_by(const PacketInfo& info) const;
-  void deliver_to(std::size_t client, std::span<const PacketRef> packets,
-                  std::span<const LinkMask> wanted, base::RunTime now);
+  SlotMask wanted_by(const PacketInfo& info) const;
+  void deliver_to(std::uint8_t client, std::span<const PacketRef> packets,
+                  std::span<const SlotMask> wanted, base::RunTime now);
 
   LinkId own_;
   RouteTable routes_;
   std::shared_mutex mutex_;
-  std::array<std::shared_ptr<TxPort>, kMaxLinks> clients_;
-  std::array<std::uint32_t, kMaxLinks> serials_{};
-  LinkMask present_ = 0;
+  std::array<std::shared_ptr<TxPort>, kSlots> clients_;
+  std::array<std::uint32_t, kSlots> serials_{};
+  SlotMask present_ = 0;
 };
 
 /// A TCP port for several clients.
@@ -111,7 +111,7 @@ class TcpServerLink final : public Link {
   std::size_t poll_entry_ = 0;
   base::RunTime accept_again_{};
   std::vector<std::unique_ptr<Client>> clients_;
-  LinkMask slots_ = 0;
+  SlotMask slots_ = 0;
   std::uint32_t serials_ = 0;  ///< given so far
   std::vector<std::uint8_t> buffer_;
 };

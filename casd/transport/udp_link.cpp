@@ -104,7 +104,7 @@ class UdpServerWriter final : public PacketWriter {
   int descriptor() const override { return descriptor_.get(); }
 
  private:
-  void send_to_each(const PacketRef& packet, LinkMask peers);
+  void send_to_each(const PacketRef& packet, SlotMask peers);
   void send_by_peer(std::span<const PacketRef> packets);
 
   base::Descriptor descriptor_;
@@ -112,7 +112,7 @@ class UdpServerWriter final : public PacketWriter {
   std::shared_ptr<SharedPeers> peers_;
   std::shared_ptr<LinkCounters> counters_;
   DatagramSender sender_;
-  std::vector<LinkMask> masks_;
+  std::vector<SlotMask> masks_;
   std::vector<PacketRef> of_peer_;
 };
 
@@ -135,18 +135,17 @@ WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
 }
 
 // One packet, many peers: one call for all of them.
-void UdpServerWriter::send_to_each(const PacketRef& packet, LinkMask peers) {
+void UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
   std::array<mmsghdr, PeerTable::kMaxPeers> messages{};
   iovec part{const_cast<std::uint8_t*>(packet.bytes.data()), packet.bytes.size()};
   unsigned count = 0;
-  for (LinkMask left = peers; left != 0; left &= left - 1) {
-    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
+  for_each_slot(peers, [&](std::uint8_t peer) {
     msghdr& header = messages[count++].msg_hdr;
     header.msg_name = const_cast<sockaddr*>(peers_->table.address(peer));
     header.msg_namelen = peers_->table.address_size(peer);
     header.msg_iov = &part;
     header.msg_iovlen = 1;
-  }
+  });
   for (unsigned done = 0; done < count;) {
     const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
                                 MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -161,24 +160,23 @@ void UdpServerWriter::send_to_each(const PacketRef& packet, LinkMask peers) {
 // Many packets: one block for each peer.
 void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
   masks_.clear();
-  LinkMask wanted = 0;
+  SlotMask wanted = 0;
   for (const PacketRef& packet : packets) {
     masks_.push_back(peers_->table.for_packet(*packet.info, own_));
     wanted |= masks_.back();
   }
-  for (LinkMask left = wanted; left != 0; left &= left - 1) {
-    const auto peer = static_cast<std::uint8_t>(std::countr_zero(left));
+  for_each_slot(wanted, [&](std::uint8_t peer) {
     of_peer_.clear();
     for (std::size_t i = 0; i < packets.size(); ++i) {
-      if ((masks_[i] & bit(peer)) != 0) of_peer_.push_back(packets[i]);
+      if ((masks_[i] & slot_bit(peer)) != 0) of_peer_.push_back(packets[i]);
     }
     const auto result = sender_.send(descriptor_.get(), of_peer_, peers_->table.address(peer),
                                      peers_->table.address_size(peer));
-    if (result.error == 0) continue;
+    if (result.error == 0) return;
     for (std::size_t i = result.packets; i < of_peer_.size(); ++i) {
       counters_->count_dropped(*of_peer_[i].info, DropCause::kQueueFull, base::steady_now());
     }
-  }
+  });
 }
 
 }  // namespace

@@ -97,6 +97,9 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
                  }),
       own_parser_(mav::public_table()),
       threads_(topology.links.size()) {
+  if (topology.links.size() > casd::kLocalLink) {  // slots are places in ports_
+    throw base::ConfigError("a run on a virtual clock has 63 links at most");
+  }
   ports_.reserve(topology.links.size());
   casd::LineWait& wait = *this;
   for (const casd::LinkConfig& link : topology.links) {
@@ -238,11 +241,11 @@ void VirtualRelay::pass_on(casd::LinkId from, const casd::Route& route,
   if (route.decision != casd::Route::Decision::kForward) return;
   const casd::PacketRef one{&route.info, packet.bytes};
   for (std::size_t i = 0; i < ports_.size(); ++i) {
-    if ((route.to & casd::bit(static_cast<casd::LinkId>(i))) == 0) continue;
+    if (!route.to.has(static_cast<casd::LinkId>(i))) continue;
     ports_[i].tx->deliver({&one, 1}, now);
     wait_for_pacer(ports_[i]);
   }
-  if ((route.to & casd::bit(casd::kLocalLink)) != 0) {
+  if (route.to.has(casd::kLocalLink)) {
     commander_.on_packet(casd::Origin{{from}, route.info.from_group}, packet, now);
   }
 }

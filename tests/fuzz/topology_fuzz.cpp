@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const casd::LinkSlots slots = casd::slots_in_order(topology);
     if (topology.links.empty() || slots.size() != topology.links.size()) std::abort();
     for (const auto& [name, slot] : slots) {
-      if (slot >= casd::kLocalLink) std::abort();
+      if (slot == casd::kLocalLink || slot >= casd::kLinkSlots) std::abort();
     }
     if (casd::make_plan(topology, slots) == nullptr) std::abort();
     for (const casd::LineBudget& budget : casd::line_budgets(topology)) {

@@ -15,20 +15,20 @@ TEST(RouteTable, ReachesWhoWasHeard) {
   routes.learn(1, {1, 1}, at({}));
   routes.learn(2, {1, 100}, at({}));
   routes.learn(3, {2, 1}, at({}));
-  EXPECT_EQ(routes.links_to({1, 1}), bit(1));
-  EXPECT_EQ(routes.links_to({1, 100}), bit(2));
-  EXPECT_EQ(routes.links_to({2, 1}), bit(3));
+  EXPECT_EQ(routes.links_to({1, 1}), slot_bit(1));
+  EXPECT_EQ(routes.links_to({1, 100}), slot_bit(2));
+  EXPECT_EQ(routes.links_to({2, 1}), slot_bit(3));
 }
 
 TEST(RouteTable, ComponentZeroIsEveryComponentOfTheSystem) {
   RouteTable routes(seconds(60));
   routes.learn(1, {1, 1}, at({}));
   routes.learn(2, {1, 100}, at({}));
-  EXPECT_EQ(routes.links_to({1, 0}), bit(1) | bit(2));
+  EXPECT_EQ(routes.links_to({1, 0}), slot_bit(1) | slot_bit(2));
 }
 
 TEST(RouteTable, SystemZeroIsEverybody) {
-  EXPECT_EQ(RouteTable(seconds(60)).links_to({0, 0}), ~LinkMask{0});
+  EXPECT_EQ(RouteTable(seconds(60)).links_to({0, 0}), ~SlotMask{0});
 }
 
 TEST(RouteTable, UnknownTargetIsNowhere) {
@@ -42,7 +42,7 @@ TEST(RouteTable, SimulatorAndControllerMayShareAnId) {
   RouteTable routes(seconds(60));
   routes.learn(0, {1, 1}, at({}));
   routes.learn(1, {1, 1}, at({}));
-  EXPECT_EQ(routes.links_to({1, 1}), bit(0) | bit(1));
+  EXPECT_EQ(routes.links_to({1, 1}), slot_bit(0) | slot_bit(1));
 }
 
 TEST(RouteTable, ForgetsWhoFallsSilent) {
@@ -52,8 +52,8 @@ TEST(RouteTable, ForgetsWhoFallsSilent) {
   routes.learn(1, {1, 1}, at(seconds(50)));
   EXPECT_EQ(routes.expire(1, at(seconds(61))), 1);
   EXPECT_EQ(routes.links_to({1, 100}), 0U);
-  EXPECT_EQ(routes.links_to({1, 1}), bit(1));
-  EXPECT_EQ(routes.links_to({1, 0}), bit(1));
+  EXPECT_EQ(routes.links_to({1, 1}), slot_bit(1));
+  EXPECT_EQ(routes.links_to({1, 0}), slot_bit(1));
   EXPECT_EQ(routes.expire(1, at(seconds(111))), 1);
   EXPECT_EQ(routes.links_to({1, 0}), 0U);
 }
@@ -63,7 +63,7 @@ TEST(RouteTable, ForgettingALinkLeavesTheOthers) {
   routes.learn(1, {1, 1}, at({}));
   routes.learn(2, {1, 1}, at({}));
   routes.forget(1);
-  EXPECT_EQ(routes.links_to({1, 1}), bit(2));
+  EXPECT_EQ(routes.links_to({1, 1}), slot_bit(2));
 }
 
 TEST(RouteTable, BoundsWhatOneLinkMayAnnounce) {

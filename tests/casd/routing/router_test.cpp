@@ -85,7 +85,7 @@ TEST(Router, AnswerFindsTheWayBack) {
 TEST(Router, TargetOnTheSourceLinkAloneGoesNowhere) {
   Router router = make_router(2);
   router.on_packet(0, view(packet(Heartbeat{}, {1, 1})), at({}));
-  EXPECT_EQ(router.on_packet(0, view(packet(command_to(1, 1), {255, 190})), at({})).to, 0U);
+  EXPECT_EQ(router.on_packet(0, view(packet(command_to(1, 1), {255, 190})), at({})).to, LinkMask{});
 }
 
 TEST(Router, RoutesExpire) {
@@ -95,6 +95,18 @@ TEST(Router, RoutesExpire) {
   router.tick(1, at(later));
   EXPECT_EQ(router.on_packet(0, view(packet(command_to(1, 1), {255, 190})), at(later)).decision,
             kNoTarget);
+}
+
+TEST(Router, KnowsAsManyLinksAsThereAreSlots) {
+  Router router = make_router(kLinkSlots);
+  const auto heartbeat = packet(Heartbeat{}, {1, 1});
+  const Route route = router.on_packet(kMaxLinks, view(heartbeat), at({}));
+  EXPECT_EQ(route.to.count(), static_cast<unsigned>(kMaxLinks));
+  EXPECT_FALSE(route.to.has(kMaxLinks));
+  for (const LinkId link : std::vector<LinkId>{0, 64, 128, 192}) {
+    EXPECT_EQ(router.on_packet(link, view(packet(command_to(1, 1), {255, 190})), at({})).to,
+              bit(kMaxLinks));
+  }
 }
 
 TEST(Router, NewPlanIsInForceAtTheNextPacket) {
@@ -152,7 +164,7 @@ TEST(Router, TellsWhichLinksARateRuleTookAway) {
   plan->rules = ForwardRules(std::vector{thinned, whole});
   Router router(plan, mav::public_table());
   const auto heartbeat = packet(Heartbeat{}, {1, 1});
-  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).thinned, 0U);
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).thinned, LinkMask{});
   const Route second = router.on_packet(0, view(heartbeat), at({}));
   EXPECT_EQ(second.thinned, bit(2));
   EXPECT_EQ(second.to, bit(1));
@@ -171,14 +183,14 @@ struct PlainRouter {
     heard[from].insert(source);
     if (group.contains(from) &&
         !passed.insert({group[from], {bytes.begin(), bytes.end()}}).second) {
-      return 0;
+      return {};
     }
-    LinkMask to = 0;
+    LinkMask to;
     for (const ForwardRule& rule : rules) {
       if (rule.from != from || rule.to == from) continue;
       if (group.contains(from) && group.contains(rule.to) && group[from] == group[rule.to])
         continue;
-      if (allows(rule, id, source) && wants(rule.to, target)) to |= bit(rule.to);
+      if (allows(rule, id, source) && wants(rule.to, target)) to.add(rule.to);
     }
     return to;
   }
@@ -234,28 +246,30 @@ class RandomTopology {
 TEST(Router, AgreesWithThePlainRulesOnRandomTopologies) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     RandomTopology any(seed);
-    const auto links = static_cast<LinkId>(2 + any.below(10));
+    const unsigned links = 2 + any.below(10);
+    const unsigned stride = seed % 2 == 0 ? 1 : 22;  // in one word of a LinkMask, or in all
+    const auto slot = [stride](unsigned nth) { return static_cast<LinkId>(nth * stride); };
     PlainRouter plain;
     auto plan = std::make_shared<RoutingPlan>();
-    for (LinkId from = 0; from < links; ++from) {
-      plan->never_back[from] = bit(from);
-      for (LinkId to = 0; to < links; ++to) {
-        if (any.below(3) != 0) plain.rules.push_back(any.rule(from, to));
+    for (unsigned from = 0; from < links; ++from) {
+      plan->never_back[slot(from)] = bit(slot(from));
+      for (unsigned to = 0; to < links; ++to) {
+        if (any.below(3) != 0) plain.rules.push_back(any.rule(slot(from), slot(to)));
       }
     }
     plan->rules = ForwardRules(plain.rules);
-    for (LinkId link = 0; link < links; ++link) {
-      if (any.below(2) == 0)
-        plain.group[link] = plan->group[link] = static_cast<std::int8_t>(any.below(2));
+    for (unsigned link = 0; link < links; ++link) {
+      if (any.below(2) != 0) continue;
+      plain.group[slot(link)] = plan->group[slot(link)] = static_cast<std::int16_t>(any.below(2));
     }
     for (const auto& [link, group] : plain.group) {
       for (const auto& [other, its_group] : plain.group) {
-        if (group == its_group) plan->never_back[link] |= bit(other);
+        if (group == its_group) plan->never_back[link].add(other);
       }
     }
     Router router(plan, mav::public_table());
     for (unsigned i = 0; i < 500; ++i) {
-      const auto from = static_cast<LinkId>(any.below(links));
+      const LinkId from = slot(any.below(links));
       const mav::Source source{any.small_id(), any.small_id()};
       const bool addressed = any.below(2) == 0;
       const mav::Source target{static_cast<std::uint8_t>(any.below(5)),

@@ -76,14 +76,14 @@ TEST_F(VehicleCommanderTest, JoinsAStatusTextInChunks) {
 }
 
 TEST_F(VehicleCommanderTest, NeverHoldsMoreVehiclesThanItsBound) {
-  for (std::uint8_t system = 1; system < 200; ++system) {
-    FakeVehicle one({system, 1});
+  for (int system = 1; system <= 255; ++system) {
+    FakeVehicle one({static_cast<std::uint8_t>(system), 1});
     one.say_heartbeat(now_);
     parser_.feed(one.take(now_)->view(), [this](const mav::PacketView& packet) {
       commander_.on_packet(kLink, packet, now_);
     });
   }
-  EXPECT_EQ(commander_.vehicles().size(), 32U);
+  EXPECT_EQ(commander_.vehicles().size(), 250U);
 }
 
 TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionAndHome) {

@@ -232,10 +232,10 @@ TEST_F(Identity, ASilentVehicleIsForgottenWhenItIsDisarmed) {
 }
 
 TEST_F(Identity, AFloodOfIdsCostsItsOwnLinkOnly) {
-  for (std::uint8_t system = 2; system < 200; ++system) {
-    beat(kNet, kHil | MavModeFlag::kSafetyArmed, {system, 1});
+  for (int system = 2; system <= 255; ++system) {
+    beat(kNet, kHil | MavModeFlag::kSafetyArmed, {static_cast<std::uint8_t>(system), 1});
   }
-  EXPECT_EQ(commander_.vehicles().size(), 32U);
+  EXPECT_EQ(commander_.vehicles().size(), 250U);
   beat(kLine, kHil);
   EXPECT_NE(commander_.find(1), nullptr);
   pass(61s);

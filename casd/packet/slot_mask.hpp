@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace cas::casd {
+
+/// A set of 64 slots, bit i for slot i: the peers of a server link, or 64 links of a LinkMask.
+using SlotMask = std::uint64_t;
+inline constexpr int kSlots = 64;
+
+constexpr SlotMask slot_bit(std::uint8_t slot) { return SlotMask{1} << slot; }
+
+/// Calls visit(slot) for each slot of the set, the lowest first.
+template <class Visit>
+constexpr void for_each_slot(SlotMask slots, Visit&& visit) {
+  for (; slots != 0; slots &= slots - 1) visit(static_cast<std::uint8_t>(std::countr_zero(slots)));
+}
+
+}  // namespace cas::casd
