@@ -17,8 +17,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/config/config.hpp"
 #include "base/error.hpp"
@@ -29,9 +31,8 @@
 #include "base/rpc/server.hpp"
 #include "casd/link_set.hpp"
 #include "casd/port/daemon_methods.hpp"
-#include "casd/autopilot_log/autopilot_logs.hpp"
-#include "casd/autopilot_log/log_files.hpp"
 #include "casd/port/figure_methods.hpp"
+#include "casd/port/link_methods.hpp"
 #include "casd/port/metrics_port.hpp"
 #include "casd/port/port_places.hpp"
 #include "casd/port/vehicle_methods.hpp"
@@ -39,6 +40,7 @@
 #include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/line_budget.hpp"
+#include "casd/topology/link_change.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::casd {
@@ -62,8 +64,7 @@ GainMap load_gains(const Topology& topology) {
 }
 
 CommanderOptions commander_options(const Topology& topology,
-                                   std::function<std::string(LinkId)> link_name,
-                                   std::function<std::vector<MessageRate>(LinkId)> request_rates) {
+                                   std::function<std::string(LinkId)> link_name) {
   CommanderOptions options;
   options.link_name = std::move(link_name);
   options.self = topology.self;
@@ -71,7 +72,6 @@ CommanderOptions commander_options(const Topology& topology,
   options.allow_not_hil = topology.commanding.allow_not_hil;
   if (topology.pace == Pace::kLockstep) {
     // Asking on first sight would depend on thread timing and break same-seed, same-bytes.
-  options.request_rates = std::move(request_rates);
     options.ask_on_sight = false;
     // Simulated time stands still between two steps, so a grace period would never end.
     options.command_timing.text_grace = {};
@@ -100,6 +100,7 @@ base::rpc::ServerLimits server_limits(const Topology& topology) {
 
 /// Where the command port takes its figures from; both outlive it.
 FiguresSource make_figures_source(const AppOptions& options, LinkSet& links,
+                                  const std::set<std::string>& added,
                                   const VehicleMethods& vehicles, const Recorder& recorder) {
   return {.figures = &links.figures(),
           .topology = [&links]() -> const Topology& { return links.topology(); },
@@ -109,6 +110,7 @@ FiguresSource make_figures_source(const AppOptions& options, LinkSet& links,
           .topology_file = options.topology_file.empty()
                                ? std::filesystem::path()
                                : std::filesystem::absolute(options.topology_file),
+          .is_added = [&added](const std::string& link) { return added.contains(link); },
           .vehicles = [&vehicles] { return vehicles.vehicles(); },
           .recording = [&recorder] { return recorder.status(base::steady_now()); },
           .taps = &links.taps(),
@@ -128,33 +130,11 @@ void write_stats(const std::filesystem::path& file, const FigureMethods& figures
   }
 }
 
-/// The logs of autopilots and the files that they go to.
-class LogTaking {
- public:
-  /// @throws base::ConfigError
-  LogTaking(const TlogConfig& config, mav::Source self, VehicleCommander& commander)
-      : config_(of(config)), files_(config_), logs_(config_, self, commander, files_) {}
-
-  AutopilotLogs& logs() { return logs_; }
-
- private:
-  static AutopilotLogConfig of(const TlogConfig& log) {
-    AutopilotLogConfig config = *log.autopilot;
-    if (config.folder.empty()) config.folder = log.folder;
-    return config;
-  }
-
-  AutopilotLogConfig config_;
-  LogFiles files_;
-  AutopilotLogs logs_;
-};
-
-/// casd's own station: failures go to the simulator, logs to their files, all else to the
-/// commander.
+/// casd's own station: failures go to the simulator, all else to the commander.
 class OwnStation final : public Station {
  public:
-  OwnStation(VehicleCommander& commander, FailureDesk& failures, std::optional<LogTaking>& logs)
-      : commander_(commander), failures_(failures), logs_(logs) {}
+  OwnStation(VehicleCommander& commander, FailureDesk& failures)
+      : commander_(commander), failures_(failures) {}
 
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override {
     const auto verdict = failures_.on_packet(from, packet, base::steady_now());
@@ -166,24 +146,16 @@ class OwnStation final : public Station {
   VehicleCommander& commander_;
   FailureDesk& failures_;
 };
-    if (logs_) logs_->logs().on_packet(from, packet, now);
-  }
-  void tick(base::RunTime now) override {
-    commander_.tick(now);
-    if (logs_) logs_->logs().tick(now);
 
 }  // namespace
 
 /// Everything here runs on the thread of `io`, apart from the links.
 struct App::Impl {
-  std::optional<LogTaking>& logs_;
   Impl(AppOptions app_options, Topology first)
       : options(std::move(app_options)),
         server(io, server_limits(first)),
         links(std::move(first)),
-        commander(commander_options(
-                      links.topology(), [this](LinkId id) { return link_name(id); },
-                      [this](LinkId id) { return request_rates(id); }),
+        commander(commander_options(links.topology(), [this](LinkId id) { return link_name(id); }),
                   [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
                     links.local().send(packet, to, base::steady_now());
                   }),
@@ -195,7 +167,7 @@ struct App::Impl {
              .link_name = [this](LinkId id) { return link_name(id); },
              .audit = [](const std::string& line) { base::log::info("audit: " + line); },
              .unix_us = [this] { return log_clock_us(); }}),
-        figures(server, make_figures_source(options, links, vehicle_methods, recorder)) {
+        figures(server, make_figures_source(options, links, added, vehicle_methods, recorder)) {
     if (lockstep()) {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
       links.tlog().set_epoch(TlogWriter::kStreamEpoch);
@@ -209,6 +181,17 @@ struct App::Impl {
         server, {.reload = [this] { return reload(); },
                  .recorder = recorder,
                  .post = [this](std::function<void()> work) { asio::post(io, std::move(work)); }});
+    add_link_methods(server, link_hooks());
+  }
+
+  LinkHooks link_hooks() {
+    return {.add = [this](const base::ConfigNode& request) { return add_link(request); },
+            .remove = [this](const std::string& name, bool force) { remove_link(name, force); },
+            .audit =
+                [this](const std::string& client, const std::string& method,
+                       const nlohmann::json& params, const std::optional<std::string>& refusal) {
+                  vehicle_methods.audit_other(client, method, params, refusal);
+                }};
   }
 
   FailureHooks failure_hooks() {
@@ -240,12 +223,6 @@ struct App::Impl {
   }
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
-
-  std::vector<MessageRate> request_rates(LinkId id) const {
-    const std::vector<LinkConfig>& all = links.topology().links;
-    const auto found = std::ranges::find(all, link_name(id), &LinkConfig::name);
-    return found == all.end() ? std::vector<MessageRate>() : found->request_rates;
-  }
 
   /// What a vehicle said on a link before anybody looked at it.
   std::optional<MessageTaps::Sample> remembered(const MessageTaps::Key& key) const {
@@ -280,7 +257,7 @@ struct App::Impl {
 
   void take_turn(base::RunTime now) {
     hear(now);
-    station.tick(now);
+    commander.tick(now);
   }
 
   /// Gives the station what has come for it.
@@ -349,8 +326,6 @@ struct App::Impl {
     do_settle();
     io.run();
     base::notify("STOPPING=1");
-    const std::optional<AutopilotLogConfig>& autopilot = links.topology().log.autopilot;
-    if (autopilot) log_taking.emplace(links.topology().log, links.topology().self, commander);
     ending.store(true);
     station_events.release();
     links.stop();
@@ -370,7 +345,6 @@ struct App::Impl {
       if (error) return;
       if (signal != SIGHUP) return stop();
       reload();
-    if (log_taking) log_taking->logs().end(station_now());
       do_wait_signal();
     });
   }
@@ -396,16 +370,79 @@ struct App::Impl {
     return topology;
   }
 
-  /// As a whole or, with an exception, not at all: what may fail comes first.
-  void put_in_force(Topology topology) {
-    std::shared_ptr<const MessageDecoder> decoder = load_decoder(topology);
-    GainMap gains = load_gains(topology);
+  /// The links and routes of a topology, all or, with an exception, none.
+  void change_links(Topology topology) {
     const LinkMask gone = links.reload(std::move(topology));
     // A new link may have the number of one that is gone: its packets are another vehicle's.
     failures.begin_reload(gone, base::steady_now());
     hear(station_now());
     failures.end_reload();
     commander.forget(gone);
+  }
+
+  /// @throws base::ConfigError, and nothing has changed
+  std::string add_link(const base::ConfigNode& request) {
+    std::vector<std::uint8_t> vehicles;
+    for (const VehicleState* vehicle : commander.vehicles()) {
+      vehicles.push_back(vehicle->source().system);
+    }
+    Topology topology = with_link(links.topology(), request, vehicles);
+    const std::string name = topology.links.back().name;
+    change_at_run_time(std::move(topology));
+    added.insert(name);
+    base::log::info("link " + name + ": added at run time");
+    warn_of_narrow_lines();
+    return name;
+  }
+
+  /// @throws base::ConfigError, and nothing has changed
+  void remove_link(const std::string& name, bool force) {
+    Topology topology = without_link(links.topology(), name);
+    if (const auto system = armed_on_alone(name); system && !force) {
+      throw base::ConfigError("vehicle " + std::to_string(*system) + " is armed and on link '" +
+                              name + "' alone; \"force\" removes it all the same");
+    }
+    change_at_run_time(std::move(topology));
+    added.erase(name);
+    base::log::info("link " + name + ": removed at run time");
+  }
+
+  /// What a reload throws comes as one kind: no descriptors or threads, for one.
+  void change_at_run_time(Topology topology) {
+    try {
+      change_links(std::move(topology));
+    } catch (const std::exception& error) {
+      throw base::ConfigError(error.what());
+    }
+  }
+
+  /// An armed vehicle that casd hears on no other link.
+  std::optional<std::uint8_t> armed_on_alone(const std::string& link) const {
+    for (const VehicleState* vehicle : commander.vehicles()) {
+      const auto here = [&](const Path& path) { return link_name(path.link) == link; };
+      if (vehicle->armed() && std::ranges::all_of(vehicle->paths(), here)) {
+        return vehicle->source().system;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// The file is the truth: links that were added at run time end unless it has them.
+  void forget_added() {
+    const auto in_force = [this](const std::string& name) {
+      return std::ranges::find(links.topology().links, name, &LinkConfig::name) !=
+             links.topology().links.end();
+    };
+    for (const std::string& name : std::exchange(added, {})) {
+      if (!in_force(name)) base::log::info("link " + name + ": not in the topology, ended");
+    }
+  }
+
+  /// As a whole or, with an exception, not at all: what may fail comes first.
+  void put_in_force(Topology topology) {
+    std::shared_ptr<const MessageDecoder> decoder = load_decoder(topology);
+    GainMap gains = load_gains(topology);
+    change_links(std::move(topology));
     const CommandingConfig& commanding = links.topology().commanding;
     commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil);
     vehicle_methods.set_gains(std::move(gains));
@@ -420,6 +457,7 @@ struct App::Impl {
       put_in_force(load_again());
       warn_of_narrow_lines();
       base::log::info("topology reloaded");
+      forget_added();
     } catch (const std::exception& error) {  // no descriptors or threads for it, for one
       trouble = error.what();
       base::log::error("topology not reloaded, the old one stays in force: " + *trouble);
@@ -444,7 +482,7 @@ struct App::Impl {
     tick_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
       const base::RunTime now = base::steady_now();
-      station.tick(now);
+      commander.tick(now);
       failures.tick(now);
       recorder.on_vehicles(commander.any_armed(now), now);
       do_tick();
@@ -505,10 +543,13 @@ struct App::Impl {
       });
       return;
     }
-    std::string status = "command_port " + command_endpoint + " " + links.endpoints();
+    std::string status = "command_port " + command_endpoint;
     if (!unix_endpoint.empty()) status += " command_socket " + unix_endpoint;
     if (!metrics_endpoint.empty()) status += " metrics " + metrics_endpoint;
-    base::notify("READY=1\nSTATUS=" + status);
+    status += " " + links.endpoints();
+    // systemd takes no longer message: with all of a hundred links it would miss READY.
+    constexpr std::size_t kMostNotified = 4000;
+    base::notify("READY=1\nSTATUS=" + status.substr(0, kMostNotified));
     base::log::info("ready: " + status);
   }
 
@@ -521,10 +562,10 @@ struct App::Impl {
   asio::posix::stream_descriptor station_events{io};
   base::rpc::Server server;
   mutable LinkSet links;
+  std::set<std::string> added;  ///< links, at run time
   VehicleCommander commander;
   FailureDesk failures;
-  std::optional<LogTaking> log_taking;
-  OwnStation station{commander, failures, log_taking};
+  OwnStation station{commander, failures};
   Recorder recorder;
   VehicleMethods vehicle_methods;
   FigureMethods figures;

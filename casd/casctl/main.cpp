@@ -138,6 +138,7 @@ int main(int argc, char** argv) {
   add_param_verbs(line);
   add_watch_verb(line);
   add_message_verb(line);
+  add_link_verbs(line);
   add_service_verbs(line);
   add_monitor_verb(line, completion_words());
   add_doctor_verb(line);

@@ -227,6 +227,7 @@ json FigureMethods::links() const {
                {"rx", rx_json(link)},
                {"tx", tx_json(link)}};
     entry.update(counters_json(link, ""));
+    if (source_.is_added && source_.is_added(link.name)) entry["added"] = true;
     for (const LinkConfig& config : topology.links) {
       if (config.name != link.name) continue;
       if (config.baud > 0) entry["baud"] = config.baud;

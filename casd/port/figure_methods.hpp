@@ -35,6 +35,8 @@ struct FiguresSource {
   /// topology's file.
   std::string name{};
   std::filesystem::path topology_file{};
+  /// Whether a link was added at run time; without it none was.
+  std::function<bool(const std::string& link)> is_added{};
   /// The `vehicles` of casd.status.
   std::function<nlohmann::json()> vehicles;
   /// The `recording` of casd.status; without it there is none.

@@ -205,8 +205,8 @@ void VehicleMethods::audit(const std::string& client, const std::string& name, c
   const base::RunTime now = hooks_.now();
   const std::string asked =
       params.is_null() ? "{}" : params.dump(-1, ' ', false, json::error_handler_t::replace);
-  const std::string line = client + " " + name + " " + asked + " vehicle " +
-                           std::to_string(system) + ": " +
+  const std::string whom = system == 0 ? "" : " vehicle " + std::to_string(system);
+  const std::string line = client + " " + name + " " + asked + whom + ": " +
                            (outcome.ok() ? "accepted" : outcome.message);
   if (line == last_refusal_ && now - refused_at_ < kStretch) {
     ++refused_again_;
@@ -225,6 +225,11 @@ void VehicleMethods::audit(const std::string& client, const std::string& name, c
                 .params = asked,
                 .system = system,
                 .refusal = outcome.ok() ? std::nullopt : std::optional(outcome.message)});
+}
+
+void VehicleMethods::audit_other(const std::string& client, const std::string& name,
+                                 const json& params, const std::optional<std::string>& refusal) {
+  audit(client, name, params, 0, refusal ? failure(OutcomeKind::kInvalid, *refusal) : Outcome{});
 }
 
 void VehicleMethods::publish_text(const VehicleState& vehicle, const StatusText& text) {

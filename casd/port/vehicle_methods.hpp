@@ -45,6 +45,11 @@ class VehicleMethods {
   /// The `vehicles` of casd.status.
   nlohmann::json vehicles() const;
 
+  /// Leaves a line in the audit and the journal for a call that changed something else than a
+  /// vehicle. @param refusal  nothing: it was done
+  void audit_other(const std::string& client, const std::string& name, const nlohmann::json& params,
+                   const std::optional<std::string>& refusal);
+
  private:
   /// Starts a request to a vehicle.
   using Action = std::function<void(std::uint8_t system, base::RunTime now, Done done)>;

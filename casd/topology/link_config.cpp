@@ -123,7 +123,7 @@ constexpr std::tuple kAcceptKeys{
     key<&AcceptRule::block_systems>("block_systems", Ids{}, "not these senders"),
 };
 
-/// `nothing`, or a block.
+/// `everything`, `nothing`, or a block.
 struct Accept : base::Block<AcceptRule, decltype(kAcceptKeys)> {
   void read(const ConfigNode& node, AcceptRule& rule) const {
     if (node.is_map()) {
@@ -134,14 +134,15 @@ struct Accept : base::Block<AcceptRule, decltype(kAcceptKeys)> {
       return;
     }
     const auto word = node.as<std::string>();
-    if (word != "nothing") {
+    if (word != "nothing" && word != "everything") {
       node.fail("'" + word +
-                "' is neither nothing nor {traffic, messages, systems, block_systems}");
+                "' is neither everything, nothing nor {traffic, messages, systems, "
+                "block_systems}");
     }
-    rule.read_only = true;
+    rule.read_only = word == "nothing";
   }
-  static std::string text(const AcceptRule& /*all*/) { return "none"; }
-  static std::string values() { return "nothing, or a block"; }
+  static std::string text(const AcceptRule& /*all*/) { return "everything"; }
+  static std::string values() { return "everything, nothing, or a block"; }
   static std::array<std::string, 2> samples() { return {"nothing", "{systems: [1]}"}; }
 };
 
@@ -175,27 +176,6 @@ constexpr std::tuple kSerialKeys{
     required(key<&LinkConfig::device>("device", Device{},
                                       "its path, in which `${NAME}` is a variable of the "
                                       "environment; see [below](#pseudo-terminals)")),
-// `request_rates`
-
-/// message -> rate in Hz.
-struct RequestRates {
-  /// A vehicle's commands wait in line, and others need room there.
-  static constexpr std::size_t kMost = 40;
-  static constexpr Range kHz{0, 1000};
-
-  static void read(const ConfigNode& node, std::vector<MessageRate>& rates) {
-    for (const auto& [message, entry] : node.entries()) {
-      kHz.read(entry, rates.emplace_back(MessageRate{parse_message(entry, message), 0}).hz);
-    }
-    if (rates.size() > kMost) node.fail("asks for more than 40 messages");
-  }
-  static std::string text(const std::vector<MessageRate>& rates) {
-    return joined(rates, [](const MessageRate& rate) { return message_word(rate.message_id); });
-  }
-  static std::string values() { return "message -> Hz, 0 to 1000"; }
-  static std::array<std::string, 2> samples() { return {"{ATTITUDE: 50}", "{ATTITUDE: 0}"}; }
-};
-
     key<&LinkConfig::baud>("baud", Whole{0, 12'000'000}, "0: USB, which has no rate of its own"),
     key<&LinkConfig::flow_control>("flow_control", Flag{}, "RTS/CTS"),
     key<&LinkConfig::pace>("pace", Flag{}, "no more is written than 98 % of `baud`; see below",
@@ -265,10 +245,6 @@ void settle_pace(const ConfigNode& node, LinkConfig& link) {
 }
 
 }  // namespace
-    key<&LinkConfig::request_rates>(
-        "request_rates", RequestRates{},
-        "what casd asks vehicles that it hears here for, by MAV_CMD_SET_MESSAGE_INTERVAL; 0: not "
-        "at all; see below"),
 
 LinkConfig parse_link(const ConfigNode& node) {
   LinkConfig link;

@@ -37,7 +37,7 @@ JournalCall = TypedDict("JournalCall", {
     "refusal": NotRequired[str],
     "times": NotRequired[int],  # so often one after the other; left out: once
     "unix_us": int,  # by that of a recording
-    "vehicle": int,  # system id
+    "vehicle": int,  # system id; 0: none
 })
 Journal = TypedDict("Journal", {
     "calls": List[JournalCall],
@@ -89,6 +89,7 @@ LinkSent = TypedDict("LinkSent", {
     "write_calls": int,
 })
 Link = TypedDict("Link", {
+    "added": NotRequired[bool],  # true where it was added at run time
     "baud": NotRequired[int],
     "endpoint": str,  # bound address or device, or why it is down
     "name": str,
@@ -135,8 +136,8 @@ Vehicle = TypedDict("Vehicle", {
     "link": str,
     "mode": str,
     "rival": NotRequired[Rival],
-    "state": str,  # MAV_STATE
     "silent_after_s": float,  # an older HEARTBEAT means that it is silent
+    "state": str,  # MAV_STATE
     "system": int,
     "type": str,
 })
@@ -183,6 +184,9 @@ GainLoops = TypedDict("GainLoops", {
     "loops": List[GainLoop],
     "vehicle": int,
 })
+LinkAddResult = TypedDict("LinkAddResult", {
+    "link": str,  # its name
+})
 DroppedMessage = TypedDict("DroppedMessage", {
     "age_s": float,
     "cause": str,
@@ -224,6 +228,9 @@ LinkLatency = TypedDict("LinkLatency", {
     "p50": float,  # us
     "p99": float,  # us
     "routes": List[RouteLatency],
+})
+LinkRemoveResult = TypedDict("LinkRemoveResult", {
+    "link": str,
 })
 RateLimit = TypedDict("RateLimit", {
     "every": NotRequired[int],
@@ -368,6 +375,7 @@ VehicleState = TypedDict("VehicleState", {
     "position_N": NotRequired[PositionN],
     "position_lacks": NotRequired[str],  # what takeoff by position still needs; left out: nothing
     "rival": NotRequired[Rival],
+    "silent_after_s": float,
     "state": str,
     "statustexts": List[StatusText],
     "system": int,
@@ -375,7 +383,6 @@ VehicleState = TypedDict("VehicleState", {
 })
 TelemetryAttitude = TypedDict("TelemetryAttitude", {
     "age_s": Optional[float],
-    "silent_after_s": float,
     "pitch_deg": Optional[float],
     "roll_deg": Optional[float],
     "yaw_deg": Optional[float],
@@ -492,7 +499,7 @@ class CasdCalls:
         self._call = call
 
     def journal(self) -> Journal:
-        """The newest calls of the audit about vehicles, the oldest first."""
+        """The newest calls of the audit about vehicles and links, the oldest first."""
         return cast(Journal, self._call("casd.journal", _given()))
 
     def reload(self) -> CasdReloadResult:
@@ -547,6 +554,10 @@ class LinkCalls:
     def __init__(self, call: _Call) -> None:
         self._call = call
 
+    def add(self, entry: Dict[str, Any], *, routes: Optional[List[Dict[str, Any]]] = None) -> LinkAddResult:
+        """Opens one more link, until it is removed or the topology is read again."""
+        return cast(LinkAddResult, self._call("link.add", _given(entry=entry, routes=routes)))
+
     def drops(self) -> Drops:
         """Why packets did not go on."""
         return cast(Drops, self._call("link.drops", _given()))
@@ -562,6 +573,13 @@ class LinkCalls:
     def list(self) -> List[Link]:
         """State and counters of each link."""
         return cast(List[Link], self._call("link.list", _given()))
+
+    def remove(self, link: str, *, force: Optional[bool] = None) -> LinkRemoveResult:
+        """Closes a link.
+
+        force: also the only link of an armed vehicle
+        """
+        return cast(LinkRemoveResult, self._call("link.remove", _given(link=link, force=force)))
 
     def routes(self) -> List[Route]:
         """The rules in force."""
@@ -816,7 +834,7 @@ class AsyncCasdCalls:
         self._call = call
 
     async def journal(self) -> Journal:
-        """The newest calls of the audit about vehicles, the oldest first."""
+        """The newest calls of the audit about vehicles and links, the oldest first."""
         return cast(Journal, await self._call("casd.journal", _given()))
 
     async def reload(self) -> CasdReloadResult:
@@ -871,6 +889,10 @@ class AsyncLinkCalls:
     def __init__(self, call: _AsyncCall) -> None:
         self._call = call
 
+    async def add(self, entry: Dict[str, Any], *, routes: Optional[List[Dict[str, Any]]] = None) -> LinkAddResult:
+        """Opens one more link, until it is removed or the topology is read again."""
+        return cast(LinkAddResult, await self._call("link.add", _given(entry=entry, routes=routes)))
+
     async def drops(self) -> Drops:
         """Why packets did not go on."""
         return cast(Drops, await self._call("link.drops", _given()))
@@ -886,6 +908,13 @@ class AsyncLinkCalls:
     async def list(self) -> List[Link]:
         """State and counters of each link."""
         return cast(List[Link], await self._call("link.list", _given()))
+
+    async def remove(self, link: str, *, force: Optional[bool] = None) -> LinkRemoveResult:
+        """Closes a link.
+
+        force: also the only link of an armed vehicle
+        """
+        return cast(LinkRemoveResult, await self._call("link.remove", _given(link=link, force=force)))
 
     async def routes(self) -> List[Route]:
         """The rules in force."""

@@ -12,8 +12,8 @@ import cas
 
 SAMPLES = {"altitude_m": 2.5, "north_m": 1, "east_m": 1, "down_m": -3, "mode": "HOLD", "message": "ATTITUDE", "command": 512,
            "loop": "position", "name": "MPC_XY_P", "value": 1.0, "link": "fcu", "system": 1, "component": 1, "time_s": 0.1,
-           "p": 1.0}
-WRONG = {"string": 5, "number": "x", "integer": "x", "boolean": "x", "array": "x"}
+           "p": 1.0, "entry": {"endpoint": "udp:127.0.0.1:9"}}
+WRONG = {"string": 5, "number": "x", "integer": "x", "boolean": "x", "array": "x", "object": "x"}
 
 
 def described(document):
@@ -134,6 +134,7 @@ class DescriptionTest(FolderTest):
         bench.run_for(0.5)
         ask("message.value", link="fcu", message="ATTITUDE", system=1, component=1)
         ask("log.start", file="look")
+        ask("link.remove", link=ask("link.add", entry=SAMPLES["entry"])["link"])
         ask("gain.set", loop="position", p=1.0)
         ask("gain.get", loop="position")
         ask("param.get", name="MPC_XY_P")

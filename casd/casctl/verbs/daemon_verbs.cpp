@@ -38,6 +38,11 @@ void print_links(const json& links) {
     table.add(std::move(cells));
   }
   table.print(std::cout);
+  for (const json& link : links) {
+    if (!link.value("added", false)) continue;
+    std::cout << "link " << link.value("name", "?")
+              << " was added at run time: `casctl reload` ends it unless the topology has it\n";
+  }
 }
 
 void print_vehicles(const json& vehicles) {

@@ -17,6 +17,8 @@ void add_watch_verb(CommandLine& line);
 void add_message_verb(CommandLine& line);
 /// words: what the completion scripts ask.
 void add_words_verb(CommandLine& line);
+/// link add, link remove.
+void add_link_verbs(CommandLine& line);
 /// routes, drops, latency, budget, log, reload, reboot.
 void add_service_verbs(CommandLine& line);
 

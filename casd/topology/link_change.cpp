@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/link_change.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "base/config/config.hpp"
+#include "base/error.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/topology/endpoint_notation.hpp"
+#include "casd/topology/message_keys.hpp"
+
+namespace cas::casd {
+namespace {
+
+using base::ConfigNode;
+
+bool has_link(const Topology& topology, const std::string& name) {
+  return std::ranges::find(topology.links, name, &LinkConfig::name) != topology.links.end();
+}
+
+/// udp, udp2, udp3: the first that no link has.
+std::string free_name(const Topology& topology, LinkType type) {
+  std::string word(to_string(type));
+  word = word.substr(0, word.find('_'));
+  std::string name = word;
+  for (int nth = 2; has_link(topology, name); ++nth) name = word + std::to_string(nth);
+  return name;
+}
+
+/// The keys of the entry over those that its endpoint stands for.
+ConfigNode with_endpoint(const Topology& topology, const ConfigNode& entry) {
+  const auto endpoint = entry.find("endpoint");
+  if (!endpoint) return entry;
+  LinkConfig link;
+  try {
+    link = parse_endpoint(endpoint->as<std::string>());
+  } catch (const base::ConfigError& error) {
+    endpoint->fail(error.what());
+  }
+  link.name = free_name(topology, link.type);
+  constexpr std::size_t kDash = 2;
+  return entry.merged_over(ConfigNode::parse(link_entry(link).substr(kDash), "endpoint"));
+}
+
+/// What a ground station may say, and not in the name of one of those that casd knows.
+AcceptRule ground_station_alone(const Topology& topology,
+                                const std::vector<std::uint8_t>& vehicles) {
+  AcceptRule rule;
+  rule.ground_station = true;
+  rule.block_systems = vehicles;
+  const std::uint8_t self = topology.self.system;
+  if (std::ranges::find(vehicles, self) == vehicles.end()) rule.block_systems.push_back(self);
+  return rule;
+}
+
+LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
+                          const std::vector<std::uint8_t>& vehicles) {
+  LinkConfig link = parse_link(entry);
+  if (has_link(topology, link.name)) {
+    entry.at("name").fail("'" + link.name + "' is the name of another link");
+  }
+  if (topology.links.size() == kMaxLinks) {
+    entry.fail("there are " + std::to_string(kMaxLinks) + " links already");
+  }
+  if (!entry.has("accept")) link.accept = ground_station_alone(topology, vehicles);
+  return link;
+}
+
+/// Both ways to every other link, without what flies a vehicle in HIL.
+std::vector<RouteConfig> usual_routes(const Topology& topology, const std::string& name) {
+  ForwardRule no_hil;
+  no_hil.block = hil_messages();
+  std::vector<RouteConfig> routes;
+  for (RouteConfig& route : routes_between_all(topology.links)) {
+    if (route.from != name && route.to != name) continue;
+    route.rule = no_hil;
+    routes.push_back(std::move(route));
+  }
+  return routes;
+}
+
+/// Of `any` those that have to do with the link; spelt out, a route of others is refused.
+std::vector<RouteConfig> told_routes(const Topology& topology, const ConfigNode& list,
+                                     const std::string& name) {
+  std::vector<RouteConfig> routes;
+  for (const ConfigNode& node : list.items()) {
+    const std::size_t before = routes.size();
+    for (RouteConfig& route : parse_route(node, topology.links)) {
+      if (route.from != name && route.to != name) continue;
+      const auto same = [&](const RouteConfig& other) {
+        return other.from == route.from && other.to == route.to;
+      };
+      if (std::ranges::any_of(routes, same)) {
+        node.fail("there is another route from '" + route.from + "' to '" + route.to + "'");
+      }
+      routes.push_back(std::move(route));
+    }
+    if (routes.size() == before) node.fail("has nothing to do with the new link '" + name + "'");
+  }
+  return routes;
+}
+
+}  // namespace
+
+Topology with_link(Topology topology, const ConfigNode& request,
+                   const std::vector<std::uint8_t>& vehicles) {
+  const ConfigNode keys = with_endpoint(topology, request.at("entry"));
+  const std::string name =
+      topology.links.emplace_back(parse_new_link(topology, keys, vehicles)).name;
+  const auto told = request.find("routes");
+  std::vector<RouteConfig> routes =
+      told ? told_routes(topology, *told, name) : usual_routes(topology, name);
+  topology.routes.insert(topology.routes.end(), std::make_move_iterator(routes.begin()),
+                         std::make_move_iterator(routes.end()));
+  // The other links stay as they are, or they would be opened anew.
+  Topology paced = topology;
+  pace_tight_lines(paced);
+  if (paced.pace == Pace::kLockstep) paced.set_lockstep();
+  topology.links.back() = paced.links.back();
+  return topology;
+}
+
+Topology without_link(Topology topology, const std::string& name) {
+  if (!has_link(topology, name)) {
+    std::string known;
+    for (const LinkConfig& link : topology.links) known += (known.empty() ? "" : ", ") + link.name;
+    throw base::ConfigError("there is no link '" + name + "'; links: " + known);
+  }
+  if (topology.links.size() == 1) {
+    throw base::ConfigError("'" + name + "' is the only link; casd needs one");
+  }
+  std::erase_if(topology.links, [&](const LinkConfig& link) { return link.name == name; });
+  std::erase_if(topology.routes,
+                [&](const RouteConfig& route) { return route.from == name || route.to == name; });
+  return topology;
+}
+
+}  // namespace cas::casd

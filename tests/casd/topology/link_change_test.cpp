@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/link_change.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "base/config/config.hpp"
+#include "base/error.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+using base::ConfigNode;
+
+constexpr const char* kBench = R"(schema: 1
+links:
+  - {name: sim, type: udp, local: "127.0.0.1:0"}
+  - {name: fcu, type: serial, device: /dev/ttyACM0, baud: 57600}
+routes:
+  - {from: sim, to: fcu, allow: [HIL_SENSOR]}
+)";
+
+Topology bench() { return Topology::parse(ConfigNode::parse(kBench)); }
+
+Topology with(const std::string& request, const std::vector<std::uint8_t>& vehicles = {}) {
+  return with_link(bench(), ConfigNode::parse(request, "link.add"), vehicles);
+}
+
+std::string fault_of(const std::string& request) {
+  try {
+    with(request);
+  } catch (const base::ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(LinkChange, WhatIsLeftOutIsNarrow) {
+  const Topology changed = with("entry: {name: gcs, type: udp, remote: 'h:1'}", {1, 2});
+  const AcceptRule& accept = changed.links.back().accept;
+  EXPECT_TRUE(accept.ground_station);
+  EXPECT_EQ(accept.block_systems, (std::vector<std::uint8_t>{1, 2, 254}));
+  EXPECT_FALSE(changed.links.back().inject_failures);
+  ASSERT_EQ(changed.routes.size(), 5U);
+  for (std::size_t i = 1; i < changed.routes.size(); ++i) {
+    const ForwardRule& rule = changed.routes[i].rule;
+    EXPECT_EQ(std::ranges::count(rule.block, 107U), 1);  // HIL_SENSOR
+  }
+}
+
+TEST(LinkChange, AcceptEverythingIsSaidAloud) {
+  const Topology changed =
+      with("entry: {name: v2, type: udp, remote: 'h:1', accept: everything}", {1});
+  EXPECT_EQ(changed.links.back().accept, AcceptRule{});
+}
+
+TEST(LinkChange, TheOtherLinksAndTheirRoutesStayAsTheyAre) {
+  const Topology before = bench();
+  // More telemetry on the line than it carries, which would pace it in a topology read anew.
+  const Topology after = with("entry: {name: b, type: udp, remote: 'h:1', accept: everything}");
+  ASSERT_EQ(after.links.size(), 3U);
+  EXPECT_EQ(after.links[0], before.links[0]);
+  EXPECT_EQ(after.links[1], before.links[1]);
+  EXPECT_EQ(after.routes[0], before.routes[0]);
+  EXPECT_EQ(without_link(after, "b"), before);
+}
+
+TEST(LinkChange, OfAnyTheRoutesOfOtherLinksAreLeftOut) {
+  const Topology changed = with(
+      "entry: {name: b, type: udp, remote: 'h:1'}\nroutes: [{from: any, to: any, block: [300]}]");
+  EXPECT_EQ(changed.routes.size(), 5U);
+  EXPECT_EQ(changed.routes[0].rule, bench().routes[0].rule);
+}
+
+TEST(LinkChange, AnEndpointStandsForNameTypeAndPlace) {
+  const LinkConfig link = with("entry: {endpoint: 'udp:10.0.0.7:14550'}").links.back();
+  EXPECT_EQ(link.name, "udp");
+  EXPECT_EQ(link.type, LinkType::kUdp);
+  EXPECT_EQ(link.remote, "10.0.0.7:14550");
+  EXPECT_EQ(with("entry: {endpoint: 'tcp:5760', name: tools}").links.back().name, "tools");
+}
+
+TEST(LinkChange, FaultsBearTheirPlace) {
+  EXPECT_EQ(fault_of("entry: {name: fcu, type: udp, remote: 'h:1'}"),
+            "link.add:1: entry.name: 'fcu' is the name of another link");
+  EXPECT_EQ(fault_of("entry: {name: b, type: udp, remote: h}"),
+            "link.add:1: entry.remote: 'h' is not HOST:PORT");
+  EXPECT_EQ(fault_of("entry: {name: b, type: udp, remote: 'h:1'}\nroutes: [{from: sim, to: fcu}]"),
+            "link.add:2: routes[0]: has nothing to do with the new link 'b'");
+  EXPECT_NE(fault_of("entry: {name: b, type: udp, remote: 'h:1', speed: 1}").find("entry.speed"),
+            std::string::npos);
+  EXPECT_NE(fault_of("entry: {endpoint: 'udp:nowhere'}").find("entry.endpoint: endpoint"),
+            std::string::npos);
+  EXPECT_THROW(without_link(bench(), "b"), base::ConfigError);
+}
+
+}  // namespace
+}  // namespace cas::casd::test

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Links that are added to a running casd and taken out.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/rpc/client.hpp"
+#include "mavlink/common/all.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/packet_stream.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/udp_peer.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::test {
+namespace {
+
+using mavlink::common::Attitude;
+using mavlink::common::Heartbeat;
+using mavlink::common::HilSensor;
+using mavlink::common::MavModeFlag;
+using nlohmann::json;
+
+class RunTimeLinks : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_topology("");
+    casd_.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", file_});
+    const auto ready = casd_->wait_ready();
+    ASSERT_TRUE(ready) << casd_->output();
+    const std::string status = *ready + " ";
+    const std::size_t begin = status.find(' ') + 1;  // "command_port HOST:PORT ..."
+    address_ = status.substr(begin, status.find(' ', begin) - begin);
+    client_.emplace(address_);
+    vehicle_.set_remote(port("fcu"));
+  }
+  /// A vehicle's link and what else is given; every link talks to every other one.
+  void write_topology(const std::string& more) {
+    file_ = folder_.write("links.yaml",
+                          "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\n"
+                          "commanding: {heartbeat_hz: 0}\nlinks:\n"
+                          "  - {name: fcu, type: udp, remote: \"" +
+                              vehicle_.endpoint() + "\"}\n" + more);
+  }
+  json call(const std::string& method, const json& params = json::object()) {
+    return client_->call(method, params);
+  }
+  /// The sentence with which a call is refused; "" when it is not.
+  std::string refusal(const std::string& method, const json& params) {
+    try {
+      call(method, params);
+    } catch (const base::rpc::CallError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  /// As link.list has it; nothing: there is none.
+  std::optional<json> link(const std::string& name) {
+    for (const json& each : call("link.list")) {
+      if (each["name"] == name) return each;
+    }
+    return std::nullopt;
+  }
+  /// Where a link is bound, once it is up.
+  std::uint16_t port(const std::string& name) {
+    EXPECT_TRUE(wait_until([&] {
+      const auto it = link(name);
+      return it && (*it)["state"] == "up";
+    })) << name;
+    const auto it = link(name);
+    return it ? port_of((*it)["endpoint"]) : std::uint16_t{0};
+  }
+  json entry_to(const UdpPeer& station) {
+    return {{"name", "gcs"}, {"type", "udp"}, {"remote", station.endpoint()}};
+  }
+  /// A HEARTBEAT of an autopilot in HIL.
+  static Heartbeat heartbeat(bool armed) {
+    Heartbeat heartbeat;
+    heartbeat.type = mavlink::common::MavType::kQuadrotor;
+    heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
+    heartbeat.base_mode = MavModeFlag::kHilEnabled;
+    if (armed) heartbeat.base_mode = heartbeat.base_mode | MavModeFlag::kSafetyArmed;
+    return heartbeat;
+  }
+  void meet_vehicle(bool armed) {
+    vehicle_.send(from_vehicle_(heartbeat(armed)));
+    ASSERT_TRUE(wait_until([&] { return call("casd.status")["vehicles"].size() == 1; }));
+  }
+  std::string casctl(const std::vector<std::string>& words, int expected = 0) {
+    std::vector<std::string> command{binary_dir() + "/bin/casctl", "--address", address_};
+    command.insert(command.end(), words.begin(), words.end());
+    ChildProcess program(command);
+    EXPECT_EQ(program.wait_exit(), expected) << program.output();
+    return program.output();
+  }
+
+  TemporaryFolder folder_;
+  UdpPeer vehicle_;
+  mav::Encoder from_vehicle_{{1, 1}};
+  std::string file_;
+  std::optional<ChildProcess> casd_;
+  std::string address_;
+  std::optional<base::rpc::Client> client_;
+};
+
+TEST_F(RunTimeLinks, AnAddedLinkCarriesPacketsBothWaysUntilItIsRemoved) {
+  UdpPeer station;
+  EXPECT_EQ(call("link.add", {{"entry", entry_to(station)}})["link"], "gcs");
+  station.set_remote(port("gcs"));
+  EXPECT_EQ((*link("gcs"))["added"], true);
+  EXPECT_FALSE(link("fcu")->contains("added"));
+
+  PacketStream at_station;
+  ASSERT_TRUE(wait_until([&] {
+    vehicle_.send(from_vehicle_(Attitude{}));
+    station.read(at_station);
+    return at_station.count(Attitude::kId) > 0;
+  }));
+  PacketStream at_vehicle;
+  mav::Encoder from_station{{255, 190}};
+  ASSERT_TRUE(wait_until([&] {
+    station.send(from_station(mavlink::common::SystemTime{}));
+    vehicle_.read(at_vehicle);
+    return at_vehicle.count(mavlink::common::SystemTime::kId) > 0;
+  }));
+
+  call("link.remove", {{"link", "gcs"}});
+  EXPECT_FALSE(link("gcs"));
+  EXPECT_EQ(call("link.routes").size(), 0U);
+  const json journal = call("casd.journal")["calls"];
+  ASSERT_EQ(journal.size(), 2U);
+  EXPECT_EQ(journal[0]["method"], "link.add");
+  EXPECT_EQ(journal[0]["params"]["entry"]["name"], "gcs");
+  EXPECT_EQ(journal[1]["method"], "link.remove");
+  EXPECT_TRUE(
+      wait_until([&] { return casd_->output().find("link.remove {") != std::string::npos; }));
+}
+
+TEST_F(RunTimeLinks, WithoutAcceptItTakesInWhatGroundStationsSayAndNoKnownVehicle) {
+  meet_vehicle(false);
+  UdpPeer stranger;
+  call("link.add", {{"entry", entry_to(stranger)}});
+  stranger.set_remote(port("gcs"));
+  mav::Encoder as_vehicle{{1, 1}};
+  mav::Encoder as_other{{7, 1}};
+  stranger.send(as_vehicle(heartbeat(true)));  // in the name of the vehicle
+  stranger.send(as_other(heartbeat(false)));   // another autopilot
+  stranger.send(as_other(HilSensor{}));        // a simulator
+  ASSERT_TRUE(wait_until([&] { return (*link("gcs"))["rx"]["not_accepted"] == 3; }))
+      << link("gcs")->dump();
+  EXPECT_EQ(call("casd.status")["vehicles"].size(), 1U);
+}
+
+TEST_F(RunTimeLinks, AcceptEverythingIsToldAndEvenThenNoHilMessagePasses) {
+  UdpPeer other;
+  json entry = entry_to(other);
+  entry["accept"] = "everything";
+  call("link.add", {{"entry", entry}});
+  other.set_remote(port("gcs"));
+  mav::Encoder as_other{{7, 1}};
+  PacketStream at_vehicle;
+  ASSERT_TRUE(wait_until([&] {
+    other.send(as_other(HilSensor{}));
+    other.send(as_other(heartbeat(false)));
+    vehicle_.read(at_vehicle);
+    return at_vehicle.count(Heartbeat::kId) > 0;
+  }));
+  EXPECT_EQ(at_vehicle.count(HilSensor::kId), 0U);
+}
+
+TEST_F(RunTimeLinks, TakesItsRoutesAsATopologyHasThem) {
+  UdpPeer station;
+  const json routes = json::array({{{"from", "any"}, {"to", "gcs"}, {"allow", {"ATTITUDE"}}}});
+  call("link.add", {{"entry", entry_to(station)}, {"routes", routes}});
+  const json in_force = call("link.routes");
+  ASSERT_EQ(in_force.size(), 1U);
+  EXPECT_EQ(in_force[0]["from"], "fcu");
+  EXPECT_EQ(in_force[0]["allow"], json::array({"ATTITUDE"}));
+}
+
+TEST_F(RunTimeLinks, SaysWhatIsWrongByItsKeyAndChangesNothing) {
+  const auto wrong = [&](const json& more, const json& routes = json::array()) {
+    json entry{{"name", "gcs"}, {"type", "udp_server"}, {"local", "127.0.0.1:0"}};
+    entry.update(more);
+    return refusal("link.add", {{"entry", entry}, {"routes", routes}});
+  };
+  EXPECT_EQ(wrong({{"max_peers", 0}}), "link.add:1: entry.max_peers: 0 must lie in [1, 64]");
+  EXPECT_NE(wrong({{"local", "nowhere"}}).find("entry.local: 'nowhere' is not HOST:PORT"),
+            std::string::npos);
+  EXPECT_NE(wrong({{"name", "fcu"}}).find("entry.name: 'fcu' is the name of another link"),
+            std::string::npos);
+  EXPECT_NE(wrong({{"bauds", 5}}).find("bauds"), std::string::npos);
+  EXPECT_NE(wrong(json::object(), json::array({{{"from", "gcs"}, {"to", "nowhere"}}}))
+                .find("routes[0].to: there is no link 'nowhere'"),
+            std::string::npos);
+  EXPECT_NE(
+      wrong(json::object(), json::array({{{"from", "fcu"}, {"to", "fcu"}}})).find("routes[0]"),
+      std::string::npos);
+  EXPECT_EQ(refusal("link.add", {{"entry", "udp"}}),
+            "\"entry\" must be an object: a link, as a topology has it");
+  EXPECT_NE(refusal("link.remove", {{"link", "gcs"}}).find("there is no link 'gcs'"),
+            std::string::npos);
+  EXPECT_NE(refusal("link.remove", {{"link", "fcu"}}).find("is the only link"), std::string::npos);
+  EXPECT_EQ(call("link.list").size(), 1U);
+}
+
+TEST_F(RunTimeLinks, ALinkThatCannotBeMadeLeavesEverythingAsItWas) {
+  rlimit before{};
+  ASSERT_EQ(::prlimit(casd_->pid(), RLIMIT_NOFILE, nullptr, &before), 0);
+  const rlimit full{.rlim_cur = 3, .rlim_max = before.rlim_max};  // beside those that are open
+  ASSERT_EQ(::prlimit(casd_->pid(), RLIMIT_NOFILE, &full, nullptr), 0);
+  UdpPeer station;
+  EXPECT_NE(refusal("link.add", {{"entry", entry_to(station)}}), "");
+  ASSERT_EQ(::prlimit(casd_->pid(), RLIMIT_NOFILE, &before, nullptr), 0);
+  EXPECT_EQ(call("link.list").size(), 1U);
+  EXPECT_EQ(call("link.add", {{"entry", entry_to(station)}})["link"], "gcs");  // now there is room
+}
+
+TEST_F(RunTimeLinks, AReloadEndsThoseThatTheFileDoesNotHave) {
+  UdpPeer station;
+  UdpPeer other;
+  call("link.add", {{"entry", entry_to(station)}});
+  call("link.add", {{"entry", {{"endpoint", "udp:" + other.endpoint()}}}});
+  const std::uint16_t gcs = port("gcs");
+  ASSERT_NE(port("udp"), 0);
+
+  // The file has one of them now: it goes on as it is.
+  write_topology("  - {name: gcs, type: udp, remote: \"" + station.endpoint() +
+                 "\", accept: {traffic: ground_station, block_systems: [254]}}\n");
+  call("casd.reload");
+  EXPECT_FALSE(link("udp"));
+  EXPECT_EQ(port("gcs"), gcs);
+  EXPECT_FALSE(link("gcs")->contains("added"));
+  EXPECT_TRUE(wait_until([&] {
+    return casd_->output().find("link udp: not in the topology, ended") != std::string::npos;
+  })) << casd_->output();
+}
+
+TEST_F(RunTimeLinks, TheOnlyLinkOfAnArmedVehicleIsRemovedByForceAlone) {
+  UdpPeer station;
+  call("link.add", {{"entry", entry_to(station)}});
+  meet_vehicle(true);
+  EXPECT_NE(refusal("link.remove", {{"link", "fcu"}}).find("vehicle 1 is armed"),
+            std::string::npos);
+  call("link.remove", {{"link", "gcs"}});
+  call("link.add", {{"entry", entry_to(station)}});
+  EXPECT_EQ(call("link.remove", {{"link", "fcu"}, {"force", true}})["link"], "fcu");
+  EXPECT_EQ(call("link.list").size(), 1U);
+}
+
+TEST_F(RunTimeLinks, CasctlAddsAndRemovesThem) {
+  UdpPeer station;
+  EXPECT_NE(casctl({"link", "add", "udp:" + station.endpoint()}).find("link udp added, up"),
+            std::string::npos);
+  EXPECT_NE(casctl({"links"}).find("link udp was added at run time"), std::string::npos);
+  const std::string entry = "{name: lan, type: udp_server, local: 127.0.0.1:0, max_peers: 3}";
+  const std::string added = casctl({"link", "add", entry, "--accept", "everything", "--routes",
+                                    "[{from: fcu, to: lan, block: [HIL_SENSOR, 300]}]"});
+  EXPECT_NE(added.find("link lan added, up"), std::string::npos) << added;
+  const json routes = call("link.routes");
+  const bool blocks = std::ranges::any_of(routes, [](const json& route) {
+    return route["to"] == "lan" && route.contains("block") && route["block"].size() == 2;
+  });
+  EXPECT_TRUE(blocks) << routes.dump();
+  EXPECT_NE(casctl({"link", "remove", "lan"}).find("link lan removed"), std::string::npos);
+  EXPECT_FALSE(link("lan"));
+  EXPECT_NE(casctl({"link", "add", "tcp:"}, 1).find("has no port"), std::string::npos);
+  EXPECT_NE(casctl({"link", "remove", "lan"}, 1).find("there is no link 'lan'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cas::test
