@@ -21,6 +21,7 @@ constexpr std::uint16_t kUnknown16 = 0xFFFF;  // "unknown" of HIL_GPS
 constexpr std::uint8_t kNoFix = 1;            // GPS_FIX_TYPE_NO_FIX
 constexpr std::uint8_t kFix2d = 2;            // GPS_FIX_TYPE_2D_FIX
 constexpr double kPascalPerHectopascal = 100.0;
+constexpr double kStandardGravity = 9.80665;  // m/s^2, by definition (3rd CGPM, 1901)
 
 float to_float(double value) { return static_cast<float>(value); }
 
@@ -190,6 +191,39 @@ mv::BatteryStatus to_battery_status(const BatterySample& sample) {
   packet.set_current_consumed_ah(sample.used_ah);
   packet.energy_consumed = -1;  // unknown
   packet.battery_remaining = to_wire<std::int8_t>(sample.charge * 100.0);
+  return packet;
+}
+
+mv::HilStateQuaternion to_hil_state(base::SimTime time, const BodyState& body,
+                                    const Environment& air,
+                                    const base::LocalProjection& projection) {
+  mv::HilStateQuaternion packet;
+  packet.time_usec = base::to_time_usec(time);
+  Eigen::Quaterniond q_ND = base::q_ND_from_q_WB(body.q_WB);
+  if (q_ND.w() < 0) q_ND.coeffs() *= -1;  // the same attitude; level to the north is (1, 0, 0, 0)
+  packet.attitude_quaternion = {to_float(q_ND.w()), to_float(q_ND.x()), to_float(q_ND.y()),
+                                to_float(q_ND.z())};
+  const Eigen::Vector3d w_D = base::swap_BD(body.w_WB_B);
+  packet.rollspeed = to_float(w_D.x());
+  packet.pitchspeed = to_float(w_D.y());
+  packet.yawspeed = to_float(w_D.z());
+  const base::Geodetic place = projection.to_geodetic(base::swap_WN(body.p_WB));
+  packet.lat = to_wire<std::int32_t>(place.lat_deg * 1e7);
+  packet.lon = to_wire<std::int32_t>(place.lon_deg * 1e7);
+  packet.alt = to_wire<std::int32_t>(place.alt_m * 1e3);
+  const Eigen::Vector3d v_N = base::swap_WN(body.v_WB);
+  packet.vx = to_wire<std::int16_t>(v_N.x() * 100.0);
+  packet.vy = to_wire<std::int16_t>(v_N.y() * 100.0);
+  packet.vz = to_wire<std::int16_t>(v_N.z() * 100.0);
+  const double airspeed = (body.v_WB - air.wind_W).norm();
+  const double indicated =
+      airspeed * std::sqrt(air.air_density_kg_m3 / base::isa::density_kg_m3(0));
+  packet.ind_airspeed = to_wire<std::uint16_t>(indicated * 100.0);
+  packet.true_airspeed = to_wire<std::uint16_t>(airspeed * 100.0);
+  const Eigen::Vector3d a_D = base::swap_BD(body.q_WB.conjugate() * body.a_WB);
+  packet.xacc = to_wire<std::int16_t>(a_D.x() / kStandardGravity * 1e3);
+  packet.yacc = to_wire<std::int16_t>(a_D.y() / kStandardGravity * 1e3);
+  packet.zacc = to_wire<std::int16_t>(a_D.z() / kStandardGravity * 1e3);
   return packet;
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "libsim/api/messages.hpp"
+#include "libsim/api/world.hpp"
 #include "mavlink/common/battery_status.hpp"
 #include "mavlink/common/distance_sensor.hpp"
 #include "mavlink/common/heartbeat.hpp"
@@ -12,6 +13,7 @@
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "mavlink/common/hil_state_quaternion.hpp"
 
 /// Between the units and frames of the simulation and those of the wire.
 namespace cas::sim {
@@ -46,6 +48,15 @@ mavlink::common::DistanceSensor to_distance_sensor(const RangeSample& sample);
 
 /// Battery 0, with its whole voltage instead of those of its cells: mV, cA, mAh, per cent.
 mavlink::common::BatteryStatus to_battery_status(const BatterySample& sample);
+
+/// True motion of the centre of gravity: attitude of D in N (w, x, y, z), rates in D (rad/s),
+/// degrees
+/// * 1e7, mm above mean sea level, cm/s in N. Airspeeds, cm/s: length of the velocity through the
+/// air, and what a pitot tube would indicate of it at sea level of the standard atmosphere.
+/// Acceleration in D, mG of standard gravity: zero at rest, not what an accelerometer reads.
+mavlink::common::HilStateQuaternion to_hil_state(base::SimTime time, const BodyState& body,
+                                                 const Environment& air,
+                                                 const base::LocalProjection& projection);
 
 /// The simulator's own HEARTBEAT: a generic system without autopilot.
 mavlink::common::Heartbeat simulator_heartbeat();

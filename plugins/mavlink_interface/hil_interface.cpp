@@ -2,12 +2,13 @@
 #include "plugins/mavlink_interface/hil_interface.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "mavlink/common/command_long.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
+#include "plugins/mavlink_interface/truth_viewer.hpp"
 
 namespace cas::sim {
 
@@ -76,10 +77,12 @@ HilInterface::HilInterface(const HilInterfaceParams& params, HilPort& port,
       port_(port),
       ledger_(ledger),
       on_bytes_([this](std::span<const std::uint8_t> bytes, base::RunTime at) {
+        look_for_new_peer();  // whose first bytes come with its connection
         parser_.feed(bytes, [&](const mav::PacketView& packet) { on_packet(packet, at); });
       }),
       heartbeat_(params.heartbeat_hz),
       peers_(port.peers()),
+      truth_due_(params.truth_hz),
       parser_(mv::table()),
       in_step_(!params.joins_by_answering),
       control_due_(params.control_rate_hz) {
@@ -98,6 +101,8 @@ void HilInterface::flush(base::SimTime now) {
   if (range_) send(to_distance_sensor(*range_));
   range_.reset();
   if (gps_) send_gps();
+  if (truth_) send(*truth_);
+  truth_.reset();
   if (imu_) send_sensor();
 }
 
@@ -110,6 +115,7 @@ void HilInterface::look_for_new_peer() {
     parser_.reset();
     announced_ = false;
     stamps_.clear();
+    truth_due_ = base::RateGate();
   }
   if (params_.joins_by_answering && (is_new || !port_.connected())) in_step_ = false;
 }
@@ -200,19 +206,35 @@ void HilInterface::on_packet(const mav::PacketView& packet, base::RunTime at) {
   }
 }
 
-/// MAV_CMD_INJECT_FAILURE. Its parameter 7 comes back as result_param2, so that the asker can tell
-/// a late answer from the next one.
 void HilInterface::on_command(const mav::PacketView& packet) {
   const auto command = mav::decode<mv::CommandLong>(packet);
-  if (!command || command->command != mv::MavCmd::kInjectFailure) return;
-  if (mav::Source{command->target_system, command->target_component} != params_.self) return;
+  if (!command) return;
+  if (command->command == mv::MavCmd::kSetMessageInterval) on_interval(*command);
+  if (command->command == mv::MavCmd::kInjectFailure) on_failure_command(*command, packet);
+}
+
+/// PX4 asks for HIL_STATE_QUATERNION once, when it has connected, and waits for no COMMAND_ACK.
+void HilInterface::on_interval(const mv::CommandLong& command) {
+  constexpr double kUsualHz = 50;  // of an interval of 0: the sender's own choice
+  if (!params_.joins_by_answering || std::isnan(command.param2)) return;
+  if (command.param1 != static_cast<float>(mv::HilStateQuaternion::kId)) return;
+  const double interval_us = command.param2;
+  const double asked_hz = interval_us > 0 ? 1e6 / interval_us : interval_us < 0 ? 0 : kUsualHz;
+  truth_due_ = base::RateGate(std::min(asked_hz, kMostTruthHz));
+}
+
+/// MAV_CMD_INJECT_FAILURE. Its parameter 7 comes back as result_param2, so that the asker can tell
+/// a late answer from the next one.
+void HilInterface::on_failure_command(const mv::CommandLong& command,
+                                      const mav::PacketView& packet) {
+  if (mav::Source{command.target_system, command.target_component} != params_.self) return;
   if (answers_.size() == kMostAnswers) return;  // asked again, they are answered
   mv::CommandAck answer;
-  answer.command = command->command;
+  answer.command = command.command;
   const auto failure = mav::services::failure_command(packet);
   answer.result = mv::MavResult::kUnsupported;
   if (failure && failure->order && on_failure_) answer.result = on_failure_(*failure->order);
-  answer.result_param2 = token_of(command->param7);
+  answer.result_param2 = token_of(command.param7);
   answer.target_system = packet.source.system;
   answer.target_component = packet.source.component;
   answers_.push_back(answer);
@@ -258,6 +280,7 @@ Json HilInterface::figures() const {
           {"overwritten_commands", overwritten_commands_},
           {"actuator_timeouts", actuator_timeouts_},
           {"in_step", in_step_},
+          {"truth_hz", truth_hz()},
           {"port", std::move(port)}};
 }
 

@@ -19,7 +19,9 @@
 #include "libsim/api/mavlink_message.hpp"
 #include "libsim/api/messages.hpp"
 #include "mavlink/common/command_ack.hpp"
+#include "mavlink/common/command_long.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "mavlink/common/hil_state_quaternion.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
@@ -41,6 +43,8 @@ struct HilInterfaceParams {
   bool joins_by_answering = false;
   /// Added to simulated time on the wire.
   base::Duration wire_epoch{};
+  /// How often a controller that `joins_by_answering` has asked for HIL_STATE_QUATERNION so far.
+  double truth_hz = 0;
 };
 
 /// The stamps that were sent last: whether a controller answers them, or tells a clock of its own.
@@ -95,6 +99,13 @@ class HilInterface {
   /// of it. Without one nothing can fail.
   using OnFailure = std::function<mavlink::common::MavResult(const mav::services::FailureOrder&)>;
   void on_failure(OnFailure callback) { on_failure_ = std::move(callback); }
+  /// Whether the controller is to have the true motion in this step. One that `joins_by_answering`
+  /// asks for it by MAV_CMD_SET_MESSAGE_INTERVAL, and records it; in HITL PX4 would fly by it, and
+  /// does not get it. At most 250 Hz, and only together with a HIL_SENSOR.
+  bool truth_due(base::SimTime now) { return imu_ && truth_due_.due(now); }
+  void on_truth(const mavlink::common::HilStateQuaternion& truth) { truth_ = truth; }
+  /// What the connected controller asked for; 0: nothing.
+  double truth_hz() const { return truth_due_.rate_hz(); }
   /// VehiclePart of the sensors that have spoken.
   std::uint8_t sensors() const { return sensors_; }
 
@@ -147,6 +158,9 @@ class HilInterface {
   void send_sensor();
   void on_packet(const mav::PacketView& packet, base::RunTime at);
   void on_command(const mav::PacketView& packet);
+  void on_interval(const mavlink::common::CommandLong& command);
+  void on_failure_command(const mavlink::common::CommandLong& command,
+                          const mav::PacketView& packet);
   template <class Controls>
   void on_controls(const Controls& controls, const MotorCommand& command, base::RunTime at);
 
@@ -168,6 +182,8 @@ class HilInterface {
   std::optional<AirspeedSample> airspeed_;
   std::optional<RangeSample> range_;
   std::optional<BatterySample> battery_;
+  std::optional<mavlink::common::HilStateQuaternion> truth_;
+  base::RateGate truth_due_;
   std::vector<Waiting> waiting_;
   std::uint8_t sensors_ = 0;
   OnFailure on_failure_;

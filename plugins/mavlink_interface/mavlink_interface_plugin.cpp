@@ -19,9 +19,11 @@
 #include "libsim/api/plugin.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"
 #include "plugins/mavlink_interface/failure_map.hpp"
+#include "plugins/mavlink_interface/hil_conversion.hpp"
 #include "plugins/mavlink_interface/hil_interface.hpp"
 #include "plugins/mavlink_interface/plugin_messages.hpp"
 #include "plugins/mavlink_interface/tcp_server_port.hpp"
+#include "plugins/mavlink_interface/truth_viewer.hpp"
 #include "plugins/mavlink_interface/udp_port.hpp"
 
 namespace cas::sim {
@@ -81,6 +83,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   void configure(PluginContext& context, const base::ConfigNode& node) override {
     params_ = parse_params(node, context.vehicle());
     port_ = open_port(context, node);
+    if (const auto viewer = node.find("viewer")) viewer_.emplace(*viewer, params_.self);
+    vehicle_ = context.vehicle_id();
     if (node.has("ledger")) {
       ledger_file_ = context.output_dir() / node.require<std::string>("ledger");
     }
@@ -100,9 +104,10 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     if (const auto command = interface_->take_command(step.time)) command_.publish(*command);
   }
 
-  void post_step(const StepInfo& step, const World&) override {
+  void post_step(const StepInfo& step, const World& world) override {
     now_ = step.time;
     port_->set_sim_time(step.time);
+    show_truth(step.time, world);
     interface_->flush(step.time);
   }
 
@@ -126,6 +131,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     if (params_.joins_by_answering) {
       params_.wire_epoch = std::max(params_.wire_epoch, interface_->wire_end());
     }
+    params_.truth_hz = interface_->truth_hz();
+    if (viewer_) viewer_->reset();
     messages_.reset();
     too_many_ = 0;
     now_ = {};
@@ -145,10 +152,22 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
       figures["plugins"] = messages_.json();
       figures["too_many_in_a_step"] = too_many_;
     }
+    if (viewer_) figures["viewer"] = viewer_->figures();
     return figures.dump();
   }
 
  private:
+  /// Computes nothing for those who have not asked.
+  void show_truth(base::SimTime now, const World& world) {
+    const bool to_controller = interface_->truth_due(now);
+    const bool to_viewer = viewer_ && viewer_->due(now);
+    if (!to_controller && !to_viewer) return;
+    const auto truth = to_hil_state(now + params_.wire_epoch, world.state(vehicle_),
+                                    world.environment(vehicle_), world.projection());
+    if (to_controller) interface_->on_truth(truth);
+    if (to_viewer) viewer_->show(truth);
+  }
+
   void begin() {
     if (!ledger_file_.empty()) ledger_.emplace();
     interface_ = std::make_unique<HilInterface>(params_, *port_, ledger_ ? &*ledger_ : nullptr);
@@ -235,6 +254,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   std::filesystem::path ledger_file_;
   std::optional<base::PacketLedger> ledger_;
   std::unique_ptr<HilInterface> interface_;
+  VehicleId vehicle_{};
+  std::optional<TruthViewer> viewer_;
   Subscription imu_;
   Subscription gps_;
   Subscription magnetometer_;

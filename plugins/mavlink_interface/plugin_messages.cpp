@@ -14,9 +14,12 @@ namespace cas::sim {
 
 namespace {
 
-/// Their stamps and counts are those of the loop: a second sender would break its accounts.
-constexpr std::array<std::string_view, 5> kOfTheLoop{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS",
-                                                     "HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"};
+/// Their stamps and counts are those of the loop: a second sender would break its accounts. By the
+/// true motion a controller in HITL would fly instead of by its sensors.
+constexpr std::array<std::string_view, 7> kOfTheLoop{
+    "HEARTBEAT",           "HIL_SENSOR", "HIL_GPS",
+    "HIL_CONTROLS",        "HIL_STATE",  "HIL_ACTUATOR_CONTROLS",
+    "HIL_STATE_QUATERNION"};
 
 const mav::MessageInfo* find_message(const std::string& word) {
   std::uint32_t id = 0;

@@ -36,12 +36,43 @@ TEST_P(Px4Sitl, TakesOffHoversAndLandsInLockstep) {
   EXPECT_LE(truth.figures.lockstep_timeouts, 1U);
   EXPECT_LT(truth.p_W.z(), 0.3) << "on the ground again";
   EXPECT_LT(truth.p_W.head<2>().norm(), 1.5);
+
+  // The truth that it asked for right after it had connected: 200 Hz beside 250 HIL_SENSORs.
+  ASSERT_TRUE(peer.px4().newest_truth());
+  const auto& told = *peer.px4().newest_truth();
+  EXPECT_NEAR(static_cast<double>(peer.px4().truths()),
+              0.8 * static_cast<double>(peer.px4().samples()), 5);
+  constexpr double kHome_mm = 488'000;
+  EXPECT_NEAR(told.alt - kHome_mm, truth.p_W.z() * 1e3, 20);
+  EXPECT_NEAR(told.attitude_quaternion[0], 1, 0.02) << "level, nose to the north";
 }
 
 INSTANTIATE_TEST_SUITE_P(Releases, Px4Sitl,
                          testing::Values(ReleaseCase{"V1_12", Px4Release::k1_12},
                                          ReleaseCase{"V1_16", Px4Release::k1_16}),
                          [](const auto& test) { return test.param.name; });
+
+TEST(Px4SitlTruth, IsNotSentToOneThatHasNotAsked) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  {
+    Px4SitlPeer asker(simulation.port(), {.boot_samples = 20});
+    ASSERT_TRUE(asker.run_until([&] { return asker.px4().truths() > 10; }));
+  }
+  Px4SitlPeer peer(simulation.port(), {.asks_for_truth = false, .boot_samples = 20});
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 50; }));
+  EXPECT_EQ(peer.px4().truths(), 0U) << "that one has gone";
+}
+
+TEST(Px4SitlTruth, GoesOnAfterAReset) {
+  RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);
+  Px4SitlPeer peer(simulation.port(), {.boot_samples = 20});
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 50; }));
+  simulation.loop().post([&] { simulation.loop().reset(); });
+  const auto before = static_cast<std::uint64_t>(peer.px4().clock().time_since_epoch().count());
+  const std::uint64_t truths = peer.px4().truths();
+  ASSERT_TRUE(peer.run_until([&] { return peer.px4().truths() > truths + 200; }));
+  EXPECT_GT(peer.px4().newest_truth()->time_usec * 1000, before) << "on PX4's own clock";
+}
 
 TEST(Px4SitlCommands, V112IsArmedBeforeItsPositionAndRefusesToTakeOff) {
   RunningSimulation simulation("px4_sitl.yaml", "mavlink_interface", kFreePort);

@@ -93,7 +93,7 @@ void ScriptedPx4::on_connected() {
   interval.command = mv::MavCmd::kSetMessageInterval;
   interval.param1 = 115;  // HIL_STATE_QUATERNION
   interval.param2 = 5000;
-  simulator_.send(interval);
+  if (options_.asks_for_truth) simulator_.send(interval);
   mv::Heartbeat heartbeat;
   heartbeat.autopilot = mv::MavAutopilot::kPx4;
   heartbeat.mavlink_version = 3;
@@ -108,6 +108,15 @@ void ScriptedPx4::on_simulator_bytes(std::span<const std::uint8_t> bytes, base::
 void ScriptedPx4::on_sensor_packet(const mav::PacketView& packet, base::RunTime now) {
   if (const auto sample = mav::decode<mv::HilSensor>(packet)) return on_sample(*sample, now);
   if (const auto fix = mav::decode<mv::HilGps>(packet)) on_fix(*fix, now);
+  if (const auto truth = mav::decode<mv::HilStateQuaternion>(packet)) on_truth(*truth);
+}
+
+/// In software it goes into the log as ground truth; in HITL v1.12.0 and v1.16.1 lay it over their
+/// own estimate.
+void ScriptedPx4::on_truth(const mv::HilStateQuaternion& truth) {
+  if (options_.mode == Px4Mode::kHitl) return complain("flies by the truth");
+  ++truths_;
+  truth_ = truth;
 }
 
 void ScriptedPx4::on_sample(const mv::HilSensor& sample, base::RunTime now) {

@@ -56,6 +56,8 @@ class ScriptedPx4 {
   struct Options {
     Px4Release release = Px4Release::k1_16;
     Px4Mode mode = Px4Mode::kSitl;
+    /// SITL: asks for HIL_STATE_QUATERNION when it has connected, as v1.12.0 and v1.16.1 do.
+    bool asks_for_truth = true;
     /// SITL: HIL_SENSORs until the first answer (17 to 96 were seen).
     int boot_samples = 40;
     /// SITL: until then it says that it has a position, accepts arming and refuses to take off.
@@ -93,6 +95,9 @@ class ScriptedPx4 {
   const fcu::FlightController& controller() const { return controller_; }
   const mavlink::common::HilSensor& newest_sample() const { return sensor_; }
   const std::optional<mavlink::common::HilGps>& newest_fix() const { return gps_; }
+  /// The true motion that it logs, and how often it has come.
+  const std::optional<mavlink::common::HilStateQuaternion>& newest_truth() const { return truth_; }
+  std::uint64_t truths() const { return truths_; }
 
  private:
   /// Counts bit-identical values of one sensor, as PX4's data validator does.
@@ -105,6 +110,7 @@ class ScriptedPx4 {
   void on_sensor_packet(const mav::PacketView& packet, base::RunTime now);
   void on_sample(const mavlink::common::HilSensor& sample, base::RunTime now);
   void on_fix(const mavlink::common::HilGps& fix, base::RunTime now);
+  void on_truth(const mavlink::common::HilStateQuaternion& truth);
   void answer_sample();
   void on_controller_packet(std::span<const std::uint8_t> bytes);
   bool answers_its_own_way(const mav::PacketView& packet);
@@ -143,6 +149,8 @@ class ScriptedPx4 {
   bool stream_lost_ = false;
   mavlink::common::HilSensor sensor_;
   std::optional<mavlink::common::HilGps> gps_;
+  std::optional<mavlink::common::HilStateQuaternion> truth_;
+  std::uint64_t truths_ = 0;
   Staleness mag_;
   Staleness baro_;
   std::array<float, 4> motors_{};

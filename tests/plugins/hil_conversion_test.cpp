@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/earth/frames.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 
 namespace cas::sim {
@@ -92,6 +93,50 @@ TEST(HilGps, CarriesDegE7MillimetresAndCentimetresPerSecond) {
   EXPECT_EQ(packet.satellites_visible, 10);
   EXPECT_EQ(packet.yaw, 0);  // not available
   EXPECT_EQ(packet.id, 0);   // the first receiver
+}
+
+/// Nose east, banked right by 0.1 rad, flying to the north-east and up, in wind from the west.
+TEST(HilStateQuaternion, CarriesTheTrueMotionInForwardRightDownAndNorthEastDown) {
+  test::ScriptedWorld world;
+  world.body.p_WB = {200, 100, 12.3456};  // east, north, up
+  world.body.v_WB = {4, 3, 0.5};
+  world.body.q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0.1, 0, M_PI / 2));
+  world.body.w_WB_B = {0.1, 0.2, 0.3};
+  world.body.a_WB = {0.980665, 0, 0};  // along the nose: 0.1 g
+  world.air.wind_W = {4, 0, 0.5};
+  world.air.air_density_kg_m3 = 1.225 / 4;
+  const mv::HilStateQuaternion packet = to_hil_state(base::SimTime(std::chrono::milliseconds(1234)),
+                                                     world.body, world.air, world.projection());
+  EXPECT_EQ(packet.time_usec, 1234000U);
+  const Eigen::Quaterniond q_ND(packet.attitude_quaternion[0], packet.attitude_quaternion[1],
+                                packet.attitude_quaternion[2], packet.attitude_quaternion[3]);
+  EXPECT_TRUE(base::euler_rpy(q_ND).isApprox(Vector3d(0.1, 0, M_PI / 2), 1e-6));
+  EXPECT_FLOAT_EQ(packet.rollspeed, 0.1F);
+  EXPECT_FLOAT_EQ(packet.pitchspeed, -0.2F);
+  EXPECT_FLOAT_EQ(packet.yawspeed, -0.3F);
+  const base::Geodetic place = world.projection().to_geodetic({100, 200, -12.3456});
+  EXPECT_NEAR(packet.lat, place.lat_deg * 1e7, 0.5);
+  EXPECT_NEAR(packet.lon, place.lon_deg * 1e7, 0.5);
+  EXPECT_NEAR(packet.alt, place.alt_m * 1e3, 0.5);
+  EXPECT_GT(packet.alt, 490'000);
+  EXPECT_EQ(packet.vx, 300);
+  EXPECT_EQ(packet.vy, 400);
+  EXPECT_EQ(packet.vz, -50);
+  EXPECT_EQ(packet.true_airspeed, 300);
+  EXPECT_NEAR(packet.ind_airspeed, 150, 1) << "a quarter of the density at sea level";
+  EXPECT_EQ(packet.xacc, 100);
+  EXPECT_EQ(packet.yacc, 0);
+  EXPECT_EQ(packet.zacc, 0);
+}
+
+TEST(HilStateQuaternion, HoldsFastMotionAtTheEndOfTheField) {
+  test::ScriptedWorld world;
+  world.body.v_WB = {400, -400, 0};
+  world.body.a_WB = {0, 0, -400};
+  const mv::HilStateQuaternion packet = to_hil_state({}, world.body, world.air, world.projection());
+  EXPECT_EQ(packet.vx, -32768);
+  EXPECT_EQ(packet.vy, 32767);
+  EXPECT_EQ(packet.zacc, 32767);
 }
 
 TEST(HilGps, RoundsRatherThanCuts) {

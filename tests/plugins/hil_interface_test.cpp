@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -67,6 +69,47 @@ TEST(HilInterface, APitotTubeFillsDiffPressureWhenItHasASample) {
   EXPECT_FLOAT_EQ(port.sensors[0].diff_pressure, 2.5F);  // hPa
   EXPECT_EQ(updated(port.sensors[1]), 0x003FU);
 }
+
+struct TruthCase {
+  const char* name;
+  bool in_software;
+  float interval_us;
+  int expected;  // packets in a second of 250 HIL_SENSORs
+};
+
+class TruthOnRequest : public testing::TestWithParam<TruthCase> {};
+
+TEST_P(TruthOnRequest, ComesAtItsRateBeforeASensorPacket) {
+  const TruthCase& asked = GetParam();
+  RecordingPort port;
+  HilInterfaceParams params = interface_params();
+  params.joins_by_answering = asked.in_software;
+  HilInterface interface(params, port, nullptr);
+  mv::CommandLong request;
+  request.command = mv::MavCmd::kSetMessageInterval;
+  request.param1 = mv::HilStateQuaternion::kId;
+  request.param2 = asked.interval_us;
+  port.put(request);
+  interface.receive();
+  for (int ms = 1; ms <= 1000; ++ms) {
+    if (ms % 4 == 0) interface.on_imu(imu_at(ms));
+    if (interface.truth_due(at_ms(ms))) interface.on_truth({});
+    interface.flush(at_ms(ms));
+  }
+  EXPECT_EQ(std::ranges::count(port.ids, mv::HilStateQuaternion::kId), asked.expected);
+  for (std::size_t i = 0; i < port.ids.size(); ++i) {
+    if (port.ids[i] != mv::HilStateQuaternion::kId) continue;
+    EXPECT_EQ(port.ids.at(i + 1), mv::HilSensor::kId);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Intervals, TruthOnRequest,
+    testing::Values(TruthCase{"OfPx4", true, 5000, 200}, TruthCase{"Usual", true, 0, 50},
+                    TruthCase{"Never", true, -1, 0}, TruthCase{"OncePerSample", true, 1, 250},
+                    TruthCase{"NotANumber", true, std::numeric_limits<float>::quiet_NaN(), 0},
+                    TruthCase{"NotInHitl", false, 5000, 0}),
+    [](const auto& test) { return test.param.name; });
 
 TEST(HilInterface, SendsEachSampleOfTheBatteryOnceAheadOfTheSensors) {
   RecordingPort port;

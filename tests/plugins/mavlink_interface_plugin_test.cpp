@@ -13,6 +13,7 @@ namespace cas::sim {
 namespace {
 
 using std::chrono::milliseconds;
+namespace mv = mavlink::common;
 using Peer = test::DatagramPeer;
 using test::at_ms;
 using test::controls_for;
@@ -69,6 +70,49 @@ TEST(MavlinkInterfacePlugin, TurnsControlsFromTheBusIntoAMotorCommand) {
   ASSERT_EQ(commands.size(), 1U);
   EXPECT_TRUE(commands[0].armed);
   EXPECT_NEAR(commands[0].values[0], 28.2656, 1e-4);  // the vehicle's full scale
+}
+
+mv::CommandLong truth_each(float interval_us) {
+  mv::CommandLong command;
+  command.command = mv::MavCmd::kSetMessageInterval;
+  command.param1 = mv::HilStateQuaternion::kId;
+  command.param2 = interval_us;
+  return command;
+}
+
+/// A socket of an aircraft in HITL that asks for the truth, and of a viewer beside it.
+TEST(MavlinkInterfacePlugin, ShowsTheTruthToAViewerAndNeverToAControllerInHitl) {
+  Peer controller;
+  Peer viewer;
+  test::PluginHarness harness;
+  harness.world.body.p_WB = {0, 0, 7};
+  harness.add("imu", "{rate_hz: 500, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 0.05}");
+  Plugin& plugin =
+      harness.add("mavlink_interface", "{transport: udp, local: '127.0.0.1:0', remote: '" +
+                                           controller.endpoint() + "', viewer: {remote: '" +
+                                           viewer.endpoint() + "', rate_hz: 20}}");
+  const std::string stats = plugin.stats_json();
+  const std::size_t start = stats.find("udp ") + 4;
+  mav::Encoder encoder({1, 1});
+  controller.send_to(stats.substr(start, stats.find('"', start) - start),
+                     encoder(truth_each(5000)));
+  harness.run(milliseconds(200));
+
+  RecordingPort line;
+  for (int i = 0; i < 101; ++i) line.send(controller.receive());  // HEARTBEAT and HIL_SENSORs
+  EXPECT_EQ(line.sensors.size(), 100U);
+  EXPECT_NE(plugin.stats_json().find("\"COMMAND_LONG\":1"), std::string::npos) << "it was asked";
+  EXPECT_EQ(plugin.stats_json().find("HIL_STATE_QUATERNION"), std::string::npos);
+  RecordingPort shown;
+  for (int i = 0; i < 4; ++i) shown.send(viewer.receive());
+  EXPECT_EQ(shown.ids, std::vector<std::uint32_t>(4, mv::HilStateQuaternion::kId));
+  EXPECT_NE(plugin.stats_json().find("\"sent\":4"), std::string::npos) << "and no more";
+  const mav::PacketView last = mav::view_packet(shown.packets.back());
+  const auto truth = mav::decode<mv::HilStateQuaternion>(last);
+  ASSERT_TRUE(truth);
+  EXPECT_EQ(last.source, (mav::Source{1, 200}));
+  EXPECT_EQ(truth->time_usec, 200'000U);
+  EXPECT_EQ(truth->alt, 495'000);  // home is at 488 m
 }
 
 TEST(MavlinkInterfacePlugin, HoldsLockstepUntilTheAnswerArrivesOverUdp) {

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+
+#include "base/config/config.hpp"
+#include "base/time/clock.hpp"
+#include "base/time/rate_gate.hpp"
+#include "mavlink/common/hil_state_quaternion.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "plugins/common/inet_address.hpp"
+
+namespace cas::sim {
+
+/// Most packets of the true motion in a second of simulated time.
+inline constexpr double kMostTruthHz = 250;
+
+/// Shows a viewer the true motion of a vehicle, as PX4's own simulation in hardware (SIH) shows it
+/// on UDP port 19410. Its socket is its own: a flight controller never hears of it.
+class TruthViewer {
+ public:
+  /// @param node  key `viewer` of the plugin: remote (127.0.0.1:19410), rate_hz (50)
+  /// @throws base::ConfigError
+  TruthViewer(const base::ConfigNode& node, mav::Source self);
+  ~TruthViewer();
+  TruthViewer(const TruthViewer&) = delete;
+  TruthViewer& operator=(const TruthViewer&) = delete;
+
+  bool due(base::SimTime now) { return rate_.due(now); }
+  /// Never blocks; what the socket does not take is dropped.
+  void show(const mavlink::common::HilStateQuaternion& truth);
+  /// Back to time zero.
+  void reset() { rate_.reset(); }
+  nlohmann::ordered_json figures() const;
+
+ private:
+  mav::Source self_;
+  InetAddress remote_;
+  base::RateGate rate_;
+  int socket_ = -1;
+  std::array<std::uint8_t, mav::kMaxPacketBytes> packet_{};
+  std::uint8_t sequence_ = 0;
+  std::uint64_t sent_ = 0;
+  std::uint64_t not_taken_ = 0;
+};
+
+}  // namespace cas::sim
