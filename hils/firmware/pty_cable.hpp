@@ -2,11 +2,18 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <thread>
 #include <vector>
 
+#include "base/os/descriptor.hpp"
+#include "base/os/mutex.hpp"
+#include "base/time/clock.hpp"
+#include "fcu/line/line_model.hpp"
 #include "fcu/line/pty.hpp"
 
 namespace cas::hils {
@@ -25,6 +32,15 @@ class PtyCable {
   PtyCable(const PtyCable&) = delete;
   PtyCable& operator=(const PtyCable&) = delete;
 
+  // From any thread; they take effect at once, not before they return.
+
+  /// Pulls the plug at the first end: its port is gone, and what comes from the second is lost
+  /// without being counted, until it is put back.
+  void set_plugged(bool plugged);
+  /// What the cable does to the bytes of both directions from now on; of the model a write is what
+  /// the cable reads at once, for a program that writes packet by packet mostly one of these.
+  void set_line(const fcu::LineConfig& line);
+
   /// Bytes that were thrown away so far, of both directions. From any thread.
   std::uint64_t lost_bytes() const { return lost_; }
 
@@ -32,22 +48,41 @@ class PtyCable {
   /// One direction: reads at one port, keeps bytes the other has no room for, writes them later.
   class Wire {
    public:
-    Wire(int from, int to) : from_(from), to_(to) {}
+    Wire(const fcu::Pty& from, const fcu::Pty& to, std::uint64_t seed)
+        : from_(from), to_(to), seed_(seed) {}
     bool waiting() const { return !bytes_.empty(); }
+    void set_line(const fcu::LineConfig& line);
     /// @return bytes that found no place
-    std::size_t take();
+    std::size_t take(base::RunTime now);
+    /// What the line model has ready. @return bytes that found no place
+    std::size_t arrive(base::RunTime now);
     void give();
+    void cut();
+    std::optional<base::RunTime> next_arrival() const {
+      return line_ ? line_->next_arrival() : std::nullopt;
+    }
 
    private:
-    int from_;
-    int to_;
-    std::vector<char> bytes_;  // read, not yet written
+    std::size_t keep(std::span<const std::uint8_t> bytes);
+
+    const fcu::Pty& from_;
+    const fcu::Pty& to_;
+    std::uint64_t seed_;
+    std::optional<fcu::LineModel> line_;  // nothing until set_line(): as they come
+    std::vector<std::uint8_t> bytes_;     // not yet written
   };
 
   void carry();
+  void wait(Wire& there, Wire& back);
+  void take_orders(Wire& there, Wire& back);
+  void wake();
 
   fcu::Pty first_;
   fcu::Pty second_;
+  base::Descriptor wake_;
+  base::Mutex mutex_;
+  bool plugged_ CAS_GUARDED_BY(mutex_) = true;
+  std::optional<fcu::LineConfig> line_ CAS_GUARDED_BY(mutex_);  // not yet in force
   std::atomic<bool> stopping_{false};
   std::atomic<std::uint64_t> lost_{0};
   std::thread thread_;

@@ -18,8 +18,10 @@ using base::ConfigNode;
 
 constexpr double kLongestRun_s = 1e6;
 constexpr double kLongestUnplug_s = 3600;
-constexpr std::array<std::string_view, 7> kBenchKeys{"line",    "unplug", "restart", "flood_hz",
-                                                     "silence", "starve", "reload"};
+/// An autopilot that is silent for 30 s ends the run.
+constexpr double kLongestPause_s = 20;
+constexpr std::array<std::string_view, 9> kBenchKeys{
+    "line", "unplug", "restart", "flood_hz", "silence", "starve", "reload", "pause", "cut"};
 
 void expect_word(const ConfigNode& node, std::string_view word) {
   if (node.as<std::string>() != word) node.fail("takes only " + std::string(word));
@@ -36,6 +38,11 @@ BenchFaultKind parse_kind(const ConfigNode& node, std::string_view key, const Co
   if (key == "silence") {
     expect_word(value, "ground");
     return SilenceFault{};
+  }
+  if (key == "cut") return CutFault{value.as<std::string>()};
+  if (key == "pause") {
+    expect_word(value, "hilsim");
+    return PauseFault{base::from_seconds(node.require_in("for_s", 0.001, kLongestPause_s))};
   }
   if (key == "starve") return StarveFault{parse_wake_up(value)};
   expect_word(value, "casd");
@@ -55,6 +62,7 @@ BenchFault parse_bench_fault(const ConfigNode& node, std::string_view key, const
   const double longest =
       std::holds_alternative<UnplugFault>(fault.kind) ? kLongestUnplug_s : kLongestRun_s;
   fault.lasting = base::from_seconds(node.require_in("for_s", 0.001, longest));
+  if (std::holds_alternative<PauseFault>(fault.kind)) fault.lasting = {};
   for (const std::string_view other : kBenchKeys) {
     if (other != key && node.has(other)) {
       node.at(other).fail("is a second effect; give each its own entry");
@@ -123,6 +131,15 @@ ScenarioFaults parse_scenario_faults(const ConfigNode& faults, const ConfigNode&
     }
   }
   return result;
+}
+
+void refuse_faults(const ConfigNode& faults, std::span<const std::string_view> keys,
+                   const std::string& why) {
+  for (const ConfigNode& node : faults.items()) {
+    for (const std::string_view key : keys) {
+      if (node.is_map() && node.has(key)) node.at(key).fail(why);
+    }
+  }
 }
 
 BenchFaultScript::BenchFaultScript(std::vector<BenchFault> faults) {

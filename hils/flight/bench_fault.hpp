@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -47,8 +48,17 @@ struct StarveFault {
 };
 /// casd reads its topology again. Needs casd as a program.
 struct ReloadFault {};
+/// hilsim stands still for so long by the wall clock; simulated time stands still with it, so the
+/// fault is over by it as soon as it has begun. With stock firmware.
+struct PauseFault {
+  base::Duration wall{};
+};
+/// casd closes a link of its topology, and opens it again at the end. With stock firmware.
+struct CutFault {
+  std::string link;
+};
 using BenchFaultKind = std::variant<LineFault, UnplugFault, RestartFault, FloodFault, SilenceFault,
-                                    StarveFault, ReloadFault>;
+                                    StarveFault, ReloadFault, PauseFault, CutFault>;
 
 /// A fault of the bench, not of the vehicle: when it begins, how long it lasts, what it does.
 struct BenchFault {
@@ -77,14 +87,19 @@ struct ScenarioFaults {
 };
 
 /// Reads the list `faults` of a scenario. Every entry has at_s or when, and one effect; the bench's
-/// are `line`, `unplug`, `restart`, `flood_hz`, `silence`, `starve` and `reload`, all others are
-/// plugin fault's. One that names no vehicle hits each of them, by its own condition.
+/// are `line`, `unplug`, `restart`, `flood_hz`, `silence`, `starve`, `reload`, `pause` and `cut`,
+/// all others are plugin fault's. One that names no vehicle hits each of them, by its own
+/// condition.
 ///
 /// @param line  the scenario's line, whose keys those of a line fault override
 /// @param names  vehicles that a fault may name
 /// @throws base::ConfigError
 ScenarioFaults parse_scenario_faults(const base::ConfigNode& faults, const base::ConfigNode& line,
                                      const VehicleNames& names = only_vehicle());
+
+/// Refuses the faults of a list that have one of these keys. @throws base::ConfigError at the key
+void refuse_faults(const base::ConfigNode& faults, std::span<const std::string_view> keys,
+                   const std::string& why);
 
 /// Decides when faults of the bench begin and end. Each happens once in a run. Pure.
 class BenchFaultScript {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/config/install_paths.hpp"
@@ -70,30 +69,13 @@ void BenchPrograms::stop() {
           child->name() + " did not end in good order; its last lines:" + child->log_tail(), false);
     }
   }
-  join_logs();
+  logs_.join();
 }
 
 void BenchPrograms::kill_casd() {
   if (casd_ != nullptr) supervisor_.kill(*casd_);
   casd_ = nullptr;
-  earlier_logs_.push_back(places_.run / fmt::format("flight_{}.tlog", earlier_logs_.size() + 1));
-  std::filesystem::rename(places_.flight_tlog(), earlier_logs_.back());
-}
-
-/// A restarted casd starts a new log; joins the logs of all casds into one flight.tlog.
-void BenchPrograms::join_logs() {
-  if (earlier_logs_.empty()) return;
-  const std::filesystem::path last = places_.run / "flight_last.tlog";
-  std::filesystem::rename(places_.flight_tlog(), last);
-  earlier_logs_.push_back(last);
-  std::ofstream whole(places_.flight_tlog(), std::ios::binary);
-  for (const std::filesystem::path& part : earlier_logs_) {
-    if (std::filesystem::is_empty(part)) continue;  // << of an empty buffer sets failbit
-    whole << std::ifstream(part, std::ios::binary).rdbuf();
-  }
-  if (!whole.flush()) {
-    throw RunStopped(places_.flight_tlog().string() + " cannot be written", false);
-  }
+  logs_.set_aside();
 }
 
 void BenchPrograms::start_casd() {

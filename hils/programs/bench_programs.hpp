@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hils/programs/composition.hpp"
+#include "hils/programs/flight_logs.hpp"
 #include "hils/programs/supervisor.hpp"
 
 namespace cas::hils {
@@ -14,7 +15,10 @@ class BenchPrograms {
  public:
   /// Both outlive it. A controller is fcu_emulator where the request names no device.
   BenchPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request)
-      : supervisor_(supervisor), places_(places), request_(request) {}
+      : supervisor_(supervisor),
+        places_(places),
+        request_(request),
+        logs_(places.flight_tlog(), places.run) {}
 
   /// The controllers first (they make the PTYs), then casd, then the simulator, which starts the
   /// stream. @throws RunStopped, base::ConfigError
@@ -31,7 +35,6 @@ class BenchPrograms {
   void start_emulator(const VehiclePlaces& places);
   /// @throws base::ConfigError when casd cannot open the link for a ground station
   void refuse_closed_station() const;
-  void join_logs();
   ChildProcess::Options options(const std::string& name, const std::string& program,
                                 const std::filesystem::path& config,
                                 const std::vector<std::string>& further) const;
@@ -42,7 +45,7 @@ class BenchPrograms {
   std::vector<ChildProcess*> emulators_;
   ChildProcess* casd_ = nullptr;
   ChildProcess* hilsim_ = nullptr;
-  std::vector<std::filesystem::path> earlier_logs_;  ///< flight logs of casds that were killed
+  FlightLogs logs_;
 };
 
 }  // namespace cas::hils

@@ -450,4 +450,11 @@ std::string junit_report(const std::string& name, double wall_s, const Verdict& 
   return kXmlHead + junit_suite(name, wall_s, verdict);
 }
 
+std::string junit_report(const std::vector<std::pair<std::string, Verdict>>& suites,
+                         double wall_s) {
+  std::string text = std::string(kXmlHead) + "<testsuites>\n";
+  for (const auto& [name, verdict] : suites) text += junit_suite(name, wall_s, verdict);
+  return text + "</testsuites>\n";
+}
+
 }  // namespace cas::hils

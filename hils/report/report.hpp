@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 #include <string_view>
 
 #include "hils/measure/judgement.hpp"
@@ -34,5 +36,7 @@ std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*a
 std::string junit_report(const RunResult& run);
 /// Of a run that has a verdict and no Measurement. @param name  of the suite: "hils.px4_sitl"
 std::string junit_report(const std::string& name, double wall_s, const Verdict& verdict);
+/// Likewise of several vehicles, each with the name of its suite.
+std::string junit_report(const std::vector<std::pair<std::string, Verdict>>& suites, double wall_s);
 
 }  // namespace cas::hils

@@ -20,6 +20,9 @@ namespace cas::hils {
 class FleetPlan {
  public:
   explicit FleetPlan(const Scenario& scenario);
+  /// @param plans  of the vehicles, in the order of their names
+  FleetPlan(VehicleNames names, std::vector<FlightPlan> plans)
+      : names_(std::move(names)), plans_(std::move(plans)) {}
 
   /// A command that is to be given now.
   struct Command {
@@ -41,6 +44,7 @@ class FleetPlan {
   /// The first vehicle that does something in the step under way, for progress lines.
   std::size_t leader() const;
   const FlightPlan& plan(std::size_t vehicle) const { return plans_[vehicle]; }
+  FlightPlan& plan(std::size_t vehicle) { return plans_[vehicle]; }
   /// Why a vehicle's flight is not complete, be it another's fault; empty when it is, or while it
   /// goes on.
   std::string failure_of(std::size_t vehicle) const;

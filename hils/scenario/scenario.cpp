@@ -350,6 +350,8 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
   if (root.has("faults")) {
     scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
+    refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},
+                  "is a fault of a flight of stock firmware");
     check_gusts(scenario.plugins, scenario.faults);
     check_fault_phases(root.at("faults"), scenario.steps);
   }

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "hils/run/run_places.hpp"
 #include "tests/support/wait_until.hpp"
@@ -75,6 +77,46 @@ TEST_F(PtyCableTest, CarriesBothWays) {
     return at_first == "back" && at_second == "there";
   })) << at_first
       << at_second;
+}
+
+TEST_F(PtyCableTest, UnpluggedAtItsFirstEndComesBackUnderTheSameName) {
+  const auto link = folder_.path() / "first";
+  relay_.set_plugged(false);
+  ASSERT_TRUE(test::wait_until([&] { return !std::filesystem::exists(link); }));
+  char byte = 0;
+  EXPECT_TRUE(test::wait_until([&] {
+    const ssize_t size = ::read(first_.get(), &byte, 1);
+    return size == 0 || (size < 0 && errno == EIO);
+  })) << "the port is gone";
+  ASSERT_TRUE(write_all(second_, "lost"));
+  relay_.set_plugged(true);
+  ASSERT_TRUE(test::wait_until([&] { return std::filesystem::exists(link); }));
+  const Port again(link);
+  std::string got;
+  EXPECT_TRUE(test::wait_until([&] {
+    (void)!::write(second_.get(), "b", 1);
+    read_into(got, again);
+    return !got.empty();
+  }));
+  EXPECT_EQ(got.find("lost"), std::string::npos);
+  EXPECT_EQ(relay_.lost_bytes(), 0U) << "they were not lost for want of a reader";
+}
+
+TEST_F(PtyCableTest, DoesToBothDirectionsWhatItsLineDoes) {
+  fcu::LineConfig twice;
+  twice.packet_duplicate = 1;
+  relay_.set_line(twice);
+  for (const auto& [from, to] : {std::pair(&first_, &second_), std::pair(&second_, &first_)}) {
+    std::string got;
+    EXPECT_TRUE(test::wait_until([&] {  // the first one may be carried before the order is taken
+      got.clear();
+      return write_all(*from, "packet") && test::wait_until([&] {
+               read_into(got, *to);
+               return got.size() >= 6;
+             }) &&
+             got.starts_with("packetpacket");
+    })) << got;
+  }
 }
 
 TEST_F(PtyCableTest, KeepsWhatAPortThatIsReadLateHasNoRoomFor) {

@@ -51,6 +51,14 @@ class ScenarioFile : public testing::Test {
        std::to_string(::getpid()) + ".yaml");
 };
 
+TEST_F(ScenarioFile, RefusesFaultsOfAFlightOfStockFirmware) {
+  for (const char* const effect : {"pause: hilsim", "cut: fcu"}) {
+    const std::string error =
+        error_of(kHead + kFlight + "faults:\n  - {at_s: 1, for_s: 1, " + effect + "}\n");
+    EXPECT_NE(error.find("is a fault of a flight of stock firmware"), std::string::npos) << error;
+  }
+}
+
 TEST_F(ScenarioFile, RefusesAFaultThatAsksForAnUnknownStep) {
   for (const char* const effect : {"for_s: 1, drop: gps", "for_s: 1, unplug: fcu"}) {
     const std::string error =

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+namespace cas::hils {
+
+/// The flight logs of a run in which casd is killed and started again: each casd writes the same
+/// file anew, and in the end they are one.
+class FlightLogs {
+ public:
+  /// @param log  that casd writes
+  /// @param folder  where those of ended casds wait
+  FlightLogs(std::filesystem::path log, std::filesystem::path folder)
+      : log_(std::move(log)), folder_(std::move(folder)) {}
+
+  /// casd has been killed.
+  void set_aside();
+  /// The last casd has ended. @throws RunStopped when the log cannot be written
+  void join();
+
+ private:
+  std::filesystem::path log_;
+  std::filesystem::path folder_;
+  std::vector<std::filesystem::path> earlier_;
+};
+
+}  // namespace cas::hils
