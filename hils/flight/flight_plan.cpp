@@ -2,6 +2,7 @@
 #include "hils/flight/flight_plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace cas::hils {
@@ -19,6 +20,10 @@ constexpr base::Duration kHeartbeats = seconds(3);
 constexpr double kNearM = 0.5;
 constexpr double kSlowMS = 0.4;
 constexpr base::Duration kStillFor = seconds(1);
+/// A landing by position is this near: what a stock estimator drifts by, and half a vehicle.
+constexpr double kLandedNearM = 2;
+/// A vehicle that is to stay above its home has begun to return after this long.
+constexpr base::Duration kReturnBegins = seconds(5);
 
 /// "step 6, 'corner3' (goto)"; the end of a trajectory, which no scenario names, has its number.
 std::string words_for(std::size_t index, const std::vector<FlightStep>& steps) {
@@ -28,6 +33,11 @@ std::string words_for(std::size_t index, const std::vector<FlightStep>& steps) {
       [](const FlightStep& each) { return each.kind != StepKind::kEndTrajectory; });
   const std::string name = step.name.empty() ? "" : ", '" + step.name + "'";
   return "step " + std::to_string(behind) + name + " (" + std::string(to_string(step.kind)) + ")";
+}
+
+/// "; it said 'No offboard signal'"
+std::string said(const VehicleReport& vehicle) {
+  return vehicle.warning.empty() ? "" : "; it said '" + vehicle.warning + "'";
 }
 
 }  // namespace
@@ -54,12 +64,15 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
         !bides(step, now, vehicle)) {
       if (needs_command(step, vehicle)) {
         phase_ = Phase::kCommanding;
-        rearming_ = habits_.arms_early && step.kind == StepKind::kTakeoff && !vehicle.armed;
+        rearming_ = habits_.arms_early && takes_off(step) && !vehicle.armed;
         return rearming_ ? FlightStep{.kind = StepKind::kArm} : step;
       }
       phase_ = Phase::kWaiting;
     }
-    if ((airborne_ && !vehicle.armed && vehicle.heard) || (disarmed && lifted_off_)) {
+    const bool stopped = step.kind == StepKind::kMission && !lands(step) && !vehicle.armed;
+    const bool cut = (disarmed && !lands(step)) || stopped;
+    const bool fell = (airborne_ && !vehicle.armed) || (cut && lifted_off_);
+    if (fell && vehicle.heard) {
       failure_ = std::string(kDisarmedDuring) + words_for(current_, steps_);
       break;
     }
@@ -68,6 +81,7 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
       end_step(now);
       continue;
     }
+    check_mode(step, now, vehicle);
     check_time(step, now, vehicle);
     break;
   }
@@ -81,11 +95,44 @@ void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
                      step.kind == StepKind::kStandBy;
   const bool flying_it = timed && phase_ == Phase::kWaiting;
   if (phase_ == Phase::kCommanding || flying_it || now - step_begin_ <= step.timeout) return;
+  if (!failure_.empty()) return;
   failure_ = words_for(current_, steps_) + (step.name.empty() ? "" : ",") +
              " was not done within " +
              std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
   if (!vehicle.heard) failure_ += ": the vehicle was not heard";
   if (!last_refusal_.empty()) failure_ += ": " + last_refusal_;
+  if (habits_.flies_setpoints && last_refusal_.empty()) failure_ += said(vehicle);
+}
+
+/// The modes in which a stock autopilot flies a step; none where any will do.
+std::vector<std::string_view> FlightPlan::modes_of(const FlightStep& step,
+                                                   const VehicleReport& vehicle) const {
+  const bool px4 = vehicle.autopilot == "PX4";
+  if (step.kind == StepKind::kTrajectory && habits_.flies_setpoints) {
+    return {px4 ? "OFFBOARD" : "GUIDED"};
+  }
+  if (step.kind == StepKind::kRtl) return {"RTL", "LAND"};
+  if (step.kind != StepKind::kMission) return {};
+  const std::string_view mission = px4 ? "MISSION" : "AUTO";
+  if (!is_at_last_item(vehicle)) return {mission};
+  if (!lands(step)) return {};  // PX4 goes into HOLD at the end
+  return {mission, "RTL", "LAND"};
+}
+
+/// An autopilot that leaves the mode of a step flies something else: a failsafe, a fence, somebody.
+void FlightPlan::check_mode(const FlightStep& step, base::SimTime now,
+                            const VehicleReport& vehicle) {
+  const bool flown = phase_ == Phase::kWaiting && vehicle.heard && vehicle.armed;
+  if (!flown || vehicle.on_ground || vehicle.mode.empty()) return;
+  const auto modes = modes_of(step, vehicle);
+  if (modes.empty()) return;
+  if (std::ranges::find(modes, vehicle.mode) != modes.end()) {
+    mode_seen_ = true;
+  } else if (mode_seen_ || now - accepted_ > kHeartbeats) {
+    failure_ = words_for(current_, steps_) + (step.name.empty() ? "" : ",") +
+               " was broken off: the vehicle left " + std::string(modes.front()) + " for " +
+               vehicle.mode + said(vehicle);
+  }
 }
 
 void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
@@ -95,7 +142,8 @@ void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
   if (refusal.empty() && !again) {
     phase_ = Phase::kWaiting;
     accepted_ = now;
-    takeoff_accepted_ = steps_[current_].kind == StepKind::kTakeoff;
+    const StepKind kind = steps_[current_].kind;
+    takeoff_accepted_ = kind == StepKind::kTakeoff || kind == StepKind::kMission;
     return;
   }
   phase_ = Phase::kBegin;
@@ -128,14 +176,14 @@ bool FlightPlan::needs_command(const FlightStep& step, const VehicleReport& vehi
   if (!is_command(step.kind)) return false;
   if (step.kind == StepKind::kDisarm) return vehicle.armed;
   // Armed again in its takeoff mode, it takes off by itself.
-  if (step.kind == StepKind::kTakeoff) return !lifted_off_;
+  if (takes_off(step)) return !lifted_off_;
   return true;
 }
 
 /// Whether a vehicle that accepted arming, or armed the takeoff, is not armed any more.
 bool FlightPlan::lost_its_arming(const FlightStep& step, base::SimTime now,
                                  const VehicleReport& vehicle) const {
-  const bool needs_it = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff;
+  const bool needs_it = step.kind == StepKind::kArm || takes_off(step);
   return habits_.arms_early && needs_it && phase_ == Phase::kWaiting && vehicle.heard &&
          !vehicle.armed && now - accepted_ > kHeartbeats;
 }
@@ -143,7 +191,7 @@ bool FlightPlan::lost_its_arming(const FlightStep& step, base::SimTime now,
 /// Whether the step's command would come too early.
 bool FlightPlan::bides(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle) {
   if (!vehicle.armed) {
-    const bool arms = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff;
+    const bool arms = step.kind == StepKind::kArm || takes_off(step);
     if (!habits_.arms_early || !arms) return false;
     if (armed_again_ && now - *armed_again_ <= kHeartbeats) return true;
     if (vehicle.position_lack.empty()) return false;
@@ -172,6 +220,10 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
     case StepKind::kSetGain:
     case StepKind::kSetParam:
       return true;
+    case StepKind::kMission:
+      return has_flown_mission(step, now, vehicle);
+    case StepKind::kRtl:
+      return has_returned(step, now, vehicle);
     case StepKind::kLand:
       return vehicle.on_ground;
     case StepKind::kDisarm:
@@ -191,14 +243,59 @@ bool FlightPlan::condition_holds(const FlightStep& step, base::SimTime now,
 
 bool FlightPlan::hangs_still(base::SimTime now, const VehicleReport& vehicle) {
   const Eigen::Vector3d p_up(vehicle.p_N.x(), vehicle.p_N.y(), -vehicle.p_N.z());
-  const bool still =
-      vehicle.has_position && (p_up - reference_m_).norm() < kNearM && vehicle.v_N.norm() < kSlowMS;
+  return stays(now, vehicle.has_position && (p_up - reference_m_).norm() < kNearM &&
+                        vehicle.v_N.norm() < kSlowMS);
+}
+
+bool FlightPlan::stays(base::SimTime now, bool still) {
   if (!still) {
     still_since_.reset();
     return false;
   }
   if (!still_since_) still_since_ = now;
   return now - *still_since_ >= kStillFor;
+}
+
+/// On the ground at the end of the plan; elsewhere the step has failed.
+bool FlightPlan::has_landed_there(const VehicleReport& vehicle) {
+  if (!vehicle.on_ground) return false;
+  const double off_m = (vehicle.p_N - reference_m_).head<2>().norm();
+  if (off_m <= kLandedNearM) return true;
+  failure_ = words_for(current_, steps_) + " ended on the ground " +
+             std::to_string(static_cast<int>(std::lround(off_m))) + " m from its place" +
+             said(vehicle);
+  return false;
+}
+
+bool FlightPlan::has_returned(const FlightStep& step, base::SimTime now,
+                              const VehicleReport& vehicle) {
+  if (!step.ends_holding) return has_landed_there(vehicle);
+  const double off_m = (vehicle.p_N - reference_m_).head<2>().norm();
+  const bool above = vehicle.has_position && vehicle.in_air && off_m < kNearM;
+  return stays(now, now - accepted_ > kReturnBegins && above && vehicle.v_N.norm() < kSlowMS);
+}
+
+bool FlightPlan::is_at_last_item(const VehicleReport& vehicle) const {
+  return !last_item_ || (vehicle.mission_reached && *vehicle.mission_reached >= *last_item_);
+}
+
+bool FlightPlan::has_flown_mission(const FlightStep& step, base::SimTime now,
+                                   const VehicleReport& vehicle) {
+  if (!lifted_off_) return false;
+  if (!is_at_last_item(vehicle)) {
+    if (vehicle.on_ground && !vehicle.armed) {
+      failure_ =
+          words_for(current_, steps_) + " ended on the ground before its last item" + said(vehicle);
+    }
+    return false;
+  }
+  return lands(step) ? has_landed_there(vehicle) : hangs_still(now, vehicle);
+}
+
+void FlightPlan::aim(const HomedMission& mission) {
+  reference_m_ = mission.end_m;
+  last_item_ = mission.last;
+  if (!done()) steps_[current_].reach_m = mission.reach_m;
 }
 
 void FlightPlan::begin_step(base::SimTime now, const FlightStep& step) {
@@ -208,22 +305,24 @@ void FlightPlan::begin_step(base::SimTime now, const FlightStep& step) {
   accepted_ = now;
   retry_at_ = now;
   still_since_.reset();
-  takeoff_accepted_ = lifted_off_ = false;
+  takeoff_accepted_ = lifted_off_ = mode_seen_ = false;
   last_refusal_.clear();
   if (step.kind == StepKind::kTakeoff) reference_m_ = {0, 0, step.altitude_m};
   if (step.kind == StepKind::kGoto) {
     reference_m_ = step.place_m;
     reference_yaw_rad_ = step.yaw_rad;
   }
+  if (step.kind == StepKind::kRtl) reference_m_ = {0, 0, step.ends_holding ? reference_m_.z() : 0};
 }
 
 void FlightPlan::end_step(base::SimTime now) {
   Stage stage = *under_way(now);
   stage.accepted = accepted_;
   stages_.push_back(std::move(stage));
-  if (steps_[current_].kind == StepKind::kTakeoff) airborne_ = true;
+  const FlightStep& step = steps_[current_];
+  airborne_ = (airborne_ || takes_off(step)) && !lands(step);
   ++current_;
-  if (!done() && steps_[current_].kind == StepKind::kLand) airborne_ = false;  // it may disarm now
+  if (!done() && lands(steps_[current_])) airborne_ = false;  // it may disarm now
   begun_ = false;
 }
 

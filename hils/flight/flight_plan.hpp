@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -48,6 +49,9 @@ struct VehicleReport {
   std::uint64_t acts_so_far = 0;  ///< as casd counts them
   std::string disarm_words{};     ///< what it said of its newest disarming: "Disarmed by landing"
   double disarm_words_age_s = 0;  ///< by casd's clock
+  std::string mode{};             ///< by its HEARTBEAT; empty: nobody looks
+  std::string warning{};          ///< what it said last, and lately, as a warning or worse
+  std::optional<std::uint16_t> mission_reached{};  ///< of the mission under way, by the wire
 
   /// Motion by the vehicle's own estimate.
   Motion estimate() const;
@@ -72,6 +76,8 @@ struct FirmwareHabits {
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
+  /// Its trajectories are streamed to it as setpoints (PX4: OFFBOARD, ArduCopter: GUIDED).
+  bool flies_setpoints = false;
 };
 
 /// Takes a vehicle through the steps of a scenario. It says which command is to be given and when
@@ -108,6 +114,11 @@ class FlightPlan {
   const std::string& failure() const { return failure_; }
   /// The flight cannot go on for a reason that the plan does not see.
   void fail(std::string why) { failure_ = std::move(why); }
+  /// The mission under way, once it is uploaded: where it ends, and the item before its landing.
+  void aim(const HomedMission& mission);
+  /// Where the vehicle is to be, north, east, up from where it was armed, and its heading.
+  const Eigen::Vector3d& reference_m() const { return reference_m_; }
+  double reference_yaw_rad() const { return reference_yaw_rad_; }
   const std::vector<Stage>& stages() const { return stages_; }
   /// The step under way, for progress lines.
   const FlightStep* current() const { return done() ? nullptr : &steps_[current_]; }
@@ -134,6 +145,14 @@ class FlightPlan {
   bool condition_holds(const FlightStep& step, base::SimTime now,
                        const VehicleReport& vehicle) const;
   bool hangs_still(base::SimTime now, const VehicleReport& vehicle);
+  bool stays(base::SimTime now, bool still);
+  bool has_landed_there(const VehicleReport& vehicle);
+  bool has_returned(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
+  bool has_flown_mission(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
+  bool is_at_last_item(const VehicleReport& vehicle) const;
+  std::vector<std::string_view> modes_of(const FlightStep& step,
+                                         const VehicleReport& vehicle) const;
+  void check_mode(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
   void begin_step(base::SimTime now, const FlightStep& step);
   void end_step(base::SimTime now);
 
@@ -147,10 +166,12 @@ class FlightPlan {
   std::optional<base::SimTime> still_since_;
   std::optional<base::SimTime> armed_again_;  ///< in a takeoff step, when that was accepted
   bool begun_ = false;
-  bool rearming_ = false;          ///< the command under way arms, whatever the step is
-  bool takeoff_accepted_ = false;  ///< in the step under way
-  bool lifted_off_ = false;        ///< in the step under way, after it was accepted
-  bool airborne_ = false;          ///< between takeoff and land: disarming is a crash
+  bool rearming_ = false;                   ///< the command under way arms, whatever the step is
+  bool takeoff_accepted_ = false;           ///< in the step under way
+  bool lifted_off_ = false;                 ///< in the step under way, after it was accepted
+  bool airborne_ = false;                   ///< between takeoff and land: disarming is a crash
+  bool mode_seen_ = false;                  ///< in the step under way, the mode that flies it
+  std::optional<std::uint16_t> last_item_;  ///< of the mission under way
   Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
   double reference_yaw_rad_ = 0;
   std::string last_refusal_;

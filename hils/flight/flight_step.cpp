@@ -18,9 +18,10 @@ namespace {
 
 constexpr double kMaxStepSeconds = 86'400;
 constexpr double kMaxDistanceM = 10'000;
+constexpr base::Duration kMissionPatience = std::chrono::minutes(5);
 constexpr double kRadiansPerDegree = M_PI / 180.0;
 
-constexpr std::array<std::pair<StepKind, std::string_view>, 12> kWords{{
+constexpr std::array<std::pair<StepKind, std::string_view>, 14> kWords{{
     {StepKind::kArm, "arm"},
     {StepKind::kTakeoff, "takeoff"},
     {StepKind::kGoto, "goto"},
@@ -29,12 +30,14 @@ constexpr std::array<std::pair<StepKind, std::string_view>, 12> kWords{{
     {StepKind::kSetGain, "setgain"},
     {StepKind::kSetParam, "setparam"},
     {StepKind::kWaitUntil, "wait_until"},
+    {StepKind::kMission, "mission"},
+    {StepKind::kRtl, "rtl"},
     {StepKind::kLand, "land"},
     {StepKind::kDisarm, "disarm"},
     {StepKind::kEndTrajectory, "end of trajectory"},  // from here on: no word of a scenario
     {StepKind::kStandBy, "stand by"},
 }};
-constexpr std::size_t kScenarioWords = 10;
+constexpr std::size_t kScenarioWords = 12;
 
 constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{{
     {fcu::PatternShape::kCircle, "circle"},
@@ -125,6 +128,13 @@ void parse_trajectory(const base::ConfigNode& body, FlightStep& step) {
                  {"CAS_TRJ_SHAPE", static_cast<double>(trajectory.shape)}};
 }
 
+/// "landed" unless the scenario has set the vehicle to stay in the air.
+void parse_rtl(const base::ConfigNode& body, FlightStep& step) {
+  const auto ends = body.get<std::string>("ends", "landed");
+  if (ends != "landed" && ends != "holding") body.at("ends").fail("an rtl ends landed or holding");
+  step.ends_holding = ends == "holding";
+}
+
 void parse_params(const base::ConfigNode& body, FlightStep& step) {
   for (const auto& [name, value] : body.entries()) {
     if (name == "name" || name == "timeout_s" || name == "vehicle") continue;
@@ -159,6 +169,11 @@ void parse_body(const base::ConfigNode& body, const VehicleNames& names, FlightS
   if (step.kind == StepKind::kSetGain) parse_gain(body, step);
   if (step.kind == StepKind::kSetParam) parse_params(body, step);
   if (step.kind == StepKind::kTrajectory) parse_trajectory(body, step);
+  if (step.kind == StepKind::kRtl) parse_rtl(body, step);
+  if (step.kind == StepKind::kMission) {
+    step.mission = parse_mission(body);
+    step.timeout = kMissionPatience;
+  }
   if (step.kind == StepKind::kWaitUntil) {
     step.until = parse_condition(body, "condition");
     if (!step.until) body.fail("wait_until needs a condition, such as 'altitude > 2'");
@@ -226,6 +241,7 @@ class FlightRehearsal {
   void finish(const base::ConfigNode& steps) const;
 
  private:
+  void play_mission(const FlightStep& step, const base::ConfigNode& node);
   void play_measure(const FlightStep& step, const base::ConfigNode& node);
 
   [[noreturn]] void refuse(const base::ConfigNode& node, const std::string& sentence) const;
@@ -254,6 +270,12 @@ void FlightRehearsal::play(const FlightStep& step, const base::ConfigNode& node)
       if (!airborne_) refuse(node, word + " needs a takeoff step before it");
       airborne_ = step.kind != StepKind::kLand;
       return play_measure(step, node);
+    case StepKind::kRtl:
+      if (!airborne_) refuse(node, word + " needs a takeoff step before it");
+      airborne_ = step.ends_holding;
+      return;
+    case StepKind::kMission:
+      return play_mission(step, node);
     case StepKind::kHold:
     case StepKind::kStandBy:
       return play_measure(step, node);
@@ -267,6 +289,19 @@ void FlightRehearsal::play(const FlightStep& step, const base::ConfigNode& node)
     case StepKind::kWaitUntil:
       return;
   }
+}
+
+void FlightRehearsal::play_mission(const FlightStep& step, const base::ConfigNode& node) {
+  const bool takes_off = step.mission.takes_off();
+  if (!armed_) refuse(node, "mission needs an arm step before it");
+  if (!airborne_ && !takes_off) {
+    refuse(node,
+           "a mission from the ground begins with a takeoff, or needs a takeoff step before it");
+  }
+  if (airborne_ && takes_off) {
+    refuse(node, "the vehicle is in the air already: the mission begins without a takeoff");
+  }
+  airborne_ = !step.mission.lands();
 }
 
 void FlightRehearsal::play_measure(const FlightStep& step, const base::ConfigNode& node) {
@@ -312,6 +347,16 @@ std::string_view phase_of(const FlightStep& step) {
   return step.name.empty() ? to_string(step.kind) : std::string_view(step.name);
 }
 
+bool takes_off(const FlightStep& step) {
+  return step.kind == StepKind::kTakeoff ||
+         (step.kind == StepKind::kMission && step.mission.takes_off());
+}
+
+bool lands(const FlightStep& step) {
+  if (step.kind == StepKind::kMission) return step.mission.lands();
+  return step.kind == StepKind::kLand || (step.kind == StepKind::kRtl && !step.ends_holding);
+}
+
 bool is_command(StepKind kind) {
   return kind != StepKind::kHold && kind != StepKind::kWaitUntil && kind != StepKind::kStandBy;
 }
@@ -337,6 +382,13 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
   for (const FlightRehearsal& rehearsal : rehearsals) rehearsal.finish(steps);
   check_conditions(steps, flight);
   return flight;
+}
+
+void refuse_missions(const base::ConfigNode& steps) {
+  for (const base::ConfigNode& node : steps.items()) {
+    if (!node.is_map() || !node.has("mission")) continue;
+    node.at("mission").fail("only a scenario of stock firmware (key firmware) flies a mission");
+  }
 }
 
 std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight) {

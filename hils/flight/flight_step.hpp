@@ -14,6 +14,7 @@
 #include "casd/station/gain_map.hpp"
 #include "fcu/flight/trajectory.hpp"
 #include "hils/flight/flight_facts.hpp"
+#include "hils/flight/mission_plan.hpp"
 
 namespace cas::hils {
 
@@ -43,7 +44,9 @@ enum class StepKind {
   kSetGain,        ///< done when the vehicle has confirmed the gains
   kSetParam,       ///< done when the vehicle has confirmed the parameters
   kWaitUntil,      ///< done when the condition holds
+  kMission,        ///< done when the vehicle has reached the last item, and landed if that says so
   kLand,           ///< done when the vehicle says that it stands on the ground
+  kRtl,            ///< done when it stands on the ground at home, or hangs still above it
   kDisarm,         ///< done when it says that it is disarmed
   kStandBy,        ///< another vehicle's step: done when the others have done it
 };
@@ -78,10 +81,17 @@ struct FlightStep {
   std::optional<double> p{}, i{}, d{};  ///< setgain
   std::vector<std::pair<std::string, double>> params{};  ///< setparam, trajectory and its end
   std::optional<Condition> until{};                      ///< wait_until
+  MissionPlan mission{};                                 ///< mission
+  double reach_m = 0;         ///< mission: farthest place from home, once home is known
+  bool ends_holding = false;  ///< rtl: the vehicle is set to stay above home
 };
 
 /// The step's name, or the word for what it is.
 std::string_view phase_of(const FlightStep& step);
+/// Whether the vehicle is in the air after the step that was on the ground before it.
+bool takes_off(const FlightStep& step);
+/// Whether the vehicle may stand on the ground, disarmed, at the end of the step.
+bool lands(const FlightStep& step);
 /// Whether the step sends the vehicle a command.
 bool is_command(StepKind kind);
 
@@ -97,6 +107,9 @@ bool is_command(StepKind kind);
 /// @throws base::ConfigError
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
                                      const VehicleNames& names = only_vehicle());
+
+/// Missions are for stock firmware. @throws base::ConfigError at the first
+void refuse_missions(const base::ConfigNode& steps);
 
 /// The flight as one vehicle sees it: in the steps of others it stands by.
 std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight);

@@ -80,8 +80,8 @@ std::optional<Stage> reference_stage(const FlightPlan& plan, base::SimTime now) 
   if (!stage) return std::nullopt;
   bool climbed = false;
   const auto pass = [&climbed](const Stage& each) {
-    climbed |= each.step.kind == StepKind::kTakeoff;
-    if (each.step.kind == StepKind::kLand) climbed = false;
+    climbed |= takes_off(each.step);
+    if (lands(each.step)) climbed = false;
   };
   std::ranges::for_each(plan.stages(), pass);
   pass(*stage);

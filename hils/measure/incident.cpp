@@ -32,7 +32,8 @@ double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]
 double extent_m(const std::vector<Stage>& stages) {
   double extent = kLeastExtent_m;
   for (const Stage& stage : stages) {
-    extent = std::max(extent, stage.reference_m.norm() + stage.step.trajectory.size_m);
+    extent = std::max(
+        {extent, stage.reference_m.norm() + stage.step.trajectory.size_m, stage.step.reach_m});
   }
   return extent;
 }
@@ -126,17 +127,15 @@ class Watch {
   double from_s_;
 };
 
-/// How the next step is flown, after one of this kind began.
-Place place_in(StepKind kind, Place before) {
-  switch (kind) {
+/// How the next step is flown, after this one began.
+Place place_in(const FlightStep& step, Place before) {
+  if (lands(step)) return Place::kSinking;
+  if (takes_off(step)) return Place::kRising;
+  switch (step.kind) {
     case StepKind::kArm:
       return Place::kGround;
     case StepKind::kDisarm:
       return before;  // a vehicle may be disarmed in the air, and falls
-    case StepKind::kTakeoff:
-      return Place::kRising;
-    case StepKind::kLand:
-      return Place::kSinking;
     default:
       return before == Place::kRising ? Place::kAir : before;
   }
@@ -157,7 +156,7 @@ std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
   const PoseSample* before = &truth.front();
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const Stage& stage = stages[i];
-    place = place_in(stage.step.kind, place);
+    place = place_in(stage.step, place);
     // What comes between two steps, and after the last one, belongs to the one before.
     const std::int64_t until = i + 1 < stages.size() ? microseconds(stages[i + 1].begin)
                                                      : std::numeric_limits<std::int64_t>::max();

@@ -31,27 +31,15 @@ StreamWindow window_of(const Stage& hold) {
   return {.begin_usec = base::to_time_usec(hold.begin), .end_usec = base::to_time_usec(hold.end)};
 }
 
-/// The reference in the axes of truth.csv: the plan's places count from where the vehicle stood.
-ReferenceAt reference_in_truth(const Stage& stage, std::span<const PoseSample> truth) {
-  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
-  return [&stage, start](std::int64_t time_us) {
-    Pose pose = reference_at(stage, time_us);
-    pose.x_m += start.x_m;
-    pose.y_m += start.y_m;
-    pose.z_m += start.z_m;
-    return pose;
-  };
-}
-
 std::int64_t microseconds(base::SimTime t) {
   return static_cast<std::int64_t>(base::to_time_usec(t));
 }
 
-void measure_hold(const RunRecord& record, Measurement& figures) {
+void measure_hold(const RunRecord& record, const std::vector<PoseSample>& truth,
+                  Measurement& figures) {
   const Stage& hold = *record.hold;
   const std::int64_t begin = microseconds(hold.begin);
   const std::int64_t end = microseconds(hold.end);
-  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   const auto flown = between(truth, begin, end);
   const ReferenceAt reference = reference_in_truth(hold, truth);
   figures.rms = rms_about(flown, reference);
@@ -194,7 +182,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   if (record.virtual_clock && record.wall_s > 0) {
     figures.pace.real_time_factor = record.simulated_s / record.wall_s;
   }
-  if (record.hold) measure_hold(record, figures);
+  if (record.hold) measure_hold(record, truth, figures);
   return figures;
 }
 

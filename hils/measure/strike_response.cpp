@@ -136,7 +136,8 @@ class PlannedPath {
       if (step.kind == StepKind::kTakeoff) places_.emplace_back(0, 0, step.altitude_m);
       if (step.kind == StepKind::kGoto) places_.push_back(step.place_m);
       if (step.kind == StepKind::kTrajectory) slack_m_ = std::max(slack_m_, step.trajectory.size_m);
-      if (step.kind == StepKind::kLand) {
+      if (step.kind == StepKind::kRtl) places_.emplace_back(0, 0, places_.back().z());
+      if (lands(step)) {
         places_.emplace_back(places_.back().x(), places_.back().y(), 0);
       }
     }
@@ -202,8 +203,8 @@ class PlannedPlace {
   bool landed_before(std::span<const Stage>::iterator end) const {
     bool landed = false;
     for (auto each = stages_.begin(); each != end; ++each) {
-      if (each->step.kind == StepKind::kLand) landed = true;
-      if (each->step.kind == StepKind::kTakeoff) landed = false;
+      if (lands(each->step)) landed = true;
+      if (takes_off(each->step)) landed = false;
     }
     return landed;
   }

@@ -184,4 +184,15 @@ Pose reference_at(const Stage& stage, std::int64_t time_us) {
   return pose;
 }
 
+ReferenceAt reference_in_truth(const Stage& stage, std::span<const PoseSample> truth) {
+  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
+  return [&stage, start](std::int64_t time_us) {
+    Pose pose = reference_at(stage, time_us);
+    pose.x_m += start.x_m;
+    pose.y_m += start.y_m;
+    pose.z_m += start.z_m;
+    return pose;
+  };
+}
+
 }  // namespace cas::hils

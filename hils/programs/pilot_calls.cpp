@@ -26,6 +26,16 @@ void add_disarm_words(const Json& state, VehicleReport& report) {
   }
 }
 
+/// The newest of its texts that is at least a warning: what is older says nothing of now.
+void add_warning(const Json& state, VehicleReport& report) {
+  constexpr double kLately_s = 5;
+  for (const Json& said : state.value("statustexts", Json::array())) {
+    const std::string severity = said.value("severity", "");
+    const bool harmless = severity == "notice" || severity == "info" || severity == "debug";
+    if (!harmless && said.value("age_s", 0.0) < kLately_s) report.warning = said.value("text", "");
+  }
+}
+
 void add_acts(const Json& state, VehicleReport& report) {
   for (const Json& act : state.value("interventions", Json::array())) {
     report.acts.push_back({.by = act.value("by", "") + " on link " + act.value("link", ""),
@@ -42,6 +52,7 @@ VehicleReport to_report(const Json& state) {
   report.autopilot = state.value("autopilot", "");
   report.hil = state.value("hil", false);
   report.armed = state.value("armed", false);
+  report.mode = state.value("mode", "");
   report.acts_so_far = state.value("acts_so_far", std::uint64_t{0});
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
@@ -60,6 +71,7 @@ VehicleReport to_report(const Json& state) {
   }
   add_acts(state, report);
   add_disarm_words(state, report);
+  add_warning(state, report);
   return report;
 }
 
@@ -106,8 +118,11 @@ std::vector<Call> to_calls(const FlightStep& step) {
     }
     case StepKind::kLand:
       return {{"vehicle.land", Json::object()}};
+    case StepKind::kRtl:
+      return {{"vehicle.rtl", Json::object()}};
     case StepKind::kDisarm:
       return {{"vehicle.disarm", Json::object()}};
+    case StepKind::kMission:  // needs more than casd: hils/firmware
     case StepKind::kHold:
     case StepKind::kWaitUntil:
     case StepKind::kStandBy:

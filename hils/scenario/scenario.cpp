@@ -348,6 +348,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   scenario.drain_tick_ms = root.get_in("drain_tick_ms", scenario.drain_tick_ms, 0, 10);
   scenario.ground_station = root.get("ground_station", false);
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
+  refuse_missions(root.at("steps"));
   if (root.has("faults")) {
     scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
     refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},

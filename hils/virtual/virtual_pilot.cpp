@@ -81,12 +81,15 @@ void VirtualPilot::give(const FleetPlan::Command& command, base::RunTime now) {
       return set_gain(system, step, now, std::move(done));
     case StepKind::kLand:
       return commander_.land(system, now, std::move(done));
+    case StepKind::kRtl:
+      return commander_.return_home(system, now, std::move(done));
     case StepKind::kDisarm:
       return commander_.disarm(system, false, now, std::move(done));
     case StepKind::kSetParam:
     case StepKind::kTrajectory:
     case StepKind::kEndTrajectory:
       return set_params(system, step, 0, now, std::move(done));
+    case StepKind::kMission:  // no scenario of our controller has one
     case StepKind::kHold:
     case StepKind::kWaitUntil:
     case StepKind::kStandBy:

@@ -2,6 +2,9 @@
 // Whole flights on the virtual clock: simulator, router, line, controller and ground station.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+
 #include "tests/closed_loop/flight_fixture.hpp"
 
 namespace cas::hils {
@@ -62,6 +65,17 @@ TEST_F(Hover, IsAnotherFlightForAnotherSeed) {
   EXPECT_TRUE(other.verdict().passed) << other.text();
   EXPECT_FALSE(flight_->truth() == other.truth());
   EXPECT_FALSE(flight_->log() == other.log());
+}
+
+TEST(Return, LandsWhereTheVehicleWasArmed) {
+  Scenario scenario = hover();
+  const auto land = std::ranges::find(scenario.steps, StepKind::kLand, &FlightStep::kind);
+  ASSERT_NE(land, scenario.steps.end());
+  *land = {.kind = StepKind::kRtl, .timeout = std::chrono::minutes(3)};
+  scenario.steps.insert(land, {.kind = StepKind::kGoto, .place_m = {6, 4, 2.5}});
+  const Flight flight(scenario, 1, "return");
+  EXPECT_TRUE(flight.figures().flight_failure.empty()) << flight.figures().flight_failure;
+  EXPECT_TRUE(flight.verdict().passed) << flight.text();
 }
 
 }  // namespace

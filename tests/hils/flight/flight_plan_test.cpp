@@ -307,5 +307,89 @@ TEST(FlightPlan, SkipsDisarmWhenTheVehicleHasDisarmedItself) {
   EXPECT_TRUE(plan.done());
 }
 
+constexpr FirmwareHabits kSetpoints{.arms_early = true, .flies_setpoints = true};
+
+/// A plan whose only step was given and accepted at 0.
+FlightPlan flying(FlightStep step) {
+  FlightPlan plan({std::move(step)}, 0, kSetpoints);
+  VehicleReport vehicle = hovering();
+  vehicle.autopilot = "PX4";
+  EXPECT_TRUE(plan.update(at(seconds(0)), vehicle));
+  plan.on_outcome(at(seconds(0)), "");
+  return plan;
+}
+
+VehicleReport in_mode(const char* mode) {
+  VehicleReport vehicle = hovering();
+  vehicle.autopilot = "PX4";
+  vehicle.mode = mode;
+  return vehicle;
+}
+
+TEST(FlightPlan, BreaksATrajectoryOffWhenTheVehicleLeavesItsMode) {
+  FlightPlan plan = flying({.kind = StepKind::kTrajectory, .duration = seconds(20)});
+  plan.update(at(milliseconds(500)), in_mode("HOLD"));
+  EXPECT_EQ(plan.failure(), "") << "its HEARTBEAT is older than the command";
+  plan.update(at(seconds(1)), in_mode("OFFBOARD"));
+  VehicleReport lost = in_mode("RTL");
+  lost.warning = "No offboard signal";
+  plan.update(at(seconds(2)), lost);
+  EXPECT_EQ(plan.failure(),
+            "step 1 (trajectory) was broken off: the vehicle left OFFBOARD for RTL; it said 'No "
+            "offboard signal'");
+}
+
+MissionPlan there_and(const char* last) {
+  return parse_mission(base::ConfigNode::parse(
+      "items: [waypoint: {north_m: 3, east_m: 4, up_m: 5}, " + std::string(last) + "]"));
+}
+
+TEST(FlightPlan, HasFlownAMissionWhenTheVehicleHangsAtItsLastItem) {
+  FlightPlan plan = flying({.kind = StepKind::kMission,
+                            .mission = there_and("waypoint: {north_m: 6, east_m: 8, up_m: 5}")});
+  plan.aim({.last = std::uint16_t{1}, .end_m = {6, 8, 5}});
+  VehicleReport vehicle = in_mode("MISSION");
+  vehicle.p_N = {6, 8, -5};
+  vehicle.mission_reached = 0;
+  for (int s = 1; s < 5; ++s) plan.update(at(seconds(s)), vehicle);
+  EXPECT_FALSE(plan.done()) << "it has not said so";
+  vehicle.mission_reached = 1;
+  vehicle.mode = "HOLD";
+  for (int s = 5; s < 8; ++s) plan.update(at(seconds(s)), vehicle);
+  EXPECT_TRUE(plan.done()) << plan.failure();
+}
+
+TEST(FlightPlan, DoesNotTakeAReturnForTheMissionsOwn) {
+  FlightPlan plan = flying({.kind = StepKind::kMission, .mission = there_and("rtl")});
+  plan.aim({.last = std::uint16_t{0}});
+  plan.update(at(seconds(1)), in_mode("MISSION"));
+  plan.update(at(seconds(2)), in_mode("RTL"));
+  EXPECT_NE(plan.failure().find("the vehicle left MISSION for RTL"), std::string::npos)
+      << plan.failure();
+}
+
+TEST(FlightPlan, HasReturnedWhenTheVehicleStandsAtHome) {
+  FlightPlan plan = flying({.kind = StepKind::kRtl, .timeout = seconds(60)});
+  VehicleReport vehicle = in_mode("RTL");
+  vehicle.p_N = {9, 0, -2};
+  plan.update(at(seconds(1)), vehicle);
+  EXPECT_FALSE(plan.done());
+  vehicle.p_N = {0.4, 0, 0};
+  vehicle.in_air = false;
+  vehicle.on_ground = true;
+  plan.update(at(seconds(30)), vehicle);
+  EXPECT_TRUE(plan.done()) << plan.failure();
+}
+
+TEST(FlightPlan, FailsWhereAReturnLandsElsewhere) {
+  FlightPlan plan = flying({.kind = StepKind::kRtl, .timeout = seconds(60)});
+  VehicleReport vehicle = in_mode("RTL");
+  vehicle.p_N = {9, 0, 0};
+  vehicle.in_air = false;
+  vehicle.on_ground = true;
+  plan.update(at(seconds(30)), vehicle);
+  EXPECT_EQ(plan.failure(), "step 1 (rtl) ended on the ground 9 m from its place");
+}
+
 }  // namespace
 }  // namespace cas::hils

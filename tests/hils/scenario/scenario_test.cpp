@@ -70,6 +70,23 @@ TEST_F(ScenarioFile, RefusesAFaultThatAsksForAnUnknownStep) {
   }
 }
 
+TEST_F(ScenarioFile, RefusesAMissionOfOurController) {
+  const std::string error = error_of(kHead + R"(steps:
+  - arm
+  - mission: {items: [takeoff: {up_m: 3}, rtl]}
+)");
+  EXPECT_NE(error.find("no hold is measured"), std::string::npos) << error;
+  const std::string whole = error_of(kHead + R"(steps:
+  - arm
+  - mission: {items: [takeoff: {up_m: 3}]}
+  - hold: {duration_s: 5, measure: true}
+  - rtl
+)");
+  EXPECT_NE(whole.find(".yaml:7: steps[1].mission: only a scenario of stock firmware"),
+            std::string::npos)
+      << whole;
+}
+
 TEST_F(ScenarioFile, ReadsStepsInOrder) {
   const Scenario scenario = Scenario::load(write(std::string(kHead) + kFlight));
   ASSERT_EQ(scenario.steps.size(), 4U);

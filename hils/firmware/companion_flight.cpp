@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/companion_flight.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/rpc/client.hpp"
+#include "mavlink/common/enums.hpp"
+
+namespace cas::hils {
+namespace {
+
+using Json = nlohmann::json;
+
+/// PX4 v1.12 and v1.16 enter OFFBOARD while setpoints come; this is twice what they look back.
+constexpr base::Duration kLead = std::chrono::seconds(1);
+/// In real time, of a simulation that may run slower than that.
+constexpr base::Duration kLeadPatience = std::chrono::seconds(30);
+constexpr base::Duration kGlance = std::chrono::milliseconds(5);
+constexpr double kDegreesPerRadian = 180 / M_PI;
+
+bool is_ardupilot(const CompanionFlight::Vehicle& vehicle) {
+  return vehicle.autopilot == "ArduPilot";
+}
+
+/// "127.0.0.1:34567"
+std::uint16_t port_of(const std::string& endpoint) {
+  return static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
+}
+
+}  // namespace
+
+bool CompanionFlight::gives(StepKind kind) {
+  return kind == StepKind::kTrajectory || kind == StepKind::kEndTrajectory ||
+         kind == StepKind::kMission;
+}
+
+void CompanionFlight::join(const std::string& name) {
+  const Json state = call_("vehicle.state", Json::object());
+  for (const Json& link : call_("link.list", Json::object())) {
+    if (link.value("name", "") != name) continue;
+    const mav::Source vehicle{.system = state.at("system").get<std::uint8_t>(),
+                              .component = state.at("component").get<std::uint8_t>()};
+    return link_.connect(port_of(link.at("endpoint").get<std::string>()), vehicle);
+  }
+  throw base::ConfigError("casd has no link " + name);
+}
+
+void CompanionFlight::before_look() {
+  if (!link_.connected()) return;
+  time_before_look_ =
+      link_.with_station([](const auto& station) { return station.vehicle_time(); });
+}
+
+void CompanionFlight::after_look(base::SimTime now) {
+  if (time_before_look_) clock_.add(*time_before_look_, now);
+}
+
+CompanionFlight::Answer CompanionFlight::give(const FlightStep& step, const Vehicle& vehicle) {
+  if (vehicle.autopilot != "PX4" && !is_ardupilot(vehicle)) {
+    return {.refusal = "only PX4 and ArduPilot fly trajectories and missions", .for_good = true};
+  }
+  try {
+    if (step.kind == StepKind::kTrajectory) return begin_trajectory(step, vehicle);
+    if (step.kind == StepKind::kEndTrajectory) return end_trajectory(vehicle);
+    return fly_mission(step, vehicle);
+  } catch (const base::rpc::CallError& error) {
+    return {.refusal = error.what()};
+  }
+}
+
+/// Setpoints come first: PX4 refuses OFFBOARD without them.
+CompanionFlight::Answer CompanionFlight::begin_trajectory(const FlightStep& step,
+                                                          const Vehicle& vehicle) {
+  ask_for_position();
+  link_.with_station(
+      [&](auto& station) { station.setpoints().hover(vehicle.hover_N, vehicle.yaw_rad); });
+  if (!streams()) return {.refusal = "the vehicle does not tell its position, nor its time"};
+  call_("vehicle.mode", {{"mode", is_ardupilot(vehicle) ? "GUIDED" : "OFFBOARD"}});
+  const base::Duration begin = link_.with_station([&](auto& station) {
+    station.setpoints().fly(step.trajectory.pattern(), *station.vehicle_time());
+    return *station.vehicle_time();
+  });
+  Answer answer;
+  if (!clock_.empty()) answer.begin = clock_.to_sim(begin);
+  return answer;
+}
+
+/// Back to the middle, and there in HOLD (ArduCopter: GUIDED). Setpoints come until it is accepted:
+/// PX4 would take their end for a lost companion.
+CompanionFlight::Answer CompanionFlight::end_trajectory(const Vehicle& vehicle) {
+  link_.with_station(
+      [&](auto& station) { station.setpoints().hover(vehicle.hover_N, vehicle.yaw_rad); });
+  call_("vehicle.goto", {{"north_m", vehicle.hover_N.x()},
+                         {"east_m", vehicle.hover_N.y()},
+                         {"down_m", vehicle.hover_N.z()},
+                         {"yaw_deg", vehicle.yaw_rad * kDegreesPerRadian}});
+  link_.with_station([](auto& station) { station.setpoints().stop(); });
+  return {};
+}
+
+CompanionFlight::Answer CompanionFlight::fly_mission(const FlightStep& step,
+                                                     const Vehicle& vehicle) {
+  const Json state = call_("vehicle.state", Json::object());
+  const auto home = state.find("home");
+  if (home == state.end()) return {.refusal = "the vehicle has not told its home yet"};
+  Answer answer;
+  answer.mission =
+      at_home(step.mission,
+              {home->value("lat_deg", 0.0), home->value("lon_deg", 0.0), home->value("alt_m", 0.0)},
+              is_ardupilot(vehicle));
+  if (const auto uploaded = upload(*answer.mission); !uploaded.ok()) {
+    return {.refusal = "the mission was not taken: " + uploaded.message, .for_good = true};
+  }
+  if (is_ardupilot(vehicle)) {
+    // From the ground AUTO alone waits for a raised throttle.
+    Json start{{"command", static_cast<int>(mavlink::common::MavCmd::kMissionStart)},
+               {"params", {0, 0}}};
+    if (vehicle.not_hil) start["not_hil"] = true;
+    call_("vehicle.command", start);
+  } else {
+    call_("vehicle.mode", {{"mode", "MISSION"}});
+  }
+  return answer;
+}
+
+mav::services::Outcome CompanionFlight::upload(const HomedMission& mission) {
+  link_.with_station([&](auto& station) { station.upload(mission.items, base::steady_now()); });
+  while (true) {
+    const auto outcome = link_.with_station([](const auto& station) { return station.uploaded(); });
+    if (outcome) return *outcome;
+    wait_(kGlance);
+  }
+}
+
+/// A vehicle that refuses goes on at its own rate.
+void CompanionFlight::ask_for_position() {
+  if (std::exchange(asked_for_position_, true)) return;
+  try {
+    call_("vehicle.message_interval",
+          {{"message", "LOCAL_POSITION_NED"}, {"hz", SetpointStream::kRate_hz}});
+  } catch (const base::rpc::CallError&) {
+  }
+}
+
+bool CompanionFlight::streams() {
+  const base::RunTime deadline = base::steady_now() + kLeadPatience;
+  const auto long_enough = [](const auto& station) {
+    return station.setpoints().alive_for() >= kLead;
+  };
+  while (!link_.with_station(long_enough)) {
+    if (base::steady_now() > deadline) return false;
+    wait_(kGlance);
+  }
+  return true;
+}
+
+std::optional<std::uint16_t> CompanionFlight::reached() {
+  if (!link_.connected()) return std::nullopt;
+  return link_.with_station([](const auto& station) { return station.reached(); });
+}
+
+SetpointStream::Figures CompanionFlight::setpoints() {
+  if (!link_.connected()) return {};
+  return link_.with_station([](const auto& station) { return station.setpoints().figures(); });
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/time/clock.hpp"
+#include "hils/firmware/companion_link.hpp"
+#include "hils/firmware/vehicle_clock.hpp"
+#include "hils/flight/flight_step.hpp"
+
+namespace cas::hils {
+
+/// Has a stock autopilot fly what takes more than a command of casd: trajectories, streamed as
+/// setpoints, and missions. PX4 flies them in OFFBOARD and MISSION, ArduCopter in GUIDED and AUTO.
+class CompanionFlight {
+ public:
+  /// Calls a method of casd. @throws base::rpc::CallError for a refusal
+  using Call = std::function<nlohmann::json(const std::string& method, nlohmann::json params)>;
+  /// Waits a moment, and notices programs that died.
+  using Wait = std::function<void(base::Duration)>;
+
+  /// Where the vehicle is.
+  struct Vehicle {
+    std::string autopilot{};                            ///< "PX4", "ArduPilot"
+    Eigen::Vector3d hover_N = Eigen::Vector3d::Zero();  ///< where the plan has it hang, in its N, m
+    double yaw_rad = 0;
+    bool not_hil = false;  ///< it may start although it does not say that it is in HIL
+  };
+
+  /// How giving a step ended.
+  struct Answer {
+    std::string refusal{};                 ///< empty: the vehicle flies it
+    bool for_good = false;                 ///< asking again would not help
+    std::optional<base::SimTime> begin{};  ///< of a trajectory
+    std::optional<HomedMission> mission{};
+  };
+
+  /// @param link  not connected yet; outlives the flight
+  CompanionFlight(CompanionLink& link, Call call, Wait wait)
+      : link_(link), call_(std::move(call)), wait_(std::move(wait)) {}
+
+  /// Steps that it gives.
+  static bool gives(StepKind kind);
+
+  /// Joins casd's link once the vehicle is heard.
+  /// @param name  of casd's link
+  void join(const std::string& name);
+
+  /// Around each look at simulated time.
+  void before_look();
+  void after_look(base::SimTime now);
+
+  Answer give(const FlightStep& step, const Vehicle& vehicle);
+
+  /// The item of the mission under way that was reached last.
+  std::optional<std::uint16_t> reached();
+  SetpointStream::Figures setpoints();
+
+ private:
+  Answer begin_trajectory(const FlightStep& step, const Vehicle& vehicle);
+  Answer end_trajectory(const Vehicle& vehicle);
+  Answer fly_mission(const FlightStep& step, const Vehicle& vehicle);
+  void ask_for_position();
+  bool streams();
+  mav::services::Outcome upload(const HomedMission& mission);
+
+  CompanionLink& link_;
+  Call call_;
+  Wait wait_;
+  VehicleClock clock_;
+  std::optional<base::Duration> time_before_look_;
+  bool asked_for_position_ = false;
+};
+
+}  // namespace cas::hils

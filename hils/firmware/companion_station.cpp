@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/companion_station.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "mavlink/common/attitude.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/local_position_ned.hpp"
+#include "mavlink/common/mission_item_reached.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/services/address.hpp"
+
+namespace cas::hils {
+namespace {
+
+namespace mv = mavlink::common;
+
+/// So that casd knows the way for what the vehicle answers.
+constexpr base::Duration kHeartbeatPeriod = std::chrono::seconds(1);
+
+mv::Heartbeat heartbeat() {
+  mv::Heartbeat message;
+  message.type = mv::MavType::kOnboardController;
+  message.autopilot = mv::MavAutopilot::kInvalid;
+  message.system_status = mv::MavState::kActive;
+  message.mavlink_version = 3;
+  return message;
+}
+
+}  // namespace
+
+CompanionStation::CompanionStation(mav::Source vehicle, Send send)
+    : vehicle_(vehicle),
+      send_(std::move(send)),
+      parser_(mv::table()),
+      mission_([this](const mav::services::MissionExchange::Message& message) {
+        std::visit([this](const auto& m) { say(m); }, message);
+      }) {}
+
+template <class Message>
+void CompanionStation::say(Message message) {
+  send_(encode_(mav::services::addressed(message, vehicle_)));
+}
+
+void CompanionStation::on_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
+  parser_.feed(bytes, [&](const mav::PacketView& packet) { on_packet(packet, now); });
+}
+
+void CompanionStation::on_packet(const mav::PacketView& packet, base::RunTime now) {
+  if (packet.source != vehicle_) return;
+  if (const auto position = mav::decode<mv::LocalPositionNed>(packet)) {
+    return on_vehicle_time(position->time_boot_ms);
+  }
+  if (const auto attitude = mav::decode<mv::Attitude>(packet)) {
+    return on_vehicle_time(attitude->time_boot_ms);
+  }
+  if (const auto item = mav::decode<mv::MissionItemReached>(packet)) {
+    reached_ = std::max(reached_.value_or(0), item->seq);
+    return;
+  }
+  mission_.on_packet(packet, kSelf, now);
+}
+
+/// Messages of one moment, and of the moment before, come in any order.
+void CompanionStation::on_vehicle_time(std::uint32_t boot_ms) {
+  const base::Duration time = std::chrono::milliseconds(boot_ms);
+  if (vehicle_time_ && time <= *vehicle_time_) return;
+  vehicle_time_ = time;
+  if (const auto setpoint = setpoints_.update(time)) say(*setpoint);
+}
+
+void CompanionStation::tick(base::RunTime now) {
+  mission_.tick(now);
+  if (now < next_heartbeat_) return;
+  next_heartbeat_ = now + kHeartbeatPeriod;
+  send_(encode_(heartbeat()));
+}
+
+void CompanionStation::upload(mav::services::MissionExchange::Items items, base::RunTime now) {
+  uploaded_.reset();
+  reached_.reset();
+  mission_.upload(std::move(items), now,
+                  [this](const mav::services::Outcome& outcome, const auto&) {
+                    uploaded_ = outcome;
+                    reached_.reset();  // what came until now was of the mission before
+                  });
+}
+
+}  // namespace cas::hils

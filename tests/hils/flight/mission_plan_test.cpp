@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/flight/mission_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "base/error.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::hils {
+namespace {
+
+using mavlink::common::MavCmd;
+
+constexpr base::Geodetic kHome{47.397742, 8.545594, 488};
+/// The sphere of LocalProjection (6 371 km): one degree of latitude in m.
+constexpr double kMetresPerDegree = 111'194.93;
+
+MissionPlan parse(const std::string& text) {
+  return parse_mission(base::ConfigNode::parse(text, "mission.yaml"));
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const base::ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+constexpr const char* kThere = R"(items:
+  - takeoff: {up_m: 5}
+  - waypoint: {north_m: 30, east_m: 40, up_m: 10, hold_s: 2}
+  - land
+)";
+
+TEST(MissionPlan, CountsFromTheVehiclesHome) {
+  const HomedMission mission = at_home(parse(kThere), kHome, false);
+  ASSERT_EQ(mission.items.size(), 3U);
+  const auto& waypoint = mission.items[1];
+  EXPECT_EQ(waypoint.command, MavCmd::kNavWaypoint);
+  EXPECT_EQ(waypoint.param1, 2);
+  EXPECT_TRUE(std::isnan(waypoint.param4)) << "the heading is the vehicle's";
+  EXPECT_NEAR((waypoint.x * 1e-7 - kHome.lat_deg) * kMetresPerDegree, 30, 0.02);
+  EXPECT_FLOAT_EQ(waypoint.z, 10);
+  EXPECT_EQ(mission.items[2].x, waypoint.x) << "it lands below its last place";
+  EXPECT_NEAR((mission.end_m - Eigen::Vector3d(30, 40, 0)).norm(), 0, 0.02);
+  EXPECT_NEAR(mission.reach_m, std::hypot(30, 40, 10), 0.02);
+  EXPECT_EQ(mission.last, 1U) << "what comes after it is the landing";
+}
+
+TEST(MissionPlan, OfArdupilotBeginsWithHomeThatNobodyFlies) {
+  const HomedMission mission = at_home(parse(kThere), kHome, true);
+  ASSERT_EQ(mission.items.size(), 4U);
+  EXPECT_FLOAT_EQ(mission.items[0].z, 488);
+  EXPECT_EQ(mission.items[1].command, MavCmd::kNavTakeoff);
+  EXPECT_EQ(mission.last, 2U);
+}
+
+TEST(MissionPlan, ThatReturnsEndsAtHome) {
+  const MissionPlan plan = parse("items: [waypoint: {north_m: 3, east_m: 4, up_m: 5}, rtl]");
+  EXPECT_TRUE(plan.lands());
+  EXPECT_FALSE(plan.takes_off());
+  EXPECT_EQ(at_home(plan, kHome, false).end_m.norm(), 0);
+}
+
+TEST(MissionPlan, IsReadFromAPlanOfQGroundControl) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("field.plan", R"({"fileType": "Plan", "mission": {"items": [
+{"type": "SimpleItem", "command": 22, "frame": 3, "params": [0, 0, 0, null, 47.397742, 8.545594, 7]},
+{"type": "SimpleItem", "command": 16, "frame": 0, "params": [0, 0, 0, null, 47.3980115, 8.545594, 498]},
+{"type": "SimpleItem", "command": 203, "frame": 2, "params": [0, 0, 0, 0, 1, 0, 0]}]}})");
+  const HomedMission mission = at_home(parse("file: " + file.string()), kHome, false);
+  ASSERT_EQ(mission.items.size(), 3U);
+  EXPECT_NEAR((mission.end_m - Eigen::Vector3d(29.97, 0, 10)).norm(), 0, 0.05)
+      << "of the second, whose height is above the sea";
+  EXPECT_EQ(mission.last, 1U) << "a camera flies nowhere";
+}
+
+struct Refusal {
+  const char* name;
+  const char* text;
+  const char* words;
+};
+
+class MissionPlanRefuses : public testing::TestWithParam<Refusal> {};
+
+TEST_P(MissionPlanRefuses, WithOneSentence) {
+  EXPECT_NE(error_of(GetParam().text).find(GetParam().words), std::string::npos)
+      << error_of(GetParam().text);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Words, MissionPlanRefuses,
+    testing::Values(
+        Refusal{"Nothing", "{}", "either a file, of QGroundControl, or items"},
+        Refusal{"NoItems", "items: []", "the mission has no item that flies"},
+        Refusal{"AnUnknownItem", "items: [orbit: {}]", "items[0]: there is no item 'orbit'"},
+        Refusal{"APlaceInPart", "items: [waypoint: {north_m: 1, up_m: 3}]", "east_m"},
+        Refusal{"ALandingOnTheWay", "items: [land, waypoint: {north_m: 1, east_m: 1, up_m: 3}]",
+                "the mission lands before its end"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(MissionPlan, NamesTheLineOfAPlanThatIsWrong) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("field.plan", R"({"mission": {"items": [
+{"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, null, 47.4, 8.5, 5]},
+{"type": "ComplexItem", "complexItemType": "survey"}]}})");
+  const std::string said = error_of("file: " + file.string());
+  EXPECT_NE(said.find("field.plan:3: mission.items[1].type: "), std::string::npos) << said;
+  EXPECT_NE(said.find("only SimpleItem is"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace cas::hils
