@@ -29,6 +29,8 @@
 #include "base/os/thread.hpp"
 #include "base/os/write_file.hpp"
 #include "base/rpc/server.hpp"
+#include "casd/autopilot_log/autopilot_logs.hpp"
+#include "casd/autopilot_log/log_files.hpp"
 #include "casd/link_set.hpp"
 #include "casd/port/daemon_methods.hpp"
 #include "casd/port/figure_methods.hpp"
@@ -64,7 +66,8 @@ GainMap load_gains(const Topology& topology) {
 }
 
 CommanderOptions commander_options(const Topology& topology,
-                                   std::function<std::string(LinkId)> link_name) {
+                                   std::function<std::string(LinkId)> link_name,
+                                   std::function<std::vector<MessageRate>(LinkId)> request_rates) {
   CommanderOptions options;
   options.link_name = std::move(link_name);
   options.self = topology.self;
@@ -72,6 +75,7 @@ CommanderOptions commander_options(const Topology& topology,
   options.allow_not_hil = topology.commanding.allow_not_hil;
   if (topology.pace == Pace::kLockstep) {
     // Asking on first sight would depend on thread timing and break same-seed, same-bytes.
+  options.request_rates = std::move(request_rates);
     options.ask_on_sight = false;
     // Simulated time stands still between two steps, so a grace period would never end.
     options.command_timing.text_grace = {};
@@ -130,11 +134,33 @@ void write_stats(const std::filesystem::path& file, const FigureMethods& figures
   }
 }
 
-/// casd's own station: failures go to the simulator, all else to the commander.
+/// The logs of autopilots and the files that they go to.
+class LogTaking {
+ public:
+  /// @throws base::ConfigError
+  LogTaking(const TlogConfig& config, mav::Source self, VehicleCommander& commander)
+      : config_(of(config)), files_(config_), logs_(config_, self, commander, files_) {}
+
+  AutopilotLogs& logs() { return logs_; }
+
+ private:
+  static AutopilotLogConfig of(const TlogConfig& log) {
+    AutopilotLogConfig config = *log.autopilot;
+    if (config.folder.empty()) config.folder = log.folder;
+    return config;
+  }
+
+  AutopilotLogConfig config_;
+  LogFiles files_;
+  AutopilotLogs logs_;
+};
+
+/// casd's own station: failures go to the simulator, logs to their files, all else to the
+/// commander.
 class OwnStation final : public Station {
  public:
-  OwnStation(VehicleCommander& commander, FailureDesk& failures)
-      : commander_(commander), failures_(failures) {}
+  OwnStation(VehicleCommander& commander, FailureDesk& failures, std::optional<LogTaking>& logs)
+      : commander_(commander), failures_(failures), logs_(logs) {}
 
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override {
     const auto verdict = failures_.on_packet(from, packet, base::steady_now());
@@ -146,16 +172,24 @@ class OwnStation final : public Station {
   VehicleCommander& commander_;
   FailureDesk& failures_;
 };
+    if (logs_) logs_->logs().on_packet(from, packet, now);
+  }
+  void tick(base::RunTime now) override {
+    commander_.tick(now);
+    if (logs_) logs_->logs().tick(now);
 
 }  // namespace
 
 /// Everything here runs on the thread of `io`, apart from the links.
 struct App::Impl {
+  std::optional<LogTaking>& logs_;
   Impl(AppOptions app_options, Topology first)
       : options(std::move(app_options)),
         server(io, server_limits(first)),
         links(std::move(first)),
-        commander(commander_options(links.topology(), [this](LinkId id) { return link_name(id); }),
+        commander(commander_options(
+                      links.topology(), [this](LinkId id) { return link_name(id); },
+                      [this](LinkId id) { return request_rates(id); }),
                   [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
                     links.local().send(packet, to, base::steady_now());
                   }),
@@ -224,6 +258,12 @@ struct App::Impl {
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
 
+  std::vector<MessageRate> request_rates(LinkId id) const {
+    const std::vector<LinkConfig>& all = links.topology().links;
+    const auto found = std::ranges::find(all, link_name(id), &LinkConfig::name);
+    return found == all.end() ? std::vector<MessageRate>() : found->request_rates;
+  }
+
   /// What a vehicle said on a link before anybody looked at it.
   std::optional<MessageTaps::Sample> remembered(const MessageTaps::Key& key) const {
     const VehicleState* vehicle = commander.find(key.source.system);
@@ -257,7 +297,7 @@ struct App::Impl {
 
   void take_turn(base::RunTime now) {
     hear(now);
-    commander.tick(now);
+    station.tick(now);
   }
 
   /// Gives the station what has come for it.
@@ -326,6 +366,8 @@ struct App::Impl {
     do_settle();
     io.run();
     base::notify("STOPPING=1");
+    const std::optional<AutopilotLogConfig>& autopilot = links.topology().log.autopilot;
+    if (autopilot) log_taking.emplace(links.topology().log, links.topology().self, commander);
     ending.store(true);
     station_events.release();
     links.stop();
@@ -345,6 +387,7 @@ struct App::Impl {
       if (error) return;
       if (signal != SIGHUP) return stop();
       reload();
+    if (log_taking) log_taking->logs().end(station_now());
       do_wait_signal();
     });
   }
@@ -482,7 +525,7 @@ struct App::Impl {
     tick_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
       const base::RunTime now = base::steady_now();
-      commander.tick(now);
+      station.tick(now);
       failures.tick(now);
       recorder.on_vehicles(commander.any_armed(now), now);
       do_tick();
@@ -565,7 +608,8 @@ struct App::Impl {
   std::set<std::string> added;  ///< links, at run time
   VehicleCommander commander;
   FailureDesk failures;
-  OwnStation station{commander, failures};
+  std::optional<LogTaking> log_taking;
+  OwnStation station{commander, failures, log_taking};
   Recorder recorder;
   VehicleMethods vehicle_methods;
   FigureMethods figures;

@@ -19,10 +19,26 @@ constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
 
 /// Whether who sends a HEARTBEAT takes a vehicle's place: component 1 that of any other at once,
 /// else the same component once the vehicle has fallen silent.
-bool takes_over(const VehicleState& vehicle, mav::Source source, base::RunTime now) {
+bool takes_over(const VehicleState& vehicle, mav::Source source, base::Duration silence,
+                base::RunTime now) {
   const std::uint8_t held = vehicle.source().component;
   if (source.component != held) return source.component == mav::services::kAutopilot;
-  return vehicle.heartbeat_age(now) > kVehicleTimeout;
+  return vehicle.heartbeat_age(now) > silence;
+}
+
+/// Silence after which nothing is expected of it any more.
+base::Duration patience(const VehicleState& vehicle) {
+  return std::max(kForgetAfter, vehicle.silent_after());
+}
+
+/// What a packet says of who is a vehicle; nothing: it does not, or its sender is none.
+std::optional<Heartbeat> presence(const mav::PacketView& packet) {
+  std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
+  if (const auto slow = mav::decode<HighLatency2>(packet)) {
+    heartbeat = mav::services::heartbeat_of(*slow, {});
+  }
+  if (heartbeat && !mav::services::is_vehicle(packet.source, *heartbeat)) return std::nullopt;
+  return heartbeat;
 }
 
 }  // namespace
@@ -39,10 +55,9 @@ std::string vehicle_text(const VehicleState& state) {
 KnownVehicle* VehicleTable::track(const Origin& from, const mav::PacketView& packet,
                                   base::RunTime now) {
   KnownVehicle* vehicle = find(packet.source.system);
-  if (packet.message_id == Heartbeat::kId) {
-    const std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
-    if (!heartbeat || !mav::services::is_vehicle(packet.source, *heartbeat)) return nullptr;
-    vehicle = meet(from, packet.source, now);
+  if (packet.message_id == Heartbeat::kId || packet.message_id == HighLatency2::kId) {
+    if (!presence(packet)) return nullptr;
+    vehicle = meet(from, packet, now);
   }
   if (vehicle == nullptr || vehicle->state.source() != packet.source ||
       !vehicle->state.is_at(from, now)) {
@@ -55,7 +70,7 @@ KnownVehicle* VehicleTable::track(const Origin& from, const mav::PacketView& pac
 bool VehicleTable::any_armed(base::RunTime now) const {
   return std::any_of(vehicles_.begin(), vehicles_.end(), [now](const auto& entry) {
     const VehicleState& state = entry.second->state;
-    return state.armed() && state.heartbeat_age(now) <= kForgetAfter;
+    return state.armed() && state.heartbeat_age(now) <= patience(state);
   });
 }
 
@@ -64,8 +79,12 @@ void VehicleTable::tick(base::RunTime now) {
   expire(now);
 }
 
-/// An autopilot sent a HEARTBEAT. @return the vehicle of its system id, which may be another one
-KnownVehicle* VehicleTable::meet(const Origin& from, mav::Source source, base::RunTime now) {
+/// An autopilot sent a HEARTBEAT, or HIGH_LATENCY2. @return the vehicle of its system id, which may
+/// be another one
+KnownVehicle* VehicleTable::meet(const Origin& from, const mav::PacketView& packet,
+                                 base::RunTime now) {
+  const mav::Source source = packet.source;
+  const bool slow = packet.message_id == HighLatency2::kId;
   const auto found = vehicles_.find(source.system);
   if (found == vehicles_.end()) {
     if (!has_room(from.path.link, now)) return nullptr;
@@ -76,12 +95,14 @@ KnownVehicle* VehicleTable::meet(const Origin& from, mav::Source source, base::R
   KnownVehicle& vehicle = *found->second;
   const bool here = vehicle.state.is_at(from, now);
   if (here && source == vehicle.state.source()) return &vehicle;
-  if (takes_over(vehicle.state, source, now) &&
+  const base::Duration silence = slow ? vehicle.state.silent_after() : kVehicleTimeout;
+  if (takes_over(vehicle.state, source, silence, now) &&
       (from.path.link == vehicle.state.link() || has_room(from.path.link, now))) {
     displace(vehicle, from, source, now);
     return vehicles_.at(source.system).get();
   }
-  if (!here) {
+  // A vehicle that has a satellite modem besides is no rival of itself.
+  if (!here && !slow) {
     vehicle.state.on_rival({source, from, now});
     if (!vehicle.contested) tell_of_rivals(now);
   }
@@ -117,7 +138,7 @@ bool VehicleTable::has_room(LinkId link, base::RunTime now) {
     if (oldest == nullptr || state.heartbeat_age(now) > oldest->heartbeat_age(now)) oldest = &state;
   }
   if (count < kMaxVehiclesPerLink) return true;
-  if (oldest->heartbeat_age(now) <= kForgetAfter) return false;
+  if (oldest->heartbeat_age(now) <= patience(*oldest)) return false;
   drop(oldest->source().system, " fell silent");
   return true;
 }
@@ -141,7 +162,7 @@ void VehicleTable::expire(base::RunTime now) {
   std::vector<std::uint8_t> silent;
   for (const auto& [system, vehicle] : vehicles_) {
     const VehicleState& state = vehicle->state;
-    if (!state.armed() && state.heartbeat_age(now) > kForgetAfter) silent.push_back(system);
+    if (!state.armed() && state.heartbeat_age(now) > patience(state)) silent.push_back(system);
   }
   for (const std::uint8_t system : silent) drop(system, " fell silent");
 }

@@ -59,7 +59,8 @@ struct KnownVehicle {
 /// "vehicle 1".
 std::string vehicle_text(const VehicleState& state);
 
-/// Who is a vehicle: an autopilot (link or group, peer, system, component) that sends HEARTBEAT.
+/// Who is a vehicle: an autopilot (link or group, peer, system, component) that sends HEARTBEAT, or
+/// HIGH_LATENCY2.
 /// A second autopilot with a vehicle's system id is its rival. What is known is bounded by link,
 /// and forgotten after silence. Pure.
 class VehicleTable {
@@ -77,7 +78,7 @@ class VehicleTable {
     on_notice_ = std::move(callback);
   }
 
-  /// Takes in a packet. HEARTBEATs make vehicles, and rivals of them.
+  /// Takes in a packet. HEARTBEATs make vehicles, and rivals of them; HIGH_LATENCY2 makes vehicles.
   /// @return the vehicle whose autopilot sent it, from its place; nullptr: none
   KnownVehicle* track(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   /// Tells of rivals that are gone, and forgets who is silent.
@@ -99,7 +100,7 @@ class VehicleTable {
   std::string place(const VehicleState& state, const Rival& rival) const;
 
  private:
-  KnownVehicle* meet(const Origin& from, mav::Source source, base::RunTime now);
+  KnownVehicle* meet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   void displace(KnownVehicle& vehicle, const Origin& from, mav::Source source, base::RunTime now);
   bool has_room(LinkId link, base::RunTime now);
   void tell_of_rivals(base::RunTime now);

@@ -64,7 +64,7 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
   if (topology.links.size() == kMaxLinks) {
     entry.fail("there are " + std::to_string(kMaxLinks) + " links already");
   }
-  if (!entry.has("accept")) link.accept = ground_station_alone(topology, vehicles);
+  if (!entry.has("accept") && !link.sniffer) link.accept = ground_station_alone(topology, vehicles);
   return link;
 }
 

@@ -176,6 +176,27 @@ constexpr std::tuple kSerialKeys{
     required(key<&LinkConfig::device>("device", Device{},
                                       "its path, in which `${NAME}` is a variable of the "
                                       "environment; see [below](#pseudo-terminals)")),
+// `request_rates`
+
+/// message -> rate in Hz.
+struct RequestRates {
+  /// A vehicle's commands wait in line, and others need room there.
+  static constexpr std::size_t kMost = 40;
+  static constexpr Range kHz{0, 1000};
+
+  static void read(const ConfigNode& node, std::vector<MessageRate>& rates) {
+    for (const auto& [message, entry] : node.entries()) {
+      kHz.read(entry, rates.emplace_back(MessageRate{parse_message(entry, message), 0}).hz);
+    }
+    if (rates.size() > kMost) node.fail("asks for more than 40 messages");
+  }
+  static std::string text(const std::vector<MessageRate>& rates) {
+    return joined(rates, [](const MessageRate& rate) { return message_word(rate.message_id); });
+  }
+  static std::string values() { return "message -> Hz, 0 to 1000"; }
+  static std::array<std::string, 2> samples() { return {"{ATTITUDE: 50}", "{ATTITUDE: 0}"}; }
+};
+
     key<&LinkConfig::baud>("baud", Whole{0, 12'000'000}, "0: USB, which has no rate of its own"),
     key<&LinkConfig::flow_control>("flow_control", Flag{}, "RTS/CTS"),
     key<&LinkConfig::pace>("pace", Flag{}, "no more is written than 98 % of `baud`; see below",
@@ -245,6 +266,10 @@ void settle_pace(const ConfigNode& node, LinkConfig& link) {
 }
 
 }  // namespace
+    key<&LinkConfig::request_rates>(
+        "request_rates", RequestRates{},
+        "what casd asks vehicles that it hears here for, by MAV_CMD_SET_MESSAGE_INTERVAL; 0: not "
+        "at all; see below"),
 
 LinkConfig parse_link(const ConfigNode& node) {
   LinkConfig link;

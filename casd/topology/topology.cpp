@@ -124,6 +124,20 @@ constexpr double kMib = 1024 * 1024;
 constexpr std::uint64_t kFreeSpaceMin = 64 * 1024 * 1024;
 
 constexpr std::tuple kLogKeys{
+constexpr std::tuple kAutopilotLogKeys{
+    key<&AutopilotLogConfig::folder>("folder", Folder{},
+                                     "the folder of these logs, made where it alone is missing",
+                                     "`log.folder`"),
+    key<&AutopilotLogConfig::while_armed>("while_armed", Flag{},
+                                          "of each vehicle while it is armed; false: always"),
+    key<&AutopilotLogConfig::limits, &TlogLimits::max_bytes>(
+        "max_mib", Range{0, 1e8, kMib},
+        "logs pause when all .ulg and .bin files of the folder would take more; 0: any"),
+    key<&AutopilotLogConfig::limits, &TlogLimits::free_space_min_bytes>(
+        "free_space_min_mib", Range{0, 1e8, kMib},
+        "logs pause when less would stay free on the disk"),
+};
+
     key<&TlogConfig::tlog>("tlog", TlogName{},
                            "a recording of that name begins with casd, or with each flight"),
     key<&TlogConfig::folder>("folder", Folder{},
@@ -147,6 +161,8 @@ constexpr std::tuple kLogKeys{
                                   "a recording whenever a vehicle is armed; see below"),
     key<&TlogConfig::overwrite>("overwrite", Flag{},
                                 "the recording from the start is NAME.tlog itself, over the old "
+    key<&TlogConfig::autopilot>("autopilot", block<AutopilotLogConfig>(kAutopilotLogKeys),
+                                "takes the logs of autopilots, too; see below"),
                                 "file"),
 };
 
@@ -158,6 +174,9 @@ void check_log(const ConfigNode& node, const TlogConfig& log) {
 
 // casd itself. A reload refuses other values of these,
 
+  if (const auto autopilot = node.find("autopilot"); autopilot && !autopilot->is_map()) {
+    autopilot->fail("is a block, of which every key may be left out: {}");
+  }
 constexpr Whole kId{1, 255};
 
 constexpr std::tuple kRestartKeys{
