@@ -3,10 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "base/config/vehicle.hpp"
 #include "base/earth/atmosphere.hpp"
@@ -21,7 +23,9 @@ namespace mv = mavlink::common;
 namespace {
 
 constexpr std::uint32_t kStabilize = 0;
+constexpr std::uint32_t kAuto = 3;
 constexpr std::uint32_t kGuided = 4;
+constexpr std::uint32_t kRtl = 6;
 constexpr std::uint32_t kLand = 9;
 constexpr std::uint16_t kStoppedPwm = 1000;
 constexpr std::uint16_t kArmedPwm = 1100;
@@ -202,7 +206,9 @@ void ScriptedArdupilot::on_controller_packet(std::span<const std::uint8_t> bytes
       const bool armed = ack->command == mv::MavCmd::kComponentArmDisarm &&
                          ack->result == mv::MavResult::kAccepted;
       if (armed) armed_ = arming_;
-      if (ack->command == mv::MavCmd::kNavLand || ack->command == mv::MavCmd::kDoSetMode) return;
+      constexpr std::array kOwn{mv::MavCmd::kNavLand, mv::MavCmd::kDoSetMode,
+                                mv::MavCmd::kNavReturnToLaunch, mv::MavCmd::kMissionStart};
+      if (std::ranges::find(kOwn, ack->command) != kOwn.end()) return;
     }
   }
   ground_.forward(bytes);
@@ -227,6 +233,12 @@ void ScriptedArdupilot::on_ground_bytes(std::span<const std::uint8_t> bytes) {
   from_ground_.feed(bytes, [&](const mav::PacketView& packet) {
     const auto command = mav::decode<mv::CommandLong>(packet);
     if (command && on_command(*command, packet.source)) return;
+    if (on_setpoint(packet)) return;
+    if (const auto count = mav::decode<mv::MissionCount>(packet)) items_ = count->count;
+    if (const auto item = mav::decode<mv::MissionItemInt>(packet); item && item->seq == 1) {
+      begins_with_takeoff_ = item->command == mv::MavCmd::kNavTakeoff;
+    }
+    if (packet.message_id == mv::CommandInt::kId) follows_setpoints_ = false;  // DO_REPOSITION
     controller_.on_packet(packet, clock());
   });
 }
@@ -246,6 +258,78 @@ void ScriptedArdupilot::pass_on(mv::CommandLong command) {
   controller_.on_bytes(as_ground_(command), clock());
 }
 
+/// ArduCopter 4.5: AUTO needs a mission, and from the ground one that begins with a takeoff; item 0
+/// is home.
+bool ScriptedArdupilot::may_fly_mission() {
+  if (items_ < 2) return false;
+  const bool landed = newest_ && newest_->position[2] > -0.3;
+  if (!armed_ || !landed || begins_with_takeoff_) return true;
+  say("Auto: Missing Takeoff Cmd");
+  return false;
+}
+
+void ScriptedArdupilot::fly_mission() {
+  follows_setpoints_ = false;
+  mv::CommandLong start;
+  start.command = mv::MavCmd::kMissionStart;
+  start.param1 = 1;  // item 0 is not flown
+  pass_on(start);
+}
+
+/// ArduCopter 4.5: a mode that it cannot enter fails. In AUTO it stays on the ground until the
+/// throttle is raised; in the air it begins at once.
+bool ScriptedArdupilot::set_mode(const mv::CommandLong& command, mav::Source from) {
+  const auto mode = static_cast<std::uint32_t>(command.param2);
+  const bool known = mode == kStabilize || (mode == kGuided && !is_early()) || mode == kLand ||
+                     (mode == kAuto && may_fly_mission());
+  acknowledge(command, from, known ? mv::MavResult::kAccepted : mv::MavResult::kFailed);
+  if (!known) return true;
+  mode_ = mode;
+  const bool in_air = newest_ && newest_->position[2] < -0.3;
+  if (mode_ == kAuto && in_air) fly_mission();
+  return true;
+}
+
+/// ArduCopter 4.5: without parameters only; AUTO, and the takeoff needs no throttle.
+bool ScriptedArdupilot::start_mission(const mv::CommandLong& command, mav::Source from) {
+  if (command.param1 != 0 || command.param2 != 0) {
+    acknowledge(command, from, mv::MavResult::kDenied);
+    return true;
+  }
+  const bool may = armed_ && may_fly_mission();
+  acknowledge(command, from, may ? mv::MavResult::kAccepted : mv::MavResult::kFailed);
+  if (!may) return true;
+  mode_ = kAuto;
+  fly_mission();
+  return true;
+}
+
+/// ArduCopter 4.5 takes setpoints in GUIDED alone, and does not answer them. @return whether it was
+/// one that it leaves
+bool ScriptedArdupilot::on_setpoint(const mav::PacketView& packet) {
+  if (packet.message_id != mv::SetPositionTargetLocalNed::kId) return false;
+  if (mode_ != kGuided || !armed_) return true;
+  controller_.on_packet(packet, clock());
+  // Ours has ended OFFBOARD by then (COM_OF_LOSS_T); ArduCopter stops, and follows the next one.
+  constexpr base::Duration kLost = std::chrono::milliseconds(900);
+  if (time_ - std::exchange(newest_setpoint_, time_) > kLost) follows_setpoints_ = false;
+  if (!std::exchange(follows_setpoints_, true)) {
+    mv::CommandLong offboard;
+    offboard.command = mv::MavCmd::kDoSetMode;
+    offboard.param1 = 1;
+    offboard.param2 = 6;  // our controller's OFFBOARD
+    pass_on(offboard);
+  }
+  return true;
+}
+
+void ScriptedArdupilot::say(const std::string& text) {
+  mv::Statustext message;
+  message.severity = mv::MavSeverity::kCritical;
+  std::copy_n(text.begin(), std::min(text.size(), message.text.size()), message.text.begin());
+  ground_.send(message);
+}
+
 /// The commands that ArduCopter takes its own way. @return false for those that pass as they are
 bool ScriptedArdupilot::on_command(const mv::CommandLong& command, mav::Source from) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -257,11 +341,14 @@ bool ScriptedArdupilot::on_command(const mv::CommandLong& command, mav::Source f
       return true;
     }
   }
-  if (command.command == mv::MavCmd::kDoSetMode) {
-    const auto mode = static_cast<std::uint32_t>(command.param2);
-    const bool known = mode == kStabilize || (mode == kGuided && !is_early()) || mode == kLand;
-    acknowledge(command, from, known ? mv::MavResult::kAccepted : mv::MavResult::kFailed);
-    if (known) mode_ = mode;
+  if (command.command == mv::MavCmd::kDoSetMode) return set_mode(command, from);
+  if (command.command == mv::MavCmd::kMissionStart) return start_mission(command, from);
+  if (command.command == mv::MavCmd::kNavReturnToLaunch) {
+    acknowledge(command, from, mv::MavResult::kAccepted);
+    mode_ = kRtl;
+    mv::CommandLong rtl;
+    rtl.command = mv::MavCmd::kNavReturnToLaunch;
+    pass_on(rtl);
     return true;
   }
   if (command.command == mv::MavCmd::kNavLand) {

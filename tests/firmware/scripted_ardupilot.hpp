@@ -67,6 +67,12 @@ class ScriptedArdupilot {
   void say_ekf_report(const mavlink::common::EstimatorStatus& status);
   void on_controller_packet(std::span<const std::uint8_t> bytes);
   bool on_command(const mavlink::common::CommandLong& command, mav::Source from);
+  bool set_mode(const mavlink::common::CommandLong& command, mav::Source from);
+  bool start_mission(const mavlink::common::CommandLong& command, mav::Source from);
+  bool may_fly_mission();
+  void fly_mission();
+  bool on_setpoint(const mav::PacketView& packet);
+  void say(const std::string& text);
   void acknowledge(const mavlink::common::CommandLong& command, mav::Source to,
                    mavlink::common::MavResult result);
   void pass_on(mavlink::common::CommandLong command);
@@ -86,8 +92,12 @@ class ScriptedArdupilot {
   std::array<float, 4> motors_{};
   bool armed_ = false;
   std::optional<base::Duration> armed_early_at_;
-  bool arming_ = false;     // what the last arm or disarm command asked for
-  std::uint32_t mode_ = 0;  // STABILIZE
+  bool arming_ = false;             // what the last arm or disarm command asked for
+  std::uint32_t mode_ = 0;          // STABILIZE
+  bool follows_setpoints_ = false;  // in GUIDED
+  base::Duration newest_setpoint_{};
+  std::size_t items_ = 0;  // of its mission, with home
+  bool begins_with_takeoff_ = false;
   std::string complaint_;
   base::NormalRandom noise_{1};
   double pwm_sum_ = 0;
