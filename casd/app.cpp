@@ -43,6 +43,7 @@
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/link_change.hpp"
+#include "casd/topology/topology_files.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::casd {
@@ -70,12 +71,12 @@ CommanderOptions commander_options(const Topology& topology,
                                    std::function<std::vector<MessageRate>(LinkId)> request_rates) {
   CommanderOptions options;
   options.link_name = std::move(link_name);
+  options.request_rates = std::move(request_rates);
   options.self = topology.self;
   options.heartbeat_hz = topology.commanding.heartbeat_hz;
   options.allow_not_hil = topology.commanding.allow_not_hil;
   if (topology.pace == Pace::kLockstep) {
     // Asking on first sight would depend on thread timing and break same-seed, same-bytes.
-  options.request_rates = std::move(request_rates);
     options.ask_on_sight = false;
     // Simulated time stands still between two steps, so a grace period would never end.
     options.command_timing.text_grace = {};
@@ -165,24 +166,23 @@ class OwnStation final : public Station {
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override {
     const auto verdict = failures_.on_packet(from, packet, base::steady_now());
     if (verdict != FailureDesk::Verdict::kRefused) commander_.on_packet(from, packet, now);
-  }
-  void tick(base::RunTime now) override { commander_.tick(now); }
-
- private:
-  VehicleCommander& commander_;
-  FailureDesk& failures_;
-};
     if (logs_) logs_->logs().on_packet(from, packet, now);
   }
   void tick(base::RunTime now) override {
     commander_.tick(now);
     if (logs_) logs_->logs().tick(now);
+  }
+
+ private:
+  VehicleCommander& commander_;
+  FailureDesk& failures_;
+  std::optional<LogTaking>& logs_;
+};
 
 }  // namespace
 
 /// Everything here runs on the thread of `io`, apart from the links.
 struct App::Impl {
-  std::optional<LogTaking>& logs_;
   Impl(AppOptions app_options, Topology first)
       : options(std::move(app_options)),
         server(io, server_limits(first)),
@@ -241,6 +241,12 @@ struct App::Impl {
             .audit = [](const std::string& line) { base::log::info("audit: " + line); }};
   }
 
+  std::vector<MessageRate> request_rates(LinkId id) const {
+    const std::vector<LinkConfig>& all = links.topology().links;
+    const auto found = std::ranges::find(all, link_name(id), &LinkConfig::name);
+    return found == all.end() ? std::vector<MessageRate>() : found->request_rates;
+  }
+
   bool may_inject(const std::string& link) const {
     const std::vector<LinkConfig>& all = links.topology().links;
     const auto found = std::ranges::find(all, link, &LinkConfig::name);
@@ -257,12 +263,6 @@ struct App::Impl {
   }
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
-
-  std::vector<MessageRate> request_rates(LinkId id) const {
-    const std::vector<LinkConfig>& all = links.topology().links;
-    const auto found = std::ranges::find(all, link_name(id), &LinkConfig::name);
-    return found == all.end() ? std::vector<MessageRate>() : found->request_rates;
-  }
 
   /// What a vehicle said on a link before anybody looked at it.
   std::optional<MessageTaps::Sample> remembered(const MessageTaps::Key& key) const {
@@ -349,6 +349,8 @@ struct App::Impl {
   }
 
   void run() {
+    const std::optional<AutopilotLogConfig>& autopilot = links.topology().log.autopilot;
+    if (autopilot) log_taking.emplace(links.topology().log, links.topology().self, commander);
     recorder.begin();
     warn_of_narrow_lines();
     if (!options.ledger_file.empty()) links.figures().keep_ledgers();
@@ -366,10 +368,9 @@ struct App::Impl {
     do_settle();
     io.run();
     base::notify("STOPPING=1");
-    const std::optional<AutopilotLogConfig>& autopilot = links.topology().log.autopilot;
-    if (autopilot) log_taking.emplace(links.topology().log, links.topology().self, commander);
     ending.store(true);
     station_events.release();
+    if (log_taking) log_taking->logs().end(station_now());
     links.stop();
     if (!options.ledger_file.empty()) {
       write_link_ledgers(options.ledger_file, links.figures().ledgers());
@@ -387,7 +388,6 @@ struct App::Impl {
       if (error) return;
       if (signal != SIGHUP) return stop();
       reload();
-    if (log_taking) log_taking->logs().end(station_now());
       do_wait_signal();
     });
   }
@@ -406,10 +406,10 @@ struct App::Impl {
           "casd was started with endpoints, not with a file: there is nothing "
           "to read again");
     }
-    const base::ConfigNode root = base::ConfigNode::load(options.topology_file);
-    Topology topology = Topology::parse(root);
+    const std::vector<base::ConfigNode> files = load_topology_files(options.topology_file);
+    Topology topology = Topology::parse(files);
     if (options.lockstep) topology.set_lockstep();
-    refuse_restart_keys(links.topology(), topology, root);
+    refuse_restart_keys(links.topology(), topology, overlaid(files));
     return topology;
   }
 

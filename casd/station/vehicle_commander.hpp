@@ -14,17 +14,18 @@
 
 #include "base/time/clock.hpp"
 #include "casd/packet/link_mask.hpp"
+#include "casd/packet/message_rate.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/own_heartbeat.hpp"
 #include "casd/station/services.hpp"
 #include "casd/station/takeoff.hpp"
 #include "casd/station/vehicle_state.hpp"
 #include "casd/station/vehicle_table.hpp"
-#include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink/common/logging_ack.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
-
 #include "mavlink_gen/services/remote_log.hpp"
+
 namespace cas::casd {
 
 /// Hands one whole packet to the router as if it came from casd's own station: to the vehicle at
@@ -55,9 +56,9 @@ struct CommanderOptions {
   CommandTiming command_timing{};
   ParamTiming param_timing{};
   std::function<std::string(LinkId)> link_name{};  ///< for sentences; empty: their numbers
-};
   /// What the vehicles of a link are asked to send, with `ask_on_sight`; empty: nothing.
   std::function<std::vector<MessageRate>(LinkId)> request_rates{};
+};
 
 /// casd as a ground station: knows the vehicles and commands them, by the MAVLink command and
 /// parameter protocols. Pure: packets, time and requests come in as arguments, packets go out
@@ -88,8 +89,8 @@ class VehicleCommander final : public Station {
   /// Called with a sentence when a second autopilot with a vehicle's id appears or falls silent,
   /// and when a vehicle does not send what its link asks for.
   void on_notice(std::function<void(const std::string&)> callback) {
-    table_.on_notice(std::move(callback));
     on_notice_ = callback;
+    table_.on_notice(std::move(callback));
   }
   /// These links are gone for good: vehicles that were heard on them alone are forgotten.
   void forget(const LinkMask& links) { table_.forget(links); }
@@ -163,10 +164,10 @@ class VehicleCommander final : public Station {
   void manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil, base::RunTime now,
                       Done done);
   void reboot(std::uint8_t system, base::RunTime now, Done done);
-  /// Any other command; arming goes through the interlock here too.
   /// What keeps a log coming that the vehicle sends; nothing where it is not known.
   using LogAnswer = std::variant<mavlink::common::LoggingAck, mav::services::RemoteLogBlockStatus>;
   void answer_log(std::uint8_t system, const LogAnswer& answer);
+  /// Any other command; arming goes through the interlock here too.
   void command(std::uint8_t system, const VehicleCommand& command, bool not_hil, base::RunTime now,
                Done done);
 
@@ -190,8 +191,8 @@ class VehicleCommander final : public Station {
   KnownVehicle* known(std::uint8_t system, const Done& done);
   static bool has_stopped_telling(const KnownVehicle& vehicle, base::RunTime now);
   void ask_on_sight(KnownVehicle& vehicle, base::RunTime now);
-  void on_status_text(KnownVehicle& vehicle);
   void ask_for_rates(std::uint8_t system, const std::vector<MessageRate>& rates, base::RunTime now);
+  void on_status_text(KnownVehicle& vehicle);
   void dispatch(KnownVehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   void start_spinning(std::uint8_t system, const VehicleCommand& command, bool not_hil,
@@ -207,8 +208,8 @@ class VehicleCommander final : public Station {
   mav::Encoder encoder_;
   OwnHeartbeat heartbeat_;
   OnText on_text_;
-  std::function<void(std::uint8_t, const VehicleCommand&, Done)> on_failure_;
   std::function<void(const std::string&)> on_notice_;
+  std::function<void(std::uint8_t, const VehicleCommand&, Done)> on_failure_;
   VehicleTable table_;
   Takeoff takeoff_;
   base::RunTime now_{};
