@@ -22,14 +22,12 @@ std::filesystem::path program(const std::string& name) {
 }  // namespace
 
 FirmwareBench::FirmwareBench(const FirmwareScenario& scenario, const FirmwarePlaces& places)
-    : scenario_(scenario), places_(places) {
+    : scenario_(scenario), places_(places), logs_(places.flight_tlog(), places.run) {
   if (scenario.firmware.on_serial_line) cable_.emplace(places.casd_tty(), places.firmware_tty());
 }
 
 void FirmwareBench::start() {
-  casd_ = &supervisor_.start(
-      options("casd", {program("casd"), places_.casd_config(), "--name", scenario_.name}),
-      kReadyTimeout);
+  start_casd();
   tell_how_to_watch(places_.command_port, std::nullopt);
   std::vector<std::string> hilsim{program("hilsim"), places_.simulator_config(),
                                   "--control",       places_.simulator_control(),
@@ -39,13 +37,30 @@ void FirmwareBench::start() {
     hilsim.insert(hilsim.end(), {"--plugin-dir", folder});
   }
   hilsim_ = &supervisor_.start(options("hilsim", hilsim), kReadyTimeout);
-  firmware_ = &supervisor_.start(firmware_options(), kReadyTimeout);
+  for (std::size_t i = 0; i < scenario_.vehicles.size(); ++i) {
+    firmware_.push_back(&supervisor_.start(firmware_options(i), kReadyTimeout));
+  }
 }
 
 void FirmwareBench::stop() {
-  supervisor_.stop(*firmware_, kStopPatience);
+  for (ChildProcess* firmware : firmware_) supervisor_.stop(*firmware, kStopPatience);
   supervisor_.stop(*hilsim_, kStopPatience);
-  supervisor_.stop(*casd_, kStopPatience);
+  if (casd_ != nullptr) supervisor_.stop(*casd_, kStopPatience);
+  logs_.join();
+}
+
+void FirmwareBench::kill_casd() {
+  if (casd_ == nullptr) return;
+  supervisor_.kill(*casd_);
+  casd_ = nullptr;
+  logs_.set_aside();
+}
+
+void FirmwareBench::start_casd() {
+  if (casd_ != nullptr) return;
+  casd_ = &supervisor_.start(
+      options("casd", {program("casd"), places_.casd_config(), "--name", scenario_.name}),
+      kReadyTimeout);
 }
 
 ChildProcess::Options FirmwareBench::options(const std::string& name,
@@ -58,17 +73,21 @@ ChildProcess::Options FirmwareBench::options(const std::string& name,
   return options;
 }
 
-ChildProcess::Options FirmwareBench::firmware_options() const {
+ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) const {
   const auto config = base::find_config("firmware/quad_x.parm").parent_path().parent_path();
-  const std::map<std::string, std::string> own{{"CAS_FCU_TTY", places_.firmware_tty().string()},
-                                               {"CAS_CONFIG", config.string()}};
+  const std::map<std::string, std::string> own{
+      {"CAS_FCU_TTY", places_.firmware_tty().string()},
+      {"CAS_CONFIG", config.string()},
+      {"CAS_INSTANCE", std::to_string(instance)},
+      {"CAS_SYSTEM", std::to_string(system_of_instance(instance))}};
   const auto text = [&own](const std::string& written) { return with_variables(written, own); };
   std::vector<std::string> arguments;
   for (const std::string& word : scenario_.firmware.command) arguments.push_back(text(word));
-  ChildProcess::Options options = this->options("firmware", arguments);
+  ChildProcess::Options options =
+      this->options("firmware" + scenario_.suffix_of(instance), arguments);
   options.says_ready = false;
   options.cwd = scenario_.firmware.cwd.empty()
-                    ? places_.run / "firmware"
+                    ? places_.run / options.name
                     : std::filesystem::path(text(scenario_.firmware.cwd));
   std::filesystem::create_directories(options.cwd);
   for (const auto& [name, value] : scenario_.firmware.environment) {

@@ -16,13 +16,16 @@ std::int64_t microseconds(base::SimTime t) {
   return std::chrono::duration_cast<std::chrono::microseconds>(t.time_since_epoch()).count();
 }
 
-/// About the mean of the measured hold: where a stock estimator's origin lies is not known so well.
-std::optional<RmsFigures> rms_of_hold(const std::vector<Stage>& stages,
+/// In a hold about the mean: where a stock estimator's origin lies is not known so well.
+std::optional<RmsFigures> rms_of_step(const std::vector<Stage>& stages,
                                       std::span<const PoseSample> truth) {
   for (const Stage& stage : stages) {
     if (!stage.step.measure) continue;
     const auto held = between(truth, microseconds(stage.begin), microseconds(stage.end));
     if (held.empty()) return std::nullopt;
+    if (stage.step.kind == StepKind::kTrajectory) {
+      return rms_about(held, reference_in_truth(stage, truth));
+    }
     Pose mean;
     double sines = 0;
     double cosines = 0;
@@ -42,6 +45,12 @@ std::optional<RmsFigures> rms_of_hold(const std::vector<Stage>& stages,
 
 }  // namespace
 
+std::string_view measured_about(const std::vector<Stage>& stages) {
+  const auto step = std::ranges::find_if(stages, [](const Stage& s) { return s.step.measure; });
+  const bool moves = step != stages.end() && step->step.kind == StepKind::kTrajectory;
+  return moves ? "the reference" : "its mean";
+}
+
 void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures) {
   try {
     const std::vector<PoseSample> samples = read_truth(truth);
@@ -51,7 +60,7 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures) {
       std::vector<Stage> flown = figures.stages;
       if (figures.under_way) flown.push_back(*figures.under_way);
       figures.incidents = find_incidents(flown, samples);
-      figures.rms = rms_of_hold(figures.stages, samples);
+      figures.rms = rms_of_step(figures.stages, samples);
     }
   } catch (const base::ConfigError& error) {
     figures.unwatched = error.what();

@@ -8,8 +8,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "hils/firmware/setpoint_stream.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
 #include "hils/measure/incident.hpp"
@@ -27,9 +29,12 @@ struct FirmwareFigures {
   int looks = 0;                   ///< at the true position during the measured hold
   double height_error_m = 0;       ///< of its mean
   double drift_m = 0;              ///< farthest from where the hold began, horizontal
-  std::optional<RmsFigures> rms;   ///< of the true position about its mean in the measured hold
+  /// Of the true position in the measured step: in a hold about its mean, in a trajectory about the
+  /// reference.
+  std::optional<RmsFigures> rms;
   /// Of the estimate against the truth in it, by what both were on the ground before takeoff.
   std::optional<RmsFigures> rms_estimate;
+  SetpointStream::Figures setpoints;           ///< that hils has sent; none: no trajectory
   std::map<std::string, double> rates_hz;      ///< of the vehicle's messages in the hold, simulated
   std::vector<BenchFaultScript::Span> faults;  ///< as they went
   std::vector<FaultThatNeverBegan> never_began;
@@ -46,6 +51,8 @@ struct FirmwareFigures {
   std::uint64_t lost = 0;  ///< packets, by the gaps in the sequence numbers that casd heard
 };
 
+/// What FirmwareFigures::rms is about: "the reference" or "its mean".
+std::string_view measured_about(const std::vector<Stage>& stages);
 /// Looks into the true flight, truth.csv: incidents, and how still the measured hold was.
 void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures);
 /// Adds the figures of the estimate in the flight log; nothing where there is none to read.

@@ -6,14 +6,20 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "base/rpc/client.hpp"
+#include "hils/firmware/companion_flight.hpp"
 #include "hils/firmware/disarming.hpp"
+#include "hils/firmware/firmware_faults.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
+#include "hils/scenario/fleet_plan.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/enums.hpp"
 
@@ -23,6 +29,7 @@ namespace {
 using base::rpc::Json;
 
 constexpr base::Duration kPollPeriod = std::chrono::milliseconds(50);
+constexpr base::Duration kCompanionPatience = std::chrono::seconds(20);
 /// All in real time.
 constexpr base::Duration kVersionPatience = std::chrono::seconds(20);
 constexpr base::Duration kAskAgain = std::chrono::seconds(3);
@@ -30,7 +37,8 @@ constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
 /// What a vehicle says of its disarming comes with the HEARTBEAT that shows it.
 constexpr base::Duration kWordsPatience = std::chrono::seconds(1);
 /// PX4 disarms 2 s after it has noticed a landing (v1.12.0, v1.16.1), ArduCopter 4.5.6 sooner.
-constexpr FirmwareHabits kHabits{.arms_early = true, .disarms_itself = std::chrono::seconds(5)};
+constexpr FirmwareHabits kHabits{
+    .arms_early = true, .disarms_itself = std::chrono::seconds(5), .flies_setpoints = true};
 
 std::int64_t microseconds(base::SimTime t) {
   return std::chrono::duration_cast<std::chrono::microseconds>(t.time_since_epoch()).count();
@@ -42,67 +50,208 @@ std::int64_t log_clock_us() {
       .count();
 }
 
-/// Gives the commands of the plan and looks at the true position.
+/// What all vehicles of a flight share.
+struct FlightDeck {
+  FlightDeck(const FirmwareScenario& flown, const FirmwarePlaces& places, FirmwareBench& programs)
+      : scenario(flown),
+        bench(programs),
+        supervisor(programs.supervisor()),
+        simulator("unix:" + places.simulator_control().string()),
+        casd("unix:" + places.command_port.string()) {}
+
+  const FirmwareScenario& scenario;
+  FirmwareBench& bench;
+  Supervisor& supervisor;
+  base::rpc::Client simulator;
+  base::rpc::Client casd;
+  CallList own_calls;  ///< of hils, whichever vehicle they mean
+};
+
+/// Gives the commands of one vehicle's plan and looks at its true position.
 class FirmwarePilot {
  public:
-  FirmwarePilot(const FirmwareScenario& scenario, const FirmwarePlaces& places,
-                Supervisor& supervisor)
-      : scenario_(scenario),
-        supervisor_(supervisor),
-        simulator_("unix:" + places.simulator_control().string()),
-        casd_("unix:" + places.command_port.string()),
-        plan_(scenario.steps, 0, kHabits) {}
+  /// @param vehicle  its place in the world. All outlive the pilot.
+  /// @param companion  for steps that take more than commands; nothing: the flight has none
+  FirmwarePilot(FlightDeck& deck, FlightPlan& plan, std::size_t vehicle, CompanionLink* companion)
+      : scenario_(deck.scenario),
+        supervisor_(deck.supervisor),
+        simulator_(deck.simulator),
+        casd_(deck.casd),
+        plan_(plan),
+        own_calls_(deck.own_calls),
+        vehicle_(vehicle) {
+    if (companion != nullptr) companion_.emplace(*companion, companion_calls(), waiting());
+    if (!scenario_.flies_several()) return;
+    asked_ = figures_.system = system_of_instance(vehicle);
+  }
 
-  FirmwareFigures fly() {
-    if (!is_heard() || !is_of_age()) return figures_;
-    while (!plan_.done() && plan_.failure().empty()) {
-      const base::SimTime now = look();
-      const VehicleReport vehicle = relative_report();
-      note_arming(now, vehicle);
-      if (figures_.version.empty()) figures_.version = vehicle.firmware;
-      plan_.fail(silence_fault(vehicle));
-      if (!plan_.failure().empty()) break;
-      const std::optional<FlightStep> command = plan_.update(now, vehicle);
-      tell_phase();
-      measure();
-      progress_.show(now, plan_, vehicle, pace_words(figures_.real_time_factor));
-      if (command) {
-        give(*command);
-      } else {
-        supervisor_.wait(kPollPeriod);
-      }
+  /// Whether the firmware is there, and may be flown; else the plan has failed.
+  bool is_there() { return is_heard() && is_of_age(); }
+
+  /// What is known of the vehicle now.
+  VehicleReport report(base::SimTime now) {
+    VehicleReport vehicle = relative_report();
+    vehicle.truth = truth_;
+    if (!vehicle.heard) return vehicle;
+    if (companion_) vehicle.mission_reached = companion_->reached();
+    note_arming(now, vehicle);
+    if (figures_.version.empty()) figures_.version = vehicle.firmware;
+    return vehicle;
+  }
+
+  /// The plan fails where the vehicle is silent.
+  void check_silence(const VehicleReport& vehicle) {
+    if (const std::string fault = silence_fault(vehicle); !fault.empty()) plan_.fail(fault);
+  }
+
+  /// casd is about to forget who had a hand in the flight.
+  /// @param ends  also what it was asked
+  void keep_hands(bool ends) {
+    OutsideHands hands = hands_at_casd();
+    if (!ends) {
+      hands.calls.clear();
+      hands.forgotten_calls = 0;
     }
-    tell_phase();
+    add_hands(hands, hands_before_);
+    if (ends) counts_before_.reset();  // casd counts anew: the rates of this hold are not known
+  }
+
+  /// At the true motion. @return simulated time
+  base::SimTime look() {
+    if (companion_) companion_->before_look();
+    const Json status = simulator_.call("sim.status", Json::object());
+    const Json& vehicle = status.at("vehicles").at(vehicle_);
+    const Json& p = vehicle.at("p_W");
+    p_W_ = {p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>()};
+    truth_ = to_motion(vehicle);
+    if (!start_m_) start_m_ = truth_.p_m;
+    truth_.p_m -= *start_m_;
+    if (!ground_m_) ground_m_ = p_W_.z();
+    highest_m_ = std::max(highest_m_, p_W_.z() - *ground_m_);
+    figures_.real_time_factor = status.value("real_time_factor", 0.0);
+    figures_.simulated_s = status.at("time_s").get<double>();
+    const base::SimTime now(base::from_seconds(figures_.simulated_s));
+    figures_.log_clock.add(log_clock_us(), microseconds(now));
+    if (companion_) companion_->after_look(now);
+    return now;
+  }
+
+  /// What the newest look says of the step under way.
+  void measure() {
+    const FlightStep* step = plan_.current();
+    measure_rates(step != nullptr && step->measure);
+    if (step == nullptr || !step->measure) return;
+    if (figures_.looks == 0) hold_begin_W_ = p_W_;
+    ++figures_.looks;
+    height_sum_m_ += p_W_.z() - *ground_m_;
+    figures_.height_error_m = std::abs(height_sum_m_ / figures_.looks - plan_.reference_m().z());
+    figures_.drift_m = std::max(figures_.drift_m, (p_W_ - hold_begin_W_).head<2>().norm());
+  }
+
+  /// Has the vehicle do a step of its plan.
+  void give(const FlightStep& command) {
+    if (command.kind == StepKind::kArm && was_armed_ && has_ended_flight()) begin_next_flight();
+    const bool again = command.kind == StepKind::kArm && was_armed_;
+    if (command.kind == StepKind::kArm) {
+      plan_.fail(again ? rearm_fault(disarming()) : arm_fault(outside_hands()));
+      if (!plan_.failure().empty()) return;
+    }
+    if (companion_ && CompanionFlight::gives(command.kind)) return give_as_companion(command);
+    const std::string refusal = hils::give(casd_, in_vehicles_frame(command), scenario_.not_hil,
+                                           asked_, &own_calls_, acts_so_far_);
+    const base::SimTime now = look();
+    plan_.on_outcome(now, refusal);
+    if (command.kind == StepKind::kDisarm && refusal.empty()) gave_disarm_ = true;
+    if (command.kind != StepKind::kArm) return;
+    // A vehicle that was stopped at its board refuses: asking on and on would start it in the
+    // moment in which somebody lets it go.
+    if (again && !refusal.empty()) plan_.fail("the vehicle was disarmed, and refuses: " + refusal);
+    if (!refusal.empty()) return;
+    if (again) ++armed_again_;
+    was_armed_ = true;
+    seen_armed_ = false;
+    armed_at_ = now;
+    armed_wall_ = base::steady_now();
+    disarmed_at_.reset();
+    gave_disarm_ = false;
+    stages_when_armed_ = plan_.stages().size();
+  }
+
+  /// @param failure  of the flight; empty: there is none
+  FirmwareFigures finish(const std::string& failure) {
     figures_.under_way = plan_.under_way(look());
     figures_.stages = plan_.stages();
-    figures_.flight_failure = plan_.failure();
-    if (plan_.failure().starts_with(kDisarmedDuring)) {
+    figures_.flight_failure = failure;
+    if (failure.starts_with(kDisarmedDuring)) {
       figures_.flight_failure += hands_words(outside_hands());
     }
+    if (companion_) figures_.setpoints = companion_->setpoints();
     add_losses(casd_.call("link.list", Json::object()), figures_);
     figures_.messages = casd_.call("message.list", Json::object()).dump();
     figures_.hops = casd_.call("link.latency", Json::object()).dump();
     return figures_;
   }
 
+  double real_time_factor() const { return figures_.real_time_factor; }
+
  private:
+  Json asked() const { return asked_ ? Json{{"vehicle", *asked_}} : Json::object(); }
+
   /// Waits for the firmware's first HEARTBEAT in real time: until the firmware is there, the
   /// simulator's time runs at its own speed and says nothing of how long the firmware takes.
   bool is_heard() {
     const base::Duration patience = scenario_.steps.front().timeout;
     const base::RunTime deadline = base::steady_now() + patience;
-    while (!vehicle_report(casd_).heard) {
+    while (!vehicle_report(casd_, asked_).heard) {
       if (base::steady_now() > deadline) {
-        figures_.flight_failure = fmt::format(
-            "the firmware was not heard within {:.0f} s of real time; run/firmware.log "
+        const std::string which =
+            asked_ ? fmt::format(" of the vehicle with system id {}", *asked_) : "";
+        plan_.fail(fmt::format(
+            "the firmware{} was not heard within {:.0f} s of real time; run/firmware{}.log "
             "in the results has what it says",
-            base::to_seconds(patience));
+            which, base::to_seconds(patience), scenario_.suffix_of(vehicle_)));
         return false;
       }
       supervisor_.wait(kPollPeriod);
     }
-    figures_.system = casd_.call("vehicle.state", Json::object()).value("system", figures_.system);
+    figures_.system = casd_.call("vehicle.state", asked()).value("system", figures_.system);
+    if (companion_) companion_->join(companion_link_name(vehicle_));
     return true;
+  }
+
+  CompanionFlight::Call companion_calls() {
+    return [this](const std::string& method, Json params) {
+      if (asked_ && !method.starts_with("link.")) params["vehicle"] = *asked_;
+      own_calls_.emplace_back(method, params.dump());
+      return casd_.call(method, params, kCompanionPatience);
+    };
+  }
+
+  CompanionFlight::Wait waiting() {
+    return [this](base::Duration time) { supervisor_.wait(time); };
+  }
+
+  /// A trajectory or a mission.
+  void give_as_companion(const FlightStep& command) {
+    const Eigen::Vector3d& wanted_m = plan_.reference_m();
+    const CompanionFlight::Answer answer = companion_->give(
+        command,
+        {.autopilot = vehicle_report(casd_, asked_).autopilot,
+         .hover_N = armed_at_N_ + Eigen::Vector3d(wanted_m.x(), wanted_m.y(), -wanted_m.z()),
+         .yaw_rad = plan_.reference_yaw_rad(),
+         .not_hil = scenario_.not_hil});
+    if (answer.for_good) return plan_.fail(answer.refusal);
+    if (answer.mission) plan_.aim(*answer.mission);
+    const base::SimTime now = look();
+    plan_.on_outcome(answer.begin.value_or(now), answer.refusal);
+  }
+
+  /// The plan counts from where the vehicle was armed, casd from the vehicle's origin.
+  FlightStep in_vehicles_frame(FlightStep step) const {
+    if (step.kind == StepKind::kGoto) {
+      step.place_m += Eigen::Vector3d(armed_at_N_.x(), armed_at_N_.y(), -armed_at_N_.z());
+    }
+    return step;
   }
 
   void note_arming(base::SimTime now, const VehicleReport& vehicle) {
@@ -131,43 +280,31 @@ class FirmwarePilot {
     highest_m_ = 0;
   }
 
-  void give(const FlightStep& command) {
-    if (command.kind == StepKind::kArm && was_armed_ && has_ended_flight()) begin_next_flight();
-    const bool again = command.kind == StepKind::kArm && was_armed_;
-    if (command.kind == StepKind::kArm) {
-      plan_.fail(again ? rearm_fault(disarming()) : arm_fault(outside_hands()));
-      if (!plan_.failure().empty()) return;
-    }
-    const std::string refusal =
-        hils::give(casd_, command, scenario_.not_hil, std::nullopt, &own_calls_, acts_so_far_);
-    const base::SimTime now = look();
-    plan_.on_outcome(now, refusal);
-    if (command.kind == StepKind::kDisarm && refusal.empty()) gave_disarm_ = true;
-    if (command.kind != StepKind::kArm) return;
-    // A vehicle that was stopped at its board refuses: asking on and on would start it in the
-    // moment in which somebody lets it go.
-    if (again && !refusal.empty()) plan_.fail("the vehicle was disarmed, and refuses: " + refusal);
-    if (!refusal.empty()) return;
-    if (again) ++armed_again_;
-    was_armed_ = true;
-    seen_armed_ = false;
-    armed_at_ = now;
-    armed_wall_ = base::steady_now();
-    disarmed_at_.reset();
-    gave_disarm_ = false;
-    stages_when_armed_ = plan_.stages().size();
-  }
-
   /// What comes later than this look keeps casd from arming.
   OutsideHands outside_hands() {
-    OutsideHands hands = hils::outside_hands(casd_, own_calls_);
+    OutsideHands hands = hands_at_casd();
     acts_so_far_ = hands.acts_so_far;
+    add_hands(hands_before_, hands);
     return hands;
+  }
+
+  OutsideHands hands_at_casd() {
+    OutsideHands hands = hils::outside_hands(casd_, own_calls_, asked_);
+    const std::string own =
+        fmt::format("{} on link {}", CompanionStation::kSelfText, companion_link_name(vehicle_));
+    if (companion_) std::erase_if(hands.acts, [&](const HeardAct& act) { return act.by == own; });
+    return hands;
+  }
+
+  static void add_hands(const OutsideHands& more, OutsideHands& hands) {
+    hands.calls.insert(hands.calls.end(), more.calls.begin(), more.calls.end());
+    hands.acts.insert(hands.acts.end(), more.acts.begin(), more.acts.end());
+    hands.forgotten_calls += more.forgotten_calls;
   }
 
   Disarming disarming() {
     Disarming all{.words = disarm_words(), .highest_m = highest_m_, .armed_again = armed_again_};
-    all.autopilot = vehicle_report(casd_).autopilot;
+    all.autopilot = vehicle_report(casd_, asked_).autopilot;
     if (disarmed_at_) all.armed_s = base::to_seconds(*disarmed_at_ - armed_at_);
     if (all.autopilot == "ArduPilot") all.delay_s = parameter("DISARM_DELAY");
     all.hands = outside_hands();  // last: the rest takes its time
@@ -177,7 +314,7 @@ class FirmwarePilot {
   /// What the vehicle has said of its disarming since it was armed; waits for it.
   std::string disarm_words() {
     for (const base::RunTime deadline = base::steady_now() + kWordsPatience;;) {
-      const VehicleReport vehicle = vehicle_report(casd_);
+      const VehicleReport vehicle = vehicle_report(casd_, asked_);
       const double armed_ago_s = base::to_seconds(base::steady_now() - armed_wall_);
       if (!vehicle.disarm_words.empty() && vehicle.disarm_words_age_s < armed_ago_s) {
         return vehicle.disarm_words;
@@ -189,7 +326,9 @@ class FirmwarePilot {
 
   std::optional<double> parameter(const char* name) {
     try {
-      return casd_.call("param.get", {{"name", name}}).at("value").get<double>();
+      Json params = asked();
+      params["name"] = name;
+      return casd_.call("param.get", params).at("value").get<double>();
     } catch (const base::rpc::CallError&) {
       return std::nullopt;  // it has none of this name, or does not answer
     }
@@ -200,7 +339,7 @@ class FirmwarePilot {
   bool is_of_age() {
     const base::RunTime deadline = base::steady_now() + kVersionPatience;
     for (base::RunTime ask_at = base::steady_now() + kAskAgain;;) {
-      figures_.version = vehicle_report(casd_).firmware;
+      figures_.version = vehicle_report(casd_, asked_).firmware;
       const bool wanted = !scenario_.firmware.least_version.empty();
       if (!wanted || !figures_.version.empty() || base::steady_now() > deadline) break;
       if (base::steady_now() > ask_at) {
@@ -209,14 +348,16 @@ class FirmwarePilot {
       }
       supervisor_.wait(kPollPeriod);
     }
-    figures_.flight_failure = version_fault(scenario_.firmware, figures_.version);
-    return figures_.flight_failure.empty();
+    const std::string fault = version_fault(scenario_.firmware, figures_.version);
+    if (!fault.empty()) plan_.fail(fault);
+    return fault.empty();
   }
 
   /// A refusal means that it has none to tell, or not yet.
   void ask_for_version() {
-    const Json params{{"command", static_cast<int>(mavlink::common::MavCmd::kRequestMessage)},
-                      {"params", {mavlink::common::AutopilotVersion::kId}}};
+    Json params = asked();
+    params["command"] = static_cast<int>(mavlink::common::MavCmd::kRequestMessage);
+    params["params"] = {mavlink::common::AutopilotVersion::kId};
     own_calls_.emplace_back("vehicle.command", params.dump());
     try {
       casd_.call("vehicle.command", params);
@@ -224,47 +365,16 @@ class FirmwarePilot {
     }
   }
 
-  base::SimTime look() {
-    const Json status = simulator_.call("sim.status", Json::object());
-    const Json& p = status.at("vehicles").at(0).at("p_W");
-    p_W_ = {p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>()};
-    if (!ground_m_) ground_m_ = p_W_.z();
-    highest_m_ = std::max(highest_m_, p_W_.z() - *ground_m_);
-    figures_.real_time_factor = status.value("real_time_factor", 0.0);
-    figures_.simulated_s = status.at("time_s").get<double>();
-    const base::SimTime now(base::from_seconds(figures_.simulated_s));
-    figures_.log_clock.add(log_clock_us(), microseconds(now));
-    return now;
-  }
-
   /// The plan counts from where the vehicle was armed; a stock estimator's origin may be a little
   /// off that place.
   VehicleReport relative_report() {
-    VehicleReport vehicle = vehicle_report(casd_);
+    VehicleReport vehicle = vehicle_report(casd_, asked_);
+    if (!vehicle.heard) return vehicle;
     const FlightStep* step = plan_.current();
-    const bool on_pad = step != nullptr && !vehicle.armed && step->kind == StepKind::kTakeoff;
+    const bool on_pad = step != nullptr && !vehicle.armed && takes_off(*step);
     if (on_pad || (step != nullptr && step->kind == StepKind::kArm)) armed_at_N_ = vehicle.p_N;
     vehicle.p_N -= armed_at_N_;
     return vehicle;
-  }
-
-  void measure() {
-    const FlightStep* step = plan_.current();
-    if (step != nullptr && step->kind == StepKind::kTakeoff) altitude_m_ = step->altitude_m;
-    measure_rates(step != nullptr && step->measure);
-    if (step == nullptr || !step->measure) return;
-    if (figures_.looks == 0) hold_begin_W_ = p_W_;
-    ++figures_.looks;
-    height_sum_m_ += p_W_.z() - *ground_m_;
-    figures_.height_error_m = std::abs(height_sum_m_ / figures_.looks - altitude_m_);
-    figures_.drift_m = std::max(figures_.drift_m, (p_W_ - hold_begin_W_).head<2>().norm());
-  }
-
-  /// The simulator's fault scripts ask for it.
-  void tell_phase() {
-    if (plan_.phase() == phase_) return;
-    phase_ = plan_.phase();
-    simulator_.call("sim.phase", {{"name", phase_}});
   }
 
   /// How many of each message the vehicle has sent, on the link that has most of them.
@@ -289,20 +399,23 @@ class FirmwarePilot {
       return;
     }
     const double held_s = figures_.simulated_s - hold_begin_s_;
-    if (!(held_s > 0)) return;
+    if (!(held_s > 0) || !counts_before_) return;
     for (const auto& [name, count] : now) {
-      const auto before = counts_before_.find(name);
+      const auto before = counts_before_->find(name);
       figures_.rates_hz[name] =
-          (count - (before == counts_before_.end() ? 0 : before->second)) / held_s;
+          (count - (before == counts_before_->end() ? 0 : before->second)) / held_s;
     }
   }
 
   const FirmwareScenario& scenario_;
   Supervisor& supervisor_;
-  base::rpc::Client simulator_;
-  base::rpc::Client casd_;
-  FlightPlan plan_;
-  CallList own_calls_;
+  base::rpc::Client& simulator_;
+  base::rpc::Client& casd_;
+  FlightPlan& plan_;
+  CallList& own_calls_;
+  std::size_t vehicle_;
+  AskedVehicle asked_;  ///< how casd is to name it
+  std::optional<CompanionFlight> companion_;
   bool was_armed_ = false;   ///< by HEARTBEAT or because it accepted
   bool seen_armed_ = false;  ///< by HEARTBEAT, since it last accepted
   int armed_again_ = 0;
@@ -314,18 +427,130 @@ class FirmwarePilot {
   base::RunTime armed_wall_{};  ///< the same by this machine's clock
   std::optional<base::SimTime> disarmed_at_;
   double highest_m_ = 0;
-  Progress progress_;
   FirmwareFigures figures_;
   Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d armed_at_N_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d hold_begin_W_ = Eigen::Vector3d::Zero();
-  std::string phase_;
   bool holding_ = false;
   double hold_begin_s_ = 0;
-  std::map<std::string, double> counts_before_;  ///< when the measured hold began
+  /// When the measured hold began; nothing: casd has ended since.
+  std::optional<std::map<std::string, double>> counts_before_;
+  OutsideHands hands_before_;  ///< that casd does not know any more
+  Motion truth_;
+  std::optional<Eigen::Vector3d> start_m_;  ///< true, at the first look
   std::optional<double> ground_m_;
-  double altitude_m_ = 0;
   double height_sum_m_ = 0;
+};
+
+FleetPlan fleet_of(const FirmwareScenario& scenario) {
+  std::vector<FlightPlan> plans;
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    plans.emplace_back(steps_for(i, scenario.steps), scenario.start_yaw_rad.at(i), kHabits);
+  }
+  return {scenario.vehicles, std::move(plans)};
+}
+
+/// Takes the vehicles through their steps together.
+class FirmwareFleet {
+ public:
+  FirmwareFleet(const FirmwareScenario& scenario, const FirmwarePlaces& places,
+                FirmwareBench& bench, std::span<const std::unique_ptr<CompanionLink>> links)
+      : deck_(scenario, places, bench),
+        plan_(fleet_of(scenario)),
+        faults_(scenario.faults.bench, reach_of_faults(places)) {
+    for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+      pilots_.push_back(std::make_unique<FirmwarePilot>(deck_, plan_.plan(i), i,
+                                                        links.empty() ? nullptr : links[i].get()));
+    }
+  }
+
+  std::vector<FirmwareFigures> fly() {
+    for (const auto& pilot : pilots_) {
+      if (!pilot->is_there()) return finish();
+    }
+    for (base::SimTime now = look(); !plan_.ended();) {
+      faults_.play(now, reports_, plan_.phase());
+      now = look();
+      if (waits_for_vehicles()) {
+        deck_.supervisor.wait(kPollPeriod);
+        continue;
+      }
+      const std::vector<FleetPlan::Command> commands = plan_.update(now, reports_);
+      tell_phase();
+      for (const auto& pilot : pilots_) pilot->measure();
+      show(now);
+      for (const FleetPlan::Command& command : commands) {
+        if (!plan_.ended()) pilots_[command.vehicle]->give(command.step);
+      }
+      if (commands.empty()) deck_.supervisor.wait(kPollPeriod);
+    }
+    tell_phase();
+    return finish();
+  }
+
+ private:
+  FirmwareFaults::Reach reach_of_faults(const FirmwarePlaces& places) {
+    return {.bench = deck_.bench,
+            .simulator = deck_.simulator,
+            .casd = deck_.casd,
+            .casd_address = "unix:" + places.command_port.string(),
+            .own_calls = deck_.own_calls,
+            .before_forgetting = [this](bool ends) {
+              for (const auto& pilot : pilots_) pilot->keep_hands(ends);
+            }};
+  }
+
+  /// While casd is away, the reports are those of the last look before.
+  base::SimTime look() {
+    base::SimTime now;
+    reports_.resize(pilots_.size());
+    for (std::size_t i = 0; i < pilots_.size(); ++i) {
+      now = pilots_[i]->look();
+      if (!faults_.casd_is_away()) reports_[i] = pilots_[i]->report(now);
+    }
+    return now;
+  }
+
+  /// Whether nothing is known of a vehicle because of a fault: the steps go on when it is heard
+  /// again. A plan fails where a vehicle is silent for another reason.
+  bool waits_for_vehicles() {
+    if (faults_.casd_is_away()) return true;
+    const bool excused = faults_.excuses_silence(base::steady_now());
+    const auto heard = [](const VehicleReport& vehicle) { return vehicle.heard; };
+    if (excused) return !std::ranges::all_of(reports_, heard);
+    for (std::size_t i = 0; i < pilots_.size(); ++i) pilots_[i]->check_silence(reports_[i]);
+    return false;
+  }
+
+  void show(base::SimTime now) {
+    const std::size_t leader = plan_.leader();
+    progress_.show(now, plan_.plan(leader), reports_[leader],
+                   pace_words(pilots_[leader]->real_time_factor()));
+  }
+
+  /// The simulator's fault scripts ask for it.
+  void tell_phase() {
+    if (plan_.phase() == phase_) return;
+    phase_ = plan_.phase();
+    deck_.simulator.call("sim.phase", {{"name", phase_}});
+  }
+
+  std::vector<FirmwareFigures> finish() {
+    std::vector<FirmwareFigures> all;
+    for (std::size_t i = 0; i < pilots_.size(); ++i) {
+      all.push_back(pilots_[i]->finish(plan_.failure_of(i)));
+      all.back().faults = faults_.history_of(i);
+    }
+    return all;
+  }
+
+  FlightDeck deck_;
+  FleetPlan plan_;
+  FirmwareFaults faults_;
+  std::vector<std::unique_ptr<FirmwarePilot>> pilots_;
+  std::vector<VehicleReport> reports_;  ///< of the newest look
+  std::string phase_;
+  Progress progress_;
 };
 
 }  // namespace
@@ -351,9 +576,10 @@ std::string silence_fault(const VehicleReport& vehicle) {
       base::to_seconds(kSilencePatience));
 }
 
-FirmwareFigures pilot_firmware(const FirmwareScenario& scenario, const FirmwarePlaces& places,
-                               Supervisor& supervisor) {
-  return FirmwarePilot(scenario, places, supervisor).fly();
+std::vector<FirmwareFigures> pilot_firmware(const FirmwareScenario& scenario,
+                                            const FirmwarePlaces& places, FirmwareBench& bench,
+                                            std::span<const std::unique_ptr<CompanionLink>> links) {
+  return FirmwareFleet(scenario, places, bench, links).fly();
 }
 
 }  // namespace cas::hils

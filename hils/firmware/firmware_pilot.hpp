@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "hils/firmware/companion_link.hpp"
+#include "hils/firmware/firmware_bench.hpp"
 #include "hils/firmware/firmware_figures.hpp"
 #include "hils/firmware/firmware_scenario.hpp"
-#include "hils/programs/supervisor.hpp"
 
 namespace cas::hils {
 
@@ -15,8 +19,11 @@ std::string version_fault(const Firmware& wanted, const std::string& version);
 std::string silence_fault(const VehicleReport& vehicle);
 
 /// Flies the steps of a scenario through casd once its programs run, and looks at the true
-/// position. @return what is known of the flight before its recordings are read
-FirmwareFigures pilot_firmware(const FirmwareScenario& scenario, const FirmwarePlaces& places,
-                               Supervisor& supervisor);
+/// positions.
+/// @param links  of each vehicle, where the scenario needs_companion(); else none
+/// @return what is known of each vehicle's flight before its recordings are read
+std::vector<FirmwareFigures> pilot_firmware(const FirmwareScenario& scenario,
+                                            const FirmwarePlaces& places, FirmwareBench& bench,
+                                            std::span<const std::unique_ptr<CompanionLink>> links);
 
 }  // namespace cas::hils

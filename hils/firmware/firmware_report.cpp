@@ -20,14 +20,18 @@ namespace {
 using nlohmann::json;
 using Rows = std::vector<std::vector<std::string>>;
 
-void add_verdict(HtmlPage& page, const FirmwareScenario& scenario, const FirmwareFigures& figures,
-                 const Verdict& verdict) {
+void add_verdicts(HtmlPage& page, const FirmwareScenario& scenario,
+                  std::span<const FirmwareResult> vehicles) {
+  const FirmwareFigures& figures = vehicles.front().figures;
   const std::string firmware = figures.version.empty() ? "" : "firmware v" + figures.version + ", ";
-  add_verdict(page, verdict,
+  add_verdict(page, judge_together(vehicles),
               fmt::format("{}, {}{:.1f} s simulated at {:.2f} x real time", scenario.name, firmware,
                           figures.simulated_s, figures.real_time_factor));
   page.heading("What it was held to");
-  add_limits(page, "Limits", verdict);
+  for (const FirmwareResult& vehicle : vehicles) {
+    add_limits(page, vehicles.size() > 1 ? "Limits: " + vehicle.vehicle : "Limits",
+               vehicle.verdict);
+  }
 }
 
 std::vector<std::string> rms_row(const std::string& name, const std::optional<RmsFigures>& rms) {
@@ -35,8 +39,9 @@ std::vector<std::string> rms_row(const std::string& name, const std::optional<Rm
           rms_text(rms, &RmsFigures::z_m), rms_text(rms, &RmsFigures::yaw_rad)};
 }
 
-void add_flight(HtmlPage& page, const FirmwareFigures& figures) {
-  page.heading("Flight");
+/// @param who  "iris1: ", or nothing
+void add_flight(HtmlPage& page, const std::string& who, const FirmwareFigures& figures) {
+  page.heading(who + "Flight");
   Rows steps{{"Step", "Begin, s", "End, s"}};
   for (const Stage& stage : figures.stages) {
     steps.push_back({std::string(phase_of(stage.step)),
@@ -55,14 +60,35 @@ void add_flight(HtmlPage& page, const FirmwareFigures& figures) {
     }
     page.table("Faults, as they went", faults);
   }
-  page.table("RMS errors in the measured hold",
+  page.table("RMS errors in the measured step",
              {{"", "x, m", "y, m", "z, m", "yaw, rad"},
-              rms_row("truth about its mean", figures.rms),
+              rms_row(fmt::format("truth about {}", measured_about(figures.stages)), figures.rms),
               rms_row("estimate against truth", figures.rms_estimate)});
 }
 
+void add_rates(HtmlPage& page, const FirmwareFigures& figures) {
+  if (figures.rates_hz.empty()) return;
+  Rows rates{{"Message", "Rate, Hz"}};
+  for (const auto& [name, hz] : figures.rates_hz) {
+    if (hz > 0) rates.push_back({name, fmt::format("{:.2f}", hz)});
+  }
+  page.table("Messages of the vehicle in the measured hold, by simulated time", rates);
+}
+
+/// An autopilot counts from where it started.
+void count_from_start(std::vector<PoseSample>& truth) {
+  if (truth.empty()) return;
+  const Pose start = truth.front().pose;
+  for (PoseSample& sample : truth) {
+    sample.pose.x_m -= start.x_m;
+    sample.pose.y_m -= start.y_m;
+  }
+}
+
 /// Truth and estimate over time; nothing where the files cannot be read.
-void add_plots(HtmlPage& page, const FirmwarePlaces& places, const FirmwareFigures& figures) {
+/// @param who  in front of their titles
+void add_plots(HtmlPage& page, const FirmwarePlaces& places, const std::filesystem::path& truth_csv,
+               const std::string& who, const FirmwareFigures& figures) {
   struct Axis {
     const char* title;
     double Pose::*member;
@@ -70,11 +96,12 @@ void add_plots(HtmlPage& page, const FirmwarePlaces& places, const FirmwareFigur
   constexpr std::array kAxes{Axis{"North, m", &Pose::x_m}, Axis{"East, m", &Pose::y_m},
                              Axis{"Height, m", &Pose::z_m}, Axis{"Yaw, rad", &Pose::yaw_rad}};
   try {
-    const std::vector<PoseSample> truth = read_truth(places.truth_csv());
+    std::vector<PoseSample> truth = read_truth(truth_csv);
+    count_from_start(truth);
     const std::vector<PoseSample> estimate =
         read_estimate(places.flight_tlog(), figures.system, figures.log_clock);
     for (const auto& [title, member] : kAxes) {
-      Plot plot{.title = title, .x_label = kTimeLabel, .y_label = title};
+      Plot plot{.title = who + title, .x_label = kTimeLabel, .y_label = title};
       plot.series = {pose_series("truth", truth, member, 0),
                      pose_series("estimate", estimate, member, 0)};
       plot.series.back().dashed = true;
@@ -93,13 +120,6 @@ void add_links(HtmlPage& page, const FirmwareFigures& figures) {
   page.heading("Links of casd");
   page.paragraph(fmt::format("casd dropped {} packets and missed {} by their numbers.",
                              figures.dropped, figures.lost));
-  if (!figures.rates_hz.empty()) {
-    Rows rates{{"Message", "Rate, Hz"}};
-    for (const auto& [name, hz] : figures.rates_hz) {
-      if (hz > 0) rates.push_back({name, fmt::format("{:.2f}", hz)});
-    }
-    page.table("Messages of the vehicle in the measured hold, by simulated time", rates);
-  }
   Rows hops{{"Way", "Packets", "50 %, us", "99 %, us", "Longest, us"}};
   for (const json& link : json::parse(figures.hops)) {
     for (const json& route : link.value("routes", json::array())) {
@@ -116,12 +136,17 @@ void add_links(HtmlPage& page, const FirmwareFigures& figures) {
 }  // namespace
 
 std::string firmware_report(const FirmwareScenario& scenario, const FirmwarePlaces& places,
-                            const FirmwareFigures& figures, const Verdict& verdict) {
+                            std::span<const FirmwareResult> vehicles) {
   HtmlPage page(scenario.name);
-  add_verdict(page, scenario, figures, verdict);
-  add_flight(page, figures);
-  add_plots(page, places, figures);
-  add_links(page, figures);
+  add_verdicts(page, scenario, vehicles);
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    const FirmwareFigures& figures = vehicles[i].figures;
+    const std::string who = vehicles.size() > 1 ? vehicles[i].vehicle + ": " : "";
+    add_flight(page, who, figures);
+    add_plots(page, places, places.truth_csv(scenario.suffix_of(i)), who, figures);
+    add_rates(page, figures);
+  }
+  add_links(page, vehicles.front().figures);
   page.heading("Configuration");
   for (const auto& file : {scenario.file, places.simulator_config(), places.casd_config()}) {
     std::ifstream in(file);

@@ -5,7 +5,12 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/os/write_file.hpp"
 #include "base/rpc/client.hpp"
@@ -24,25 +29,36 @@
 namespace cas::hils {
 namespace {
 
-void print_figures(const FirmwareScenario& scenario, const FirmwareFigures& figures,
-                   const Verdict& verdict, std::uint64_t lost_bytes) {
-  fmt::print("{}: {}{}\n", verdict_word(verdict), scenario.name,
-             figures.version.empty() ? "" : ", firmware v" + figures.version);
-  for (const std::string& sentence : verdict.failures) fmt::print("  - {}\n", sentence);
-  fmt::print("  {:.1f} s simulated at {:.2f} x real time; height error {:.2f} m, drift {:.2f} m\n",
-             figures.simulated_s, figures.real_time_factor, figures.height_error_m,
-             figures.drift_m);
+void print_vehicle(const FirmwareFigures& figures) {
+  fmt::print("  height error {:.2f} m, drift {:.2f} m\n", figures.height_error_m, figures.drift_m);
   if (const auto& rms = figures.rms) {
-    fmt::print("  RMS of the true position about its mean: {:.3f}, {:.3f}, {:.3f} m\n", rms->x_m,
-               rms->y_m, rms->z_m);
+    fmt::print("  RMS of the true position about {}: {:.3f}, {:.3f}, {:.3f} m\n",
+               measured_about(figures.stages), rms->x_m, rms->y_m, rms->z_m);
   }
   if (const auto& rms = figures.rms_estimate) {
     fmt::print("  RMS of the estimate against the truth: {:.3f}, {:.3f}, {:.3f} m, {:.4f} rad\n",
                rms->x_m, rms->y_m, rms->z_m, rms->yaw_rad);
   }
+}
+
+void print_figures(const FirmwareScenario& scenario, std::span<const FirmwareResult> vehicles,
+                   std::uint64_t lost_bytes) {
+  const FirmwareFigures& first = vehicles.front().figures;
+  const Verdict verdict = judge_together(vehicles);
+  fmt::print("{}: {}{}\n", verdict_word(verdict), scenario.name,
+             first.version.empty() ? "" : ", firmware v" + first.version);
+  for (const std::string& sentence : verdict.failures) fmt::print("  - {}\n", sentence);
+  fmt::print("  {:.1f} s simulated at {:.2f} x real time\n", first.simulated_s,
+             first.real_time_factor);
+  for (const FirmwareResult& vehicle : vehicles) {
+    if (vehicles.size() > 1) {
+      fmt::print(" {}: {}\n", vehicle.vehicle, verdict_word(vehicle.verdict));
+    }
+    print_vehicle(vehicle.figures);
+  }
   fmt::print(
       "  casd dropped {} packets and missed {} by their numbers; not judged, nor is the pace\n",
-      figures.dropped, figures.lost);
+      first.dropped, first.lost);
   if (lost_bytes > 0) {
     fmt::print("  the serial line lost {} bytes that were not read in time\n", lost_bytes);
   }
@@ -58,53 +74,83 @@ void leave_replay(const std::filesystem::path& out) {
   }
 }
 
+/// Reads the recordings of one vehicle and judges its flight.
+FirmwareResult evaluate(const FirmwareScenario& scenario, const FirmwarePlaces& places,
+                        std::size_t vehicle, FirmwareFigures figures) {
+  const std::string& name = scenario.vehicles[vehicle];
+  const std::filesystem::path truth = places.truth_csv(scenario.suffix_of(vehicle));
+  add_truth(truth, figures);
+  add_estimate(truth, places.flight_tlog(), figures);
+  for (const auto& fault : vehicle_faults(places.simulator_stats(), name)) {
+    figures.faults.push_back(fault);
+  }
+  figures.never_began = faults_that_never_began(scenario.faults, vehicle, figures.faults);
+  const Verdict verdict = judge(scenario, figures);
+  return {.vehicle = name, .figures = std::move(figures), .verdict = verdict};
+}
+
+void write_results(const FirmwareScenario& scenario, const FirmwarePlaces& places,
+                   std::span<const FirmwareResult> vehicles) {
+  const auto write = [&places](const char* file, const std::string& text) {
+    base::write_file(places.out / file, text, base::Durability::kCache);
+  };
+  std::vector<std::pair<std::string, Verdict>> suites;
+  for (const FirmwareResult& vehicle : vehicles) {
+    suites.emplace_back("hils." + scenario.name + "." + vehicle.vehicle, vehicle.verdict);
+  }
+  const FirmwareResult& first = vehicles.front();
+  write("summary.json", firmware_summary(scenario, vehicles).dump(2) + "\n");
+  write("junit.xml", vehicles.size() > 1 ? junit_report(suites, first.figures.wall_s)
+                                         : junit_report("hils." + scenario.name,
+                                                        first.figures.wall_s, first.verdict));
+  write("report.html", firmware_report(scenario, places, vehicles));
+}
+
 }  // namespace
 
 int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out) {
   remove_verdict(out);
   const RunDirectory sockets;
-  const FirmwarePlaces places{.out = out,
-                              .run = out / "run",
-                              .sockets = sockets.path(),
-                              .command_port = sockets.command_socket()};
+  FirmwarePlaces places{.out = out,
+                        .run = out / "run",
+                        .sockets = sockets.path(),
+                        .command_port = sockets.command_socket()};
+  std::vector<std::unique_ptr<CompanionLink>> companions;
+  if (scenario.needs_companion()) {
+    for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+      companions.push_back(std::make_unique<CompanionLink>());
+      places.companions.push_back(companions.back()->port());
+    }
+  }
   write_firmware_configs(scenario, places);
   FirmwareBench bench(scenario, places);
   const base::RunTime begin = base::steady_now();
-  FirmwareFigures figures;
+  std::vector<FirmwareFigures> flown;
   try {
     bench.start();
-    figures = pilot_firmware(scenario, places, bench.supervisor());
+    flown = pilot_firmware(scenario, places, bench, companions);
   } catch (const base::rpc::ConnectionError& error) {
     bench.supervisor().wait(std::chrono::milliseconds(500));  // a program that died is noticed
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
   } catch (const RunStopped& stopped) {
     const std::string& hint = scenario.firmware.hint;
-    const bool of_firmware = std::string_view(stopped.what()).starts_with("firmware ");
+    const bool of_firmware = std::string_view(stopped.what()).starts_with("firmware");
     if (!of_firmware || hint.empty()) throw;
     throw RunStopped(std::string(stopped.what()) + "\n" + hint, false);
   }
   bench.stop();
-  figures.wall_s = base::to_seconds(base::steady_now() - begin);
-  add_truth(places.truth_csv(), figures);
-  add_estimate(places.truth_csv(), places.flight_tlog(), figures);
-  figures.faults = vehicle_faults(places.simulator_stats(), scenario.vehicle);
-  figures.never_began =
-      faults_that_never_began({.bench = {}, .vehicle = scenario.faults}, 0, figures.faults);
-
-  const Verdict verdict = judge(scenario, figures);
-  base::write_file(out / "summary.json",
-                   firmware_summary(scenario, figures, verdict).dump(2) + "\n",
-                   base::Durability::kCache);
-  base::write_file(out / "junit.xml",
-                   junit_report("hils." + scenario.name, figures.wall_s, verdict),
-                   base::Durability::kCache);
-  base::write_file(out / "report.html", firmware_report(scenario, places, figures, verdict),
-                   base::Durability::kCache);
-  print_figures(scenario, figures, verdict, bench.lost_bytes());
+  const double wall_s = base::to_seconds(base::steady_now() - begin);
+  std::vector<FirmwareResult> vehicles;
+  for (FirmwareFigures& figures : flown) {
+    figures.wall_s = wall_s;
+    vehicles.push_back(evaluate(scenario, places, vehicles.size(), std::move(figures)));
+  }
+  write_results(scenario, places, vehicles);
+  print_figures(scenario, vehicles, bench.lost_bytes());
   fmt::print("Results: {}\n", out.string());
   std::fflush(stdout);
   leave_replay(out);
-  return verdict.exit_code();
+  return judge_together(vehicles).exit_code();
 }
 
 }  // namespace cas::hils

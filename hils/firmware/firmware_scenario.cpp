@@ -4,15 +4,23 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <string>
+#include <string_view>
 
 #include "base/config/config.hpp"
 #include "base/config/config_origin.hpp"
+#include "base/config/config_whole.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/earth/frames.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "base/suggestion.hpp"
+#include "hils/firmware/companion_flight.hpp"
 #include "hils/flight/phase_check.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -22,6 +30,45 @@ namespace cas::hils {
 namespace {
 
 constexpr int kSchema = 1;
+
+bool names_instance(const std::string& text) {
+  return text.find("${CAS_INSTANCE}") != std::string::npos;
+}
+
+/// Several programs need ports and folders of their own. @throws base::ConfigError
+void check_instances(const base::ConfigNode& node, const Firmware& firmware) {
+  if (firmware.instances == 1) return;
+  if (firmware.on_serial_line) {
+    node.at("on_serial_line").fail("several instances fly in software only, without a serial line");
+  }
+  const bool differ = std::ranges::any_of(firmware.command, names_instance) ||
+                      std::ranges::any_of(firmware.environment, names_instance,
+                                          [](const auto& entry) { return entry.second; });
+  if (!differ) {
+    node.at("command").fail(
+        "several instances need ${CAS_INSTANCE} in it, the number from 0 of each (PX4: -i, "
+        "ArduPilot: -I)");
+  }
+  if (!firmware.cwd.empty() && !names_instance(firmware.cwd)) {
+    node.at("cwd").fail("several instances need ${CAS_INSTANCE} in it, a folder for each");
+  }
+}
+
+/// The world's first vehicles, which are flown. @throws base::ConfigError
+VehicleNames flown_vehicles(const base::ConfigNode& firmware, const base::ConfigNode& world,
+                            int instances) {
+  const auto vehicles = world.at("vehicles").items();
+  const auto count = static_cast<std::size_t>(instances);
+  if (vehicles.size() < count) {
+    firmware.at("instances")
+        .fail("the world has only " + std::to_string(vehicles.size()) + " of them");
+  }
+  VehicleNames names;
+  for (std::size_t i = 0; i < count; ++i) {
+    names.push_back(vehicles[i].get<std::string>("name", std::string(kVehicleName)));
+  }
+  return names;
+}
 
 Firmware parse_firmware(const base::ConfigNode& node) {
   Firmware firmware;
@@ -43,19 +90,33 @@ Firmware parse_firmware(const base::ConfigNode& node) {
     }
   }
   firmware.on_serial_line = node.get("on_serial_line", false);
+  firmware.instances = base::get_whole_in<int>(node, "instances", 1, 1, kMostInstances);
+  check_instances(node, firmware);
   return firmware;
 }
 
-/// Stock firmware has no parameters CAS_TRJ_*.
-void refuse_trajectories(const base::ConfigNode& steps, const std::vector<FlightStep>& flight) {
-  const bool any = std::ranges::any_of(
-      flight, [](const FlightStep& step) { return step.kind == StepKind::kTrajectory; });
-  if (!any) return;
-  for (const base::ConfigNode& node : steps.items()) {
-    if (node.is_map() && node.has("trajectory")) {
-      node.at("trajectory")
-          .fail(
-              "only the controller of CAS flies a trajectory by itself: stock firmware takes goto");
+/// Heading of each vehicle in the world file, where yaw counts from east, counter-clockwise.
+std::vector<double> start_headings(const base::ConfigNode& world, std::size_t count) {
+  constexpr double kNorth_deg = 90;
+  constexpr double kRadiansPerDegree = M_PI / 180;
+  std::vector<double> headings;
+  const auto vehicles = world.at("vehicles").items();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto pose = vehicles[i].find("pose");
+    const double yaw_deg = pose ? pose->get("yaw_deg", 0.0) : 0.0;
+    headings.push_back(base::wrap_angle((kNorth_deg - yaw_deg) * kRadiansPerDegree));
+  }
+  return headings;
+}
+
+/// What follows a trajectory goes away from where it began. @throws base::ConfigError
+void refuse_drift(const base::ConfigNode& limits, const std::vector<FlightStep>& flight) {
+  const bool moves = std::ranges::any_of(flight, [](const FlightStep& step) {
+    return step.measure && step.kind == StepKind::kTrajectory;
+  });
+  for (const char* const key : {"drift_m", "height_error_m"}) {
+    if (moves && limits.has(key)) {
+      limits.at(key).fail("the measured step is a trajectory: it is held to rms");
     }
   }
 }
@@ -99,32 +160,83 @@ std::map<std::string, double> parse_rates(const base::ConfigNode& limits) {
   return rates;
 }
 
-/// The faults of the vehicle. @throws base::ConfigError for one of the bench
-std::vector<VehicleFault> parse_faults(const base::ConfigNode& node, const std::string& vehicle) {
-  const ScenarioFaults faults =
-      parse_scenario_faults(node, base::ConfigNode::empty("line"), {vehicle});
-  if (faults.bench.empty()) return faults.vehicle;
-  node.fail("'" + faults.bench.front().name +
-            "' is a fault of the bench, which a flight of stock firmware does not have: it takes "
-            "those of the vehicle (plugin fault)");
+/// A fault that closes a link names one of the topology. @throws base::ConfigError
+void check_cuts(const base::ConfigNode& faults, const std::filesystem::path& topology) {
+  std::vector<std::string> names;
+  for (const base::ConfigNode& link : base::ConfigNode::load(topology).at("links").items()) {
+    names.push_back(link.get<std::string>("name", ""));
+  }
+  for (const base::ConfigNode& fault : faults.items()) {
+    const auto cut = fault.find("cut");
+    if (!cut || std::ranges::find(names, cut->as<std::string>()) != names.end()) continue;
+    cut->fail("the topology has no link of this name" +
+              base::did_you_mean(cut->as<std::string>(), names));
+  }
 }
 
-/// What a scenario adds to the plugins of the world's vehicle.
-void add_plugins(const FirmwareScenario& scenario, YAML::Node plugins) {
+/// The faults of the flight. @throws base::ConfigError for those that cannot be played
+ScenarioFaults parse_faults(const base::ConfigNode& node, const FirmwareScenario& scenario) {
+  ScenarioFaults faults =
+      parse_scenario_faults(node, base::ConfigNode::empty("line"), scenario.vehicles);
+  refuse_faults(node, std::array<std::string_view, 3>{"flood_hz", "silence", "starve"},
+                "a flight of stock firmware does not have this fault");
+  if (!scenario.firmware.on_serial_line) {
+    refuse_faults(node, std::array<std::string_view, 2>{"line", "unplug"},
+                  "this firmware has no serial line of hils (firmware: on_serial_line)");
+  }
+  check_cuts(node, scenario.topology);
+  return faults;
+}
+
+/// Those that plugin fault of one vehicle plays.
+std::vector<VehicleFault> faults_of(const FirmwareScenario& scenario, std::size_t vehicle) {
+  std::vector<VehicleFault> faults;
+  std::ranges::copy_if(
+      scenario.faults.vehicle, std::back_inserter(faults),
+      [vehicle](const VehicleFault& fault) { return fault.vehicle.value_or(vehicle) == vehicle; });
+  return faults;
+}
+
+/// What a scenario adds to the plugins of a vehicle of the world.
+void add_plugins(const FirmwareScenario& scenario, const FirmwarePlaces& places,
+                 std::size_t vehicle, YAML::Node plugins) {
   for (const base::ConfigNode& plugin : scenario.plugins) {
     YAML::Node node = YAML::Load(plugin.dump());
     if (const auto grid = plugin.find("grid")) node["grid"] = full_path(*grid);
     plugins.push_back(node);
   }
-  if (scenario.faults.empty()) return;
   YAML::Node fault;
   fault["plugin"] = "fault";
-  for (const VehicleFault& each : scenario.faults) {
+  for (const VehicleFault& each : faults_of(scenario, vehicle)) {
     YAML::Node script = YAML::Load(each.script.dump());
     script.remove("vehicle");
     fault["faults"].push_back(script);
   }
-  plugins.push_back(fault);
+  if (fault["faults"]) plugins.push_back(fault);
+  YAML::Node recorder;
+  recorder["plugin"] = "recorder";
+  recorder["file"] = places.truth_csv(scenario.suffix_of(vehicle)).string();
+  recorder["rate_hz"] = kTruthHz;
+  plugins.push_back(recorder);
+}
+
+/// Where what add_plugins() has added was written.
+std::string plugin_notes(const FirmwareScenario& scenario, std::size_t vehicle,
+                         std::size_t number_of_own) {
+  const auto path = [vehicle](std::size_t plugin) {
+    return "vehicles[" + std::to_string(vehicle) + "].plugins[" + std::to_string(plugin) + "]";
+  };
+  std::string notes;
+  std::size_t number = number_of_own;
+  for (const base::ConfigNode& plugin : scenario.plugins) {
+    notes += base::origin_notes(path(number++), plugin);
+  }
+  std::size_t fault = 0;
+  for (const VehicleFault& each : faults_of(scenario, vehicle)) {
+    notes +=
+        base::origin_notes(path(number) + ".faults[" + std::to_string(fault++) + "]", each.script);
+  }
+  return notes;
 }
 
 std::string world_text(const FirmwareScenario& scenario, const FirmwarePlaces& places) {
@@ -140,24 +252,12 @@ std::string world_text(const FirmwareScenario& scenario, const FirmwarePlaces& p
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     world["vehicles"][i]["vehicle"] = full_path(vehicles[i].at("vehicle"));
   }
-  if (scenario.sensors) {
-    world["vehicles"][0]["sensors"] = YAML::Load(scenario.sensors->dump());
-  }
-  add_plugins(scenario, world["vehicles"][0]["plugins"]);
-  YAML::Node recorder;
-  recorder["plugin"] = "recorder";
-  recorder["file"] = (places.out / "truth.csv").string();
-  recorder["rate_hz"] = kTruthHz;
-  world["vehicles"][0]["plugins"].push_back(recorder);
   std::string notes = base::origin_notes("", source);
-  std::size_t number = vehicles.at(0).at("plugins").items().size();
-  for (const base::ConfigNode& plugin : scenario.plugins) {
-    notes += base::origin_notes("vehicles[0].plugins[" + std::to_string(number++) + "]", plugin);
-  }
-  for (std::size_t i = 0; i < scenario.faults.size(); ++i) {
-    notes += base::origin_notes(
-        "vehicles[0].plugins[" + std::to_string(number) + "].faults[" + std::to_string(i) + "]",
-        scenario.faults[i].script);
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    YAML::Node vehicle = world["vehicles"][i];
+    if (scenario.sensors) vehicle["sensors"] = YAML::Load(scenario.sensors->dump());
+    add_plugins(scenario, places, i, vehicle["plugins"]);
+    notes += plugin_notes(scenario, i, vehicles.at(i).at("plugins").items().size());
   }
   return to_text(world) + notes;
 }
@@ -180,10 +280,27 @@ std::string topology_text(const FirmwareScenario& scenario, const FirmwarePlaces
       link["device"] = places.casd_tty().string();
     }
   }
+  for (std::size_t i = 0; i < places.companions.size(); ++i) {
+    YAML::Node link;
+    link["name"] = companion_link_name(i);
+    link["type"] = "udp";
+    link["local"] = "127.0.0.1:0";
+    link["remote"] = "127.0.0.1:" + std::to_string(places.companions[i]);
+    topology["links"].push_back(link);
+  }
   return to_text(topology) + base::origin_notes("", base::ConfigNode::load(scenario.topology));
 }
 
 }  // namespace
+
+std::string companion_link_name(std::size_t vehicle) {
+  return std::string(CompanionStation::kLink) + (vehicle == 0 ? "" : std::to_string(vehicle + 1));
+}
+
+bool FirmwareScenario::needs_companion() const {
+  return std::ranges::any_of(
+      steps, [](const FlightStep& step) { return CompanionFlight::gives(step.kind); });
+}
 
 bool is_at_least(const std::string& version, const std::string& least) {
   const auto numbers = [](const std::string& text) {
@@ -236,13 +353,13 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
   scenario.description = root.get<std::string>("description", "");
   scenario.file = file;
   scenario.world = base::find_config(root.at("world"));
-  const auto vehicle = base::ConfigNode::load(scenario.world).at("vehicles").items().at(0);
-  scenario.vehicle = vehicle.get<std::string>("name", scenario.vehicle);
   scenario.topology = base::find_config(root.at("topology"));
   scenario.firmware = parse_firmware(root.at("firmware"));
+  const base::ConfigNode world = base::ConfigNode::load(scenario.world);
+  scenario.vehicles = flown_vehicles(root.at("firmware"), world, scenario.firmware.instances);
   scenario.not_hil = root.get("not_hil", false);
-  scenario.steps = parse_flight(root.at("steps"), gains_of(scenario.topology));
-  refuse_trajectories(root.at("steps"), scenario.steps);
+  scenario.steps = parse_flight(root.at("steps"), gains_of(scenario.topology), scenario.vehicles);
+  scenario.start_yaw_rad = start_headings(world, scenario.vehicles.size());
   scenario.sensors = root.find("sensors");
   if (scenario.sensors) scenario.sensors->mark_used();
   if (root.has("plugins")) {
@@ -250,15 +367,18 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
     root.at("plugins").mark_used();
   }
   if (root.has("faults")) {
-    scenario.faults = parse_faults(root.at("faults"), scenario.vehicle);
-    auto plugins = vehicle.at("plugins").items();
-    plugins.insert(plugins.end(), scenario.plugins.begin(), scenario.plugins.end());
-    check_gusts(plugins, {.bench = {}, .vehicle = scenario.faults});
+    scenario.faults = parse_faults(root.at("faults"), scenario);
+    for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+      auto plugins = world.at("vehicles").items().at(i).at("plugins").items();
+      plugins.insert(plugins.end(), scenario.plugins.begin(), scenario.plugins.end());
+      check_gusts(plugins, {.bench = {}, .vehicle = faults_of(scenario, i)});
+    }
     check_fault_phases(root.at("faults"), scenario.steps);
   }
   if (const auto limits = root.find("limits")) {
     scenario.height_error_m = limit(*limits, "height_error_m");
     scenario.drift_m = limit(*limits, "drift_m");
+    refuse_drift(*limits, scenario.steps);
     scenario.rms = parse_axes(*limits, "rms");
     scenario.rms_estimate = parse_axes(*limits, "rms_estimate");
     if (limits->has("hop_p99_us")) scenario.hop_p99_us = limits->require_in("hop_p99_us", 0, 1e9);

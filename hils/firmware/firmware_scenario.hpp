@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -25,9 +27,19 @@ struct Firmware {
   std::string hint;           ///< what helps where it is too old or ends by itself
   std::string cwd;            ///< where it runs; empty: a folder in the results
   std::map<std::string, std::string> environment;
+  int instances = 1;  ///< of the program: one for each of the world's first vehicles
   bool on_serial_line =
       false;  ///< ${CAS_FCU_TTY} is the end of a pseudo-terminal, casd has the other
 };
+
+/// Most programs of one run, as most vehicles of a scenario of our controller.
+inline constexpr int kMostInstances = 16;
+
+/// The system id of the vehicle that an instance flies, from 1: PX4 in software takes this one by
+/// itself.
+constexpr std::uint8_t system_of_instance(std::size_t instance) {
+  return static_cast<std::uint8_t>(instance + 1);
+}
 
 /// Whether a version is a later one or the same: "1.16.1" is at least "1.12".
 bool is_at_least(const std::string& version, const std::string& least);
@@ -39,13 +51,13 @@ struct FirmwareScenario {
   std::string description;
   std::filesystem::path file{};
   std::filesystem::path world;
-  std::string vehicle{kVehicleName};  ///< the world's first, which is flown
+  VehicleNames vehicles = only_vehicle();  ///< the world's first, which are flown
   std::filesystem::path topology;
   Firmware firmware;
   bool not_hil = false;                     ///< arm although it does not say that it is in HIL
-  std::optional<base::ConfigNode> sensors;  ///< in the place of those of the world's vehicle
-  std::vector<base::ConfigNode> plugins;    ///< of the world's vehicle, behind its own
-  std::vector<VehicleFault> faults;         ///< of that vehicle
+  std::optional<base::ConfigNode> sensors;  ///< in the place of those of the flown vehicles
+  std::vector<base::ConfigNode> plugins;    ///< of the flown vehicles, behind their own
+  ScenarioFaults faults;
   std::vector<FlightStep> steps;
   std::optional<double> height_error_m;  ///< most of the true height's mean in measured holds
   std::optional<double> drift_m;         ///< farthest from where the hold began, true, horizontal
@@ -53,6 +65,16 @@ struct FirmwareScenario {
   std::map<std::string, double> rms_estimate;  ///< by axis: estimate against truth in them
   std::optional<double> hop_p99_us;            ///< most of any way through casd
   std::map<std::string, double> rates_hz;      ///< least of the vehicle's messages in the hold
+
+  std::vector<double> start_yaw_rad{};  ///< of the flown vehicles, from north, in the world file
+
+  /// Whether it has steps that hils flies on a link of its own: trajectories and missions.
+  bool needs_companion() const;
+  bool flies_several() const { return vehicles.size() > 1; }
+  /// What the names of a vehicle's files and program end with: "_iris1", nothing for one alone.
+  std::string suffix_of(std::size_t vehicle) const {
+    return flies_several() ? "_" + vehicles[vehicle] : "";
+  }
 
   /// Whether a scenario file is one of these: it has the key `firmware`.
   static bool is(const std::filesystem::path& file);
@@ -65,17 +87,24 @@ struct FirmwareScenario {
 /// @throws base::ConfigError that names the missing variable
 std::string with_variables(const std::string& text, const std::map<std::string, std::string>& more);
 
+/// Name of casd's link for what hils sends to a vehicle.
+std::string companion_link_name(std::size_t vehicle);
+
 /// Where the pieces of a flight of stock firmware are.
 struct FirmwarePlaces {
   std::filesystem::path out;             ///< results: truth.csv, flight.tlog, summary.json
   std::filesystem::path run;             ///< effective configurations, figures, program output
   std::filesystem::path sockets;         ///< short-lived: control sockets, ends of the serial line
   std::filesystem::path command_port{};  ///< casd's Unix socket
+  std::vector<std::uint16_t> companions{};  ///< UDP ports of hils, for a link of casd each
 
   std::filesystem::path simulator_config() const { return run / "hilsim.yaml"; }
   std::filesystem::path casd_config() const { return run / "casd.yaml"; }
   std::filesystem::path simulator_stats() const { return run / "hilsim_stats.json"; }
-  std::filesystem::path truth_csv() const { return out / "truth.csv"; }
+  /// @param suffix  FirmwareScenario::suffix_of()
+  std::filesystem::path truth_csv(const std::string& suffix = {}) const {
+    return out / ("truth" + suffix + ".csv");
+  }
   std::filesystem::path flight_tlog() const { return out / "flight.tlog"; }
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
   std::filesystem::path command_token() const { return sockets / "casd.token"; }

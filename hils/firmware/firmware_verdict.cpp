@@ -73,6 +73,39 @@ void check_links(const FirmwareScenario& scenario, const FirmwareFigures& figure
   }
 }
 
+/// What is each vehicle's own in a summary.
+json vehicle_json(const FirmwareFigures& figures) {
+  json all{{"firmware", figures.version}, {"height_error_m", figures.height_error_m},
+           {"drift_m", figures.drift_m},  {"rates_hz", figures.rates_hz},
+           {"faults", json::array()},     {"incidents", json::array()},
+           {"stages", json::array()}};
+  if (figures.setpoints.count > 0) {
+    all["setpoints"] = {{"count", figures.setpoints.count},
+                        {"longest_gap_s", figures.setpoints.longest_gap_s}};
+  }
+  if (figures.rms) all["rms"] = rms_json(*figures.rms);
+  if (figures.rms_estimate) all["rms_estimate"] = rms_json(*figures.rms_estimate);
+  for (const BenchFaultScript::Span& fault : figures.faults) {
+    json& entry = all["faults"].emplace_back();
+    entry = {{"name", fault.name}, {"begin_s", base::to_seconds(fault.begin)}};
+    if (fault.end) entry["end_s"] = base::to_seconds(*fault.end);
+  }
+  for (const FaultThatNeverBegan& fault : figures.never_began) {
+    all["faults"].push_back(
+        {{"name", fault.name}, {"begin_s", nullptr}, {"end_s", nullptr}, {"began", "never"}});
+  }
+  for (const Incident& incident : figures.incidents) {
+    all["incidents"].push_back(
+        {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
+  }
+  for (const Stage& stage : figures.stages) all["stages"].push_back(stage_json(stage));
+  if (figures.under_way) {
+    all["stages"].push_back(stage_json(*figures.under_way));
+    all["stages"].back()["finished"] = false;
+  }
+  return all;
+}
+
 }  // namespace
 
 Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) {
@@ -107,45 +140,43 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
   return verdict_on({}, std::move(checks), figures.never_began);
 }
 
-json firmware_summary(const FirmwareScenario& scenario, const FirmwareFigures& figures,
-                      const Verdict& verdict) {
+Verdict judge_together(std::span<const FirmwareResult> vehicles) {
+  if (vehicles.size() == 1) return vehicles.front().verdict;
+  Verdict together{.valid = true, .passed = true, .failures = {}};
+  for (const FirmwareResult& vehicle : vehicles) {
+    together.valid &= vehicle.verdict.valid;
+    together.passed &= vehicle.verdict.passed;
+    for (const std::string& sentence : vehicle.verdict.failures) {
+      together.failures.push_back(vehicle.vehicle + ": " + sentence);
+    }
+  }
+  return together;
+}
+
+json firmware_summary(const FirmwareScenario& scenario, std::span<const FirmwareResult> vehicles) {
+  const FirmwareFigures& first = vehicles.front().figures;
+  const Verdict together = judge_together(vehicles);
   json all{{"schema", 1},
            {"scenario", scenario.name},
-           {"firmware", figures.version},
-           {"passed", verdict.passed},
-           {"missed", verdict.failures},
-           {"height_error_m", figures.height_error_m},
-           {"drift_m", figures.drift_m},
-           {"simulated_s", figures.simulated_s},
-           {"wall_s", figures.wall_s},
-           {"real_time_factor", figures.real_time_factor},
-           {"dropped", figures.dropped},
-           {"lost", figures.lost},
-           {"messages", json::parse(figures.messages)},
-           {"hops_us", json::parse(figures.hops)},
-           {"rates_hz", figures.rates_hz},
-           {"faults", json::array()},
-           {"incidents", json::array()},
-           {"stages", json::array()}};
-  if (figures.rms) all["rms"] = rms_json(*figures.rms);
-  if (figures.rms_estimate) all["rms_estimate"] = rms_json(*figures.rms_estimate);
-  for (const BenchFaultScript::Span& fault : figures.faults) {
-    json& entry = all["faults"].emplace_back();
-    entry = {{"name", fault.name}, {"begin_s", base::to_seconds(fault.begin)}};
-    if (fault.end) entry["end_s"] = base::to_seconds(*fault.end);
+           {"passed", together.passed},
+           {"missed", together.failures},
+           {"simulated_s", first.simulated_s},
+           {"wall_s", first.wall_s},
+           {"real_time_factor", first.real_time_factor},
+           {"dropped", first.dropped},
+           {"lost", first.lost},
+           {"messages", json::parse(first.messages)},
+           {"hops_us", json::parse(first.hops)}};
+  if (vehicles.size() == 1) {
+    all.update(vehicle_json(first));
+    return all;
   }
-  for (const FaultThatNeverBegan& fault : figures.never_began) {
-    all["faults"].push_back(
-        {{"name", fault.name}, {"begin_s", nullptr}, {"end_s", nullptr}, {"began", "never"}});
-  }
-  for (const Incident& incident : figures.incidents) {
-    all["incidents"].push_back(
-        {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
-  }
-  for (const Stage& stage : figures.stages) all["stages"].push_back(stage_json(stage));
-  if (figures.under_way) {
-    all["stages"].push_back(stage_json(*figures.under_way));
-    all["stages"].back()["finished"] = false;
+  for (const FirmwareResult& vehicle : vehicles) {
+    json& entry = all["vehicles"].emplace_back(vehicle_json(vehicle.figures));
+    entry["name"] = vehicle.vehicle;
+    entry["system"] = vehicle.figures.system;
+    entry["passed"] = vehicle.verdict.passed;
+    entry["missed"] = vehicle.verdict.failures;
   }
   return all;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
 
 #include "hils/firmware/firmware_figures.hpp"
 #include "hils/firmware/firmware_scenario.hpp"
@@ -12,8 +14,16 @@ namespace cas::hils {
 /// What the flight was held to: that it was completed and recorded, without incidents, and within
 /// each limit of the scenario.
 Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures);
-/// summary.json of a flight of stock firmware.
-nlohmann::json firmware_summary(const FirmwareScenario& scenario, const FirmwareFigures& figures,
-                                const Verdict& verdict);
+/// One vehicle of a flight.
+struct FirmwareResult {
+  std::string vehicle;  ///< its name
+  FirmwareFigures figures;
+  Verdict verdict;
+};
+/// The verdict on all of them: passed when each has.
+Verdict judge_together(std::span<const FirmwareResult> vehicles);
+/// summary.json of a flight of stock firmware; of several vehicles what they share, and a list.
+nlohmann::json firmware_summary(const FirmwareScenario& scenario,
+                                std::span<const FirmwareResult> vehicles);
 
 }  // namespace cas::hils

@@ -5,9 +5,16 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
+#include "casd/tlog/tlog_packets.hpp"
+#include "mavlink/common/all.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
 #include "tests/firmware/shipped_text.hpp"
 #include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
@@ -75,20 +82,62 @@ TEST_F(FirmwareFlight, ArdupilotOverUdp) {
   EXPECT_EQ(code, 0) << log();
 }
 
-TEST_F(FirmwareFlight, Px4HitlOnASerialLine) {
-  const std::string sim = std::to_string(free_port());
-  const std::string casd = std::to_string(free_port());
-  const std::string gcs = std::to_string(free_port());
-  std::string world = content(kConfig / "worlds/px4_hitl.yaml");
-  world = replaced(replaced(world, "local: 127.0.0.1:14560", "local: 127.0.0.1:" + sim),
-                   "remote: 127.0.0.1:14561", "remote: 127.0.0.1:" + casd);
-  std::string topology = content(kConfig / "topologies/pixhawk_usb.yaml");
-  topology = replaced(topology, "local: 127.0.0.1:14561, remote: 127.0.0.1:14560",
-                      "local: 127.0.0.1:" + casd + ", remote: 127.0.0.1:" + sim);
-  topology = replaced(topology, "remote: 127.0.0.1:14550", "remote: 127.0.0.1:" + gcs);
-  const int code = fly(scenario("px4_hitl", "px4-hitl, '${CAS_FCU_TTY}'], on_serial_line: true"),
-                       world, topology);
-  EXPECT_EQ(code, 0) << log();
+class FirmwareFlightOnASerialLine : public FirmwareFlight {
+ protected:
+  /// @param text  of the scenario, whose firmware is added
+  int fly_hitl(const std::string& text) {
+    const std::string sim = std::to_string(free_port());
+    const std::string casd = std::to_string(free_port());
+    const std::string gcs = std::to_string(free_port());
+    std::string world = content(kConfig / "worlds/px4_hitl.yaml");
+    world = replaced(replaced(world, "local: 127.0.0.1:14560", "local: 127.0.0.1:" + sim),
+                     "remote: 127.0.0.1:14561", "remote: 127.0.0.1:" + casd);
+    std::string topology = content(kConfig / "topologies/pixhawk_usb.yaml");
+    topology = replaced(topology, "local: 127.0.0.1:14561, remote: 127.0.0.1:14560",
+                        "local: 127.0.0.1:" + casd + ", remote: 127.0.0.1:" + sim);
+    topology = replaced(topology, "remote: 127.0.0.1:14550", "remote: 127.0.0.1:" + gcs);
+    return fly(text, world, topology);
+  }
+
+  static constexpr const char* kFirmware = "px4-hitl, '${CAS_FCU_TTY}'], on_serial_line: true";
+};
+
+TEST_F(FirmwareFlightOnASerialLine, Px4HitlTakesOffHoversAndLands) {
+  EXPECT_EQ(fly_hitl(scenario("px4_hitl", kFirmware)), 0) << log();
+}
+
+TEST_F(FirmwareFlightOnASerialLine, Px4HitlFliesAfterEachFaultOfTheBenchHasHitItOnTheGround) {
+  const std::string steps = R"(steps:
+  - hold: {name: noisy, duration_s: 3}
+  - hold: {name: unplugged, duration_s: 3}
+  - hold: {name: restarted, duration_s: 3}
+  - hold: {name: paused, duration_s: 3}
+  - hold: {name: reloaded, duration_s: 3}
+)";
+  const std::string faults = R"(faults:
+  - {name: noise, when: phase == noisy, line: {bit_error_rate: 0.0005, packet_loss: 0.2}, for_s: 1}
+  - {name: unplug, when: phase == unplugged, unplug: fcu, for_s: 1}
+  - {name: restart, when: phase == restarted, restart: casd, for_s: 1}
+  - {name: pause, when: phase == paused, pause: hilsim, for_s: 1.5}
+  - {name: reload, when: phase == reloaded, reload: casd, for_s: 1}
+)";
+  const std::string text = scenario("px4_hitl", kFirmware);
+  ASSERT_EQ(fly_hitl(replaced(text, "steps:\n", steps) + faults), 0) << log();
+  const nlohmann::json summary = nlohmann::json::parse(content(folder_ / "out/summary.json"));
+  ASSERT_EQ(summary.at("faults").size(), 5U) << summary.dump(2);
+  for (const nlohmann::json& fault : summary.at("faults")) {
+    EXPECT_FALSE(fault.contains("began")) << fault;
+    EXPECT_TRUE(fault.contains("end_s")) << fault;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/run/flight_1.tlog")) << "of the first casd";
+  std::set<std::string> said;
+  casd::for_each_tlog_packet(folder_ / "out/flight.tlog", mavlink::common::table(),
+                             [&](std::uint64_t, const mav::PacketView& packet) {
+                               const auto message =
+                                   mav::decode<mavlink::common::Statustext>(packet);
+                               if (message) said.insert(std::string(mav::text(message->text)));
+                             });
+  EXPECT_TRUE(said.contains("BARO #0 failed: TIMEOUT!\t")) << "the pause was felt";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a flight of stock firmware takes and leaves beside the steps.
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -32,6 +33,55 @@ limits: {rms_estimate: {x_m: 0.5, z_m: 0.5}, rates_hz: {ATTITUDE: 5}, hop_p99_us
        {"Passed", "rate of ATTITUDE", "squall", "estimate against truth", "<svg"}) {
     EXPECT_NE(report.find(words), std::string::npos) << words;
   }
+}
+
+/// Longest time between two ATTITUDE of the vehicle in the flight log, s.
+struct Gaps {
+  double wall_s = 0;
+  double vehicle_s = 0;  ///< by the vehicle's clock
+};
+
+Gaps gaps_of(const std::filesystem::path& tlog) {
+  Gaps gaps;
+  std::uint64_t last_us = 0;
+  std::uint32_t last_ms = 0;
+  casd::for_each_tlog_packet(
+      tlog, mv::table(), [&](std::uint64_t time_us, const mav::PacketView& packet) {
+        const auto attitude = mav::decode<mv::Attitude>(packet);
+        if (!attitude || packet.source != kVehicle) return;
+        if (last_us != 0 && attitude->time_boot_ms >= last_ms) {
+          gaps.wall_s = std::max(gaps.wall_s, 1e-6 * static_cast<double>(time_us - last_us));
+          gaps.vehicle_s = std::max(gaps.vehicle_s,
+                                    1e-3 * static_cast<double>(attitude->time_boot_ms - last_ms));
+        }
+        last_us = time_us;
+        last_ms = attitude->time_boot_ms;
+      });
+  return gaps;
+}
+
+TEST_F(FirmwareResults, HaveAPauseOfTheSimulatorInWhichTheFirmwaresTimeStandsStill) {
+  start("obedient", R"(faults:
+  - {name: pause, when: phase == hold, pause: hilsim, for_s: 1.5}
+)");
+  ASSERT_EQ(fly(), 0) << output();
+  const Gaps gaps = gaps_of(folder_.path() / "out/flight.tlog");
+  EXPECT_GT(gaps.wall_s, 1.2);
+  EXPECT_LT(gaps.vehicle_s, 1);
+  const nlohmann::json fault = summary().at("faults").at(0);
+  EXPECT_EQ(fault.at("name"), "pause");
+  EXPECT_LT(fault.at("end_s").get<double>() - fault.at("begin_s").get<double>(), 1);
+}
+
+TEST_F(FirmwareResults, HaveACutLinkAfterWhichTheFlightGoesOn) {
+  start("obedient", R"(faults:
+  - {name: cut, when: phase == hold, cut: px4, for_s: 4}
+  - {name: again, when: phase == land, reload: casd, for_s: 1}
+)");
+  ASSERT_EQ(fly(), 0) << output();
+  EXPECT_GT(gaps_of(folder_.path() / "out/flight.tlog").vehicle_s, 3);
+  ASSERT_EQ(summary().at("faults").size(), 2U);
+  for (const nlohmann::json& fault : summary().at("faults")) EXPECT_FALSE(fault.contains("began"));
 }
 
 TEST_F(FirmwareResults, MissALimitThatTheFlightDoesNotKeep) {

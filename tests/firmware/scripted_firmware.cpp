@@ -5,6 +5,8 @@
 //                                     simulator's TCP port; UDP ports of the ground station's link;
 //                                     see px4_options(); UDP port for a station that casd does not
 //                                     hear: the answers to it go over the other link, too
+//                                     -i N behind WORD: PORT and LOCAL are lists, '4001,4002', and
+//                                     the N-th from 0 counts
 //   scripted_firmware px4-hitl TTY
 //   scripted_firmware ardupilot PORT REMOTE               simulator's UDP port; ground station's
 #include <arpa/inet.h>
@@ -83,6 +85,8 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   constexpr base::Duration kLong = std::chrono::hours(10);
   // Refuses to take off at first, and disarms itself.
   if (word == "early") return {.takes_off_after = base::RunTime(seconds(15))};
+  // Hears no more setpoints 4 s after the first.
+  if (word == "deaf") return {.loses_setpoints_after = seconds(4)};
   // Accepts its first takeoff in vain, and disarms itself.
   if (word == "idle") return {.stays_at_first = true};
   // The same, and stays armed until it is disarmed.
@@ -101,12 +105,27 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   return {};
 }
 
+/// The N-th number of a list, "4001,4002"; of one number that one.
+int nth(std::string list, int n) {
+  for (; n > 0; --n) list.erase(0, list.find(',') + 1);
+  return std::atoi(list.c_str());
+}
+
+/// Takes `-i N` off the end of a command line. @return N
+int take_instance(int& argc, char** argv) {
+  if (argc < 3 || std::string(argv[argc - 2]) != "-i") return 0;
+  argc -= 2;
+  return std::atoi(argv[argc + 1]);
+}
+
 /// @param other  UDP port for a second station; 0: none
-int px4_sitl(int port, int local, int remote, const std::string& word, int other) {
+int px4_sitl(int port, int local, int remote, const std::string& word, int other, int instance) {
   const int ground = open_udp(local, remote);
   const int second = other == 0 ? -1 : receive_udp(other);
   const int simulator = connect_tcp(port);
-  ScriptedPx4 px4(px4_options(word), to(simulator), to(ground));
+  ScriptedPx4::Options options = px4_options(word);
+  options.system = static_cast<std::uint8_t>(instance + 1);
+  ScriptedPx4 px4(options, to(simulator), to(ground));
   px4.on_connected();
   Buffer buffer;
   for (;;) {
@@ -165,11 +184,12 @@ int ardupilot(int port, int remote) {
 
 int main(int argc, char** argv) {
   using namespace cas::test;
+  const int instance = take_instance(argc, argv);
   const std::string kind = argc > 1 ? argv[1] : "";
   const auto number = [&](int i) { return std::atoi(argv[i]); };
   if (kind == "px4-sitl" && argc >= 5 && argc <= 7) {
-    return px4_sitl(number(2), number(3), number(4), argc > 5 ? argv[5] : "",
-                    argc > 6 ? number(6) : 0);
+    return px4_sitl(nth(argv[2], instance), nth(argv[3], instance), number(4),
+                    argc > 5 ? argv[5] : "", argc > 6 ? number(6) : 0, instance);
   }
   if (kind == "px4-hitl" && argc == 3) return px4_hitl(argv[2]);
   if (kind == "ardupilot" && argc == 4) return ardupilot(number(2), number(3));

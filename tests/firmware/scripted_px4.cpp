@@ -29,6 +29,7 @@ fcu::FcuConfig controller_config(const ScriptedPx4::Options& options) {
   fcu::FcuConfig config;
   config.vehicle = base::Vehicle::load(std::filesystem::path(cas::test::source_dir()) /
                                        "config/vehicles" / (options.vehicle + ".yaml"));
+  config.system_id = options.system;
   config.sensors = config.vehicle.sensors;
   config.actuators = fcu::ActuatorMessage::kHilActuatorControls;
   config.control_rate_hz = 250;
@@ -66,8 +67,8 @@ void Channel::send_foreign(std::uint32_t message_id, std::uint8_t crc_extra,
                                   0,
                                   0,
                                   sequence_++,
-                                  kSelf.system,
-                                  kSelf.component,
+                                  self_.system,
+                                  self_.component,
                                   byte(message_id),
                                   byte(message_id >> 8),
                                   byte(message_id >> 16)};
@@ -83,8 +84,8 @@ void Channel::send_foreign(std::uint32_t message_id, std::uint8_t crc_extra,
 ScriptedPx4::ScriptedPx4(const Options& options, Channel::Send to_simulator,
                          Channel::Send to_ground)
     : options_(options),
-      simulator_(std::move(to_simulator)),
-      ground_(std::move(to_ground)),
+      simulator_(std::move(to_simulator), options.system),
+      ground_(std::move(to_ground), options.system),
       controller_(controller_config(options),
                   [this](std::span<const std::uint8_t> packet) { on_controller_packet(packet); }) {}
 
@@ -235,6 +236,7 @@ void ScriptedPx4::on_ground_bytes(std::span<const std::uint8_t> bytes, base::Run
     if (options_.mode == Px4Mode::kHitl && packet.source == mav::Source{1, 200}) {
       return on_sensor_packet(packet, now);
     }
+    if (loses(packet)) return;
     if (!answers_its_own_way(packet)) controller_.on_packet(packet, clock_);
   });
 }
@@ -269,6 +271,13 @@ bool ScriptedPx4::refuses_takeoff() const {
   return lacks_position() || (is_sitl && (clock_ < options_.takes_off_after || stays));
 }
 
+bool ScriptedPx4::loses(const mav::PacketView& packet) {
+  if (packet.message_id != mv::SetPositionTargetLocalNed::kId) return false;
+  if (!first_setpoint_at_) first_setpoint_at_ = clock_;
+  return options_.loses_setpoints_after &&
+         clock_ - *first_setpoint_at_ > *options_.loses_setpoints_after;
+}
+
 void ScriptedPx4::disarm_in_time() {
   if (!armed_early_at_) return;
   const base::Duration armed = clock_ - *armed_early_at_;
@@ -298,6 +307,7 @@ bool ScriptedPx4::say_who_disarmed(const mav::PacketView& packet) {
 bool ScriptedPx4::answers_its_own_way(const mav::PacketView& packet) {
   const auto command = mav::decode<mv::CommandLong>(packet);
   if (!command) return false;
+  if (command->target_system != 0 && command->target_system != options_.system) return true;
   const bool is_1_16 = options_.release == Px4Release::k1_16;
   switch (command->command) {
     case mv::MavCmd::kComponentArmDisarm:

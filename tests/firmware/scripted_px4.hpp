@@ -28,12 +28,12 @@ enum class Px4Mode { kSitl, kHitl };
 class Channel {
  public:
   using Send = std::function<void(std::span<const std::uint8_t>)>;
-  explicit Channel(Send send) : send_(std::move(send)) {}
+  explicit Channel(Send send, std::uint8_t system = 1) : self_{system, 1}, send_(std::move(send)) {}
 
   template <class Message>
   void send(const Message& message) {
     std::array<std::uint8_t, mav::kMaxPacketBytes> bytes;
-    const std::size_t size = mav::encode(message, kSelf, sequence_++, bytes);
+    const std::size_t size = mav::encode(message, self_, sequence_++, bytes);
     send_(std::span(bytes).first(size));
   }
   /// A packet that somebody else has numbered.
@@ -43,7 +43,7 @@ class Channel {
                     std::span<const std::uint8_t> payload);
 
  private:
-  static constexpr mav::Source kSelf{1, 1};
+  mav::Source self_;
   Send send_;
   std::uint8_t sequence_ = 0;
 };
@@ -69,9 +69,13 @@ class ScriptedPx4 {
     /// SITL: somebody stops it at its board so long after it was armed, while it refuses to take
     /// off. Nothing but the HEARTBEAT shows it.
     std::optional<base::Duration> stopped_after{};
+    /// Hears no setpoint any more so long after the first (v1.16.1: COM_OF_LOSS_T later OFFBOARD is
+    /// over).
+    std::optional<base::Duration> loses_setpoints_after{};
     /// Says who disarmed it ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
     bool tells_who_disarms = true;
     std::string vehicle = "iris_px4";
+    std::uint8_t system = 1;  ///< of instance N: N + 1
   };
 
   /// @param to_simulator  bytes of the simulator's connection
@@ -124,6 +128,7 @@ class ScriptedPx4 {
                    mavlink::common::MavResult result);
   bool lacks_position() const;
   bool refuses_takeoff() const;
+  bool loses(const mav::PacketView& packet);
   bool say_v1_12(const mav::PacketView& packet);
   std::string preflight_failure() const;
   void look_for_repeats(Staleness& sensor, std::span<const float> values, int most,
@@ -156,6 +161,7 @@ class ScriptedPx4 {
   std::array<float, 4> motors_{};
   bool armed_ = false;
   std::optional<base::RunTime> armed_early_at_;
+  std::optional<base::RunTime> first_setpoint_at_;
   bool has_disarmed_itself_ = false;
   std::vector<std::string> complaints_;
 };

@@ -51,6 +51,32 @@ struct Px4SitlPorts {
   }
 };
 
+/// The same for two of them, px4_sitl_two: `simulator` and `firmware` are lists.
+struct TwoPx4SitlPorts {
+  std::string simulator[2] = {std::to_string(free_port()), std::to_string(free_port())};
+  std::string firmware[2] = {std::to_string(free_port()), std::to_string(free_port())};
+  std::string casd = std::to_string(free_port());
+
+  std::string arguments() const {
+    return "'" + simulator[0] + "," + simulator[1] + "', '" + firmware[0] + "," + firmware[1] +
+           "', '" + casd + "'";
+  }
+  std::string world() const {
+    std::string text = content(kConfig / "worlds/px4_sitl_two.yaml");
+    for (int i = 0; i < 2; ++i) {
+      text = with_whole_paths(replaced(text, "instance: " + std::to_string(i),
+                                       "local: '127.0.0.1:" + simulator[i] + "'"));
+    }
+    return replaced(text, "\nspeed: 1\n", "\n");
+  }
+  std::string topology() const {
+    const std::string text = content(kConfig / "topologies/px4_sitl_two.yaml");
+    return with_whole_paths(
+        replaced(replaced(text, "local: 127.0.0.1:14550", "local: 127.0.0.1:" + casd),
+                 "local: 127.0.0.1:14551", "local: 127.0.0.1:0"));
+  }
+};
+
 inline std::string px4_sitl_world(const Px4SitlPorts& ports) {
   return replaced(content(kConfig / "worlds/px4_sitl.yaml"), "# instance: 1",
                   "local: '127.0.0.1:" + ports.simulator + "' #");

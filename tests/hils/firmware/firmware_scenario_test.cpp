@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <fstream>
 #include <iterator>
@@ -22,7 +23,8 @@ namespace {
 const std::filesystem::path kScenarios = cas::test::source_dir() + "/config/scenarios";
 
 TEST(FirmwareScenario, TheShippedOnesAreRead) {
-  for (const char* name : {"px4_sitl", "px4_hitl", "ardupilot"}) {
+  for (const char* name : {"px4_sitl", "px4_sitl_two", "px4_circle", "px4_mission", "px4_hitl",
+                           "ardupilot", "ardupilot_mission"}) {
     const auto file = kScenarios / (std::string(name) + ".yaml");
     ASSERT_TRUE(FirmwareScenario::is(file)) << name;
     const FirmwareScenario scenario = FirmwareScenario::load(file);
@@ -52,19 +54,37 @@ TEST(FirmwareScenario, GivesPx4ItsStartScript) {
   EXPECT_NE(firmware.hint.find("PX4_SIM_MODEL"), std::string::npos);
 }
 
-TEST(FirmwareScenario, RefusesATrajectoryWhenItIsRead) {
+TEST(FirmwareScenario, HoldsATrajectoryToItsReferenceAlone) {
   const test::TemporaryFolder folder;
   const auto file = changed(
       folder, "  - hold: {duration_s: 20, measure: true}",
       "  - trajectory: {shape: circle, size_m: 2, speed_m_s: 1, duration_s: 10, measure: true}");
   try {
     FirmwareScenario::load(file);
-    FAIL() << "a trajectory";
+    FAIL() << "a limit on the height of a trajectory";
   } catch (const base::ConfigError& error) {
     const std::string said = error.what();
-    EXPECT_NE(said.find("steps[2].trajectory"), std::string::npos) << said;
-    EXPECT_NE(said.find("stock firmware takes goto"), std::string::npos) << said;
+    EXPECT_NE(said.find("limits.drift_m: the measured step is a trajectory"), std::string::npos)
+        << said;
   }
+}
+
+TEST(FirmwareScenario, GivesTrajectoriesAndMissionsALinkOfCasd) {
+  const test::TemporaryFolder folder;
+  const auto links_with = [&](const std::string& step) {
+    const auto file = changed(folder, "  - land: {timeout_s: 60}", step + "  - land");
+    const FirmwareScenario scenario = FirmwareScenario::load(file);
+    FirmwarePlaces places{folder.path(), folder.path() / "run", folder.path(),
+                          folder.path() / "casd"};
+    if (scenario.needs_companion()) places.companions = {4321};
+    write_firmware_configs(scenario, places);
+    return base::ConfigNode::load(places.casd_config()).at("links").items();
+  };
+  EXPECT_EQ(links_with("").back().require<std::string>("name"), "gcs");
+  const auto links =
+      links_with("  - mission: {items: [waypoint: {north_m: 1, east_m: 1, up_m: 3}]}\n");
+  EXPECT_EQ(links.back().require<std::string>("name"), companion_link_name(0));
+  EXPECT_EQ(links.back().require<std::string>("remote"), "127.0.0.1:4321");
 }
 
 TEST(FirmwareScenario, RefusesAVersionThatIsNone) {
@@ -113,14 +133,106 @@ faults:
   EXPECT_EQ(names, "motor imu gps magnetometer barometer mavlink_interface wind fault recorder ");
 }
 
-TEST(FirmwareScenario, RefusesWhatMeansNothingToIt) {
-  EXPECT_NE(refusal_of("faults:\n  - {at_s: 5, for_s: 0.3, unplug: fcu}")
-                .find("is a fault of the bench, which a flight of stock firmware does not have"),
+TEST(FirmwareScenario, RefusesFaultsThatItsBenchCannotPlay) {
+  struct Case {
+    const char* fault;
+    const char* sentence;
+  };
+  for (const auto& [fault, sentence] : {
+           Case{"unplug: fcu", "faults[0].unplug: this firmware has no serial line of hils"},
+           Case{"line: {packet_loss: 0.1}", "faults[0].line: this firmware has no serial line"},
+           Case{"flood_hz: 1000", "faults[0].flood_hz: a flight of stock firmware does not have"},
+           Case{"silence: ground", "faults[0].silence: a flight of stock firmware does not have"},
+           Case{"cut: px5", "the topology has no link of this name; did you mean 'px4'?"},
+           Case{"pause: casd", "faults[0].pause: takes only hilsim"},
+       }) {
+    const std::string said =
+        refusal_of(std::string("faults:\n  - {at_s: 5, for_s: 0.3, ") + fault + "}");
+    EXPECT_NE(said.find(sentence), std::string::npos) << said;
+    EXPECT_NE(said.find("changed.yaml:"), std::string::npos) << said;
+  }
+  EXPECT_EQ(refusal_of("faults:\n  - {at_s: 5, for_s: 0.3, cut: px4}"), "");
+  EXPECT_NE(refusal_of("faults:\n  - {at_s: 5, for_s: 21, pause: hilsim}").find("for_s"),
             std::string::npos);
+}
+
+TEST(FirmwareScenario, RefusesWhatMeansNothingToIt) {
   EXPECT_NE(refusal_of(
                 "faults:\n  - {at_s: 5, gust: {amplitude_m_s: [3, 2, 0], length_m: 20, hold_s: 1}}")
                 .find("a gust needs 'plugin: wind'"),
             std::string::npos);
+}
+
+/// What is said against the scenario of two PX4 with something else in the place of a text.
+std::string refusal_of_two(const std::string& text, const std::string& by) {
+  const test::TemporaryFolder folder;
+  std::ifstream in(kScenarios / "px4_sitl_two.yaml");
+  std::string scenario{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t at = scenario.find(text);
+  EXPECT_NE(at, std::string::npos) << text;
+  const auto file = folder.write("changed.yaml", scenario.replace(at, text.size(), by));
+  try {
+    FirmwareScenario::load(file);
+  } catch (const base::ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+struct Refused {
+  const char* name;
+  const char* text;
+  const char* by;
+  const char* sentence;  ///< part of it
+};
+
+class SeveralInstances : public testing::TestWithParam<Refused> {};
+
+TEST_P(SeveralInstances, AreRefusedWhereTheyCannotFly) {
+  const Refused& refused = GetParam();
+  const std::string said = refusal_of_two(refused.text, refused.by);
+  EXPECT_NE(said.find(refused.sentence), std::string::npos) << said;
+  EXPECT_NE(said.find("changed.yaml:"), std::string::npos) << said;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    FirmwareScenario, SeveralInstances,
+    testing::Values(Refused{"MoreThanTheWorldHas", "instances: 2", "instances: 3",
+                            "firmware.instances: the world has only 2 of them"},
+                    Refused{"AllTheSame", "-i, \"${CAS_INSTANCE}\", ", "",
+                            "several instances need ${CAS_INSTANCE} in it"},
+                    Refused{"OneFolderForAll", "instances: 2", "instances: 2\n  cwd: /tmp/px4",
+                            "firmware.cwd: several instances need ${CAS_INSTANCE} in it"},
+                    Refused{"OnASerialLine", "instances: 2", "instances: 2\n  on_serial_line: true",
+                            "fly in software only"},
+                    Refused{"TooMany", "instances: 2", "instances: 17", "firmware.instances"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(FirmwareScenario, OfTwoGivesEachItsFaultsAndItsRecorder) {
+  const test::TemporaryFolder folder;
+  FirmwareScenario scenario = FirmwareScenario::load(kScenarios / "px4_sitl_two.yaml");
+  ASSERT_EQ(scenario.vehicles, (VehicleNames{"left", "right"}));
+  scenario.faults = parse_scenario_faults(
+      base::ConfigNode::parse("[{at_s: 5, drop: gps, for_s: 1, vehicle: right},"
+                              " {at_s: 6, drop: gps, for_s: 1}]",
+                              "test"),
+      base::ConfigNode::empty(), scenario.vehicles);
+  const FirmwarePlaces places{folder.path(), folder.path() / "run", folder.path(),
+                              folder.path() / "casd"};
+  write_firmware_configs(scenario, places);
+  const auto world = base::ConfigNode::load(places.simulator_config());
+  std::vector<std::size_t> faults;
+  std::vector<std::string> recordings;
+  for (const base::ConfigNode& vehicle : world.at("vehicles").items()) {
+    for (const base::ConfigNode& plugin : vehicle.at("plugins").items()) {
+      const auto name = plugin.require<std::string>("plugin");
+      if (name == "fault") faults.push_back(plugin.at("faults").items().size());
+      if (name == "recorder") recordings.push_back(plugin.require<std::string>("file"));
+    }
+  }
+  EXPECT_EQ(faults, (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(recordings,
+            (std::vector<std::string>{folder / "truth_left.csv", folder / "truth_right.csv"}));
 }
 
 TEST(FirmwareScenario, RefusesAFaultThatAsksForAnUnknownStep) {
@@ -383,7 +495,8 @@ TEST(FirmwareFlight, ThatBrokeOffDoesNotJudgeTheLimitsItDidNotReach) {
     EXPECT_EQ(each.found, "not reached") << each.what;
   }
   EXPECT_EQ(not_reached, 5);
-  const auto stages = firmware_summary(scenario, figures, verdict).at("stages");
+  const std::array results{FirmwareResult{"iris0", figures, verdict}};
+  const auto stages = firmware_summary(scenario, results).at("stages");
   EXPECT_EQ(stages.back().at("finished"), false);
 }
 
@@ -394,7 +507,8 @@ TEST(FirmwareFlight, WithoutItsFaultHasNoVerdictWhereItWouldHavePassed) {
   EXPECT_EQ(verdict.exit_code(), kExitInvalid);
   EXPECT_EQ(verdict.failures,
             std::vector<std::string>{"fault 'squall' never began: its condition never came true"});
-  EXPECT_EQ(firmware_summary({}, figures, verdict).at("faults").at(0).at("began"), "never");
+  const std::array results{FirmwareResult{"iris0", figures, verdict}};
+  EXPECT_EQ(firmware_summary({}, results).at("faults").at(0).at("began"), "never");
   figures.flight_failure = "arm: refused";
   const Verdict failed = judge({}, figures);
   EXPECT_EQ(failed.exit_code(), kExitLimitsMissed);

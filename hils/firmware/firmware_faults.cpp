@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/firmware_faults.hpp"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <variant>
+
+namespace cas::hils {
+namespace {
+
+using base::rpc::Json;
+
+/// A link that is there again, or a casd, hears the next HEARTBEAT within a second; a USB port may
+/// take a while to open.
+constexpr base::Duration kHeardAgain = std::chrono::seconds(30);
+
+}  // namespace
+
+void FirmwareFaults::play(base::SimTime now, std::span<const VehicleReport> vehicles,
+                          std::string_view phase) {
+  for (const auto& [fault, begins] : script_.update(now, vehicles, phase)) play(*fault, begins);
+}
+
+bool FirmwareFaults::excuses_silence(base::RunTime now) const {
+  return outages_ > 0 || now < excused_until_;
+}
+
+void FirmwareFaults::play(const BenchFault& fault, bool begins) {
+  if (std::holds_alternative<LineFault>(fault.kind)) {
+    const LineFault* line = script_.line_of(fault.vehicle);  // another one may go on
+    reach_.bench.cable().set_line(line == nullptr ? fcu::LineConfig{} : line->line);
+  } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
+    note_outage(begins);
+    reach_.bench.cable().set_plugged(!begins);
+  } else if (std::holds_alternative<RestartFault>(fault.kind)) {
+    restart(begins);
+  } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
+    if (begins && !casd_is_away_) ask_casd("casd.reload", Json::object());
+  } else if (const auto* stop = std::get_if<PauseFault>(&fault.kind)) {
+    if (begins) pause(stop->wall);
+  } else if (const auto* link = std::get_if<CutFault>(&fault.kind)) {
+    cut(link->link, begins);
+  }
+}
+
+void FirmwareFaults::pause(base::Duration wall) {
+  reach_.simulator.call("sim.pause", Json::object());
+  reach_.bench.supervisor().wait(wall);
+  reach_.simulator.call("sim.resume", Json::object());
+}
+
+void FirmwareFaults::restart(bool begins) {
+  if (begins == casd_is_away_) return;  // of two restarts at once the later one finds it so
+  note_outage(begins);
+  casd_is_away_ = begins;
+  if (begins) {
+    reach_.before_forgetting(true);
+    return reach_.bench.kill_casd();
+  }
+  reach_.bench.start_casd();
+  reach_.casd = base::rpc::Client(reach_.casd_address);
+  reach_.own_calls.clear();
+}
+
+/// casd reads its topology again to open the link.
+void FirmwareFaults::cut(const std::string& link, bool begins) {
+  note_outage(begins);
+  if (casd_is_away_) return;  // it comes back with all its links
+  if (!begins) return ask_casd("casd.reload", Json::object());
+  reach_.before_forgetting(false);
+  ask_casd("link.remove", {{"name", link}, {"force", true}});
+}
+
+void FirmwareFaults::note_outage(bool begins) {
+  outages_ += begins ? 1 : -1;
+  excused_until_ = base::steady_now() + kHeardAgain;
+}
+
+void FirmwareFaults::ask_casd(const std::string& method, const Json& params) {
+  reach_.own_calls.emplace_back(method, params.dump());
+  reach_.casd.call(method, params);
+}
+
+}  // namespace cas::hils
