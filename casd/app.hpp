@@ -10,7 +10,7 @@
 namespace cas::casd {
 
 struct AppOptions {
-  std::filesystem::path topology_file;  ///< empty: endpoints of the command line, no reload
+  std::filesystem::path topology_file;  ///< or its folder; empty: endpoints, no reload
   std::filesystem::path ledger_file;    ///< each HIL packet at each link, at the end; empty: none
   std::filesystem::path stats_file;     ///< written at the end; empty: none
   std::string name;                     ///< of this casd, for people; empty: its topology's file

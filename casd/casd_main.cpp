@@ -5,10 +5,11 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
-#include "base/cli/manual.hpp"
 #include "base/cli/keys_flag.hpp"
+#include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
@@ -16,7 +17,6 @@
 #include "base/os/cpu_latency.hpp"
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
-#include "base/read_file.hpp"
 #include "base/rpc/token.hpp"
 #include "casd/app.hpp"
 #include "casd/port/message_decoder.hpp"
@@ -26,6 +26,7 @@
 #include "casd/topology/injection.hpp"
 #include "casd/topology/router_import.hpp"
 #include "casd/topology/topology.hpp"
+#include "casd/topology/topology_files.hpp"
 #include "casd/topology/topology_reference.hpp"
 #include "casd/topology/topology_text.hpp"
 
@@ -68,7 +69,8 @@ struct Flags {
 
 bool is_topology(const std::string& place) {
   std::error_code none;
-  return !is_endpoint(place) || std::filesystem::is_regular_file(place, none);
+  return !is_endpoint(place) || std::filesystem::is_regular_file(place, none) ||
+         std::filesystem::is_directory(place, none);
 }
 
 /// The links that the command line itself describes. @throws base::ConfigError
@@ -94,10 +96,11 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   return links;
 }
 
-/// A file, or what the endpoints of the command line come to.
+/// A file or folder, or what the endpoints of the command line come to.
 struct TopologySource {
-  std::filesystem::path file;  ///< empty: endpoints
-  std::string name;            ///< for people
+  std::filesystem::path place;  ///< empty: endpoints
+  std::string name;             ///< for people
+  std::vector<base::ConfigNode> files;
   Topology topology;
 };
 
@@ -110,8 +113,10 @@ TopologySource read_topology(const Flags& flags) {
       throw base::ConfigError("--as-topology and --command-port go with endpoints; '" +
                               flags.places[0] + "' is a topology already");
     }
-    const std::filesystem::path file = base::find_config(flags.places[0]);
-    return {file, flags.places[0], Topology::load(file)};
+    const std::filesystem::path place = base::find_config(flags.places[0]);
+    std::vector<base::ConfigNode> files = load_topology_files(place);
+    Topology topology = Topology::parse(files);
+    return {place, flags.places[0], std::move(files), std::move(topology)};
   }
   const std::vector<LinkConfig> links = endpoints_of(flags);
   if (links.empty()) {
@@ -121,39 +126,33 @@ TopologySource read_topology(const Flags& flags) {
   const std::string text = topology_of_endpoints(links, flags.command_port);
   if (flags.as_topology) std::fputs(text.c_str(), stdout);
   const std::string name = "the command line";
-  return {{}, name, Topology::parse(base::ConfigNode::parse(text, name))};
+  return {{}, name, {}, Topology::parse(base::ConfigNode::parse(text, name))};
 }
 
 /// Prints casd's topology of mavlink-router's file; what becomes of its keys goes to stderr, too.
 /// @throws base::ConfigError
 int print_import(const std::string& file) {
-  const auto text = base::read_file(file);
-  if (!text) throw base::ConfigError("cannot read " + file);
-  const ImportedTopology imported = import_mavlink_router(*text, file);
+  const ImportedTopology imported = import_mavlink_router(read_router_files(file));
   Topology::parse(base::ConfigNode::parse(imported.yaml, "the imported topology"));
   std::fputs(imported.yaml.c_str(), stdout);
-  for (const std::string& note : imported.notes) {
-    std::fprintf(stderr, "%s:%s\n", file.c_str(), note.c_str());
-  }
-  std::error_code none;
-  const auto overlays = std::filesystem::path(file).parent_path() / "config.d";
-  if (std::filesystem::is_directory(overlays, none)) {
-    std::fprintf(stderr, "%s is not read: join its files with %s first\n", overlays.c_str(),
-                 file.c_str());
-  }
+  for (const std::string& note : imported.notes) std::fprintf(stderr, "%s\n", note.c_str());
   return base::kExitOk;
 }
 
 int run(const Flags& flags) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file as large as it may be ends a recording, not casd
   if (!flags.import_file.empty()) return print_import(flags.import_file);
-  auto [file, source_name, topology] = read_topology(flags);
+  auto [place, source_name, files, topology] = read_topology(flags);
   if (flags.as_topology) return base::kExitOk;
   if (flags.lockstep) topology.set_lockstep();
   if (flags.check) {
     check_named_files(topology);
     std::printf("%s: %zu links, %zu routes\n", source_name.c_str(), topology.links.size(),
                 topology.routes.size());
+    if (files.size() > 1) std::printf("files, each over those before it\n");
+    for (std::size_t i = 0; files.size() > 1 && i < files.size(); ++i) {
+      std::printf("  %s\n", files[i].file().c_str());
+    }
     std::fputs(topology_text(topology).c_str(), stdout);
     for (const std::string& warning : injection_warnings(topology)) {
       std::printf("warning: %s\n", warning.c_str());
@@ -162,7 +161,7 @@ int run(const Flags& flags) {
   }
   if (topology.lock_memory) base::lock_memory();
   const base::CpuLatencyRequest latency(topology.cpu_dma_latency_us);
-  App app({.topology_file = file,
+  App app({.topology_file = place,
            .ledger_file = flags.ledger,
            .stats_file = flags.stats,
            .name = flags.name,
@@ -182,8 +181,9 @@ int main(int argc, char** argv) {
   CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.", "casd");
   cli.set_version_flag("--version", std::string("casd ") + CAS_VERSION);
   cli.add_option("topology", flags.places,
-                 "A file with links and routes (YAML), or endpoints: serial:DEVICE:BAUD, udp:PORT, "
-                 "udp:HOST:PORT, tcp:PORT, tcp:HOST:PORT")
+                 "A file with links and routes (YAML; FILE.d/*.yaml overlay it), a folder of such "
+                 "files, or endpoints: serial:DEVICE:BAUD, udp:PORT, udp:HOST:PORT, tcp:PORT, "
+                 "tcp:HOST:PORT")
       ->type_name("TOPOLOGY|ENDPOINT...");
   // One value each: mavlink-router's and MAVProxy's users write options before their endpoints.
   const auto one_each = [](CLI::Option* option) { return option->allow_extra_args(false); };
@@ -205,7 +205,8 @@ int main(int argc, char** argv) {
   cli.add_flag("--check", flags.check, "Read the topology, say what is wrong, and end");
   base::cli::add_keys_flag(cli, casd::topology_reference, "a topology");
   cli.add_option("--import", flags.import_file,
-                 "Print mavlink-router's configuration as a topology file, and end")
+                 "Print mavlink-router's configuration (with config.d beside the file) as a "
+                 "topology file, and end")
       ->type_name("MAIN.CONF");
   cli.add_option("--ledger", flags.ledger,
                  "Write each HIL packet at each link to this file at the end");

@@ -293,6 +293,7 @@ std::vector<LinkStatus> LinkFigures::links() const {
     status.state = link->state.load(std::memory_order_relaxed);
     status.endpoint = link->endpoint();
     status.peers = link->peers.get();
+    status.baud = link->baud.get();
     for (const LinkCounterRow& each : kRows) each.read(*link, status);
     read_rx(*link, status);
     read_tx(*link, status);

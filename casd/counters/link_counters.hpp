@@ -160,6 +160,7 @@ struct LinkCounters {
   std::atomic<LinkState> state{LinkState::kOpening};
   Counter reconnects;
   Counter peers;  ///< of a server, now
+  Counter baud;   ///< that a serial line was opened with last; 0: none
 
   /// HIL packets one by one; nothing unless asked for.
   std::unique_ptr<LinkLedger> ledger;
@@ -223,6 +224,7 @@ struct LinkStatus {
   std::string endpoint;
   std::uint64_t reconnects = 0;
   std::uint64_t peers = 0;
+  std::uint64_t baud = 0;       ///< of a serial line that was open; 0: none
   std::uint64_t uncounted = 0;  ///< packets that no table by message and sender had room for
   struct {
     std::uint64_t packets = 0, bytes = 0, crc_errors = 0, lost = 0, unknown = 0, skipped_bytes = 0,

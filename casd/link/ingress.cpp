@@ -45,6 +45,7 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   // serve, casd's station hears too: it shall not undo it.
   if (first && may_be_act(packet.message_id)) route.to.add(kLocalLink);
   if (!route.to.empty()) batch_.add(route.info, packet.bytes, route.to);
+  add_for_sniffers(route, packet, now);
 }
 
 void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path> to,
@@ -61,9 +62,20 @@ void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path
     batch_.add(info, packet.bytes, bit(path.link));
     route.to.remove(path.link);
   }
+  add_for_sniffers(route, packet, now);
   if (route.to.empty()) return;
   if (batch_.full()) deliver(now);
   batch_.add(route.info, packet.bytes, route.to);
+}
+
+/// All peers of a sniffer get it, whoever it is for.
+void Ingress::add_for_sniffers(const Route& route, const mav::PacketView& packet,
+                               base::RunTime now) {
+  if (route.sniffers == nullptr) return;
+  if (batch_.full()) deliver(now);
+  PacketInfo info = route.info;
+  info.to_all_peers = true;
+  batch_.add(info, packet.bytes, *route.sniffers);
 }
 
 /// Counts what was received. @return whether the link lets it in

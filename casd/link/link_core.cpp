@@ -63,10 +63,14 @@ void LinkCore::on_second(base::RunTime now) {
   ingress_.tick(now);
 }
 
-TxPortOptions tx_port_options(const LinkConfig& config, std::shared_ptr<LinkSigning> signing) {
+double paced_bytes_s(const LinkConfig& config, unsigned baud) {
   const bool paced = config.type == LinkType::kSerial && config.pace;
+  return paced ? LinePacer::kLineShare * baud / 10.0 : 0;
+}
+
+TxPortOptions tx_port_options(const LinkConfig& config, std::shared_ptr<LinkSigning> signing) {
   return {.queue = config.queue,
-          .line_bytes_s = paced ? LinePacer::kLineShare * config.baud / 10.0 : 0,
+          .line_bytes_s = paced_bytes_s(config, lowest_baud(config)),
           .cap_bytes_s = config.max_bytes_s,
           .sensor_gap = config.sensor_gap,
           .flow_control = config.flow_control,

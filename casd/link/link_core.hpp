@@ -47,7 +47,10 @@ class Backoff {
   base::Duration delay_ = times_.first;
 };
 
-/// What a link's sending side is held to.
+/// What writes to a link are held to while its line has this rate; 0: nothing.
+double paced_bytes_s(const LinkConfig& config, unsigned baud);
+
+/// What a link's sending side is held to; a line that may have several rates to the lowest.
 /// @param signing  empty: none
 TxPortOptions tx_port_options(const LinkConfig& config, std::shared_ptr<LinkSigning> signing = {});
 

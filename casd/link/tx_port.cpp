@@ -35,14 +35,15 @@ TxPort::TxPort(const TxPortOptions& options, base::Duration pacer_slack,
       standstill_(std::max(options.queue.hil_max_age, kShortestStandstill)),
       queue_(options.queue, [this](const PacketInfo& info, DropCause cause) CAS_REQUIRES(
                                 queue_mutex_) { count_drop(info, cause, queue_time_); }) {
-  pace(true);
+  pace(options.line_bytes_s);
 }
 
-void TxPort::attach(std::unique_ptr<PacketWriter> writer, base::RunTime now, bool has_rate) {
+void TxPort::attach(std::unique_ptr<PacketWriter> writer, base::RunTime now,
+                    std::optional<double> line_bytes_s) {
   const base::MutexLock lock(writer_mutex_);
   drop_all(DropCause::kClosed, now);
   writer_ = options_.signing ? options_.signing->wrap(std::move(writer)) : std::move(writer);
-  pace(has_rate);
+  pace(line_bytes_s.value_or(options_.line_bytes_s));
   line_check_.reset();
   standstill_ = Standstill(standstill_.patience());
   broken_.store(false, std::memory_order_relaxed);
@@ -97,8 +98,7 @@ void TxPort::drop_all(DropCause cause, base::RunTime now) {
 }
 
 // Held to the line's rate, to the cap, or to what is less.
-void TxPort::pace(bool has_rate) {
-  const double line = has_rate ? options_.line_bytes_s : 0;
+void TxPort::pace(double line) {
   const double cap = options_.cap_bytes_s;
   const bool capped = cap > 0 && (line == 0 || cap < line);
   capped_.store(capped, std::memory_order_relaxed);

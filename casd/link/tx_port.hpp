@@ -45,8 +45,9 @@ class TxPort : public PacketPort {
   // The link's thread only:
 
   /// Starts writing to a newly opened descriptor; what was queued for the old one is dropped.
-  /// @param has_rate  whether the line behind it has the rate of the options
-  void attach(std::unique_ptr<PacketWriter> writer, base::RunTime now, bool has_rate = true);
+  /// @param line_bytes_s  rate of the line behind it, 0: none; nothing: that of the options
+  void attach(std::unique_ptr<PacketWriter> writer, base::RunTime now,
+              std::optional<double> line_bytes_s = {});
   /// The descriptor is gone; what waits is dropped.
   void detach(base::RunTime now, DropCause cause = DropCause::kClosed);
   /// Writes what waits, as far as descriptor and pacer allow.
@@ -135,7 +136,7 @@ class TxPort : public PacketPort {
   std::atomic<std::int64_t> busy_since_ns_{0};  ///< 0: not busy
 
  private:
-  void pace(bool has_rate) CAS_REQUIRES(writer_mutex_);
+  void pace(double line_bytes_s) CAS_REQUIRES(writer_mutex_);
   void settle(std::span<const PacketRef> done, const WriteResult& result, base::RunTime now)
       CAS_REQUIRES(writer_mutex_);
   void account(std::span<const PacketRef> written, base::RunTime now, base::RunTime done)

@@ -61,6 +61,7 @@ struct PacketInfo {
   std::uint8_t from_peer = kNoPeer;  ///< slot of the peer of a server link that sent it
   std::uint32_t from_serial = 0;     ///< serial number of that peer
   std::uint32_t to_serial = 0;       ///< the one peer of a server link that may get it; 0: any
+  bool to_all_peers = false;         ///< of a server link, whatever the target: it is a sniffer
   base::RunTime received;            ///< when the link read it
   base::Duration waited{};           ///< before that, in the socket; 0 while casd keeps up
   std::uint64_t hil_time_usec = 0;   ///< stamp of HIL_SENSOR, HIL_GPS and the controls; else 0

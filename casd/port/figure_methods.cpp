@@ -230,7 +230,8 @@ json FigureMethods::links() const {
     if (source_.is_added && source_.is_added(link.name)) entry["added"] = true;
     for (const LinkConfig& config : topology.links) {
       if (config.name != link.name) continue;
-      if (config.baud > 0) entry["baud"] = config.baud;
+      const std::uint64_t baud = config.baud.size() == 1 ? config.baud.front() : link.baud;
+      if (baud > 0) entry["baud"] = baud;
       if (config.signing) {
         entry["rx"]["signatures"] = signatures_json(link);
         entry["signing"] = signing_json(link, source_.now(), signing_clock());

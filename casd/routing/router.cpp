@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "mavlink/common/setup_signing.hpp"
+
 namespace cas::casd {
 
 std::string_view to_string(Route::Decision decision) {
@@ -70,6 +72,9 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
     return route;
   }
 
+  // Whoever listens to everything; but a key of signatures goes to its target alone.
+  const bool secret = packet.message_id == mavlink::common::SetupSigning::kId;
+  if (!secret && !plan.sniffers.empty()) route.sniffers = &plan.sniffers;
 
   // The rules of the topology, never back, and addressed packets only where the target was heard.
   route.decision = choose_links(route, plan, routes_, packet);

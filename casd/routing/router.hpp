@@ -29,6 +29,7 @@ struct RoutingPlan {
   /// Group number per link, -1: none. Packets that come twice into a group go on once.
   std::array<std::int16_t, kLinkSlots> group;
   LinkMask pass_unknown;  ///< links from which packets with unknown message ids go on
+  LinkMask sniffers;      ///< links that get every packet; no rule names them
 
   RoutingPlan() { group.fill(-1); }
 };
@@ -45,6 +46,8 @@ struct Route {
   LinkMask to{};
   LinkMask thinned{};  ///< links that would have got it, had its turn come
   Decision decision = Decision::kForward;
+  /// Links that get it beside `to`, whatever was decided; of the plan, until the next packet.
+  const LinkMask* sniffers = nullptr;
   PacketInfo info;
 };
 inline constexpr int kDecisions = 5;

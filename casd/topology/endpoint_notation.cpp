@@ -69,7 +69,7 @@ LinkConfig serial_link(const std::string& text, std::string_view rest) {
   if (cut != rest.npos) {
     const std::optional<unsigned> baud = number(rest.substr(cut + 1));
     if (baud && *baud >= kLeastBaud) {
-      link.baud = *baud;
+      link.baud = {*baud};
       rest = rest.substr(0, cut);
     } else if (rest[cut] == ',') {
       fail(text, "has no rate after the comma");
@@ -166,6 +166,13 @@ std::string yaml_string(const std::string& text) {
   return quoted + '"';
 }
 
+std::string baud_text(const std::vector<unsigned>& rates) {
+  if (rates.size() == 1) return std::to_string(rates.front());
+  std::string text;
+  for (const unsigned rate : rates) text += (text.empty() ? "[" : ", ") + std::to_string(rate);
+  return text + "]";
+}
+
 std::string link_entry(const LinkConfig& link) {
   std::string entry =
       "- {name: " + yaml_string(link.name) + ", type: " + std::string(to_string(link.type));
@@ -173,7 +180,7 @@ std::string link_entry(const LinkConfig& link) {
   if (!link.remote.empty()) entry += ", remote: " + yaml_string(link.remote);
   if (!link.device.empty()) entry += ", device: " + yaml_string(link.device);
   if (link.type == LinkType::kSerial && link.pass_unknown) entry += ", unknown_messages: pass";
-  if (link.baud > 0) entry += ", baud: " + std::to_string(link.baud);
+  if (!link.baud.empty()) entry += ", baud: " + baud_text(link.baud);
   return entry + "}";
 }
 

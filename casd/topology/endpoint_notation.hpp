@@ -46,6 +46,9 @@ inline constexpr std::array<std::string_view, 6> kSimulatorMessages{
 /// In double quotes, whatever it holds.
 std::string yaml_string(const std::string& text);
 
+/// "57600" or "[57600, 921600]". @param rates  one at least
+std::string baud_text(const std::vector<unsigned>& rates);
+
 /// "- {name: ..., type: ..., ...}": what `parse_endpoint` sets, as an entry of `links`.
 std::string link_entry(const LinkConfig& link);
 

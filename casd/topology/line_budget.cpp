@@ -70,9 +70,7 @@ double packet_bytes(std::uint32_t id) {
 }
 
 double capacity(const LinkConfig& link) {
-  const double line = link.type == LinkType::kSerial && link.baud > 0
-                          ? LinePacer::kLineShare * link.baud / 10.0
-                          : 0;
+  const double line = LinePacer::kLineShare * lowest_baud(link) / 10.0;
   if (line > 0 && link.max_bytes_s > 0) return std::min(line, link.max_bytes_s);
   return std::max(line, link.max_bytes_s);
 }
@@ -156,7 +154,7 @@ std::vector<LineBudget> line_budgets(const Topology& topology) {
   std::vector<LineBudget> budgets;
   for (const LinkConfig& link : topology.links) {
     LineBudget budget{.link = link.name,
-                      .baud = link.type == LinkType::kSerial ? link.baud : 0,
+                      .baud = lowest_baud(link),
                       .capacity_bytes_s = capacity(link),
                       .loads = {}};
     if (budget.capacity_bytes_s <= 0) continue;

@@ -20,7 +20,7 @@ struct LineLoad {
 /// What the routes can be expected to send over a serial line, and whether it can carry that.
 struct LineBudget {
   std::string link;
-  unsigned baud = 0;            ///< 0: limited by a cap alone
+  unsigned baud = 0;            ///< of several the lowest; 0: limited by a cap alone
   double capacity_bytes_s = 0;  ///< 98 % of baud / 10, or the link's own cap
   std::vector<LineLoad> loads;
 

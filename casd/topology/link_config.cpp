@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/link_config.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <tuple>
 
 #include "base/config/config_keys.hpp"
@@ -55,6 +57,33 @@ struct Device : Text {
       node.fail(error.what());
     }
   }
+};
+
+/// A rate, or several that are tried in turn.
+struct BaudRates {
+  static constexpr int kHighest = 12'000'000;
+  static constexpr std::size_t kMost = 16;
+
+  static void read(const ConfigNode& node, std::vector<unsigned>& rates) {
+    rates.clear();
+    if (!node.is_list()) {
+      const auto rate = static_cast<unsigned>(base::whole_in(node, 0, kHighest));
+      if (rate > 0) rates.push_back(rate);
+      return;
+    }
+    for (const ConfigNode& each : node.items()) {
+      const auto rate = static_cast<unsigned>(base::whole_in(each, 1, kHighest));
+      if (std::find(rates.begin(), rates.end(), rate) != rates.end()) {
+        each.fail(std::to_string(rate) + " is in the list already");
+      }
+      rates.push_back(rate);
+    }
+    if (rates.empty()) node.fail("is an empty list");
+    if (rates.size() > kMost) node.fail("has more than " + std::to_string(kMost) + " rates");
+  }
+  static std::string text(const std::vector<unsigned>& /*usb*/) { return "0"; }
+  static std::string values() { return "0 to 12000000, or a list"; }
+  static std::array<std::string, 2> samples() { return {"57600", "[57600, 921600]"}; }
 };
 
 template <LinkType... types>
@@ -146,36 +175,6 @@ struct Accept : base::Block<AcceptRule, decltype(kAcceptKeys)> {
   static std::array<std::string, 2> samples() { return {"nothing", "{systems: [1]}"}; }
 };
 
-// Links by type.
-
-constexpr std::tuple kHeadKeys{
-    required(key<&LinkConfig::name>("name", LinkName{}, "one of its own; not `any`")),
-    required(
-        key<&LinkConfig::type>("type",
-                               type_words<LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial,
-                                          LinkType::kTcp, LinkType::kTcpServer, LinkType::kTlog>(),
-                               "its other keys follow from it")),
-};
-
-constexpr auto kLocal = key<&LinkConfig::local>("local", Endpoint{}, "where it is bound");
-constexpr auto kRemote = key<&LinkConfig::remote>(
-    "remote", Endpoint{}, "its peer; of UDP also a broadcast or multicast address");
-constexpr auto kInterface =
-    key<&LinkConfig::interface>("interface", Text{}, "network device that it is bound to", "any");
-constexpr auto kMaxPeers =
-    key<&LinkConfig::max_peers>("max_peers", Whole{1, 64}, "peers at one time");
-
-constexpr std::tuple kUdpKeys{kLocal, kRemote, kInterface};
-constexpr std::tuple kTcpKeys{required(kRemote), kInterface};
-constexpr std::tuple kTcpServerKeys{required(kLocal), kInterface, kMaxPeers};
-constexpr std::tuple kUdpServerKeys{
-    required(kLocal), kInterface, kMaxPeers,
-    key<&LinkConfig::expiry>("expiry_s", Range{0.1, 86400}, "silence that ends a peer")};
-
-constexpr std::tuple kSerialKeys{
-    required(key<&LinkConfig::device>("device", Device{},
-                                      "its path, in which `${NAME}` is a variable of the "
-                                      "environment; see [below](#pseudo-terminals)")),
 // `request_rates`
 
 /// message -> rate in Hz.
@@ -197,7 +196,43 @@ struct RequestRates {
   static std::array<std::string, 2> samples() { return {"{ATTITUDE: 50}", "{ATTITUDE: 0}"}; }
 };
 
-    key<&LinkConfig::baud>("baud", Whole{0, 12'000'000}, "0: USB, which has no rate of its own"),
+// Links by type.
+
+constexpr std::tuple kHeadKeys{
+    required(key<&LinkConfig::name>("name", LinkName{}, "one of its own; not `any`")),
+    required(
+        key<&LinkConfig::type>("type",
+                               type_words<LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial,
+                                          LinkType::kTcp, LinkType::kTcpServer, LinkType::kTlog>(),
+                               "its other keys follow from it")),
+};
+
+constexpr auto kLocal = key<&LinkConfig::local>("local", Endpoint{}, "where it is bound");
+constexpr auto kRemote = key<&LinkConfig::remote>(
+    "remote", Endpoint{}, "its peer; of UDP also a broadcast or multicast address");
+constexpr auto kInterface =
+    key<&LinkConfig::interface>("interface", Text{}, "network device that it is bound to", "any");
+constexpr auto kMaxPeers =
+    key<&LinkConfig::max_peers>("max_peers", Whole{1, 64}, "peers at one time");
+
+constexpr auto kSniffer = key<&LinkConfig::sniffer>(
+    "sniffer", Flag{},
+    "gets every packet, whatever its target and the routes, and takes in nothing; see below");
+
+constexpr std::tuple kUdpKeys{kLocal, kRemote, kInterface, kSniffer};
+constexpr std::tuple kTcpKeys{required(kRemote), kInterface, kSniffer};
+constexpr std::tuple kTcpServerKeys{required(kLocal), kInterface, kMaxPeers, kSniffer};
+constexpr std::tuple kUdpServerKeys{
+    required(kLocal), kInterface, kMaxPeers,
+    key<&LinkConfig::expiry>("expiry_s", Range{0.1, 86400}, "silence that ends a peer"), kSniffer};
+
+constexpr std::tuple kSerialKeys{
+    required(key<&LinkConfig::device>("device", Device{},
+                                      "its path, in which `${NAME}` is a variable of the "
+                                      "environment; see [below](#pseudo-terminals)")),
+    key<&LinkConfig::baud>("baud", BaudRates{},
+                           "0: USB, which has no rate of its own; of a list the rate at which "
+                           "packets come, see below"),
     key<&LinkConfig::flow_control>("flow_control", Flag{}, "RTS/CTS"),
     key<&LinkConfig::pace>("pace", Flag{}, "no more is written than 98 % of `baud`; see below",
                            "true where there is a `baud`"),
@@ -230,6 +265,10 @@ constexpr std::tuple kCommonKeys{
         "inject_failures", Flag{},
         "stations here may have failures strike in the simulator "
         "([MAV_CMD_INJECT_FAILURE](campaign.md#failures-injected-by-a-ground-station))"),
+    key<&LinkConfig::request_rates>(
+        "request_rates", RequestRates{},
+        "what casd asks vehicles that it hears here for, by MAV_CMD_SET_MESSAGE_INTERVAL; 0: not "
+        "at all; see below"),
     key<&LinkConfig::signing>("signing", block<SigningConfig>(kSigningKeys, check_signing),
                               "MAVLink 2 signing of this link; see below"),
     key<&LinkConfig::queue>("queue", block<TxQueueOptions>(kQueueKeys),
@@ -260,16 +299,32 @@ void with_keys_of(LinkType type, Visit&& visit) {
 // A pace that is left out follows from the baud rate, and does not hold a pseudo-terminal.
 void settle_pace(const ConfigNode& node, LinkConfig& link) {
   const auto given = node.find("pace");
-  if (!given) link.pace = link.baud > 0;
+  if (!given) link.pace = !link.baud.empty();
   link.pace_pty = given && link.pace;
-  if (link.pace && link.baud == 0) given->fail("a line without baud has no pace");
+  if (link.pace && link.baud.empty()) given->fail("a line without baud has no pace");
+}
+
+// What a sniffer sends would be taken for a vehicle's or a station's.
+void settle_sniffer(const ConfigNode& node, LinkConfig& link) {
+  for (const char* of_senders : {"accept", "group", "inject_failures"}) {
+    if (const auto child = node.find(of_senders)) {
+      child->fail("has no meaning for a sniffer, of which nothing is taken in");
+    }
+  }
+  link.accept.read_only = true;
 }
 
 }  // namespace
-    key<&LinkConfig::request_rates>(
-        "request_rates", RequestRates{},
-        "what casd asks vehicles that it hears here for, by MAV_CMD_SET_MESSAGE_INTERVAL; 0: not "
-        "at all; see below"),
+
+unsigned lowest_baud(const LinkConfig& link) {
+  return link.baud.empty() ? 0 : *std::min_element(link.baud.begin(), link.baud.end());
+}
+
+std::string words_of_rates(const std::vector<unsigned>& baud) {
+  std::string text;
+  for (const unsigned rate : baud) text += (text.empty() ? "" : " or ") + std::to_string(rate);
+  return text;
+}
 
 LinkConfig parse_link(const ConfigNode& node) {
   LinkConfig link;
@@ -281,6 +336,7 @@ LinkConfig parse_link(const ConfigNode& node) {
   }
   if (link.type == LinkType::kSerial) settle_pace(node, link);
   base::read_keys(node, kCommonKeys, link);
+  if (link.sniffer) settle_sniffer(node, link);
   node.reject_unused();
   return link;
 }

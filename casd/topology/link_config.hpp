@@ -50,7 +50,7 @@ struct LinkConfig {
 
   // serial
   std::string device;           ///< path, usually a udev or symlink name; ${NAME} is replaced
-  unsigned baud = 0;            ///< 0: USB, no rate of its own
+  std::vector<unsigned> baud;   ///< tried in turn; empty: USB, no rate of its own
   bool flow_control = false;    ///< RTS/CTS
   bool pace = true;             ///< hold writes to 98 % of the baud rate
   base::Duration sensor_gap{};  ///< least time between two HIL_SENSOR; 0: none
@@ -77,6 +77,12 @@ struct LinkConfig {
   /// Equal configurations keep their link over a reload.
   friend bool operator==(const LinkConfig&, const LinkConfig&) = default;
 };
+
+/// The lowest rate that a line may have; 0: it has none, or the link is no line.
+unsigned lowest_baud(const LinkConfig& link);
+
+/// "57600 or 921600".
+std::string words_of_rates(const std::vector<unsigned>& baud);
 
 /// One entry of `links`. @throws base::ConfigError
 LinkConfig parse_link(const base::ConfigNode& node);

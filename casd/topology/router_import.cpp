@@ -9,8 +9,10 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <system_error>
 
 #include "base/error.hpp"
+#include "base/read_file.hpp"
 #include "casd/topology/endpoint_notation.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -39,17 +41,22 @@ std::string bracketed(const std::string& host) {
   return host.find(':') == host.npos || host.starts_with('[') ? host : "[" + host + "]";
 }
 
+struct Place {
+  std::size_t file = 0;
+  int line = 0;
+};
+
 struct Value {
   std::string key;  ///< as the file spells it
   std::string text;
-  int line = 0;
+  Place place;
   bool used = false;
 };
 
 struct Section {
   std::string kind;  ///< lower case: "general", "uartendpoint", ...
   std::string name;
-  int line = 0;
+  Place place;
   std::map<std::string, Value> values;  ///< by the key in lower case
 };
 
@@ -64,68 +71,82 @@ struct Filters {
 
 struct Endpoint {
   LinkConfig link;
-  std::string more;  ///< further keys of the entry, ", key: value"
+  std::string more;                           ///< further keys of the entry, ", key: value"
+  std::string accept;                         ///< keys of its `accept`
+  std::vector<std::uint32_t> only_systems{};  ///< AllowSrcSysIn
+  bool sniffs = false;
   Filters filters;
 };
 
 class Import {
  public:
-  Import(std::string_view text, const std::string& file) : file_(file) { read(text); }
+  explicit Import(const std::vector<RouterFile>& files) : files_(files) {
+    for (place_.file = 0; place_.file < files_.size(); ++place_.file)
+      read(files_[place_.file].text);
+  }
 
   ImportedTopology topology() {
     for (Section& section : sections_) take(section);
     add_tcp_server();
-    if (endpoints_.empty()) fail(1, "has no endpoint");
+    if (endpoints_.empty()) fail({0, 1}, "has no endpoint");
+    choose_sniffer();
     note_unused();
     return {text(), notes_};
   }
 
  private:
-  [[noreturn]] void fail(int line, const std::string& sentence) const {
-    throw base::ConfigError(file_ + ":" + std::to_string(line) + ": " + sentence);
+  std::string words(Place place) const {
+    return files_[place.file].name + ":" + std::to_string(place.line) + ": ";
+  }
+  [[noreturn]] void fail(Place place, const std::string& sentence) const {
+    throw base::ConfigError(words(place) + sentence);
   }
 
   /// What stands in the file must not give a terminal orders, nor end a comment.
-  void note(int line, std::string sentence) {
-    for (char& c : sentence) {
+  void note(Place place, const std::string& sentence) {
+    notes_.push_back(printable(words(place) + sentence));
+  }
+  static std::string printable(std::string text) {
+    for (char& c : text) {
       if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) c = '?';
     }
-    notes_.push_back(std::to_string(line) + ": " + sentence);
+    return text;
   }
 
   void read(std::string_view text) {
-    for (int line = 1; !text.empty(); ++line) {
+    section_ = nullptr;
+    for (place_.line = 1; !text.empty(); ++place_.line) {
       const std::size_t end = std::min(text.find('\n'), text.size());
-      read_line(trimmed(text.substr(0, end)), line);
+      read_line(trimmed(text.substr(0, end)));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
   }
 
-  void read_line(std::string_view words, int line) {
-    if (words.empty() || words.front() == '#' || words.front() == ';') return;
-    if (words.front() == '[') {
-      if (words.back() != ']') fail(line, "a section ends with ]");
-      const std::string_view head = trimmed(words.substr(1, words.size() - 2));
+  void read_line(std::string_view text) {
+    if (text.empty() || text.front() == '#' || text.front() == ';') return;
+    if (text.front() == '[') {
+      if (text.back() != ']') fail(place_, "a section ends with ]");
+      const std::string_view head = trimmed(text.substr(1, text.size() - 2));
       const std::size_t blank = std::min(head.find_first_of(" \t"), head.size());
-      open_section(lower(head.substr(0, blank)), std::string(trimmed(head.substr(blank))), line);
+      open_section(lower(head.substr(0, blank)), std::string(trimmed(head.substr(blank))));
       return;
     }
-    const std::size_t equals = words.find('=');
-    if (equals == words.npos) fail(line, "is neither [section] nor key = value");
-    if (section_ == nullptr) fail(line, "a key stands before the first section");
-    const std::string key(trimmed(words.substr(0, equals)));
-    section_->values[lower(key)] = {key, std::string(trimmed(words.substr(equals + 1))), line,
+    const std::size_t equals = text.find('=');
+    if (equals == text.npos) fail(place_, "is neither [section] nor key = value");
+    if (section_ == nullptr) fail(place_, "a key stands before the first section");
+    const std::string key(trimmed(text.substr(0, equals)));
+    section_->values[lower(key)] = {key, std::string(trimmed(text.substr(equals + 1))), place_,
                                     false};
   }
 
-  /// A section that comes again goes on; names have any case.
-  void open_section(const std::string& kind, const std::string& name, int line) {
+  /// A section that comes again goes on, in another file too; names have any case.
+  void open_section(const std::string& kind, const std::string& name) {
     const auto same = [&](const Section& each) {
       return each.kind == kind && lower(each.name) == lower(name);
     };
     auto found = std::find_if(sections_.begin(), sections_.end(), same);
     if (found == sections_.end()) {
-      found = sections_.insert(sections_.end(), {kind, name, line, {}});
+      found = sections_.insert(sections_.end(), {kind, name, place_, {}});
     }
     section_ = &*found;
   }
@@ -140,7 +161,7 @@ class Import {
   std::string required(Section& section, std::string_view key) {
     const Value* value = find(section, key);
     if (value == nullptr || value->text.empty()) {
-      fail(section.line, "endpoint '" + section.name + "' has no " + std::string(key));
+      fail(section.place, "endpoint '" + section.name + "' has no " + std::string(key));
     }
     return value->text;
   }
@@ -150,9 +171,9 @@ class Import {
     const char* end = digits.data() + digits.size();
     const auto [stop, error] = std::from_chars(digits.data(), end, result);
     if (error != std::errc{} || stop != end) {
-      fail(value.line, value.key + ": '" + std::string(digits) + "' is not a number");
+      fail(value.place, value.key + ": '" + std::string(digits) + "' is not a number");
     }
-    if (result > most) fail(value.line, value.key + ": is more than " + std::to_string(most));
+    if (result > most) fail(value.place, value.key + ": is more than " + std::to_string(most));
     return result;
   }
 
@@ -189,7 +210,7 @@ class Import {
     const std::string word = lower(value->text);
     if (word == "true" || word == "yes" || word == "1" || word == "on") return true;
     if (word == "false" || word == "no" || word == "0" || word == "off") return false;
-    fail(value->line, value->key + ": is true or false");
+    fail(value->place, value->key + ": is true or false");
   }
 
   void take(Section& section) {
@@ -202,46 +223,55 @@ class Import {
     } else if (section.kind == "tcpendpoint") {
       take_tcp(section);
     } else {
-      note(section.line, "[" + section.kind + "] is no section that mavlink-router has");
+      note(section.place, "[" + section.kind + "] is no section that mavlink-router has");
       for (auto& [key, value] : section.values) value.used = true;
     }
   }
 
   void take_general(Section& section) {
     tcp_server_port_ = port(section, "TcpServerPort").value_or(kDefaultTcpServerPort);
+    if (const Value* sniffer = find(section, "SnifferSysid")) {
+      sniffer_ = static_cast<unsigned>(number(sniffer->text, *sniffer, 255));
+      sniffer_place_ = sniffer->place;
+    }
     const bool telemetry = flag(section, "LogTelemetry");
     const Value* folder = find(section, "Log");
     const Value* mode = find(section, "LogMode");
     const Value* space = find(section, "MinFreeSpace");
     const Value* files = find(section, "MaxLogFiles");
     if (folder == nullptr) return;
-    note(folder->line,
-         "Log: logs of the autopilot (.ulg, .bin) are not taken from it; hils, QGroundControl or "
-         "MAVFTP fetch them");
-    if (!telemetry) return;
     log_ = "log:\n  folder: " + yaml_string(folder->text) + "\n";
-    const std::string word = mode == nullptr ? "always" : lower(mode->text);
-    log_ += word == "while-armed" ? "  while_armed: true\n" : "  tlog: flight\n";
+    const bool armed = mode != nullptr && lower(mode->text) == "while-armed";
+    std::string autopilot = armed ? "while_armed: true" : "while_armed: false";
+    if (telemetry) log_ += armed ? "  while_armed: true\n" : "  tlog: flight\n";
     constexpr std::uint64_t kMib = 1024 * 1024;
     if (space != nullptr) {
       const std::uint64_t bytes = number(space->text, *space, UINT64_MAX - kMib);
-      log_ += "  free_space_min_mib: " + std::to_string((bytes + kMib - 1) / kMib) + "\n";
-      note(space->line, "MinFreeSpace: casd pauses a recording there; it deletes no older ones");
+      const std::string key = "free_space_min_mib: " + std::to_string((bytes + kMib - 1) / kMib);
+      log_ += "  " + key + "\n";
+      autopilot += ", " + key;
+      note(space->place, "MinFreeSpace: casd pauses a recording there; it deletes no older ones");
     }
-    if (files != nullptr) note(files->line, "MaxLogFiles: casd deletes no recordings of before");
+    log_ += "  autopilot: {" + autopilot + "}\n";
+    if (files == nullptr) return;
+    if (const std::uint64_t most = number(files->text, *files, 1'000'000); most > 0) {
+      log_ += "  max_files: " + std::to_string(most) + "\n";
+      note(files->place, "MaxLogFiles: of .tlog files; casd deletes no log of an autopilot");
+    }
   }
 
   void take_uart(Section& section) {
     Endpoint endpoint;
     endpoint.link.type = LinkType::kSerial;
     endpoint.link.device = required(section, "Device");
-    endpoint.link.baud = kDefaultBaud;
+    endpoint.link.baud = {kDefaultBaud};
     if (const Value* baud = find(section, "Baud")) {
-      const auto rates = numbers(*baud, 100'000'000);
-      if (rates.empty()) fail(baud->line, "Baud: is empty");
-      endpoint.link.baud = rates.front();
-      if (rates.size() > 1)
-        note(baud->line, "Baud: casd does not search for the rate; the first is taken");
+      endpoint.link.baud.clear();
+      for (const unsigned rate : numbers(*baud, 12'000'000)) {
+        std::vector<unsigned>& rates = endpoint.link.baud;
+        if (std::find(rates.begin(), rates.end(), rate) == rates.end()) rates.push_back(rate);
+      }
+      if (endpoint.link.baud.empty()) fail(baud->place, "Baud: is empty");
     }
     endpoint.link.pass_unknown = true;
     if (flag(section, "FlowControl")) endpoint.more += ", flow_control: true";
@@ -254,7 +284,7 @@ class Import {
     std::optional<unsigned> given = port(section, "Port");
     Endpoint endpoint;
     if (mode == "server" || mode == "eavesdropping") {
-      if (!given) fail(section.line, "endpoint '" + section.name + "' has no Port");
+      if (!given) fail(section.place, "endpoint '" + section.name + "' has no Port");
       endpoint.link.type = LinkType::kUdpServer;
       endpoint.link.local = bracketed(address) + ":" + std::to_string(*given);
     } else if (mode == "normal" || mode == "client") {
@@ -263,7 +293,7 @@ class Import {
       endpoint.link.type = LinkType::kUdp;
       endpoint.link.remote = bracketed(address) + ":" + std::to_string(*given);
     } else {
-      fail(find(section, "Mode")->line, "Mode: is normal, client, server or eavesdropping");
+      fail(find(section, "Mode")->place, "Mode: is normal, client, server or eavesdropping");
     }
     add(section, std::move(endpoint));
   }
@@ -283,14 +313,15 @@ class Import {
     if (const Value* group = find(section, "Group")) {
       endpoint.more += ", group: " + yaml_string(group->text);
     }
-    std::string accept;
+    std::string& accept = endpoint.accept;
     const auto accept_ids = [&](const char* key, const Ids& list, bool messages) {
       if (!list.empty()) accept += (accept.empty() ? "" : ", ") + listed(key, list, messages);
     };
     accept_ids("messages", messages(section, "AllowMsgIdIn"), true);
-    accept_ids("systems", sources(section, "AllowSrcSysIn"), false);
+    const Ids systems = sources(section, "AllowSrcSysIn");
+    accept_ids("systems", systems, false);
+    endpoint.only_systems.assign(systems.begin(), systems.end());
     accept_ids("block_systems", sources(section, "BlockSrcSysIn"), false);
-    if (!accept.empty()) endpoint.more += ", accept: {" + accept + "}";
 
     Filters& filters = endpoint.filters;
     filters.allow_messages_out = messages(section, "AllowMsgIdOut");
@@ -325,12 +356,34 @@ class Import {
     endpoints_.push_back(std::move(endpoint));
   }
 
+  /// mavlink-router's sniffer is the endpoint on which a system id is heard; casd knows its own
+  /// before anybody says anything. So it has to be the endpoint that takes in this system alone.
+  void choose_sniffer() {
+    if (sniffer_ == 0) return;
+    const std::string id = std::to_string(sniffer_);
+    const auto is_alone = [&](const Endpoint& each) {
+      return each.link.type != LinkType::kSerial && each.only_systems == std::vector{sniffer_};
+    };
+    const auto found = std::find_if(endpoints_.begin(), endpoints_.end(), is_alone);
+    if (found == endpoints_.end()) {
+      note(sniffer_place_,
+           "SnifferSysid: in casd a sniffer is a link, not whoever has system id " + id +
+               ": add {name: sniffer, type: udp_server, local: '127.0.0.1:PORT', sniffer: true} "
+               "and connect it there");
+      return;
+    }
+    found->more = ", sniffer: true";
+    found->accept.clear();
+    found->sniffs = true;
+    note(sniffer_place_, "SnifferSysid: link '" + found->link.name +
+                             "' gets every packet; nothing that it sends is taken in");
+  }
+
   void note_unused() {
     static const std::map<std::string, std::string> kReasons{
         {"reportstats", "casctl status and casctl monitor show them at any time"},
         {"debugloglevel", "casd has --log-level"},
         {"deduplicationperiod", "links of one group pass on once what comes twice"},
-        {"sniffersysid", "is not done; a link with accept: nothing hears what is for everybody"},
         {"mavlinkdialect", "casd knows all public dialects; another one: dialect"},
         {"logsystemid", "casd records every system"},
     };
@@ -338,7 +391,7 @@ class Import {
       for (const auto& [key, value] : section.values) {
         if (value.used) continue;
         const auto reason = kReasons.find(key);
-        note(value.line,
+        note(value.place,
              value.key + ": " + (reason == kReasons.end() ? "is unknown" : reason->second));
       }
     }
@@ -394,9 +447,10 @@ class Import {
   std::string routes() const {
     std::string text;
     for (const Endpoint& to : endpoints_) {
+      if (to.sniffs) continue;
       std::map<std::string, std::string> senders;  // rule -> names
       for (const Endpoint& from : endpoints_) {
-        if (&from == &to) continue;
+        if (&from == &to || from.sniffs) continue;
         std::string& names = senders[rule(from.filters, to.filters)];
         names += (names.empty() ? "" : ", ") + yaml_string(from.link.name);
       }
@@ -417,9 +471,12 @@ class Import {
   }
 
   std::string text() const {
-    std::string text =
-        "# From " + std::filesystem::path(file_).filename().string() + " of mavlink-router.\n";
-    for (const std::string& each : notes_) text += "# line " + each + "\n";
+    std::string text = "# From";
+    for (const RouterFile& file : files_) {
+      text += " " + printable(std::filesystem::path(file.name).filename().string());
+    }
+    text += " of mavlink-router.\n";
+    for (const std::string& each : notes_) text += "# " + each + "\n";
     text +=
         "schema: 1\n"
         "# mavlink-router says nothing of its own. With a rate here, vehicles see a ground "
@@ -428,13 +485,16 @@ class Import {
         log_ + "links:\n";
     for (const Endpoint& endpoint : endpoints_) {
       std::string entry = link_entry(endpoint.link);
-      entry.insert(entry.size() - 1, endpoint.more);
+      std::string more = endpoint.more;
+      if (!endpoint.accept.empty()) more += ", accept: {" + endpoint.accept + "}";
+      entry.insert(entry.size() - 1, more);
       text += "  " + entry + "\n";
     }
     return text + routes();
   }
 
-  std::string file_;
+  const std::vector<RouterFile>& files_;
+  Place place_;  ///< of the line being read
   std::list<Section> sections_;
   Section* section_ = nullptr;  ///< the one being read
   std::vector<Endpoint> endpoints_;
@@ -442,12 +502,38 @@ class Import {
   std::map<std::string, unsigned> ports_taken_;  ///< by address
   std::string log_;
   unsigned tcp_server_port_ = kDefaultTcpServerPort;
+  unsigned sniffer_ = 0;  ///< system id; 0: none
+  Place sniffer_place_;
 };
 
 }  // namespace
 
-ImportedTopology import_mavlink_router(std::string_view text, const std::string& file) {
-  return Import(text, file).topology();
+std::vector<RouterFile> read_router_files(const std::filesystem::path& main) {
+  constexpr std::size_t kMostFiles = 128;  // as mavlink-router
+  std::vector<std::filesystem::path> paths;
+  std::error_code error;
+  std::filesystem::directory_iterator entry(main.parent_path() / "config.d", error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    std::error_code none;
+    if (std::filesystem::is_regular_file(entry->path(), none)) paths.push_back(entry->path());
+    if (paths.size() > kMostFiles) {
+      throw base::ConfigError(entry->path().parent_path().string() + ": has more than " +
+                              std::to_string(kMostFiles) + " files");
+    }
+  }
+  std::sort(paths.begin(), paths.end());
+  paths.insert(paths.begin(), main);
+  std::vector<RouterFile> files;
+  for (const std::filesystem::path& path : paths) {
+    const auto text = base::read_file(path);
+    if (!text) throw base::ConfigError("cannot read " + path.string());
+    files.push_back({path.string(), *text});
+  }
+  return files;
+}
+
+ImportedTopology import_mavlink_router(const std::vector<RouterFile>& files) {
+  return Import(files).topology();
 }
 
 }  // namespace cas::casd

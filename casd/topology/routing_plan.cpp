@@ -12,9 +12,12 @@ namespace cas::casd {
 namespace {
 
 // The HIL streams are not casd's business; everything else may be.
-void add_station(std::vector<ForwardRule>& rules, const LinkSlots& slots) {
+void add_station(std::vector<ForwardRule>& rules, const Topology& topology,
+                 const LinkSlots& slots) {
   const std::vector<std::uint32_t> hil = hil_messages();
-  for (const auto& [name, link] : slots) {
+  for (const LinkConfig& config : topology.links) {
+    if (config.sniffer) continue;  // gets what the station says without a rule
+    const LinkId link = slots.at(config.name);
     ForwardRule& hears = rules.emplace_back();
     hears.from = link;
     hears.to = kLocalLink;
@@ -67,11 +70,12 @@ std::shared_ptr<const RoutingPlan> make_plan(const Topology& topology, const Lin
     rules.back().from = slots.at(route.from);
     rules.back().to = slots.at(route.to);
   }
-  add_station(rules, slots);
+  add_station(rules, topology, slots);
   plan->rules = ForwardRules(rules);
   fill_groups(*plan, topology, slots);
   for (const LinkConfig& link : topology.links) {
     if (link.pass_unknown) plan->pass_unknown.add(slots.at(link.name));
+    if (link.sniffer) plan->sniffers.add(slots.at(link.name));
   }
   return plan;
 }

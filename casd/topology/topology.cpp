@@ -13,6 +13,7 @@
 #include "casd/tlog/tlog_name.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/message_keys.hpp"
+#include "casd/topology/topology_files.hpp"
 
 namespace cas::casd {
 namespace {
@@ -123,7 +124,6 @@ constexpr double kMib = 1024 * 1024;
 /// A recording stops before the disk is full, where it would take others with it.
 constexpr std::uint64_t kFreeSpaceMin = 64 * 1024 * 1024;
 
-constexpr std::tuple kLogKeys{
 constexpr std::tuple kAutopilotLogKeys{
     key<&AutopilotLogConfig::folder>("folder", Folder{},
                                      "the folder of these logs, made where it alone is missing",
@@ -138,6 +138,7 @@ constexpr std::tuple kAutopilotLogKeys{
         "logs pause when less would stay free on the disk"),
 };
 
+constexpr std::tuple kLogKeys{
     key<&TlogConfig::tlog>("tlog", TlogName{},
                            "a recording of that name begins with casd, or with each flight"),
     key<&TlogConfig::folder>("folder", Folder{},
@@ -154,15 +155,18 @@ constexpr std::tuple kAutopilotLogKeys{
     key<&TlogConfig::limits, &TlogLimits::max_bytes>(
         "max_mib", Range{0, 1e8, kMib},
         "a recording pauses when all .tlog files of the folder would take more; 0: any"),
+    key<&TlogConfig::max_files>("max_files", Whole{0, 1'000'000},
+                                "files with a date in the folder that stay: a new one has casd "
+                                "delete the oldest, see below; 0: all"),
     key<&TlogConfig::limits, &TlogLimits::free_space_min_bytes>(
         "free_space_min_mib", Range{0, 1e8, kMib},
         "a recording pauses when less would stay free on the disk"),
+    key<&TlogConfig::autopilot>("autopilot", block<AutopilotLogConfig>(kAutopilotLogKeys),
+                                "takes the logs of autopilots, too; see below"),
     key<&TlogConfig::while_armed>("while_armed", Flag{},
                                   "a recording whenever a vehicle is armed; see below"),
     key<&TlogConfig::overwrite>("overwrite", Flag{},
                                 "the recording from the start is NAME.tlog itself, over the old "
-    key<&TlogConfig::autopilot>("autopilot", block<AutopilotLogConfig>(kAutopilotLogKeys),
-                                "takes the logs of autopilots, too; see below"),
                                 "file"),
 };
 
@@ -170,13 +174,13 @@ void check_log(const ConfigNode& node, const TlogConfig& log) {
   if (log.overwrite && log.while_armed) {
     node.at("overwrite").fail("each flight of while_armed has a file of its own");
   }
+  if (const auto autopilot = node.find("autopilot"); autopilot && !autopilot->is_map()) {
+    autopilot->fail("is a block, of which every key may be left out: {}");
+  }
 }
 
 // casd itself. A reload refuses other values of these,
 
-  if (const auto autopilot = node.find("autopilot"); autopilot && !autopilot->is_map()) {
-    autopilot->fail("is a block, of which every key may be left out: {}");
-  }
 constexpr Whole kId{1, 255};
 
 constexpr std::tuple kRestartKeys{
@@ -332,6 +336,19 @@ bool is_server(const std::vector<LinkConfig>& links, const std::string& name) {
          is_of_type(links, name, LinkType::kTcpServer);
 }
 
+/// Why there can be no route between two links; empty: there can.
+std::string needs_no_route(const std::vector<LinkConfig>& links, const std::string& from,
+                           const std::string& to) {
+  if (is_of_type(links, to, LinkType::kTlog)) {
+    return "nothing can be sent to '" + to + "', a log that is played";
+  }
+  for (const LinkConfig& link : links) {
+    if (!link.sniffer || (link.name != from && link.name != to)) continue;
+    return "'" + link.name + "' is a sniffer: it gets every packet without a route, sends none";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
@@ -347,8 +364,8 @@ std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
   std::vector<RouteConfig> routes;
   for (const std::string& one : from) {
     for (const std::string& other : to) {
-      if (is_of_type(links, other, LinkType::kTlog)) {
-        if (single) node.fail("nothing can be sent to '" + other + "', a log that is played");
+      if (const std::string reason = needs_no_route(links, one, other); !reason.empty()) {
+        if (single) node.fail(reason);
         continue;
       }
       if (one != other) {
@@ -364,10 +381,11 @@ std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
 
 namespace {
 
-std::vector<LinkConfig> parse_links(const base::ConfigNode& root) {
+std::vector<LinkConfig> parse_links(const std::vector<ConfigNode>& files, const ConfigNode& root) {
+  root.at("links");
   std::vector<LinkConfig> links;
   std::set<std::string> names;
-  for (const base::ConfigNode& node : root.at("links").items()) {
+  for (const base::ConfigNode& node : overlaid_list(files, "links", {"name"})) {
     links.push_back(parse_link(node));
     if (!names.insert(links.back().name).second) {
       node.at("name").fail("'" + links.back().name + "' is the name of another link");
@@ -384,8 +402,8 @@ std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links
   std::vector<RouteConfig> routes;
   for (const LinkConfig& from : links) {
     for (const LinkConfig& to : links) {
-      if (from.name != to.name && to.type != LinkType::kTlog)
-        routes.push_back({from.name, to.name, {}});
+      const bool possible = to.type != LinkType::kTlog && !from.sniffer && !to.sniffer;
+      if (from.name != to.name && possible) routes.push_back({from.name, to.name, {}});
     }
   }
   return routes;
@@ -393,13 +411,12 @@ std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links
 
 namespace {
 
-std::vector<RouteConfig> parse_routes(const base::ConfigNode& root,
+std::vector<RouteConfig> parse_routes(const std::vector<ConfigNode>& files, const ConfigNode& root,
                                       const std::vector<LinkConfig>& links) {
-  const std::optional<base::ConfigNode> block = root.find("routes");
-  if (!block) return routes_between_all(links);
+  if (!root.has("routes")) return routes_between_all(links);
   std::vector<RouteConfig> routes;
   std::set<std::pair<std::string, std::string>> pairs;
-  for (const base::ConfigNode& node : block->items()) {
+  for (const base::ConfigNode& node : overlaid_list(files, "routes", {"from", "to"})) {
     for (RouteConfig& route : parse_route(node, links)) {
       if (!pairs.insert({route.from, route.to}).second) {
         node.fail("there is another route from '" + route.from + "' to '" + route.to + "'");
@@ -424,19 +441,24 @@ void pace_tight_lines(Topology& topology) {
 
 std::string_view to_string(ThreadModel model) { return kThreadModels.word(model); }
 
-Topology Topology::load(const std::filesystem::path& file) {
-  return parse(base::ConfigNode::load(file));
+Topology Topology::load(const std::filesystem::path& place) {
+  return parse(load_topology_files(place));
 }
 
-Topology Topology::parse(const base::ConfigNode& root) {
-  if (const int schema = root.require<int>("schema"); schema != kSchema) {
-    root.at("schema").fail("schema " + std::to_string(schema) + " is not 1");
+Topology Topology::parse(const base::ConfigNode& root) { return parse(std::vector{root}); }
+
+Topology Topology::parse(const std::vector<base::ConfigNode>& files) {
+  for (const base::ConfigNode& file : files) {
+    if (const int schema = file.require<int>("schema"); schema != kSchema) {
+      file.at("schema").fail("schema " + std::to_string(schema) + " is not 1");
+    }
   }
+  const base::ConfigNode root = overlaid(files);
   Topology topology = standard_topology();
   base::read_keys(root, kRestartKeys, topology);
   base::read_keys(root, kReloadKeys, topology);
-  topology.links = parse_links(root);
-  topology.routes = parse_routes(root, topology.links);
+  topology.links = parse_links(files, root);
+  topology.routes = parse_routes(files, root, topology.links);
   pace_tight_lines(topology);
   if (topology.pace == Pace::kLockstep) topology.set_lockstep();
   root.reject_unused();

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "casd/topology/injection.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/message_keys.hpp"
 
@@ -21,8 +22,8 @@ std::string where(const LinkConfig& link) {
   if (!link.local.empty()) text += " at " + link.local;
   if (!link.remote.empty()) text += " to " + link.remote;
   if (!link.device.empty()) text += " " + link.device;
-  if (link.baud > 0) {
-    text += " at " + std::to_string(link.baud) + " baud" + (link.pace ? ", paced" : ", not paced");
+  if (!link.baud.empty()) {
+    text += " at " + words_of_rates(link.baud) + " baud" + (link.pace ? ", paced" : ", not paced");
   }
   if (!link.file.empty()) text += " " + link.file.string();
   return text;
@@ -32,13 +33,17 @@ std::string link_line(const LinkConfig& link) {
   std::string text = "  " + link.name + ": " + std::string(to_string(link.type)) + where(link);
   if (!link.group.empty()) text += ", group " + link.group;
   if (link.unlocked_pty) text += ", asks no lock of a pseudo-terminal";
-  if (link.accept.read_only) text += ", read-only";
+  if (link.sniffer) {
+    text += ", sniffer: gets every packet, takes in nothing";
+  } else if (link.accept.read_only) {
+    text += ", read-only";
+  }
   if (link.accept.ground_station) text += ", accepts what ground stations say";
   text +=
       listed<Messages>(link.accept.ground_station ? "and" : "accepts only", link.accept.messages);
   text += listed<Ids>("accepts only systems", link.accept.systems);
   text += listed<Ids>("refuses systems", link.accept.block_systems);
-  if (link.inject_failures && !link.accept.read_only) text += ", may inject failures";
+  if (may_inject_failures(link)) text += ", may inject failures";
   if (link.signing) {
     text += std::string(link.signing->verify ? ", verifies" : "") +
             (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();

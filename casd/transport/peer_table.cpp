@@ -53,6 +53,7 @@ void PeerTable::clear() {
 }
 
 SlotMask PeerTable::for_packet(const PacketInfo& info, LinkId own) const {
+  if (info.to_all_peers) return present_;
   SlotMask peers = present_ & routes_.links_to(info.target);
   if (info.from == own && info.from_peer < kMaxPeers) peers &= ~slot_bit(info.from_peer);
   if (info.to_serial == 0) return peers;

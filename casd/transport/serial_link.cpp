@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -31,6 +33,7 @@ SerialLink::SerialLink(LinkContext context)
     : core_(std::move(context)),
       port_(core_.make_port()),
       path_watch_(core_.config().device),
+      search_(core_.config().baud),
       parser_(make_parser()),
       buffer_(kReadBytes) {}
 
@@ -38,6 +41,11 @@ void SerialLink::watch(PollSet& set, base::RunTime) {
   if (fd_ < 0) {
     set.wake_by(core_.backoff().next());
     poll_entry_ = set.add(path_watch_.descriptor(), POLLIN);
+    return;
+  }
+  if (unattached_) {
+    poll_entry_ = set.add(fd_, POLLIN);
+    set.wake_by(search_.due());
     return;
   }
   poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
@@ -55,6 +63,7 @@ void SerialLink::serve(const PollSet& set, base::RunTime now) {
     if (core_.backoff().due(now)) open(now);
     return;
   }
+  if (unattached_) return listen(events, now);
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
     core_.blocking() ? read_blocking(now) : read(now);
   }
@@ -70,9 +79,10 @@ void SerialLink::open(base::RunTime now) {
   std::string error;
   base::Descriptor line;
   tried_at_ = now;
+  search_.begin(now);
   const bool found = path_watch_.found_by([&] {
     line = open_serial(config.device,
-                       {.baud = config.baud,
+                       {.baud = search_.rate(),
                         .flow_control = config.flow_control,
                         .unlocked_pty = config.unlocked_pty},
                        error);
@@ -82,12 +92,46 @@ void SerialLink::open(base::RunTime now) {
   fd_ = line.get();
   opened_at_ = now;
   parser_.reset();
+  if (search_.found()) return begin(std::move(line), now);
+  unattached_ = std::move(line);
+  core_.went_down(
+      config.device + ": listens for MAVLink at " + words_of_rates(config.baud) + " baud", now);
+}
+
+/// Looks for the rate at which packets come.
+void SerialLink::listen(short events, base::RunTime now) {
+  if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
+    const ssize_t count = ::read(fd_, buffer_.data(), buffer_.size());
+    if (count == 0) return close("hung up", now);
+    if (count < 0 && errno != EAGAIN && errno != EINTR) return close(error_text(errno), now);
+    const std::span bytes(buffer_.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    std::size_t packets = 0;
+    parser_.feed(bytes, [&](const mav::PacketView&) { ++packets; });
+    if (search_.heard(packets)) {
+      begin(std::move(unattached_), now);
+      parser_.reset();
+      core_.ingress().take(parser_, bytes, now);
+      core_.ingress().deliver(now);
+      return;
+    }
+  }
+  if (!search_.advance(now)) return;
+  parser_.reset();
+  if (!set_baud(fd_, search_.rate())) close(error_text(errno), now);
+}
+
+/// The line is as the other side has it: packets may go both ways.
+void SerialLink::begin(base::Descriptor line, base::RunTime now) {
+  const LinkConfig& config = core_.config();
+  const unsigned baud = search_.rate();
   // A pseudo-terminal has no line, and its count of unsent bytes no meaning.
   const bool pty = base::identify_pty(fd_).has_value();
   const auto kind = pty ? StreamWriter::Kind::kPseudoTerminal : StreamWriter::Kind::kSerial;
+  const bool has_rate = !pty || config.pace_pty || core_.blocking();
   port_->attach(std::make_unique<StreamWriter>(std::move(line), kind), now,
-                !pty || config.pace_pty || core_.blocking());
-  core_.went_up(config.device + (config.baud > 0 ? " " + std::to_string(config.baud) : ""));
+                has_rate ? paced_bytes_s(config, baud) : 0);
+  core_.counters().baud.set(baud);
+  core_.went_up(config.device + (baud > 0 ? " " + std::to_string(baud) : ""));
 }
 
 void SerialLink::read(base::RunTime now) {
@@ -125,6 +169,7 @@ void SerialLink::read_blocking(base::RunTime now) {
 
 void SerialLink::close(const std::string& reason, base::RunTime now) {
   fd_ = -1;
+  unattached_.reset();
   port_->detach(now);
   core_.went_down(reason, now);
   // It may be back before anybody watched.

@@ -5,14 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "base/os/descriptor.hpp"
 #include "casd/link/link_core.hpp"
 #include "casd/link/tx_port.hpp"
+#include "casd/transport/baud_search.hpp"
 #include "casd/transport/path_watch.hpp"
 
 namespace cas::casd {
 
 /// A serial line, or a PTY. When the device goes away the link waits for its path to come back, by
 /// back-off and by watching the folder; packets that waited for the old line are dropped.
+///
+/// Of several baud rates it listens at each in turn and sends nothing until it knows which is the
+/// other side's.
 class SerialLink final : public Link {
  public:
   explicit SerialLink(LinkContext context);
@@ -25,6 +30,8 @@ class SerialLink final : public Link {
 
  private:
   void open(base::RunTime now);
+  void listen(short events, base::RunTime now);
+  void begin(base::Descriptor line, base::RunTime now);
   void read(base::RunTime now);
   void read_blocking(base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
@@ -32,9 +39,11 @@ class SerialLink final : public Link {
   LinkCore core_;
   std::shared_ptr<TxPort> port_;
   PathWatch path_watch_;
+  BaudSearch search_;
+  base::Descriptor unattached_;  ///< the line while its rate is looked for
   Parser parser_;
   std::vector<std::uint8_t> buffer_;
-  int fd_ = -1;  ///< owned by the port's writer
+  int fd_ = -1;  ///< owned by the port's writer, or `unattached_`
   base::RunTime opened_at_{};
   base::RunTime tried_at_{};
   std::size_t poll_entry_ = 0;

@@ -188,6 +188,7 @@ void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
 }
 
 SlotMask TcpFanOut::wanted_by(const PacketInfo& info) const {
+  if (info.to_all_peers) return present_;
   SlotMask clients = present_ & routes_.links_to(info.target);
   if (info.from == own_ && info.from_peer < kSlots) clients &= ~slot_bit(info.from_peer);
   if (info.to_serial == 0) return clients;

@@ -183,6 +183,29 @@ TEST_F(CasdRecording, FromTheStartIsNamedByItsDateOrWrittenAnew) {
   EXPECT_EQ(TemporaryFolder::read(victim), "theirs");
 }
 
+TEST_F(CasdRecording, OfOldOnesTheNewestStayAndNothingElseGoes) {
+  const fs::path victim = fixture.folder.write("victim", "theirs");
+  for (const char* name : {"2026-11-01T00-00-00Z-a.tlog", "2026-11-02T00-00-00Z-a.tlog",
+                           "2026-11-03T00-00-00Z-a.tlog", "mine.tlog"}) {
+    fixture.folder.write(std::string("rec/") + name, "old");
+  }
+  fs::create_symlink(victim, fixture.folder / "rec/2026-10-01T00-00-00Z-a.tlog");
+  start("tlog: flight, free_space_min_mib: 0, max_files: 2");
+  EXPECT_EQ(files_in(recordings), 4) << "the link, mine.tlog, the newest old one, the new one";
+  EXPECT_TRUE(fs::exists(recordings / "2026-11-03T00-00-00Z-a.tlog"));
+  EXPECT_NE(casd->output().find("2026-11-01T00-00-00Z-a.tlog, 2 files may stay"), std::string::npos)
+      << casd->output();
+
+  const fs::path first = call("log.status").at("file").get<std::string>();
+  call("log.start", {{"file", "x"}});
+  const fs::path second = call("log.start", {{"file", "y"}}).at("file").get<std::string>();
+  EXPECT_EQ(files_in(recordings), 4);
+  EXPECT_FALSE(fs::exists(first));
+  EXPECT_TRUE(fs::exists(second));
+  EXPECT_TRUE(fs::exists(recordings / "mine.tlog"));
+  EXPECT_EQ(TemporaryFolder::read(victim), "theirs");
+}
+
 TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
   start("tlog: flight, free_space_min_mib: 0");
   ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));

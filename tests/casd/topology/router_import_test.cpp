@@ -48,6 +48,10 @@ Port = 5760
 RetryTimeout = 5
 )";
 
+ImportedTopology import_text(const std::string& text, const std::string& file) {
+  return import_mavlink_router({{file, text}});
+}
+
 Topology parsed(const ImportedTopology& imported) {
   return Topology::parse(base::ConfigNode::parse(imported.yaml, "t.yaml"));
 }
@@ -61,10 +65,10 @@ const RouteConfig& route(const Topology& topology, const std::string& from, cons
 }
 
 TEST(RouterImport, KeepsEndpointsAndFilters) {
-  const Topology topology = parsed(import_mavlink_router(kConf, "main.conf"));
+  const Topology topology = parsed(import_text(kConf, "main.conf"));
   ASSERT_EQ(topology.links.size(), 5U);
   EXPECT_EQ(topology.links[0].device, "/dev/ttyS1");
-  EXPECT_EQ(topology.links[0].baud, 1'500'000U);
+  EXPECT_EQ(topology.links[0].baud, (std::vector<unsigned>{1'500'000, 115'200}));
   EXPECT_TRUE(topology.links[0].flow_control);
   EXPECT_EQ(topology.links[0].group, "wing");
   EXPECT_EQ(topology.links[1].remote, "127.0.0.1:14560");
@@ -91,31 +95,33 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_TRUE(topology.log.while_armed);
   EXPECT_EQ(topology.log.folder, "/var/log/flight-stack");
   EXPECT_EQ(topology.log.limits.free_space_min_bytes, 1U << 30U);
+  EXPECT_EQ(topology.log.max_files, 20);
+  ASSERT_TRUE(topology.log.autopilot);
+  EXPECT_TRUE(topology.log.autopilot->while_armed);
+  EXPECT_EQ(topology.log.autopilot->limits.free_space_min_bytes, 1U << 30U);
 }
 
 TEST(RouterImport, SaysWhatBecameOfEachKeyThatCasdHasNot) {
-  const ImportedTopology imported = import_mavlink_router(kConf, "main.conf");
+  const ImportedTopology imported = import_text(kConf, "main.conf");
   const auto told = [&](const std::string& begin) {
     return std::any_of(imported.notes.begin(), imported.notes.end(),
                        [&](const std::string& note) { return note.starts_with(begin); });
   };
-  EXPECT_TRUE(told("4: ReportStats:")) << imported.yaml;
-  EXPECT_TRUE(told("5: Log:"));
-  EXPECT_TRUE(told("8: MinFreeSpace:"));
-  EXPECT_TRUE(told("9: MaxLogFiles:"));
-  EXPECT_TRUE(told("13: Baud:"));
-  EXPECT_EQ(imported.notes.size(), 5U);
+  EXPECT_TRUE(told("main.conf:4: ReportStats:")) << imported.yaml;
+  EXPECT_TRUE(told("main.conf:8: MinFreeSpace:"));
+  EXPECT_TRUE(told("main.conf:9: MaxLogFiles:"));
+  EXPECT_EQ(imported.notes.size(), 3U);
   for (const std::string& note : imported.notes) {
-    EXPECT_NE(imported.yaml.find("# line " + note), std::string::npos);
+    EXPECT_NE(imported.yaml.find("# " + note), std::string::npos);
   }
 }
 
 TEST(RouterImport, TwoListsWithoutACommonComponentLetNothingThrough) {
-  const Topology topology = parsed(import_mavlink_router(
-      "[General]\nTcpServerPort=0\n"
-      "[UartEndpoint a]\nDevice=/dev/a\nAllowSrcCompIn=1,2\n"
-      "[UdpEndpoint b]\nMode=server\nAddress=::1\nPort=14550\nAllowSrcCompOut=3\n",
-      "f"));
+  const Topology topology = parsed(
+      import_text("[General]\nTcpServerPort=0\n"
+                  "[UartEndpoint a]\nDevice=/dev/a\nAllowSrcCompIn=1,2\n"
+                  "[UdpEndpoint b]\nMode=server\nAddress=::1\nPort=14550\nAllowSrcCompOut=3\n",
+                  "f"));
   EXPECT_EQ(topology.links[1].local, "[::1]:14550");
   const ForwardRule& rule = route(topology, "a", "b").rule;
   ASSERT_TRUE(rule.allow);
@@ -125,34 +131,69 @@ TEST(RouterImport, TwoListsWithoutACommonComponentLetNothingThrough) {
 
 TEST(RouterImport, ASectionThatComesAgainGoesOn) {
   const Topology topology =
-      parsed(import_mavlink_router("[General]\nTcpServerPort=0\n[UartEndpoint a]\nDevice=/dev/a\n"
-                                   "[general]\nReportStats=true\n[uartendpoint A]\nBaud=9600\n",
-                                   "f"));
+      parsed(import_text("[General]\nTcpServerPort=0\n[UartEndpoint a]\nDevice=/dev/a\n"
+                         "[general]\nReportStats=true\n[uartendpoint A]\nBaud=9600\n",
+                         "f"));
   ASSERT_EQ(topology.links.size(), 1U);
-  EXPECT_EQ(topology.links[0].baud, 9600U);
+  EXPECT_EQ(topology.links[0].baud, std::vector<unsigned>{9600});
 }
 
 TEST(RouterImport, ClientsWithoutAPortCountUp) {
-  const Topology topology = parsed(
-      import_mavlink_router("[General]\nTcpServerPort=0\n[UdpEndpoint a]\nMode=Normal\nAddress=h\n"
-                            "[UdpEndpoint b]\nMode=Normal\nAddress=h\n",
-                            "f"));
+  const Topology topology =
+      parsed(import_text("[General]\nTcpServerPort=0\n[UdpEndpoint a]\nMode=Normal\nAddress=h\n"
+                         "[UdpEndpoint b]\nMode=Normal\nAddress=h\n",
+                         "f"));
   EXPECT_EQ(topology.links[0].remote, "h:14550");
   EXPECT_EQ(topology.links[1].remote, "h:14551");
 }
 
 TEST(RouterImport, WhatTheFileHoldsGivesNoTerminalOrders) {
   const ImportedTopology imported =
-      import_mavlink_router("[UartEndpoint a]\nDevice=/dev/a\nOdd\x1b[2J\rkey=1\n", "f");
+      import_text("[UartEndpoint a]\nDevice=/dev/a\nOdd\x1b[2J\rkey=1\n", "f");
   ASSERT_EQ(imported.notes.size(), 1U);
-  EXPECT_EQ(imported.notes[0], "3: Odd?[2J?key: is unknown");
+  EXPECT_EQ(imported.notes[0], "f:3: Odd?[2J?key: is unknown");
 }
 
 TEST(RouterImport, HasTheTcpServerUnlessItIsTurnedOff) {
   const std::string one = "[UartEndpoint a]\nDevice=/dev/a\n";
-  EXPECT_EQ(parsed(import_mavlink_router(one, "f")).links.back().local, "0.0.0.0:5760");
-  EXPECT_EQ(parsed(import_mavlink_router("[General]\nTcpServerPort=0\n" + one, "f")).links.size(),
-            1U);
+  EXPECT_EQ(parsed(import_text(one, "f")).links.back().local, "0.0.0.0:5760");
+  EXPECT_EQ(parsed(import_text("[General]\nTcpServerPort=0\n" + one, "f")).links.size(), 1U);
+}
+
+TEST(RouterImport, LaterFilesOverrideKeysAndAddEndpoints) {
+  const ImportedTopology imported = import_mavlink_router(
+      {{"main.conf", "[General]\nTcpServerPort=0\n[UartEndpoint a]\nDevice=/dev/a\nBaud=9600\n"},
+       {"config.d/1.conf", "[uartendpoint A]\nBaud=57600\nOdd=1\n"},
+       {"config.d/2.conf", "[UdpEndpoint b]\nMode=Normal\nAddress=h\nPort=1\n"}});
+  const Topology topology = parsed(imported);
+  ASSERT_EQ(topology.links.size(), 2U);
+  EXPECT_EQ(topology.links[0].device, "/dev/a");
+  EXPECT_EQ(topology.links[0].baud, std::vector<unsigned>{57'600});
+  EXPECT_EQ(topology.links[1].remote, "h:1");
+  EXPECT_EQ(imported.notes, std::vector<std::string>{"config.d/1.conf:3: Odd: is unknown"});
+  EXPECT_NE(imported.yaml.find("# From main.conf 1.conf 2.conf of"), std::string::npos);
+  try {
+    import_mavlink_router({{"main.conf", "[General]\n"}, {"config.d/1.conf", "Baud=1\n"}});
+    FAIL() << "a key of the second file belongs to no section of the first";
+  } catch (const base::ConfigError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "config.d/1.conf:1: a key stands before the first section");
+  }
+}
+
+TEST(RouterImport, TheEndpointOfTheSnifferAloneIsALinkThatSniffs) {
+  const std::string conf =
+      "[General]\nTcpServerPort=0\nSnifferSysid=250\n[UartEndpoint a]\nDevice=/dev/a\n"
+      "[UdpEndpoint b]\nMode=Server\nAddress=127.0.0.1\nPort=14600\n";
+  const Topology topology = parsed(import_text(conf + "AllowSrcSysIn=250\n", "f"));
+  EXPECT_TRUE(topology.links[1].sniffer);
+  EXPECT_TRUE(topology.routes.empty());
+
+  const ImportedTopology unknown = import_text(conf, "f");
+  EXPECT_FALSE(parsed(unknown).links[1].sniffer);
+  ASSERT_EQ(unknown.notes.size(), 1U);
+  EXPECT_TRUE(unknown.notes[0].starts_with("f:3: SnifferSysid: in casd a sniffer is a link"))
+      << unknown.notes[0];
 }
 
 struct Broken {
@@ -164,7 +205,7 @@ class BrokenConf : public testing::TestWithParam<Broken> {};
 
 TEST_P(BrokenConf, IsRefusedAtItsLine) {
   try {
-    import_mavlink_router(GetParam().text, "main.conf");
+    import_text(GetParam().text, "main.conf");
     FAIL() << "was taken";
   } catch (const base::ConfigError& error) {
     EXPECT_EQ(std::string(error.what()), "main.conf:" + GetParam().sentence);

@@ -45,7 +45,7 @@ routes:
   EXPECT_TRUE(topology.commanding.allow_not_hil);
   ASSERT_EQ(topology.links.size(), 3U);
   EXPECT_EQ(topology.links[0].remote, "127.0.0.1:14560");
-  EXPECT_EQ(topology.links[1].baud, 921600U);
+  EXPECT_EQ(topology.links[1].baud, std::vector<unsigned>{921600});
   EXPECT_TRUE(topology.links[1].pace);
   EXPECT_FALSE(topology.links[1].pass_unknown);
   EXPECT_TRUE(topology.links[0].pass_unknown);

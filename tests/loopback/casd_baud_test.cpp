@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "base/rpc/client.hpp"
+#include "tests/loopback/casd_fixture.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/line_rate.hpp"
+#include "tests/support/paths.hpp"
+
+namespace cas::test {
+namespace {
+
+using nlohmann::json;
+
+/// A vehicle on the line that is understood at one rate only.
+class Vehicle {
+ public:
+  Vehicle(CasdFixture& fixture, unsigned baud) : fixture_(fixture), baud_(baud) {}
+
+  /// The rate that casd has set.
+  unsigned line() const { return line_rate(fixture_.fcu.master()); }
+  /// One packet, or what a receiver with another rate makes of it.
+  void speak() {
+    const auto packet = fixture_.from_fcu(hil_controls(++sent_));
+    std::vector<std::uint8_t> bytes(packet.begin(), packet.end());
+    if (line() != baud_) {
+      for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(byte ^ 0xA5U);
+    }
+    fixture_.fcu.write(bytes);
+  }
+
+ private:
+  CasdFixture& fixture_;
+  unsigned baud_;
+  std::uint64_t sent_ = 0;
+};
+
+constexpr const char* kTopology = R"(schema: 1
+command_port: {port: 0, loopback_without_token: true}
+commanding: {heartbeat_hz: 50}
+links:
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM", queue: {hil_max_age_ms: 60000}}
+  - {name: fcu, type: serial, device: "$FCU", baud: [57600, 921600],
+     queue: {hil_max_age_ms: 60000}}
+)";
+
+TEST(CasdBaud, OfAListTheRateAtWhichPacketsComeIsKeptAndTold) {
+  CasdFixture fixture;
+  ChildProcess casd({binary_dir() + "/bin/casd",
+                     fixture.folder.write("topology.yaml", fixture.expand(kTopology))});
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  const auto endpoint = [&](const std::string& name) {
+    const std::size_t at = status->find(name + " ") + name.size() + 1;
+    return status->substr(at, status->find(' ', at) - at);
+  };
+  base::rpc::Client client(endpoint("command_port"));
+  const auto link = [&] { return client.call("link.list", json::object()).at(1); };
+  ASSERT_TRUE(wait_until([&] { return link().at("state") == "down"; }));
+  EXPECT_NE(
+      link().at("endpoint").get<std::string>().find("listens for MAVLink at 57600 or 921600 baud"),
+      std::string::npos);
+  EXPECT_FALSE(link().contains("baud"));
+
+  Vehicle vehicle(fixture, 921'600);
+  ASSERT_TRUE(wait_until([&] { return vehicle.line() == 57'600U; }));
+  ASSERT_TRUE(fixture.collect_until([&] {
+    vehicle.speak();
+    if (vehicle.line() == 57'600U) EXPECT_EQ(fixture.at_fcu.packets().size(), 0U);
+    return fixture.at_sim.count(kHilControls) > 0;
+  })) << casd.output();
+  EXPECT_EQ(fixture.at_fcu.garbage(), 0U);
+  EXPECT_EQ(vehicle.line(), 921'600U);
+  EXPECT_EQ(link().at("state"), "up");
+  EXPECT_EQ(link().at("baud"), 921'600);
+  EXPECT_NE(casd.output().find("link fcu: up, " + fixture.expand("$FCU") + " 921600"),
+            std::string::npos)
+      << casd.output();
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHeartbeat) > 0; }))
+      << "casd speaks, too";
+}
+
+TEST(CasdBaud, AfterADeviceHasReturnedItsRateIsLookedForAgain) {
+  CasdFixture fixture;
+  fixture.start(kTopology);
+  const auto is_up = [&] { return fixture.status("fcu").state == casd::LinkState::kUp; };
+  const auto hear = [&](Vehicle& vehicle) {
+    return fixture.collect_until([&] {
+      vehicle.speak();
+      return is_up();
+    });
+  };
+  Vehicle slow(fixture, 57'600);
+  ASSERT_TRUE(hear(slow));
+  EXPECT_EQ(fixture.status("fcu").baud, 57'600U);
+
+  fixture.fcu.hang_up();
+  ASSERT_TRUE(wait_until([&] { return !is_up(); }));
+  fixture.fcu.come_back();
+  Vehicle fast(fixture, 921'600);
+  ASSERT_TRUE(wait_until([&] { return fast.line() == 57'600U; })) << "what was right is tried";
+  ASSERT_TRUE(hear(fast));
+  EXPECT_EQ(fixture.status("fcu").baud, 921'600U);
+
+  fixture.fcu.hang_up();
+  ASSERT_TRUE(wait_until([&] { return !is_up(); }));
+  fixture.fcu.come_back();
+  ASSERT_TRUE(wait_until([&] { return fast.line() == 921'600U; }));
+  ASSERT_TRUE(hear(fast));
+}
+
+}  // namespace
+}  // namespace cas::test
