@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
 #include "base/suggestion.hpp"
+#include "mavlink_gen/services/vehicle_modes.hpp"
 
 namespace cas::hils {
 
@@ -55,12 +57,32 @@ std::vector<std::string> parse_modes(const std::string& text) {
   return modes;
 }
 
+/// What casd calls the modes of PX4 and ArduPilot, those that nobody can ask for besides.
+std::vector<std::string> failsafe_modes() {
+  using mav::services::Autopilot;
+  std::vector<std::string> modes{"TERMINATION"};
+  for (const Autopilot autopilot : {Autopilot::kPx4, Autopilot::kArduPilot}) {
+    std::istringstream words(mav::services::mode_words(autopilot));
+    for (std::string word; words >> word;) {
+      if (std::ranges::find(modes, word) == modes.end()) modes.push_back(word);
+    }
+  }
+  return modes;
+}
+
+/// A mode that no vehicle has would never be reached, nor its expectation met.
+void check_mode(const base::ConfigNode& node, const std::string& mode) {
+  if (mode.empty()) node.fail("is a mode such as LAND, or several: LAND/RTL");
+  const std::vector<std::string> known = failsafe_modes();
+  if (std::ranges::find(known, mode) != known.end()) return;
+  node.fail(fmt::format("there is no mode '{}'; there are {}{}", mode, fmt::join(known, ", "),
+                        base::did_you_mean(mode, known)));
+}
+
 Expectation parse_failsafe(const base::ConfigNode& node) {
   Expectation failsafe{.kind = Kind::kFailsafe};
   failsafe.modes = parse_modes(node.require<std::string>(kFailsafe));
-  if (std::ranges::any_of(failsafe.modes, &std::string::empty)) {
-    node.at(kFailsafe).fail("is a mode such as LAND, or several: LAND/RTL");
-  }
+  for (const std::string& mode : failsafe.modes) check_mode(node.at(kFailsafe), mode);
   if (node.has("within_s")) failsafe.most = node.require_in("within_s", 0, kMost);
   return failsafe;
 }

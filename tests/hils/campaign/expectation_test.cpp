@@ -120,6 +120,7 @@ TEST(Expectation, SaysWhatWasFound) {
 TEST(Expectation, RefusesWhatItDoesNotKnow) {
   for (const char* list : {"[]", "stays_up", "[stay_up]", "[{lands_within_m: -1}]",
                            "[{lands_within: 10}]", "[{failsafe: ''}]", "[{failsafe: LAND/}]",
+                           "[{failsafe: land}]", "[{failsafe: RTL/LNAD}]",
                            "[{no_farther_than_m: 1, tilts_less_than_deg: 2}]"}) {
     EXPECT_THROW(expectations(list), base::ConfigError) << list;
   }
@@ -129,6 +130,17 @@ TEST(Expectation, RefusesWhatItDoesNotKnow) {
     EXPECT_NE(std::string(error.what()).find("did you mean 'stays_up'"), std::string::npos)
         << error.what();
   }
+  try {
+    expectations("[{failsafe: LNAD}]");
+  } catch (const base::ConfigError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("failsafe: there is no mode 'LNAD'; there are "), std::string::npos);
+    EXPECT_NE(what.find("did you mean 'LAND'"), std::string::npos) << what;
+  }
+}
+
+TEST(Expectation, TakesTheModesOfBothAutopilots) {
+  EXPECT_NO_THROW(expectations("[{failsafe: TERMINATION/HOLD/SMART_RTL/BRAKE}]"));
 }
 
 }  // namespace
