@@ -40,6 +40,9 @@ T to_integer(const ConfigNode& node, const ConfigTree& tree) {
   const std::string& text = plain_scalar(node, tree, expected);
   T value{};
   if (!parse_whole(text, value)) {
+    double fraction = 0;
+    const bool is_number = parse_whole(text, fraction) && text.find_first_of(".eE") != text.npos;
+    if (is_number) node.fail(in_quotes(text) + " must be a whole number");
     node.fail(in_quotes(text) + " is not " + expected + " in range");
   }
   return value;

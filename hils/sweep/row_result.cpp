@@ -132,6 +132,7 @@ Figures collect(const Scenario& scenario, const RunResult* run) {
   if (run != nullptr && run->verdict.valid) up = was_completed(*run) && !incident ? 1 : 0;
   if (run != nullptr) {
     for (const VehicleResult& vehicle : run->vehicles) {
+      if (!vehicle.figures.over_hold) continue;  // the measured step was not flown
       const double own = least_margin_pct(vehicle.verdict);
       if (!(own >= margin) && std::isfinite(own)) margin = own;
     }

@@ -34,8 +34,8 @@ SweepCounts count(std::size_t rows, const std::vector<RowResult>& results) {
 }
 
 std::string ShareCheck::sentence() const {
-  const double share =
-      trials > 0 ? static_cast<double>(successes) / static_cast<double>(trials) * 100 : 0;
+  if (trials == 0) return fmt::format("{}: nothing was flown", to_string(limit.share));
+  const double share = static_cast<double>(successes) / static_cast<double>(trials) * 100;
   return fmt::format(
       "{}: {} of {} ({:.2f} %), at least {:.2f} % at {:g} % confidence; the limit "
       "is {:g} %",
@@ -81,8 +81,9 @@ std::string sweep_junit(const std::string& name, const SweepCounts& counts,
       cases += "/>\n";
       continue;
     }
-    ++failures;
-    cases += fmt::format("><failure message=\"{}\"/></testcase>\n", escape_xml(check.sentence()));
+    ++(check.trials > 0 ? failures : errors);
+    cases += fmt::format("><{} message=\"{}\"/></testcase>\n",
+                         check.trials > 0 ? "failure" : "error", escape_xml(check.sentence()));
   }
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "

@@ -328,7 +328,7 @@ std::string sweep_html(const SweepView& view, const std::vector<ShareCheck>& che
   const Study& study = view.sweep.study;
   HtmlPage html("Sweep: " + study.name);
   const bool missing = counts.flown < counts.rows;
-  const bool kept = std::ranges::all_of(checks, &ShareCheck::kept);
+  const bool kept = counts.flown == 0 || std::ranges::all_of(checks, &ShareCheck::kept);
   std::vector<std::string> sentences;
   for (const ShareCheck& check : checks) {
     if (!check.kept) sentences.push_back(check.sentence());
@@ -339,7 +339,10 @@ std::string sweep_html(const SweepView& view, const std::vector<ShareCheck>& che
   if (counts.judged < counts.flown) {
     sentences.push_back(fmt::format("{} runs have no verdict", counts.flown - counts.judged));
   }
-  const std::string word = !kept ? "Limits missed" : checks.empty() ? "Flown" : "Limits kept";
+  const std::string word = counts.flown == 0 ? "Nothing was flown"
+                           : !kept           ? "Limits missed"
+                           : checks.empty()  ? "Flown"
+                                             : "Limits kept";
   const HtmlPage::Mood mood = !kept                       ? HtmlPage::Mood::kBad
                               : missing || checks.empty() ? HtmlPage::Mood::kNeutral
                                                           : HtmlPage::Mood::kGood;
@@ -367,6 +370,10 @@ std::string sweep_html(const SweepView& view, const std::vector<ShareCheck>& che
 std::string sweep_text(const SweepView& view, const std::vector<ShareCheck>& checks,
                        const SweepView* before) {
   const SweepCounts counts = view.counts();
+  if (counts.flown == 0) {
+    return fmt::format("{}: nothing was flown of {} runs; 'hils sweep run {}' flies them\n",
+                       view.sweep.study.name, counts.rows, view.sweep.path.string());
+  }
   std::string text = fmt::format(
       "{}: {} of {} runs flown, {} with a verdict\n  stays up: {}\n"
       "  passed:   {}\n",

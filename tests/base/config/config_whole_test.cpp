@@ -30,9 +30,11 @@ TEST_P(WrongWholeNumber, IsRefusedWithFileLineAndKeyPath) {
 
 INSTANTIATE_TEST_SUITE_P(
     Values, WrongWholeNumber,
-    testing::Values(Case{"Fraction", "1.7", "'1.7' is not a whole number in range"},
-                    Case{"WholeFraction", "2.0", "'2.0' is not a whole number in range"},
-                    Case{"Power", "1e1", "'1e1' is not a whole number in range"},
+    testing::Values(Case{"Fraction", "1.7", "'1.7' must be a whole number"},
+                    Case{"WholeFraction", "2.0", "'2.0' must be a whole number"},
+                    Case{"Power", "1e1", "'1e1' must be a whole number"},
+                    Case{"Word", "two", "'two' is not a whole number in range"},
+                    Case{"Dots", "1.2.3", "'1.2.3' is not a whole number in range"},
                     Case{"TooLow", "0", "0 must lie in [1, 64]"},
                     Case{"TooHigh", "65", "65 must lie in [1, 64]"},
                     Case{"Negative", "-3", "-3 must lie in [1, 64]"}),

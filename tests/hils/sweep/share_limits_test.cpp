@@ -56,5 +56,13 @@ TEST(ShareLimits, AreCasesForContinuousIntegration) {
   EXPECT_NE(junit.find("passed: 1 of 10 (10.00 %)"), std::string::npos);
 }
 
+TEST(ShareLimits, AreNotMissedWhereNothingWasFlown) {
+  const SweepCounts counts{.rows = 20};
+  const auto checks = check_shares({{.share = Share::kUp, .at_least = 0.5}}, counts);
+  EXPECT_EQ(checks[0].sentence(), "up: nothing was flown");
+  const std::string junit = sweep_junit("a", counts, checks);
+  EXPECT_NE(junit.find("failures=\"0\" errors=\"2\""), std::string::npos) << junit;
+}
+
 }  // namespace
 }  // namespace cas::hils

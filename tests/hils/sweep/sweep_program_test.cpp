@@ -173,6 +173,33 @@ TEST_F(Sweep, InterruptedSaysHowFarItIsAndGoesOn) {
   sweep({"collect", stopped.string(), "--again", "0"}, 3);  // runs are missing
 }
 
+TEST_F(Sweep, CollectedBeforeAnyRunSaysThatNothingWasFlown) {
+  const fs::path planned = plan("planned", study_);
+  const std::string said = sweep({"collect", planned.string()}, 3);
+  EXPECT_NE(said.find("hops: nothing was flown of 24 runs; 'hils sweep run " + planned.string() +
+                      "' flies them"),
+            std::string::npos)
+      << said;
+  EXPECT_EQ(said.find("MISSED"), std::string::npos) << said;
+  EXPECT_NE(TemporaryFolder::read(planned / "sweep.html").find("Nothing was flown"),
+            std::string::npos);
+}
+
+TEST_F(Sweep, AFlightThatDoesNotReachItsMeasuredStepHasNoMargin) {
+  std::string weak = kScenario;
+  weak.replace(weak.find("altitude_m: 1}"), 14, "altitude_m: 1, timeout_s: 0.5}");
+  folder_.write("weak.yaml", weak + "limits: {rms: {x_m: 1}, delivered_pct: 1}\n");
+  const fs::path study = folder_.write(
+      "weak_study.yaml",
+      "schema: 1\nname: weak\nscenario: weak.yaml\nseeds: [1]\nvary:\n"
+      "  - {name: loss, key: line.packet_loss, values: [0]}\n");
+  const fs::path flown = plan("weak", study);
+  sweep({"run", flown.string()});
+  const std::string table = TemporaryFolder::read(flown / "chunks/chunk_1_of_1.csv");
+  EXPECT_EQ(column(table, "up"), std::vector<std::string>{"0"}) << table;
+  EXPECT_EQ(column(table, "least_margin_pct"), std::vector<std::string>{""}) << table;
+}
+
 TEST_F(Sweep, ThreeChunksAreTheWholeToTheByte) {
   const fs::path cut = plan("cut", study_);
   std::string together;
