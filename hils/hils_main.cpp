@@ -142,14 +142,21 @@ void leave_replay(const RunRequest& request, const RunResult& result, const std:
 }
 
 /// Takes the boards of a run and waits until they have booted; what is wrong with one is the case
-/// of a junit.xml. @throws BoardError, RunStopped, base::ConfigError
+/// of a junit.xml. A run whose boards are not even named rightly leaves no folder.
+/// @throws BoardError, RunStopped, base::ConfigError
 void prepare_boards(const std::vector<FcuChoice>& fcus, const RunFlags& flags, RunRequest& request,
                     std::optional<FlightBoards>& boards) {
+  const auto clear_folder = [&request] {
+    make_results_folder(request.out);
+    remove_verdict(request.out);
+  };
   try {
     boards.emplace(fcus, find_board_list(flags.boards), "hils run " + flags.scenario,
                    parse_wait(flags.wait));
+    clear_folder();
     request.fcu_devices = boards->prepare(request.out, request.scenario.names(), flags.fcu_baud);
   } catch (const BoardError& error) {
+    clear_folder();
     const Verdict verdict{.failures = {error.what()}};
     base::write_file(request.out / "junit.xml",
                      junit_report("hils." + request.scenario.name, 0, verdict),
@@ -202,8 +209,6 @@ int run(const RunFlags& flags) {
   if (flags.web) request.live = &live.emplace();
   request.announced = true;
   request.out = std::filesystem::absolute(flags.out);
-  make_results_folder(request.out);
-  remove_verdict(request.out);
   std::optional<FlightBoards> boards;
   prepare_boards(fcus, flags, request, boards);
 

@@ -68,11 +68,7 @@ constexpr double kForever_s = 3e9;
 
 BoardList load_list(const std::string& given) {
   const fs::path file = find_board_list(given);
-  if (file.empty()) {
-    throw base::ConfigError(
-        "there is no boards.yaml: neither --boards nor CAS_BOARDS names one, and there is none in "
-        "the working folder, in ~/.config/cas and in /etc/cas (docs/ci_with_boards.md)");
-  }
+  if (file.empty()) throw base::ConfigError(no_board_list());
   return BoardList::load(file);
 }
 

@@ -185,4 +185,11 @@ fs::path find_board_list(const fs::path& given) {
   return {};
 }
 
+std::string no_board_list() {
+  const fs::path user = user_config();
+  return "there is no boards.yaml: neither --boards nor CAS_BOARDS names one, and there is no " +
+         fs::absolute("boards.yaml").string() + (user.empty() ? "" : ", " + user.string()) +
+         " or /etc/cas/boards.yaml (docs/ci_with_boards.md)";
+}
+
 }  // namespace cas::hils

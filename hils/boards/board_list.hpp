@@ -87,4 +87,7 @@ struct BoardList {
 /// @return an empty path when there is none
 std::filesystem::path find_board_list(const std::filesystem::path& given);
 
+/// That there is none, and where it was looked for.
+std::string no_board_list();
+
 }  // namespace cas::hils

@@ -2,6 +2,8 @@
 #include "hils/boards/flight_boards.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -26,6 +28,17 @@ std::size_t place_of(const std::string& name, const VehicleNames& vehicles) {
   if (found != vehicles.end()) return static_cast<std::size_t>(found - vehicles.begin());
   throw base::ConfigError(fmt::format("--fcu: there is no vehicle '{}'; vehicles are {}", name,
                                       fmt::join(vehicles, ", ")));
+}
+
+/// Looks at what is there without opening it, which a board may take for a restart.
+/// @throws base::ConfigError
+void refuse_what_is_no_terminal(const std::string& path) {
+  constexpr unsigned kMemoryDevices = 1;  // major number of /dev/null, /dev/zero. Source: [Linux]
+                                          // admin-guide/devices.txt
+  struct stat is {};
+  if (::stat(path.c_str(), &is) != 0) return;  // absent: told of when it is opened
+  if (S_ISCHR(is.st_mode) && major(is.st_rdev) != kMemoryDevices) return;
+  throw base::ConfigError("--fcu " + path + ": " + path + " is not a terminal");
 }
 
 Json board_json(const std::string& vehicle, const Board& board, const BoardFacts& facts) {
@@ -71,7 +84,13 @@ std::vector<FcuChoice> parse_fcu_words(const std::vector<std::string>& words,
 }
 
 bool is_board(const std::string& controller, const BoardList* list, bool is_path) {
-  if (list == nullptr || controller.find('/') != std::string::npos) return false;
+  if (controller.find('/') != std::string::npos) return false;
+  if (list == nullptr) {
+    if (is_path) return false;
+    throw base::ConfigError("--fcu " + controller +
+                            ": no port of the working folder has this name, and " +
+                            no_board_list());
+  }
   if (list->find(controller) != nullptr) return true;
   if (!is_path) list->board(controller);  // says what there is
   return false;
@@ -101,6 +120,7 @@ FlightBoards::FlightBoards(const std::vector<FcuChoice>& choices, const fs::path
     if (is_board(choice.controller, list_ ? &*list_ : nullptr, is_path)) {
       in_order.push_back(boards_[choice.vehicle] = &list_->board(choice.controller));
     } else {
+      refuse_what_is_no_terminal(choice.controller);
       ports_[choice.vehicle] = choice.controller;
       if (const Board* board = board_at(choice.controller)) in_order.push_back(board);
     }

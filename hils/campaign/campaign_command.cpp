@@ -54,12 +54,27 @@ struct CampaignCommand::Flags {
 
 namespace {
 
+/// A start with boards that were not there has left its plan, and nothing that was flown.
+bool was_never_flown(const fs::path& out) {
+  if (!fs::exists(out / kControllersFile)) return false;
+  std::error_code none;
+  for (fs::directory_iterator entry(out / "journal", none), end; !none && entry != end;
+       entry.increment(none)) {
+    if (entry->file_size(none) > 0) return false;
+  }
+  return true;
+}
+
 /// The sweep's folder of a campaign: planned, or as it was planned before.
 /// @param controllers  noted first, so that nobody flies the plan without them; nullptr: none
 SweepFolder plan_of(const Campaign& campaign, const fs::path& out,
                     const CampaignControllers* controllers) {
   const fs::path study = out / "campaign" / "study.yaml";
   const std::string text = study_of(campaign);
+  if (was_never_flown(out)) {
+    fs::remove(out / "plan.json");
+    fs::remove(out / kControllersFile);
+  }
   if (fs::exists(out / "plan.json") && text_of_file(out / "study.yaml") != text) {
     throw base::ConfigError(out.string() +
                             ": holds another campaign, or this one before its failures, phases or "

@@ -482,6 +482,30 @@ TEST(BoardRun, ThatFindsNoBoardEndsWithACodeOfItsOwnAndAJunitFile) {
   EXPECT_SAYS(misspelt, "there is no board 'aa'");
 }
 
+TEST(BoardRun, ThatNamesNoControllerSaysSoAndLeavesNoFolder) {
+  const BoardShelf shelf;
+  const std::string none = (shelf.folder / "none").string();
+  const std::string file = shelf.folder.write("file", "-").string();
+  const auto fly = [&](const std::string& fcu) {
+    ChildProcess hils({"/usr/bin/env", "-C", shelf.folder / "runtime", "CAS_BOARDS=",
+                       "XDG_CONFIG_HOME=" + none, binary_dir() + "/bin/hils", "run", kHover, "--fcu",
+                       fcu, "--out", none});
+    const int code = hils.wait_exit().value_or(-1);
+    return ShelfAnswer{code, hils.output()};
+  };
+  const ShelfAnswer no_list = fly("a");
+  EXPECT_EQ(no_list.code, kUsage) << no_list.text;
+  EXPECT_SAYS(no_list, "--fcu a: no port of the working folder has this name, and there is no");
+  EXPECT_SAYS(no_list, (shelf.folder / "runtime/boards.yaml").string() + ", " + none +
+                           "/cas/boards.yaml or /etc/cas/boards.yaml");
+  for (const std::string& no_terminal : {file, std::string("/dev/null")}) {
+    const ShelfAnswer refused = fly(no_terminal);
+    EXPECT_EQ(refused.code, kUsage) << refused.text;
+    EXPECT_SAYS(refused, no_terminal + " is not a terminal");
+  }
+  EXPECT_FALSE(std::filesystem::exists(none));
+}
+
 /// A campaign that would let one failure strike in the hover, and its file.
 std::string campaign(const BoardShelf& shelf, const std::string& failures) {
   return shelf.folder
@@ -527,9 +551,8 @@ TEST(BoardCampaign, ThatFindsNoBoardEndsWithItsCodeAndAReport) {
     EXPECT_EQ(refused.code, kUsage) << refused.text;
     EXPECT_SAYS(refused, "is flown with boards, by 'hils campaign");
   }
-  const ShelfAnswer by_clock = shelf.hils({"campaign", file, "--out", out});
-  EXPECT_EQ(by_clock.code, kUsage) << by_clock.text;
-  EXPECT_SAYS(by_clock, "holds another campaign");
+  const ShelfAnswer by_clock = shelf.hils({"campaign", file, "--out", out, "--plan"});
+  EXPECT_EQ(by_clock.code, 0) << "nothing was flown: the folder is free\n" << by_clock.text;
 }
 
 TEST(BoardCampaign, RestartsNoVehicleThatSaysThatItIsNotInHil) {

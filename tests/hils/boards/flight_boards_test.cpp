@@ -55,7 +55,8 @@ TEST(FcuWords, AreBoardsBeforeTheyArePaths) {
   EXPECT_FALSE(is_board("./bench1", &list, true));
   EXPECT_FALSE(is_board("ttyACM0", &list, true)) << "a file of the working folder";
   EXPECT_THROW(is_board("bensh1", &list, false), base::ConfigError);
-  EXPECT_FALSE(is_board("bench1", nullptr, false));
+  EXPECT_FALSE(is_board("ttyACM0", nullptr, true));
+  EXPECT_FALSE(is_board("/dev/ttyACM9", nullptr, false)) << "told of when it is opened";
 }
 
 TEST(GoneBoard, FailsItsFlightAndNoOtherThatPassed) {
