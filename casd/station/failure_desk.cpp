@@ -13,6 +13,7 @@ namespace cas::casd {
 namespace {
 
 using mav::services::FailureOrder;
+using mav::services::FailureRefusal;
 using mavlink::common::CommandAck;
 using mavlink::common::MavCmd;
 using mavlink::common::MavResult;
@@ -32,19 +33,31 @@ Outcome refused(MavResult result, std::string text, const std::string& more = {}
 }
 
 /// What the simulator answered.
-Outcome outcome_of(MavResult result) {
-  switch (result) {
-    case MavResult::kAccepted: {
-      Outcome outcome;
-      outcome.result = result;
-      return outcome;
-    }
-    case MavResult::kUnsupported:
-      return refused(result, "the simulator has no such failure",
-                     "its log says whether the unit, its kind of failure, or plugin fault with "
-                     "by_hand is missing");
+Outcome outcome_of(const CommandAck& ack) {
+  if (ack.result == MavResult::kAccepted) {
+    Outcome outcome;
+    outcome.result = ack.result;
+    return outcome;
+  }
+  const auto why = [&ack](std::string text, const std::string& more) {
+    return refused(ack.result, std::move(text), more);
+  };
+  switch (static_cast<FailureRefusal>(ack.progress)) {
+    case FailureRefusal::kUnit:
+      return why("the simulator has no such unit", "docs/campaign.md has the units");
+    case FailureRefusal::kType:
+      return why("that unit does not fail in this way", "docs/campaign.md has its ways");
+    case FailureRefusal::kPart:
+      return why("the simulated vehicle has no such part", "or it has not sent anything yet");
+    case FailureRefusal::kInstance:
+      return why("the simulated vehicle has fewer of these", "instances count from 1; 0: all");
+    case FailureRefusal::kByHand:
+      return why("the vehicle has no plugin fault by hand",
+                 "its plugins lack {plugin: fault, by_hand: true}");
+    case FailureRefusal::kFull:
+      return why("this run takes no more failures", "end some of them");
     default:
-      return refused(result, "the simulator refused the failure", "its log says why");
+      return why("the simulator refused the failure", "its log says why");
   }
 }
 
@@ -206,7 +219,7 @@ void FailureDesk::on_ack(const Origin& from, const mav::PacketView& packet, base
         request.simulator.path.link != from.path.link) {
       continue;
     }
-    return finish(system, outcome_of(ack->result), now);
+    return finish(system, outcome_of(*ack), now);
   }
 }
 

@@ -56,6 +56,19 @@ struct FailureCommand {
   std::optional<FailureOrder> order{};  ///< nothing: a number is not whole, or not from 0 to 255
 };
 
+/// Why a simulator does not take a failure: `progress` of its COMMAND_ACK, where MAVLink lets the
+/// reason of a refusal stand. The numbers are CAS's own; [MAVLink] names none. Source: [MAVLink]
+/// COMMAND_ACK.
+enum class FailureRefusal : std::uint8_t {
+  kNotSaid = 0,
+  kUnit = 1,      ///< it has no physics for this unit
+  kType = 2,      ///< the unit does not fail in this way
+  kPart = 3,      ///< the vehicle has no such part, or it has not spoken yet
+  kInstance = 4,  ///< the vehicle has fewer of them
+  kByHand = 5,    ///< nothing there takes failures while it runs
+  kFull = 6,      ///< the run takes no more of them
+};
+
 /// Reads MAV_CMD_INJECT_FAILURE, as COMMAND_LONG or COMMAND_INT; nothing for other packets.
 std::optional<FailureCommand> failure_command(const PacketView& packet);
 /// Reads parameters 1 to 3 of the command; nothing as above.

@@ -136,4 +136,19 @@ std::optional<std::vector<std::string>> fault_orders(const FailureOrder& failure
   return orders;
 }
 
+mav::services::FailureRefusal why_no_orders(const FailureOrder& failure,
+                                            const VehicleParts& parts) {
+  using mav::services::FailureRefusal;
+  const auto fails = [&](Type type) {
+    return std::ranges::any_of(kFailures, [&](const Failure& each) {
+      return each.unit == failure.unit && (type == Type::kOk || each.type == type);
+    });
+  };
+  if (!fails(Type::kOk)) return FailureRefusal::kUnit;
+  if (!fails(failure.type)) return FailureRefusal::kType;
+  FailureOrder all = failure;
+  all.instance = 0;
+  return instances(all, parts).empty() ? FailureRefusal::kPart : FailureRefusal::kInstance;
+}
+
 }  // namespace cas::sim

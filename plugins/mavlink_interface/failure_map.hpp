@@ -35,4 +35,8 @@ struct VehicleParts {
 std::optional<std::vector<std::string>> fault_orders(const mav::services::FailureOrder& failure,
                                                      const VehicleParts& parts);
 
+/// Why there are no fault_orders().
+mav::services::FailureRefusal why_no_orders(const mav::services::FailureOrder& failure,
+                                            const VehicleParts& parts);
+
 }  // namespace cas::sim

@@ -233,7 +233,11 @@ void HilInterface::on_failure_command(const mv::CommandLong& command,
   answer.command = command.command;
   const auto failure = mav::services::failure_command(packet);
   answer.result = mv::MavResult::kUnsupported;
-  if (failure && failure->order && on_failure_) answer.result = on_failure_(*failure->order);
+  if (failure && failure->order && on_failure_) {
+    const auto [result, why] = on_failure_(*failure->order);
+    answer.result = result;
+    answer.progress = static_cast<std::uint8_t>(why);
+  }
   answer.result_param2 = token_of(command.param7);
   answer.target_system = packet.source.system;
   answer.target_component = packet.source.component;

@@ -97,7 +97,11 @@ class HilInterface {
 
   /// Takes in MAV_CMD_INJECT_FAILURE that is addressed to the simulator itself, and says what came
   /// of it. Without one nothing can fail.
-  using OnFailure = std::function<mavlink::common::MavResult(const mav::services::FailureOrder&)>;
+  struct FailureAnswer {
+    mavlink::common::MavResult result{};
+    mav::services::FailureRefusal why{};
+  };
+  using OnFailure = std::function<FailureAnswer(const mav::services::FailureOrder&)>;
   void on_failure(OnFailure callback) { on_failure_ = std::move(callback); }
   /// Whether the controller is to have the true motion in this step. One that `joins_by_answering`
   /// asks for it by MAV_CMD_SET_MESSAGE_INTERVAL, and records it; in HITL PX4 would fly by it, and

@@ -176,8 +176,9 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   }
 
   /// Hands a ground station's failure to plugin `fault`.
-  mavlink::common::MavResult inject(const mav::services::FailureOrder& failure) {
+  HilInterface::FailureAnswer inject(const mav::services::FailureOrder& failure) {
     using mav::services::FailureOrder;
+    using mav::services::FailureRefusal;
     using mav::services::FailureType;
     using mavlink::common::MavResult;
     const std::string words = "MAV_CMD_INJECT_FAILURE '" + to_words(failure) + "'";
@@ -185,11 +186,11 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     const auto orders = fault_orders(failure, parts);
     if (!orders) {
       base::log::warn(words + ": this vehicle has no such physical failure");
-      return MavResult::kUnsupported;
+      return {MavResult::kUnsupported, why_no_orders(failure, parts)};
     }
     if (!faults_.has_subscribers()) {
       base::log::warn(words + ": the vehicle has no plugin fault with by_hand");
-      return MavResult::kUnsupported;
+      return {MavResult::kUnsupported, FailureRefusal::kByHand};
     }
     try {
       publish(*orders);
@@ -197,10 +198,10 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
       const FailureOrder end{failure.unit, FailureType::kOk, failure.instance};
       publish(*fault_orders(end, parts));  // of several orders some were perhaps taken
       base::log::warn(words + ": " + error.what());
-      return MavResult::kFailed;
+      return {MavResult::kFailed, FailureRefusal::kFull};
     }
     base::log::info(words + ": ordered");
-    return MavResult::kAccepted;
+    return {MavResult::kAccepted};
   }
 
   /// @throws base::ConfigError when plugin `fault` takes no more; an end it always takes

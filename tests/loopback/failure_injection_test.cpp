@@ -210,7 +210,7 @@ TEST_F(FailureInjection, StrikesInTheSimulatorAndEnds) {
   const auto servo = inject(may_, at_may_, {Unit::kServo, Type::kOff});
   ASSERT_TRUE(servo);
   EXPECT_EQ(servo->result, MavResult::kUnsupported);
-  EXPECT_TRUE(heard_text(at_may_, "casd: the simulator has no such failure"));
+  EXPECT_TRUE(heard_text(at_may_, "casd: the simulator has no such unit"));
 
   // The command port does the same.
   EXPECT_TRUE(wait([&] {

@@ -26,6 +26,7 @@ using mav::services::FailureOrder;
 using std::chrono::milliseconds;
 using Unit = mav::services::FailureUnit;
 using Type = mav::services::FailureType;
+using Refusal = mav::services::FailureRefusal;
 
 constexpr VehicleParts kQuad{
     .sensors = kPartImu | kPartGps | kPartMagnetometer | kPartBarometer | kPartRangefinder,
@@ -172,6 +173,16 @@ TEST_F(InjectedVehicle, SaysWhatItHasNoPhysicsFor) {
   EXPECT_EQ(fixes(), 10);
   ASSERT_EQ(acks_.size(), 2U);
   for (const mv::CommandAck& ack : acks_) EXPECT_EQ(ack.result, mv::MavResult::kUnsupported);
+  EXPECT_EQ(acks_[0].progress, static_cast<std::uint8_t>(Refusal::kUnit));
+  EXPECT_EQ(acks_[1].progress, static_cast<std::uint8_t>(Refusal::kPart));
+}
+
+TEST(FailureRefusal, SaysWhatIsMissing) {
+  EXPECT_EQ(why_no_orders({Unit::kServo, Type::kOff}, kQuad), Refusal::kUnit);
+  EXPECT_EQ(why_no_orders({Unit::kServo, Type::kOk}, kQuad), Refusal::kUnit);
+  EXPECT_EQ(why_no_orders({Unit::kGyro, Type::kOff}, kQuad), Refusal::kType);
+  EXPECT_EQ(why_no_orders({Unit::kGps, Type::kOff, 2}, {.rotors = 4}), Refusal::kPart);
+  EXPECT_EQ(why_no_orders({Unit::kMotor, Type::kOff, 5}, kQuad), Refusal::kInstance);
 }
 
 TEST_F(InjectedVehicle, TakesNoHalfOfAFailureWhereThereIsRoomForHalf) {
@@ -185,6 +196,7 @@ TEST_F(InjectedVehicle, TakesNoHalfOfAFailureWhereThereIsRoomForHalf) {
   command({Unit::kGps, Type::kGarbage}, 200);  // of position and velocity
   EXPECT_EQ(fixes(), 10);
   EXPECT_EQ(acks_.back().result, mv::MavResult::kFailed);
+  EXPECT_EQ(acks_.back().progress, static_cast<std::uint8_t>(Refusal::kFull));
   EXPECT_LT(northmost_ - southmost_, 10'000) << "100 m, of a noise of 1000 m";
 }
 
@@ -202,6 +214,7 @@ TEST_F(InjectedVehicle, TakesNoFailureWithoutByHand) {
   EXPECT_EQ(fixes(), 10);
   ASSERT_EQ(acks_.size(), 1U);
   EXPECT_EQ(acks_[0].result, mv::MavResult::kUnsupported);
+  EXPECT_EQ(acks_[0].progress, static_cast<std::uint8_t>(Refusal::kByHand));
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -84,8 +86,10 @@ class Desk : public testing::Test {
     return hear(from, kAsker, mav::services::command_of(order, to));
   }
   /// The simulator's answer to the newest command that it got.
-  void simulator_says(MavResult result, const Origin& from = kSimulatorLink) {
+  void simulator_says(MavResult result, const Origin& from = kSimulatorLink,
+                      std::uint8_t reason = 0) {
     CommandAck ack;
+    ack.progress = reason;
     ack.command = MavCmd::kInjectFailure;
     ack.result = result;
     for (const Sent& sent : sent_) {
@@ -256,7 +260,23 @@ TEST_F(Desk, PassesTheSimulatorsRefusalOn) {
   ask(kPermitted);
   simulator_says(MavResult::kUnsupported);
   EXPECT_EQ(result(), MavResult::kUnsupported);
-  EXPECT_EQ(sent_[1].text, "casd: the simulator has no such failure");
+  EXPECT_EQ(sent_[1].text, "casd: the simulator refused the failure");
+}
+
+TEST_F(Desk, PassesTheSimulatorsReasonOn) {
+  beat();
+  std::set<std::string> texts;
+  for (std::uint8_t reason = 1; reason <= 6; ++reason) {
+    sent_.clear();
+    ask(kPermitted);
+    simulator_says(MavResult::kUnsupported, kSimulatorLink, reason);
+    const std::string text = sent_.at(1).text;
+    EXPECT_EQ(text.rfind("casd: ", 0), 0U);
+    EXPECT_LE(text.size(), 50U) << text;  // a STATUSTEXT
+    texts.insert(text);
+  }
+  EXPECT_EQ(texts.size(), 6U);
+  EXPECT_FALSE(texts.contains("casd: the simulator refused the failure"));
 }
 
 TEST_F(Desk, BelievesTheSimulatorAlone) {
