@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/replay/replay_record.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
@@ -339,7 +341,11 @@ std::string ulog_record(const std::filesystem::path& ulog) {
   const auto bytes = base::read_file(ulog);
   if (!bytes) throw base::ConfigError("cannot read " + ulog.string());
   try {
-    return log_record(ulog, ulog_messages(*bytes));
+    UlogLoss loss;
+    const Json vehicle = ulog_messages(*bytes, kMostUlogNumbers, &loss);
+    const std::string lacks = loss.sentence();
+    if (!lacks.empty()) fmt::print(stderr, "{}: the log is not whole: {}\n", ulog.string(), lacks);
+    return log_record(ulog, vehicle);
   } catch (const base::ConfigError& error) {
     throw base::ConfigError(ulog.string() + ": " + error.what());
   }

@@ -207,7 +207,17 @@ class Contents final : public UlogListener {
 
   void on_dropout(int duration_ms) override { missing_[second()].dropped_ms += duration_ms; }
   void on_damage(std::size_t bytes) override { missing_[second()].damaged_bytes += bytes; }
+  void on_cut(std::size_t bytes) override { missing_[second()].cut_bytes += bytes; }
 
+  UlogLoss loss() const {
+    UlogLoss all;
+    for (const auto& [second, missing] : missing_) {
+      all.dropped_ms += missing.dropped_ms;
+      all.damaged_bytes += missing.damaged_bytes;
+      all.cut_bytes += missing.cut_bytes;
+    }
+    return all;
+  }
   bool empty() const { return messages_.empty(); }
 
   Json take() {
@@ -226,11 +236,6 @@ class Contents final : public UlogListener {
   }
 
  private:
-  /// What the log lacks within a second.
-  struct Missing {
-    std::int64_t dropped_ms = 0;
-    std::size_t damaged_bytes = 0;
-  };
   /// Armed, in HIL, mode, landed.
   using State = std::tuple<bool, bool, int, std::optional<bool>>;
 
@@ -289,7 +294,7 @@ class Contents final : public UlogListener {
 
   std::int64_t second() const { return static_cast<std::int64_t>(std::floor(time_.newest_s())); }
 
-  void tell(std::int64_t second, const Missing& missing) {
+  void tell(std::int64_t second, const UlogLoss& missing) {
     const auto add = [&](const std::string& text) {
       events_.push_back({{"t_s", second}, {"kind", "loss"}, {"text", text}});
     };
@@ -299,6 +304,10 @@ class Contents final : public UlogListener {
     if (missing.damaged_bytes > 0) {
       add(std::to_string(missing.damaged_bytes) + " bytes of the log are damaged");
     }
+    if (missing.cut_bytes > 0) {
+      add("the log ends within a message, of which it has " + std::to_string(missing.cut_bytes) +
+          " bytes");
+    }
   }
 
   double period_s_;
@@ -306,7 +315,7 @@ class Contents final : public UlogListener {
   std::string controller_;
   std::map<std::string, LoggedSeries, std::less<>> messages_;
   std::map<std::string, double, std::less<>> parameters_;
-  std::map<std::int64_t, Missing> missing_;  // by second
+  std::map<std::int64_t, UlogLoss> missing_;  // by second
   Json events_ = Json::array();
   Json texts_ = Json::array();
   Json states_ = Json::array();
@@ -318,7 +327,16 @@ class Contents final : public UlogListener {
 
 }  // namespace
 
-Json ulog_messages(std::string_view bytes, std::size_t most_numbers) {
+std::string UlogLoss::sentence() const {
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (dropped_ms > 0) add(std::to_string(dropped_ms) + " ms are missing");
+  if (damaged_bytes > 0) add(std::to_string(damaged_bytes) + " bytes are damaged");
+  if (cut_bytes > 0) add("it ends within a message");
+  return text;
+}
+
+Json ulog_messages(std::string_view bytes, std::size_t most_numbers, UlogLoss* loss) {
   Sizes sizes;
   read_ulog(bytes, sizes);
   if (sizes.empty()) throw base::ConfigError("no message is in this log");
@@ -326,6 +344,7 @@ Json ulog_messages(std::string_view bytes, std::size_t most_numbers) {
   read_ulog(bytes, contents);
   // The stamps of sentences may have made all messages stale.
   if (contents.empty()) throw base::ConfigError("no message is in this log");
+  if (loss != nullptr) *loss = contents.loss();
   return contents.take();
 }
 

@@ -2,10 +2,24 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <string_view>
 
 namespace cas::hils {
+
+inline constexpr std::size_t kMostUlogNumbers = 3'000'000;  ///< that a page holds with ease
+
+/// What a log lacks.
+struct UlogLoss {
+  std::int64_t dropped_ms = 0;    ///< that the vehicle's storage did not keep
+  std::size_t damaged_bytes = 0;  ///< that are no messages
+  std::size_t cut_bytes = 0;      ///< of a message that the log ends within
+
+  /// "300 ms are missing, 20 bytes are damaged, it ends within a message"; empty: nothing is lost.
+  std::string sentence() const;
+};
 
 /// What a vehicle's own log, in PX4's ULog format, has for the page:
 ///
@@ -19,7 +33,9 @@ namespace cas::hils {
 ///
 /// @param most_numbers  that the page can hold; of a longer log those that nothing is drawn from
 ///                      come less often
+/// @param loss          of the whole log, if it is asked for
 /// @throws base::ConfigError when it cannot be read, or has no messages
-nlohmann::ordered_json ulog_messages(std::string_view bytes, std::size_t most_numbers = 3'000'000);
+nlohmann::ordered_json ulog_messages(std::string_view bytes, std::size_t most_numbers = kMostUlogNumbers,
+                                     UlogLoss* loss = nullptr);
 
 }  // namespace cas::hils

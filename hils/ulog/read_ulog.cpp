@@ -173,6 +173,7 @@ class Reader {
     while (at_ < bytes_.size()) {
       const std::size_t end = end_of_part();
       if (at_ + kMessageHeaderSize > end) {
+        if (end > at_) listener_.on_cut(end - at_);
         at_ = end;  // cut, or the data that was appended begins here
         continue;
       }
@@ -186,7 +187,7 @@ class Reader {
       if (next > end) {
         // Cut, as many logs are; or a damaged size, behind which there may be more.
         const std::size_t sync = next_sync(end);
-        if (sync < end) listener_.on_damage(sync - at_);
+        sync < end ? listener_.on_damage(sync - at_) : listener_.on_cut(end - at_);
         at_ = sync;
         continue;
       }

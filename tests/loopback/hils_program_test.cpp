@@ -226,6 +226,14 @@ TEST(HilsProgram, ReplaysAVehiclesOwnLog) {
   EXPECT_NE(output.find("Replay: "), std::string::npos) << output;
   EXPECT_NE(TemporaryFolder::read(folder / "page.html").find("class=\"record\""),
             std::string::npos);
+  EXPECT_EQ(output.find("not whole"), std::string::npos) << output;
+
+  log.data(0, 3'000'000, "\x01");
+  const std::string cut = folder.write("cut.ulg", log.bytes().substr(0, log.bytes().size() - 1));
+  const auto [cut_code, said] = replayed(folder, cut);
+  EXPECT_EQ(cut_code, 0) << said;
+  EXPECT_NE(said.find(cut + ": the log is not whole: it ends within a message"), std::string::npos)
+      << said;
 }
 
 TEST(HilsProgram, RefusesALogThatIsNone) {

@@ -145,6 +145,26 @@ TEST(ReplayUlog, MarksDropoutsDamageAndChangedParameters) {
             R"([{"t_s":1.0,"kind":"parameter","text":"GAIN","before":0.5,"after":0.75},)"
             R"({"t_s":1,"kind":"loss","text":"the log lacks 40 ms"},)"
             R"({"t_s":2,"kind":"loss","text":"20 bytes of the log are damaged"}])");
+  UlogLoss loss;
+  ulog_messages(bytes.bytes(), kMostUlogNumbers, &loss);
+  EXPECT_EQ(loss.sentence(), "40 ms are missing, 20 bytes are damaged");
+}
+
+TEST(ReplayUlog, MarksTheEndOfACutLog) {
+  UlogBytes bytes = log();
+  bytes.data(1, kStart + kSecond, "\x01");
+  UlogLoss loss;
+  EXPECT_TRUE(ulog_messages(bytes.bytes(), kMostUlogNumbers, &loss)["events"].empty());
+  EXPECT_EQ(loss.sentence(), "");
+  const std::size_t whole = bytes.bytes().size();
+  bytes.data(1, kStart + 2 * kSecond, "\x01");
+  for (const std::size_t more : {1U, 5U}) {
+    const std::string cut = bytes.bytes().substr(0, whole + more);
+    EXPECT_EQ(ulog_messages(cut, kMostUlogNumbers, &loss)["events"].dump(),
+              R"([{"t_s":1,"kind":"loss","text":"the log ends within a message, of which it has )" +
+                  std::to_string(more) + R"( bytes"}])");
+    EXPECT_EQ(loss.sentence(), "it ends within a message");
+  }
 }
 
 TEST(ReplayUlog, OneWrongStampAddsNoTimeButAGapDoes) {
