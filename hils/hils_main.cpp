@@ -45,6 +45,7 @@
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/sweep/sweep_command.hpp"
+#include "hils/timing/timing_command.hpp"
 #include "hils/tune/tune_command.hpp"
 #include "hils/ulog/run_ulog.hpp"
 #include "hils/virtual/virtual_run.hpp"
@@ -385,6 +386,7 @@ int main(int argc, char** argv) {
   const TuneCommand tune(app);
   const CampaignCommand campaign(app);
   const ReplayCommand replay(app);
+  const TimingCommand timing(app);
   const BoardCommand board(app);
   base::cli::add_manual(app, "hils", std::string(CAS_VERSION), board_words());
   const std::vector<std::string_view> words(argv, argv + argc);
@@ -400,6 +402,7 @@ int main(int argc, char** argv) {
     if (tune.parsed()) return tune.run();
     if (campaign.parsed()) return campaign.run();
     if (replay.parsed()) return replay.run();
+    if (timing.parsed()) return timing.run();
     if (board.parsed()) return board.run();
     return compare_command->parsed() ? compare(compare_flags) : run(flags);
   });

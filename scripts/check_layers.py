@@ -158,6 +158,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/replay": rooms("hils", "scenario run measure ulog programs"),
     "hils/programs": rooms("hils", "flight scenario run measure"),
     "hils/boards": rooms("hils", "flight run measure report programs"),
+    "hils/timing": rooms("hils", "run measure report boards"),
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
     "hils/firmware": rooms("hils", "flight scenario run measure report replay programs"),
     "hils/compare": rooms("hils", "run measure report programs virtual"),
@@ -166,7 +167,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/tune": rooms("hils", "flight scenario measure report programs sweep"),
     "hils/campaign": rooms("hils", "flight scenario run measure report ulog replay programs boards sweep"),
     "hils/figures": rooms("hils", "measure report programs virtual"),
-    "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards virtual firmware compare sweep tune campaign"),
+    "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards timing virtual firmware compare sweep tune campaign"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

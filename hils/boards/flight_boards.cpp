@@ -145,6 +145,18 @@ const Board* FlightBoards::board_at(const fs::path& port) const {
   return found == list_->boards.end() ? nullptr : &*found;
 }
 
+FcuDevice FlightBoards::device(std::size_t vehicle, std::optional<unsigned> baud) const {
+  if (const auto port = ports_.find(vehicle); port != ports_.end()) {
+    const std::string missing = missing_port();
+    if (!missing.empty()) throw BoardError(kExitBoardAbsent, missing);
+    return {.path = port->second, .baud = baud.value_or(FcuDevice{}.baud)};
+  }
+  const Board& board = *boards_.at(vehicle);
+  const auto found = find_device(board, list_->by_id);
+  if (!found) throw BoardError(kExitBoardAbsent, judge_boot({}, board).sentence);
+  return {.path = found->string(), .baud = baud.value_or(board.baud)};
+}
+
 void FlightBoards::restart(const fs::path& logs, std::optional<unsigned> baud) const {
   Supervisor supervisor;
   for (const auto& [vehicle, board] : boards_) {

@@ -52,6 +52,10 @@ class FlightBoards {
   FlightBoards(const FlightBoards&) = delete;
   FlightBoards& operator=(const FlightBoards&) = delete;
 
+  /// Where a vehicle's controller is at this moment, whatever it does.
+  /// @throws BoardError (kExitBoardAbsent)
+  FcuDevice device(std::size_t vehicle, std::optional<unsigned> baud) const;
+
   /// Has each controller begin anew, before another flight. @throws BoardError, RunStopped
   void restart(const std::filesystem::path& logs, std::optional<unsigned> baud) const;
 

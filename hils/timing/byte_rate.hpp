@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "base/time/clock.hpp"
+
+namespace cas::hils {
+
+/// Rate of a stream of bytes that fills its line, from the moments at which parts of it were
+/// through. The median of five pieces of the time, so that neither the filling of the line nor one
+/// pause of this machine counts.
+class ByteRate {
+ public:
+  /// So many bytes are through, in all.
+  void add(std::size_t total, base::RunTime now) { marks_.push_back({total, now}); }
+  /// 0: too few marks.
+  double bytes_s() const;
+
+ private:
+  struct Mark {
+    std::size_t total = 0;
+    base::RunTime at{};
+  };
+
+  std::vector<Mark> marks_;
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <optional>
+
+#include "base/time/clock.hpp"
+#include "hils/timing/probe_packets.hpp"
+
+namespace cas::hils {
+
+/// What the stages of a measurement share: the packets that wait to be sent, and the questions that
+/// are open.
+class ProbeLine {
+ public:
+  /// @return the question's number
+  std::uint32_t ask(QuestionKind kind, base::RunTime now) {
+    packets.ask(kind, ++last_);
+    open_.emplace(last_, now);
+    return last_;
+  }
+  /// Closes a question, and those before it: a line keeps the order, so they are lost.
+  /// @return its round trip; nothing for one that is not open
+  std::optional<base::Duration> answered(std::uint32_t number, base::RunTime now) {
+    const auto found = open_.find(number);
+    if (found == open_.end()) return std::nullopt;
+    const base::Duration time = now - found->second;
+    open_.erase(open_.begin(), std::next(found));
+    return time;
+  }
+  std::size_t open() const { return open_.size(); }
+  /// When the oldest open question was asked; nothing: none is open.
+  std::optional<base::RunTime> oldest() const {
+    return open_.empty() ? std::nullopt : std::optional(open_.begin()->second);
+  }
+  /// Answers that come from now on are nobody's.
+  void forget_open() { open_.clear(); }
+
+  ProbePackets packets;
+
+ private:
+  std::map<std::uint32_t, base::RunTime> open_;  // numbers rise with time
+  std::uint32_t last_ = 0;
+};
+
+/// A part of the measurement. Reads no clock.
+class ProbeStage {
+ public:
+  /// After this long an answer does not come any more: more than 4 kB take at 57600 baud, which is
+  /// what a board's send buffer holds.
+  static constexpr base::Duration kPatience = std::chrono::seconds(2);
+
+  virtual ~ProbeStage() = default;
+
+  /// Sends what is due.
+  virtual void turn(base::RunTime now) = 0;
+  /// An answer to an open question has come.
+  virtual void on_answer(std::uint32_t number, base::RunTime now) = 0;
+  /// Bytes have come, of whatever packets; before the answers among them.
+  virtual void on_read(std::size_t bytes, base::RunTime now) = 0;
+  /// When to call turn() at the latest.
+  virtual base::RunTime wake() const = 0;
+  virtual bool done() const = 0;
+};
+
+}  // namespace cas::hils

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/timing/timing_command.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "base/os/write_file.hpp"
+#include "casd/transport/serial_device.hpp"
+#include "hils/boards/board_command.hpp"
+#include "hils/boards/board_error.hpp"
+#include "hils/boards/flight_boards.hpp"
+#include "hils/timing/timing_line.hpp"
+#include "hils/timing/timing_report.hpp"
+
+namespace cas::hils {
+
+struct TimingCommand::Flags {
+  CLI::App* command = nullptr;
+  std::string fcu;
+  std::optional<unsigned> baud;
+  std::string boards;
+  std::string wait;
+  std::string json;
+  LineDemand demand;
+  double seconds = 1.5;
+};
+
+namespace {
+
+constexpr double kMostSeconds = 600;
+constexpr double kMostHz = 2000;
+
+base::Descriptor open_line(const FcuDevice& device) {
+  std::string error;
+  base::Descriptor line = casd::open_serial(
+      device.path, {.baud = device.baud, .flow_control = false, .unlocked_pty = true}, error);
+  if (line) return line;
+  const bool in_use = error.starts_with(device.path + ": in use");
+  throw BoardError(in_use ? kExitBoardBusy : kExitBoardAbsent, error);
+}
+
+LineFigures measure(const FcuDevice& device, const ProbePlan& plan) {
+  const base::Descriptor line = open_line(device);
+  LineProbe probe(plan, base::steady_now());
+  if (!run_probe(line, probe)) {
+    throw BoardError(kExitBoardAbsent, device.path + " went away during the measurement");
+  }
+  switch (probe.figures().end) {
+    case ProbeEnd::kSilent:
+      throw BoardError(kExitInvalid, fmt::format("no HEARTBEAT came from {} at {} baud: compare "
+                                                 "the baud rates (docs/pixhawk.md)",
+                                                 device.path, device.baud));
+    case ProbeEnd::kArmed:
+      throw BoardError(kExitBoardFailed,
+                       device.path + ": a vehicle there is armed, and its line is not loaded");
+    case ProbeEnd::kNoAnswers:
+      throw BoardError(kExitInvalid, device.path + " answers neither PING nor TIMESYNC");
+    case ProbeEnd::kWhole:
+      break;
+  }
+  return probe.figures();
+}
+
+}  // namespace
+
+TimingCommand::TimingCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
+  Flags& flags = *flags_;
+  CLI::App* command = flags.command = app.add_subcommand(
+      "timing",
+      "Measure the line to a controller that does not fly: what it carries, and how fast");
+  command
+      ->add_option("--fcu", flags.fcu,
+                   "The controller: a board of boards.yaml, or the path of a serial port")
+      ->required();
+  command->add_option("--baud", flags.baud, "Baud rate of that port (the board's, or 921600)");
+  command->add_option("--boards", flags.boards,
+                      "The list of boards (CAS_BOARDS, ./boards.yaml, ~/.config/cas/boards.yaml, "
+                      "/etc/cas/boards.yaml)");
+  add_wait(*command, flags.wait);
+  command->add_option("--sensor-hz", flags.demand.sensor_hz, "HIL_SENSOR a second, wanted (500)")
+      ->check(CLI::Range(10.0, kMostHz));
+  command->add_option("--gps-hz", flags.demand.gps_hz, "HIL_GPS a second (5)")
+      ->check(CLI::Range(0.0, kMostHz));
+  command->add_option("--controls-hz", flags.demand.controls_hz, "Answers a second (400)")
+      ->check(CLI::Range(10.0, kMostHz));
+  command->add_flag("--stock", flags.demand.by_rotor,
+                    "Answers are HIL_ACTUATOR_CONTROLS, as those of PX4, instead of HIL_CONTROLS");
+  command
+      ->add_option("--seconds", flags.seconds,
+                   "Length of each of the 6 to 17 parts of the measurement (1.5)")
+      ->check(CLI::Range(0.5, kMostSeconds));
+  command->add_option("--json", flags.json, "File for the figures as JSON");
+}
+
+TimingCommand::~TimingCommand() = default;
+
+bool TimingCommand::parsed() const { return flags_->command->parsed(); }
+
+int TimingCommand::run() const {
+  const Flags& flags = *flags_;
+  const std::vector<FcuChoice> only{FcuChoice{.vehicle = 0, .controller = flags.fcu}};
+  const FlightBoards boards(only, find_board_list(flags.boards), "hils timing",
+                            parse_wait(flags.wait));
+  const FcuDevice device = boards.device(0, flags.baud);
+  const ProbePlan plan{.demand = flags.demand,
+                       .length = base::from_seconds(flags.seconds),
+                       .seed = std::random_device{}()};
+  TimingReport report{.device = device.path, .baud = device.baud, .demand = flags.demand};
+  report.figures = measure(device, plan);
+  report.verdict = judge_line(report.figures, flags.demand);
+  if (!flags.json.empty()) {
+    base::write_file(flags.json, timing_json(report), base::Durability::kCache);
+  }
+  fmt::print("{}", timing_text(report));
+  return report.verdict.code;
+}
+
+}  // namespace cas::hils

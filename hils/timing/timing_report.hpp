@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "hils/timing/timing_verdict.hpp"
+
+namespace cas::hils {
+
+/// What was measured, and as what.
+struct TimingReport {
+  std::string device;
+  unsigned baud = 0;
+  LineDemand demand{};
+  LineFigures figures{};
+  TimingVerdict verdict{};
+};
+
+/// For a terminal.
+std::string timing_text(const TimingReport& report);
+/// The same figures as a JSON object, units in the names.
+std::string timing_json(const TimingReport& report);
+
+}  // namespace cas::hils

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hils/measure/judgement.hpp"
+#include "hils/timing/line_demand.hpp"
+#include "hils/timing/line_probe.hpp"
+
+namespace cas::hils {
+
+/// Whether a line carries what a HIL run needs.
+struct TimingVerdict {
+  ExitCode code = kExitPassed;  ///< kExitLimitsMissed: it does not; kExitInvalid: nobody can tell
+  std::string sentence;         ///< "500 Hz HIL_SENSOR (...) fits with 31 % to spare"
+  double spare = 0;  ///< share of the fuller direction that is free; negative: how much is missing
+  std::optional<double> fitting_sensor_hz{};  ///< measured, where the wanted rate does not fit
+  std::vector<std::string> notes{};           ///< what else is to be known, a sentence each
+};
+
+/// Judges a whole measurement. The demand fits where both directions have room for it in 98 % of
+/// the measured throughput, and the line kept up under its load. A line that carries the bytes and
+/// failed under the load on a machine that was late itself has no verdict. Pure.
+TimingVerdict judge_line(const LineFigures& figures, const LineDemand& demand);
+
+}  // namespace cas::hils
