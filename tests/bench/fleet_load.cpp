@@ -19,7 +19,8 @@
 
 #include "base/rpc/client.hpp"
 #include "mavlink/common/attitude.hpp"
-#include "mavlink/common/heartbeat.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/encode.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/free_port.hpp"
 #include "tests/support/packet_stream.hpp"
