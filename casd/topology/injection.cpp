@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <set>
 
+#include "base/os/host_port.hpp"
+#include "mavlink/common/command_int.hpp"
+#include "mavlink/common/command_long.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::casd {
@@ -47,7 +50,23 @@ std::set<std::string> controllers(const Topology& topology) {
   return names;
 }
 
+/// Listens on more than this machine.
+bool is_open(const LinkConfig& link) {
+  if (!link.remote.empty()) return false;
+  const auto place = base::parse_host_port(link.local);
+  return place && place->host != "localhost" && place->host != "::1" &&
+         !place->host.starts_with("127.");
+}
+
 }  // namespace
+
+bool may_inject_failures(const LinkConfig& link) {
+  const AcceptRule& accept = link.accept;
+  if (!link.inject_failures || accept.read_only) return false;
+  return accept.ground_station || accept.messages.empty() ||
+         holds(accept.messages, mavlink::common::CommandLong::kId) ||
+         holds(accept.messages, mavlink::common::CommandInt::kId);
+}
 
 std::vector<std::string> injection_warnings(const Topology& topology) {
   const std::set<std::string> flying = controllers(topology);
@@ -60,6 +79,13 @@ std::vector<std::string> injection_warnings(const Topology& topology) {
         ": if a ground station is there, give the link accept: {traffic: ground_station, "
         "block_systems: [ids of the vehicles]}; if the simulator is, let the route "
         "allow HIL_SENSOR by name");
+  }
+  for (const LinkConfig& link : topology.links) {
+    if (!may_inject_failures(link) || !is_open(link)) continue;
+    if (link.signing && link.signing->verify) continue;
+    warnings.push_back("any host that reaches link " + link.name +
+                       " may have failures strike in the simulator: let it listen on 127.0.0.1, or "
+                       "give it signing, or take inject_failures away");
   }
   return warnings;
 }

@@ -71,5 +71,51 @@ TEST(Injection, NamedMessagesOpenStationTrafficAgain) {
             1U);
 }
 
+Topology station_at(const std::string& local, const std::string& more) {
+  return Topology::parse(base::ConfigNode::parse(
+      "schema: 1\nlinks:\n  - {name: gcs, type: udp_server, local: '" + local +
+      "', inject_failures: true" + more + "}\n"));
+}
+
+struct StationCase {
+  const char* name;
+  const char* local;
+  const char* more;
+  bool may;   ///< inject failures
+  bool told;  ///< that anybody may
+};
+
+class InjectingStation : public testing::TestWithParam<StationCase> {};
+
+TEST_P(InjectingStation, IsToldOfWhereAnyHostMayBeIt) {
+  const Topology topology = station_at(GetParam().local, GetParam().more);
+  EXPECT_EQ(may_inject_failures(topology.links.at(0)), GetParam().may);
+  const auto told = injection_warnings(topology);
+  ASSERT_EQ(told.size(), GetParam().told ? 1U : 0U);
+  if (GetParam().told) {
+    EXPECT_EQ(told[0].rfind("any host that reaches link gcs may have failures strike", 0), 0U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, InjectingStation,
+    testing::Values(
+        StationCase{"Everywhere", "0.0.0.0:14550", "", true, true},
+        StationCase{"OneNetwork", "192.168.4.1:14550", "", true, true},
+        StationCase{"EverywhereV6", "[::]:14550", "", true, true},
+        StationCase{"StationTraffic", "0.0.0.0:14550", ", accept: {traffic: ground_station}", true,
+                    true},
+        StationCase{"CommandInt", "0.0.0.0:14550", ", accept: {messages: [COMMAND_INT]}", true,
+                    true},
+        StationCase{"SignsAlone", "0.0.0.0:14550", ", signing: {key_file: k, verify: false}", true,
+                    true},
+        StationCase{"Signed", "0.0.0.0:14550", ", signing: {key_file: k}", true, false},
+        StationCase{"ThisMachine", "127.0.0.1:14550", "", true, false},
+        StationCase{"ThisMachineV6", "[::1]:14550", "", true, false},
+        StationCase{"NoCommand", "0.0.0.0:14550", ", accept: {messages: [HEARTBEAT]}", false,
+                    false},
+        StationCase{"ReadOnly", "0.0.0.0:14550", ", accept: nothing", false, false}),
+    [](const auto& test) { return test.param.name; });
+
 }  // namespace
 }  // namespace cas::casd
