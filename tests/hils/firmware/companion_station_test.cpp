@@ -107,7 +107,7 @@ TEST_F(Companion, TakesNoOtherVehiclesWord) {
 TEST_F(Companion, UploadsAMissionAndKnowsTheLastItemReached) {
   station_.upload({mv::MissionItemInt{}, mv::MissionItemInt{}}, kNow);
   hear(mv::MissionItemReached{.seq = 9});  // of the mission before
-  for (const std::uint16_t seq : {0, 1}) {
+  for (std::uint16_t seq = 0; seq < 2; ++seq) {
     hear(mv::MissionRequestInt{.target_system = 253, .target_component = 191, .seq = seq});
   }
   EXPECT_FALSE(station_.uploaded());
