@@ -64,7 +64,8 @@ class UlogListener {
   virtual void on_dropout(int /*duration_ms*/) {}
   /// Bytes that are no message; reading goes on behind them.
   virtual void on_damage(std::size_t /*bytes*/) {}
-  /// The log, or the part of it before appended data, ends within a message: so much of it is there.
+  /// The log, or the part of it before appended data, ends within a message: so much of it is
+  /// there.
   virtual void on_cut(std::size_t /*bytes*/) {}
 };
 

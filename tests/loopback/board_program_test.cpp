@@ -487,9 +487,9 @@ TEST(BoardRun, ThatNamesNoControllerSaysSoAndLeavesNoFolder) {
   const std::string none = (shelf.folder / "none").string();
   const std::string file = shelf.folder.write("file", "-").string();
   const auto fly = [&](const std::string& fcu) {
-    ChildProcess hils({"/usr/bin/env", "-C", shelf.folder / "runtime", "CAS_BOARDS=",
-                       "XDG_CONFIG_HOME=" + none, binary_dir() + "/bin/hils", "run", kHover, "--fcu",
-                       fcu, "--out", none});
+    ChildProcess hils({"/usr/bin/env", "-C", shelf.folder / "runtime",
+                       "CAS_BOARDS=", "XDG_CONFIG_HOME=" + none, binary_dir() + "/bin/hils", "run",
+                       kHover, "--fcu", fcu, "--out", none});
     const int code = hils.wait_exit().value_or(-1);
     return ShelfAnswer{code, hils.output()};
   };

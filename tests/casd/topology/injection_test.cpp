@@ -72,9 +72,9 @@ TEST(Injection, NamedMessagesOpenStationTrafficAgain) {
 }
 
 Topology station_at(const std::string& local, const std::string& more) {
-  return Topology::parse(base::ConfigNode::parse(
-      "schema: 1\nlinks:\n  - {name: gcs, type: udp_server, local: '" + local +
-      "', inject_failures: true" + more + "}\n"));
+  return Topology::parse(
+      base::ConfigNode::parse("schema: 1\nlinks:\n  - {name: gcs, type: udp_server, local: '" +
+                              local + "', inject_failures: true" + more + "}\n"));
 }
 
 struct StationCase {
@@ -99,22 +99,21 @@ TEST_P(InjectingStation, IsToldOfWhereAnyHostMayBeIt) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, InjectingStation,
-    testing::Values(
-        StationCase{"Everywhere", "0.0.0.0:14550", "", true, true},
-        StationCase{"OneNetwork", "192.168.4.1:14550", "", true, true},
-        StationCase{"EverywhereV6", "[::]:14550", "", true, true},
-        StationCase{"StationTraffic", "0.0.0.0:14550", ", accept: {traffic: ground_station}", true,
-                    true},
-        StationCase{"CommandInt", "0.0.0.0:14550", ", accept: {messages: [COMMAND_INT]}", true,
-                    true},
-        StationCase{"SignsAlone", "0.0.0.0:14550", ", signing: {key_file: k, verify: false}", true,
-                    true},
-        StationCase{"Signed", "0.0.0.0:14550", ", signing: {key_file: k}", true, false},
-        StationCase{"ThisMachine", "127.0.0.1:14550", "", true, false},
-        StationCase{"ThisMachineV6", "[::1]:14550", "", true, false},
-        StationCase{"NoCommand", "0.0.0.0:14550", ", accept: {messages: [HEARTBEAT]}", false,
-                    false},
-        StationCase{"ReadOnly", "0.0.0.0:14550", ", accept: nothing", false, false}),
+    testing::Values(StationCase{"Everywhere", "0.0.0.0:14550", "", true, true},
+                    StationCase{"OneNetwork", "192.168.4.1:14550", "", true, true},
+                    StationCase{"EverywhereV6", "[::]:14550", "", true, true},
+                    StationCase{"StationTraffic", "0.0.0.0:14550",
+                                ", accept: {traffic: ground_station}", true, true},
+                    StationCase{"CommandInt", "0.0.0.0:14550",
+                                ", accept: {messages: [COMMAND_INT]}", true, true},
+                    StationCase{"SignsAlone", "0.0.0.0:14550",
+                                ", signing: {key_file: k, verify: false}", true, true},
+                    StationCase{"Signed", "0.0.0.0:14550", ", signing: {key_file: k}", true, false},
+                    StationCase{"ThisMachine", "127.0.0.1:14550", "", true, false},
+                    StationCase{"ThisMachineV6", "[::1]:14550", "", true, false},
+                    StationCase{"NoCommand", "0.0.0.0:14550", ", accept: {messages: [HEARTBEAT]}",
+                                false, false},
+                    StationCase{"ReadOnly", "0.0.0.0:14550", ", accept: nothing", false, false}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -118,10 +118,10 @@ TEST(Expectation, SaysWhatWasFound) {
 }
 
 TEST(Expectation, RefusesWhatItDoesNotKnow) {
-  for (const char* list : {"[]", "stays_up", "[stay_up]", "[{lands_within_m: -1}]",
-                           "[{lands_within: 10}]", "[{failsafe: ''}]", "[{failsafe: LAND/}]",
-                           "[{failsafe: land}]", "[{failsafe: RTL/LNAD}]",
-                           "[{no_farther_than_m: 1, tilts_less_than_deg: 2}]"}) {
+  for (const char* list :
+       {"[]", "stays_up", "[stay_up]", "[{lands_within_m: -1}]", "[{lands_within: 10}]",
+        "[{failsafe: ''}]", "[{failsafe: LAND/}]", "[{failsafe: land}]", "[{failsafe: RTL/LNAD}]",
+        "[{no_farther_than_m: 1, tilts_less_than_deg: 2}]"}) {
     EXPECT_THROW(expectations(list), base::ConfigError) << list;
   }
   try {

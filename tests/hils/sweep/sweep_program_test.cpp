@@ -189,10 +189,10 @@ TEST_F(Sweep, AFlightThatDoesNotReachItsMeasuredStepHasNoMargin) {
   std::string weak = kScenario;
   weak.replace(weak.find("altitude_m: 1}"), 14, "altitude_m: 1, timeout_s: 0.5}");
   folder_.write("weak.yaml", weak + "limits: {rms: {x_m: 1}, delivered_pct: 1}\n");
-  const fs::path study = folder_.write(
-      "weak_study.yaml",
-      "schema: 1\nname: weak\nscenario: weak.yaml\nseeds: [1]\nvary:\n"
-      "  - {name: loss, key: line.packet_loss, values: [0]}\n");
+  const fs::path study =
+      folder_.write("weak_study.yaml",
+                    "schema: 1\nname: weak\nscenario: weak.yaml\nseeds: [1]\nvary:\n"
+                    "  - {name: loss, key: line.packet_loss, values: [0]}\n");
   const fs::path flown = plan("weak", study);
   sweep({"run", flown.string()});
   const std::string table = TemporaryFolder::read(flown / "chunks/chunk_1_of_1.csv");
