@@ -68,7 +68,7 @@ void FirmwareFaults::cut(const std::string& link, bool begins) {
   if (casd_is_away_) return;  // it comes back with all its links
   if (!begins) return ask_casd("casd.reload", Json::object());
   reach_.before_forgetting(false);
-  ask_casd("link.remove", {{"name", link}, {"force", true}});
+  ask_casd("link.remove", {{"link", link}, {"force", true}});
 }
 
 void FirmwareFaults::note_outage(bool begins) {
