@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/core/fcu_config.hpp"
 
-#include "base/config/config_whole.hpp"
+#include <tuple>
+
+#include "base/config/geodetic_keys.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/config/key_table.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/suggestion.hpp"
+#include "fcu/core/controller_reference.hpp"
+#include "fcu/line/line_keys.hpp"
 #include "fcu/params/params.hpp"
 
 namespace cas::fcu {
@@ -12,44 +17,69 @@ namespace {
 
 constexpr int kSchema = 1;
 
-Pace parse_pace(const base::ConfigNode& node) {
-  const auto word = node.get<std::string>("pace", "realtime");
-  if (word == "realtime") return Pace::kRealtime;
-  if (word == "lockstep") return Pace::kLockstep;
-  node.at("pace").fail("must be realtime or lockstep");
-}
+using base::key;
+using base::Range;
+using base::ReadApart;
+using base::Whole;
+using base::Words;
 
-StampMode parse_stamp(const base::ConfigNode& node) {
-  const auto word = node.get<std::string>("stamp", "message");
-  if (word == "message") return StampMode::kMessage;
-  if (word == "arrival") return StampMode::kArrival;
-  node.at("stamp").fail("must be message or arrival");
-}
+constexpr Words<Pace, 2> kPaces{{{{"realtime", Pace::kRealtime}, {"lockstep", Pace::kLockstep}}},
+                                "must be realtime or lockstep"};
+constexpr Words<StampMode, 2> kStamps{
+    {{{"message", StampMode::kMessage}, {"arrival", StampMode::kArrival}}},
+    "must be message or arrival"};
+constexpr Words<ActuatorMessage, 3> kActuators{
+    {{{"auto", ActuatorMessage::kAuto},
+      {"hil_controls", ActuatorMessage::kHilControls},
+      {"hil_actuator_controls", ActuatorMessage::kHilActuatorControls}}},
+    "must be auto, hil_controls or hil_actuator_controls"};
 
-ActuatorMessage parse_actuators(const base::ConfigNode& node) {
-  const auto word = node.get<std::string>("actuators", "auto");
-  if (word == "auto") return ActuatorMessage::kAuto;
-  if (word == "hil_controls") return ActuatorMessage::kHilControls;
-  if (word == "hil_actuator_controls") return ActuatorMessage::kHilActuatorControls;
-  node.at("actuators").fail("must be auto, hil_controls or hil_actuator_controls");
-}
+constexpr auto kPlaceKeys = base::geodetic_keys(-500, 20000);
 
-std::optional<base::Geodetic> parse_home_hint(const base::ConfigNode& node) {
-  const auto hint = node.find("home_hint");
-  if (!hint) return std::nullopt;
-  if (hint->is_scalar()) {
-    if (hint->as<std::string>() != "none")
-      hint->fail("must be none or a map of lat_deg, lon_deg, alt_m");
-    return std::nullopt;
+/// `none`, or a place.
+struct HomeHint : base::Block<base::Geodetic, decltype(kPlaceKeys)> {
+  void read(const base::ConfigNode& node, std::optional<base::Geodetic>& hint) const {
+    if (!node.is_scalar()) return Block::read(node, hint.emplace());
+    if (node.as<std::string>() == "none") return hint.reset();
+    node.fail("must be none or a map of lat_deg, lon_deg, alt_m");
   }
-  return base::Geodetic{hint->require_in("lat_deg", -90, 90),
-                        hint->require_in("lon_deg", -180, 180),
-                        hint->require_in("alt_m", -500, 20000)};
-}
+};
 
-std::uint8_t parse_id(const base::ConfigNode& node, std::string_view key, std::uint8_t fallback) {
-  return base::get_whole_in<std::uint8_t>(node, key, fallback, 1, 250);
-}
+constexpr Whole kId{1, 250};
+
+constexpr std::tuple kKeys{
+    base::required(key<&FcuConfig::vehicle>("vehicle", ReadApart{"file"}, "vehicle file")),
+    key<&FcuConfig::system_id>("system_id", kId, "of the vehicle in MAVLink", "the vehicle's"),
+    key<&FcuConfig::component_id>("component_id", kId, "its component"),
+    key<&FcuConfig::sensors>("sensors", base::SensorSet{},
+                             "the [sensor set](plugins.md#sensor-sets) with the data sheets for "
+                             "the estimator",
+                             "the vehicle's"),
+    key<&FcuConfig::line>("line", base::Parsed<LineConfig::parse>{},
+                          "the [serial line](#serial-line)", "ideal"),
+    key<&FcuConfig::pace>("pace", kPaces,
+                          "`lockstep`: telemetry, time-outs and failsafes run on the time of the "
+                          "HIL_SENSOR stream ([simulator.md](simulator.md#lockstep)); "
+                          "`--lockstep` does the same"),
+    key<&FcuConfig::stamp>("stamp", kStamps,
+                           "time of a sensor sample: its own stamp, or its arrival, as with PX4 "
+                           "in HITL"),
+    key<&FcuConfig::actuators>(
+        "actuators", kActuators,
+        "`hil_controls` (U1..U4), `hil_actuator_controls` (each motor and servo); `auto`: the "
+        "first for the four equal upright rotors of [HILS] Eq. (3), else the second"),
+    key<&FcuConfig::control_rate_hz>("control_rate_hz", Range{10, 1000},
+                                     "on the clock of HIL_SENSOR"),
+    key<&FcuConfig::decimal_year>("decimal_year", Range{2025, 2030},
+                                  "date of the magnetic field model"),
+    key<&FcuConfig::home_hint>("home_hint", HomeHint{{kPlaceKeys}},
+                               "origin of the local frame N; none: the first fixes, averaged at "
+                               "rest"),
+    key<&FcuConfig::seed>("seed", base::Count{}, "seed of the line's random numbers"),
+    key<&FcuConfig::params>("params", ReadApart{"name -> number"},
+                            "parameters with other values than their defaults, by PX4 name",
+                            "none"),
+};
 
 /// @throws base::ConfigError for a name or a value that the controller does not take
 std::pair<std::string, double> parse_param(const std::string& name, const base::ConfigNode& node,
@@ -71,19 +101,9 @@ FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
   if (node.require<int>("schema") != kSchema) node.at("schema").fail("must be 1");
   FcuConfig config;
   config.vehicle = base::Vehicle::load(base::find_config(node.at("vehicle")));
-  const auto sensors = node.find("sensors");
   config.sensors = config.vehicle.sensors;
-  if (sensors) config.sensors = base::sensor_set(*sensors, config.sensors);
-  config.system_id = parse_id(node, "system_id", config.vehicle.system_id);
-  config.component_id = parse_id(node, "component_id", 1);
-  if (const auto line = node.find("line")) config.line = LineConfig::parse(*line);
-  config.pace = parse_pace(node);
-  config.stamp = parse_stamp(node);
-  config.actuators = parse_actuators(node);
-  config.control_rate_hz = node.get_in("control_rate_hz", 400, 10, 1000);
-  config.decimal_year = node.get_in("decimal_year", 2026.5, 2025, 2030);
-  config.home_hint = parse_home_hint(node);
-  config.seed = node.get<std::uint64_t>("seed", 1);
+  config.system_id = config.vehicle.system_id;
+  base::read_keys(node, kKeys, config);
   if (const auto params = node.find("params")) {
     ParamStore store(config.vehicle);
     for (const auto& [name, value] : params->entries()) {
@@ -96,6 +116,11 @@ FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
 
 FcuConfig FcuConfig::load(const std::filesystem::path& file) {
   return parse(base::ConfigNode::load(file));
+}
+
+std::string controller_reference() {
+  return base::key_table(kKeys, FcuConfig{}) + "\nIts `line`:\n\n" +
+         base::key_table(kLineKeys, LineConfig{});
 }
 
 }  // namespace cas::fcu

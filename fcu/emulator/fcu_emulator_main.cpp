@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 
+#include "base/cli/keys_flag.hpp"
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
 #include "base/config/install_paths.hpp"
@@ -9,6 +10,7 @@
 #include "base/os/notify.hpp"
 #include "base/os/program.hpp"
 #include "base/os/runtime_folder.hpp"
+#include "fcu/core/controller_reference.hpp"
 #include "fcu/emulator/emulator.hpp"
 
 namespace {
@@ -25,6 +27,7 @@ struct Flags {
 
 void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("config", flags.config, "Flight controller to emulate (YAML)")->required();
+  base::cli::add_keys_flag(app, fcu::controller_reference, "a controller file");
   app.add_option(
          "--link", flags.link,
          "Symlink to offer the pseudo-terminal under; ${NAME} is a variable of the environment")

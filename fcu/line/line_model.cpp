@@ -6,9 +6,9 @@
 #include <chrono>
 #include <cmath>
 
-#include "base/config/config_whole.hpp"
 #include "base/random.hpp"
 #include "base/suggestion.hpp"
+#include "fcu/line/line_keys.hpp"
 
 namespace cas::fcu {
 
@@ -31,12 +31,6 @@ LineConfig uart(const std::string& name, double baud) {
   line.send_buffer_bytes = 4096;
   line.receive_fifo_bytes = 4096;
   return line;
-}
-
-base::Duration microseconds(const base::ConfigNode& node, std::string_view key,
-                            base::Duration fallback) {
-  constexpr double kHour_us = 3.6e9;
-  return base::from_seconds(1e-6 * node.get_in(key, 1e6 * base::to_seconds(fallback), 0, kHour_us));
 }
 
 }  // namespace
@@ -69,33 +63,13 @@ LineConfig LineConfig::parse(const base::ConfigNode& node) {
   } catch (const base::ConfigError& error) {
     node.at("preset").fail(error.what());
   }
-  line.baud = node.get_in("baud", line.baud, 0, 100e6);
-  line.clock_drift_ppm = node.get_in("clock_drift_ppm", line.clock_drift_ppm, -50000, 50000);
-  line.extra_delay = microseconds(node, "extra_delay_us", line.extra_delay);
-  line.jitter = microseconds(node, "jitter_us", line.jitter);
-  line.batch = microseconds(node, "batch_us", line.batch);
-  line.stall_every = microseconds(node, "stall_every_us", line.stall_every);
-  line.stall_length = microseconds(node, "stall_length_us", line.stall_length);
-  line.bit_error_rate = node.get_in("bit_error_rate", line.bit_error_rate, 0, 0.5);
-  line.burst_begin = node.get_in("burst_begin", line.burst_begin, 0, 1);
-  line.burst_end = node.get_in("burst_end", line.burst_end, 1e-9, 1);
-  line.burst_loss = node.get_in("burst_loss", line.burst_loss, 0, 1);
-  line.packet_loss = node.get_in("packet_loss", line.packet_loss, 0, 1);
-  line.packet_duplicate = node.get_in("packet_duplicate", line.packet_duplicate, 0, 1);
-  line.packet_reorder = node.get_in("packet_reorder", line.packet_reorder, 0, 1);
-  line.receiver_baud = node.get_in("receiver_baud", line.receiver_baud, 0, 100e6);
+  base::read_keys(node, kLineKeys, line);
   if (line.receiver_baud > 0 && line.receiver_baud < 1) {
     node.at("receiver_baud").fail("must be 0, the sender's, or at least 1");
   }
   if (line.receiver_baud > 0 && line.baud <= 0) {
     node.at("receiver_baud").fail("needs a line with a baud rate");
   }
-  const auto get_bytes = [&node](std::string_view key, std::size_t fallback, std::size_t least) {
-    return base::get_whole_in<std::size_t>(node, key, fallback, least, 1'000'000'000);
-  };
-  line.send_buffer_bytes = get_bytes("send_buffer_bytes", line.send_buffer_bytes, 0);
-  line.receive_fifo_bytes = get_bytes("receive_fifo_bytes", line.receive_fifo_bytes, 0);
-  line.receive_trigger_bytes = get_bytes("receive_trigger_bytes", line.receive_trigger_bytes, 1);
   node.reject_unused();
   return line;
 }

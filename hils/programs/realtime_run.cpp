@@ -14,8 +14,10 @@
 #include <variant>
 #include <vector>
 
+#include "base/config/config_keys.hpp"
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
+#include "fcu/line/line_keys.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/measure/run_record.hpp"
 #include "hils/programs/bench_programs.hpp"
@@ -50,26 +52,16 @@ std::int64_t log_clock_us() {
 }
 
 Json to_json(const fcu::LineConfig& line) {
-  const auto us = [](base::Duration d) { return 1e6 * base::to_seconds(d); };
-  return {{"preset", line.preset},
-          {"baud", line.baud},
-          {"clock_drift_ppm", line.clock_drift_ppm},
-          {"extra_delay_us", us(line.extra_delay)},
-          {"jitter_us", us(line.jitter)},
-          {"batch_us", us(line.batch)},
-          {"stall_every_us", us(line.stall_every)},
-          {"stall_length_us", us(line.stall_length)},
-          {"bit_error_rate", line.bit_error_rate},
-          {"burst_begin", line.burst_begin},
-          {"burst_end", line.burst_end},
-          {"burst_loss", line.burst_loss},
-          {"packet_loss", line.packet_loss},
-          {"packet_duplicate", line.packet_duplicate},
-          {"packet_reorder", line.packet_reorder},
-          {"receiver_baud", line.receiver_baud},
-          {"send_buffer_bytes", line.send_buffer_bytes},
-          {"receive_fifo_bytes", line.receive_fifo_bytes},
-          {"receive_trigger_bytes", line.receive_trigger_bytes}};
+  Json json;
+  base::for_each_key(fcu::kLineKeys, [&](const auto& key) {
+    const auto& value = key.of(line);
+    if constexpr (requires { key.kind.number(value); }) {
+      json[std::string(key.name)] = key.kind.number(value);
+    } else {
+      json[std::string(key.name)] = value;
+    }
+  });
+  return json;
 }
 
 /// "up 500 + 5, down 400 Hz, 0 dropped".
