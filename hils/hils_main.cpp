@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/cli/keys_flag.hpp"
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
 #include "base/cli/whole_number.hpp"
@@ -44,6 +45,7 @@
 #include "hils/report/results_folder.hpp"
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
+#include "hils/scenario/scenario_reference.hpp"
 #include "hils/sweep/sweep_command.hpp"
 #include "hils/timing/timing_command.hpp"
 #include "hils/tune/tune_command.hpp"
@@ -342,6 +344,7 @@ int main(int argc, char** argv) {
 
   RunFlags flags;
   CLI::App* command = app.add_subcommand("run", "Fly one scenario");
+  base::cli::add_keys_flag(*command, scenario_reference, "a scenario");
   command->add_option("SCENARIO", flags.scenario, "Scenario file")->required();
   command->add_option("--architecture", flags.architecture,
                       "One of direct, sitl, ts, loop or tcas");

@@ -6,24 +6,63 @@
 #include <cctype>
 #include <cmath>
 #include <string_view>
-#include <utility>
+#include <tuple>
 
-#include "base/config/config_whole.hpp"
+#include "base/config/geodetic_keys.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/config/key_table.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/suggestion.hpp"
 #include "hils/flight/phase_check.hpp"
+#include "hils/scenario/scenario_reference.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-std::optional<double> optional_limit(const base::ConfigNode& node, std::string_view key,
-                                     double most) {
-  if (!node.has(key)) return std::nullopt;
-  return node.require_in(key, 0, most);
-}
+using base::block;
+using base::HandedOn;
+using base::key;
+using base::Range;
+using base::ReadApart;
+using base::required;
+
+// Limits
+
+constexpr Range kLimit{0, 1e6};
+constexpr Range kShare_pct{0, 100};
+
+/// A bound for each axis that is there.
+struct Axes {
+  static void read(const base::ConfigNode& node, std::map<std::string, double>& axes) {
+    for (const std::string_view axis : {"x_m", "y_m", "z_m", "yaw_rad"}) {
+      if (node.has(axis)) axes[std::string(axis)] = node.require_in(axis, 0, 1e6);
+    }
+  }
+};
+
+constexpr std::tuple kLimitKeys{
+    key<&Limits::lost>("lost", base::Count{}, "lost packets of each HIL message"),
+    key<&Limits::delivered_pct>("delivered_pct", kShare_pct,
+                                "least share of delivered packets of each HIL message"),
+    key<&Limits::rate_error_pct>("rate_error_pct", kShare_pct,
+                                 "deviation of the received rate from nominal, up or down"),
+    key<&Limits::latency_p99_us>("latency_p99_us", Range{0, 1e9},
+                                 "from HIL_SENSOR sent to its echo received, 99 % of the packets"),
+    key<&Limits::rms>("rms", Axes{},
+                      "true position against the reference: {x_m, y_m, z_m, yaw_rad}"),
+    key<&Limits::rms_estimate>("rms_estimate", Axes{},
+                               "the controller's own estimate against the reference, likewise"),
+    key<&Limits::responses>("responses", ReadApart{"name -> block"},
+                            "response to the `trajectory: {shape: step}` of that name", "none"),
+};
+
+constexpr std::tuple kResponseKeys{
+    key<&ResponseLimits::rise_s>("rise_s", kLimit, "from 10 to 90 %"),
+    key<&ResponseLimits::overshoot_pct>("overshoot_pct", kLimit, "beyond the new value"),
+    key<&ResponseLimits::settling_s>("settling_s", kLimit, "to within 5 % for good"),
+};
 
 bool has_response(const std::vector<FlightStep>& steps, std::string_view name) {
   return std::ranges::any_of(steps, [name](const FlightStep& step) {
@@ -40,9 +79,7 @@ std::map<std::string, ResponseLimits> parse_responses(const base::ConfigNode& li
   for (const auto& [name, body] : node->entries()) {
     if (!has_response(steps, name))
       body.fail("the flight has no 'trajectory: {shape: step}' of that name");
-    responses[name] = {.rise_s = optional_limit(body, "rise_s", 1e6),
-                       .overshoot_pct = optional_limit(body, "overshoot_pct", 1e6),
-                       .settling_s = optional_limit(body, "settling_s", 1e6)};
+    base::read_keys(body, kResponseKeys, responses[name]);
   }
   return responses;
 }
@@ -50,13 +87,8 @@ std::map<std::string, ResponseLimits> parse_responses(const base::ConfigNode& li
 /// Reads the block `limits`; its `responses` name steps of the flight.
 Limits parse_limits(const base::ConfigNode& node, const std::vector<FlightStep>& steps) {
   Limits limits;
-  limits.delivered_pct = optional_limit(node, "delivered_pct", 100);
+  base::read_keys(node, kLimitKeys, limits);
   limits.responses = parse_responses(node, steps);
-  if (node.has("lost")) limits.lost = node.require<std::uint64_t>("lost");
-  if (node.has("rate_error_pct")) limits.rate_error_pct = node.require_in("rate_error_pct", 0, 100);
-  if (node.has("latency_p99_us")) limits.latency_p99_us = node.require_in("latency_p99_us", 0, 1e9);
-  limits.rms = parse_axes(node, "rms");
-  limits.rms_estimate = parse_axes(node, "rms_estimate");
   return limits;
 }
 
@@ -91,26 +123,26 @@ constexpr std::size_t kMostVehicles = 16;
 constexpr std::size_t kLongestName = 24;  ///< it is a part of paths of sockets, which are short
 constexpr double kFarthest_m = 10'000;
 
-std::string parse_name(const base::ConfigNode& node, const std::vector<ScenarioVehicle>& before) {
-  const base::ConfigNode key = node.at("name");
-  const auto name = key.as<std::string>();
-  const bool plain =
-      std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
-  if (name.empty() || name.size() > kLongestName || !plain) {
-    key.fail("a vehicle's name is made of up to 24 letters, digits and underscores");
+struct VehicleName : base::Text {
+  static void read(const base::ConfigNode& node, std::string& name) {
+    Text::read(node, name);
+    const bool plain =
+        std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+    if (name.empty() || name.size() > kLongestName || !plain) {
+      node.fail("a vehicle's name is made of up to 24 letters, digits and underscores");
+    }
   }
-  if (std::ranges::count(before, name, &ScenarioVehicle::name) > 0) {
-    key.fail("two vehicles have the name '" + name + "'");
-  }
-  return name;
-}
+};
 
-VehiclePose parse_pose(const base::ConfigNode& node) {
-  return {.x_m = node.require_in("x_m", -kFarthest_m, kFarthest_m),
-          .y_m = node.require_in("y_m", -kFarthest_m, kFarthest_m),
-          .z_m = node.get_in("z_m", 0, -kFarthest_m, kFarthest_m),
-          .yaw_deg = node.get_in("yaw_deg", VehiclePose{}.yaw_deg, -360, 360)};
-}
+constexpr Range kPlace_m{-kFarthest_m, kFarthest_m};
+
+constexpr std::tuple kPoseKeys{
+    required(key<&VehiclePose::x_m>("x_m", kPlace_m, "east of home")),
+    required(key<&VehiclePose::y_m>("y_m", kPlace_m, "north of home")),
+    key<&VehiclePose::z_m>("z_m", kPlace_m, "height of its lowest point above z = 0"),
+    key<&VehiclePose::yaw_deg>("yaw_deg", Range{-360, 360},
+                               "of the nose, counter-clockwise from east"),
+};
 
 void check_apart(const base::ConfigNode& node, const std::vector<ScenarioVehicle>& vehicles) {
   constexpr double kLeast_m = 1;  // two quadrotors that touch each other fly nowhere
@@ -122,38 +154,49 @@ void check_apart(const base::ConfigNode& node, const std::vector<ScenarioVehicle
   }
 }
 
-/// A block for another program, which checks its keys.
-base::ConfigNode handed_on(const base::ConfigNode& node, std::string_view key) {
-  const std::optional<base::ConfigNode> block = node.find(key);
-  if (!block) return base::ConfigNode::empty(std::string(key));
-  block->mark_used();
-  return *block;
-}
+/// A sensor set for the programs, which is read here for its errors.
+struct Sensors : HandedOn {
+  template <class T>
+  requires std::is_assignable_v<T&, const base::ConfigNode&>
+  static void read(const base::ConfigNode& node, T& sensors) {
+    HandedOn::read(node, sensors);
+    base::sensor_set(node);
+  }
+};
 
-/// Reads the block `sensors`, if there is one. @throws base::ConfigError for an unknown set
-base::ConfigNode parse_sensors(const base::ConfigNode& node) {
-  const base::ConfigNode sensors = handed_on(node, "sensors");
-  if (node.has("sensors")) base::sensor_set(sensors);  // for its errors, here
-  return sensors;
-}
+constexpr auto kPose = block<VehiclePose>(kPoseKeys);
+
+constexpr std::tuple kVehicleKeys{
+    required(key<&ScenarioVehicle::name>("name", VehicleName{},
+                                         "up to 24 letters, digits and underscores")),
+    required(key<&ScenarioVehicle::vehicle>("vehicle", ReadApart{"file"}, "vehicle file")),
+    required(key<&ScenarioVehicle::pose>("pose", kPose,
+                                         "its start; at least 1 m from the next vehicle")),
+    key<&ScenarioVehicle::sensors>("sensors", Sensors{}, "replaces the scenario's sensor set",
+                                   "the scenario's"),
+    key<&ScenarioVehicle::controller>("controller", HandedOn{},
+                                      "keys of its controller file; override the scenario's"),
+    key<&ScenarioVehicle::limits>("limits", ReadApart{"block"},
+                                  "its own limits; override the scenario's", "the scenario's"),
+};
 
 ScenarioVehicle parse_alone(const base::ConfigNode& root) {
   ScenarioVehicle vehicle;
   vehicle.vehicle = base::find_config(root.at("vehicle"));
   vehicle.system_id = base::Vehicle::load(vehicle.vehicle).system_id;
-  if (const auto pose = root.find("pose")) vehicle.pose = parse_pose(*pose);
+  if (const auto pose = root.find("pose")) kPose.read(*pose, vehicle.pose);
   return vehicle;
 }
 
 ScenarioVehicle parse_one(const base::ConfigNode& node,
                           const std::vector<ScenarioVehicle>& before) {
   ScenarioVehicle vehicle;
-  vehicle.name = parse_name(node, before);
+  base::read_keys(node, kVehicleKeys, vehicle);
+  if (std::ranges::count(before, vehicle.name, &ScenarioVehicle::name) > 0) {
+    node.at("name").fail("two vehicles have the name '" + vehicle.name + "'");
+  }
   vehicle.vehicle = base::find_config(node.at("vehicle"));
   vehicle.system_id = static_cast<std::uint8_t>(before.size() + 1);
-  vehicle.pose = parse_pose(node.at("pose"));
-  vehicle.controller = handed_on(node, "controller");
-  if (node.has("sensors")) vehicle.sensors = parse_sensors(node);
   return vehicle;
 }
 
@@ -188,51 +231,138 @@ void parse_vehicle_limits(const base::ConfigNode& root, const std::vector<Flight
 
 constexpr int kSchema = 1;
 
-base::Geodetic parse_home(const base::ConfigNode& node) {
-  return {.lat_deg = node.require_in("lat_deg", -90, 90),
-          .lon_deg = node.require_in("lon_deg", -180, 180),
-          .alt_m = node.require_in("alt_m", -500, 9000)};
-}
+/// Folders beside the file, by their whole paths.
+struct Folders {
+  static void read(const base::ConfigNode& node, std::vector<std::filesystem::path>& folders) {
+    for (const auto& folder : node.as<std::vector<std::string>>()) {
+      folders.push_back(std::filesystem::weakly_canonical(node.resolve(folder)));
+    }
+  }
+};
 
-/// Reads `world`, `model_path` and `missing`. @throws base::ConfigError when there is no such file
-ScenarioWorld parse_world(const base::ConfigNode& root) {
-  ScenarioWorld world;
+constexpr std::tuple kVehiclesKeys{
+    key<&Scenario::vehicles>("vehicle", ReadApart{"file"}, "vehicle file", "or `vehicles`"),
+    key<&Scenario::vehicles>("vehicles", ReadApart{"list"}, "[several](#several-vehicles)",
+                             "or `vehicle`"),
+    key<&Scenario::vehicles>("pose", ReadApart{"block"},
+                             "start of a single vehicle, with the keys of one of several",
+                             "home, the nose to the north"),
+};
+
+constexpr std::tuple kWorldKeys{
+    key<&Scenario::world, &ScenarioWorld::sdf>(
+        "world", ReadApart{"file"},
+        "SDF file as [a simulation's](simulator.md#worlds), with its gravity, wind and obstacles; "
+        "`config/scenarios/village.yaml` has one. Its real-time factor and step are ignored",
+        "flat ground"),
+    key<&Scenario::world, &ScenarioWorld::model_path>("model_path", Folders{},
+                                                      "as in a [simulation](#simulation)"),
+    key<&Scenario::world, &ScenarioWorld::ignore_missing>(
+        "missing",
+        base::Words<bool, 2>{{{{"error", false}, {"ignore", true}}}, "is error or ignore"},
+        "as in a [simulation](#simulation)"),
+};
+
+/// Reads `world`, and the keys that have a meaning beside it. @throws base::ConfigError when there
+/// is no such file
+void parse_world(const base::ConfigNode& root, Scenario& scenario) {
   const std::optional<base::ConfigNode> node = root.find("world");
-  if (!node) return world;
+  if (!node) return;
   if (!node->is_scalar()) {
     node->fail("is the name of an SDF file; without it a scenario has flat ground");
   }
-  world.sdf = base::find_config(*node);
-  for (const auto& folder : root.get("model_path", std::vector<std::string>{})) {
-    world.model_path.push_back(std::filesystem::weakly_canonical(root.resolve(folder)));
-  }
-  const auto missing = root.get<std::string>("missing", "error");
-  if (missing != "error" && missing != "ignore") root.at("missing").fail("is error or ignore");
-  world.ignore_missing = missing == "ignore";
-  return world;
+  scenario.world.sdf = base::find_config(*node);
+  base::read_keys(root, kWorldKeys, scenario);
 }
 
-Rates parse_rates(const base::ConfigNode& node) {
-  return {.sensor_hz = node.require_in("sensor_hz", 50, 2000),
-          .gps_hz = node.require_in("gps_hz", 1, 50),
-          .controls_hz = node.require_in("controls_hz", 50, 2000)};
-}
-
-void check_integrator(const base::ConfigNode& root, const Scenario& scenario) {
-  if (scenario.integrator != "rk4" && scenario.integrator != "ode") {
-    root.at("integrator").fail("the integrator is rk4 or ode");
+struct ArchitectureWord {
+  static void read(const base::ConfigNode& node, Architecture& architecture) {
+    try {
+      architecture = parse_architecture(node.as<std::string>());
+    } catch (const base::ConfigError& error) {
+      node.fail(error.what());
+    }
   }
-}
+  static std::string text(Architecture architecture) {
+    return std::string(to_string(architecture));
+  }
+  static std::string values() { return "tcas, loop, ts, sitl, direct"; }
+  static std::array<std::string, 2> samples() { return {"direct", "tcas"}; }
+};
+
+struct Plugins {
+  static void read(const base::ConfigNode& node, std::vector<base::ConfigNode>& plugins) {
+    plugins = node.items();
+    node.mark_used();
+  }
+};
+
+constexpr auto kPlaceKeys = base::geodetic_keys(-500, 9000);
+constexpr Range kControlRate_hz{50, 2000};
+
+constexpr std::tuple kRateKeys{
+    required(key<&Rates::sensor_hz>("sensor_hz", kControlRate_hz, "nominal rate of HIL_SENSOR")),
+    required(key<&Rates::gps_hz>("gps_hz", Range{1, 50}, "of HIL_GPS")),
+    required(key<&Rates::controls_hz>("controls_hz", kControlRate_hz, "of the controls")),
+};
+
+constexpr std::tuple kKeys{
+    key<&Scenario::name>("name", base::Text{}, "for reports", "file name"),
+    key<&Scenario::description>("description", base::Text{}, "for reports"),
+    key<&Scenario::home>("home", block<base::Geodetic>(kPlaceKeys),
+                         "place of x = y = z = 0; required on flat ground", "the world's"),
+    key<&Scenario::decimal_year>("decimal_year", Range{2000, 2100},
+                                 "date of the magnetic field model"),
+    key<&Scenario::seed>("seed", base::Count{},
+                         "seed of all random numbers; `--seed` overrides it"),
+    key<&Scenario::architecture>("architecture", ArchitectureWord{},
+                                 "see below; `--architecture` overrides it"),
+    key<&Scenario::step_us>("step_us", base::Whole{100, 10'000}, "physics step"),
+    key<&Scenario::integrator>("integrator",
+                               base::Words<std::string_view, 2>{{{{"rk4", "rk4"}, {"ode", "ode"}}},
+                                                                "the integrator is rk4 or ode"},
+                               "as in a [simulation](#simulation)"),
+    required(key<&Scenario::rates>("rates", block<Rates>(kRateKeys), "of the HIL stream")),
+    key<&Scenario::line>("line", HandedOn{},
+                         "the [serial line](#serial-line) between casd and the controller",
+                         "{preset: ideal}"),
+    key<&Scenario::controller>("controller", HandedOn{},
+                               "keys of the [controller](#controller) file: `stamp`, `actuators`, "
+                               "`params`, ..."),
+    key<&Scenario::sensors>(
+        "sensors", Sensors{},
+        "the [sensor set](plugins.md#sensor-sets) of simulator and controller: `sensors: rtk`, or "
+        "with changes `{preset: rtk, gps: {delay_s: 0.2}}`; IMU and GPS take their rates from "
+        "`rates`",
+        "the vehicle's"),
+    key<&Scenario::plugins>(
+        "plugins", Plugins{},
+        "additional plugins of each vehicle, each `{plugin: NAME, ...}`; MAVLink messages that "
+        "they [declare](plugins.md#sending-to-the-controller) reach the controller"),
+    key<&Scenario::wake_up>("wake_up", base::Parsed<parse_wake_up>{},
+                            "`{p50_us, p99_us}`, virtual clock: wake-up delay of casd's threads "
+                            "(log-normal)",
+                            "0, 0"),
+    key<&Scenario::drain_tick_ms>("drain_tick_ms", Range{0, 10},
+                                  "casd's key of this name, for architecture `ts`"),
+    key<&Scenario::ground_station>(
+        "ground_station", base::Flag{},
+        "a ground station that listens, sends centred sticks and loads the parameters every 20 s, "
+        "for each vehicle"),
+    required(key<&Scenario::steps>("steps", ReadApart{"list"}, "the flight, see below")),
+    key<&Scenario::faults>("faults", ReadApart{"list"}, "[faults](#faults) during the flight",
+                           "none"),
+    key<&Scenario::limits>("limits", ReadApart{"block"}, "pass criteria, see below", "none"),
+    key<&Scenario::limits, &Limits::allow>(
+        "allow", ReadApart{"ground, crash, attitude, flyaway, strike"},
+        "a list of the [incidents](#incidents) that do not fail the run", "none"),
+};
 
 }  // namespace
 
 std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key) {
   std::map<std::string, double> axes;
-  const std::optional<base::ConfigNode> node = limits.find(key);
-  if (!node) return axes;
-  for (const std::string_view axis : {"x_m", "y_m", "z_m", "yaw_rad"}) {
-    if (node->has(axis)) axes[std::string(axis)] = node->require_in(axis, 0, 1e6);
-  }
+  if (const auto node = limits.find(key)) Axes::read(*node, axes);
   return axes;
 }
 
@@ -321,32 +451,11 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   }
   Scenario scenario;
   scenario.file = file;
-  scenario.name = root.get<std::string>("name", file.stem().string());
-  scenario.description = root.get<std::string>("description", "");
+  scenario.name = file.stem().string();
   scenario.vehicles = parse_vehicles(root);
-  scenario.world = parse_world(root);
-  if (const auto home = root.find("home")) scenario.home = parse_home(*home);
-  if (!scenario.home && scenario.world.sdf.empty()) root.at("home");  // says that it is missing
-  scenario.decimal_year = root.get_in("decimal_year", scenario.decimal_year, 2000, 2100);
-  scenario.seed = root.get<std::uint64_t>("seed", scenario.seed);
-  try {
-    scenario.architecture = parse_architecture(root.get<std::string>("architecture", "tcas"));
-  } catch (const base::ConfigError& error) {
-    root.at("architecture").fail(error.what());
-  }
-  scenario.step_us = base::get_whole_in<int>(root, "step_us", scenario.step_us, 100, 10'000);
-  scenario.integrator = root.get<std::string>("integrator", scenario.integrator);
-  scenario.rates = parse_rates(root.at("rates"));
-  scenario.line = handed_on(root, "line");
-  scenario.controller = handed_on(root, "controller");
-  scenario.sensors = parse_sensors(root);
-  if (root.has("plugins")) {
-    scenario.plugins = root.at("plugins").items();
-    root.at("plugins").mark_used();
-  }
-  if (root.has("wake_up")) scenario.wake_up = parse_wake_up(root.at("wake_up"));
-  scenario.drain_tick_ms = root.get_in("drain_tick_ms", scenario.drain_tick_ms, 0, 10);
-  scenario.ground_station = root.get("ground_station", false);
+  parse_world(root, scenario);
+  if (scenario.world.sdf.empty()) root.at("home");  // says that it is missing
+  base::read_keys(root, kKeys, scenario);
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
   refuse_missions(root.at("steps"));
   if (root.has("faults")) {
@@ -363,8 +472,15 @@ Scenario Scenario::load(const std::filesystem::path& file) {
     if (vehicle.limits) vehicle.limits->allow = scenario.limits.allow;
   }
   root.reject_unused();
-  check_integrator(root, scenario);
   return scenario;
+}
+
+std::string scenario_reference() {
+  return base::key_table(std::tuple_cat(kVehiclesKeys, kWorldKeys, kKeys), Scenario{}) +
+         "\nOne of `vehicles`:\n\n" + base::key_table(kVehicleKeys, ScenarioVehicle{}) +
+         "\n`limits`:\n\n" + base::key_table(kLimitKeys, Limits{}) +
+         "\nOne of the `responses` of `limits`:\n\n" +
+         base::key_table(kResponseKeys, ResponseLimits{});
 }
 
 }  // namespace cas::hils
